@@ -1,0 +1,48 @@
+"""Rigid bodies and highly deformable soil: the implicit generalised interpolation material point method.
+
+    import hybrid
+    simulation = hybrid.run("demos/anchor.toml", out="out/anchor")     # or hybrid.run(hybrid.Scene(...))
+
+Names are imported when first used, so that `import hybrid` costs nothing. To build without running:
+`from hybrid.build import build`.
+"""
+
+import os
+from importlib import import_module
+
+# Numba's own work queue sleeps between parallel loops where OpenMP spins: on a busy machine that is several times
+# faster for the many short loops of a step. It must be chosen before numba is imported.
+os.environ.setdefault("NUMBA_THREADING_LAYER", "workqueue")
+
+_SCENE = "Axis Body Faces Grid Material Output Pull Scene Soil Solver Stage Time".split()
+_HOMES = {
+    **dict.fromkeys(_SCENE, "hybrid.scene"),
+    **dict.fromkeys(("load_scene", "validate"), "hybrid.scene_file"),
+    **dict.fromkeys(("HybridError", "SceneError", "GeometryError", "StepError"), "hybrid.errors"),
+    "run": "hybrid.running",
+}
+__all__ = [*_HOMES, "__version__"]
+
+
+def __getattr__(name):
+    if name in _HOMES:
+        value = getattr(import_module(_HOMES[name]), name)
+    elif name == "__version__":
+        value = _version()
+    else:
+        raise AttributeError(f"module 'hybrid' has no attribute {name!r}")
+    globals()[name] = value
+    return value
+
+
+def __dir__():
+    return sorted({*globals(), *__all__})
+
+
+def _version():
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version("hybrid")
+    except PackageNotFoundError:  # used from a folder without installation
+        return "0+unknown"

@@ -1,0 +1,1 @@
+"""Rigid bodies: mesh, mass, attitude, contact surface, motion and pull line."""

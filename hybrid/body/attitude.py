@@ -1,0 +1,104 @@
+"""Rotations of a rigid body: the group SO(3) and its exponential map.
+
+    exp(Θ̃) = I + sinθ/θ Θ̃ + (1 - cosθ)/θ² Θ̃²                 Rodrigues
+    T(Θ)   = I - (1 - cosθ)/θ² Θ̃ + (θ - sinθ)/θ³ Θ̃²           right tangent:
+    exp(Θ̃) exp(δΦ~) = exp((Θ + δΘ)~)  with  δΦ = T δΘ          to first order
+
+| symbol | meaning                                              | shape  | unit |
+|--------|------------------------------------------------------|--------|------|
+| Θ      | rotation vector: axis times angle θ                  | (3,)   | rad  |
+| Θ̃      | skew matrix of Θ, Θ̃ a = Θ × a                        | (3, 3) | rad  |
+| R      | rotation, body frame to space                        | (3, 3) | -    |
+| T      | right tangent of the exponential map                 | (3, 3) | -    |
+
+Sources: J. C. Simo and K. K. Wong, Int. J. Numer. Meth. Engng 31 (1991) 19-52 (T and the update on SO(3));
+S. W. Shepperd, J. Guidance and Control 1 (1978) 223-224 (quaternion from a matrix without cancellation).
+"""
+
+import math
+
+import numpy as np
+
+from hybrid.errors import SceneError
+
+# Below this angle (θ - sinθ)/θ³ loses digits; five terms of its series are then exact to round-off.
+SERIES_ANGLE = 0.3
+
+
+def skew(v):
+    """Matrix (3, 3) with skew(v) @ a = v × a, for v of shape (3,)."""
+    return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
+
+
+def _coefficients(angle):
+    """sinθ/θ, (1 - cosθ)/θ² and (θ - sinθ)/θ³, accurate for any θ >= 0 including zero."""
+    half = np.sinc(0.5 * angle / math.pi)
+    s = angle * angle
+    if angle < SERIES_ANGLE:
+        cubic = 1 / 6 - s / 120 * (1 - s / 42 * (1 - s / 72 * (1 - s / 110)))
+    else:
+        cubic = (angle - math.sin(angle)) / (s * angle)
+    return np.sinc(angle / math.pi), 0.5 * half * half, cubic
+
+
+def exp_so3(theta):
+    """Rotation (3, 3) of the rotation vector `theta` (3,) [rad]."""
+    a, b, _ = _coefficients(math.sqrt(np.dot(theta, theta)))
+    s = skew(theta)
+    return np.eye(3) + a * s + b * (s @ s)
+
+
+def right_tangent(theta):
+    """T(Θ) (3, 3) of `theta` (3,) [rad]: δΦ = T δΘ where exp(Θ̃) exp(δΦ~) = exp((Θ + δΘ)~)."""
+    _, b, c = _coefficients(math.sqrt(np.dot(theta, theta)))
+    s = skew(theta)
+    return np.eye(3) - b * s + c * (s @ s)
+
+
+def quaternion(rotation):
+    """Unit quaternion (4,) as (w, x, y, z) with w >= 0 of `rotation` (3, 3).
+
+    The largest of the four components is found first and the others are divided by it (Shepperd), so nothing
+    cancels. At half a turn, where w = 0 leaves the sign open, the first nonzero component is made positive.
+    """
+    r = np.asarray(rotation, dtype=float)
+    trace = np.trace(r)
+    k = int(np.argmax([trace, r[0, 0], r[1, 1], r[2, 2]]))
+    q = np.empty(4)
+    if k == 0:
+        q[:] = 1.0 + trace, r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]
+    else:
+        i, j, m = k - 1, k % 3, (k + 1) % 3
+        q[0] = r[m, j] - r[j, m]
+        q[1 + i] = 1.0 + r[i, i] - r[j, j] - r[m, m]
+        q[1 + j] = r[i, j] + r[j, i]
+        q[1 + m] = r[i, m] + r[m, i]
+    q /= np.linalg.norm(q)
+    return q if q[np.flatnonzero(q)[0]] > 0.0 else -q
+
+
+def log_so3(rotation):
+    """Rotation vector (3,) [rad] with length in [0, π] of `rotation` (3, 3).
+
+    Taken from the quaternion, so that neither a tiny angle nor one near π loses digits.
+    """
+    q = quaternion(rotation)
+    sine = math.sqrt(np.dot(q[1:], q[1:]))
+    if sine < 1e-150:   # sine/w would underflow; the limit of the factor below
+        return 2.0 * q[1:]
+    return 2.0 * math.atan2(sine, q[0]) / sine * q[1:]
+
+
+def rotation_from_axis_angle(axis, angle):
+    """Rotation (3, 3) by `angle` [rad] about `axis` (3,), of any nonzero length.
+
+    Raises SceneError when the axis has no direction.
+    """
+    axis = np.asarray(axis, dtype=float)
+    length = np.linalg.norm(axis)
+    if axis.shape != (3,) or not (np.isfinite(length) and length > 0.0):
+        raise SceneError(
+            f"rotation axis {axis.tolist()} has no direction: it must be three finite numbers, not all zero; "
+            "give for example (0, 0, 1) for a turn about the vertical"
+        )
+    return exp_so3(angle / length * axis)

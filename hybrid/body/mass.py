@@ -1,0 +1,131 @@
+"""Mass, centre, inertia and gravity load of a rigid body, assembled once with linear Lagrange elements.
+
+With shape functions N_i, the consistent mass and the load of unit gravity along axis k are
+
+    M_ij = ∫ ρ N_i N_j dV I        f_i,k = ∫ ρ N_i dV e_k        (seed paper, Eq. 2)
+
+and condensed to the six unknowns of the body, about its centre of mass,
+
+    C^T M C = diag(m I, J)         C^T f = [ m I ; 0 ]
+
+exactly, because rigid motions lie in the space of linear functions; all are those of the polyhedron that the
+mesh fills. Nothing is reassembled when the body moves: J turns with it.
+
+| symbol   | field          | shape  | unit        |
+|----------|----------------|--------|-------------|
+| m        | mass           | -      | kg          |
+|          | centre         | (3,)   | m           |
+| J        | inertia        | (3, 3) | kg m²       |
+| C^T M C  | matrix         | (6, 6) | kg .. kg m² |
+| C^T f    | gravity_load   | (6, 3) | kg, kg m    |
+"""
+
+import logging
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import dolfinx.fem.petsc
+import dolfinx.mesh
+import numpy as np
+import ufl
+from dolfinx import fem
+from mpi4py import MPI
+from scipy.sparse import csr_matrix
+
+from hybrid.body.condense import condensation
+from hybrid.errors import GeometryError
+
+
+@dataclass(frozen=True)
+class MassProperties:
+    """Condensed mass of one body; fields in the module's table.
+
+    `centre` is in the geometry's coordinates; `inertia`, `matrix` and `gravity_load` are about the centre,
+    along the geometry's axes. Gravity g (3,) [m/s²] in those axes gives the load gravity_load @ g [N, N m].
+    """
+
+    mass: float
+    centre: np.ndarray
+    inertia: np.ndarray
+    matrix: np.ndarray
+    gravity_load: np.ndarray
+
+
+def condensed_mass(mesh, density):
+    """MassProperties of a TetMesh of uniform `density` [kg/m³]. GeometryError unless that is positive."""
+    if not (np.isfinite(density) and density > 0.0):
+        raise GeometryError(f"density = {density} kg/m³ of body '{mesh.name}' must be positive and finite")
+    # About the middle of the mesh first: far from the origin the squared coordinates would cost digits.
+    middle = 0.5 * (mesh.points.min(axis=0) + mesh.points.max(axis=0))
+    nodes, matrix, loads = assemble(mesh.points - middle, mesh.tets, float(density))
+    total = condensation(nodes).T @ loads
+    mass = total[:3].trace() / 3.0
+    # unit gravity g has the moment m s x g about the middle: read off the offset s of the centre
+    arm = total[3:] / mass
+    offset = 0.5 * np.array([arm[2, 1] - arm[1, 2], arm[0, 2] - arm[2, 0], arm[1, 0] - arm[0, 1]])
+    c = condensation(nodes, offset)
+    condensed = c.T @ (matrix @ c)
+    condensed = 0.5 * (condensed + condensed.T)
+    return MassProperties(
+        mass=float(mass),
+        centre=middle + offset,
+        inertia=condensed[3:, 3:].copy(),
+        matrix=condensed,
+        gravity_load=c.T @ loads,
+    )
+
+
+def assemble(points, tets, density):
+    """Nodes (n, 3) in dolfinx's order, sparse mass (3n, 3n) [kg] and loads of unit gravity (3n, 3) [kg]."""
+    with quietly():
+        domain = dolfinx_mesh(points, tets)
+        space = vector_space(domain)
+    u, v = ufl.TrialFunction(space), ufl.TestFunction(space)
+    # constants, so that the compiled forms serve every density and every direction
+    rho, gravity = fem.Constant(domain, density), fem.Constant(domain, np.zeros(3))
+    with quietly():
+        inertia = fem.form(rho * ufl.inner(u, v) * ufl.dx)
+        load = fem.form(rho * ufl.inner(gravity, v) * ufl.dx)
+    matrix = fem.petsc.assemble_matrix(inertia)
+    matrix.assemble()
+    start, columns, values = matrix.getValuesCSR()
+    size = matrix.getSize()
+    matrix.destroy()
+    loads = np.empty((size[0], 3))
+    for axis in range(3):
+        gravity.value[:] = np.eye(3)[axis]
+        vector = fem.petsc.assemble_vector(load)
+        loads[:, axis] = vector.array
+        vector.destroy()
+    return space.tabulate_dof_coordinates(), csr_matrix((values, columns, start), shape=size), loads
+
+
+@contextmanager
+def quietly():
+    """Keep the compiler's command lines, logged when a form is first compiled, off the terminal."""
+    before = logging.root.manager.disable
+    logging.disable(max(before, logging.INFO))
+    try:
+        yield
+    finally:
+        logging.disable(before)
+
+
+def dolfinx_mesh(points, tets):
+    """The mesh as dolfinx's own, whole on this process. dolfinx may renumber nodes and cells."""
+    if hasattr(fem, "functionspace"):  # dolfinx 0.7 and later
+        import basix.ufl
+
+        geometry = ufl.Mesh(basix.ufl.element("Lagrange", "tetrahedron", 1, shape=(3,)))
+    else:
+        geometry = ufl.Mesh(ufl.VectorElement("Lagrange", ufl.Cell("tetrahedron", geometric_dimension=3), 1))
+    cells = np.ascontiguousarray(tets, dtype=np.int64)
+    nodes = np.ascontiguousarray(points, dtype=np.float64)
+    return dolfinx.mesh.create_mesh(MPI.COMM_SELF, cells, nodes, geometry)
+
+
+def vector_space(domain):
+    """Continuous linear vector functions on a dolfinx mesh."""
+    if hasattr(fem, "functionspace"):  # dolfinx 0.7 and later
+        return fem.functionspace(domain, ("Lagrange", 1, (3,)))
+    return fem.VectorFunctionSpace(domain, ("Lagrange", 1))

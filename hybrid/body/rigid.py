@@ -1,0 +1,101 @@
+"""A rigid body as one part of a step: inertia, weight, pull line, held components.
+
+Six unknowns: translation δc of the centre of mass and rotation δφ about the spatial axes, R <- exp(δφ~) R. Held ones
+are left out of the system. Mass and gravity load come from the condensed finite elements once; only R turns them.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hybrid.body.attitude import exp_so3
+from hybrid.body.line import line_force
+from hybrid.body.mass import MassProperties
+from hybrid.body.motion import inertia_residual, updated
+from hybrid.body.surface import ContactSurface
+from hybrid.state import BodyState
+
+FREEDOMS = ("x", "y", "z", "rx", "ry", "rz")
+
+
+@dataclass(frozen=True)
+class Line:
+    """Pull line: attachment (3,) [m] from the centre in the body frame, velocity (3,) [m/s] of its far end,
+    stiffness [N/m], unstretched length [m]."""
+
+    attachment: np.ndarray
+    velocity: np.ndarray
+    stiffness: float
+    length: float
+    tension_only: bool = True
+
+
+@dataclass(frozen=True)
+class RigidBody:
+    """Constants of a body. free: (6,) bool; contact_stiffness: (n,) whole-point ε_N [N/m] against each soil point."""
+
+    name: str
+    mass: MassProperties
+    surface: ContactSurface
+    free: np.ndarray
+    friction: float
+    tangential: float
+    contact_stiffness: np.ndarray
+    line: Line | None = None
+
+    @property
+    def radius(self):
+        """Distance [m] of the farthest surface vertex from the centre."""
+        return float(np.linalg.norm(self.surface.vertices, axis=1).max())
+
+
+@dataclass(frozen=True)
+class BodyTrial:
+    """Forces on a body at a trial pose, contact apart: residuals (6,) [N, N m], tangent (6, 6), tension [N]."""
+
+    inertia: np.ndarray
+    weight: np.ndarray
+    line: np.ndarray
+    tangent: np.ndarray
+    tension: float
+    line_energy: float
+
+
+def moved(pose, increment):
+    """Pose (position, rotation) after an increment (6,) of translation and spatial rotation."""
+    return pose[0] + increment[:3], exp_so3(increment[3:]) @ pose[1]
+
+
+def evaluate(body, state, pose, target, gravity, newmark, dt):
+    """BodyTrial at `pose`; `target` (3,) is the far end of an acting pull line, or None."""
+    position, rotation = pose
+    inertia, tangent = np.zeros(6), np.zeros((6, 6))
+    if newmark.inertia:
+        inertia, tangent = inertia_residual(
+            body.mass.mass, body.mass.inertia, state, position, rotation, dt, newmark.beta, newmark.gamma)
+    load = body.mass.gravity_load @ (rotation.T @ gravity)
+    weight = -np.concatenate([rotation @ load[:3], rotation @ load[3:]])
+    line, tension, energy = np.zeros(6), 0.0, 0.0
+    if target is not None:
+        tension, line, line_tangent, energy = line_force(
+            position, rotation, body.line.attachment, target, body.line.length, body.line.stiffness,
+            body.line.tension_only)
+        tangent = tangent + line_tangent
+    return BodyTrial(inertia, weight, line, tangent, tension, energy)
+
+
+def accept(state, pose, target, newmark, dt):
+    """New BodyState at the converged pose."""
+    position, rotation = pose
+    if newmark.inertia:
+        velocity, acceleration, spin, spin_rate = updated(
+            state, position, rotation, dt, newmark.beta, newmark.gamma)
+    else:
+        velocity, acceleration = (position - state.position) / dt, np.zeros(3)
+        spin, spin_rate = np.zeros(3), np.zeros(3)
+    return BodyState(position, rotation, velocity, acceleration, spin, spin_rate, target)
+
+
+def kinetic_energy(body, state):
+    """½ m v² + ½ W·J W [J]."""
+    return 0.5 * body.mass.mass * state.velocity @ state.velocity + 0.5 * state.spin @ body.mass.inertia @ state.spin

@@ -1,0 +1,160 @@
+"""From a Scene to a model and its initial state: the only reader of scenes, apart from what observers print."""
+
+import numpy as np
+
+from hybrid.body import mass, mesh
+from hybrid.body.attitude import rotation_from_axis_angle
+from hybrid.body.rigid import FREEDOMS, Line, RigidBody
+from hybrid.body.surface import build_surface
+from hybrid.contact.corners import overlap
+from hybrid.errors import SceneError
+from hybrid.laws.drucker_prager import DruckerPrager
+from hybrid.laws.hencky import Hencky
+from hybrid.laws.sand import sand, stiffness_from_stress
+from hybrid.scene_file import validate
+from hybrid.simulation import Simulation
+from hybrid.soil.grid import FACES, graded_nodes, make_grid, uniform_nodes
+from hybrid.soil.model import Soil
+from hybrid.soil.points import at_rest, geostatic_stress, tile
+from hybrid.state import BodyState, ContactHistory, State
+from hybrid.system.model import Model
+from hybrid.system.newmark import Newmark
+
+
+def build(scene):
+    """Simulation of a Scene, ready to run. Raises SceneError or GeometryError with what to change."""
+    scene = validate(scene)
+    gravity = np.array(scene.gravity, float)
+    grid = build_grid(scene)
+    soil, points = build_soil(scene, grid, gravity)
+    meshes, bodies, motions, contacts = [], [], [], []
+    for described in scene.bodies:
+        body_mesh = mesh.generate(described.geometry, described.parameters)
+        body, motion = build_body(described, body_mesh, soil, gravity)
+        refuse_overlap(described, body, motion, points)
+        meshes.append(body_mesh)
+        bodies.append(body)
+        motions.append(motion)
+        contacts.append(ContactHistory.empty())
+    newmark = Newmark(scene.time.beta, scene.time.gamma, scene.time.inertia)
+    model = Model(soil, tuple(bodies), newmark, gravity, scene.solver.linear, scene.solver.linear_tolerance)
+    return Simulation(scene, model, State(0.0, 0, points, motions, contacts), meshes)
+
+
+def build_grid(scene):
+    """Background grid with its held faces."""
+    axes, extent = [], []
+    for axis in (scene.grid.x, scene.grid.y, scene.grid.z):
+        extent.append((axis.start, axis.end))
+        if axis.collapsed:
+            axes.append(np.array([0.5 * (axis.start + axis.end)]))
+        elif axis.nodes is not None:
+            axes.append(np.array(axis.nodes))
+        elif axis.fine is not None:
+            axes.append(graded_nodes(axis.start, axis.end, axis.size, axis.fine, axis.growth))
+        else:
+            axes.append(uniform_nodes(axis.start, axis.end, axis.size))
+    faces = {face: getattr(scene.grid.faces, face) for face in FACES}
+    return make_grid(axes, np.array(extent), faces, scene.soil.held)
+
+
+def build_soil(scene, grid, gravity):
+    """Soil model and its points at rest, in geostatic equilibrium when asked for."""
+    described = scene.soil
+    material = material_values(described.material)
+    lower = np.array(described.lower if described.lower is not None else grid.extent[:, 0])
+    upper = np.array(described.upper if described.upper is not None else grid.extent[:, 1])
+    if described.top is not None:
+        upper[2] = described.top
+    per_axis = np.broadcast_to(described.points_per_axis, 3)
+    constants = tile(grid, lower, upper, per_axis, material["density"])
+    depth = upper[2] - constants.position[:, 2]
+    stress = np.zeros((len(constants), 3))
+    k0 = described.k0 if described.k0 is not None else coefficient_at_rest(described.material.law, material)
+    if described.geostatic and not described.held:
+        if np.any(gravity[:2] != 0.0) or gravity[2] > 0.0:
+            raise SceneError(f"soil.geostatic needs gravity along -z, but gravity = {gravity.tolist()}; set "
+                             "soil.geostatic = false and let the stress build up, or turn the scene")
+        stress = geostatic_stress(depth, -material["density"] * gravity[2], k0)
+    law = build_law(described.material.law, material, -stress[:, 2] * k0 if stress.any() else
+                    depth * material["density"] * np.linalg.norm(gravity) * k0)
+    points = at_rest(constants, stress, law.strain(stress))
+    soil = Soil(grid, constants, law, described.basis, described.domain, described.held, scene.time.inertia)
+    return soil, points
+
+
+def material_values(material):
+    """Material parameters by name: the preset of the relative density, overridden by what the scene gives."""
+    values = sand(material.relative_density, material.buoyant) if material.relative_density is not None else {}
+    names = ("young", "poisson", "density", "friction_angle", "dilation_angle", "cohesion", "reference_young",
+             "stiffness_exponent")
+    given = {name: getattr(material, name) for name in names if getattr(material, name) is not None}
+    if "young" in given:
+        values.pop("reference_young", None)
+    return {**values, **given, "cone": material.cone}
+
+
+def coefficient_at_rest(law, material):
+    """K0 = 1 - sin φ of sand, ν/(1 - ν) of an elastic soil."""
+    if law == "drucker-prager":
+        return 1 - np.sin(np.radians(material["friction_angle"]))
+    return material["poisson"] / (1 - material["poisson"])
+
+
+def build_law(name, material, horizontal_stress):
+    """Constitutive law with one row of parameters per point; stiffness follows the initial stress when asked to."""
+    young = material.get("young")
+    if young is None:
+        young = stiffness_from_stress(material["reference_young"], material["stiffness_exponent"], horizontal_stress)
+    young = np.broadcast_to(np.asarray(young, float), horizontal_stress.shape)
+    if name == "hencky":
+        return Hencky(young, material["poisson"])
+    return DruckerPrager(young, material["poisson"], material["friction_angle"], material["dilation_angle"],
+                         material["cohesion"], material["cone"])
+
+
+def build_body(described, body_mesh, soil, gravity):
+    """RigidBody and its initial BodyState."""
+    properties = mass.condensed_mass(body_mesh, described.density)
+    surface = build_surface(body_mesh.points - properties.centre, body_mesh.contact)
+    rotation = rotation_from_axis_angle(described.rotation[:3], np.radians(described.rotation[3])) if described.rotation else np.eye(3)
+    position = np.array(described.position or (0.0, 0.0, 0.0)) + rotation @ properties.centre
+    if described.rest_on is not None:
+        position[2] = described.rest_on - (surface.vertices @ rotation.T)[:, 2].min()
+    stiffness = described.penalty * soil.law.young * soil.constants.volume ** (2 / 3)
+    line, target = build_line(described, body_mesh, properties, position, rotation)
+    free = ~np.isin(FREEDOMS, described.held)
+    body = RigidBody(
+        name=described.name, mass=properties, surface=surface, free=free,
+        friction=described.friction, tangential=described.tangential, contact_stiffness=stiffness, line=line)
+    falling = gravity * free[:3]  # nothing touches a body at the start, so it accelerates freely
+    motion = BodyState(position, rotation, np.array(described.velocity, float), falling,
+                       np.array(described.spin, float), np.zeros(3), target)
+    return body, motion
+
+
+def build_line(described, body_mesh, properties, position, rotation):
+    """Pull line and its far end (3,) [m], just taut; (None, None) without a pull."""
+    pull = described.pull
+    if pull is None:
+        return None, None
+    if isinstance(pull.point, str):
+        if pull.point not in body_mesh.named_points:
+            raise SceneError(f"body.pull.point = {pull.point!r} is not a physical point of {described.geometry.name}; "
+                             f"it has {', '.join(body_mesh.named_points) or 'none'}")
+        point = body_mesh.named_points[pull.point]
+    else:
+        point = np.array(pull.point, float)
+    attachment = point - properties.centre
+    direction = np.array(pull.direction if pull.direction is not None else pull.velocity, float)
+    target = position + rotation @ attachment + pull.length * direction / np.linalg.norm(direction)
+    return Line(attachment, np.array(pull.velocity, float), pull.stiffness, pull.length, pull.tension_only), target
+
+
+def refuse_overlap(described, body, motion, points):
+    """SceneError when the body starts inside the soil: the penalty would throw it out."""
+    depth, count = overlap(points.position, points.half, motion, body.surface)
+    limit = 0.1 * points.half.min()
+    if depth > limit:
+        raise SceneError(f"body {described.name!r} starts inside the soil: {count} corners up to {depth:.3g} m deep, "
+                         f"limit {limit:.3g} m; raise body.position or set body.rest_on to the soil's surface")

@@ -1,0 +1,199 @@
+"""The `hybrid` command: run a scene, check it without running, mesh a geometry.
+
+Each command imports what it needs when it runs, so that help and mistakes in the arguments answer at once.
+Exit codes: 0 done, 2 wrong arguments or an error the user can act on, 130 interrupted.
+"""
+
+import argparse
+import sys
+from pathlib import Path
+
+from hybrid.errors import HybridError, SceneError
+
+INTERRUPTED = 130  # 128 + SIGINT, as shells report it
+
+
+def main(arguments=None):
+    """Run the command line and return its exit code."""
+    options = parser().parse_args(arguments)
+    try:
+        options.command(options)
+    except HybridError as error:
+        print(f"hybrid: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        hint = "; continue with --resume where a checkpoint was written" if options.command is run else ""
+        print(f"\nhybrid: interrupted{hint}", file=sys.stderr)
+        return INTERRUPTED
+    return 0
+
+
+def parser():
+    """The argument parser; kept apart for the documentation and the tests."""
+    top = argparse.ArgumentParser(
+        prog="hybrid", allow_abbrev=False,
+        description="Rigid bodies and highly deformable soil with the implicit material point method.")
+    top.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
+    commands = top.add_subparsers(metavar="COMMAND", required=True)
+
+    sub = _command(commands, "run", run, "run a scene and write its results")
+    _scene_arguments(sub)
+    sub.add_argument("--out", type=Path, metavar="DIR", help="folder of results (default: out/<scene name>)")
+    sub.add_argument("--resume", action="store_true", help="continue from the last checkpoint in the folder")
+
+    sub = _command(commands, "check", check, "validate a scene and print what would be modelled")
+    _scene_arguments(sub)
+
+    sub = _command(commands, "mesh", mesh, "mesh a geometry and print its mass properties")
+    sub.add_argument("geometry", type=Path, metavar="FILE.geo", help="gmsh geometry")
+    sub.add_argument("--density", type=float, default=7850.0, metavar="RHO",
+                     help="kg/m³ (default: 7850, steel)")
+    _set_argument(sub, "name=value", "parameter of the geometry, such as size=0.1")
+    sub.add_argument("--out", type=Path, metavar="FILE.vtu", help="write the mesh for ParaView")
+    return top
+
+
+def _command(commands, name, function, text):
+    sub = commands.add_parser(name, help=text, description=text, allow_abbrev=False)
+    sub.set_defaults(command=function)
+    return sub
+
+
+def _scene_arguments(sub):
+    sub.add_argument("scene", type=Path, metavar="SCENE", help="scene file (TOML)")
+    _set_argument(sub, "key=value", "replace a value of the scene, such as body.0.friction=0.3")
+
+
+def _set_argument(sub, metavar, text):
+    sub.add_argument("--set", nargs="+", action="extend", default=[], dest="overrides", metavar=metavar,
+                     help=text)
+
+
+class _Version(argparse.Action):
+    """Looks the version up only when asked."""
+
+    def __call__(self, parser, *_):
+        import hybrid
+
+        print(f"hybrid {hybrid.__version__}")
+        parser.exit()
+
+
+# ------------------------------------------------------------------ commands
+
+
+def run(options):
+    """`hybrid run`: the results go to --out, or out/<scene name> in the working folder."""
+    from hybrid.scene_file import load_scene
+
+    scene = load_scene(options.scene, options.overrides)
+    from hybrid.running import run as run_scene  # late: a mistake in the scene is told at once
+
+    out = options.out or Path("out") / scene.name
+    run_scene(scene, out, resume=options.resume, quiet=not sys.stderr.isatty())
+
+
+def check(options):
+    """`hybrid check`: everything short of the first step."""
+    from hybrid.scene_file import load_scene
+
+    scene = load_scene(options.scene, options.overrides)
+    from hybrid.build import build  # late: a mistake in the scene is told at once
+
+    print(format_sheet(build(scene).sheet()))
+
+
+def mesh(options):
+    """`hybrid mesh`: sizes, mass properties about the centre of mass, named points."""
+    if not 0 < options.density < float("inf"):
+        raise SceneError(f"--density = {options.density:g}: must be positive; in kg/m³, 7850 is steel")
+    parameters = geometry_parameters(options.overrides)
+    from hybrid.body.mass import condensed_mass  # late: a mistake in the arguments is told at once
+    from hybrid.body.mesh import generate
+
+    body = generate(options.geometry, parameters)
+    mass = condensed_mass(body, options.density)
+    print(format_sheet(mesh_sheet(body, mass, options.density)))
+    if options.out:
+        from hybrid.output.vtk import write_mesh
+
+        write_mesh(options.out, body)
+        print(f"\nwritten to {options.out}")
+
+
+def geometry_parameters(overrides):
+    """Dict of the numbers in "name=value" texts; SceneError for anything else."""
+    from hybrid.scene_file import toml_value
+
+    parameters = {}
+    for override in overrides:
+        name, _, text = override.partition("=")
+        value = toml_value(text)
+        if not name.strip() or isinstance(value, bool) or not isinstance(value, (int, float)):
+            raise SceneError(f"--set {override}: expected name=number, for example size=0.1")
+        parameters[name.strip()] = float(value)
+    return parameters
+
+
+# ------------------------------------------------------------------ printing
+
+
+def mesh_sheet(body, mass, density):
+    """Sections of `hybrid mesh` for a TetMesh and its MassProperties."""
+    mesh_rows = {
+        "nodes": len(body.points),
+        "tetrahedra": len(body.tets),
+        "contact triangles": len(body.contact),
+        "symmetry triangles": len(body.symmetry),
+        "watertight": "yes",  # generate() refuses any other
+        "lower corner [m]": body.points.min(axis=0),
+        "upper corner [m]": body.points.max(axis=0),
+    }
+    mass_rows = {
+        "density [kg/m³]": density,
+        "mass [kg]": mass.mass,
+        "centre [m]": mass.centre,
+        "inertia about it [kg m²]": list(mass.inertia),
+    }
+    sheet = {f"mesh of {body.name}": mesh_rows, "mass": mass_rows}
+    if body.named_points:
+        sheet["named points [m]"] = body.named_points
+    return sheet
+
+
+def format_sheet(sheet):
+    """Text of {section: {label: value}} with the values of all sections in one column.
+
+    A list takes a line per item; a section may also be a list of texts.
+    """
+    tables = [rows for rows in sheet.values() if isinstance(rows, dict)]
+    width = max((len(label) for rows in tables for label in rows), default=0)
+    lines = []
+    for title, rows in sheet.items():
+        lines += [""] * bool(lines) + [title]
+        if not isinstance(rows, dict):
+            lines += [f"  {row}" for row in ([rows] if isinstance(rows, str) else rows)]
+            continue
+        for label, value in rows.items():
+            first, *others = map(_text, value) if isinstance(value, list) and value else [_text(value)]
+            lines.append(f"  {label:<{width}}  {first}")
+            lines += [f"  {'':<{width}}  {other}" for other in others]
+    return "\n".join(line.rstrip() for line in lines)
+
+
+def _text(value):
+    """Numbers readable and in columns: 6 digits, thousands apart."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, int):
+        return f"{value:,}".replace(",", " ")
+    if isinstance(value, float):
+        return f"{value + 0.0:.6g}"
+    if isinstance(value, (list, tuple)):
+        if not all(isinstance(item, (int, float)) for item in value):
+            return ", ".join(map(_text, value)) or "none"
+        scale = max(map(abs, value), default=0.0)  # round-off next to large entries is shown as zero
+        return "  ".join(f"{0.0 if abs(item) < 1e-12 * scale else item:<12.6g}" for item in value)
+    return str(value)

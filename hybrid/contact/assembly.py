@@ -1,0 +1,85 @@
+"""Contact forces and tangent into the block system.
+
+With F the force of the penalty on a corner (as a residual), r = x_c - c, B = [I, -I, r̃] acting on (δx_c, δc, δφ),
+δφ spatial, and D = ∂F/∂x_c at fixed attitude,
+
+    residual B^T F          K = B^T D B - B^T F̃ E_φ + E_φ^T F̃ [I, -I, 0]
+
+(formulation section 6). δx_c = Σ_v N_v δu_v spreads the first block over the nodes of the corner's cell. What the
+corner gives, the body takes: the columns of B cancel, so force and moment vanish in sum to round-off.
+"""
+
+import numpy as np
+from numba import njit
+
+from hybrid.soil.forces import CENTRE
+
+STENCIL = np.array([((a >> 2) * 5 + (a >> 1 & 1)) * 5 + (a & 1) for a in range(8)])  # of a cell's nodes, in 5x5x5
+
+
+def add_residual(touch, corners, force):
+    """Add contact to nodal residuals (N, 3) [N], None when the soil is held; returns the body's residual (6,)
+    [N, N m about its centre]."""
+    if force is not None:
+        _scatter(touch.active, corners.node, corners.weight, touch.force, force)
+    return np.concatenate([-touch.force.sum(axis=0), -np.cross(touch.arm, touch.force).sum(axis=0)])
+
+
+def body_tangent(touch):
+    """K_ww (6, 6) of contact and Q (m, 3, 6) = ∂F/∂(δc, δφ) of every corner."""
+    F, arm, D = skew(touch.force), skew(touch.arm), touch.tangent
+    Q = np.concatenate([-D, D @ arm - F], axis=2)
+    tangent = np.empty((6, 6))
+    tangent[:3] = -Q.sum(axis=0)
+    tangent[3:] = -(arm @ Q).sum(axis=0)
+    tangent[3:, :3] -= F.sum(axis=0)
+    return tangent, Q
+
+
+def add_tangent(touch, corners, Q, pattern, values, free, uw, wu):
+    """Add K_uu to `values`, K_uw and K_wu to dense blocks (n, m) and (m, n) over the soil unknowns and the m
+    components of the body that are `free` (6,)."""
+    D, arm = touch.tangent, skew(touch.arm)
+    rows = np.concatenate([-D, skew(touch.force) - arm @ D], axis=1)  # ∂(body residual)/∂x_c, (m, 6, 3)
+    _add_tangent(touch.active, corners.node, corners.weight, D,
+                 np.ascontiguousarray(Q[:, :, free]), np.ascontiguousarray(rows[:, free]),
+                 pattern.dof, pattern.row, pattern.slot, pattern.indptr, values, uw, wu)
+
+
+def skew(v):
+    """Matrices (m, 3, 3) with skew(v) @ a = v × a, for v (m, 3)."""
+    out = np.zeros((len(v), 3, 3))
+    out[:, 0, 1], out[:, 0, 2], out[:, 1, 2] = -v[:, 2], v[:, 1], -v[:, 0]
+    return out - out.transpose(0, 2, 1)
+
+
+@njit(cache=True)
+def _scatter(active, node, weight, contact_force, force):
+    for n in range(len(active)):
+        c = active[n]
+        for a in range(8):
+            for i in range(3):
+                force[node[c, a], i] += weight[c, a] * contact_force[n, i]
+
+
+@njit(cache=True)
+def _add_tangent(active, node, weight, D, Q, rows, dof, row, slot, indptr, values, uw, wu):
+    for n in range(len(active)):
+        c = active[n]
+        for a in range(8):
+            v = node[c, a]
+            for i in range(3):
+                if dof[v, i] < 0 or weight[c, a] == 0.0:
+                    continue
+                for q in range(len(wu)):
+                    uw[dof[v, i], q] += weight[c, a] * Q[n, i, q]
+                    wu[q, dof[v, i]] += weight[c, a] * rows[n, q, i]
+                for b in range(8):
+                    w = node[c, b]
+                    if weight[c, b] == 0.0:
+                        continue
+                    at = indptr[dof[v, i]] + slot[row[v], STENCIL[b] - STENCIL[a] + CENTRE]
+                    for k in range(3):
+                        if dof[w, k] >= 0:
+                            values[at] += weight[c, a] * weight[c, b] * D[n, i, k]
+                            at += 1

@@ -1,0 +1,153 @@
+"""Corners of the points' domains that may meet a body during a step.
+
+A corner starts at x_p ± l. From the step in which it comes within `reach` of the body it is a material point of its
+own, carried by the grid,
+
+    x_c <- x_c + Σ_v N_v(x_c) Δu_v          N_v hat functions of its cell
+
+until it leaves the reach. Placing it anew at x_p ± l each step instead would move it into the body where the soil is
+compressed (a domain follows the average strain of its point, the corner the steeper motion next to the body) and
+would pump energy into the springs, as much as the plastic work under a settling anchor.
+
+Corners that coincide at the start stay together. Under a flat face four domains meet at each site of the lattice, so
+each carries a quarter of the stiffness of a point, ε_N = p_f E V0^(2/3) / 4: one point's worth at each site, a
+pressure of p_f E per unit of overlap.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit, prange
+
+from hybrid.body.surface import closest, tree_arrays
+from hybrid.soil.basis import find_cell, hat
+
+SHARE = 0.25  # of a point's contact stiffness, per corner
+SIGNS = np.array([[1.0 if corner & bit else -1.0 for bit in (4, 2, 1)] for corner in range(8)])
+
+
+@dataclass(frozen=True)
+class Corners:
+    """Corners near one body, frozen during a step.
+
+    id: (m,) increasing, 8 p + corner, with bits 4, 2, 1 of the corner telling the upper end along x, y, z
+    position: (m, 3) [m] at the start of the step; start: (m, 3) the same in the body frame
+    node, weight: (m, 8) grid nodes and hat functions there
+    stiffness: (m,) ε_N [N/m]; touching: (m,) bool and anchor: (m, 3) [m], friction history in the body frame
+    """
+
+    id: np.ndarray
+    position: np.ndarray
+    start: np.ndarray
+    node: np.ndarray
+    weight: np.ndarray
+    stiffness: np.ndarray
+    touching: np.ndarray
+    anchor: np.ndarray
+
+    def __len__(self):
+        return len(self.id)
+
+    def moved(self, displacement):
+        """Positions (m, 3) [m] after nodal increments (N, 3) [m]."""
+        if displacement is None:
+            return self.position
+        return self.position + np.einsum("ca,cai->ci", self.weight, displacement[self.node])
+
+
+def find_corners(position, half, grid, active, body, surface, reach, stiffness, history):
+    """Corners within `reach` [m] of the surface of `body` (a BodyState).
+
+    active: (N,) bool, nodes that carry mass; stiffness: (n,) of a whole point [N/m]; history: ContactHistory.
+    """
+    near = np.zeros((len(position), 8), np.bool_)
+    _near(position, half, body.position, body.rotation, surface.lower - reach, surface.upper + reach, reach,
+          tree_arrays(surface), near)
+    near.reshape(-1)[history.id] = False
+    born = np.flatnonzero(near)
+    kept = _within(history.position, body, surface, reach)
+    id = np.concatenate([history.id[kept], born])
+    place = np.concatenate([history.position[kept], position[born // 8] + SIGNS[born % 8] * half[born // 8]])
+    touching = np.concatenate([history.touching[kept], np.zeros(len(born), bool)])
+    anchor = np.concatenate([history.anchor[kept], np.zeros((len(born), 3))])
+    node, weight = _interpolation(place, grid.axes, active)
+    use = np.flatnonzero(weight.any(axis=1))
+    use = use[np.argsort(id[use], kind="stable")]
+    place = place[use]
+    return Corners(
+        id[use], place, (place - body.position) @ body.rotation, node[use], weight[use],
+        SHARE * stiffness[id[use] // 8], touching[use], anchor[use])
+
+
+def _within(place, body, surface, reach):
+    """(m,) bool, places within reach of the surface."""
+    y = (place - body.position) @ body.rotation
+    found = np.empty(len(y), np.bool_)
+    _is_near(y, reach, tree_arrays(surface), found)
+    return found
+
+
+def _interpolation(place, axes, active):
+    """Nodes and hat functions (m, 8) at places (m, 3).
+
+    Weight that falls on nodes without mass goes to the others in proportion, so that a force is never lost; a corner
+    with no node left has no weight at all.
+    """
+    node, weight = np.zeros((len(place), 8), np.int64), np.zeros((len(place), 8))
+    _hats(place, *axes, node, weight)
+    weight[~active[node]] = 0.0
+    total = weight.sum(axis=1, keepdims=True)
+    return node, np.divide(weight, total, out=np.zeros_like(weight), where=total > 0)
+
+
+def overlap(position, half, body, surface):
+    """Depth [m] of the deepest corner inside a body at its committed pose, and the number of corners inside."""
+    y = ((position[:, None] + SIGNS * half[:, None]).reshape(-1, 3) - body.position) @ body.rotation
+    y = y[np.all((y > surface.lower) & (y < surface.upper), axis=1)]
+    gaps = np.array([closest(tuple(point), np.inf, tree_arrays(surface))[4] for point in y])
+    inside = gaps[gaps < 0.0]
+    return (float(-inside.min()), len(inside)) if len(inside) else (0.0, 0)
+
+
+@njit(cache=True, parallel=True)
+def _near(position, half, centre, rotation, lower, upper, reach, tree, near):
+    radius = np.sqrt(np.sum(np.maximum(np.abs(lower), np.abs(upper)) ** 2))
+    for p in prange(len(position)):
+        d = position[p] - centre
+        if np.sqrt(np.sum(d**2)) > radius + np.sqrt(np.sum(half[p] ** 2)):
+            continue
+        for corner in range(8):
+            x0 = d[0] + (half[p, 0] if corner & 4 else -half[p, 0])
+            x1 = d[1] + (half[p, 1] if corner & 2 else -half[p, 1])
+            x2 = d[2] + (half[p, 2] if corner & 1 else -half[p, 2])
+            y0 = rotation[0, 0] * x0 + rotation[1, 0] * x1 + rotation[2, 0] * x2
+            y1 = rotation[0, 1] * x0 + rotation[1, 1] * x1 + rotation[2, 1] * x2
+            y2 = rotation[0, 2] * x0 + rotation[1, 2] * x1 + rotation[2, 2] * x2
+            if (lower[0] <= y0 <= upper[0] and lower[1] <= y1 <= upper[1] and lower[2] <= y2 <= upper[2]):
+                near[p, corner] = closest((y0, y1, y2), reach, tree)[0] >= 0
+
+
+@njit(cache=True)
+def _is_near(y, reach, tree, found):
+    for n in range(len(y)):
+        found[n] = closest((y[n, 0], y[n, 1], y[n, 2]), reach, tree)[0] >= 0
+
+
+@njit(cache=True)
+def _hats(place, x_axis, y_axis, z_axis, node, weight):
+    first, second = np.empty(3, np.int64), np.empty(3)
+    for n in range(len(place)):
+        for axis in range(3):
+            nodes = x_axis if axis == 0 else (y_axis if axis == 1 else z_axis)
+            first[axis], second[axis] = 0, 0.0
+            if len(nodes) > 1:
+                first[axis] = find_cell(place[n, axis], nodes)
+                second[axis] = min(hat(place[n, axis], first[axis] + 1, nodes), 1.0)
+        for a in range(8):
+            w, v = 1.0, 0
+            for axis in range(3):
+                upper = (a >> (2 - axis)) & 1
+                w *= second[axis] if upper else 1.0 - second[axis]
+                size = len(x_axis) if axis == 0 else (len(y_axis) if axis == 1 else len(z_axis))
+                v = v * size + min(first[axis] + upper, size - 1)
+            node[n, a], weight[n, a] = v, w

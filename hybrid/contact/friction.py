@@ -1,0 +1,125 @@
+"""Penalty contact with Coulomb friction at corners, in the body frame.
+
+    y = R^T (x_c - c)      d = y - foot = g N      A = ∂d/∂y      p = -ε_N g  for g < 0
+    z = y - y_anchor       g_t = P z,  P = I - N N^T
+    stick  |ε_T g_t| <= μ p :  f = ε_N d + ε_T g_t
+    slip   otherwise        :  f = ε_N d + μ p s,  s = g_t/|g_t|
+
+(formulation section 6; the seed paper's eqs 3-6). f is the residual of the penalty, minus the force on the corner.
+Because the normal turns with y at an edge or a vertex, ∂N/∂y = G = (A - N N^T)/g there, and
+
+    M = ∂g_t/∂y = P - (N·z) G - N (G z)^T
+    stick  ∂f/∂y = ε_N A + ε_T M          slip  ∂f/∂y = ε_N A + μp/|g_t| (I - s s^T) M - μ ε_N s N^T
+
+On a face G = 0. The anchor is history in the body frame: objective, and indifferent to hopping between triangles. A
+contact born in the step takes its anchor where the corner stood at the step's start. Without friction (μ = 0) neither
+anchor nor tangential law is evaluated.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit, prange
+
+from hybrid.body.surface import closest, gap_geometry, tree_arrays
+from hybrid.state import ContactHistory
+
+
+@dataclass(frozen=True)
+class Touch:
+    """Corners in contact at a trial state; m of them, in space unless said otherwise.
+
+    active: (m,) which of the corners; gap: (m,) [m] negative; force: (m, 3) [N], minus the force on the corner
+    tangent: (m, 3, 3) [N/m] at fixed attitude; arm: (m, 3) [m] from the body's centre; slip: (m,) bool
+    anchor: (m, 3) [m] what the history becomes on commit, body frame; triangle: (m,), weights: (m, 3) of its vertices
+    energy: stored in the springs [J]; dissipated: friction work of the step [J]
+    """
+
+    active: np.ndarray
+    gap: np.ndarray
+    force: np.ndarray
+    tangent: np.ndarray
+    arm: np.ndarray
+    slip: np.ndarray
+    anchor: np.ndarray
+    triangle: np.ndarray
+    weights: np.ndarray
+    energy: float
+    dissipated: float
+
+    def __len__(self):
+        return len(self.active)
+
+
+def evaluate(corners, place, centre, rotation, surface, reach, friction, tangential):
+    """Touch of corners at `place` (m, 3) [m] with a body at `centre` (3,), `rotation` (3, 3).
+
+    friction: μ; tangential: ε_T/ε_N; reach [m]: corners farther than this from the surface are passed over.
+    """
+    tree = tree_arrays(surface)
+    y = (place - centre) @ rotation
+    gap, triangle, feature = np.empty(len(y)), np.empty(len(y), np.int64), np.empty(len(y), np.int64)
+    foot, weights = np.empty_like(y), np.empty_like(y)
+    _project(y, reach, tree, gap, triangle, feature, foot, weights)
+    active = np.nonzero(gap < 0.0)[0]
+    m = len(active)
+    force, tangent, anchor = np.empty((m, 3)), np.empty((m, 3, 3)), np.empty((m, 3))
+    slip, energy, dissipated = np.zeros(m, np.bool_), np.zeros(m), np.zeros(m)
+    born = np.where(corners.touching[active, None], corners.anchor[active], corners.start[active])
+    _law(y[active], gap[active], triangle[active], feature[active], foot[active], born, corners.stiffness[active],
+         friction, tangential, tree, force, tangent, slip, anchor, energy, dissipated)
+    return Touch(
+        active, gap[active], force @ rotation.T, rotation @ tangent @ rotation.T, place[active] - centre, slip, anchor,
+        triangle[active], weights[active], float(energy.sum()), float(dissipated.sum()))
+
+
+def commit(corners, place, touch):
+    """ContactHistory after acceptance: every followed corner at its place (m, 3) [m]."""
+    touching, anchor = np.zeros(len(corners), bool), np.zeros((len(corners), 3))
+    touching[touch.active] = True
+    anchor[touch.active] = touch.anchor
+    return ContactHistory(corners.id, place, touching, anchor)
+
+
+@njit(cache=True, parallel=True)
+def _project(y, reach, tree, gap, triangle, feature, foot, weights):
+    for n in prange(len(y)):
+        t, f, x, w, g = closest((y[n, 0], y[n, 1], y[n, 2]), reach, tree)
+        triangle[n], feature[n], gap[n] = t, f, g
+        for i in range(3):
+            foot[n, i], weights[n, i] = x[i], w[i]
+
+
+@njit(cache=True)
+def _law(y, gap, triangle, feature, foot, born, stiffness, friction, ratio, tree, force, tangent, slip, anchor,
+         energy, dissipated):
+    N, A = np.empty(3), np.empty((3, 3))
+    for n in range(len(y)):
+        g, eps_n = gap[n], stiffness[n]
+        normal, rate = gap_geometry(y[n], foot[n], triangle[n], feature[n], tree)
+        for i in range(3):
+            N[i] = normal[i]
+            force[n, i] = eps_n * g * N[i]
+            for j in range(3):
+                A[i, j] = rate[i][j]
+                tangent[n, i, j] = eps_n * A[i, j]
+        anchor[n] = born[n]
+        energy[n] = 0.5 * eps_n * g * g
+        if friction > 0.0:
+            NN = np.outer(N, N)
+            z, P, G = y[n] - born[n], np.eye(3) - NN, (A - NN) / g
+            gt = P @ z
+            M = P - np.dot(N, z) * G - np.outer(N, G @ z)
+            eps_t, limit, size = ratio * eps_n, -friction * eps_n * g, np.sqrt(np.sum(gt * gt))
+            if eps_t * size <= limit:
+                force[n] += eps_t * gt
+                tangent[n] += eps_t * M
+                energy[n] += 0.5 * eps_t * size * size
+            else:
+                s = gt / size
+                force[n] += limit * s
+                tangent[n] += limit / size * (M - np.outer(s, s @ M)) - friction * eps_n * np.outer(s, N)
+                slip[n] = True
+                anchor[n] = y[n] - s * (limit / eps_t)
+                energy[n] += 0.5 * limit * limit / eps_t
+                dissipated[n] = limit * (size - limit / eps_t)

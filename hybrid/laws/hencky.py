@@ -1,0 +1,57 @@
+"""Hencky elasticity: a linear law between principal Kirchhoff stress and logarithmic strain.
+
+    τ_i = K tr ε + 2 G dev(ε)_i          ψ = ½ K (tr ε)² + G dev ε : dev ε
+"""
+
+import numpy as np
+from numba import njit, prange
+
+from hybrid.laws import Response
+
+
+class Hencky:
+    """Elastic law with Young's modulus [Pa] and Poisson's ratio per point, scalars or (n,) arrays."""
+
+    symmetric = True
+
+    def __init__(self, young, poisson):
+        young, poisson = np.broadcast_arrays(np.atleast_1d(np.asarray(young, float)), poisson)
+        self.young = np.array(young)
+        self.parameters = np.column_stack([young / (3 * (1 - 2 * poisson)), young / (2 * (1 + poisson))])
+
+    def respond(self, strain, tangent=True):
+        """Response to (n, 3) principal strains."""
+        stress = np.empty_like(strain)
+        matrix = np.empty((len(strain) if tangent else 0, 3, 3))
+        _respond(strain, self.parameters, stress, matrix)
+        return Response(stress, strain, matrix if tangent else None)
+
+    def energy(self, elastic):
+        """Stored energy per initial volume (n,) [J/m³]."""
+        return stored(elastic, self.parameters)
+
+    def strain(self, stress):
+        """Elastic strain (n, 3) that carries principal stresses (n, 3)."""
+        bulk, shear = self.parameters[:, :1], self.parameters[:, 1:2]
+        mean = stress.mean(axis=1, keepdims=True)
+        return mean / (3 * bulk) + (stress - mean) / (2 * shear)
+
+
+def stored(elastic, parameters):
+    """ψ = ½ K (tr ε)² + G dev ε : dev ε, with K and G in the first two columns of `parameters`."""
+    trace = elastic.sum(axis=1)
+    deviator = elastic - trace[:, None] / 3
+    return 0.5 * parameters[:, 0] * trace**2 + parameters[:, 1] * np.sum(deviator**2, axis=1)
+
+
+@njit(cache=True, parallel=True)
+def _respond(strain, parameters, stress, matrix):
+    for p in prange(len(strain)):
+        bulk, shear = parameters[p, 0], parameters[p, 1]
+        trace = strain[p, 0] + strain[p, 1] + strain[p, 2]
+        for i in range(3):
+            stress[p, i] = (bulk - 2 * shear / 3) * trace + 2 * shear * strain[p, i]
+        if len(matrix):
+            for i in range(3):
+                for j in range(3):
+                    matrix[p, i, j] = bulk - 2 * shear / 3 + (2 * shear if i == j else 0.0)

@@ -1,0 +1,32 @@
+"""Parameters of sand from its relative density (Brinkgreve, Engin & Engin 2010).
+
+With Dr in percent: E50ref = 0.6 MPa Dr, φ = 28 + 0.125 Dr, ψ = max(0, -2 + 0.125 Dr), m = 0.7 - Dr/320,
+γ_dry = 15 + 0.04 Dr, γ_buoyant = 19 + 0.016 Dr - 9.81 kN/m³; ν = 0.25, c = 0.3 kPa, K0 = 1 - sin φ.
+Stiffness follows the initial horizontal stress: E = E50ref (K0 σ_v / 100 kPa)^m.
+"""
+
+GRAVITY = 9.81
+REFERENCE_PRESSURE = 100e3
+
+
+def sand(relative_density, buoyant=False):
+    """Parameters [SI, degrees] as a dict with the names of a scene's material.
+
+    Density under water is the buoyant unit weight divided by g: the weight is right, the inertia of the pore water
+    is left out.
+    """
+    weight = 19 + 0.016 * relative_density - 9.81 if buoyant else 15 + 0.04 * relative_density
+    return {
+        "density": weight * 1e3 / GRAVITY,
+        "reference_young": 0.6e6 * relative_density,
+        "stiffness_exponent": 0.7 - relative_density / 320,
+        "poisson": 0.25,
+        "friction_angle": 28 + 0.125 * relative_density,
+        "dilation_angle": max(0.0, -2 + 0.125 * relative_density),
+        "cohesion": 300.0,
+    }
+
+
+def stiffness_from_stress(reference_young, exponent, horizontal_stress):
+    """Young's modulus [Pa] at a horizontal effective stress [Pa, compression positive]."""
+    return reference_young * (horizontal_stress / REFERENCE_PRESSURE) ** exponent

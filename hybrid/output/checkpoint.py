@@ -1,0 +1,173 @@
+"""checkpoint.npz: the whole state to the last bit, with the scene it belongs to.
+
+A run is resumed only with the scene that wrote the checkpoint. What may differ is what does not change the
+physics: the output and solver tables, and the number of steps of the last stage, so that a run can be taken
+further.
+"""
+
+import dataclasses
+import hashlib
+import json
+import os
+import zipfile
+from pathlib import Path
+
+import numpy as np
+
+from hybrid.errors import HybridError
+from hybrid.output import atomic
+from hybrid.state import BodyState, ContactHistory, Points, State
+
+NAME = "checkpoint.npz"
+FORMAT = 1
+
+
+class CheckpointError(HybridError):
+    """A checkpoint cannot be read, or belongs to another scene."""
+
+
+class Checkpoints:
+    """Observer that saves the state every `scene.output.checkpoint` outer steps and at the end (0: never)."""
+
+    def __init__(self, folder):
+        self.path = Path(folder) / NAME
+        self.saved = None
+
+    def start(self, simulation):
+        self.saved = simulation.state.step
+
+    def accepted(self, record, simulation):
+        every = simulation.scene.output.checkpoint
+        if every and record.step % every == 0:
+            self._save(simulation)
+
+    def finish(self, summary, simulation):
+        if simulation.scene.output.checkpoint and simulation.state.step != self.saved:
+            self._save(simulation)
+
+    def _save(self, simulation):
+        save(self.path, simulation.state, simulation.scene)
+        self.saved = simulation.state.step
+
+
+def save(path, state, scene=None, extra=None):
+    """Write `state` (and the scene's fingerprint) to `path` in one move.
+
+    extra: dict of numbers, text or arrays that `read_extra` gives back, such as the current step size.
+    """
+    arrays = {"format": FORMAT, "scene": json.dumps(fingerprint(scene)), "state/time": state.time}
+    arrays["state/step"] = state.step
+    arrays.update(_fields(state.points, "points"))
+    for name, items in (("bodies", state.bodies), ("contacts", state.contacts)):
+        arrays[f"{name}/count"] = len(items)
+        for i, item in enumerate(items):
+            arrays.update(_fields(item, f"{name}/{i}"))
+    arrays.update({f"work/{name}": value for name, value in state.work.items()})
+    arrays.update({f"extra/{name}": value for name, value in (extra or {}).items()})
+    with atomic(path) as partial, open(partial, "wb") as file:
+        np.savez(file, **arrays)
+        file.flush()
+        os.fsync(file.fileno())
+
+
+def load(path, scene=None):
+    """State saved in `path`, equal to the last bit.
+
+    Raises CheckpointError when the file is missing or not a checkpoint, or when `scene` is given and is not
+    the one that wrote it; the message lists what differs.
+    """
+    arrays = _read(path)
+    if scene is not None:
+        _refuse_other_scene(path, json.loads(str(arrays["scene"])), fingerprint(scene))
+    return State(
+        time=float(arrays["state/time"]),
+        step=int(arrays["state/step"]),
+        points=_restored(Points, arrays, "points"),
+        bodies=_restored_list(BodyState, arrays, "bodies"),
+        contacts=_restored_list(ContactHistory, arrays, "contacts"),
+        work={name: float(value) for name, value in _below(arrays, "work/").items()},
+    )
+
+
+def read_extra(path):
+    """The dict that was given to `save` as `extra`; numbers and text come back as such."""
+    return {name: value[()] for name, value in _below(_read(path), "extra/").items()}
+
+
+def fingerprint(scene):
+    """What identifies a run's physics: flat dict "soil.material.young" -> text; geometry by content."""
+    flat = {}
+    _flatten("", _plain(scene), flat)
+    last = len(getattr(scene, "stages", ())) - 1
+    ignored = ("output.", "solver.", f"stages.{last}.steps")
+    return {key: value for key, value in sorted(flat.items()) if not key.startswith(ignored)}
+
+
+def _refuse_other_scene(path, saved, wanted):
+    keys = [key for key in sorted(saved.keys() | wanted.keys()) if saved.get(key) != wanted.get(key)]
+    if not keys:
+        return
+    shown = [f"  {k}: checkpoint {saved.get(k, 'none')}, scene {wanted.get(k, 'none')}" for k in keys[:8]]
+    shown += [f"  ... and {len(keys) - 8} more"] if len(keys) > 8 else []
+    raise CheckpointError(
+        f"{path} was written by another scene; these differ:\n" + "\n".join(shown)
+        + "\nGive the scene that wrote it (output, solver and the steps of the last stage may change), "
+        "or start afresh in another folder."
+    )
+
+
+def _read(path):
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            arrays = dict(file)
+    except FileNotFoundError:
+        raise CheckpointError(f"{path} does not exist: there is no run to resume in that folder") from None
+    except (OSError, ValueError, zipfile.BadZipFile) as error:
+        raise CheckpointError(f"{path} is not a readable checkpoint ({error}): start afresh") from error
+    if int(arrays.get("format", -1)) != FORMAT:
+        found = arrays.get("format")
+        raise CheckpointError(f"{path} has format {found}, this version reads {FORMAT}: start afresh")
+    return arrays
+
+
+def _fields(item, prefix):
+    values = {f.name: getattr(item, f.name) for f in dataclasses.fields(item)}
+    return {f"{prefix}/{name}": value for name, value in values.items() if value is not None}
+
+
+def _restored(kind, arrays, prefix):
+    return kind(**_below(arrays, prefix + "/"))
+
+
+def _restored_list(kind, arrays, prefix):
+    return [_restored(kind, arrays, f"{prefix}/{i}") for i in range(int(arrays[f"{prefix}/count"]))]
+
+
+def _below(arrays, prefix):
+    return {key[len(prefix):]: value for key, value in arrays.items() if key.startswith(prefix)}
+
+
+def _plain(item):
+    if dataclasses.is_dataclass(item):
+        return {f.name: getattr(item, f.name) for f in dataclasses.fields(item)}
+    return vars(item) if hasattr(item, "__dict__") and not isinstance(item, Path) else item
+
+
+def _flatten(prefix, item, flat):
+    item = _plain(item)
+    if isinstance(item, dict):
+        item = item.items()
+    elif isinstance(item, (list, tuple)):
+        item = enumerate(item)
+    else:
+        flat[prefix] = _content(item) if prefix.endswith(".geometry") else repr(item)
+        return
+    for key, value in item:
+        _flatten(f"{prefix}.{key}" if prefix else str(key), value, flat)
+
+
+def _content(path):
+    path = Path(path)
+    if not path.is_file():
+        return path.name
+    return f"{path.name} (sha256 {hashlib.sha256(path.read_bytes()).hexdigest()[:12]})"

@@ -1,0 +1,81 @@
+"""history.csv: one line per accepted outer step, on disk as soon as the step is accepted."""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+
+from hybrid.output import atomic
+
+NAME = "history.csv"
+
+
+class History:
+    """Observer that appends `Record.row()` to history.csv in `folder`.
+
+    A fresh run replaces an older file. A resumed one keeps the lines up to the step it resumes from and goes
+    on below them, under the same header.
+    """
+
+    def __init__(self, folder):
+        self.path = Path(folder) / NAME
+        self.columns = []
+
+    def start(self, simulation):
+        step = simulation.state.step
+        rows = [row for row in _complete_rows(self.path) if int(row["step"]) <= step] if step else []
+        self.columns = list(rows[0]) if rows else []
+        self._replace(rows)
+
+    def accepted(self, record, simulation):
+        row = record.row()
+        if any(name not in self.columns for name in row):
+            # A phase or energy seen for the first time: give the earlier lines an empty cell for it.
+            rows = _complete_rows(self.path)
+            self.columns += [name for name in row if name not in self.columns]
+            self._replace(rows)
+        with open(self.path, "a", newline="", encoding="utf-8") as file:
+            csv.DictWriter(file, self.columns).writerow(row)
+
+    def finish(self, summary, simulation):
+        """Nothing is left to write: every line is already on disk."""
+
+    def _replace(self, rows):
+        with atomic(self.path) as partial, open(partial, "w", newline="", encoding="utf-8") as file:
+            if self.columns:
+                writer = csv.DictWriter(file, self.columns)
+                writer.writeheader()
+                writer.writerows(rows)
+
+
+def _complete_rows(path):
+    """Lines of the file as dicts of text; a last line cut short by a crash is left out."""
+    if not path.exists():
+        return []
+    with open(path, newline="", encoding="utf-8") as file:
+        return [row for row in csv.DictReader(file) if None not in row.values() and None not in row]
+
+
+def read_history(folder):
+    """Columns of history.csv as arrays of shape (steps,): text for `stage`, else floats (nan where empty).
+
+    Raises FileNotFoundError when the folder holds no history. Empty dict when no step has been accepted.
+    """
+    path = Path(folder) / NAME
+    if not path.exists():
+        raise FileNotFoundError(f"no {NAME} in {path.parent}: give the folder that a run wrote")
+    rows = _complete_rows(path)
+    if not rows:
+        return {}
+    columns = {}
+    for name in rows[0]:
+        texts = [row[name] for row in rows]
+        values = texts if name == "stage" else [float(text or "nan") for text in texts]
+        columns[name] = np.array(values)
+    return columns
+
+
+def body_names(history):
+    """Names of the bodies in a history read by `read_history`, in the order of its columns."""
+    ending = "_tension_N"
+    return [name[: -len(ending)] for name in history if name.endswith(ending)]

@@ -1,0 +1,76 @@
+"""One live line on the terminal while a run is under way; silent when nobody watches."""
+
+import shutil
+import sys
+import time
+
+
+class Progress:
+    """Observer that rewrites one line of `stream` (default stderr) after every accepted outer step.
+
+    Nothing is written when the stream is not a terminal, except one closing line if `announce` is set.
+    """
+
+    def __init__(self, stream=None, announce=False, live=True):
+        self.stream = stream or sys.stderr
+        self.announce = announce
+        self.live = live and self.stream.isatty()
+        self.line = ""
+
+    def start(self, simulation):
+        self.began = time.perf_counter()
+        self.first = simulation.state.step
+        self._show("starting the first step")
+
+    def accepted(self, record, simulation):
+        done, left = record.step - self.first, simulation.total_steps - record.step
+        remaining = (time.perf_counter() - self.began) / done * left
+        steps = {stage.name: stage.steps for stage in simulation.scene.stages}
+        self._show(describe(record, steps.get(record.stage, "?"), remaining))
+
+    def finish(self, summary, simulation):
+        self._show("")
+        if self.live or self.announce:
+            steps, seconds = simulation.state.step - self.first, time.perf_counter() - self.began
+            reason = f": {summary['reason']}" if summary.get("reason") else ""
+            text = f"{simulation.scene.name}: {summary['outcome']}, {steps} steps in {clock(seconds)}{reason}"
+            print(text, file=self.stream, flush=True)
+
+    def _show(self, line):
+        if self.live:
+            width = shutil.get_terminal_size().columns - 1
+            self.stream.write("\r\x1b[2K" + line[:width])
+            self.stream.flush()
+
+
+def describe(record, steps, remaining):
+    """The line for one record. steps: outer steps of its stage; remaining: estimated time left [s].
+
+    What matters most comes first, because a narrow terminal cuts the end off.
+    """
+    parts = [
+        f"{record.stage} {record.stage_step}/{steps}",
+        f"{clock(remaining)} left",
+        f"t {record.time:.3f} s",
+        f"dt {record.dt:.3g} s",
+        f"{record.iterations} it",
+        f"res {record.residual:.1e}",
+        f"{record.contacts} contacts",
+    ]
+    parts += [f"tension {force(body.line_tension)}" for body in record.bodies if body.line_tension]
+    return "  ".join(parts)
+
+
+def force(newtons):
+    """A force with a unit that keeps it readable: "12.3 kN"."""
+    for limit, unit in ((1e6, "MN"), (1e3, "kN")):
+        if abs(newtons) >= limit:
+            return f"{newtons / limit:.3g} {unit}"
+    return f"{newtons:.3g} N"
+
+
+def clock(seconds):
+    """Duration as m:ss or h:mm:ss."""
+    minutes, seconds = divmod(int(round(seconds)), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02d}:{seconds:02d}" if hours else f"{minutes}:{seconds:02d}"

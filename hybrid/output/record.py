@@ -1,0 +1,116 @@
+"""What one accepted outer step reports to the observers, and where a body's surface stands.
+
+| symbol | field                       | shape | unit  |
+|--------|-----------------------------|-------|-------|
+| t, Δt  | Record.time, Record.dt      | -     | s     |
+| c      | BodyRecord.position         | (3,)  | m     |
+| q      | BodyRecord.quaternion       | (4,)  | -     |
+| ċ      | BodyRecord.velocity         | (3,)  | m/s   |
+| W      | BodyRecord.spin, body frame | (3,)  | rad/s |
+| F      | BodyRecord.contact_force    | (3,)  | N     |
+| M      | BodyRecord.contact_moment   | (3,)  | N m   |
+| T      | BodyRecord.line_tension     | -     | N     |
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+
+@dataclass
+class BodyRecord:
+    """One body at the end of a step: centre of mass, attitude (w, x, y, z), rates, and what acts on it.
+
+    The contact moment is about the centre of mass; force and moment are in the spatial frame, the spin is in
+    the body frame, as in `hybrid.state.BodyState`.
+    """
+
+    name: str
+    position: np.ndarray
+    quaternion: np.ndarray
+    velocity: np.ndarray
+    spin: np.ndarray
+    contact_force: np.ndarray
+    contact_moment: np.ndarray
+    line_tension: float = 0.0
+
+    def row(self):
+        """Flat dict of this body's columns, each name ending in its unit."""
+        columns = {}
+        for axis, value in zip("xyz", self.position):
+            columns[f"{axis}_m"] = value
+        for axis, value in zip("wxyz", self.quaternion):
+            columns[f"q{axis}"] = value
+        for kind, vector, unit in (
+            ("v", self.velocity, "m_per_s"),
+            ("spin_", self.spin, "rad_per_s"),
+            ("contact_f", self.contact_force, "N"),
+            ("contact_m", self.contact_moment, "Nm"),
+        ):
+            for axis, value in zip("xyz", vector):
+                columns[f"{kind}{axis}_{unit}"] = value
+        columns["tension_N"] = self.line_tension
+        return {f"{self.name}_{key}": float(value) for key, value in columns.items()}
+
+
+@dataclass
+class Record:
+    """One accepted outer step.
+
+    step counts from 1 over all stages, stage_step from 1 in its stage. dt [s] is the smallest increment used,
+    `increments` how many there were, `iterations` the Newton iterations of all of them, `rejections` the
+    trials thrown away, `residual` the last relative residual, `contacts` the corners that touch. `seconds`
+    holds the wall time of each phase [s] and `energies` the balance [J]; both become columns of history.csv.
+    """
+
+    step: int
+    stage: str
+    stage_step: int
+    time: float
+    dt: float
+    increments: int
+    iterations: int
+    rejections: int
+    residual: float
+    contacts: int
+    seconds: dict[str, float] = field(default_factory=dict)
+    energies: dict[str, float] = field(default_factory=dict)
+    bodies: list[BodyRecord] = field(default_factory=list)
+
+    def row(self):
+        """Flat dict for one line of history.csv, each name ending in its unit where it has one."""
+        row = {
+            "step": int(self.step),
+            "stage": self.stage,
+            "stage_step": int(self.stage_step),
+            "time_s": float(self.time),
+            "dt_s": float(self.dt),
+            "increments": int(self.increments),
+            "iterations": int(self.iterations),
+            "rejections": int(self.rejections),
+            "residual": float(self.residual),
+            "contacts": int(self.contacts),
+        }
+        for body in self.bodies:
+            row.update(body.row())
+        row.update({f"energy_{column(name)}_J": float(value) for name, value in self.energies.items()})
+        row.update({f"seconds_{column(phase)}": float(value) for phase, value in self.seconds.items()})
+        return row
+
+
+def column(name):
+    """Name of a phase or energy as part of a column's name: without spaces."""
+    return name.replace(" ", "_")
+
+
+def placed(vertices, body):
+    """Vertices (V, 3) [m] of the body frame at the pose of `body` (a BodyState): x = c + R r, (V, 3) [m]."""
+    return body.position + vertices @ body.rotation.T
+
+
+def initial_bodies(simulation):
+    """The bodies as they were before the first step: list of BodyState.
+
+    A resumed simulation carries them as `initial_bodies`; without that attribute the present ones are taken.
+    """
+    return list(getattr(simulation, "initial_bodies", simulation.state.bodies))

@@ -1,0 +1,124 @@
+"""summary.json: how a run ended, how large it was, what it cost and on what it ran."""
+
+import json
+import os
+import platform
+import sys
+import time
+from importlib import metadata
+from pathlib import Path
+
+import numpy as np
+
+from hybrid.output import atomic
+from hybrid.output.history import NAME as HISTORY
+from hybrid.output.history import read_history
+from hybrid.output.record import column
+
+NAME = "summary.json"
+
+# Module name -> names its package goes by, most common first.
+PACKAGES = {
+    "hybrid": ("hybrid",),
+    "numpy": ("numpy",),
+    "numba": ("numba",),
+    "scipy": ("scipy",),
+    "dolfinx": ("fenics-dolfinx", "dolfinx"),
+    "petsc4py": ("petsc4py",),
+    "gmsh": ("gmsh",),
+    "meshio": ("meshio",),
+    "matplotlib": ("matplotlib",),
+    "pyvista": ("pyvista",),
+}
+
+
+class Summary:
+    """Observer that adds up what the steps cost and writes summary.json in `folder` when the run ends.
+
+    Totals of a resumed run include the earlier sessions, as far as history.csv tells them.
+    """
+
+    def __init__(self, folder):
+        self.folder = Path(folder)
+
+    def start(self, simulation):
+        self.began = time.perf_counter()
+        self.resumed_from = simulation.state.step
+        self.counts = {"steps": 0, "increments": 0, "iterations": 0, "rejections": 0}
+        self.seconds = {}
+        if self.resumed_from and (self.folder / HISTORY).exists():
+            self._add_history(read_history(self.folder))
+
+    def _add_history(self, history):
+        self.counts["steps"] = len(history.get("step", ()))
+        for name in ("increments", "iterations", "rejections"):
+            self.counts[name] = int(np.nansum(history.get(name, 0)))
+        for name, values in history.items():
+            if name.startswith("seconds_"):
+                self.seconds[name[len("seconds_"):]] = float(np.nansum(values))
+
+    def accepted(self, record, simulation):
+        self.counts["steps"] += 1
+        for name in ("increments", "iterations", "rejections"):
+            self.counts[name] += getattr(record, name)
+        for phase, value in record.seconds.items():
+            phase = column(phase)
+            self.seconds[phase] = self.seconds.get(phase, 0.0) + value
+
+    def finish(self, summary, simulation):
+        content = {
+            "scene": simulation.scene.name,
+            **summary,
+            "time_s": simulation.state.time,
+            "step": simulation.state.step,
+            "resumed_from_step": self.resumed_from,
+            "sizes": simulation.sheet() if hasattr(simulation, "sheet") else {},
+            "totals": {**self.counts, "seconds": self.seconds},
+            "wall_seconds_of_this_session": time.perf_counter() - self.began,
+            "work_J": simulation.state.work,
+            "versions": versions(getattr(simulation, "versions", None)),
+            "machine": machine(),
+        }
+        with atomic(self.folder / NAME) as partial:
+            partial.write_text(json.dumps(content, indent=2, default=_plain) + "\n", encoding="utf-8")
+
+
+def versions(known=None):
+    """Versions of python and of the packages a run uses, without importing any; `known` overrides the rest.
+
+    The package metadata is asked first, then a module that is already loaded: Debian's gmsh has no metadata.
+    """
+    found = {"python": platform.python_version()}
+    for module, names in PACKAGES.items():
+        found[module] = _version(module, names)
+    return {**found, **(known or {})}
+
+
+def _version(module, names):
+    for name in names:
+        try:
+            return metadata.version(name)
+        except metadata.PackageNotFoundError:
+            continue
+    return getattr(sys.modules.get(module), "__version__", None)
+
+
+def machine():
+    """Platform, processor count that this process may use, and the thread limits in force."""
+    limits = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
+    threads = {name: os.environ[name] for name in limits if name in os.environ}
+    cpus = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    return {
+        "platform": platform.platform(),
+        "processor": platform.machine(),
+        "cpus": cpus,
+        "threads": threads,
+    }
+
+
+def _plain(value):
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, np.generic):
+        return value.item()
+    return str(value)

@@ -1,0 +1,169 @@
+"""VTK XML series of soil and bodies: frames in binary .vtu files, listed with their times in .pvd files.
+
+| file                  | point data                                                            |
+|-----------------------|-----------------------------------------------------------------------|
+| soil_000005.vtu       | displacement, half_widths [m], velocity [m/s], stress, mean_stress,   |
+|                       | deviatoric_stress [Pa], plastic_strain [-]                            |
+| body_NAME_000005.vtu  | displacement [m], velocity [m/s], contact_force [N]                   |
+
+Displacements count from the start of the run. Stress is Cauchy, positive in tension, in VTK's order
+xx yy zz xy yz xz; mean stress is tr σ/3 and deviatoric stress is q = sqrt(3/2 s:s). Coordinates are in double
+precision, fields in single precision: they are for the eye, the checkpoint keeps every digit.
+"""
+
+import os
+import re
+import xml.etree.ElementTree as xml
+from pathlib import Path
+
+import meshio
+import numpy as np
+
+from hybrid.output import atomic
+from hybrid.output.record import initial_bodies, placed
+
+SYMMETRIC = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))  # VTK's order of a symmetric tensor
+GROUPS = {"body": 0, "contact": 1, "symmetry": 2}
+
+
+class Frames:
+    """Observer that writes a frame at the start, every `scene.output.every` outer steps and at the end.
+
+    Held soil does not move, so its points are written once. `every = 0` writes nothing.
+    """
+
+    def __init__(self, folder):
+        self.folder = Path(folder)
+
+    def start(self, simulation):
+        if not simulation.scene.output.every:
+            return
+        step = simulation.state.step
+        self.initial = initial_bodies(simulation)
+        self.soil = Series(self.folder, "soil", step)
+        self.bodies = [Series(self.folder, f"body_{_slug(name)}", step) for name in simulation.body_names]
+        self._write(simulation)
+
+    def accepted(self, record, simulation):
+        every = simulation.scene.output.every
+        if every and record.step % every == 0:
+            self._write(simulation)
+
+    def finish(self, summary, simulation):
+        if simulation.scene.output.every:
+            self._write(simulation)
+
+    def _write(self, simulation):
+        state, soil = simulation.state, simulation.scene.soil
+        if len(state.points) and not (getattr(soil, "held", False) and self.soil.frames):
+            self.soil.add(state.step, state.time, soil_mesh(state.points, simulation.initial_position))
+        for b, series in enumerate(self.bodies):
+            surface, forces = simulation.surfaces[b], simulation.contact_forces(b)
+            series.add(state.step, state.time, body_mesh(surface, state.bodies[b], self.initial[b], forces))
+
+
+class Series:
+    """Frames NAME_000000.vtu, ... of a folder and the NAME.pvd that lists them, rewritten after each frame.
+
+    Opened at step 0 the frames of an earlier run are deleted; opened later those after `step` are dropped and
+    the rest kept.
+    """
+
+    def __init__(self, folder, name, step=0):
+        self.folder, self.name = Path(folder), name
+        self.frames = {}  # step -> time [s]
+        earlier = read_pvd(self.folder / f"{name}.pvd")
+        for file, time in earlier:
+            match = re.fullmatch(re.escape(name) + r"_(\d{6,})\.vtu", file)
+            if match and step and int(match[1]) <= step and (self.folder / file).exists():
+                self.frames[int(match[1])] = time
+            elif match:
+                (self.folder / file).unlink(missing_ok=True)
+        if earlier:
+            self._write_pvd()
+
+    def add(self, step, time, mesh):
+        """Write one frame and list it; a step that is already listed is not written again."""
+        if step in self.frames:
+            return
+        write_vtu(self.folder / self.file(step), mesh)
+        self.frames[step] = float(time)
+        self._write_pvd()
+
+    def file(self, step):
+        return f"{self.name}_{step:06d}.vtu"
+
+    def _write_pvd(self):
+        root = xml.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
+        collection = xml.SubElement(root, "Collection")
+        for step, time in sorted(self.frames.items()):
+            attributes = {"timestep": repr(time), "group": "", "part": "0", "file": self.file(step)}
+            xml.SubElement(collection, "DataSet", attributes)
+        xml.indent(root)
+        with atomic(self.folder / f"{self.name}.pvd") as partial:
+            xml.ElementTree(root).write(partial, encoding="utf-8", xml_declaration=True)
+
+
+def read_pvd(path):
+    """(file, time) of every frame that a .pvd lists; empty when there is none."""
+    if not Path(path).exists():
+        return []
+    frames = xml.parse(path).getroot().iter("DataSet")
+    return [(os.path.basename(frame.get("file")), float(frame.get("timestep"))) for frame in frames]
+
+
+def soil_mesh(points, initial_position):
+    """Material points as VTK vertices with the fields of the module's table. initial_position: (n, 3) [m]."""
+    stress = points.stress
+    mean = np.trace(stress, axis1=1, axis2=2) / 3
+    deviator = stress - mean[:, None, None] * np.eye(3)
+    fields = {
+        "displacement": points.position - initial_position,
+        "velocity": points.velocity,
+        "stress": np.stack([stress[:, i, j] for i, j in SYMMETRIC], axis=1),
+        "mean_stress": mean,
+        "deviatoric_stress": np.sqrt(1.5 * np.sum(deviator**2, axis=(1, 2))),
+        "plastic_strain": points.plastic_strain,
+        "half_widths": points.half,
+    }
+    vertices = np.arange(len(points))[:, None]
+    return meshio.Mesh(points.position, [("vertex", vertices)], point_data=_single(fields))
+
+
+def body_mesh(surface, body, initial, forces):
+    """Contact surface at the pose of `body`. initial: BodyState at the start; forces: (V, 3) on the body [N].
+
+    Velocity of a vertex at r from the centre of mass, in the spatial frame: ċ + R (W × r).
+    """
+    vertices = surface.vertices
+    now = placed(vertices, body)
+    fields = {
+        "displacement": now - placed(vertices, initial),
+        "velocity": body.velocity + np.cross(body.spin, vertices) @ body.rotation.T,
+        "contact_force": forces,
+    }
+    return meshio.Mesh(now, [("triangle", surface.triangles)], point_data=_single(fields))
+
+
+def write_mesh(path, mesh):
+    """Write a TetMesh in its geometry's coordinates; cell data "group": 0 body, 1 contact, 2 symmetry."""
+    blocks = [("tetra", mesh.tets, "body"), ("triangle", mesh.contact, "contact")]
+    blocks.append(("triangle", mesh.symmetry, "symmetry"))
+    blocks = [block for block in blocks if len(block[1])]
+    group = [np.full(len(cells), GROUPS[name], dtype=np.int32) for _, cells, name in blocks]
+    cells = [(kind, cells) for kind, cells, _ in blocks]
+    write_vtu(path, meshio.Mesh(mesh.points, cells, cell_data={"group": group}))
+
+
+def write_vtu(path, mesh):
+    """Write a meshio mesh as binary VTK XML; not compressed, which is nine times faster."""
+    with atomic(path) as partial:
+        meshio.write(partial, mesh, file_format="vtu", binary=True, compression=None)
+
+
+def _single(fields):
+    return {name: np.ascontiguousarray(values, dtype=np.float32) for name, values in fields.items()}
+
+
+def _slug(name):
+    return re.sub(r"[^\w.-]+", "_", name)

@@ -1,0 +1,258 @@
+"""What is modelled: one frozen dataclass per table of a scene file. SI units, angles in degrees, z upwards.
+
+A scene file (TOML) and these classes map one to one: the tables are [grid.x], [grid.y], [grid.z],
+[grid.faces], [soil], [soil.material], [[body]], [body.parameters], [body.pull], [time], [[stage]], [solver]
+and [output].
+Reading and checking is done in `hybrid.scene_file`; nothing here computes.
+"""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+Vector = tuple[float, float, float]
+Condition = Literal["free", "roller", "fixed"]
+Freedom = Literal["x", "y", "z", "rx", "ry", "rz"]
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One axis of the background grid: uniform, graded around `fine`, given by `nodes`, or collapsed.
+
+    start, end   [m] extent; taken from `nodes` when those are given
+    size         [m] the cells are equal and no larger than this; inside `fine` when that is given
+    fine         [m] (low, high): cells of `size` in between, growing away from it
+    growth       [-] largest ratio of neighbouring cells outside `fine`, in (1, 2]
+    collapsed    one constant basis function and no displacement along this axis; end - start is the thickness
+    nodes        [m] increasing coordinates of all nodes, instead of `size`
+    """
+
+    start: float | None = None
+    end: float | None = None
+    size: float | None = None
+    fine: tuple[float, float] | None = None
+    growth: float = 1.3
+    collapsed: bool = False
+    nodes: tuple[float, ...] | None = None
+
+    def __post_init__(self):
+        if self.nodes is not None and len(self.nodes):
+            for name, node in (("start", self.nodes[0]), ("end", self.nodes[-1])):
+                if getattr(self, name) is None:
+                    object.__setattr__(self, name, node)
+
+
+@dataclass(frozen=True)
+class Faces:
+    """What holds the soil at the six faces of the grid: nothing, its normal displacement, or all of it."""
+
+    x_min: Condition = "roller"
+    x_max: Condition = "roller"
+    y_min: Condition = "roller"
+    y_max: Condition = "roller"
+    z_min: Condition = "roller"
+    z_max: Condition = "free"
+
+
+@dataclass(frozen=True)
+class Grid:
+    """The background grid: the tensor product of three axes."""
+
+    x: Axis
+    y: Axis
+    z: Axis
+    faces: Faces = Faces()
+
+
+@dataclass(frozen=True)
+class Material:
+    """The soil's law. `relative_density` sets every value left out; a value given here replaces the preset.
+
+    law                  Hencky elastic, alone or with Drucker-Prager plasticity
+    relative_density     [%] of the sand whose correlations give the preset
+    young                [Pa] one constant Young's modulus
+    poisson              [-]
+    density              [kg/m³] bulk
+    friction_angle       [deg]
+    dilation_angle       [deg] of the plastic potential, at most the friction angle
+    cohesion             [Pa]
+    cone                 Mohr-Coulomb meridian or state that the circular cone is matched to
+    reference_young      [Pa] E_ref in E = E_ref (K0 σ_v / 100 kPa)^m, instead of `young`
+    stiffness_exponent   [-] m above
+    buoyant              the preset's density is that of submerged sand
+    """
+
+    law: Literal["drucker-prager", "hencky"] = "drucker-prager"
+    relative_density: float | None = None
+    young: float | None = None
+    poisson: float | None = None
+    density: float | None = None
+    friction_angle: float | None = None
+    dilation_angle: float | None = None
+    cohesion: float | None = None
+    cone: Literal["compression", "extension", "plane strain"] = "compression"
+    reference_young: float | None = None
+    stiffness_exponent: float | None = None
+    buoyant: bool = False
+
+
+@dataclass(frozen=True)
+class Soil:
+    """The deformable body: a box of material points.
+
+    top               [m] z of the surface; None: upper end of the grid
+    lower, upper      [m] corners of the box of soil; None: the whole grid up to `top`
+    points_per_axis   [-] material points per cell along each axis, one number or three
+    held              all displacements of the soil are zero
+    basis             generalised interpolation (gimp) or standard material point (mpm)
+    domain            how point domains deform: with the stretch, not at all, with the diagonal of F
+    geostatic         start in equilibrium under gravity
+    k0                [-] ratio of horizontal to vertical initial stress; None: from the material
+    """
+
+    material: Material
+    top: float | None = None
+    lower: Vector | None = None
+    upper: Vector | None = None
+    points_per_axis: int | tuple[int, int, int] = 2
+    held: bool = False
+    basis: Literal["gimp", "mpm"] = "gimp"
+    domain: Literal["stretch", "none", "diagonal"] = "stretch"
+    geostatic: bool = True
+    k0: float | None = None
+
+
+@dataclass(frozen=True)
+class Pull:
+    """An elastic line from a point of a body to a far end that moves at a constant velocity.
+
+    point          name of a physical point of the geometry, or [m] three geometry coordinates
+    velocity       [m/s] of the far end
+    stiffness      [N/m]
+    length         [m] unstretched
+    direction      [-] from the point to the far end at the start; None: along `velocity`
+    tension_only   the line goes slack instead of pushing
+    """
+
+    point: str | Vector
+    velocity: Vector
+    stiffness: float
+    length: float
+    direction: Vector | None = None
+    tension_only: bool = True
+
+
+@dataclass(frozen=True)
+class Body:
+    """A rigid body meshed from a gmsh .geo file.
+
+    geometry     path of the .geo; in a scene file relative to that file
+    density      [kg/m³]
+    parameters   values of the geometry's named parameters, in the units the .geo states
+    position     [m] of the geometry's origin; None: (0, 0, 0)
+    rotation     [-, deg] (ax, ay, az, angle) about the geometry's origin; None: as drawn
+    rest_on      [m] z at which the lowest contact vertex is put, along z; None: left where it is
+    velocity     [m/s] of the centre of mass at the start
+    spin         [rad/s] at the start, body frame
+    held         translations and rotations (about the spatial axes) that stay as they are
+    friction     [-] Coulomb coefficient against the soil
+    penalty      [1/m] p_f in ε_N = p_f E A
+    tangential   [-] ε_T / ε_N
+    pull         line that drags the body
+    """
+
+    geometry: Path
+    density: float
+    name: str = "body"
+    parameters: dict[str, float] = field(default_factory=dict)
+    position: Vector | None = None
+    rotation: tuple[float, float, float, float] | None = None
+    rest_on: float | None = None
+    velocity: Vector = (0.0, 0.0, 0.0)
+    spin: Vector = (0.0, 0.0, 0.0)
+    held: tuple[Freedom, ...] = ()
+    friction: float = 0.0
+    penalty: float = 50.0
+    tangential: float = 0.5
+    pull: Pull | None = None
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A stretch of time.
+
+    steps   [-] outer steps
+    step    [s] of each; None: time.step
+    pull    whether pull lines act
+    held    components of all bodies that stay as they are in this stage, as if guided while put in place
+    """
+
+    name: str
+    steps: int
+    step: float | None = None
+    pull: bool = True
+    held: tuple[Freedom, ...] = ()
+
+
+@dataclass(frozen=True)
+class Time:
+    """Newmark's scheme.
+
+    step          [s] outer step
+    beta, gamma   [-] (1/4, 1/2) conserves energy; unconditionally stable for beta >= gamma/2 >= 1/4
+    inertia       False: quasi-static, no inertia of soil or body
+    smallest      [s] increment below which a run stops; None: a 64th of the outer step
+    """
+
+    step: float
+    beta: float = 0.25
+    gamma: float = 0.5
+    inertia: bool = True
+    smallest: float | None = None
+
+
+@dataclass(frozen=True)
+class Solver:
+    """Newton's method and the linear systems inside it.
+
+    tolerance          [-] of the residual, relative to the forces acting
+    iterations         [-] of Newton before an increment is rejected and halved
+    linear             preconditioned Krylov method, or a direct solver
+    linear_tolerance   [-] relative, of the Krylov method
+    line_search        shorten a Newton update that does not reduce the residual
+    """
+
+    tolerance: float = 1e-6
+    iterations: int = 15
+    linear: Literal["krylov", "direct"] = "krylov"
+    linear_tolerance: float = 1e-4
+    line_search: bool = True
+
+
+@dataclass(frozen=True)
+class Output:
+    """What is written, counted in outer steps.
+
+    every        between two VTK frames; 0: none
+    pictures     steps of the last stage, from 1, to draw a picture of; any beyond its last are ignored
+    checkpoint   between two checkpoints; 0: none
+    """
+
+    every: int = 5
+    pictures: tuple[int, ...] = ()
+    checkpoint: int = 10
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scene:
+    """Everything a run needs; `gravity` in [m/s²]. In a file `bodies` is [[body]] and `stages` [[stage]]."""
+
+    name: str
+    grid: Grid
+    soil: Soil
+    bodies: tuple[Body, ...] = field(default=(), metadata={"key": "body"})
+    time: Time
+    stages: tuple[Stage, ...] = field(metadata={"key": "stage"})
+    gravity: Vector = (0.0, 0.0, -9.81)
+    solver: Solver = Solver()
+    output: Output = Output()

@@ -1,0 +1,242 @@
+"""Ranges of a scene's values: a generator of faults per dataclass, each with value, limit and remedy."""
+
+from math import prod
+
+
+def faults(scene):
+    """Texts of everything out of range in a Scene whose values already have their declared types."""
+    yield from _name("name", scene.name)
+    for name in "xyz":
+        yield from _axis(f"grid.{name}", getattr(scene.grid, name))
+    collapsed = [name for name in "xyz" if getattr(scene.grid, name).collapsed]
+    yield from _need(len(collapsed) < 3, "grid", ", ".join(collapsed) + " collapsed",
+                     "one axis at least uncollapsed", "set collapsed = false where the soil deforms")
+    yield from _soil("soil", scene.soil, scene.grid)
+    yield from _material("soil.material", scene.soil.material)
+    for i, body in enumerate(scene.bodies):
+        yield from _body(f"body.{i}", body, scene.time.inertia)
+    yield from _time("time", scene.time)
+    yield from _need(scene.stages, "stage", "none", "at least one", "add a [[stage]] with a name and steps")
+    for i, stage in enumerate(scene.stages):
+        yield from _stage(f"stage.{i}", stage, scene.time)
+    yield from _distinct("body", scene.bodies)
+    yield from _distinct("stage", scene.stages)
+    yield from _solver("solver", scene.solver)
+    yield from _output("output", scene.output)
+
+
+def _need(ok, key, value, limit, remedy):
+    """Nothing when `ok`, else the one fault."""
+    return [] if ok else [f"{key} = {_shown(value)}: must be {limit}; {remedy}"]
+
+
+def _shown(value):
+    if isinstance(value, (tuple, list)):
+        return "[" + ", ".join(map(_shown, value)) + "]"
+    return f"{value:.10g}" if isinstance(value, float) else str(value)
+
+
+def _name(key, name):
+    # Names become folders and files of the output.
+    plain = name.strip() == name != "" and name not in (".", "..") and not set(name) & set("/\\\0\n")
+    return _need(plain, key, repr(name), "a plain file name", "use letters, digits, - and _")
+
+
+def _distinct(key, items):
+    names = [item.name for item in items]
+    for i, name in enumerate(names):
+        yield from _need(name not in names[:i], f"{key}.{i}.name", repr(name),
+                         "different from the other names", f"name every [[{key}]]; output is labelled by it")
+
+
+# ------------------------------------------------------------------ grid and soil
+
+
+def _axis(key, axis):
+    kinds = [name for name, given in (("nodes", axis.nodes is not None), ("fine", axis.fine is not None),
+                                      ("collapsed", axis.collapsed)) if given]
+    if len(kinds) > 1:
+        yield f"{key}: {' and '.join(kinds)} exclude each other; keep one of them"
+        return
+    if axis.nodes is not None:
+        yield from _nodes(key, axis)
+        return
+    absent = [name for name in ("start", "end", "size") if getattr(axis, name) is None]
+    if axis.collapsed and "size" in absent:
+        absent.remove("size")
+    if absent:
+        yield f"{key}: missing {', '.join(absent)}; give start, end and size [m], or nodes"
+        return
+    yield from _need(axis.start < axis.end, f"{key}.end", axis.end, f"above start = {_shown(axis.start)}",
+                     "swap the two or widen the grid")
+    yield from _need(1 < axis.growth <= 2, f"{key}.growth", axis.growth, "in (1, 2]",
+                     "1.3 grows cells by 30 % each; leave out `fine` for a uniform axis")
+    if not axis.collapsed and axis.start < axis.end:
+        yield from _cells(key, axis)
+
+
+def _nodes(key, axis):
+    rising = len(axis.nodes) >= 2 and all(a < b for a, b in zip(axis.nodes, axis.nodes[1:]))
+    yield from _need(rising, f"{key}.nodes", axis.nodes, "two or more increasing coordinates", "sort them")
+    if rising:
+        for name, node in (("start", axis.nodes[0]), ("end", axis.nodes[-1])):
+            yield from _need(getattr(axis, name) == node, f"{key}.{name}", getattr(axis, name),
+                             f"that of nodes, {_shown(node)}", "leave it out: nodes give the extent")
+
+
+def _cells(key, axis):
+    length = axis.end - axis.start
+    fits = 0 < axis.size <= length * (1 + 1e-9)
+    yield from _need(fits, f"{key}.size", axis.size, f"positive and at most end - start = {_shown(length)}",
+                     "choose a smaller cell size [m]")
+    if axis.fine is not None:
+        low, high = axis.fine
+        yield from _need(axis.start <= low < high <= axis.end, f"{key}.fine", axis.fine,
+                         f"(low, high) inside [start, end] = {_shown((axis.start, axis.end))}",
+                         "narrow it or widen the grid")
+
+
+def _soil(key, soil, grid):
+    axes = (grid.x, grid.y, grid.z)
+    if any(axis.start is None or axis.end is None for axis in axes):
+        return  # the grid's own fault, found already
+    start, end = tuple(a.start for a in axes), tuple(a.end for a in axes)
+    top = end[2] if soil.top is None else soil.top
+    yield from _need(start[2] < top <= end[2], f"{key}.top", top,
+                     f"above {_shown(start[2])} and at most {_shown(end[2])}, the ends of the grid",
+                     "leave room above the surface for heave by raising grid.z.end")
+    lower, upper = soil.lower or start, soil.upper or (*end[:2], top)
+    given = [name for name in ("lower", "upper") if getattr(soil, name) is not None]
+    for name in given:
+        corner = getattr(soil, name)
+        yield from _need(all(s <= c <= e for s, c, e in zip(start, corner, end)), f"{key}.{name}", corner,
+                         f"inside the grid, {_shown(start)} to {_shown(end)}", "move it in or widen the grid")
+    if given:
+        yield from _need(all(a < b for a, b in zip(lower, (*upper[:2], min(upper[2], top)))),
+                         f"{key}.lower", lower,
+                         f"below upper = {_shown(upper)} and top = {_shown(top)} along each axis",
+                         "swap the corners")
+    per_axis = soil.points_per_axis
+    counts = per_axis if isinstance(per_axis, tuple) else (per_axis,) * 3
+    yield from _need(all(1 <= n <= 10 for n in counts), f"{key}.points_per_axis", per_axis, "from 1 to 10",
+                     f"2 is usual; this asks for {prod(counts)} points per cell")
+    if soil.k0 is not None:
+        yield from _need(soil.k0 > 0, f"{key}.k0", soil.k0, "positive", "leave it out for the material's own")
+
+
+def _material(key, material):
+    m = material
+    plastic = m.law == "drucker-prager"
+    if m.relative_density is None:
+        needed = ["poisson", "density"] + plastic * ["friction_angle", "dilation_angle", "cohesion"]
+        needed += ["young"] if m.reference_young is None else ["stiffness_exponent"]
+        absent = [name for name in needed if getattr(m, name) is None]
+        if absent:
+            yield (f"{key}: missing {', '.join(absent)} for law {m.law!r}; "
+                   "give them, or relative_density [%] for the sand preset")
+    limits = {
+        "relative_density": (lambda v: 0 < v <= 100, "in (0, 100] %", "38 is a loose sand"),
+        "young": (lambda v: v > 0, "positive", "in Pa: 20e6 is 20 MPa"),
+        "reference_young": (lambda v: v > 0, "positive", "in Pa: 20e6 is 20 MPa"),
+        "stiffness_exponent": (lambda v: 0 <= v <= 1, "from 0 to 1", "0 is one stiffness at all depths"),
+        "poisson": (lambda v: -1 < v < 0.5, "above -1 and below 0.5", "0.49 is nearly incompressible"),
+        "density": (lambda v: v > 0, "positive", "in kg/m³: 1600 is a dry sand"),
+        "friction_angle": (lambda v: 0 <= v < 90, "from 0 to below 90 degrees", "32.75 is a loose sand"),
+        "dilation_angle": (lambda v: 0 <= v < 90, "from 0 to below 90 degrees", "0 keeps the volume"),
+        "cohesion": (lambda v: v >= 0, "at least 0 Pa", "300 is nearly cohesionless"),
+    }
+    for name, (holds, limit, remedy) in limits.items():
+        value = getattr(m, name)
+        yield from _need(value is None or holds(value), f"{key}.{name}", value, limit, remedy)
+    if m.young is not None and m.reference_young is not None:
+        yield f"{key}: young and reference_young exclude each other; keep young for one constant stiffness"
+    if plastic and m.friction_angle is not None:
+        yield from _need((m.dilation_angle or 0) <= m.friction_angle,
+                         f"{key}.dilation_angle", m.dilation_angle,
+                         f"at most friction_angle = {_shown(m.friction_angle)}",
+                         "equal angles are associated flow")
+        yield from _need(m.friction_angle > 0 or m.cohesion != 0, f"{key}.cohesion", m.cohesion,
+                         "positive when friction_angle = 0", "the soil has no strength otherwise")
+
+
+# ------------------------------------------------------------------ bodies
+
+
+def _body(key, body, inertia):
+    yield from _name(f"{key}.name", body.name)
+    yield from _need(body.geometry.is_file(), f"{key}.geometry", body.geometry, "an existing file",
+                     "the path is relative to the scene file, or to the working folder from Python")
+    yield from _need(body.density > 0, f"{key}.density", body.density, "positive", "in kg/m³: 7850 is steel")
+    yield from _need(body.friction >= 0, f"{key}.friction", body.friction, "at least 0",
+                     "0.45 is steel on sand")
+    yield from _need(body.penalty > 0, f"{key}.penalty", body.penalty, "positive", "50 is usual, in 1/m")
+    yield from _need(body.tangential > 0, f"{key}.tangential", body.tangential, "positive", "0.5 is usual")
+    if body.rotation is not None:
+        yield from _need(any(body.rotation[:3]), f"{key}.rotation", body.rotation, "an axis other than zero",
+                         "write [ax, ay, az, degrees], such as [0, 1, 0, 30]")
+    for name, freedoms, motion in (("velocity", ("x", "y", "z"), body.velocity),
+                                   ("spin", ("rx", "ry", "rz"), body.spin)):
+        yield from _need(inertia or not any(motion), f"{key}.{name}", motion, "zero in a quasi-static scene",
+                         "set time.inertia = true")
+        # The spin is given along body axes, held rotations are spatial: comparable in an unturned body only.
+        if name == "velocity" or body.rotation is None:
+            against = [f for f, v in zip(freedoms, motion) if v and f in body.held]
+            yield from _need(not against, f"{key}.{name}", motion, f"zero along held {', '.join(against)}",
+                             "release that freedom or start it at rest")
+    if body.pull is not None:
+        yield from _pull(f"{key}.pull", body.pull)
+
+
+def _pull(key, pull):
+    yield from _need(pull.stiffness > 0, f"{key}.stiffness", pull.stiffness, "positive",
+                     "in N/m, for example 1e6")
+    yield from _need(pull.length > 0, f"{key}.length", pull.length, "positive", "in m, for example 10")
+    if pull.direction is None:
+        yield from _need(any(pull.velocity), f"{key}.velocity", pull.velocity,
+                         "other than zero without a direction",
+                         "give direction for a line whose far end stands still")
+    else:
+        yield from _need(any(pull.direction), f"{key}.direction", pull.direction, "other than zero",
+                         "leave it out for the direction of velocity")
+
+
+# ------------------------------------------------------------------ time, solver, output
+
+
+def _time(key, time):
+    yield from _need(time.step > 0, f"{key}.step", time.step, "positive", "in s, for example 0.04")
+    yield from _need(0.5 <= time.gamma <= 1, f"{key}.gamma", time.gamma, "from 0.5 to 1",
+                     "less than 0.5 grows without bound; 0.5 has no numerical damping")
+    yield from _need(time.beta >= time.gamma / 2, f"{key}.beta", time.beta,
+                     f"at least gamma/2 = {_shown(time.gamma / 2)}", "(0.25, 0.5) and (0.5625, 1) are stable")
+    if time.smallest is not None:
+        yield from _need(0 < time.smallest <= time.step, f"{key}.smallest", time.smallest,
+                         f"above 0 and at most step = {_shown(time.step)}", "leave it out for step/64")
+
+
+def _stage(key, stage, time):
+    yield from _name(f"{key}.name", stage.name)
+    yield from _need(stage.steps >= 1, f"{key}.steps", stage.steps, "at least 1",
+                     "remove the stage to leave it out")
+    if stage.step is not None:
+        smallest = 0.0 if time.smallest is None else time.smallest
+        yield from _need(stage.step > 0 and stage.step >= smallest, f"{key}.step", stage.step,
+                         f"positive and at least time.smallest = {_shown(smallest)}",
+                         "leave it out for time.step")
+
+
+def _solver(key, solver):
+    for name in ("tolerance", "linear_tolerance"):
+        value = getattr(solver, name)
+        yield from _need(1e-14 <= value < 1, f"{key}.{name}", value, "from 1e-14 to below 1",
+                         "1e-6 for Newton and 1e-4 for the linear solver are usual")
+    yield from _need(solver.iterations >= 1, f"{key}.iterations", solver.iterations, "at least 1",
+                     "15 is usual")
+
+
+def _output(key, output):
+    for name in ("every", "checkpoint"):
+        value = getattr(output, name)
+        yield from _need(value >= 0, f"{key}.{name}", value, "at least 0", "0 writes none")
+    yield from _need(all(step >= 1 for step in output.pictures), f"{key}.pictures", output.pictures,
+                     "steps of the last stage, from 1", "leave out step 0")

@@ -1,0 +1,80 @@
+"""The model sheet: what a scene models, what it leaves out, and how large it is."""
+
+import numpy as np
+
+from hybrid.system.pattern import make_pattern
+
+BYTES_PER_POINT = 1200  # history, constants, trial buffers and contact history of one point
+BYTES_PER_ENTRY = 24    # of the soil block: value and index, the same again for the incomplete factor
+
+
+def model_sheet(scene, model):
+    """Sections {title: {label: value}} for `hybrid check` and summary.json."""
+    soil = model.soil
+    pattern = _pattern(soil)
+    body_unknowns = int(np.count_nonzero(model.body_free))
+    entries = len(pattern.indices)
+    memory = BYTES_PER_POINT * len(soil.constants) + BYTES_PER_ENTRY * entries + 400e6
+    cells = [max(1, n - 1) for n in soil.grid.shape]
+    modelled = {
+        "grid cells": " x ".join(map(str, cells)),
+        "smallest cell [m]": soil.grid.smallest_cell,
+        "material points": len(soil.constants),
+        "soil unknowns": pattern.size,
+        "body unknowns": body_unknowns,
+        "entries of the soil block": entries,
+        "bodies": [f"{b.name}: {len(b.surface.triangles)} contact triangles, {b.mass.mass:.6g} kg, "
+                   f"{np.count_nonzero(b.free)} free components" for b in model.bodies] or "none",
+        "soil law": scene.soil.material.law if not soil.held else "none, the soil is held",
+        "basis": scene.soil.basis if not soil.held else "none, the soil is held",
+        "steps": " + ".join(f"{s.steps} {s.name}" for s in scene.stages),
+        "memory, estimated [MiB]": round(memory / 2**20),
+    }
+    return {"modelled": modelled, "left out": left_out(scene, model)}
+
+
+def _pattern(soil):
+    """Pattern of the first step: nodes that a point of the initial lattice can see."""
+    if soil.held:
+        return make_pattern(np.zeros(soil.grid.node_count, bool), soil.grid.fixed, soil.grid.shape)
+    active = np.ones(soil.grid.shape, bool)
+    for axis, nodes in enumerate(soil.grid.axes):
+        if len(nodes) == 1:
+            continue
+        x, half = soil.constants.position[:, axis], soil.constants.half[:, axis]
+        reached = (nodes >= _at_or_below(nodes, (x - half).min())) & (nodes <= _at_or_above(nodes, (x + half).max()))
+        active &= reached.reshape([-1 if a == axis else 1 for a in range(3)])
+    return make_pattern(active.ravel(), soil.grid.fixed, soil.grid.shape)
+
+
+def _at_or_below(nodes, x):
+    return nodes[np.searchsorted(nodes, x + 1e-9, side="right") - 1]
+
+
+def _at_or_above(nodes, x):
+    return nodes[np.searchsorted(nodes, x - 1e-9, side="left")]
+
+
+def left_out(scene, model):
+    """What this scene does not pay for."""
+    soil, out = model.soil, []
+    if soil.held:
+        out.append("soil unknowns, stresses and transfers: the soil is held still")
+    else:
+        empty = soil.grid.node_count - np.count_nonzero(soil.grid.fixed.all(axis=1))
+        out.append(f"nodes of empty cells and held components: {3 * soil.grid.node_count} components in all, "
+                   f"{3 * empty} at nodes that are not fully held")
+    if not model.newmark.inertia:
+        out.append("inertia: the scene is quasi-static")
+    for axis, collapsed in zip("xyz", soil.grid.collapsed):
+        if collapsed:
+            out.append(f"motion along {axis}: that axis is collapsed")
+    for body in model.bodies:
+        if body.friction == 0.0:
+            out.append(f"friction of {body.name}: its coefficient is 0")
+        if not body.free.all():
+            out.append(f"held components of {body.name}: {', '.join(np.array(['x', 'y', 'z', 'rx', 'ry', 'rz'])[~body.free])}")
+    if scene.soil.material.law == "hencky" and not soil.held:
+        out.append("plasticity: the soil is elastic")
+    out.append("reassembly of the bodies' mass: it turns with them")
+    return out

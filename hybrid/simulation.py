@@ -1,0 +1,106 @@
+"""A run: stages of outer steps over a model and its state, told to observers."""
+
+import numpy as np
+
+from hybrid import timing
+from hybrid.body.attitude import quaternion
+from hybrid.errors import HybridError
+from hybrid.output.record import BodyRecord, Record
+from hybrid.sheet import model_sheet
+from hybrid.stepping import newton
+from hybrid.stepping.energy import balance_error, energies
+from hybrid.stepping.loop import Control, outer_step
+from hybrid.system.cache import Systems
+
+
+class Simulation:
+    """Scene, model and committed state, with what observers ask for; made by `hybrid.build.build`."""
+
+    def __init__(self, scene, model, state, meshes):
+        self.scene, self.model, self.state, self.meshes = scene, model, state, meshes
+        self.initial_bodies = list(state.bodies)
+        self.initial_position = model.soil.constants.position
+        self.initial_half = model.soil.constants.half
+        self.surfaces = [b.surface for b in model.bodies]
+        self.body_names = [b.name for b in model.bodies]
+        self.masses = [b.mass for b in model.bodies]
+        self.evaluation = None
+        self._start_energy = energies(model, state)
+
+    @property
+    def total_steps(self):
+        """Outer steps of all stages."""
+        return sum(stage.steps for stage in self.scene.stages)
+
+    def sheet(self):
+        """What is modelled and what is left out, with sizes: {section: {label: value}}."""
+        return model_sheet(self.scene, self.model)
+
+    def contact_forces(self, b):
+        """Force of the soil on each surface vertex of body b at the last accepted step, (V, 3) [N]."""
+        forces = np.zeros((len(self.surfaces[b].vertices), 3))
+        if self.evaluation is not None:
+            touch = self.evaluation.touches[b]
+            vertices = self.surfaces[b].triangles[touch.triangle]
+            np.add.at(forces, vertices, touch.weights[:, :, None] * touch.force[:, None])
+        return forces
+
+    def run(self, observers=()):
+        """Run the steps that are left; returns the summary dict that observers get too.
+
+        Observers are told of the end however it comes: completed, failed (StepError is raised again) or interrupted.
+        """
+        summary = {"outcome": "completed", "reason": ""}
+        for observer in observers:
+            observer.start(self)
+        try:
+            for record in self.steps():
+                for observer in observers:
+                    observer.accepted(record, self)
+        except KeyboardInterrupt:
+            summary.update(outcome="interrupted", reason="stopped from the keyboard; continue with --resume")
+            raise
+        except HybridError as error:
+            summary.update(outcome="failed", reason=str(error))
+            raise
+        except BaseException as error:
+            summary.update(outcome="failed", reason=f"{type(error).__name__}: {error}")
+            raise
+        finally:
+            for observer in observers:
+                observer.finish(summary, self)
+        return summary
+
+    def steps(self):
+        """Generator of a Record per accepted outer step, from the present state to the end of the last stage."""
+        scene = self.scene
+        settings = newton.Settings(scene.solver.tolerance, scene.solver.iterations, scene.solver.line_search)
+        first = 0
+        for stage in scene.stages:
+            length = stage.step or scene.time.step
+            control = Control(length, scene.time.smallest or length / 64)
+            model = self.model.with_held(stage.held)
+            systems = Systems(model)
+            for stage_step in range(max(1, self.state.step - first + 1), stage.steps + 1):
+                self.state, report = outer_step(
+                    model, systems, self.state, length, stage.pull, control, settings)
+                self.evaluation = report.evaluation
+                yield self._record(stage.name, stage_step, report)
+            first += stage.steps
+
+    def _record(self, stage, stage_step, report):
+        state, evaluation = self.state, report.evaluation
+        with timing.phase("energy"):
+            energy = energies(self.model, state, evaluation)
+            energy["error"] = balance_error(energy, self._start_energy)
+        bodies = []
+        for name, motion, trial, touch in zip(
+                self.body_names, state.bodies, evaluation.body_trials, evaluation.touches):
+            bodies.append(BodyRecord(
+                name, motion.position, quaternion(motion.rotation), motion.velocity, motion.spin,
+                touch.force.sum(axis=0), np.cross(touch.arm, touch.force).sum(axis=0), trial.tension))
+        return Record(
+            step=state.step, stage=stage, stage_step=stage_step, time=state.time, dt=report.dt,
+            increments=report.increments, iterations=report.iterations, rejections=report.rejections,
+            residual=evaluation.error, contacts=sum(len(t) for t in evaluation.touches), seconds=timing.collect(),
+            energies=energy, bodies=bodies)

@@ -1,0 +1,1 @@
+"""Soil as material points on a background grid: grid, basis, points, transfer, kinematics, forces."""

@@ -1,0 +1,61 @@
+"""Domains of the points: boxes along the axes whose half-widths follow the deformation.
+
+    none      l = l0
+    stretch   l = l0 U_ii,  U the right stretch of F = R U
+    diagonal  l = l0 F_ii
+
+A domain is kept no wider than the cell that holds its centre (so three nodes an axis suffice) and inside the grid.
+"""
+
+import numpy as np
+from numba import njit, prange
+
+from hybrid.soil.basis import find_cell
+from hybrid.soil.kinematics import eigen_symmetric
+
+UPDATES = {"none": 0, "stretch": 1, "diagonal": 2}
+THINNEST = 1e-3  # of the initial half-width: keeps the basis well defined for a squashed point
+
+
+def updated_half(rule, initial_half, deformation, position, axes):
+    """Half-widths (n, 3) [m] from the initial ones, F (n, 3, 3) and positions (n, 3) [m]."""
+    half = initial_half * _stretches(UPDATES[rule], deformation)
+    np.maximum(half, THINNEST * initial_half, out=half)
+    for axis, nodes in enumerate(axes):
+        if len(nodes) > 1:
+            _cap(position[:, axis], nodes, half, axis)
+        else:
+            half[:, axis] = initial_half[:, axis]
+    return half
+
+
+@njit(cache=True, parallel=True)
+def _stretches(rule, deformation):
+    out = np.ones((len(deformation), 3))
+    if rule == 0:
+        return out
+    chunk = 256
+    for block in prange((len(deformation) + chunk - 1) // chunk):
+        c, n = np.empty((3, 3)), np.empty((3, 3))
+        for p in range(block * chunk, min(len(deformation), (block + 1) * chunk)):
+            F = deformation[p]
+            if rule == 2:
+                for i in range(3):
+                    out[p, i] = abs(F[i, i])
+                continue
+            for i in range(3):
+                for j in range(3):
+                    c[i, j] = F[0, i] * F[0, j] + F[1, i] * F[1, j] + F[2, i] * F[2, j]
+            eigen_symmetric(c, n)
+            for i in range(3):
+                out[p, i] = (np.sqrt(max(c[0, 0], 0.0)) * n[i, 0] ** 2 + np.sqrt(max(c[1, 1], 0.0)) * n[i, 1] ** 2
+                             + np.sqrt(max(c[2, 2], 0.0)) * n[i, 2] ** 2)
+    return out
+
+
+@njit(cache=True, parallel=True)
+def _cap(x, nodes, half, axis):
+    for p in prange(len(x)):
+        cell = find_cell(x[p], nodes)
+        room = min(x[p] - nodes[0], nodes[-1] - x[p])
+        half[p, axis] = min(half[p, axis], 0.5 * (nodes[cell + 1] - nodes[cell]), max(room, 0.0))

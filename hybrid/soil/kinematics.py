@@ -1,0 +1,162 @@
+"""Deformation of the points during a step, and what follows from it on acceptance.
+
+    ΔF = I + Σ_v Δu_v ⊗ ∇_n S_v      b_trial = ΔF b_e ΔF^T      ε = ½ ln b_trial = Σ ε_i n_i ⊗ n_i
+
+Principal values are found by Jacobi rotations: exact for repeated values, where closed formulas lose digits.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit, prange
+
+IDENTITY = np.eye(3)
+
+
+@dataclass(frozen=True)
+class TrialStrain:
+    """Trial kinematics of all points.
+
+    increment: (n, 3, 3) ΔF; inverse: (n, 3, 3) ΔF^-1; strain: (n, 3) principal logarithmic trial strain;
+    directions: (n, 3, 3) eigenvectors as columns; inverted: number of points with det ΔF <= 0.
+    """
+
+    increment: np.ndarray
+    inverse: np.ndarray
+    strain: np.ndarray
+    directions: np.ndarray
+    inverted: int
+
+
+class Kinematics:
+    """Evaluates trial strains into buffers it keeps, so that no memory is touched for the first time in a step."""
+
+    def __init__(self, n):
+        self._increment, self._inverse, self._directions = (np.empty((n, 3, 3)) for _ in range(3))
+        self._strain = np.empty((n, 3))
+        self._inverted = np.zeros(n, bool)
+
+    def __call__(self, basis, shape, displacement, elastic):
+        """TrialStrain from nodal increments (N, 3) [m] and committed b_e (n, 3, 3)."""
+        _trial_strain(basis.first, basis.count, basis.value, basis.slope, shape[1], shape[2], displacement, elastic,
+                      self._increment, self._inverse, self._strain, self._directions, self._inverted)
+        return TrialStrain(self._increment, self._inverse, self._strain, self._directions,
+                           int(np.count_nonzero(self._inverted)))
+
+
+@njit(cache=True)
+def invert(a, out):
+    """Inverse of a 3x3 matrix into `out`; returns the determinant."""
+    c00 = a[1, 1] * a[2, 2] - a[1, 2] * a[2, 1]
+    c01 = a[1, 2] * a[2, 0] - a[1, 0] * a[2, 2]
+    c02 = a[1, 0] * a[2, 1] - a[1, 1] * a[2, 0]
+    det = a[0, 0] * c00 + a[0, 1] * c01 + a[0, 2] * c02
+    out[0, 0], out[1, 0], out[2, 0] = c00 / det, c01 / det, c02 / det
+    out[0, 1] = (a[0, 2] * a[2, 1] - a[0, 1] * a[2, 2]) / det
+    out[1, 1] = (a[0, 0] * a[2, 2] - a[0, 2] * a[2, 0]) / det
+    out[2, 1] = (a[0, 1] * a[2, 0] - a[0, 0] * a[2, 1]) / det
+    out[0, 2] = (a[0, 1] * a[1, 2] - a[0, 2] * a[1, 1]) / det
+    out[1, 2] = (a[0, 2] * a[1, 0] - a[0, 0] * a[1, 2]) / det
+    out[2, 2] = (a[0, 0] * a[1, 1] - a[0, 1] * a[1, 0]) / det
+    return det
+
+
+@njit(cache=True)
+def eigen_symmetric(a, vectors):
+    """Eigenvalues of a symmetric 3x3 matrix, left on the diagonal of `a`; eigenvectors as columns of `vectors`."""
+    vectors[:] = 0.0
+    for i in range(3):
+        vectors[i, i] = 1.0
+    for _sweep in range(30):
+        off = abs(a[0, 1]) + abs(a[0, 2]) + abs(a[1, 2])
+        if off <= 1e-16 * (abs(a[0, 0]) + abs(a[1, 1]) + abs(a[2, 2])):
+            return
+        for p in range(2):
+            for q in range(p + 1, 3):
+                if a[p, q] != 0.0:
+                    _rotate(a, vectors, p, q)
+
+
+@njit(cache=True)
+def _rotate(a, vectors, p, q):
+    theta = 0.5 * (a[q, q] - a[p, p]) / a[p, q]
+    t = (1.0 if theta >= 0 else -1.0) / (abs(theta) + np.sqrt(theta * theta + 1.0))
+    c = 1.0 / np.sqrt(t * t + 1.0)
+    s = t * c
+    r = 3 - p - q
+    apq, arp, arq = a[p, q], a[r, p], a[r, q]
+    a[p, p] -= t * apq
+    a[q, q] += t * apq
+    a[p, q] = a[q, p] = 0.0
+    a[r, p] = a[p, r] = c * arp - s * arq
+    a[r, q] = a[q, r] = s * arp + c * arq
+    for i in range(3):
+        vip, viq = vectors[i, p], vectors[i, q]
+        vectors[i, p], vectors[i, q] = c * vip - s * viq, s * vip + c * viq
+
+
+@njit(cache=True, parallel=True)
+def _trial_strain(first, count, value, slope, ny, nz, u, elastic, increment, inverse, strain, directions, inverted):
+    n = len(first)
+    chunk = 256
+    for block in prange((n + chunk - 1) // chunk):
+        b, half = np.empty((3, 3)), np.empty((3, 3))
+        for p in range(block * chunk, min(n, (block + 1) * chunk)):
+            F = increment[p]
+            _gradient(p, first, count, value, slope, ny, nz, u, F)
+            for i in range(3):
+                F[i, i] += 1.0
+            inverted[p] = not invert(F, inverse[p]) > 0.0
+            _product(F, elastic[p], half)
+            _product_transposed(half, F, b)
+            eigen_symmetric(b, directions[p])
+            for i in range(3):
+                strain[p, i] = 0.5 * np.log(max(b[i, i], 1e-300))
+
+
+@njit(cache=True)
+def _gradient(p, first, count, value, slope, ny, nz, u, out):
+    """Σ_v u_v ⊗ ∇S_v at one point."""
+    out[:] = 0.0
+    for a in range(count[p, 0]):
+        for b in range(count[p, 1]):
+            for c in range(count[p, 2]):
+                v = ((first[p, 0] + a) * ny + first[p, 1] + b) * nz + first[p, 2] + c
+                g0 = slope[p, 0, a] * value[p, 1, b] * value[p, 2, c]
+                g1 = value[p, 0, a] * slope[p, 1, b] * value[p, 2, c]
+                g2 = value[p, 0, a] * value[p, 1, b] * slope[p, 2, c]
+                for i in range(3):
+                    out[i, 0] += u[v, i] * g0
+                    out[i, 1] += u[v, i] * g1
+                    out[i, 2] += u[v, i] * g2
+
+
+@njit(cache=True)
+def _product(a, b, out):
+    for i in range(3):
+        for j in range(3):
+            out[i, j] = a[i, 0] * b[0, j] + a[i, 1] * b[1, j] + a[i, 2] * b[2, j]
+
+
+@njit(cache=True)
+def _product_transposed(a, b, out):
+    for i in range(3):
+        for j in range(3):
+            out[i, j] = a[i, 0] * b[j, 0] + a[i, 1] * b[j, 1] + a[i, 2] * b[j, 2]
+
+
+def from_principal(values, directions):
+    """Tensors Σ values_i n_i ⊗ n_i, (n, 3) and (n, 3, 3) to (n, 3, 3)."""
+    out = np.empty_like(directions)
+    _from_principal(values, directions, out)
+    return out
+
+
+@njit(cache=True, parallel=True)
+def _from_principal(values, directions, out):
+    for p in prange(len(values)):
+        n = directions[p]
+        for i in range(3):
+            for j in range(3):
+                out[p, i, j] = (values[p, 0] * n[i, 0] * n[j, 0] + values[p, 1] * n[i, 1] * n[j, 1]
+                                + values[p, 2] * n[i, 2] * n[j, 2])

@@ -1,0 +1,123 @@
+"""The soil as one part of a step: begun from committed points, evaluated at trial displacements, accepted.
+
+    begin     basis, slabs, lumped mass, projected velocity and acceleration       (once a step)
+    evaluate  trial strain -> law -> internal force                                (every residual)
+    stiffness consistent tangent added into the sparse soil block                  (every Newton iteration)
+    accept    new Points from the converged increments                             (once a step)
+
+Soil whose displacements are all held is never evaluated: its points only lend their corners to contact.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hybrid.soil import transfer
+from hybrid.soil.basis import Basis, evaluate_basis
+from hybrid.soil.domains import updated_half
+from hybrid.soil.forces import add_stiffness, internal_force
+from hybrid.soil.grid import Grid
+from hybrid.soil.kinematics import Kinematics, TrialStrain, from_principal
+from hybrid.soil.points import PointConstants
+from hybrid.soil.slabs import Slabs, make_slabs
+from hybrid.state import Points
+
+
+@dataclass(frozen=True)
+class SoilTrial:
+    """Soil at trial displacements: strains, law's response and internal force (N, 3) [N]."""
+
+    strain: TrialStrain
+    response: object
+    stress: np.ndarray
+    force: np.ndarray
+
+
+@dataclass(frozen=True)
+class SoilStep:
+    """What is frozen during a step: basis, slabs, nodal mass (N,) [kg], velocity, acceleration (N, 3), weight (N, 3)."""
+
+    points: Points
+    basis: Basis
+    slabs: Slabs
+    mass: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    weight: np.ndarray
+
+    @property
+    def active(self):
+        """(N,) bool, nodes that carry mass."""
+        return self.mass > 0
+
+
+class Soil:
+    """Model of the soil: grid, points' constants, law, choice of basis ("gimp" | "mpm") and of domain update."""
+
+    def __init__(self, grid: Grid, constants: PointConstants, law, basis="gimp", domain="stretch", held=False,
+                 inertia=True):
+        self.grid, self.constants, self.law = grid, constants, law
+        self.basis, self.domain, self.held, self.inertia = basis, domain, held, inertia
+        self._kinematics = Kinematics(0 if held else len(constants))
+
+    def begin(self, points, gravity):
+        """SoilStep for committed `points` under `gravity` (3,) [m/s²]. Raises StepError when a point left the grid."""
+        half = points.half if self.basis == "gimp" else np.zeros_like(points.half)
+        basis = evaluate_basis(points.position, half, self.grid.axes)
+        slabs = make_slabs(basis.first, self.grid.shape)
+        mass, velocity, acceleration = transfer.project(
+            basis, slabs, self.grid.shape, self.constants.mass, points.velocity, points.acceleration)
+        for field in (velocity, acceleration):
+            field[self.grid.fixed] = 0.0
+        return SoilStep(points, basis, slabs, mass, velocity, acceleration, mass[:, None] * gravity)
+
+    def evaluate(self, step, displacement, tangent):
+        """SoilTrial at nodal increments (N, 3) [m], or None when a point would turn inside out."""
+        strain = self._kinematics(step.basis, self.grid.shape, displacement, step.points.elastic)
+        if strain.inverted:
+            return None
+        response = self.law.respond(strain.strain, tangent)
+        stress = from_principal(response.stress, strain.directions)
+        force = internal_force(step.basis, step.slabs, self.grid.shape, strain, stress, self.constants.volume)
+        return SoilTrial(strain, response, stress, force)
+
+    def add_stiffness(self, step, trial, pattern, values):
+        """Add the consistent tangent of `trial` (evaluated with tangent=True) to the soil block."""
+        add_stiffness(step.basis, step.slabs, self.grid.shape, trial.strain, trial.response.stress,
+                      trial.response.tangent, self.constants.volume, pattern, values)
+
+    def accept(self, step, trial, displacement, velocity_gain, acceleration):
+        """New Points from nodal increments of displacement, of velocity and from the new acceleration, all (N, 3)."""
+        old, shape = step.points, self.grid.shape
+        moved = transfer.interpolate(step.basis, shape, np.hstack([displacement, velocity_gain, acceleration]))
+        position = old.position + moved[:, :3]
+        deformation = trial.strain.increment @ old.deformation
+        response, directions = trial.response, trial.strain.directions
+        volume_ratio = np.linalg.det(deformation)
+        return Points(
+            position=position,
+            velocity=old.velocity + moved[:, 3:6],
+            acceleration=moved[:, 6:].copy(),
+            half=updated_half(self.domain, self.constants.half, deformation, position, self.grid.axes),
+            deformation=deformation,
+            elastic=from_principal(np.exp(2 * response.elastic), directions),
+            stress=trial.stress / volume_ratio[:, None, None],
+            plastic_strain=old.plastic_strain + plastic_increment(trial),
+        )
+
+    def plastic_work(self, trial):
+        """Work dissipated by plastic flow in the step [J]: Σ τ · Δε_p V0."""
+        flow = trial.strain.strain - trial.response.elastic
+        return float(np.sum(np.sum(trial.response.stress * flow, axis=1) * self.constants.volume))
+
+    def stored_energy(self, points):
+        """Elastic energy of committed points [J]."""
+        strain = 0.5 * np.log(np.linalg.eigvalsh(points.elastic))
+        return float(np.sum(self.law.energy(strain) * self.constants.volume))
+
+
+def plastic_increment(trial):
+    """Equivalent deviatoric plastic strain √(2/3 e:e) of the step at each point (n,)."""
+    flow = trial.strain.strain - trial.response.elastic
+    flow = flow - flow.mean(axis=1, keepdims=True)
+    return np.sqrt(2 / 3 * np.sum(flow**2, axis=1))

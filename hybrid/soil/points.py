@@ -1,0 +1,76 @@
+"""Creation of material points that tile the cells of a grid, and their geostatic stress."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hybrid.errors import SceneError
+from hybrid.state import Points
+
+
+@dataclass(frozen=True)
+class PointConstants:
+    """What a point keeps for life.
+
+    position: (n, 3) [m] and half: (n, 3) [m] at the start; volume: (n,) [m³]; mass: (n,) [kg].
+    """
+
+    position: np.ndarray
+    half: np.ndarray
+    volume: np.ndarray
+    mass: np.ndarray
+
+    def __len__(self):
+        return len(self.mass)
+
+
+def tile(grid, lower, upper, per_axis, density):
+    """Points that tile the cells between `lower` and `upper` (3,) [m], `per_axis` (3,) along each cell edge.
+
+    Raises SceneError when the box does not end on grid lines or holds no cell.
+    """
+    centres, halves = [], []
+    for axis, nodes in enumerate(grid.axes):
+        if len(nodes) == 1:
+            ends = grid.extent[axis]
+            centres.append(np.array([ends.mean()]))
+            halves.append(np.array([0.5 * (ends[1] - ends[0])]))
+            continue
+        edges = nodes[_line(nodes, lower[axis], axis):_line(nodes, upper[axis], axis) + 1]
+        if len(edges) < 2:
+            raise SceneError(f"soil: no cell between {'xyz'[axis]} = {lower[axis]:g} and {upper[axis]:g} m")
+        width = np.diff(edges) / per_axis[axis]
+        offsets = np.arange(per_axis[axis]) + 0.5
+        centres.append((edges[:-1, None] + width[:, None] * offsets).ravel())
+        halves.append(np.repeat(0.5 * width, per_axis[axis]))
+    position = np.stack([a.ravel() for a in np.meshgrid(*centres, indexing="ij")], axis=1)
+    half = np.stack([a.ravel() for a in np.meshgrid(*halves, indexing="ij")], axis=1)
+    volume = np.prod(2 * half, axis=1)
+    return PointConstants(position, half, volume, density * volume)
+
+
+def _line(nodes, x, axis):
+    nearest = int(np.argmin(np.abs(nodes - x)))
+    if abs(nodes[nearest] - x) > 1e-6 * np.diff(nodes).min():
+        raise SceneError(f"soil ends at {'xyz'[axis]} = {x:g} m, between grid lines; "
+                         f"the nearest grid line is at {nodes[nearest]:.6g} m")
+    return nearest
+
+
+def geostatic_stress(depth, unit_weight, k0):
+    """Principal stresses (n, 3) [Pa] at depths (n,) [m]: σ_zz = -γ z, σ_xx = σ_yy = K0 σ_zz."""
+    vertical = -unit_weight * depth
+    return np.stack([k0 * vertical, k0 * vertical, vertical], axis=1)
+
+
+def at_rest(constants, principal_stress, elastic_strain):
+    """Points at rest that carry principal stresses (n, 3) [Pa] along the axes with elastic strains (n, 3)."""
+    n = len(constants)
+    diagonal = np.arange(3)
+    stress, elastic = np.zeros((n, 3, 3)), np.zeros((n, 3, 3))
+    stress[:, diagonal, diagonal] = principal_stress
+    elastic[:, diagonal, diagonal] = np.exp(2 * elastic_strain)
+    return Points(
+        position=constants.position.copy(), velocity=np.zeros((n, 3)), acceleration=np.zeros((n, 3)),
+        half=constants.half.copy(), deformation=np.tile(np.eye(3), (n, 1, 1)), elastic=elastic, stress=stress,
+        plastic_strain=np.zeros(n))

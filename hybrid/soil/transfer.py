@@ -1,0 +1,61 @@
+"""Transfer between points and nodes.
+
+    m_v = Σ_p S_vp m_p      v_v = Σ_p S_vp m_p v_p / m_v      a_v likewise       (lumped mass projection)
+    q_p = Σ_v S_vp q_v                                                            (interpolation)
+
+Mass and momentum are conserved to round-off because the basis is a partition of unity.
+"""
+
+import numpy as np
+from numba import njit, prange
+
+
+def project(basis, slabs, shape, mass, velocity, acceleration):
+    """Nodal mass (N,) [kg], velocity and acceleration (N, 3) from the points; zero where no point reaches."""
+    nodes = int(np.prod(shape))
+    m, momentum, force = np.zeros(nodes), np.zeros((nodes, 3)), np.zeros((nodes, 3))
+    _project(slabs.order, slabs.start, basis.first, basis.count, basis.value, shape[1], shape[2],
+             mass, velocity, acceleration, m, momentum, force)
+    filled = m > 0
+    momentum[filled] /= m[filled, None]
+    force[filled] /= m[filled, None]
+    return m, momentum, force
+
+
+def interpolate(basis, shape, nodal):
+    """Values (n, k) at the points of nodal fields (N, k)."""
+    out = np.empty((len(basis.first), nodal.shape[1]))
+    _interpolate(basis.first, basis.count, basis.value, shape[1], shape[2], nodal, out)
+    return out
+
+
+@njit(cache=True, parallel=True)
+def _project(order, start, first, count, value, ny, nz, mass, velocity, acceleration, m, momentum, force):
+    slabs = len(start) - 1
+    for colour in range(2):
+        for half in prange((slabs - colour + 1) // 2):
+            slab = 2 * half + colour
+            for n in range(start[slab], start[slab + 1]):
+                p = order[n]
+                for a in range(count[p, 0]):
+                    for b in range(count[p, 1]):
+                        for c in range(count[p, 2]):
+                            v = ((first[p, 0] + a) * ny + first[p, 1] + b) * nz + first[p, 2] + c
+                            w = value[p, 0, a] * value[p, 1, b] * value[p, 2, c] * mass[p]
+                            m[v] += w
+                            for i in range(3):
+                                momentum[v, i] += w * velocity[p, i]
+                                force[v, i] += w * acceleration[p, i]
+
+
+@njit(cache=True, parallel=True)
+def _interpolate(first, count, value, ny, nz, nodal, out):
+    for p in prange(len(first)):
+        for i in range(nodal.shape[1]):
+            total = 0.0
+            for a in range(count[p, 0]):
+                for b in range(count[p, 1]):
+                    for c in range(count[p, 2]):
+                        v = ((first[p, 0] + a) * ny + first[p, 1] + b) * nz + first[p, 2] + c
+                        total += value[p, 0, a] * value[p, 1, b] * value[p, 2, c] * nodal[v, i]
+            out[p, i] = total

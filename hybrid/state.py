@@ -1,0 +1,85 @@
+"""What changes in time, as plain arrays, and the one function that turns a trial into history.
+
+| symbol | field                    | shape     | unit   |
+|--------|--------------------------|-----------|--------|
+| x_p    | Points.position          | (n, 3)    | m      |
+| v_p    | Points.velocity          | (n, 3)    | m/s    |
+| a_p    | Points.acceleration      | (n, 3)    | m/s²   |
+| l_p    | Points.half              | (n, 3)    | m      |
+| F      | Points.deformation       | (n, 3, 3) | -      |
+| b_e    | Points.elastic           | (n, 3, 3) | -      |
+| σ      | Points.stress (Cauchy)   | (n, 3, 3) | Pa     |
+| α      | Points.plastic_strain    | (n,)      | -      |
+| c      | BodyState.position       | (3,)      | m      |
+| R      | BodyState.rotation       | (3, 3)    | -      |
+| ċ, c̈  | velocity, acceleration   | (3,)      | m/s, m/s² |
+| W, A   | spin, spin_rate (body frame) | (3,)  | rad/s, rad/s² |
+
+A step computes a *new* State and never writes into the committed one, so a rejected step costs nothing to undo.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+
+@dataclass
+class Points:
+    """Material points: history that a step carries forward. Shapes in the module's table."""
+
+    position: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    half: np.ndarray
+    deformation: np.ndarray
+    elastic: np.ndarray
+    stress: np.ndarray
+    plastic_strain: np.ndarray
+
+    def __len__(self):
+        return len(self.position)
+
+
+@dataclass
+class ContactHistory:
+    """Corners near one body that are followed as material points from step to step.
+
+    id        (m,) increasing, 8 p + corner of point p's domain
+    position  (m, 3) [m] where the grid has carried the corner
+    touching  (m,) bool, in contact at the last accepted step
+    anchor    (m, 3) [m] body frame, where friction would be zero; meaningful while touching
+    """
+
+    id: np.ndarray
+    position: np.ndarray
+    touching: np.ndarray
+    anchor: np.ndarray
+
+    @classmethod
+    def empty(cls):
+        return cls(np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros(0, bool), np.zeros((0, 3)))
+
+
+@dataclass
+class BodyState:
+    """Motion of one rigid body; `target` is the far end of its pull line [m]."""
+
+    position: np.ndarray
+    rotation: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    spin: np.ndarray
+    spin_rate: np.ndarray
+    target: np.ndarray | None = None
+
+
+@dataclass
+class State:
+    """Everything a run needs to go on: time [s], outer step number, points, bodies, work done so far [J]."""
+
+    time: float
+    step: int
+    points: Points
+    bodies: list[BodyState]
+    contacts: list[ContactHistory]
+    work: dict[str, float] = field(default_factory=dict)

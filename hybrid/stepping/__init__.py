@@ -1,0 +1,1 @@
+"""Newton's method, control of the increment, and the outer step."""

@@ -1,0 +1,37 @@
+"""Energy of a committed state and the balance of a run.
+
+    stored = kinetic + elastic + potential + contact springs + line
+    stored(t) - stored(0) + plastic + friction = work of the pull + error
+
+Kinetic energy is that of points and bodies; what the transfer between points and grid loses shows in the error.
+"""
+
+import numpy as np
+
+from hybrid.body import rigid
+
+STORED = ("kinetic", "elastic", "potential", "contact", "line")
+
+
+def energies(model, state, evaluation=None):
+    """Dict of energies and works [J]; contact and line energy come from the evaluation that led to `state`."""
+    soil, points = model.soil, state.points
+    out = dict.fromkeys(STORED, 0.0)
+    if not soil.held:
+        mass = soil.constants.mass
+        out["kinetic"] = 0.5 * float(mass @ np.sum(points.velocity**2, axis=1))
+        out["elastic"] = soil.stored_energy(points)
+        out["potential"] = -float(mass @ ((points.position - soil.constants.position) @ model.gravity))
+    for body, motion in zip(model.bodies, state.bodies):
+        out["kinetic"] += rigid.kinetic_energy(body, motion)
+        out["potential"] -= body.mass.mass * float(motion.position @ model.gravity)
+    if evaluation is not None:
+        out["contact"] = sum(t.energy for t in evaluation.touches)
+        out["line"] = sum(t.line_energy for t in evaluation.body_trials)
+    return out | {name: state.work.get(name, 0.0) for name in ("plastic", "friction", "pull")}
+
+
+def balance_error(now, start):
+    """Energy that the balance does not account for [J], from `energies` now and at the start."""
+    stored = sum(now[name] - start[name] for name in STORED)
+    return stored + now["plastic"] + now["friction"] - now["pull"]

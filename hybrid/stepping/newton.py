@@ -1,0 +1,80 @@
+"""Newton's method with a backtracking line search on the equations of one increment."""
+
+from dataclasses import dataclass
+
+from hybrid.errors import StepError
+from hybrid.system.equations import Evaluation, Step
+from hybrid.timing import phase
+
+SHORTEST = 1 / 16  # of a Newton update, tried by the line search
+
+
+@dataclass(frozen=True)
+class Settings:
+    """tolerance: relative residual; iterations: limit; line_search: shorten updates that do not help."""
+
+    tolerance: float = 1e-6
+    iterations: int = 15
+    line_search: bool = True
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """evaluation: the last one, None when none exists; reason: empty when converged, else what went wrong."""
+
+    evaluation: Evaluation | None
+    iterations: int
+    krylov: int
+    errors: tuple[float, ...]
+    reason: str = ""
+
+    @property
+    def converged(self):
+        return not self.reason
+
+
+def solve(step: Step, settings: Settings):
+    """Outcome of Newton's method on `step`. Never raises for lack of convergence."""
+    errors, krylov = [], 0
+    evaluation = step.evaluate(step.start())
+    if evaluation is None:
+        return Outcome(None, 0, 0, (), "the first guess turns soil inside out")
+    for iteration in range(settings.iterations + 1):
+        errors.append(evaluation.error)
+        if evaluation.error <= settings.tolerance:
+            ratio = step.overreach(evaluation.unknowns)
+            reason = f"soil and body moved {ratio:.1f} times the reach of the contact search" if ratio > 1 else ""
+            return Outcome(evaluation, iteration, krylov, tuple(errors), reason)
+        if iteration == settings.iterations:
+            break
+        try:
+            step.assemble(evaluation)
+            with phase("solve"):
+                soil, body, count = step.system.solve(evaluation.soil, evaluation.body)
+        except StepError as failure:
+            return Outcome(evaluation, iteration, krylov, tuple(errors), str(failure))
+        krylov += count
+        evaluation = _search(step, evaluation, soil, body, settings.line_search)
+        if evaluation is None:
+            return Outcome(None, iteration, krylov, tuple(errors), "the update turns soil inside out")
+    norms = ", ".join(f"{value:.3g} {name}" for name, value in evaluation.norms.items())
+    return Outcome(evaluation, settings.iterations, krylov, tuple(errors),
+                   f"residual {evaluation.error:.2e} after {settings.iterations} iterations, "
+                   f"tolerance {settings.tolerance:.0e} ({norms})")
+
+
+def _search(step, old, soil, body, shorten):
+    """First evaluation along the update that lowers the error; the best of those tried when none does.
+
+    The evaluation returned is always the last one made: trial strains live in buffers that the next one overwrites.
+    """
+    scale, tried = 1.0, []
+    while True:
+        new = step.evaluate(step.moved(old.unknowns, soil, body, scale))
+        if new is not None and (not shorten or new.error < old.error):
+            return new
+        tried.append((new.error if new is not None else float("inf"), scale))
+        scale /= 2
+        if scale < SHORTEST:
+            best = min(tried)
+            return step.evaluate(step.moved(old.unknowns, soil, body, best[1])) if best[0] < float("inf") else None

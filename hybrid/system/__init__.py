@@ -1,0 +1,1 @@
+"""The block system of one step: numbering, sparsity, residual, tangent and its solution."""

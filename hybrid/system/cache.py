@@ -1,0 +1,27 @@
+"""Keeps the numbering, pattern and matrices for as long as the set of active nodes stays the same."""
+
+import numpy as np
+
+from hybrid.system.pattern import make_pattern
+from hybrid.system.petsc import BlockSystem
+
+
+class Systems:
+    """Pattern and BlockSystem for the active nodes asked for last."""
+
+    def __init__(self, model):
+        self._model = model
+        self._active, self._current = None, None
+        self.rebuilt = 0
+
+    def get(self, active):
+        """(Pattern, BlockSystem) for active nodes (N,) bool."""
+        if self._active is None or not np.array_equal(active, self._active):
+            grid, model = self._model.soil.grid, self._model
+            pattern = make_pattern(active, grid.fixed, grid.shape)
+            unknowns = int(np.count_nonzero(model.body_free))
+            self._current = pattern, BlockSystem(
+                pattern.indptr, pattern.indices, unknowns, model.linear, model.linear_tolerance)
+            self._active = active.copy()
+            self.rebuilt += 1
+        return self._current

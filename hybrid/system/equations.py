@@ -1,0 +1,218 @@
+"""Residual and tangent of one step for soil and bodies together.
+
+    R_u = f_int + m a - m g + Σ contact            on the free soil unknowns           [N]
+    R_w = inertia - weight + line + Σ contact      on each body's free unknowns        [N, N m]
+
+A Step freezes what the committed state provides (basis, nodal mass, corners near the bodies). Unknowns are trial
+values; an Evaluation is what they give. None of them writes into the State they came from.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hybrid.body import rigid
+from hybrid.contact import assembly, friction
+from hybrid.contact.corners import Corners, find_corners
+from hybrid.contact.friction import Touch
+from hybrid.soil.model import SoilStep, SoilTrial
+from hybrid.soil.transfer import interpolate
+from hybrid.state import State
+from hybrid.system.model import Model
+from hybrid.timing import phase
+
+
+@dataclass(frozen=True)
+class Unknowns:
+    """Trial values: nodal displacement increments (N, 3) [m] (None when the soil is held), poses of the bodies."""
+
+    displacement: np.ndarray | None
+    poses: tuple
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """Residual and parts at trial unknowns.
+
+    soil (n,) [N] and body (m,) [N, N m]: residual on the unknowns; error: largest field residual relative to the
+    forces acting in that field; norms: the same in physical units by field name.
+    """
+
+    unknowns: Unknowns
+    soil: np.ndarray
+    body: np.ndarray
+    error: float
+    norms: dict
+    soil_trial: SoilTrial | None
+    acceleration: np.ndarray | None
+    body_trials: tuple
+    touches: tuple[Touch, ...]
+
+
+class Step:
+    """Equations of one increment `dt` [s] from `state`; `pulling` tells whether pull lines act."""
+
+    def __init__(self, model: Model, state: State, dt, pulling, systems):
+        self.model, self.state, self.dt = model, state, dt
+        soil = model.soil
+        with phase("transfer"):
+            self.soil: SoilStep | None = None if soil.held else soil.begin(state.points, model.gravity)
+            active = np.ones(soil.grid.node_count, bool) if soil.held else self.soil.active
+            self.pattern, self.system = systems.get(active & ~soil.grid.fixed.all(axis=1))
+        self.targets = tuple(
+            s.target + dt * b.line.velocity if pulling and b.line else None for b, s in zip(model.bodies, state.bodies))
+        with phase("contact search"):
+            self.reach = [self._reach(b, s) for b, s in zip(model.bodies, state.bodies)]
+            self.corners: list[Corners] = [
+                find_corners(state.points.position, self._corner_half(), soil.grid, active, s, b.surface, reach,
+                             b.contact_stiffness, history)
+                for b, s, history, reach in zip(model.bodies, state.bodies, state.contacts, self.reach)]
+        self.line_before = [
+            rigid.evaluate(b, s, (s.position, s.rotation), None if t is None else s.target, model.gravity,
+                           model.newmark, dt).line[:3]
+            for b, s, t in zip(model.bodies, state.bodies, self.targets)]
+        self._free = model.body_free
+
+    def _corner_half(self):
+        points = self.state.points
+        return points.half if self.model.soil.basis == "gimp" else np.zeros_like(points.half)
+
+    def _reach(self, body, state):
+        """Distance [m] from a body within which corners are followed: a cell, or the way both may go in the step."""
+        fastest = 0.0 if self.soil is None else np.abs(self.soil.velocity).max(initial=0.0)
+        speed = np.linalg.norm(state.velocity) + np.linalg.norm(state.spin) * body.radius + fastest
+        return max(self.model.soil.grid.smallest_cell, 2 * self.dt * speed)
+
+    def start(self):
+        """First guess: everything keeps its velocity."""
+        displacement = None
+        if self.soil is not None:
+            displacement = self.dt * self.soil.velocity if self.model.newmark.inertia else 0 * self.soil.velocity
+        poses = []
+        for body, state in zip(self.model.bodies, self.state.bodies):
+            rate = np.concatenate([state.velocity, state.rotation @ state.spin])
+            increment = self.dt * rate * body.free * self.model.newmark.inertia
+            poses.append(rigid.moved((state.position, state.rotation), increment))
+        return Unknowns(displacement, tuple(poses))
+
+    def overreach(self, unknowns):
+        """Largest ratio of the way soil and body went towards each other to the reach of the corner search."""
+        ratio = 0.0
+        fastest = 0.0
+        if self.soil is not None:  # of the points: a node that hardly carries mass may move far and mean nothing
+            moved = interpolate(self.soil.basis, self.model.soil.grid.shape, unknowns.displacement)
+            fastest = np.abs(moved).max(initial=0.0)
+        for body, state, pose, reach in zip(self.model.bodies, self.state.bodies, unknowns.poses, self.reach):
+            turned = np.linalg.norm(pose[1] - state.rotation, 2) * body.radius
+            ratio = max(ratio, (np.linalg.norm(pose[0] - state.position) + turned + fastest) / reach)
+        return ratio
+
+    def moved(self, unknowns, soil, body, scale=1.0):
+        """Unknowns after `scale` times the increments soil (n,), body (m,)."""
+        displacement = unknowns.displacement
+        if displacement is not None:
+            displacement = displacement.copy()
+            displacement[self.pattern.free] += scale * soil
+        full = np.zeros(self._free.shape)
+        full[self._free] = scale * body
+        return Unknowns(displacement, tuple(rigid.moved(p, d) for p, d in zip(unknowns.poses, full)))
+
+    def evaluate(self, unknowns, tangent=True):
+        """Evaluation at trial unknowns, or None when soil would turn inside out. `tangent`: a tangent will follow."""
+        model, displacement = self.model, unknowns.displacement
+        trial = acceleration = None
+        fields = {}
+        if self.soil is not None:
+            with phase("soil"):
+                trial = model.soil.evaluate(self.soil, displacement, tangent)
+            if trial is None:
+                return None
+            acceleration = model.newmark.acceleration(
+                displacement, self.soil.velocity, self.soil.acceleration, self.dt)
+            fields["internal"], fields["weight"] = trial.force, -self.soil.weight
+            fields["inertia"] = self.soil.mass[:, None] * acceleration
+            fields["contact"] = np.zeros_like(trial.force)
+        with phase("contact"):
+            touches = tuple(self._touch(i, unknowns) for i in range(len(model.bodies)))
+            contact = [assembly.add_residual(t, c, fields.get("contact")) for t, c in zip(touches, self.corners)]
+        bodies = tuple(
+            rigid.evaluate(b, s, p, target, model.gravity, model.newmark, self.dt)
+            for b, s, p, target in zip(model.bodies, self.state.bodies, unknowns.poses, self.targets))
+        soil, soil_norm, soil_error = self._soil_residual(fields)
+        body, body_norms, body_error = self._body_residual(bodies, contact)
+        return Evaluation(unknowns, soil, body, max(soil_error, body_error), {**soil_norm, **body_norms}, trial,
+                          acceleration, bodies, touches)
+
+    def _touch(self, i, unknowns):
+        body, corners = self.model.bodies[i], self.corners[i]
+        return friction.evaluate(corners, corners.moved(unknowns.displacement), *unknowns.poses[i], body.surface,
+                                 np.inf, body.friction, body.tangential)
+
+    def _soil_residual(self, fields):
+        if not fields:
+            return np.zeros(0), {}, 0.0
+        free = self.pattern.free
+        parts = [part[free] for part in fields.values()]
+        residual = sum(parts)
+        norm, scale = np.linalg.norm(residual), max(np.linalg.norm(part) for part in parts)
+        return residual, {"soil [N]": norm}, norm / scale if scale > 0 else 0.0
+
+    def _body_residual(self, trials, contact):
+        residuals, norms, error = [], {}, 0.0
+        for body, trial, touch in zip(self.model.bodies, trials, contact):
+            parts = np.array([trial.inertia, trial.weight, trial.line, touch])
+            total = parts.sum(axis=0)
+            residuals.append(total[body.free])
+            held = np.where(body.free, total, 0.0)
+            force, moment = np.linalg.norm(held[:3]), np.linalg.norm(held[3:])
+            scale = np.linalg.norm(parts[:, :3], axis=1).max()
+            arm = max(np.linalg.norm(parts[:, 3:], axis=1).max(), scale * body.radius)
+            norms |= {f"{body.name} [N]": force, f"{body.name} [N m]": moment}
+            error = max(error, force / scale if scale > 0 else 0.0, moment / arm if arm > 0 else 0.0)
+        return np.concatenate([np.zeros(0), *residuals]), norms, error
+
+    def assemble(self, evaluation):
+        """Fill the block system with the tangent at an evaluation made with tangent=True."""
+        model, system = self.model, self.system
+        system.clear()
+        if self.soil is not None:
+            with phase("assemble"):
+                model.soil.add_stiffness(self.soil, evaluation.soil_trial, self.pattern, system.values)
+                mass = np.repeat(self.soil.mass[:, None], 3, axis=1)[self.pattern.free]
+                system.values[self.pattern.diagonal] += model.newmark.mass_factor(self.dt) * mass
+        first = 0
+        for body, corners, trial, touch in zip(
+                model.bodies, self.corners, evaluation.body_trials, evaluation.touches):
+            with phase("contact"):
+                ww, Q = assembly.body_tangent(touch)
+                own = slice(first, first + np.count_nonzero(body.free))
+                system.ww[own, own] += (ww + trial.tangent)[np.ix_(body.free, body.free)]
+                if self.soil is not None:
+                    assembly.add_tangent(touch, corners, Q, self.pattern, system.values, body.free,
+                                         system.uw[:, own], system.wu[own])
+                first = own.stop
+        with phase("factor"):
+            system.factor()
+
+    def accept(self, evaluation):
+        """New State at a converged evaluation, with work done in the step added."""
+        model, state, unknowns = self.model, self.state, evaluation.unknowns
+        points, work = state.points, dict(state.work)
+        with phase("update"):
+            if self.soil is not None:
+                gain = model.newmark.velocity_gain(
+                    unknowns.displacement, self.soil.velocity, self.soil.acceleration, evaluation.acceleration, self.dt)
+                points = model.soil.accept(
+                    self.soil, evaluation.soil_trial, unknowns.displacement, gain, evaluation.acceleration)
+                work["plastic"] = work.get("plastic", 0.0) + model.soil.plastic_work(evaluation.soil_trial)
+            bodies = [rigid.accept(s, p, s.target if target is None else target, model.newmark, self.dt)
+                      for s, p, target in zip(state.bodies, unknowns.poses, self.targets)]
+            contacts = [friction.commit(c, c.moved(unknowns.displacement), t)
+                        for c, t in zip(self.corners, evaluation.touches)]
+            for touch in evaluation.touches:
+                work["friction"] = work.get("friction", 0.0) + touch.dissipated
+            for body, trial, before in zip(model.bodies, evaluation.body_trials, self.line_before):
+                if body.line:
+                    force = -0.5 * (before + trial.line[:3])
+                    work["pull"] = work.get("pull", 0.0) + float(force @ (self.dt * body.line.velocity))
+        return State(state.time + self.dt, state.step, points, bodies, contacts, work)

@@ -1,0 +1,33 @@
+"""What stays the same during a run: soil, bodies, integration rule, gravity."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hybrid.body.rigid import FREEDOMS, RigidBody
+from hybrid.soil.model import Soil
+from hybrid.system.newmark import Newmark
+
+
+@dataclass(frozen=True)
+class Model:
+    """Frozen for the whole run; gravity (3,) [m/s²]; linear "krylov" | "direct" and its relative tolerance."""
+
+    soil: Soil
+    bodies: tuple[RigidBody, ...]
+    newmark: Newmark
+    gravity: np.ndarray
+    linear: str = "krylov"
+    linear_tolerance: float = 1e-4
+
+    @property
+    def body_free(self):
+        """(bodies, 6) bool mask of the bodies' unknowns."""
+        return np.array([b.free for b in self.bodies], bool).reshape(-1, 6)
+
+    def with_held(self, components):
+        """The same model with more components ("x" ... "rz") of every body held."""
+        if not components:
+            return self
+        held = np.isin(FREEDOMS, components)
+        return replace(self, bodies=tuple(replace(b, free=b.free & ~held) for b in self.bodies))

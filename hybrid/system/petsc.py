@@ -1,0 +1,133 @@
+"""The block system in PETSc: the only place that knows how it is stored and solved.
+
+    | K_uu  K_uw | |δu|     |R_u|
+    | K_wu  K_ww | |δw| = - |R_w|
+
+K_uu is sparse (AIJ) over the free soil unknowns, the others are dense and as thin as the bodies' free unknowns. The
+preconditioner is the upper block factorisation: an incomplete (or, for checks, a direct) factor of K_uu and the exact
+Schur complement K_ww - K_wu M^-1 K_uw, formed with one application of that factor M^-1 per body unknown.
+
+All matrices stay allocated while the pattern is the same; values are edited in place. Options prefix: "hybrid_".
+"""
+
+import numpy as np
+from petsc4py import PETSc
+
+from hybrid.errors import StepError
+
+DIRECT = {"ksp_type": "preonly", "pc_type": "lu", "pc_factor_mat_solver_type": "mumps"}
+# A node that a domain barely overlaps has a tiny row and a far tinier pivot; elimination without pivoting does not
+# depend on the scale of rows and columns, so only an exact zero is refused.
+INCOMPLETE = {"ksp_type": "preonly", "pc_type": "ilu", "pc_factor_zeropivot": 0.0}
+COMM = PETSc.COMM_SELF
+CHOSEN_BY_USER = set(PETSc.Options().getAll())  # PETSC_OPTIONS of the environment override ours
+
+
+class BlockSystem:
+    """Storage and solution of the block system for one sparsity pattern.
+
+    values: entries of K_uu in the order of the pattern; uw (n, m), wu (m, n), ww (m, m): dense blocks.
+    """
+
+    def __init__(self, indptr, indices, body_unknowns, linear, tolerance):
+        n, m = len(indptr) - 1, body_unknowns
+        self.values = np.zeros(len(indices))
+        self.uw, self.wu = np.zeros((n, m), order="F"), np.zeros((m, n), order="F")
+        self.ww, self._schur = np.zeros((m, m), order="F"), np.zeros((m, m), order="F")
+        self.soil_unknowns, self.body_unknowns = n, m
+        self._blocks = []
+        if n:
+            self._uu = PETSc.Mat().createAIJWithArrays((n, n), (indptr, indices, self.values), comm=COMM)
+            self._blocks.append(self._uu)
+        if m:
+            self._ww = PETSc.Mat().createDense((m, m), array=self.ww, comm=COMM)
+            self._blocks.append(self._ww)
+        self._coupled = bool(n and m)
+        self._matrix = self._nest() if self._coupled else self._blocks[0] if self._blocks else None
+        if self._matrix is not None:
+            self._ksp = self._krylov(DIRECT if linear == "direct" else INCOMPLETE, tolerance)
+            self._x, self._b = self._matrix.createVecs()
+
+    def _nest(self):
+        n, m = self.soil_unknowns, self.body_unknowns
+        uw = PETSc.Mat().createDense((n, m), array=self.uw, comm=COMM)
+        wu = PETSc.Mat().createDense((m, n), array=self.wu, comm=COMM)
+        self._sp = PETSc.Mat().createDense((m, m), array=self._schur, comm=COMM)
+        self._blocks += [uw, wu]
+        for block in (*self._blocks, self._sp):
+            block.assemble()
+        return PETSc.Mat().createNest([[self._uu, uw], [wu, self._ww]], comm=COMM)
+
+    def _krylov(self, factor, tolerance):
+        ksp = PETSc.KSP().create(COMM)
+        ksp.setOptionsPrefix("hybrid_")
+        ksp.setOperators(self._matrix)
+        ksp.setType("gmres")
+        ksp.setGMRESRestart(100)
+        ksp.setPCSide(PETSc.PC.Side.RIGHT)
+        ksp.setTolerances(rtol=tolerance, atol=0.0, max_it=300)
+        pc = ksp.getPC()
+        if self._coupled:
+            pc.setType("fieldsplit")
+            u, w = self._matrix.getNestISs()[0]
+            pc.setFieldSplitIS(("u", u), ("w", w))
+            pc.setFieldSplitType(PETSc.PC.CompositeType.SCHUR)
+            pc.setFieldSplitSchurFactType(PETSc.PC.SchurFactType.UPPER)
+            pc.setFieldSplitSchurPreType(PETSc.PC.SchurPreType.USER, self._sp)
+            _set({f"fieldsplit_u_{key}": value for key, value in factor.items()})
+            _set({"fieldsplit_w_ksp_type": "preonly", "fieldsplit_w_pc_type": "lu"})
+        else:
+            _set({**factor, "ksp_type": "gmres"} if self.soil_unknowns else {"ksp_type": "preonly", "pc_type": "lu"})
+        ksp.setFromOptions()
+        return ksp
+
+    def clear(self):
+        """Zero all blocks before they are assembled anew."""
+        for block in (self.values, self.uw, self.wu, self.ww):
+            block[...] = 0.0
+
+    def factor(self):
+        """Prepare the preconditioner after assembly."""
+        for block in (*self._blocks, self._matrix):
+            block.stateIncrease()
+        self._ksp.setOperators(self._matrix)
+        self._ksp.setUp()
+        if self._coupled:
+            self._form_schur()
+
+    def _form_schur(self):
+        """S = K_ww - K_wu M^-1 K_uw; coupling only exists where corners touch, so zero columns cost nothing."""
+        soil = self._ksp.getPC().getFieldSplitSubKSP()[0]
+        x, b = self._uu.createVecs()
+        self._schur[...] = self.ww
+        for a in range(self.body_unknowns):
+            if np.any(self.uw[:, a]):
+                b.array = self.uw[:, a]
+                soil.solve(b, x)
+                self._schur[:, a] -= self.wu @ x.array
+        self._sp.stateIncrease()
+
+    def solve(self, soil, body):
+        """Increments (n,), (m,) that cancel residuals (n,), (m,), and the number of Krylov iterations.
+
+        Raises StepError when the Krylov method does not converge or meets a singular factor.
+        """
+        if self._matrix is None:
+            return np.zeros(0), np.zeros(0), 0
+        self._b.array = -np.concatenate([soil, body])
+        self._ksp.solve(self._b, self._x)
+        reason = self._ksp.getConvergedReason()
+        solution = self._x.array
+        if reason < 0 or not np.isfinite(solution).all():
+            raise StepError(
+                f"linear solver failed after {self._ksp.getIterationNumber()} iterations (PETSc reason {reason}); "
+                'shorten the step, or set solver.linear = "direct" to see whether the system is singular')
+        return solution[:len(soil)].copy(), solution[len(soil):].copy(), self._ksp.getIterationNumber()
+
+
+def _set(options):
+    """Enter options under our prefix, except those the user set."""
+    database = PETSc.Options("hybrid_")
+    for key, value in options.items():
+        if f"hybrid_{key}" not in CHOSEN_BY_USER:
+            database[key] = value

@@ -1,0 +1,24 @@
+"""Wall time by phase. Phases do not nest; whoever runs the steps reads and resets the totals."""
+
+import time
+from collections import defaultdict
+from contextlib import contextmanager
+
+seconds = defaultdict(float)
+
+
+@contextmanager
+def phase(name):
+    """Add the wall time of the enclosed block to `seconds[name]`."""
+    begin = time.perf_counter()
+    try:
+        yield
+    finally:
+        seconds[name] += time.perf_counter() - begin
+
+
+def collect():
+    """Totals [s] by phase since the last call."""
+    totals = dict(seconds)
+    seconds.clear()
+    return totals

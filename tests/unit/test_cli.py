@@ -1,0 +1,200 @@
+"""The command line: what it hands on, prints, and how it fails. The physics is replaced here."""
+
+import subprocess
+import sys
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
+
+import numpy as np
+import pytest
+
+import hybrid
+from hybrid import cli
+from hybrid.errors import GeometryError, SceneError, StepError
+
+SCENE = """
+[grid.x]
+start = 0
+end = 1
+size = 0.5
+[grid.y]
+start = 0
+end = 1
+size = 0.5
+[grid.z]
+start = 0
+end = 1
+size = 0.5
+[soil.material]
+relative_density = 38
+[time]
+step = 0.04
+[[stage]]
+name = "settle"
+steps = 5
+"""
+
+
+@pytest.fixture
+def scene(tmp_path):
+    path = tmp_path / "small.toml"
+    path.write_text(SCENE)
+    return path
+
+
+@pytest.fixture
+def stand_in(monkeypatch):
+    """Put functions in the place of a module that the commands import."""
+
+    def put(name, **functions):
+        module = ModuleType(name)
+        vars(module).update(functions)
+        monkeypatch.setitem(sys.modules, name, module)
+
+    return put
+
+
+@pytest.fixture
+def runs(stand_in):
+    """Calls of hybrid.running.run, recorded instead of run."""
+    calls = []
+    stand_in("hybrid.running", run=lambda scene, out, **options: calls.append((scene, out, options)))
+    return calls
+
+
+def test_run_hands_scene_folder_and_options_on(scene, runs, tmp_path):
+    assert cli.main(["run", str(scene)]) == 0
+    given, out, options = runs.pop()
+    assert given.name == "small" and out.as_posix() == "out/small"
+    assert options == {"resume": False, "quiet": True}  # stderr is no terminal here
+
+    chosen = ["--out", str(tmp_path / "o"), "--set", "time.step=0.1", "stage.0.steps=2", "--resume"]
+    assert cli.main(["run", str(scene), *chosen, "--set", "gravity=[0, 0, 0]"]) == 0
+    given, out, options = runs.pop()
+    assert (given.time.step, given.stages[0].steps, given.gravity) == (0.1, 2, (0.0, 0.0, 0.0))
+    assert out == tmp_path / "o" and options["resume"]
+
+
+@pytest.mark.parametrize("error", [SceneError, GeometryError, StepError])
+def test_errors_are_one_message_without_traceback(scene, stand_in, capsys, error):
+    def run(*_, **__):
+        raise error("step 3: 15 iterations, the limit is 15; try time.step=0.02")
+
+    stand_in("hybrid.running", run=run)
+    assert cli.main(["run", str(scene)]) == 2
+    out, err = capsys.readouterr()
+    assert out == "" and err == "hybrid: step 3: 15 iterations, the limit is 15; try time.step=0.02\n"
+
+
+def test_an_interrupt_exits_with_130(scene, stand_in, capsys):
+    def run(*_, **__):
+        raise KeyboardInterrupt
+
+    stand_in("hybrid.running", run=run)
+    assert cli.main(["run", str(scene)]) == 130
+    assert "interrupted; continue with --resume" in capsys.readouterr().err
+
+
+def test_mistakes_of_the_program_are_not_hidden(scene, stand_in):
+    def run(*_, **__):
+        raise ValueError("a bug")
+
+    stand_in("hybrid.running", run=run)
+    with pytest.raises(ValueError):
+        cli.main(["run", str(scene)])
+
+
+@pytest.mark.parametrize("arguments, words", [
+    (["run", "nowhere.toml"], "nowhere.toml: no such scene file"),
+    (["check", "{scene}", "--set", "time.stp=1"], "'step'"),
+    (["check", "{scene}", "--set", "time.step=-1"], "time.step = -1: must be positive"),
+    (["mesh", "a.geo", "--density", "0"], "--density = 0"),
+    (["mesh", "a.geo", "--density", "nan"], "--density = nan"),
+    (["mesh", "a.geo", "--set", "size=small"], "--set size=small: expected name=number"),
+    (["mesh", "a.geo", "--set", "0.1"], "expected name=number"),
+])
+def test_wrong_input_exits_with_2(scene, runs, capsys, arguments, words):
+    assert cli.main([text.format(scene=scene) for text in arguments]) == 2
+    assert words in capsys.readouterr().err
+    assert not runs
+
+
+@pytest.mark.parametrize("arguments", [[], ["drag"], ["run"], ["run", "a.toml", "--ou", "b"], ["mesh"]])
+def test_wrong_usage_exits_with_2(arguments, capsys):
+    with pytest.raises(SystemExit) as stop:
+        cli.main(arguments)
+    assert stop.value.code == 2
+    assert "usage: hybrid" in capsys.readouterr().err
+
+
+def test_check_prints_the_sheet_aligned(scene, stand_in, capsys):
+    sheet = {
+        "unknowns": {"soil": 21648, "body (sphere)": 6, "memory [MB]": 123.456789},
+        "modelled": {"contact": ["sphere: 1200 triangles", "friction 0.4"], "inertia": True},
+        "left out": ["pore water", "damage"],
+    }
+    stand_in("hybrid.build", build=lambda scene: SimpleNamespace(sheet=lambda: sheet))
+    assert cli.main(["check", str(scene)]) == 0
+    assert capsys.readouterr().out.splitlines() == [
+        "unknowns",
+        "  soil           21 648",
+        "  body (sphere)  6",
+        "  memory [MB]    123.457",
+        "",
+        "modelled",
+        "  contact        sphere: 1200 triangles",
+        "                 friction 0.4",
+        "  inertia        yes",
+        "",
+        "left out",
+        "  pore water",
+        "  damage",
+    ]
+
+
+def test_mesh_prints_sizes_and_mass(stand_in, capsys, tmp_path):
+    seen, written = [], []
+    body = SimpleNamespace(
+        points=np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]), tets=np.array([[0, 1, 2, 3]]),
+        contact=np.zeros((3, 3), int), symmetry=np.zeros((1, 3), int),
+        named_points={"eye": np.array([1.0, 0.0, 0.0])}, name="tet")
+    mass = SimpleNamespace(mass=1308.33333, centre=np.full(3, 0.25), inertia=np.diag([1.0, 2.0, 3.0]) + 1e-17)
+    stand_in("hybrid.body.mesh", generate=lambda *given: seen.append(given) or body)
+    stand_in("hybrid.body.mass", condensed_mass=lambda *given: seen.append(given) or mass)
+    stand_in("hybrid.output.vtk", write_mesh=lambda *given: written.append(given))
+    target = tmp_path / "tet.vtu"
+    options = ["--density", "7.85e3", "--set", "size=1", "length=2.5", "--out", str(target)]
+    assert cli.main(["mesh", "tet.geo", *options]) == 0
+    assert [str(given[0]) for given in seen[:1]] == ["tet.geo"] and seen[0][1] == {"size": 1.0, "length": 2.5}
+    assert seen[1] == (body, 7850.0) and written == [(target, body)]
+    rows = {line.strip().split("  ")[0]: line.split()[1:] for line in capsys.readouterr().out.splitlines()}
+    assert rows["nodes"] == ["4"] and rows["watertight"] == ["yes"]
+    assert rows["mass [kg]"][-1] == "1308.33"
+    assert rows["eye"] == ["1", "0", "0"]
+    assert rows["inertia about it [kg m²]"][-3:] == ["1", "0", "0"]  # round-off is shown as zero
+
+
+def python(*arguments):
+    """Standard output of a fresh interpreter."""
+    folder = Path(__file__).parents[2]
+    command = [sys.executable, *arguments]
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True).stdout
+
+
+def test_version_and_public_names():
+    assert python("-m", "hybrid", "--version") == f"hybrid {hybrid.__version__}\n"
+    assert hybrid.Scene.__module__ == "hybrid.scene" and callable(hybrid.load_scene)
+    assert set(hybrid.__all__) <= set(dir(hybrid))
+    with pytest.raises(AttributeError, match="no attribute 'Scen'"):
+        hybrid.Scen
+
+
+def test_import_and_help_load_nothing_heavy():
+    heavy = "numpy numba gmsh dolfinx petsc4py mpi4py matplotlib pyvista meshio".split()
+    code = f"""
+import sys, hybrid, hybrid.cli
+hybrid.Scene, hybrid.load_scene
+hybrid.cli.parser().format_help()
+print([name for name in {heavy} if name in sys.modules])
+"""
+    assert python("-c", code) == "[]\n"
