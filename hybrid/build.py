@@ -122,22 +122,22 @@ def build_body(described, body_mesh, soil, gravity):
     if described.rest_on is not None:
         position[2] = described.rest_on - (surface.vertices @ rotation.T)[:, 2].min()
     stiffness = described.penalty * soil.law.young * soil.constants.volume ** (2 / 3)
-    line, target = build_line(described, body_mesh, properties, position, rotation)
     free = ~np.isin(FREEDOMS, described.held)
     body = RigidBody(
         name=described.name, mass=properties, surface=surface, free=free,
-        friction=described.friction, tangential=described.tangential, contact_stiffness=stiffness, line=line)
+        friction=described.friction, tangential=described.tangential, contact_stiffness=stiffness,
+        line=build_line(described, body_mesh, properties))
     falling = gravity * free[:3]  # nothing touches a body at the start, so it accelerates freely
     motion = BodyState(position, rotation, np.array(described.velocity, float), falling,
-                       np.array(described.spin, float), np.zeros(3), target)
+                       np.array(described.spin, float), np.zeros(3))
     return body, motion
 
 
-def build_line(described, body_mesh, properties, position, rotation):
-    """Pull line and its far end (3,) [m], just taut; (None, None) without a pull."""
+def build_line(described, body_mesh, properties):
+    """Pull line, or None without a pull."""
     pull = described.pull
     if pull is None:
-        return None, None
+        return None
     if isinstance(pull.point, str):
         if pull.point not in body_mesh.named_points:
             raise SceneError(f"body.pull.point = {pull.point!r} is not a physical point of {described.geometry.name}; "
@@ -145,10 +145,9 @@ def build_line(described, body_mesh, properties, position, rotation):
         point = body_mesh.named_points[pull.point]
     else:
         point = np.array(pull.point, float)
-    attachment = point - properties.centre
     direction = np.array(pull.direction if pull.direction is not None else pull.velocity, float)
-    target = position + rotation @ attachment + pull.length * direction / np.linalg.norm(direction)
-    return Line(attachment, np.array(pull.velocity, float), pull.stiffness, pull.length, pull.tension_only), target
+    return Line(point - properties.centre, direction / np.linalg.norm(direction), np.array(pull.velocity, float),
+                pull.stiffness, pull.length, pull.tension_only)
 
 
 def refuse_overlap(described, body, motion, points):

@@ -126,6 +126,8 @@ class Soil:
 class Pull:
     """An elastic line from a point of a body to a far end that moves at a constant velocity.
 
+    It is laid out just taut at the start of the first stage that pulls.
+
     point          name of a physical point of the geometry, or [m] three geometry coordinates
     velocity       [m/s] of the far end
     stiffness      [N/m]
@@ -185,6 +187,7 @@ class Stage:
     step    [s] of each; None: time.step
     pull    whether pull lines act
     held    components of all bodies that stay as they are in this stage, as if guided while put in place
+    beta, gamma   [-] of Newmark's scheme in this stage, such as a dissipative pair to settle with; None: time's
     """
 
     name: str
@@ -192,6 +195,8 @@ class Stage:
     step: float | None = None
     pull: bool = True
     held: tuple[Freedom, ...] = ()
+    beta: float | None = None
+    gamma: float | None = None
 
 
 @dataclass(frozen=True)

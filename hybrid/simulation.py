@@ -1,8 +1,11 @@
 """A run: stages of outer steps over a model and its state, told to observers."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from hybrid import timing
+from hybrid.body import rigid
 from hybrid.body.attitude import quaternion
 from hybrid.errors import HybridError
 from hybrid.output.record import BodyRecord, Record
@@ -79,8 +82,11 @@ class Simulation:
         for stage in scene.stages:
             length = stage.step or scene.time.step
             control = Control(length, scene.time.smallest or length / 64)
-            model = self.model.with_held(stage.held)
+            model = self.model.for_stage(stage.held, stage.beta, stage.gamma)
             systems = Systems(model)
+            if stage.pull:
+                self.state = replace(self.state, bodies=[
+                    rigid.laid_out(b, s) for b, s in zip(self.model.bodies, self.state.bodies)])
             for stage_step in range(max(1, self.state.step - first + 1), stage.steps + 1):
                 self.state, report = outer_step(
                     model, systems, self.state, length, stage.pull, control, settings)

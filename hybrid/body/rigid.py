@@ -4,7 +4,7 @@ Six unknowns: translation δc of the centre of mass and rotation δφ about the 
 are left out of the system. Mass and gravity load come from the condensed finite elements once; only R turns them.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,10 +20,11 @@ FREEDOMS = ("x", "y", "z", "rx", "ry", "rz")
 
 @dataclass(frozen=True)
 class Line:
-    """Pull line: attachment (3,) [m] from the centre in the body frame, velocity (3,) [m/s] of its far end,
-    stiffness [N/m], unstretched length [m]."""
+    """Pull line: attachment (3,) [m] from the centre in the body frame, direction (3,) in which it is laid out,
+    velocity (3,) [m/s] of its far end, stiffness [N/m], unstretched length [m]."""
 
     attachment: np.ndarray
+    direction: np.ndarray
     velocity: np.ndarray
     stiffness: float
     length: float
@@ -59,6 +60,14 @@ class BodyTrial:
     tangent: np.ndarray
     tension: float
     line_energy: float
+
+
+def laid_out(body, state):
+    """`state` with the far end of its pull line where the line is just taut, if it has one that is not laid out yet."""
+    if body.line is None or state.target is not None:
+        return state
+    shackle = state.position + state.rotation @ body.line.attachment
+    return replace(state, target=shackle + body.line.length * body.line.direction)
 
 
 def moved(pose, increment):

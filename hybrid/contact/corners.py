@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit, prange
 
-from hybrid.body.surface import closest, tree_arrays
+from hybrid.body.closest import closest
 from hybrid.soil.basis import find_cell, hat
 
 SHARE = 0.25  # of a point's contact stiffness, per corner
@@ -62,7 +62,7 @@ def find_corners(position, half, grid, active, body, surface, reach, stiffness, 
     """
     near = np.zeros((len(position), 8), np.bool_)
     _near(position, half, body.position, body.rotation, surface.lower - reach, surface.upper + reach, reach,
-          tree_arrays(surface), near)
+          surface.tree, near)
     near.reshape(-1)[history.id] = False
     born = np.flatnonzero(near)
     kept = _within(history.position, body, surface, reach)
@@ -83,7 +83,7 @@ def _within(place, body, surface, reach):
     """(m,) bool, places within reach of the surface."""
     y = (place - body.position) @ body.rotation
     found = np.empty(len(y), np.bool_)
-    _is_near(y, reach, tree_arrays(surface), found)
+    _is_near(y, reach, surface.tree, found)
     return found
 
 
@@ -104,7 +104,7 @@ def overlap(position, half, body, surface):
     """Depth [m] of the deepest corner inside a body at its committed pose, and the number of corners inside."""
     y = ((position[:, None] + SIGNS * half[:, None]).reshape(-1, 3) - body.position) @ body.rotation
     y = y[np.all((y > surface.lower) & (y < surface.upper), axis=1)]
-    gaps = np.array([closest(tuple(point), np.inf, tree_arrays(surface))[4] for point in y])
+    gaps = np.array([closest(tuple(point), np.inf, surface.tree)[4] for point in y])
     inside = gaps[gaps < 0.0]
     return (float(-inside.min()), len(inside)) if len(inside) else (0.0, 0)
 

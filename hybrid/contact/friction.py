@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit, prange
 
-from hybrid.body.surface import closest, gap_geometry, tree_arrays
+from hybrid.body.closest import closest, gap_geometry
 from hybrid.state import ContactHistory
 
 
@@ -56,7 +56,7 @@ def evaluate(corners, place, centre, rotation, surface, reach, friction, tangent
 
     friction: μ; tangential: ε_T/ε_N; reach [m]: corners farther than this from the surface are passed over.
     """
-    tree = tree_arrays(surface)
+    tree = surface.tree
     y = (place - centre) @ rotation
     gap, triangle, feature = np.empty(len(y)), np.empty(len(y), np.int64), np.empty(len(y), np.int64)
     foot, weights = np.empty_like(y), np.empty_like(y)

@@ -67,7 +67,7 @@ def _internal_force(order, start, first, count, value, slope, ny, nz, inverse, s
                                                           + stress[p, i, 2] * g[a, 2])
 
 
-@njit(cache=True)
+@njit(cache=True, fastmath={"contract"})
 def spatial_tangent(strain, directions, stress, tangent, A, work):
     """A_ijkl (9, 9) of one point, row 3i + j, column 3k + l; `work` is (9, 9) scratch."""
     work[:] = 0.0
@@ -93,7 +93,7 @@ def spatial_tangent(strain, directions, stress, tangent, A, work):
     A[:] = work
 
 
-@njit(cache=True)
+@njit(cache=True, fastmath={"contract"})
 def _rotate_pair(source, directions, out):
     """out[(ij), :] = n_ia n_jb source[(ab), :]."""
     for i in range(3):
@@ -115,31 +115,51 @@ def _add_stiffness(order, start, first, count, value, slope, ny, nz, inverse, st
         for pair in prange((slabs - colour + 1) // 2):
             slab = 2 * pair + colour
             node, code, g = np.empty(27, np.int64), np.empty(27, np.int64), np.empty((27, 3))
+            entry, whole = np.empty((27, 3), np.int64), np.empty(27, np.bool_)
             A, work, T = np.empty((9, 9)), np.empty((9, 9)), np.empty((3, 9))
             for n in range(start[slab], start[slab + 1]):
                 p = order[n]
                 m = _gradients(p, first, count, value, slope, ny, nz, inverse, node, code, g)
                 spatial_tangent(strain[p], directions[p], stress[p], tangent[p], A, work)
                 for a in range(m):
+                    whole[a] = True
                     for i in range(3):
-                        for kl in range(9):
-                            T[i, kl] = volume[p] * (g[a, 0] * A[3 * i, kl] + g[a, 1] * A[3 * i + 1, kl]
-                                                    + g[a, 2] * A[3 * i + 2, kl])
-                    _add_rows(node, code, g, a, m, T, dof, row, slot, indptr, values)
+                        d = dof[node[a], i]
+                        entry[a, i] = indptr[d] if d >= 0 else -1
+                        whole[a] &= d >= 0
+                for a in range(m):
+                    _contract(g, a, A, volume[p], T)
+                    _add_rows(a, m, node, code, g, T, entry, whole, row, slot, values)
 
 
-@njit(cache=True)
-def _add_rows(node, code, g, a, m, T, dof, row, slot, indptr, values):
-    """Add T_ik·g_w for every node w of the point to the free rows of node a."""
-    v = node[a]
+@njit(cache=True, fastmath={"contract"})
+def _contract(g, a, A, volume, T):
+    """T_ikl = V0 g_a,j A_ijkl."""
+    g0, g1, g2 = volume * g[a, 0], volume * g[a, 1], volume * g[a, 2]
+    for i in range(3):
+        for kl in range(9):
+            T[i, kl] = g0 * A[3 * i, kl] + g1 * A[3 * i + 1, kl] + g2 * A[3 * i + 2, kl]
+
+
+@njit(cache=True, fastmath={"contract"})
+def _add_rows(a, m, node, code, g, T, entry, whole, row, slot, values):
+    """Add T_ikl g_w,l for every node w of the point to the free rows of node a."""
+    r = row[node[a]]
     for b in range(m):
-        w = node[b]
-        offset = slot[row[v], code[b] - code[a] + CENTRE]
+        offset = slot[r, code[b] - code[a] + CENTRE]
+        g0, g1, g2 = g[b, 0], g[b, 1], g[b, 2]
+        if whole[a] and whole[b]:  # nearly always
+            for i in range(3):
+                at = entry[a, i] + offset
+                values[at] += T[i, 0] * g0 + T[i, 1] * g1 + T[i, 2] * g2
+                values[at + 1] += T[i, 3] * g0 + T[i, 4] * g1 + T[i, 5] * g2
+                values[at + 2] += T[i, 6] * g0 + T[i, 7] * g1 + T[i, 8] * g2
+            continue
         for i in range(3):
-            if dof[v, i] < 0:
+            if entry[a, i] < 0:
                 continue
-            at = indptr[dof[v, i]] + offset
+            at = entry[a, i] + offset
             for k in range(3):
-                if dof[w, k] >= 0:
-                    values[at] += T[i, 3 * k] * g[b, 0] + T[i, 3 * k + 1] * g[b, 1] + T[i, 3 * k + 2] * g[b, 2]
+                if entry[b, k] >= 0:
+                    values[at] += T[i, 3 * k] * g0 + T[i, 3 * k + 1] * g1 + T[i, 3 * k + 2] * g2
                     at += 1

@@ -25,9 +25,8 @@ class Model:
         """(bodies, 6) bool mask of the bodies' unknowns."""
         return np.array([b.free for b in self.bodies], bool).reshape(-1, 6)
 
-    def with_held(self, components):
-        """The same model with more components ("x" ... "rz") of every body held."""
-        if not components:
-            return self
-        held = np.isin(FREEDOMS, components)
-        return replace(self, bodies=tuple(replace(b, free=b.free & ~held) for b in self.bodies))
+    def for_stage(self, held=(), beta=None, gamma=None):
+        """The same model with more components ("x" ... "rz") of every body held and, if given, another scheme."""
+        held = np.isin(FREEDOMS, held)
+        newmark = replace(self.newmark, **{k: v for k, v in (("beta", beta), ("gamma", gamma)) if v is not None})
+        return replace(self, newmark=newmark, bodies=tuple(replace(b, free=b.free & ~held) for b in self.bodies))

@@ -7,8 +7,12 @@ K_uu is sparse (AIJ) over the free soil unknowns, the others are dense and as th
 preconditioner is the upper block factorisation: an incomplete (or, for checks, a direct) factor of K_uu and the exact
 Schur complement K_ww - K_wu M^-1 K_uw, formed with one application of that factor M^-1 per body unknown.
 
-All matrices stay allocated while the pattern is the same; values are edited in place. Options prefix: "hybrid_".
+All matrices stay allocated while the pattern is the same; values are edited in place. An incomplete factor costs as
+much as several solutions, and one from an earlier iteration or step still serves: it is kept until the Krylov method
+needs half as many iterations again as with the fresh one. Options prefix: "hybrid_".
 """
+
+from contextlib import contextmanager
 
 import numpy as np
 from petsc4py import PETSc
@@ -44,9 +48,12 @@ class BlockSystem:
             self._blocks.append(self._ww)
         self._coupled = bool(n and m)
         self._matrix = self._nest() if self._coupled else self._blocks[0] if self._blocks else None
+        self._direct = linear == "direct" or not n
+        self._first, self._last, self._fresh = 0, np.inf, True  # Krylov iterations with the fresh factor and since
         if self._matrix is not None:
             self._ksp = self._krylov(DIRECT if linear == "direct" else INCOMPLETE, tolerance)
             self._x, self._b = self._matrix.createVecs()
+            self._soil_pc = None if self._coupled else self._ksp.getPC()
 
     def _nest(self):
         n, m = self.soil_unknowns, self.body_unknowns
@@ -74,11 +81,14 @@ class BlockSystem:
             pc.setFieldSplitType(PETSc.PC.CompositeType.SCHUR)
             pc.setFieldSplitSchurFactType(PETSc.PC.SchurFactType.UPPER)
             pc.setFieldSplitSchurPreType(PETSc.PC.SchurPreType.USER, self._sp)
-            _set({f"fieldsplit_u_{key}": value for key, value in factor.items()})
-            _set({"fieldsplit_w_ksp_type": "preonly", "fieldsplit_w_pc_type": "lu"})
+            self._options = {f"fieldsplit_u_{key}": value for key, value in factor.items()}
+            self._options |= {"fieldsplit_w_ksp_type": "preonly", "fieldsplit_w_pc_type": "lu"}
+        elif self.soil_unknowns:
+            self._options = {**factor, "ksp_type": "gmres"}
         else:
-            _set({**factor, "ksp_type": "gmres"} if self.soil_unknowns else {"ksp_type": "preonly", "pc_type": "lu"})
-        ksp.setFromOptions()
+            self._options = {"ksp_type": "preonly", "pc_type": "lu"}
+        with _entered(self._options):
+            ksp.setFromOptions()
         return ksp
 
     def clear(self):
@@ -86,13 +96,18 @@ class BlockSystem:
         for block in (self.values, self.uw, self.wu, self.ww):
             block[...] = 0.0
 
-    def factor(self):
-        """Prepare the preconditioner after assembly."""
+    def factor(self, fresh=False):
+        """Prepare the preconditioner after assembly, from the factor at hand unless a `fresh` one is due."""
         for block in (*self._blocks, self._matrix):
             block.stateIncrease()
+        self._fresh = fresh or self._direct or self._last > 1.5 * self._first + 2
+        if self._soil_pc is not None:
+            self._soil_pc.setReusePreconditioner(not self._fresh)
         self._ksp.setOperators(self._matrix)
-        self._ksp.setUp()
+        with _entered(self._options):  # the parts of a field split read theirs at the first set-up
+            self._ksp.setUp()
         if self._coupled:
+            self._soil_pc = self._ksp.getPC().getFieldSplitSubKSP()[0].getPC()
             self._form_schur()
 
     def _form_schur(self):
@@ -117,6 +132,12 @@ class BlockSystem:
         self._b.array = -np.concatenate([soil, body])
         self._ksp.solve(self._b, self._x)
         reason = self._ksp.getConvergedReason()
+        self._last = self._ksp.getIterationNumber() if reason > 0 else np.inf
+        if self._fresh:
+            self._first = self._last
+        elif reason < 0:
+            self.factor(fresh=True)
+            return self.solve(soil, body)
         solution = self._x.array
         if reason < 0 or not np.isfinite(solution).all():
             raise StepError(
@@ -125,9 +146,16 @@ class BlockSystem:
         return solution[:len(soil)].copy(), solution[len(soil):].copy(), self._ksp.getIterationNumber()
 
 
-def _set(options):
-    """Enter options under our prefix, except those the user set."""
+@contextmanager
+def _entered(options):
+    """Options under our prefix, except those the user set, for as long as the block lasts: the database is global
+    and would hand them to the next system in the same process."""
     database = PETSc.Options("hybrid_")
-    for key, value in options.items():
-        if f"hybrid_{key}" not in CHOSEN_BY_USER:
-            database[key] = value
+    own = [key for key in options if f"hybrid_{key}" not in CHOSEN_BY_USER]
+    for key in own:
+        database[key] = options[key]
+    try:
+        yield
+    finally:
+        for key in own:
+            database.delValue(key)

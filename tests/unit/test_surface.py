@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from numba import njit
 
-from hybrid.body.surface import build_surface, closest, gap_geometry, search, tree_arrays
+from hybrid.body.closest import closest, gap_geometry, search
+from hybrid.body.surface import build_surface
 from hybrid.errors import GeometryError
 
 
@@ -113,7 +114,7 @@ def is_inside(y, vertices, triangles):
 @pytest.mark.parametrize("shape", SHAPES)
 def test_closest_point_and_sign_against_brute_force(shape):
     surface = build_surface(*SHAPES[shape])
-    tree = tree_arrays(surface)
+    tree = surface.tree
     insides = 0
     for y in points_around(surface, 800):
         triangle, feature, foot, weights, gap = closest(y, np.inf, tree)

@@ -1,0 +1,182 @@
+"""Soil under its own weight: at rest from the start, compressed in a column, and in free fall.
+
+Column (no lateral strain, ν = 0): the cross-section keeps its area, so σ_zz = -ρ g (L - Z) with Z the initial height.
+Hencky's law E ln λ / λ = σ_zz gives λ = W(s)/s with s = ρ g (L - Z)/E and Lambert's W, and the height ∫ λ dZ.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.special import lambertw
+
+from hybrid.build import build
+from hybrid.scene import Axis, Faces, Grid, Material, Scene, Soil, Solver, Stage, Time
+from hybrid.stepping.energy import balance_error, energies
+from hybrid.stepping.loop import Control, outer_step
+from hybrid.stepping.newton import Settings
+from hybrid.system.cache import Systems
+from hybrid.system.equations import Step
+
+YOUNG, DENSITY, GRAVITY, LENGTH = 283.0, 50.0, 9.81, 0.8
+WEIGHT = DENSITY * GRAVITY * LENGTH
+
+
+def exact_height():
+    def stretch(depth):
+        s = DENSITY * GRAVITY * depth / YOUNG
+        return (lambertw(s) / s).real if s > 0 else 1.0
+
+    return quad(stretch, 0.0, LENGTH)[0]
+
+
+def column(cells, steps=50, full=False, basis="gimp", domain="stretch"):
+    """(points, initial heights, height) of a column loaded by gravity in equal increments, without inertia."""
+    size = LENGTH / cells
+    side = Axis(start=0.0, end=size, size=size, collapsed=not full)
+    scene = Scene(
+        name="column", grid=Grid(side, side, Axis(start=0.0, end=LENGTH, size=size)),
+        soil=Soil(Material(law="hencky", young=YOUNG, poisson=0.0, density=DENSITY), geostatic=False, basis=basis,
+                  domain=domain),
+        time=Time(step=1.0, inertia=False), stages=(Stage("load", steps),), solver=Solver(linear="direct"))
+    simulation = build(scene)
+    state, systems = simulation.state, Systems(simulation.model)
+    control, settings = Control(1.0, 1 / 64), Settings(tolerance=1e-9, iterations=25)
+    for n in range(1, steps + 1):
+        model = replace(simulation.model, gravity=np.array([0.0, 0.0, -GRAVITY * n / steps]))
+        state, report = outer_step(model, systems, state, 1.0, False, control, settings)
+        assert report.increments == 1
+    points, constants = state.points, simulation.model.soil.constants
+    top = np.argmax(points.position[:, 2])
+    height = points.position[top, 2] + constants.half[top, 2] * points.deformation[top, 2, 2]
+    return points, constants.position[:, 2], height
+
+
+def errors(cells, **options):
+    """Mean error of the stress relative to that at the bottom, and error of the height [m]."""
+    points, Z, height = column(cells, **options)
+    wanted = -DENSITY * GRAVITY * (LENGTH - Z)
+    return np.abs(points.stress[:, 2, 2] - wanted).mean() / WEIGHT, abs(height - exact_height())
+
+
+def rates(cells, **options):
+    """Observed orders in the cell size of the errors of stress and height."""
+    found = np.array([errors(n, **options) for n in cells])
+    return -np.polyfit(np.log(cells), np.log(found), 1)[0]
+
+
+def test_reference_height():
+    assert exact_height() == pytest.approx(0.538602, abs=5e-7)
+
+
+def test_column_of_the_benchmark():
+    """16 cells, 2 points a cell, 50 steps: stress within 0.4 % of its largest, height within 0.6 mm."""
+    stress, height = errors(16)
+    assert stress < 4e-3 and height < 6e-4
+
+
+def test_column_converges_with_gimp():
+    """While the domains cross nodes and shrink to a half, stress and height converge faster than first order."""
+    stress, height = rates([8, 16, 32, 64])
+    assert stress > 1.5 and height > 1.2
+
+
+def test_column_does_not_converge_with_standard_points():
+    """Points that cross nodes spoil the stress of the standard material point method: the known failure is seen."""
+    stress, height = rates([8, 16, 32, 64], basis="mpm", domain="none")
+    assert stress < 0.3 and height < 0.3
+
+
+def test_domains_have_to_follow_the_compression():
+    """Rigid domains overlap as the column shortens: the error settles at a level."""
+    assert errors(64, domain="none")[0] > 10 * errors(64)[0]
+
+
+def test_column_in_one_step_has_the_orders_of_linear_elements():
+    """Nothing crosses a node then: first order in the stress of a cell, second in the height."""
+    assert rates([8, 16, 32, 64], steps=1) == pytest.approx([1.0, 2.0], abs=0.05)
+
+
+def test_three_dimensions_agree_with_the_column():
+    line, Z, height = column(8)
+    block, Z3, height3 = column(8, full=True)
+    order, order3 = np.argsort(Z), np.argsort(Z3, kind="stable").reshape(-1, 4)
+    assert height3 == pytest.approx(height, rel=1e-12)
+    position = block.position[order3, 2] - line.position[order, None, 2]
+    stress = block.stress[order3, 2, 2] - line.stress[order, None, 2, 2]
+    assert np.abs(position).max() < 1e-12 and np.abs(stress).max() < 1e-10 * WEIGHT
+    block.stress[:, 2, 2] = 0.0
+    assert np.abs(block.stress).max() < 1e-10 * WEIGHT
+
+
+MATERIALS = {
+    "hencky": Material(law="hencky", young=5e6, poisson=0.3, density=1700.0),
+    "sand": Material(relative_density=38.0),
+}
+
+
+def at_rest(material, steps=5):
+    """Soil in geostatic stress on a grid graded along all three axes, 0.5 m of empty cells above it."""
+    side = Axis(start=0.0, end=4.0, size=0.25, fine=(1.0, 2.0), growth=1.4)
+    up = Axis(start=-2.0, end=0.5, size=0.25, fine=(-0.75, 0.5), growth=1.3)
+    return Scene(name="rest", grid=Grid(side, side, up), soil=Soil(MATERIALS[material], top=0.0),
+                 time=Time(step=0.04), stages=(Stage("rest", steps),))
+
+
+@pytest.mark.parametrize("material", MATERIALS)
+def test_geostatic_start_stays_still(material):
+    simulation = build(at_rest(material))
+    before = simulation.state.points
+    for record in simulation.steps():
+        assert record.rejections == 0 and record.residual < 1e-12
+    after = simulation.state.points
+    assert simulation.state.step == 5 and simulation.state.time == pytest.approx(0.2)
+    assert np.abs(after.velocity).max() < 1e-10 and np.abs(after.position - before.position).max() < 1e-12
+    assert np.abs(after.stress - before.stress).max() < 1e-12 * np.abs(before.stress).max()
+    assert after.plastic_strain.max() < 1e-12
+    depth = -before.position[:, 2]
+    density = simulation.model.soil.constants.mass[0] / simulation.model.soil.constants.volume[0]
+    np.testing.assert_allclose(before.stress[:, 2, 2], -density * GRAVITY * depth, rtol=1e-12)
+
+
+@pytest.mark.parametrize("material", MATERIALS)
+def test_geostatic_forces_balance_to_round_off(material):
+    """One Newton correction, that a run would not even make, moves nothing; with 1 % more gravity it does."""
+    simulation = build(at_rest(material))
+    model, fastest = simulation.model, []
+    for factor in (1.0, 1.01):
+        heavier = replace(model, gravity=factor * model.gravity)
+        step = Step(heavier, simulation.state, 0.04, False, Systems(heavier))
+        evaluation = step.evaluate(step.start())
+        step.assemble(evaluation)
+        soil, body, _ = step.system.solve(evaluation.soil, evaluation.body)
+        moved = step.evaluate(step.moved(evaluation.unknowns, soil, body))
+        fastest.append(np.abs(step.accept(moved).points.velocity).max())
+    assert fastest[0] < 1e-10 < 1e-4 < fastest[1]
+
+
+def test_block_in_free_fall():
+    """A uniform acceleration is exact in Newmark's rule: positions, momentum and energy to round-off, no stress."""
+    axis, dt, steps = Axis(start=-1.0, end=1.2, size=0.2), 0.04, 12
+    gravity, velocity = np.array([1.0, 0.5, -9.81]), np.array([-0.7, 0.4, 1.1])
+    scene = Scene(
+        name="fall", grid=Grid(axis, axis, Axis(start=-2.0, end=1.2, size=0.2), Faces(*["free"] * 6)),
+        soil=Soil(Material(law="hencky", young=1e5, poisson=0.3, density=1500.0), lower=(-0.2, -0.4, 0.0),
+                  upper=(0.4, 0.2, 0.6), geostatic=False),
+        gravity=tuple(gravity), time=Time(step=dt), stages=(Stage("fall", steps),),
+        solver=Solver(tolerance=1e-13, linear="direct"))
+    simulation = build(scene)
+    start = simulation.state.points
+    start.velocity[:], start.acceleration[:] = velocity, gravity
+    before, cells = energies(simulation.model, simulation.state), set()
+    for n, record in enumerate(simulation.steps(), 1):
+        points, t = simulation.state.points, n * dt
+        fallen = points.position - start.position
+        np.testing.assert_allclose(fallen, np.tile(velocity * t + gravity * t**2 / 2, (len(points), 1)), atol=1e-12)
+        mass = simulation.model.soil.constants.mass
+        np.testing.assert_allclose(mass @ points.velocity, mass.sum() * (velocity + gravity * t), rtol=1e-11)
+        assert np.abs(points.stress).max() < 1e-7      # [Pa], of a Young's modulus of 1e5
+        assert abs(balance_error(record.energies, before)) < 1e-10 * mass.sum()
+        cells.add(int(np.floor(points.position[0, 2] / 0.2)))
+    assert len(cells) > 3      # domains have crossed nodes on the way

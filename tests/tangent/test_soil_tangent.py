@@ -1,0 +1,197 @@
+"""Tangent of the soil: at one point against differences of the stress, assembled against the internal force."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.sparse import csr_matrix
+
+from hybrid.body.attitude import exp_so3
+from hybrid.laws.drucker_prager import DruckerPrager
+from hybrid.laws.hencky import Hencky
+from hybrid.soil.forces import add_stiffness, spatial_tangent
+from hybrid.soil.grid import graded_nodes, make_grid
+from hybrid.soil.kinematics import eigen_symmetric, from_principal
+from hybrid.soil.model import Soil
+from hybrid.soil.points import at_rest, tile
+from hybrid.system.pattern import make_pattern
+
+YOUNG = 1e6
+LAWS = {
+    "hencky": lambda n: Hencky(np.full(n, YOUNG), 0.3),
+    "drucker-prager": lambda n: DruckerPrager(np.full(n, YOUNG), 0.3, 30.0, 5.0, 2e3),
+}
+FREE = dict.fromkeys(("x_min", "x_max", "y_min", "y_max", "z_min", "z_max"), "free")
+ROTATION = exp_so3([0.4, -1.1, 0.7])
+
+# principal logarithmic trial strains: apart, in pairs, almost in pairs, all equal; compression keeps sand off the apex
+STRAINS = {
+    "distinct": (0.05, -0.12, -0.02),
+    "pair": (0.02, 0.02, -0.12),
+    "other pair": (0.08, -0.07, -0.07),
+    "almost a pair": (0.02, 0.02 + 1e-8, -0.12),
+    "nearly a pair": (0.02, 0.02 + 3e-7, -0.12),
+    "close": (0.02, 0.02 + 1e-4, -0.12),
+    "isotropic": (-0.04, -0.04, -0.04),
+    "undeformed": (0.0, 0.0, 0.0),
+}
+
+
+def kirchhoff(law, b):
+    """Kirchhoff stress (3, 3) of one point from its trial b (3, 3), and what led to it."""
+    values, vectors = b.copy(), np.empty((3, 3))
+    eigen_symmetric(values, vectors)
+    strain = 0.5 * np.log(np.diag(values))[None]
+    response = law.respond(strain)
+    return from_principal(response.stress, vectors[None])[0], strain[0], vectors, response
+
+
+def difference(law, b, h=1e-6):
+    """∂τ_ij/∂l_kl by central differences of b <- (1 + h l) b (1 + h l)^T, (9, 9)."""
+    columns = []
+    for kl in range(9):
+        l = np.zeros(9)
+        l[kl] = h
+        l = l.reshape(3, 3)
+        there = [kirchhoff(law, (np.eye(3) + s * l) @ b @ (np.eye(3) + s * l).T)[0] for s in (1, -1)]
+        columns.append(((there[0] - there[1]) / (2 * h)).ravel())
+    return np.array(columns).T
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("name", STRAINS)
+def test_tangent_of_a_point(law, name):
+    """A_ijkl + τ_il δ_jk is the derivative of the Kirchhoff stress, also where principal values meet."""
+    law = LAWS[law](1)
+    b = ROTATION @ np.diag(np.exp(2 * np.array(STRAINS[name]))) @ ROTATION.T
+    stress, strain, directions, response = kirchhoff(law, b)
+    A, work = np.empty((9, 9)), np.empty((9, 9))
+    spatial_tangent(strain, directions, response.stress[0], response.tangent[0], A, work)
+    geometric = np.einsum("il,jk->ijkl", stress, np.eye(3)).reshape(9, 9)
+    assert np.abs(A + geometric - difference(law, b)).max() < 2e-9 * YOUNG
+
+
+def test_strains_of_the_sand_are_plastic():
+    law = LAWS["drucker-prager"](1)
+    for name, strain in STRAINS.items():
+        response = law.respond(np.array([strain]))
+        flow = np.abs(np.array([strain]) - response.elastic).max()
+        assert response.tangent.any() and (flow > 1e-3) == (name not in ("isotropic", "undeformed"))
+
+
+def block(law, basis="gimp", plane=False, seed=3):
+    """A graded block of soil with displaced points and committed strains, and trial increments."""
+    rng = np.random.default_rng(seed)
+    fine = graded_nodes(0.0, 1.2, 0.2, (0.4, 0.8), 1.5)
+    middle = np.array([0.5]) if plane else fine
+    extent = np.array([(0.0, 1.2), (0.0, 1.0 if plane else 1.2), (-0.8, 0.4)])
+    grid = make_grid((fine, middle, np.linspace(-0.8, 0.4, 7)), extent, FREE | {"z_min": "fixed", "x_min": "roller"})
+    constants = tile(grid, extent[:, 0], np.array([*extent[:2, 1], 0.0]), (2, 2, 2), 1800.0)
+    n = len(constants)
+    soil = Soil(grid, constants, LAWS[law](n), basis)
+    strain = -0.004 + 0.001 * rng.standard_normal((n, 3))
+    points = at_rest(constants, np.zeros((n, 3)), strain)
+    turns = np.array([np.eye(3) if plane else exp_so3(v) for v in rng.standard_normal((n, 3))])
+    points.elastic = turns @ points.elastic @ turns.transpose(0, 2, 1)
+    room = np.minimum(points.position - extent[:, 0], extent[:, 1] - points.position) - points.half
+    shift = rng.uniform(-0.04, 0.04, (n, 3)) * ~grid.collapsed
+    points.position = points.position + np.clip(shift, -np.maximum(room, 0), np.maximum(room, 0))
+    displacement = 3e-3 * rng.standard_normal((grid.node_count, 3))
+    displacement[grid.fixed] = 0.0
+    return soil, soil.begin(points, np.zeros(3)), displacement
+
+
+def stiffness(soil, step, displacement, law=None):
+    """Stiffness on the free unknowns (sparse) and the pattern; `law` may give another tangent, not consistent."""
+    trial = soil.evaluate(step, displacement, True)
+    if law is not None:
+        wrong = law.respond(trial.strain.strain)
+        trial = SimpleNamespace(strain=trial.strain, response=SimpleNamespace(
+            stress=trial.response.stress, tangent=wrong.tangent))
+    pattern = make_pattern(step.active, soil.grid.fixed, soil.grid.shape)
+    values = np.zeros(len(pattern.indices))
+    soil.add_stiffness(step, trial, pattern, values)
+    return csr_matrix((values, pattern.indices, pattern.indptr)), pattern
+
+
+def observed_rate(soil, step, displacement, K, free):
+    """Rate at which |f(u + h d) - f(u) - h K d| falls with h."""
+    d = np.zeros_like(displacement)
+    d[free] = np.random.default_rng(8).standard_normal(np.count_nonzero(free))
+    start = soil.evaluate(step, displacement, True).force[free].copy()
+    sizes, left = 2e-7 / 2.0 ** np.arange(4), []   # so small that hardly a point crosses the edge of yielding
+    for h in sizes:
+        there = soil.evaluate(step, displacement + h * d, True).force[free]
+        left.append(np.linalg.norm(there - start - h * (K @ d[free])))
+    return np.polyfit(np.log(sizes), np.log(left), 1)[0]
+
+
+CASES = [("gimp", False), ("mpm", False), ("gimp", True)]
+IDS = ["gimp", "mpm", "plane strain"]
+
+
+@pytest.mark.parametrize("basis, plane", CASES, ids=IDS)
+@pytest.mark.parametrize("law", LAWS)
+def test_stiffness_is_the_derivative_of_the_internal_force(law, basis, plane):
+    soil, step, displacement = block(law, basis, plane)
+    K, pattern = stiffness(soil, step, displacement)
+    assert observed_rate(soil, step, displacement, K, pattern.free) == pytest.approx(2.0, abs=0.1)
+
+
+def test_the_block_of_sand_yields_in_part():
+    soil, step, displacement = block("drucker-prager")
+    trial = soil.evaluate(step, displacement, True)
+    flow = np.abs(trial.strain.strain - trial.response.elastic).max(axis=1) > 1e-9
+    apex = ~trial.response.tangent.any(axis=(1, 2))
+    assert 0.2 < flow.mean() < 0.95 and 0.02 < apex.mean() < 0.5
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_slope_test_fails_without_geometric_or_plastic_terms(law):
+    """The tangent of the other law is wrong where the sand yields; without stress the geometric terms are missing."""
+    soil, step, displacement = block(law)
+    if law == "drucker-prager":
+        K, pattern = stiffness(soil, step, displacement, LAWS["hencky"](len(soil.constants)))
+    else:
+        trial = soil.evaluate(step, displacement, True)
+        pattern = make_pattern(step.active, soil.grid.fixed, soil.grid.shape)
+        values = np.zeros(len(pattern.indices))
+        add_stiffness(step.basis, step.slabs, soil.grid.shape, trial.strain, 0 * trial.response.stress,
+                      trial.response.tangent, soil.constants.volume, pattern, values)
+        K = csr_matrix((values, pattern.indices, pattern.indptr))
+    assert observed_rate(soil, step, displacement, K, pattern.free) < 1.2
+
+
+@pytest.mark.parametrize("basis, plane", CASES, ids=IDS)
+def test_stiffness_is_symmetric_for_hencky_only(basis, plane):
+    for law, symmetric in (("hencky", True), ("drucker-prager", False)):
+        K, _ = stiffness(*block(law, basis, plane))
+        skewness = abs(K - K.T).max() / abs(K).max()
+        assert skewness < 1e-13 if symmetric else skewness > 1e-3
+
+
+def test_internal_force_is_the_gradient_of_the_stored_energy():
+    soil, step, displacement = block("hencky")
+    d = np.random.default_rng(8).standard_normal(displacement.shape) * ~soil.grid.fixed
+    h = 1e-5
+
+    def energy(u):
+        trial = soil.evaluate(step, u, False)
+        return np.sum(soil.law.energy(trial.strain.strain) * soil.constants.volume)
+
+    power = np.sum(soil.evaluate(step, displacement, False).force * d)
+    assert (energy(displacement + h * d) - energy(displacement - h * d)) / (2 * h) == pytest.approx(power, rel=1e-7)
+
+
+def test_translation_of_free_soil_meets_no_resistance():
+    """Row sums vanish in every component, stressed or not, apart from the rows next to held nodes."""
+    for law in LAWS:
+        soil, step, displacement = block(law)
+        K, pattern = stiffness(soil, step, displacement)
+        away = np.zeros(soil.grid.shape, bool)
+        away[3:, :, 3:] = True                          # two nodes away from the held faces x_min, z_min
+        for k in range(3):
+            shift, force = np.zeros_like(displacement), np.zeros_like(displacement)
+            shift[:, k] = 1.0
+            force[pattern.free] = K @ shift[pattern.free]
+            assert np.abs(force[away.ravel()]).max() < 1e-12 * abs(K).max() < np.abs(force).max()

@@ -1,0 +1,126 @@
+"""Transfer between points and nodes: conservation, exactness, and no dependence on the number of threads."""
+
+import numba
+import numpy as np
+import pytest
+
+from hybrid.laws.drucker_prager import DruckerPrager
+from hybrid.soil.grid import make_grid
+from hybrid.soil.model import Soil
+from hybrid.soil.points import at_rest, tile
+from hybrid.soil.transfer import interpolate
+from hybrid.system.pattern import make_pattern
+
+FREE = dict.fromkeys(("x_min", "x_max", "y_min", "y_max", "z_min", "z_max"), "free")
+NODES = {
+    "uniform": tuple(np.linspace(0.0, 2.0, n) for n in (9, 7, 17)),
+    "graded": tuple(2 * np.linspace(0.0, 1.0, n) ** 1.4 for n in (7, 6, 8)),
+    "collapsed": (np.linspace(0.0, 2.0, 13), np.array([1.0]), np.linspace(0.0, 2.0, 5)),
+}
+
+
+def soil_on(axes, basis="gimp"):
+    """A Soil that fills the inner cells of a grid and its points, shifted so that domains straddle the nodes."""
+    rng = np.random.default_rng(5)
+    grid = make_grid(axes, np.array([(0.0, 2.0)] * 3), FREE)
+    ends = np.array([(a[1], a[-2]) if len(a) > 1 else (0.0, 2.0) for a in grid.axes]).T
+    constants = tile(grid, *ends, (2, 2, 2), 1700.0)
+    law = DruckerPrager(np.full(len(constants), 1e6), 0.3, 30.0, 5.0, 500.0)
+    points = at_rest(constants, np.zeros((len(constants), 3)), np.zeros((len(constants), 3)))
+    shift = 0.5 * grid.smallest_cell * rng.uniform(-1, 1, points.position.shape)
+    points.position[:, ~grid.collapsed] += shift[:, ~grid.collapsed]
+    points.velocity[:] = rng.standard_normal(points.velocity.shape)
+    points.acceleration[:] = 10 * rng.standard_normal(points.velocity.shape)
+    return Soil(grid, constants, law, basis), points
+
+
+@pytest.fixture(params=[(name, basis) for name in NODES for basis in ("gimp", "mpm")], ids="-".join)
+def case(request):
+    name, basis = request.param
+    soil, points = soil_on(NODES[name], basis)
+    return soil, points, soil.begin(points, np.zeros(3))
+
+
+def test_projection_conserves_mass_and_momentum(case):
+    soil, points, step = case
+    mass = soil.constants.mass
+    assert step.mass.sum() == pytest.approx(mass.sum(), rel=1e-14)
+    movable = ~soil.grid.collapsed
+    for nodal, carried in ((step.velocity, points.velocity), (step.acceleration, points.acceleration)):
+        exact, size = mass @ carried, mass @ np.abs(carried)
+        assert np.all(np.abs(step.mass @ nodal - exact)[movable] <= 1e-14 * size[movable])
+        assert not nodal[:, ~movable].any()    # a collapsed axis does not move
+        assert not nodal[~step.active].any()
+
+
+def test_moment_of_mass_is_conserved(case):
+    """Linear reproduction: the centre of mass of the nodes is that of the points."""
+    soil, points, step = case
+    nodes = np.stack([a.ravel() for a in np.meshgrid(*soil.grid.axes, indexing="ij")], axis=1)
+    movable = ~soil.grid.collapsed
+    nodal, exact = step.mass @ nodes, soil.constants.mass @ points.position
+    np.testing.assert_allclose(nodal[movable], exact[movable], rtol=1e-13)
+
+
+def test_interpolation_is_exact_for_linear_fields(case):
+    soil, points, step = case
+    rng = np.random.default_rng(1)
+    gradient, constant = rng.standard_normal((3, 4)), rng.standard_normal(4)
+    gradient[soil.grid.collapsed] = 0.0
+    nodes = np.stack([a.ravel() for a in np.meshgrid(*soil.grid.axes, indexing="ij")], axis=1)
+    found = interpolate(step.basis, soil.grid.shape, nodes @ gradient + constant)
+    np.testing.assert_allclose(found, points.position @ gradient + constant, atol=1e-12)
+
+
+def test_linear_field_gives_its_gradient(case):
+    soil, points, step = case
+    gradient = np.random.default_rng(1).uniform(-0.1, 0.1, (3, 3))
+    gradient[soil.grid.collapsed] = gradient[:, soil.grid.collapsed] = 0.0
+    nodes = np.stack([a.ravel() for a in np.meshgrid(*soil.grid.axes, indexing="ij")], axis=1)
+    increment = soil.evaluate(step, nodes @ gradient.T, True).strain.increment
+    assert np.abs(increment - np.eye(3) - gradient).max() < 1e-12
+
+
+def test_internal_forces_are_in_balance(case):
+    """Their sum vanishes, and so does their moment about any point, taken at the displaced nodes."""
+    soil, points, step = case
+    rng = np.random.default_rng(9)
+    displacement = 0.02 * soil.grid.smallest_cell * rng.standard_normal((soil.grid.node_count, 3))
+    displacement[soil.grid.fixed] = 0.0
+    force = soil.evaluate(step, displacement, True).force
+    nodes = np.stack([a.ravel() for a in np.meshgrid(*soil.grid.axes, indexing="ij")], axis=1) + displacement
+    size = np.abs(force).sum()
+    assert np.abs(force.sum(axis=0)).max() < 1e-13 * size
+    if not soil.grid.collapsed.any():
+        assert np.abs(np.cross(nodes, force).sum(axis=0)).max() < 1e-13 * size * 2.0
+
+
+def computed(soil, points, displacement):
+    """Everything the soil adds into shared arrays, from one begin to the stiffness."""
+    step = soil.begin(points, np.array([0.0, 0.0, -9.81]))
+    trial = soil.evaluate(step, displacement, True)
+    pattern = make_pattern(step.active, soil.grid.fixed, soil.grid.shape)
+    values = np.zeros(len(pattern.indices))
+    soil.add_stiffness(step, trial, pattern, values)
+    after = soil.accept(step, trial, displacement, displacement, displacement)
+    return (step.mass, step.velocity, step.acceleration, trial.force.copy(), trial.stress, values,
+            after.position, after.elastic, after.half)
+
+
+@pytest.mark.parametrize("name", NODES)
+def test_results_do_not_depend_on_the_number_of_threads(name):
+    if numba.config.NUMBA_NUM_THREADS < 2:
+        pytest.skip("numba has one thread here")
+    soil, points = soil_on(NODES[name])
+    displacement = 0.01 * np.random.default_rng(3).standard_normal((soil.grid.node_count, 3))
+    displacement[soil.grid.fixed] = 0.0
+    threads, found = numba.get_num_threads(), []
+    try:
+        for count in (1, 2, 2):
+            numba.set_num_threads(count)
+            found.append(computed(soil, points, displacement))
+    finally:
+        numba.set_num_threads(threads)
+    for one, two, again in zip(*found):
+        assert np.abs(one).max() > 0.0
+        assert np.array_equal(one, two) and np.array_equal(two, again)
