@@ -1,11 +1,11 @@
-"""How deep does a coarse anchor dig in one metre of drag? The scene of anchor.toml, written in Python.
+"""How deep does a coarse anchor dig in a metre of drag? The scene of anchor.toml, written in Python.
 
         crown _____________________ shackle  - - - line - - - >  0.5 m/s
             \\ 35°
     ~~~~~~~~~\\~~~~~~~~~~~~~~~~~~~~~~~~~~~~  z = 0, sand of 38 % relative density
 
 Half an AC-14-like anchor is meshed from its .geo, lowered in its attitude until it stands, and pulled through a line
-of 1 MN/m. Cells of 0.4 m around the path, 8 points each, steps of 0.05 s: about 5 000 points and 2 100 unknowns.
+of 1 MN/m. Cells of 0.4 m around the path, 8 points each, steps of 0.04 s: about 5 000 points and 2 100 unknowns.
 
     .venv/bin/python demos/anchor.py         after ./run has set things up; results in out/coarse_anchor/
 """
@@ -19,7 +19,7 @@ from hybrid.output.history import read_history
 GEOMETRY = Path(__file__).parents[1] / "geometry" / "stockless_anchor.geo"
 
 
-def coarse_anchor(drag_steps=40, margin=1.0, **anchor_parameters):
+def coarse_anchor(drag_steps=50, margin=1.0, **anchor_parameters):
     """Scene of the half anchor on a coarse grid; parameters of the .geo can be given by name.
 
     margin: how far the soil reaches beyond the anchor's path, as a multiple of that of anchor.toml.
@@ -29,15 +29,15 @@ def coarse_anchor(drag_steps=40, margin=1.0, **anchor_parameters):
         grid=Grid(
             x=Axis(start=-0.8 - 3.2 * margin, end=3.6 + 4.0 * margin, size=0.4, fine=(-0.8, 3.6), growth=1.6),
             y=Axis(start=0.0, end=1.2 + 2.8 * margin, size=0.4, fine=(0.0, 1.2), growth=1.6),
-            z=Axis(start=-1.2 - 2.8 * margin, end=0.8, size=0.4, fine=(-1.2, 0.8), growth=1.6),
+            z=Axis(start=-1.2 - 2.8 * margin, end=1.6, size=0.4, fine=(-1.2, 1.6), growth=1.6),
             faces=Faces(z_min="fixed")),
         soil=Soil(Material(relative_density=38.0), top=0.0),
         bodies=(Body(
             name="anchor", geometry=GEOMETRY, density=7850.0, parameters={"size": 0.15, **anchor_parameters},
             rest_on=0.0, held=("y", "rx", "rz"), friction=0.45,
             pull=Pull(point="shackle", velocity=(0.5, 0.0, 0.0), stiffness=1e6, length=9.5)),),
-        time=Time(step=0.05),
-        stages=(Stage("settle", 15, step=0.08, pull=False, held=("ry",), beta=0.5625, gamma=1.0),
+        time=Time(step=0.04),
+        stages=(Stage("settle", 25, step=0.04, pull=False, held=("ry",), beta=0.5625, gamma=1.0),
                 Stage("drag", drag_steps)),
         solver=Solver(tolerance=1e-4),
         output=Output(every=10, pictures=(drag_steps,)))

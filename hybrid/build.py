@@ -79,7 +79,9 @@ def build_soil(scene, grid, gravity):
     law = build_law(described.material.law, material, -stress[:, 2] * k0 if stress.any() else
                     depth * material["density"] * np.linalg.norm(gravity) * k0)
     points = at_rest(constants, stress, law.strain(stress))
-    soil = Soil(grid, constants, law, described.basis, described.domain, described.held, scene.time.inertia)
+    if scene.time.inertia and not stress.any():
+        points.acceleration[:] = gravity  # nothing holds it yet
+    soil = Soil(grid, constants, law, described.basis, described.domain, described.held, scene.solver.elastic_share)
     return soil, points
 
 

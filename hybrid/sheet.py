@@ -4,7 +4,8 @@ import numpy as np
 
 from hybrid.system.pattern import make_pattern
 
-BYTES_PER_POINT = 1200  # history, constants, trial buffers and contact history of one point
+LIBRARIES = 600e6       # bytes of the interpreter with dolfinx, PETSc, gmsh and compiled kernels, as measured
+BYTES_PER_POINT = 1500  # history, constants, trial buffers and temporaries of one point
 BYTES_PER_ENTRY = 24    # of the soil block: value and index, the same again for the incomplete factor
 
 
@@ -14,7 +15,7 @@ def model_sheet(scene, model):
     pattern = _pattern(soil)
     body_unknowns = int(np.count_nonzero(model.body_free))
     entries = len(pattern.indices)
-    memory = BYTES_PER_POINT * len(soil.constants) + BYTES_PER_ENTRY * entries + 400e6
+    memory = BYTES_PER_POINT * len(soil.constants) + BYTES_PER_ENTRY * entries + LIBRARIES
     cells = [max(1, n - 1) for n in soil.grid.shape]
     modelled = {
         "grid cells": " x ".join(map(str, cells)),

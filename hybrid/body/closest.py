@@ -135,6 +135,18 @@ def search(y0, y1, y2, reach, boxes, first, order, facets):
 
 
 @njit(cache=True)
+def clear(y0, y1, y2, radius, tree):
+    """Whether a point is outside the ball of `radius` [m] about the centre, or the box, that hold the surface.
+
+    Then its gap is positive and there is no need to search. The slack keeps points on the plane of a cut.
+    """
+    slack = 1e-6 * radius
+    if y0 * y0 + y1 * y1 + y2 * y2 > (radius + slack) ** 2:
+        return True
+    return _box_distance(y0, y1, y2, tree.boxes, 1) > slack * slack
+
+
+@njit(cache=True)
 def closest(y, reach, tree):
     """Closest point of the surface to y (3,), array or tuple [m], if nearer than reach [m], which may be inf.
 

@@ -47,7 +47,7 @@ class RigidBody:
     @property
     def radius(self):
         """Distance [m] of the farthest surface vertex from the centre."""
-        return float(np.linalg.norm(self.surface.vertices, axis=1).max())
+        return self.surface.radius
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,7 @@ pseudo-normals); C. Ericson, Real-Time Collision Detection (2005), sec. 5.1.5 (r
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -53,6 +54,11 @@ class ContactSurface:
     lower: np.ndarray
     upper: np.ndarray
     tree: Tree
+
+    @cached_property
+    def radius(self):
+        """Distance [m] of the farthest vertex from the centre of mass."""
+        return float(np.linalg.norm(self.vertices, axis=1).max())
 
 
 def build_surface(vertices, triangles):

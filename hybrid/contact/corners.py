@@ -20,6 +20,7 @@ import numpy as np
 from numba import njit, prange
 
 from hybrid.body.closest import closest
+from hybrid.contact.meeting import meeting_points
 from hybrid.soil.basis import find_cell, hat
 
 SHARE = 0.25  # of a point's contact stiffness, per corner
@@ -33,7 +34,9 @@ class Corners:
     id: (m,) increasing, 8 p + corner, with bits 4, 2, 1 of the corner telling the upper end along x, y, z
     position: (m, 3) [m] at the start of the step; start: (m, 3) the same in the body frame
     node, weight: (m, 8) grid nodes and hat functions there
-    stiffness: (m,) ε_N [N/m]; touching: (m,) bool and anchor: (m, 3) [m], friction history in the body frame
+    stiffness: (m,) ε_N [N/m]; touching: (m,) bool, in contact at the start of the step
+    anchor: (m, 3) [m] body frame, where friction is zero: history while touching, else where the corner would meet
+        the surface (contact/meeting.py)
     """
 
     id: np.ndarray
@@ -55,12 +58,14 @@ class Corners:
         return self.position + np.einsum("ca,cai->ci", self.weight, displacement[self.node])
 
 
-def find_corners(position, half, grid, active, body, surface, reach, stiffness, history):
+def find_corners(position, half, grid, active, body, surface, reach, stiffness, history, expected):
     """Corners within `reach` [m] of the surface of `body` (a BodyState).
 
-    active: (N,) bool, nodes that carry mass; stiffness: (n,) of a whole point [N/m]; history: ContactHistory.
+    active: (N,) bool, nodes that carry mass; stiffness: (n,) of a whole point [N/m]; history: ContactHistory;
+    expected: nodal increments (N, 3) [m] (None: held soil) and pose of the body that the step starts to iterate from.
     """
     near = np.zeros((len(position), 8), np.bool_)
+    near.reshape(-1)[history.id] = True  # not to be looked at: they are where the grid has carried them
     _near(position, half, body.position, body.rotation, surface.lower - reach, surface.upper + reach, reach,
           surface.tree, near)
     near.reshape(-1)[history.id] = False
@@ -73,10 +78,12 @@ def find_corners(position, half, grid, active, body, surface, reach, stiffness, 
     node, weight = _interpolation(place, grid.axes, active)
     use = np.flatnonzero(weight.any(axis=1))
     use = use[np.argsort(id[use], kind="stable")]
-    place = place[use]
-    return Corners(
-        id[use], place, (place - body.position) @ body.rotation, node[use], weight[use],
-        SHARE * stiffness[id[use] // 8], touching[use], anchor[use])
+    id, place, node, weight, touching, anchor = (a[use] for a in (id, place, node, weight, touching, anchor))
+    corners = Corners(id, place, (place - body.position) @ body.rotation, node, weight, SHARE * stiffness[id // 8],
+                      touching, anchor)
+    free = ~touching
+    anchor[free] = meeting_points(place[free], corners.moved(expected[0])[free], body, expected[1], surface)
+    return corners
 
 
 def _within(place, body, surface, reach):
@@ -117,6 +124,8 @@ def _near(position, half, centre, rotation, lower, upper, reach, tree, near):
         if np.sqrt(np.sum(d**2)) > radius + np.sqrt(np.sum(half[p] ** 2)):
             continue
         for corner in range(8):
+            if near[p, corner]:
+                continue
             x0 = d[0] + (half[p, 0] if corner & 4 else -half[p, 0])
             x1 = d[1] + (half[p, 1] if corner & 2 else -half[p, 1])
             x2 = d[2] + (half[p, 2] if corner & 1 else -half[p, 2])

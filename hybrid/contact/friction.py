@@ -12,8 +12,11 @@ Because the normal turns with y at an edge or a vertex, ∂N/∂y = G = (A - N N
     stick  ∂f/∂y = ε_N A + ε_T M          slip  ∂f/∂y = ε_N A + μp/|g_t| (I - s s^T) M - μ ε_N s N^T
 
 On a face G = 0. The anchor is history in the body frame: objective, and indifferent to hopping between triangles. A
-contact born in the step takes its anchor where the corner stood at the step's start. Without friction (μ = 0) neither
-anchor nor tangential law is evaluated.
+contact born in the step takes its anchor where the corner meets the surface (contact/meeting.py). Without friction
+(μ = 0) neither anchor nor tangential law is evaluated.
+
+The force of a step acts from the step's start, also on a corner that touches only later. Friction work of a corner
+that slips is therefore counted along its way since the start.
 """
 
 from dataclasses import dataclass
@@ -21,7 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit, prange
 
-from hybrid.body.closest import closest, gap_geometry
+from hybrid.body.closest import clear, closest, gap_geometry
 from hybrid.state import ContactHistory
 
 
@@ -29,7 +32,7 @@ from hybrid.state import ContactHistory
 class Touch:
     """Corners in contact at a trial state; m of them, in space unless said otherwise.
 
-    active: (m,) which of the corners; gap: (m,) [m] negative; force: (m, 3) [N], minus the force on the corner
+    active: (m,) which of the corners; gap: (m,) [m] negative; normal: (m, 3) outward; force: (m, 3) [N], minus the force on the corner
     tangent: (m, 3, 3) [N/m] at fixed attitude; arm: (m, 3) [m] from the body's centre; slip: (m,) bool
     anchor: (m, 3) [m] what the history becomes on commit, body frame; triangle: (m,), weights: (m, 3) of its vertices
     energy: stored in the springs [J]; dissipated: friction work of the step [J]
@@ -37,6 +40,7 @@ class Touch:
 
     active: np.ndarray
     gap: np.ndarray
+    normal: np.ndarray
     force: np.ndarray
     tangent: np.ndarray
     arm: np.ndarray
@@ -60,17 +64,44 @@ def evaluate(corners, place, centre, rotation, surface, reach, friction, tangent
     y = (place - centre) @ rotation
     gap, triangle, feature = np.empty(len(y)), np.empty(len(y), np.int64), np.empty(len(y), np.int64)
     foot, weights = np.empty_like(y), np.empty_like(y)
-    _project(y, reach, tree, gap, triangle, feature, foot, weights)
+    _project(y, reach, surface.radius, tree, gap, triangle, feature, foot, weights)
     active = np.nonzero(gap < 0.0)[0]
     m = len(active)
     force, tangent, anchor = np.empty((m, 3)), np.empty((m, 3, 3)), np.empty((m, 3))
     slip, energy, dissipated = np.zeros(m, np.bool_), np.zeros(m), np.zeros(m)
-    born = np.where(corners.touching[active, None], corners.anchor[active], corners.start[active])
-    _law(y[active], gap[active], triangle[active], feature[active], foot[active], born, corners.stiffness[active],
-         friction, tangential, tree, force, tangent, slip, anchor, energy, dissipated)
+    origin = np.where(corners.touching[active, None], corners.anchor[active], corners.start[active])
+    _law(y[active], gap[active], triangle[active], feature[active], foot[active], corners.anchor[active], origin,
+         corners.stiffness[active], friction, tangential, tree, force, tangent, slip, anchor, energy, dissipated)
+    normal = (y[active] - foot[active]) / gap[active, None]
     return Touch(
-        active, gap[active], force @ rotation.T, rotation @ tangent @ rotation.T, place[active] - centre, slip, anchor,
+        active, gap[active], normal @ rotation.T, force @ rotation.T, rotation @ tangent @ rotation.T, place[active] - centre, slip, anchor,
         triangle[active], weights[active], float(energy.sum()), float(dissipated.sum()))
+
+
+def passed_through(corners, touch, place, centre, rotation, surface, depth):
+    """Number of corners that a step too long for the body's thickness has carried past its middle, or right through.
+
+    Those in contact since this step that would be pushed on along their way, and those that are out at both ends of
+    their way and deeper than `depth` [m] inside on it.
+    """
+    way = (place - centre) @ rotation - corners.start
+    outward = np.einsum("ci,ci->c", way[touch.active], touch.normal @ rotation)
+    entered = touch.active[~corners.touching[touch.active] & (outward > 0.5 * np.linalg.norm(way[touch.active], axis=1))]
+    pushed_on = gaps(corners.start[entered], surface, np.inf) > 0.0
+    free = ~corners.touching
+    free[touch.active] = False
+    deepest = np.zeros(np.count_nonzero(free))
+    for fraction in (0.25, 0.5, 0.75):
+        gap = gaps(corners.start[free] + fraction * way[free], surface, np.inf)
+        np.minimum(deepest, gap, out=deepest)
+    return int(np.count_nonzero(pushed_on) + np.count_nonzero(deepest < -depth))
+
+
+def gaps(y, surface, reach):
+    """Signed gaps (m,) [m] of places (m, 3) in the body frame, inf beyond reach."""
+    gap, index = np.empty(len(y)), np.empty((2, len(y)), np.int64)
+    _project(y, reach, surface.radius, surface.tree, gap, index[0], index[1], np.empty_like(y), np.empty_like(y))
+    return gap
 
 
 def commit(corners, place, touch):
@@ -82,8 +113,11 @@ def commit(corners, place, touch):
 
 
 @njit(cache=True, parallel=True)
-def _project(y, reach, tree, gap, triangle, feature, foot, weights):
+def _project(y, reach, radius, tree, gap, triangle, feature, foot, weights):
     for n in prange(len(y)):
+        if clear(y[n, 0], y[n, 1], y[n, 2], radius, tree):
+            gap[n] = np.inf
+            continue
         t, f, x, w, g = closest((y[n, 0], y[n, 1], y[n, 2]), reach, tree)
         triangle[n], feature[n], gap[n] = t, f, g
         for i in range(3):
@@ -91,8 +125,9 @@ def _project(y, reach, tree, gap, triangle, feature, foot, weights):
 
 
 @njit(cache=True)
-def _law(y, gap, triangle, feature, foot, born, stiffness, friction, ratio, tree, force, tangent, slip, anchor,
+def _law(y, gap, triangle, feature, foot, old, origin, stiffness, friction, ratio, tree, force, tangent, slip, anchor,
          energy, dissipated):
+    """old: (m, 3) anchors before; origin: (m, 3) where the way starts along which friction works."""
     N, A = np.empty(3), np.empty((3, 3))
     for n in range(len(y)):
         g, eps_n = gap[n], stiffness[n]
@@ -103,11 +138,11 @@ def _law(y, gap, triangle, feature, foot, born, stiffness, friction, ratio, tree
             for j in range(3):
                 A[i, j] = rate[i][j]
                 tangent[n, i, j] = eps_n * A[i, j]
-        anchor[n] = born[n]
+        anchor[n] = old[n]
         energy[n] = 0.5 * eps_n * g * g
         if friction > 0.0:
             NN = np.outer(N, N)
-            z, P, G = y[n] - born[n], np.eye(3) - NN, (A - NN) / g
+            z, P, G = y[n] - old[n], np.eye(3) - NN, (A - NN) / g
             gt = P @ z
             M = P - np.dot(N, z) * G - np.outer(N, G @ z)
             eps_t, limit, size = ratio * eps_n, -friction * eps_n * g, np.sqrt(np.sum(gt * gt))
@@ -122,4 +157,4 @@ def _law(y, gap, triangle, feature, foot, born, stiffness, friction, ratio, tree
                 slip[n] = True
                 anchor[n] = y[n] - s * (limit / eps_t)
                 energy[n] += 0.5 * limit * limit / eps_t
-                dissipated[n] = limit * (size - limit / eps_t)
+                dissipated[n] = limit * (np.dot(s, y[n] - origin[n]) - limit / eps_t)

@@ -5,6 +5,10 @@
     stiffness consistent tangent added into the sparse soil block                  (every Newton iteration)
     accept    new Points from the converged increments                             (once a step)
 
+At the apex of a cone the consistent tangent is zero, and loose sand at the surface flips between nothing and its full
+stiffness from one Newton iteration to the next. Mixing a share s of the elastic tangent into the plastic one,
+D + s (D_e - D), damps that; it changes the way to the solution, not the solution.
+
 Soil whose displacements are all held is never evaluated: its points only lend their corners to contact.
 """
 
@@ -52,12 +56,15 @@ class SoilStep:
 
 
 class Soil:
-    """Model of the soil: grid, points' constants, law, choice of basis ("gimp" | "mpm") and of domain update."""
+    """Model of the soil: grid, points' constants, law, choice of basis ("gimp" | "mpm") and of domain update, and the
+    share of the elastic stiffness in the tangent of plastic points."""
 
     def __init__(self, grid: Grid, constants: PointConstants, law, basis="gimp", domain="stretch", held=False,
-                 inertia=True):
+                 elastic_share=0.0):
         self.grid, self.constants, self.law = grid, constants, law
-        self.basis, self.domain, self.held, self.inertia = basis, domain, held, inertia
+        self.basis, self.domain, self.held = basis, domain, held
+        self._share = 0.0 if held or law.symmetric else elastic_share
+        self._elastic = law.respond(np.zeros((len(constants), 3))).tangent if self._share else None
         self._kinematics = Kinematics(0 if held else len(constants))
 
     def begin(self, points, gravity):
@@ -77,6 +84,8 @@ class Soil:
         if strain.inverted:
             return None
         response = self.law.respond(strain.strain, tangent)
+        if tangent and self._share:
+            response.tangent[...] += self._share * (self._elastic - response.tangent)
         stress = from_principal(response.stress, strain.directions)
         force = internal_force(step.basis, step.slabs, self.grid.shape, strain, stress, self.constants.volume)
         return SoilTrial(strain, response, stress, force)

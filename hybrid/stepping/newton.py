@@ -42,9 +42,7 @@ def solve(step: Step, settings: Settings):
     for iteration in range(settings.iterations + 1):
         errors.append(evaluation.error)
         if evaluation.error <= settings.tolerance:
-            ratio = step.overreach(evaluation.unknowns)
-            reason = f"soil and body moved {ratio:.1f} times the reach of the contact search" if ratio > 1 else ""
-            return Outcome(evaluation, iteration, krylov, tuple(errors), reason)
+            return Outcome(evaluation, iteration, krylov, tuple(errors), _too_far(step, evaluation))
         if iteration == settings.iterations:
             break
         try:
@@ -61,6 +59,15 @@ def solve(step: Step, settings: Settings):
     return Outcome(evaluation, settings.iterations, krylov, tuple(errors),
                    f"residual {evaluation.error:.2e} after {settings.iterations} iterations, "
                    f"tolerance {settings.tolerance:.0e} ({norms})")
+
+
+def _too_far(step, evaluation):
+    """Why a converged increment must not be accepted: it is too long for contact to have been seen rightly."""
+    ratio = step.overreach(evaluation.unknowns)
+    if ratio > 1:
+        return f"soil and body moved {ratio:.1f} times the reach of the contact search"
+    count = step.passed_through(evaluation)
+    return f"{count} corners of the soil passed through a body" if count else ""
 
 
 def _search(step, old, soil, body, shorten):

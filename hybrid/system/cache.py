@@ -18,6 +18,8 @@ class Systems:
         """(Pattern, BlockSystem) for active nodes (N,) bool."""
         if self._active is None or not np.array_equal(active, self._active):
             grid, model = self._model.soil.grid, self._model
+            if self._current:
+                self._current[1].destroy()
             pattern = make_pattern(active, grid.fixed, grid.shape)
             unknowns = int(np.count_nonzero(model.body_free))
             self._current = pattern, BlockSystem(

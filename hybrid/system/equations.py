@@ -66,10 +66,12 @@ class Step:
             s.target + dt * b.line.velocity if pulling and b.line else None for b, s in zip(model.bodies, state.bodies))
         with phase("contact search"):
             self.reach = [self._reach(b, s) for b, s in zip(model.bodies, state.bodies)]
+            guess = self.start()
             self.corners: list[Corners] = [
                 find_corners(state.points.position, self._corner_half(), soil.grid, active, s, b.surface, reach,
-                             b.contact_stiffness, history)
-                for b, s, history, reach in zip(model.bodies, state.bodies, state.contacts, self.reach)]
+                             b.contact_stiffness, history, (guess.displacement, pose))
+                for b, s, history, reach, pose in zip(
+                    model.bodies, state.bodies, state.contacts, self.reach, guess.poses)]
         self.line_before = [
             rigid.evaluate(b, s, (s.position, s.rotation), None if t is None else s.target, model.gravity,
                            model.newmark, dt).line[:3]
@@ -109,6 +111,14 @@ class Step:
             turned = np.linalg.norm(pose[1] - state.rotation, 2) * body.radius
             ratio = max(ratio, (np.linalg.norm(pose[0] - state.position) + turned + fastest) / reach)
         return ratio
+
+    def passed_through(self, evaluation):
+        """Number of corners that the step carried through a body, deeper than a twentieth of a cell."""
+        depth = 0.05 * self.model.soil.grid.smallest_cell
+        return sum(
+            friction.passed_through(c, t, c.moved(evaluation.unknowns.displacement), *pose, body.surface, depth)
+            for body, c, t, pose in zip(
+                self.model.bodies, self.corners, evaluation.touches, evaluation.unknowns.poses))
 
     def moved(self, unknowns, soil, body, scale=1.0):
         """Unknowns after `scale` times the increments soil (n,), body (m,)."""

@@ -18,7 +18,7 @@ class Model:
     newmark: Newmark
     gravity: np.ndarray
     linear: str = "krylov"
-    linear_tolerance: float = 1e-4
+    linear_tolerance: float = 1e-3
 
     @property
     def body_free(self):

@@ -7,9 +7,7 @@ K_uu is sparse (AIJ) over the free soil unknowns, the others are dense and as th
 preconditioner is the upper block factorisation: an incomplete (or, for checks, a direct) factor of K_uu and the exact
 Schur complement K_ww - K_wu M^-1 K_uw, formed with one application of that factor M^-1 per body unknown.
 
-All matrices stay allocated while the pattern is the same; values are edited in place. An incomplete factor costs as
-much as several solutions, and one from an earlier iteration or step still serves: it is kept until the Krylov method
-needs half as many iterations again as with the fresh one. Options prefix: "hybrid_".
+All matrices stay allocated while the pattern is the same; values are edited in place. Options prefix: "hybrid_".
 """
 
 from contextlib import contextmanager
@@ -25,6 +23,35 @@ DIRECT = {"ksp_type": "preonly", "pc_type": "lu", "pc_factor_mat_solver_type": "
 INCOMPLETE = {"ksp_type": "preonly", "pc_type": "ilu", "pc_factor_zeropivot": 0.0}
 COMM = PETSc.COMM_SELF
 CHOSEN_BY_USER = set(PETSc.Options().getAll())  # PETSC_OPTIONS of the environment override ours
+
+
+class Lag:
+    """When an incomplete factor may serve again. Making one costs about as much as 20 Krylov iterations.
+
+    It serves `most` solutions, one more each time an old factor did well. When an old one needed more than half as
+    many iterations again as the fresh one, every solution gets its own for a while.
+    """
+
+    PAUSE = 8
+
+    def __init__(self):
+        self.first, self.used, self.most, self.pause = 0, 0, 2, 0
+
+    def due(self):
+        """True when the next solution should have a fresh factor."""
+        return self.used == 0 or self.used >= self.most
+
+    def record(self, fresh, iterations):
+        """Take note of a solution with a fresh or an old factor."""
+        if fresh:
+            self.first, self.used = iterations, 1
+            self.pause = max(0, self.pause - 1)
+            self.most = max(self.most, 2) if self.pause == 0 else 1
+        elif iterations > 1.5 * self.first + 5:
+            self.used, self.most, self.pause = 0, 1, self.PAUSE
+        else:
+            self.used += 1
+            self.most = max(self.most, self.used + 1)
 
 
 class BlockSystem:
@@ -49,7 +76,7 @@ class BlockSystem:
         self._coupled = bool(n and m)
         self._matrix = self._nest() if self._coupled else self._blocks[0] if self._blocks else None
         self._direct = linear == "direct" or not n
-        self._first, self._last, self._fresh = 0, np.inf, True  # Krylov iterations with the fresh factor and since
+        self._lag, self._fresh = Lag(), True
         if self._matrix is not None:
             self._ksp = self._krylov(DIRECT if linear == "direct" else INCOMPLETE, tolerance)
             self._x, self._b = self._matrix.createVecs()
@@ -91,6 +118,15 @@ class BlockSystem:
             ksp.setFromOptions()
         return ksp
 
+    def destroy(self):
+        """Release the memory of matrices and factors at once, rather than when Python gets to it."""
+        if self._matrix is not None:
+            if self._soil_pc is not None:
+                self._soil_pc.reset()  # PETSc keeps the inner solvers of a Schur field split alive, factor and all
+            self._ksp.reset()
+            for thing in (self._ksp, self._matrix, *self._blocks, self._x, self._b):
+                thing.destroy()
+
     def clear(self):
         """Zero all blocks before they are assembled anew."""
         for block in (self.values, self.uw, self.wu, self.ww):
@@ -100,7 +136,7 @@ class BlockSystem:
         """Prepare the preconditioner after assembly, from the factor at hand unless a `fresh` one is due."""
         for block in (*self._blocks, self._matrix):
             block.stateIncrease()
-        self._fresh = fresh or self._direct or self._last > 1.5 * self._first + 2
+        self._fresh = fresh or self._direct or self._lag.due()
         if self._soil_pc is not None:
             self._soil_pc.setReusePreconditioner(not self._fresh)
         self._ksp.setOperators(self._matrix)
@@ -130,20 +166,24 @@ class BlockSystem:
         if self._matrix is None:
             return np.zeros(0), np.zeros(0), 0
         self._b.array = -np.concatenate([soil, body])
-        self._ksp.solve(self._b, self._x)
-        reason = self._ksp.getConvergedReason()
-        self._last = self._ksp.getIterationNumber() if reason > 0 else np.inf
-        if self._fresh:
-            self._first = self._last
-        elif reason < 0:
+        try:
+            self._ksp.solve(self._b, self._x)
+        except PETSc.Error as error:
+            raise StepError(_advice("a diagonal block is singular")) from error
+        reason, count = self._ksp.getConvergedReason(), self._ksp.getIterationNumber()
+        self._lag.record(self._fresh, count if reason > 0 else np.inf)
+        if reason < 0 and not self._fresh:
             self.factor(fresh=True)
             return self.solve(soil, body)
         solution = self._x.array
         if reason < 0 or not np.isfinite(solution).all():
-            raise StepError(
-                f"linear solver failed after {self._ksp.getIterationNumber()} iterations (PETSc reason {reason}); "
-                'shorten the step, or set solver.linear = "direct" to see whether the system is singular')
-        return solution[:len(soil)].copy(), solution[len(soil):].copy(), self._ksp.getIterationNumber()
+            raise StepError(_advice(f"no convergence in {count} iterations, PETSc reason {reason}"))
+        return solution[:len(soil)].copy(), solution[len(soil):].copy(), count
+
+
+def _advice(what):
+    return (f"linear solver: {what}; hold components of bodies that nothing supports, shorten the step, or set "
+            'solver.linear = "direct" to see whether the system is singular')
 
 
 @contextmanager

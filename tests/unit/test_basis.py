@@ -39,7 +39,7 @@ def scattered(axes, narrowest=0.02, seed=2):
 
 
 def clear_of_nodes(position, half, axes, distance):
-    """(n,) bool: both ends of every domain stay `distance` (as a part of the smallest cell) away from nodes."""
+    """(n,) bool: both ends of the domains stay `distance` (a part of the smallest cell) away from nodes."""
     clear = np.ones(len(position), bool)
     for axis, nodes in enumerate(axes):
         for end in (position[:, axis] - half[:, axis], position[:, axis] + half[:, axis]):
@@ -76,7 +76,7 @@ def test_partition_of_unity_and_linear_reproduction(name, standard):
 
 @pytest.mark.parametrize("name", GRIDS)
 def test_slope_is_the_derivative_of_the_value(name):
-    """The value is a quadratic between the places where a domain's end meets a node: central differences are exact."""
+    """Between places where a domain's end meets a node the value is a quadratic: differences are exact."""
     axes = GRIDS[name]
     position, half = scattered(axes, narrowest=0.1)
     clear = clear_of_nodes(position, half, axes, 2e-4)
@@ -117,7 +117,8 @@ def test_narrow_domains_tend_to_the_standard_method(width):
     place, l = position[:1].copy(), half[0, 0]
     place[0, 0] = nodes[4]
     value = dense(evaluate_basis(place, half[:1], axes), axes, 0)[0][0, 4]
-    assert 1 - value == pytest.approx(l / 4 * (1 / (nodes[4] - nodes[3]) + 1 / (nodes[5] - nodes[4])), rel=1e-9)
+    left, right = np.diff(nodes)[3:5]
+    assert 1 - value == pytest.approx(l / 4 * (1 / left + 1 / right), rel=1e-9)
 
 
 def test_a_hair_thin_overlap_is_cut_off():
@@ -149,7 +150,8 @@ def test_a_point_that_leaves_the_grid_stops_the_step(axis, x):
     position, half = np.full((3, 3), 0.5), np.full((3, 3), 0.1)
     position[1, axis] = x
     name = "xyz"[axis]
-    with pytest.raises(StepError, match=rf"point 1 at {name} = .*left the grid \[-1, 2\] m; enlarge grid\.{name}"):
+    message = rf"point 1 at {name} = .*left the grid \[-1, 2\] m; enlarge grid\.{name}"
+    with pytest.raises(StepError, match=message):
         evaluate_basis(position, half, UNIFORM)
 
 

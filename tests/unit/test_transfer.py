@@ -20,7 +20,7 @@ NODES = {
 
 
 def soil_on(axes, basis="gimp"):
-    """A Soil that fills the inner cells of a grid and its points, shifted so that domains straddle the nodes."""
+    """A Soil that fills the inner cells of a grid, and its points, shifted so that domains straddle nodes."""
     rng = np.random.default_rng(5)
     grid = make_grid(axes, np.array([(0.0, 2.0)] * 3), FREE)
     ends = np.array([(a[1], a[-2]) if len(a) > 1 else (0.0, 2.0) for a in grid.axes]).T

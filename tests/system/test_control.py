@@ -1,0 +1,195 @@
+"""Acceptance, rejection and halving of increments; what a failure leaves behind; runs side by side."""
+
+import re
+from copy import deepcopy
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+
+from hybrid.body import rigid
+from hybrid.build import build
+from hybrid.errors import StepError
+from hybrid.scene import Axis, Body, Faces, Grid, Material, Pull, Scene, Soil, Solver, Stage, Time
+from hybrid.stepping import newton
+from hybrid.stepping.loop import Control, outer_step
+from hybrid.system.cache import Systems
+from hybrid.system.equations import Step
+
+LENGTH = 0.01
+
+
+def scene(geometry, **soil):
+    """A sphere that hits sand hard; the first touch is in the first step."""
+    side = Axis(start=-0.4, end=0.4, size=0.2)
+    return Scene(
+        name="hit", grid=Grid(side, side, Axis(start=-0.4, end=0.4, size=0.2), Faces(z_min="fixed")),
+        soil=Soil(Material(law="drucker-prager", young=1e6, poisson=0.3, density=1800.0, friction_angle=30.0,
+                           dilation_angle=5.0, cohesion=1e3), top=0.0, **soil),
+        bodies=(Body(geometry=geometry / "sphere.geo", density=3000.0,
+                     parameters={"radius": 0.2, "size": 0.12}, position=(0.03, -0.02, 0.2),
+                     velocity=(0.4, 0.1, -3.0), spin=(0.0, 3.0, 0.0), friction=0.3,
+                     pull=Pull(point=(0.0, 0.0, 0.0), velocity=(0.5, 0.0, 0.0), stiffness=1e4, length=1.0)),),
+        time=Time(step=LENGTH), stages=(Stage("one", 2),), solver=Solver(linear="direct"))
+
+
+def ready(described):
+    """Simulation with its pull lines laid out."""
+    simulation = build(described)
+    simulation.state.bodies = [
+        rigid.laid_out(b, s) for b, s in zip(simulation.model.bodies, simulation.state.bodies)]
+    return simulation
+
+
+def arrays(thing, prefix=""):
+    """Every array reachable from a dataclass, by path."""
+    if isinstance(thing, np.ndarray):
+        yield prefix, thing
+    elif isinstance(thing, (list, tuple)):
+        for n, item in enumerate(thing):
+            yield from arrays(item, f"{prefix}[{n}]")
+    elif hasattr(thing, "__dataclass_fields__"):
+        for field in fields(thing):
+            yield from arrays(getattr(thing, field.name), f"{prefix}.{field.name}")
+
+
+def assert_untouched(state, copy):
+    found, wanted = dict(arrays(state)), dict(arrays(copy))
+    assert found.keys() == wanted.keys() and len(found) > 15
+    for path in found:
+        assert found[path].tobytes() == wanted[path].tobytes(), path
+    assert (state.time, state.step, state.work) == (copy.time, copy.step, copy.work)
+
+
+def one_step(simulation, control, settings, state=None):
+    state = simulation.state if state is None else state
+    return outer_step(simulation.model, Systems(simulation.model), state, LENGTH, True, control, settings)
+
+
+def test_an_easy_step_is_one_increment(geometry):
+    simulation = ready(scene(geometry))
+    state, report = one_step(simulation, Control(LENGTH, LENGTH / 64), newton.Settings())
+    assert (report.increments, report.rejections, report.dt) == (1, 0, LENGTH)
+    assert state.step == 1 and state.time == LENGTH and report.evaluation.error <= 1e-6
+    assert len(report.evaluation.touches[0]) >= 4      # the hit was in it
+
+
+@pytest.mark.parametrize("iterations", [2, 3])
+def test_a_hard_step_is_rejected_and_halved(geometry, iterations):
+    """Too few iterations allowed: shorter increments need fewer, and the outer step still ends on time."""
+    simulation = ready(scene(geometry))
+    before = deepcopy(simulation.state)
+    state, report = one_step(simulation, Control(LENGTH, LENGTH / 64), newton.Settings(iterations=iterations))
+    halvings = round(np.log2(LENGTH / report.dt))
+    assert halvings >= 1 and report.dt == pytest.approx(LENGTH / 2**halvings)
+    assert report.rejections >= halvings and report.increments > halvings and report.iterations > iterations
+    assert state.time == LENGTH and state.step == 1 and report.evaluation.error <= 1e-6
+    assert_untouched(simulation.state, before)
+
+
+def test_increments_grow_again(geometry):
+    simulation = build(replace(scene(geometry), bodies=()))
+    control = Control(LENGTH / 8, LENGTH / 64)
+    state, report = one_step(simulation, control, newton.Settings())
+    assert report.increments == 4      # an eighth, a quarter, a half, the rest
+    assert report.dt == pytest.approx(LENGTH / 8)
+    assert control.dt == LENGTH and report.rejections == 0
+    assert one_step(simulation, control, newton.Settings(), state)[1].increments == 1
+
+
+@pytest.mark.parametrize("floor, start", [(1, 0.0), (4, 0.0025)])
+def test_the_floor_stops_the_run_with_value_limit_and_remedy(geometry, floor, start):
+    """At once, or after a part of the outer step was accepted: what was committed stays as it was."""
+    simulation = ready(scene(geometry))
+    before, systems = deepcopy(simulation.state), Systems(simulation.model)
+    with pytest.raises(StepError) as caught:
+        outer_step(simulation.model, systems, simulation.state, LENGTH, True, Control(LENGTH, LENGTH / floor),
+                   newton.Settings(iterations=1))
+    message = str(caught.value)
+    assert f"step 1 failed at t = {start:g} s with increment {LENGTH / floor:g} s" in message     # where
+    assert re.search(r"residual \d\.\d\de-\d\d after 1 iterations, tolerance 1e-06 \(.* soil \[N\]", message)
+    assert f"below the floor of {LENGTH / floor:g} s (time.smallest)" in message                  # the limit
+    assert "Try a smaller time.step" in message and "more solver.iterations" in message           # the remedy
+    assert_untouched(simulation.state, before)
+
+
+def test_a_failed_run_keeps_the_last_accepted_step(geometry):
+    """The second step of a run fails; the first stays, observers are told why."""
+    described = scene(geometry)
+    simulation = build(replace(described, time=Time(step=LENGTH, smallest=LENGTH)))
+    ends = []
+
+    class Observer:
+        def start(self, simulation):
+            pass
+
+        def accepted(self, record, simulation):
+            simulation.model.bodies[0].contact_stiffness[:] *= 1e9     # beyond what Newton can do
+            self.kept = deepcopy(simulation.state)
+
+        def finish(self, summary, simulation):
+            ends.append(dict(summary))
+
+    watcher = Observer()
+    with pytest.raises(StepError):
+        simulation.run([watcher])
+    assert simulation.state.step == 1
+    assert_untouched(simulation.state, watcher.kept)
+    assert ends[0]["outcome"] == "failed" and "step 2 failed" in ends[0]["reason"]
+
+
+def test_soil_turned_inside_out_is_a_rejection(geometry):
+    """A first guess that inverts points is no crash but a reason, and halving cures it."""
+    simulation = build(replace(scene(geometry), bodies=()))
+    points = simulation.state.points
+    points.velocity[:, 2] = -60.0 * (points.position[:, 2] + 0.4) / 0.4
+    step = Step(simulation.model, simulation.state, 10 * LENGTH, False, Systems(simulation.model))
+    outcome = newton.solve(step, newton.Settings())
+    assert not outcome.converged and "inside out" in outcome.reason
+    state, report = one_step(simulation, Control(LENGTH, LENGTH / 64), newton.Settings())
+    assert state.step == 1
+
+
+@pytest.mark.parametrize("held", [False, True])
+def test_committed_and_trial_arrays_are_never_the_same(geometry, held):
+    simulation = ready(scene(geometry, held=held))
+    state, systems = simulation.state, Systems(simulation.model)
+    for _ in range(2):
+        before = deepcopy(state)
+        step = Step(simulation.model, state, LENGTH, True, systems)
+        outcome = newton.solve(step, newton.Settings())
+        assert outcome.converged
+        committed, found = dict(arrays(state)), outcome.evaluation
+        trial = dict(arrays(
+            (found.unknowns, found.soil_trial, found.touches, found.body_trials, found.acceleration)))
+        accepted = step.accept(outcome.evaluation)
+        if held:      # points that cannot move are handed on as they are
+            committed = {path: a for path, a in committed.items() if not path.startswith(".points")}
+        for new in (trial, dict(arrays(accepted))):
+            for path, array in new.items():
+                for old in committed:
+                    assert not np.shares_memory(array, committed[old]), (path, old)
+        if not held:
+            points = dict(arrays(accepted.points))
+            for path, array in points.items():
+                for name, other in trial.items():
+                    assert not np.shares_memory(array, other), (path, name)     # buffers are written again
+        assert accepted.work is not state.work
+        assert_untouched(state, before)
+        state = accepted
+
+
+def test_runs_of_every_kind_side_by_side(geometry):
+    """Soil alone, a body on held soil, both, Krylov and direct: no run leaves settings to the next."""
+    both = scene(geometry)
+    kinds = {"soil": replace(both, bodies=()), "held": scene(geometry, held=True), "both": both}
+    found = {}
+    for linear in ("direct", "krylov", "direct", "krylov"):
+        for name, described in kinds.items():
+            simulation = build(replace(described, solver=Solver(linear=linear, tolerance=1e-9)))
+            for record in simulation.steps():
+                assert record.rejections == 0
+            body = simulation.state.bodies[0].position if simulation.state.bodies else 0.0
+            found.setdefault(name, []).append(simulation.state.points.position.sum() + np.sum(body))
+    for name, values in found.items():
+        np.testing.assert_allclose(values, values[0], rtol=1e-9, err_msg=name)

@@ -1,0 +1,198 @@
+"""Contact force and tangent against finite differences: stick, slip and μ = 0 on face, edge and vertex.
+
+Seen from inside, where gaps are negative, the closest feature is an edge or a vertex where the body is
+re-entrant. The body is a cube of 2 m without its octant x, y, z > 0: three re-entrant edges that meet in a
+re-entrant vertex. Slope tests: with an exact tangent the remainder of a step h falls as h², with a broken
+one as h.
+"""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from hybrid.body.attitude import exp_so3
+from hybrid.body.closest import closest
+from hybrid.body.surface import build_surface
+from hybrid.contact import assembly, friction
+from hybrid.contact.corners import Corners
+
+SHIFT = np.array([0.2, 0.1, -0.3])  # of the notch from the body's centre
+INSIDE = {  # places from the notch whose closest feature is that of the name
+    "face": [(-0.5, -0.4, 0.97), (-0.03, -0.6, 0.98), (-0.7, 0.96, -0.5), (0.99, -0.4, -0.5)],
+    "edge": [(-0.02, -0.03, 0.4), (-0.01, 0.7, -0.02), (0.3, -0.02, -0.02)],
+    "vertex": [(-0.02, -0.03, -0.01), (-0.01, -0.01, -0.02)],
+}
+KIND = {"face": (0,), "edge": (1, 2, 3), "vertex": (4, 5, 6)}
+RATIO = 0.5
+CENTRE, ROTATION = np.array([0.3, -0.2, 0.5]), exp_so3(np.array([0.4, -0.7, 0.2]))
+LAWS = {"frictionless": 0.0, "slip": 0.01, "stick": 50.0}
+
+
+def notched_cube():
+    """ContactSurface of [-1, 1]³ without the octant x, y, z > 0, two triangles per square of 1 m."""
+    filled = set(itertools.product((-1, 0), repeat=3)) - {(0, 0, 0)}
+    index, triangles = {}, []
+    for cell in filled:
+        for axis, side in itertools.product(range(3), (0, 1)):
+            beyond = tuple(c + (2 * side - 1) * (a == axis) for a, c in enumerate(cell))
+            if beyond in filled:
+                continue
+            square = []
+            for u, v in ((0, 0), (1, 0), (1, 1), (0, 1)):
+                corner = list(cell)
+                corner[axis] += side
+                corner[(axis + 1) % 3] += u
+                corner[(axis + 2) % 3] += v
+                square.append(index.setdefault(tuple(corner), len(index)))
+            square = square if side else square[::-1]
+            triangles += [(square[0], square[1], square[2]), (square[0], square[2], square[3])]
+    return build_surface(SHIFT + np.array(list(index)), np.array(triangles))
+
+
+SURFACE = notched_cube()
+
+
+def corners_at(feature, seed=4):
+    """Corners at the places of a feature, with anchors some millimetres away in all directions."""
+    y = SHIFT + INSIDE[feature]
+    m, rng = len(y), np.random.default_rng(seed)
+    anchor = y + 0.004 * rng.standard_normal((m, 3))
+    place = CENTRE + y @ ROTATION.T
+    return Corners(np.arange(m), place, y, np.zeros((m, 8), np.int64), np.full((m, 8), 0.125),
+                   1e5 * (1 + np.arange(m)), np.ones(m, bool), anchor)
+
+
+def touch_at(corners, law, place=None, pose=(CENTRE, ROTATION)):
+    place = corners.position if place is None else place
+    return friction.evaluate(corners, place, *pose, SURFACE, np.inf, LAWS[law], RATIO)
+
+
+def test_places_have_the_features_they_are_named_after():
+    for feature, places in INSIDE.items():
+        for y in places:
+            _, found, _, _, gap = closest(SHIFT + y, np.inf, SURFACE.tree)
+            assert found in KIND[feature] and gap < 0.0
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("feature", INSIDE)
+def test_law_is_in_the_state_it_is_named_after(feature, law):
+    touch = touch_at(corners_at(feature), law)
+    assert len(touch) == len(INSIDE[feature])
+    assert (touch.slip == (law == "slip")).all()
+
+
+# ------------------------------------------------------------ the whole tangent: corners and body together
+
+
+def residual(corners, law, step):
+    """Forces on corners and the body's residual after a step (3 m + 6,) of places, centre and rotation."""
+    place = corners.position + step[:-6].reshape(-1, 3)
+    pose = CENTRE + step[-6:-3], exp_so3(step[-3:]) @ ROTATION
+    touch = touch_at(corners, law, place, pose)
+    assert len(touch) == len(corners)
+    return np.concatenate([touch.force.ravel(), assembly.add_residual(touch, corners, None)])
+
+
+def tangent(touch):
+    """Derivative of `residual` from D, Q and K_ww, and the block ∂(body residual)/∂x_c as it enters K_wu."""
+    ww, Q = assembly.body_tangent(touch)
+    m = len(touch)
+    K = np.zeros((3 * m + 6, 3 * m + 6))
+    for n in range(m):
+        own = slice(3 * n, 3 * n + 3)
+        K[own, own] = touch.tangent[n]
+        K[own, -6:] = Q[n]
+        arm, force = assembly.skew(touch.arm[n:n + 1])[0], assembly.skew(touch.force[n:n + 1])[0]
+        K[-6:-3, own] = -touch.tangent[n]
+        K[-3:, own] = force - arm @ touch.tangent[n]
+    K[-6:, -6:] = ww
+    return K
+
+
+def observed_rate(feature, law, spoil=lambda K, touch: K, seed=7, rotation_only=False):
+    corners = corners_at(feature)
+    zero = np.zeros(3 * len(corners) + 6)
+    direction = np.random.default_rng(seed).standard_normal(len(zero))
+    if rotation_only:
+        direction[:-3] = 0.0
+    touch = touch_at(corners, law)
+    base, slope = residual(corners, law, zero), spoil(tangent(touch), touch) @ direction
+    sizes = 4e-5 / 2.0 ** np.arange(4)
+    remainders = [np.linalg.norm(residual(corners, law, h * direction) - base - h * slope) for h in sizes]
+    return np.polyfit(np.log(sizes), np.log(remainders), 1)[0]
+
+
+@pytest.mark.parametrize("rotation_only", [False, True])
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("feature", INSIDE)
+def test_remainder_is_second_order(feature, law, rotation_only):
+    assert observed_rate(feature, law, rotation_only=rotation_only) == pytest.approx(2.0, abs=0.1)
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("feature", INSIDE)
+def test_tangent_equals_central_differences(feature, law):
+    corners = corners_at(feature)
+    exact, h = tangent(touch_at(corners, law)), 1e-6
+    columns = [residual(corners, law, h * e) - residual(corners, law, -h * e) for e in np.eye(len(exact))]
+    assert np.abs(np.array(columns).T / (2 * h) - exact).max() < 1e-7 * np.abs(exact).max()
+
+
+@pytest.mark.parametrize("feature, law", [*((f, "frictionless") for f in INSIDE), ("face", "stick")])
+def test_force_is_the_gradient_of_the_stored_energy(feature, law):
+    """Where the normal turns, the tangential part of the law has no potential."""
+    corners = corners_at(feature)
+    touch, h = touch_at(corners, law), 1e-6
+    for n, i in itertools.product(range(len(corners)), range(3)):
+        shift = np.zeros((len(corners), 3))
+        shift[n, i] = h
+        there, back = (touch_at(corners, law, corners.position + s * shift).energy for s in (1, -1))
+        slope, scale = (there - back) / (2 * h), np.abs(touch.force).max()
+        assert slope == pytest.approx(touch.force[n, i], rel=1e-6, abs=1e-6 * scale)
+
+
+# ------------------------------------------------------------ broken variants must be noticed
+
+
+def without_turning_normal(K, touch):
+    """D of a face everywhere, as if N did not turn at edges and vertices."""
+    K = K.copy()
+    for n in range(len(touch)):
+        N = touch.force[n] / np.linalg.norm(touch.force[n])
+        stiffness = np.linalg.norm(touch.force[n]) / -touch.gap[n]
+        K[3 * n:3 * n + 3, 3 * n:3 * n + 3] = stiffness * np.outer(N, N)
+    return K
+
+
+def symmetric(K, touch):
+    """Without the -μ ε s N^T that makes slip unsymmetric."""
+    m = 3 * len(touch)
+    K = K.copy()
+    K[:m, :m] = 0.5 * (K[:m, :m] + K[:m, :m].T)
+    return K
+
+
+def without_turning_force(K, touch):
+    """Without the terms of a force that turns with the body."""
+    K = K.copy()
+    K[-3:, -3:] -= np.einsum("nij,njk->ik", assembly.skew(touch.arm), assembly.skew(touch.force))
+    return K
+
+
+@pytest.mark.parametrize("feature, law, spoil", [
+    ("edge", "frictionless", without_turning_normal),
+    ("vertex", "frictionless", without_turning_normal),
+    ("face", "slip", symmetric),
+    ("edge", "slip", symmetric),
+    ("face", "stick", without_turning_force),
+    ("vertex", "slip", without_turning_force),
+])
+def test_slope_test_fails_on_a_broken_tangent(feature, law, spoil):
+    assert observed_rate(feature, law, spoil, rotation_only=spoil is without_turning_force) < 1.3
+
+
+def test_without_turning_normal_is_right_on_a_face():
+    """The broken variant breaks what it says and nothing else."""
+    assert observed_rate("face", "frictionless", without_turning_normal) == pytest.approx(2.0, abs=0.1)
