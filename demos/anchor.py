@@ -39,7 +39,7 @@ def coarse_anchor(drag_steps=50, margin=1.0, **anchor_parameters):
         time=Time(step=0.04),
         stages=(Stage("settle", 25, step=0.04, pull=False, held=("ry",), beta=0.5625, gamma=1.0),
                 Stage("drag", drag_steps)),
-        solver=Solver(tolerance=1e-4),
+        solver=Solver(tolerance=1e-3),
         output=Output(every=10, pictures=(drag_steps,)))
 
 

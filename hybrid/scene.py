@@ -225,8 +225,8 @@ class Solver:
     linear             preconditioned Krylov method, or a direct solver
     linear_tolerance   [-] relative, of the Krylov method
     line_search        shorten a Newton update that does not reduce the residual
-    elastic_share      [-] of the elastic stiffness mixed into the plastic tangent. 0 is Newton's method, quadratic
-                       near the solution; 0.1 halves the iterations where sand near its surface opens and closes
+    elastic_share      [-] of the elastic stiffness mixed into the plastic tangent. 0 is Newton's method; 0.1 saves
+                       a tenth of the iterations of the anchor of 0.2 m cells and costs a tenth at 0.4 m
     """
 
     tolerance: float = 1e-6
@@ -234,7 +234,7 @@ class Solver:
     linear: Literal["krylov", "direct"] = "krylov"
     linear_tolerance: float = 1e-3
     line_search: bool = True
-    elastic_share: float = 0.1
+    elastic_share: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -231,7 +231,7 @@ def _solver(key, solver):
         yield from _need(1e-14 <= value < 1, f"{key}.{name}", value, "from 1e-14 to below 1",
                          "1e-6 for Newton and 1e-3 for the linear solver are usual")
     yield from _need(0 <= solver.elastic_share < 1, f"{key}.elastic_share", solver.elastic_share, "from 0 to below 1",
-                     "0.1 is usual, 0 is the consistent tangent")
+                     "0 is the consistent tangent, 0.1 helps loose sand")
     yield from _need(solver.iterations >= 1, f"{key}.iterations", solver.iterations, "at least 1",
                      "15 is usual")
 

@@ -23,7 +23,7 @@ class Systems:
             pattern = make_pattern(active, grid.fixed, grid.shape)
             unknowns = int(np.count_nonzero(model.body_free))
             self._current = pattern, BlockSystem(
-                pattern.indptr, pattern.indices, unknowns, model.linear, model.linear_tolerance)
+                pattern.indptr, pattern.indices, unknowns, model.linear, model.linear_tolerance, pattern.near)
             self._active = active.copy()
             self.rebuilt += 1
         return self._current

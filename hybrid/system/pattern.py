@@ -20,7 +20,7 @@ from hybrid.soil.forces import CENTRE
 class Pattern:
     """dof: (N, 3) unknown number or -1; row: (N,) number among active nodes or -1; slot: (active, 125) offset in the
     row or -1; indptr, indices: compressed rows; free: (N, 3) bool, the unknowns in the order of their numbers;
-    diagonal: (size,) place of each unknown's diagonal entry."""
+    diagonal: (size,) place of each unknown's diagonal entry; near: (entries,) bool, between nodes of one cell."""
 
     dof: np.ndarray
     row: np.ndarray
@@ -29,6 +29,7 @@ class Pattern:
     indices: np.ndarray
     free: np.ndarray
     diagonal: np.ndarray
+    near: np.ndarray
 
     @property
     def size(self):
@@ -48,12 +49,12 @@ def make_pattern(active, fixed, shape):
     indptr = np.zeros(np.count_nonzero(free) + 1, np.int32)
     width = _fill_slots(nodes, free, shape[0], shape[1], shape[2], slot)
     indptr[1:] = np.cumsum(np.repeat(width, free[nodes].sum(axis=1)))
-    indices = np.empty(indptr[-1], np.int32)
-    _fill_indices(nodes, dof, shape[1], shape[2], slot, indptr, indices)
+    indices, near = np.empty(indptr[-1], np.int32), np.zeros(indptr[-1], np.bool_)
+    _fill_indices(nodes, dof, shape[1], shape[2], slot, indptr, indices, near)
     rank = np.cumsum(free, axis=1) - 1
     node = np.nonzero(free)[0]
     diagonal = indptr[:-1] + slot[row[node], CENTRE] + rank[free]
-    return Pattern(dof, row, slot, indptr, indices, free, diagonal)
+    return Pattern(dof, row, slot, indptr, indices, free, diagonal, near)
 
 
 @njit(cache=True)
@@ -76,7 +77,7 @@ def _fill_slots(nodes, free, nx, ny, nz, slot):
 
 
 @njit(cache=True)
-def _fill_indices(nodes, dof, ny, nz, slot, indptr, indices):
+def _fill_indices(nodes, dof, ny, nz, slot, indptr, indices, near):
     for r in range(len(nodes)):
         v = nodes[r]
         for i in range(3):
@@ -87,7 +88,8 @@ def _fill_indices(nodes, dof, ny, nz, slot, indptr, indices):
                 if slot[r, s] < 0:
                     continue
                 w = v + ((s // 25 - 2) * ny + s // 5 % 5 - 2) * nz + s % 5 - 2
+                neighbour = abs(s // 25 - 2) <= 1 and abs(s // 5 % 5 - 2) <= 1 and abs(s % 5 - 2) <= 1
                 for k in range(3):
                     if dof[w, k] >= 0:
-                        indices[at] = dof[w, k]
+                        indices[at], near[at] = dof[w, k], neighbour
                         at += 1

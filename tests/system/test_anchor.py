@@ -46,8 +46,7 @@ def test_tension_is_positive_finite_and_of_the_size_of_the_resistance(drag):
     _, records = drag
     tension = np.array([r.bodies[0].line_tension for r in of(records, "drag")])
     assert np.isfinite(tension).all() and (tension >= 0).all()
-    assert (tension[1:] > 0).mean() > 0.9  # the first pull makes the anchor leap, and the line may slacken once
-    assert (tension[-20:] > 0).all()
+    assert tension.mean() > 10e3 and (tension[-20:] > 0).all()  # before, the anchor leaps at the first pull
     resistance = -np.array([r.bodies[0].contact_force[0] for r in of(records, "drag")])
     assert tension[-20:].mean() == pytest.approx(resistance[-20:].mean(), rel=0.2)
 

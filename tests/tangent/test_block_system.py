@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hybrid.build import build
-from hybrid.scene import Axis, Body, Faces, Grid, Material, Scene, Soil, Solver, Stage, Time
+from hybrid.scene import Axis, Body, Faces, Grid, Material, Scene, Soil, Stage, Time
 from hybrid.system.cache import Systems
 from hybrid.system.equations import Step
 
@@ -29,7 +29,7 @@ def scene(geometry, law, friction, depth=0.02, held=()):
         bodies=(Body(geometry=geometry / "sphere.geo", density=3000.0, parameters={"radius": 0.25, "size": 0.12},
                      position=(0.43, 0.37, 0.25 + 0.005), velocity=tuple(velocity), spin=tuple(spin),
                      friction=friction, held=held),),
-        time=Time(step=0.01), stages=(Stage("one", 1),), solver=Solver(elastic_share=0.0))
+        time=Time(step=0.01), stages=(Stage("one", 1),))
 
 
 def prepared(described, seed=1, size=2e-3):

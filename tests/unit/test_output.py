@@ -92,7 +92,9 @@ class FakeSimulation:
             velocity=np.array([0.5, 0.0, -0.1]), acceleration=np.zeros(3),
             spin=np.array([0, 0.5, 0]), spin_rate=np.zeros(3), target=np.array([5.0, 0, 0]) if step else None,
         )
-        contact = ContactHistory(self.random.random((n, 8)) < 0.1, self.random.random((n, 8, 3)))
+        contact = ContactHistory(np.arange(0, 8 * n, 5), self.random.random((len(range(0, 8 * n, 5)), 3)),
+                                 self.random.random(len(range(0, 8 * n, 5))) < 0.1,
+                                 self.random.random((len(range(0, 8 * n, 5)), 3)))
         return State(step * DT, step, points, [body], [contact], {"pull": 1 / 3 * step})
 
     def contact_forces(self, b):
