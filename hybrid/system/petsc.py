@@ -107,7 +107,9 @@ class BlockSystem:
             if self._coupled:  # PETSc keeps the inner solvers of a Schur field split alive, factor and all
                 self._ksp.getPC().getFieldSplitSubKSP()[0].getPC().reset()
             self._ksp.reset()
-            for thing in (self._ksp, self._preconditioner, self._matrix, *self._blocks, self._x, self._b):
+            things = [self._ksp, self._preconditioner, self._matrix, *self._blocks, self._x, self._b]
+            things += [self._uu_near] if self._near is not None else []
+            for thing in things:
                 thing.destroy()
 
     def clear(self):

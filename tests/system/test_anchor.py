@@ -16,7 +16,7 @@ def drag():
     spec = importlib.util.spec_from_file_location("anchor_demo", path)
     demo = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(demo)
-    simulation = build(demo.coarse_anchor(drag_steps=40))
+    simulation = build(demo.coarse_anchor(drag_steps=50))
     return simulation, list(simulation.steps())
 
 
@@ -39,14 +39,15 @@ def test_it_embeds(drag):
     assert (pose.position + pose.rotation @ tip)[2] < -0.6
     first, last = of(records, "drag")[0].bodies[0], of(records, "drag")[-1].bodies[0]
     assert last.position[2] < first.position[2] - 0.05
-    assert 0.7 < last.position[0] - first.position[0] < 1.2
+    assert 0.8 < last.position[0] - first.position[0] < 1.3
 
 
 def test_tension_is_positive_finite_and_of_the_size_of_the_resistance(drag):
     _, records = drag
     tension = np.array([r.bodies[0].line_tension for r in of(records, "drag")])
     assert np.isfinite(tension).all() and (tension >= 0).all()
-    assert tension.mean() > 10e3 and (tension[-20:] > 0).all()  # before, the anchor leaps at the first pull
+    assert tension.mean() > 10e3
+    assert (tension[-20:] > 0).all()  # before it digs in, the anchor leaps at the first pull and the line slackens
     resistance = -np.array([r.bodies[0].contact_force[0] for r in of(records, "drag")])
     assert tension[-20:].mean() == pytest.approx(resistance[-20:].mean(), rel=0.2)
 
