@@ -119,7 +119,9 @@ def build_body(described, body_mesh, soil, gravity):
     """RigidBody and its initial BodyState."""
     properties = mass.condensed_mass(body_mesh, described.density)
     surface = build_surface(body_mesh.points - properties.centre, body_mesh.contact)
-    rotation = rotation_from_axis_angle(described.rotation[:3], np.radians(described.rotation[3])) if described.rotation else np.eye(3)
+    rotation = np.eye(3)
+    if described.rotation:
+        rotation = rotation_from_axis_angle(described.rotation[:3], np.radians(described.rotation[3]))
     position = np.array(described.position or (0.0, 0.0, 0.0)) + rotation @ properties.centre
     if described.rest_on is not None:
         position[2] = described.rest_on - (surface.vertices @ rotation.T)[:, 2].min()

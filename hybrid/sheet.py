@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from hybrid.body.rigid import FREEDOMS
 from hybrid.system.pattern import make_pattern
 
 LIBRARIES = 600e6       # bytes of the interpreter with dolfinx, PETSc, gmsh and compiled kernels, as measured
@@ -31,7 +32,7 @@ def model_sheet(scene, model):
         "steps": " + ".join(f"{s.steps} {s.name}" for s in scene.stages),
         "memory, estimated [MiB]": round(memory / 2**20),
     }
-    return {"modelled": modelled, "left out": left_out(scene, model)}
+    return {"modelled": modelled, "left out": left_out(scene, model, pattern)}
 
 
 def _pattern(soil):
@@ -56,15 +57,15 @@ def _at_or_above(nodes, x):
     return nodes[np.searchsorted(nodes, x - 1e-9, side="left")]
 
 
-def left_out(scene, model):
+def left_out(scene, model, pattern):
     """What this scene does not pay for."""
     soil, out = model.soil, []
     if soil.held:
         out.append("soil unknowns, stresses and transfers: the soil is held still")
     else:
-        empty = soil.grid.node_count - np.count_nonzero(soil.grid.fixed.all(axis=1))
-        out.append(f"nodes of empty cells and held components: {3 * soil.grid.node_count} components in all, "
-                   f"{3 * empty} at nodes that are not fully held")
+        nodes = soil.grid.node_count
+        empty = nodes - np.count_nonzero(pattern.free.any(axis=1))
+        out.append(f"{empty} of {nodes} nodes: without soil, or held")
     if not model.newmark.inertia:
         out.append("inertia: the scene is quasi-static")
     for axis, collapsed in zip("xyz", soil.grid.collapsed):
@@ -74,7 +75,8 @@ def left_out(scene, model):
         if body.friction == 0.0:
             out.append(f"friction of {body.name}: its coefficient is 0")
         if not body.free.all():
-            out.append(f"held components of {body.name}: {', '.join(np.array(['x', 'y', 'z', 'rx', 'ry', 'rz'])[~body.free])}")
+            held = [name for name, free in zip(FREEDOMS, body.free) if not free]
+            out.append(f"held components of {body.name}: {', '.join(held)}")
     if scene.soil.material.law == "hencky" and not soil.held:
         out.append("plasticity: the soil is elastic")
     out.append("reassembly of the bodies' mass: it turns with them")

@@ -32,7 +32,8 @@ from hybrid.state import ContactHistory
 class Touch:
     """Corners in contact at a trial state; m of them, in space unless said otherwise.
 
-    active: (m,) which of the corners; gap: (m,) [m] negative; normal: (m, 3) outward; force: (m, 3) [N], minus the force on the corner
+    active: (m,) which of the corners; gap: (m,) [m] negative; normal: (m, 3) outward
+    force: (m, 3) [N], minus the force on the corner
     tangent: (m, 3, 3) [N/m] at fixed attitude; arm: (m, 3) [m] from the body's centre; slip: (m,) bool
     anchor: (m, 3) [m] what the history becomes on commit, body frame; triangle: (m,), weights: (m, 3) of its vertices
     energy: stored in the springs [J]; dissipated: friction work of the step [J]
@@ -74,7 +75,8 @@ def evaluate(corners, place, centre, rotation, surface, reach, friction, tangent
          corners.stiffness[active], friction, tangential, tree, force, tangent, slip, anchor, energy, dissipated)
     normal = (y[active] - foot[active]) / gap[active, None]
     return Touch(
-        active, gap[active], normal @ rotation.T, force @ rotation.T, rotation @ tangent @ rotation.T, place[active] - centre, slip, anchor,
+        active, gap[active], normal @ rotation.T, force @ rotation.T, rotation @ tangent @ rotation.T,
+        place[active] - centre, slip, anchor,
         triangle[active], weights[active], float(energy.sum()), float(dissipated.sum()))
 
 
@@ -86,7 +88,8 @@ def passed_through(corners, touch, place, centre, rotation, surface, depth):
     """
     way = (place - centre) @ rotation - corners.start
     outward = np.einsum("ci,ci->c", way[touch.active], touch.normal @ rotation)
-    entered = touch.active[~corners.touching[touch.active] & (outward > 0.5 * np.linalg.norm(way[touch.active], axis=1))]
+    along = outward > 0.5 * np.linalg.norm(way[touch.active], axis=1)
+    entered = touch.active[along & ~corners.touching[touch.active]]
     pushed_on = gaps(corners.start[entered], surface, np.inf) > 0.0
     free = ~corners.touching
     free[touch.active] = False
