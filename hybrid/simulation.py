@@ -9,6 +9,7 @@ from hybrid.body import rigid
 from hybrid.body.attitude import quaternion
 from hybrid.errors import HybridError
 from hybrid.output.record import BodyRecord, Record
+from hybrid.reductions import total
 from hybrid.sheet import model_sheet
 from hybrid.stepping import newton
 from hybrid.stepping.energy import balance_error, energies
@@ -104,7 +105,7 @@ class Simulation:
                 self.body_names, state.bodies, evaluation.body_trials, evaluation.touches):
             bodies.append(BodyRecord(
                 name, motion.position, quaternion(motion.rotation), motion.velocity, motion.spin,
-                touch.force.sum(axis=0), np.cross(touch.arm, touch.force).sum(axis=0), trial.tension))
+                total(touch.force), total(np.cross(touch.arm, touch.force)), trial.tension))
         return Record(
             step=state.step, stage=stage, stage_step=stage_step, time=state.time, dt=report.dt,
             increments=report.increments, iterations=report.iterations, rejections=report.rejections,

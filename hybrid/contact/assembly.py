@@ -12,6 +12,7 @@ corner gives, the body takes: the columns of B cancel, so force and moment vanis
 import numpy as np
 from numba import njit
 
+from hybrid.reductions import total
 from hybrid.soil.forces import CENTRE
 
 STENCIL = np.array([((a >> 2) * 5 + (a >> 1 & 1)) * 5 + (a & 1) for a in range(8)])  # of a cell's nodes, in 5x5x5
@@ -22,7 +23,7 @@ def add_residual(touch, corners, force):
     [N, N m about its centre]."""
     if force is not None:
         _scatter(touch.active, corners.node, corners.weight, touch.force, force)
-    return np.concatenate([-touch.force.sum(axis=0), -np.cross(touch.arm, touch.force).sum(axis=0)])
+    return -np.concatenate([total(touch.force), total(np.cross(touch.arm, touch.force))])
 
 
 def body_tangent(touch):
@@ -30,9 +31,9 @@ def body_tangent(touch):
     F, arm, D = skew(touch.force), skew(touch.arm), touch.tangent
     Q = np.concatenate([-D, D @ arm - F], axis=2)
     tangent = np.empty((6, 6))
-    tangent[:3] = -Q.sum(axis=0)
-    tangent[3:] = -(arm @ Q).sum(axis=0)
-    tangent[3:, :3] -= F.sum(axis=0)
+    tangent[:3] = -total(Q)
+    tangent[3:] = -total(arm @ Q)
+    tangent[3:, :3] -= total(F)
     return tangent, Q
 
 

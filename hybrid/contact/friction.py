@@ -25,6 +25,7 @@ import numpy as np
 from numba import njit, prange
 
 from hybrid.body.closest import clear, closest, gap_geometry
+from hybrid.reductions import total
 from hybrid.state import ContactHistory
 
 
@@ -77,7 +78,7 @@ def evaluate(corners, place, centre, rotation, surface, reach, friction, tangent
     return Touch(
         active, gap[active], normal @ rotation.T, force @ rotation.T, rotation @ tangent @ rotation.T,
         place[active] - centre, slip, anchor,
-        triangle[active], weights[active], float(energy.sum()), float(dissipated.sum()))
+        triangle[active], weights[active], float(total(energy)), float(total(dissipated)))
 
 
 def passed_through(corners, touch, place, centre, rotation, surface, depth):
@@ -97,7 +98,7 @@ def passed_through(corners, touch, place, centre, rotation, surface, depth):
     for fraction in (0.25, 0.5, 0.75):
         gap = gaps(corners.start[free] + fraction * way[free], surface, np.inf)
         np.minimum(deepest, gap, out=deepest)
-    return int(np.count_nonzero(pushed_on) + np.count_nonzero(deepest < -depth))
+    return int(total(pushed_on) + total(deepest < -depth))
 
 
 def gaps(y, surface, reach):

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hybrid.reductions import total
 from hybrid.soil import transfer
 from hybrid.soil.basis import Basis, evaluate_basis
 from hybrid.soil.domains import updated_half
@@ -117,12 +118,12 @@ class Soil:
     def plastic_work(self, trial):
         """Work dissipated by plastic flow in the step [J]: Σ τ · Δε_p V0."""
         flow = trial.strain.strain - trial.response.elastic
-        return float(np.sum(np.sum(trial.response.stress * flow, axis=1) * self.constants.volume))
+        return float(total(np.sum(trial.response.stress * flow, axis=1) * self.constants.volume))
 
     def stored_energy(self, points):
         """Elastic energy of committed points [J]."""
         strain = 0.5 * np.log(np.linalg.eigvalsh(points.elastic))
-        return float(np.sum(self.law.energy(strain) * self.constants.volume))
+        return float(total(self.law.energy(strain) * self.constants.volume))
 
 
 def plastic_increment(trial):

@@ -9,6 +9,7 @@ Kinetic energy is that of points and bodies; what the transfer between points an
 import numpy as np
 
 from hybrid.body import rigid
+from hybrid.reductions import total
 
 STORED = ("kinetic", "elastic", "potential", "contact", "line")
 
@@ -19,9 +20,9 @@ def energies(model, state, evaluation=None):
     out = dict.fromkeys(STORED, 0.0)
     if not soil.held:
         mass = soil.constants.mass
-        out["kinetic"] = 0.5 * float(mass @ np.sum(points.velocity**2, axis=1))
+        out["kinetic"] = 0.5 * float(total(mass * np.sum(points.velocity**2, axis=1)))
         out["elastic"] = soil.stored_energy(points)
-        out["potential"] = -float(mass @ ((points.position - soil.constants.position) @ model.gravity))
+        out["potential"] = -float(total(mass * ((points.position - soil.constants.position) @ model.gravity)))
     for body, motion in zip(model.bodies, state.bodies):
         out["kinetic"] += rigid.kinetic_energy(body, motion)
         out["potential"] -= body.mass.mass * float(motion.position @ model.gravity)

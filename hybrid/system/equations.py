@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hybrid import reductions
 from hybrid.body import rigid
 from hybrid.contact import assembly, friction
 from hybrid.contact.corners import Corners, find_corners
@@ -84,7 +85,7 @@ class Step:
 
     def _reach(self, body, state):
         """Distance [m] from a body within which corners are followed: a cell, or the way both may go in the step."""
-        fastest = 0.0 if self.soil is None else np.abs(self.soil.velocity).max(initial=0.0)
+        fastest = 0.0 if self.soil is None else reductions.largest(np.abs(self.soil.velocity))
         speed = np.linalg.norm(state.velocity) + np.linalg.norm(state.spin) * body.radius + fastest
         return max(self.model.soil.grid.smallest_cell, 2 * self.dt * speed)
 
@@ -106,7 +107,7 @@ class Step:
         fastest = 0.0
         if self.soil is not None:  # of the points: a node that hardly carries mass may move far and mean nothing
             moved = interpolate(self.soil.basis, self.model.soil.grid.shape, unknowns.displacement)
-            fastest = np.abs(moved).max(initial=0.0)
+            fastest = reductions.largest(np.abs(moved))
         for body, state, pose, reach in zip(self.model.bodies, self.state.bodies, unknowns.poses, self.reach):
             turned = np.linalg.norm(pose[1] - state.rotation, 2) * body.radius
             ratio = max(ratio, (np.linalg.norm(pose[0] - state.position) + turned + fastest) / reach)
@@ -167,8 +168,8 @@ class Step:
         free = self.pattern.free
         parts = [part[free] for part in fields.values()]
         residual = sum(parts)
-        norm, scale = np.linalg.norm(residual), max(np.linalg.norm(part) for part in parts)
-        noise = ROUNDING * self.model.newmark.mass_factor(self.dt) * np.linalg.norm(
+        norm, scale = reductions.norm(residual), max(reductions.norm(part) for part in parts)
+        noise = ROUNDING * self.model.newmark.mass_factor(self.dt) * reductions.norm(
             (self.soil.mass[:, None] * displacement)[free])
         return residual, {"soil [N]": norm}, max(norm - noise, 0.0) / scale if scale > 0 else 0.0
 
