@@ -27,9 +27,9 @@ def coarse_anchor(drag_steps=50, margin=1.0, **anchor_parameters):
     return Scene(
         name="coarse_anchor",
         grid=Grid(
-            x=Axis(start=-0.8 - 3.2 * margin, end=3.6 + 4.0 * margin, size=0.4, fine=(-0.8, 3.6), growth=1.6),
-            y=Axis(start=0.0, end=1.2 + 2.8 * margin, size=0.4, fine=(0.0, 1.2), growth=1.6),
-            z=Axis(start=-1.2 - 2.8 * margin, end=1.6, size=0.4, fine=(-1.2, 1.6), growth=1.6),
+            x=Axis(start=-0.8 - 1.6 * margin, end=3.6 + 2.0 * margin, size=0.4, fine=(-0.8, 3.6), growth=1.6),
+            y=Axis(start=0.0, end=1.2 + 1.4 * margin, size=0.4, fine=(0.0, 1.2), growth=1.6),
+            z=Axis(start=-1.2 - 1.4 * margin, end=1.6, size=0.4, fine=(-1.2, 1.6), growth=1.6),
             faces=Faces(z_min="fixed")),
         soil=Soil(Material(relative_density=38.0), top=0.0),
         bodies=(Body(
