@@ -1,31 +1,35 @@
 """The soil around the anchor's path is large enough: twice as much of it hardly changes the force."""
 
-import importlib.util
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from hybrid.build import build
+from hybrid.scene_file import load_scene
+
+SCENE = Path(__file__).parents[2] / "demos" / "anchor.toml"
+TWICE = ["grid.x.start=-4.0", "grid.x.end=8.0", "grid.y.end=4.0", "grid.z.start=-4.0"]  # margins around the fine cells
+COARSE = ["grid.x.size=0.4", "grid.x.fine=[-0.6,3.8]", "grid.y.size=0.4", "grid.y.fine=[0.0,1.2]", "grid.z.size=0.4",
+          "grid.z.fine=[-1.2,0.8]", "body.0.parameters.size=0.15"]
 
 
-def contact_impulse(margin, drag_steps):
-    """Mean horizontal and vertical contact force [N] over settling and drag of the coarse anchor."""
-    path = Path(__file__).parents[2] / "demos" / "anchor.py"
-    spec = importlib.util.spec_from_file_location("anchor_demo", path)
-    demo = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(demo)
-    records = list(build(demo.coarse_anchor(drag_steps, margin)).steps())
-    force = np.array([r.bodies[0].contact_force for r in records])
-    return force[25:, 0].mean() if drag_steps > 1 else force[:25, 2].max()
+def contact_forces(overrides):
+    """Contact force (steps, 3) [N] on the anchor."""
+    return np.array([r.bodies[0].contact_force for r in build(load_scene(SCENE, overrides)).steps()])
 
 
 def test_landing_force_on_twice_the_soil():
-    once, twice = contact_impulse(1.0, 1), contact_impulse(2.0, 1)
-    assert abs(twice / once - 1) < 0.05
+    """On coarse cells; the drag needs the fine ones, coarse anchors leap."""
+    short = [*COARSE, "stage.0.steps=14", "stage.1.steps=1"]
+    once, twice = contact_forces(short), contact_forces(short + TWICE)
+    assert abs(twice[:14, 2].max() / once[:14, 2].max() - 1) < 0.05
 
 
 @pytest.mark.slow
 def test_drag_force_on_twice_the_soil():
-    once, twice = contact_impulse(1.0, 50), contact_impulse(2.0, 50)
-    assert abs(twice / once - 1) < 0.05
+    """The demo as it is, over a metre of drag: measured 0.7 %, and 4 % for the landing."""
+    short = ["stage.1.steps=50"]
+    once, twice = contact_forces(short), contact_forces(short + TWICE)
+    assert abs(twice[25:, 0].mean() / once[25:, 0].mean() - 1) < 0.02
+    assert abs(twice[:25, 2].max() / once[:25, 2].max() - 1) < 0.05
