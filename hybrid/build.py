@@ -126,9 +126,11 @@ def build_body(described, body_mesh, soil, gravity):
     if described.rest_on is not None:
         position[2] = described.rest_on - (surface.vertices @ rotation.T)[:, 2].min()
     stiffness = described.penalty * soil.law.young * soil.constants.volume ** (2 / 3)
-    free = ~np.isin(FREEDOMS, described.held)
+    driven = np.isin(FREEDOMS, described.driven)
+    free = ~(np.isin(FREEDOMS, described.held) | driven)
+    rates = np.concatenate([described.velocity, rotation @ described.spin])
     body = RigidBody(
-        name=described.name, mass=properties, surface=surface, free=free,
+        name=described.name, mass=properties, surface=surface, free=free, drive=rates * driven,
         friction=described.friction, tangential=described.tangential, contact_stiffness=stiffness,
         line=build_line(described, body_mesh, properties))
     falling = gravity * free[:3]  # nothing touches a body at the start, so it accelerates freely

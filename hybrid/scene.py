@@ -157,6 +157,7 @@ class Body:
     velocity     [m/s] of the centre of mass at the start
     spin         [rad/s] at the start, body frame
     held         translations and rotations (about the spatial axes) that stay as they are
+    driven       translations and rotations that keep the velocity and spin of the start, whatever it takes
     friction     [-] Coulomb coefficient against the soil
     penalty      [1/m] p_f in ε_N = p_f E A
     tangential   [-] ε_T / ε_N
@@ -173,6 +174,7 @@ class Body:
     velocity: Vector = (0.0, 0.0, 0.0)
     spin: Vector = (0.0, 0.0, 0.0)
     held: tuple[Freedom, ...] = ()
+    driven: tuple[Freedom, ...] = ()
     friction: float = 0.0
     penalty: float = 50.0
     tangential: float = 0.5
@@ -186,7 +188,7 @@ class Stage:
     steps   [-] outer steps
     step    [s] of each; None: time.step
     pull    whether pull lines act
-    held    components of all bodies that stay as they are in this stage, as if guided while put in place
+    held    components of all bodies that stay as they are in this stage, driven ones too
     beta, gamma   [-] of Newmark's scheme in this stage, such as a dissipative pair to settle with; None: time's
     """
 

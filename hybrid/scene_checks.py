@@ -174,10 +174,13 @@ def _body(key, body, inertia):
     if body.rotation is not None:
         yield from _need(any(body.rotation[:3]), f"{key}.rotation", body.rotation, "an axis other than zero",
                          "write [ax, ay, az, degrees], such as [0, 1, 0, 30]")
+    both = [f for f in body.driven if f in body.held]
+    yield from _need(not both, f"{key}.driven", both, "other than held", "keep it in one of the two lists")
     for name, freedoms, motion in (("velocity", ("x", "y", "z"), body.velocity),
                                    ("spin", ("rx", "ry", "rz"), body.spin)):
-        yield from _need(inertia or not any(motion), f"{key}.{name}", motion, "zero in a quasi-static scene",
-                         "set time.inertia = true")
+        moves = [f for f, v in zip(freedoms, motion) if v and f not in body.driven]
+        yield from _need(inertia or not moves, f"{key}.{name}", motion, "zero in a quasi-static scene, unless driven",
+                         f"set time.inertia = true, or driven = {moves}")
         # The spin is given along body axes, held rotations are spatial: comparable in an unturned body only.
         if name == "velocity" or body.rotation is None:
             against = [f for f, v in zip(freedoms, motion) if v and f in body.held]

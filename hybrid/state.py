@@ -62,7 +62,11 @@ class ContactHistory:
 
 @dataclass
 class BodyState:
-    """Motion of one rigid body; `target` is the far end of its pull line [m]."""
+    """Motion of one rigid body.
+
+    target    far end of its pull line (3,) [m]
+    reaction  (6,) [N, N m about the centre] of the guides of held and driven components, zero for free ones
+    """
 
     position: np.ndarray
     rotation: np.ndarray
@@ -71,6 +75,7 @@ class BodyState:
     spin: np.ndarray
     spin_rate: np.ndarray
     target: np.ndarray | None = None
+    reaction: np.ndarray | None = None
 
 
 @dataclass

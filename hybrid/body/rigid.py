@@ -33,12 +33,17 @@ class Line:
 
 @dataclass(frozen=True)
 class RigidBody:
-    """Constants of a body. free: (6,) bool; contact_stiffness: (n,) whole-point ε_N [N/m] against each soil point."""
+    """Constants of a body.
+
+    free: (6,) bool, the unknowns; drive: (6,) [m/s, rad/s] spatial rates of the others, zero for what is held
+    contact_stiffness: (n,) whole-point ε_N [N/m] against each soil point
+    """
 
     name: str
     mass: MassProperties
     surface: ContactSurface
     free: np.ndarray
+    drive: np.ndarray
     friction: float
     tangential: float
     contact_stiffness: np.ndarray
@@ -93,8 +98,14 @@ def evaluate(body, state, pose, target, gravity, newmark, dt):
     return BodyTrial(inertia, weight, line, tangent, tension, energy)
 
 
-def accept(state, pose, target, newmark, dt):
-    """New BodyState at the converged pose."""
+def first_guess(body, state, newmark, dt):
+    """Pose after a step in which everything keeps its rate; in a quasi-static scene only what is driven moves."""
+    rate = np.concatenate([state.velocity, state.rotation @ state.spin]) * body.free * newmark.inertia
+    return moved((state.position, state.rotation), dt * (rate + body.drive))
+
+
+def accept(body, state, pose, target, reaction, newmark, dt):
+    """New BodyState at the converged pose; reaction (6,) [N, N m] of what guides the body."""
     position, rotation = pose
     if newmark.inertia:
         velocity, acceleration, spin, spin_rate = updated(
@@ -102,7 +113,13 @@ def accept(state, pose, target, newmark, dt):
     else:
         velocity, acceleration = (position - state.position) / dt, np.zeros(3)
         spin, spin_rate = np.zeros(3), np.zeros(3)
-    return BodyState(position, rotation, velocity, acceleration, spin, spin_rate, target)
+    if not body.free.all():  # the scheme alone would let a rate that is stopped swing about zero
+        guided = ~body.free
+        velocity[guided[:3]], acceleration[guided[:3]] = body.drive[:3][guided[:3]], 0.0
+        rates = rotation @ np.stack([spin, spin_rate], axis=1)
+        rates[guided[3:]] = np.stack([body.drive[3:], np.zeros(3)], axis=1)[guided[3:]]
+        spin, spin_rate = (rotation.T @ rates).T
+    return BodyState(position, rotation, velocity, acceleration, spin, spin_rate, target, reaction)
 
 
 def kinetic_energy(body, state):

@@ -1,7 +1,7 @@
 """Energy of a committed state and the balance of a run.
 
     stored = kinetic + elastic + potential + contact springs + line
-    stored(t) - stored(0) + plastic + friction = work of the pull + error
+    stored(t) - stored(0) + plastic + friction = work of pull and drive + error
 
 Kinetic energy is that of points and bodies; what the transfer between points and grid loses shows in the error.
 """
@@ -12,6 +12,7 @@ from hybrid.body import rigid
 from hybrid.reductions import total
 
 STORED = ("kinetic", "elastic", "potential", "contact", "line")
+WORKS = ("plastic", "friction", "pull", "drive")
 
 
 def energies(model, state, evaluation=None):
@@ -29,10 +30,10 @@ def energies(model, state, evaluation=None):
     if evaluation is not None:
         out["contact"] = sum(t.energy for t in evaluation.touches)
         out["line"] = sum(t.line_energy for t in evaluation.body_trials)
-    return out | {name: state.work.get(name, 0.0) for name in ("plastic", "friction", "pull")}
+    return out | {name: state.work.get(name, 0.0) for name in WORKS}
 
 
 def balance_error(now, start):
     """Energy that the balance does not account for [J], from `energies` now and at the start."""
     stored = sum(now[name] - start[name] for name in STORED)
-    return stored + now["plastic"] + now["friction"] - now["pull"]
+    return stored + now["plastic"] + now["friction"] - now["pull"] - now["drive"]

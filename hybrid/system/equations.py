@@ -39,7 +39,7 @@ class Evaluation:
     """Residual and parts at trial unknowns.
 
     soil (n,) [N] and body (m,) [N, N m]: residual on the unknowns; error: largest field residual relative to the
-    forces acting in that field; norms: the same in physical units by field name.
+    forces acting in that field; norms: the same in physical units by field name; reactions: (6,) of each body's guides.
     """
 
     unknowns: Unknowns
@@ -51,6 +51,7 @@ class Evaluation:
     acceleration: np.ndarray | None
     body_trials: tuple
     touches: tuple[Touch, ...]
+    reactions: tuple
 
 
 class Step:
@@ -94,12 +95,9 @@ class Step:
         displacement = None
         if self.soil is not None:
             displacement = self.dt * self.soil.velocity if self.model.newmark.inertia else 0 * self.soil.velocity
-        poses = []
-        for body, state in zip(self.model.bodies, self.state.bodies):
-            rate = np.concatenate([state.velocity, state.rotation @ state.spin])
-            increment = self.dt * rate * body.free * self.model.newmark.inertia
-            poses.append(rigid.moved((state.position, state.rotation), increment))
-        return Unknowns(displacement, tuple(poses))
+        return Unknowns(displacement, tuple(
+            rigid.first_guess(b, s, self.model.newmark, self.dt)
+            for b, s in zip(self.model.bodies, self.state.bodies)))
 
     def overreach(self, unknowns):
         """Largest ratio of the way soil and body went towards each other to the reach of the corner search."""
@@ -153,9 +151,9 @@ class Step:
             rigid.evaluate(b, s, p, target, model.gravity, model.newmark, self.dt)
             for b, s, p, target in zip(model.bodies, self.state.bodies, unknowns.poses, self.targets))
         soil, soil_norm, soil_error = self._soil_residual(fields, displacement)
-        body, body_norms, body_error = self._body_residual(bodies, contact, unknowns.poses)
+        body, reactions, body_norms, body_error = self._body_residual(bodies, contact, unknowns.poses)
         return Evaluation(unknowns, soil, body, max(soil_error, body_error), {**soil_norm, **body_norms}, trial,
-                          acceleration, bodies, touches)
+                          acceleration, bodies, touches, reactions)
 
     def _touch(self, i, unknowns):
         body, corners = self.model.bodies[i], self.corners[i]
@@ -174,13 +172,14 @@ class Step:
         return residual, {"soil [N]": norm}, max(norm - noise, 0.0) / scale if scale > 0 else 0.0
 
     def _body_residual(self, trials, contact, poses):
-        residuals, norms, error = [], {}, 0.0
+        residuals, reactions, norms, error = [], [], {}, 0.0
         for body, trial, touch, pose in zip(self.model.bodies, trials, contact, poses):
             parts = np.array([trial.inertia, trial.weight, trial.line, touch])
             total = parts.sum(axis=0)
             residuals.append(total[body.free])
-            held = np.where(body.free, total, 0.0)
-            force, moment = np.linalg.norm(held[:3]), np.linalg.norm(held[3:])
+            reactions.append(np.where(body.free, 0.0, total))
+            free = np.where(body.free, total, 0.0)
+            force, moment = np.linalg.norm(free[:3]), np.linalg.norm(free[3:])
             scale = np.linalg.norm(parts[:, :3], axis=1).max()
             arm = max(np.linalg.norm(parts[:, 3:], axis=1).max(), scale * body.radius)
             norms |= {f"{body.name} [N]": force, f"{body.name} [N m]": moment}
@@ -188,7 +187,7 @@ class Step:
                 np.linalg.norm(pose[0]) + body.radius)
             error = max(error, (force - noise) / scale if scale > 0 else 0.0,
                         (moment - noise * body.radius) / arm if arm > 0 else 0.0)
-        return np.concatenate([np.zeros(0), *residuals]), norms, error
+        return np.concatenate([np.zeros(0), *residuals]), tuple(reactions), norms, error
 
     def assemble(self, evaluation):
         """Fill the block system with the tangent at an evaluation made with tangent=True."""
@@ -224,8 +223,13 @@ class Step:
                 points = model.soil.accept(
                     self.soil, evaluation.soil_trial, unknowns.displacement, gain, evaluation.acceleration)
                 work["plastic"] = work.get("plastic", 0.0) + model.soil.plastic_work(evaluation.soil_trial)
-            bodies = [rigid.accept(s, p, s.target if target is None else target, model.newmark, self.dt)
-                      for s, p, target in zip(state.bodies, unknowns.poses, self.targets)]
+            bodies = [rigid.accept(b, s, p, s.target if target is None else target, reaction, model.newmark, self.dt)
+                      for b, s, p, target, reaction in zip(
+                          model.bodies, state.bodies, unknowns.poses, self.targets, evaluation.reactions)]
+            for body, before, now in zip(model.bodies, state.bodies, evaluation.reactions):
+                if body.drive.any():
+                    mean = now if before.reaction is None else 0.5 * (before.reaction + now)
+                    work["drive"] = work.get("drive", 0.0) + float(mean @ (self.dt * body.drive))
             contacts = [friction.commit(c, c.moved(unknowns.displacement), t)
                         for c, t in zip(self.corners, evaluation.touches)]
             for touch in evaluation.touches:

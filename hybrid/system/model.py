@@ -29,4 +29,5 @@ class Model:
         """The same model with more components ("x" ... "rz") of every body held and, if given, another scheme."""
         held = np.isin(FREEDOMS, held)
         newmark = replace(self.newmark, **{k: v for k, v in (("beta", beta), ("gamma", gamma)) if v is not None})
-        return replace(self, newmark=newmark, bodies=tuple(replace(b, free=b.free & ~held) for b in self.bodies))
+        bodies = tuple(replace(b, free=b.free & ~held, drive=b.drive * ~held) for b in self.bodies)
+        return replace(self, newmark=newmark, bodies=bodies)
