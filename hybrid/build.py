@@ -5,6 +5,7 @@ import numpy as np
 from hybrid.body import mass, mesh
 from hybrid.body.attitude import rotation_from_axis_angle
 from hybrid.body.rigid import FREEDOMS, Line, RigidBody
+from hybrid.body.samples import surface_samples
 from hybrid.body.surface import build_surface
 from hybrid.contact.corners import overlap
 from hybrid.errors import SceneError
@@ -125,13 +126,18 @@ def build_body(described, body_mesh, soil, gravity):
     position = np.array(described.position or (0.0, 0.0, 0.0)) + rotation @ properties.centre
     if described.rest_on is not None:
         position[2] = described.rest_on - (surface.vertices @ rotation.T)[:, 2].min()
-    stiffness = described.penalty * soil.law.young * soil.constants.volume ** (2 / 3)
+    pressure = described.penalty * soil.law.young
+    samples = None
+    if described.second_pass:
+        samples = surface_samples(surface, 2 * soil.constants.half.min())
     driven = np.isin(FREEDOMS, described.driven)
     free = ~(np.isin(FREEDOMS, described.held) | driven)
     rates = np.concatenate([described.velocity, rotation @ described.spin])
     body = RigidBody(
         name=described.name, mass=properties, surface=surface, free=free, drive=rates * driven,
-        friction=described.friction, tangential=described.tangential, contact_stiffness=stiffness,
+        friction=described.friction, tangential=described.tangential, contact_pressure=pressure,
+        contact_stiffness=pressure * soil.constants.volume ** (2 / 3), samples=samples,
+        second_pass=described.second_pass, augmented=described.enforcement == "augmented",
         line=build_line(described, body_mesh, properties))
     falling = gravity * free[:3]  # nothing touches a body at the start, so it accelerates freely
     motion = BodyState(position, rotation, np.array(described.velocity, float), falling,

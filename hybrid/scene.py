@@ -161,6 +161,9 @@ class Body:
     friction     [-] Coulomb coefficient against the soil
     penalty      [1/m] p_f in ε_N = p_f E A
     tangential   [-] ε_T / ε_N
+    enforcement  penalty, or augmented Lagrangian: multipliers take the overlap away, at several solutions a step
+    second_pass  [-] share of the contact carried by the body's vertices and edges against the faces of the points'
+                 domains, from 0 (none) to 1; the rest is carried by the domains' corners against the body's triangles
     pull         line that drags the body
     """
 
@@ -178,6 +181,8 @@ class Body:
     friction: float = 0.0
     penalty: float = 50.0
     tangential: float = 0.5
+    enforcement: Literal["penalty", "augmented"] = "penalty"
+    second_pass: float = 0.0
     pull: Pull | None = None
 
 
@@ -224,6 +229,8 @@ class Solver:
 
     tolerance          [-] of the residual, relative to the forces acting
     iterations         [-] of Newton before an increment is rejected and halved
+    augmentations      [-] of an augmented Lagrangian, updates of its multipliers before an increment is rejected
+    augmentation_tolerance  [-] change of the contact forces by the last update, relative
     linear             preconditioned Krylov method, or a direct solver
     linear_tolerance   [-] relative, of the Krylov method
     line_search        shorten a Newton update that does not reduce the residual
@@ -233,6 +240,8 @@ class Solver:
 
     tolerance: float = 1e-6
     iterations: int = 15
+    augmentations: int = 20
+    augmentation_tolerance: float = 1e-3
     linear: Literal["krylov", "direct"] = "krylov"
     linear_tolerance: float = 1e-3
     line_search: bool = True

@@ -170,6 +170,8 @@ def _body(key, body, inertia):
     yield from _need(body.friction >= 0, f"{key}.friction", body.friction, "at least 0",
                      "0.45 is steel on sand")
     yield from _need(body.penalty > 0, f"{key}.penalty", body.penalty, "positive", "50 is usual, in 1/m")
+    yield from _need(0 <= body.second_pass <= 1, f"{key}.second_pass", body.second_pass, "from 0 to 1",
+                     "0 leaves it out, 0.5 gives both passes the same share")
     yield from _need(body.tangential > 0, f"{key}.tangential", body.tangential, "positive", "0.5 is usual")
     if body.rotation is not None:
         yield from _need(any(body.rotation[:3]), f"{key}.rotation", body.rotation, "an axis other than zero",
@@ -229,14 +231,15 @@ def _stage(key, stage, time):
 
 
 def _solver(key, solver):
-    for name in ("tolerance", "linear_tolerance"):
+    for name in ("tolerance", "linear_tolerance", "augmentation_tolerance"):
         value = getattr(solver, name)
         yield from _need(1e-14 <= value < 1, f"{key}.{name}", value, "from 1e-14 to below 1",
                          "1e-6 for Newton and 1e-3 for the linear solver are usual")
     yield from _need(0 <= solver.elastic_share < 1, f"{key}.elastic_share", solver.elastic_share, "from 0 to below 1",
                      "0 is the consistent tangent, 0.1 helps loose sand")
-    yield from _need(solver.iterations >= 1, f"{key}.iterations", solver.iterations, "at least 1",
-                     "15 is usual")
+    for name in ("iterations", "augmentations"):
+        yield from _need(getattr(solver, name) >= 1, f"{key}.{name}", getattr(solver, name), "at least 1",
+                         "15 and 20 are usual")
 
 
 def _output(key, output):

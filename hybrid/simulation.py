@@ -9,7 +9,6 @@ from hybrid.body import rigid
 from hybrid.body.attitude import quaternion
 from hybrid.errors import HybridError
 from hybrid.output.record import BodyRecord, Record
-from hybrid.reductions import total
 from hybrid.sheet import model_sheet
 from hybrid.stepping import newton
 from hybrid.stepping.energy import balance_error, energies
@@ -44,9 +43,9 @@ class Simulation:
         """Force of the soil on each surface vertex of body b at the last accepted step, (V, 3) [N]."""
         forces = np.zeros((len(self.surfaces[b].vertices), 3))
         if self.evaluation is not None:
-            touch = self.evaluation.touches[b]
-            vertices = self.surfaces[b].triangles[touch.triangle]
-            np.add.at(forces, vertices, touch.weights[:, :, None] * touch.force[:, None])
+            for part in self.evaluation.contacts[b].parts:
+                vertices = self.surfaces[b].triangles[part.triangle]
+                np.add.at(forces, vertices, part.weights[:, :, None] * part.force[:, None])
         return forces
 
     def run(self, observers=()):
@@ -78,7 +77,9 @@ class Simulation:
     def steps(self):
         """Generator of a Record per accepted outer step, from the present state to the end of the last stage."""
         scene = self.scene
-        settings = newton.Settings(scene.solver.tolerance, scene.solver.iterations, scene.solver.line_search)
+        settings = newton.Settings(
+            scene.solver.tolerance, scene.solver.iterations, scene.solver.line_search, scene.solver.augmentations,
+            scene.solver.augmentation_tolerance)
         first = 0
         for stage in scene.stages:
             length = stage.step or scene.time.step
@@ -101,13 +102,13 @@ class Simulation:
             energy = energies(self.model, state, evaluation)
             energy["error"] = balance_error(energy, self._start_energy)
         bodies = []
-        for name, motion, trial, touch in zip(
-                self.body_names, state.bodies, evaluation.body_trials, evaluation.touches):
+        for name, motion, trial, contact in zip(
+                self.body_names, state.bodies, evaluation.body_trials, evaluation.contacts):
             bodies.append(BodyRecord(
                 name, motion.position, quaternion(motion.rotation), motion.velocity, motion.spin,
-                total(touch.force), total(np.cross(touch.arm, touch.force)), trial.tension))
+                contact.force[:3], contact.force[3:], trial.tension, contact.deepest))
         return Record(
             step=state.step, stage=stage, stage_step=stage_step, time=state.time, dt=report.dt,
             increments=report.increments, iterations=report.iterations, rejections=report.rejections,
-            residual=evaluation.error, contacts=sum(len(t) for t in evaluation.touches), seconds=timing.collect(),
+            residual=evaluation.error, contacts=sum(len(c) for c in evaluation.contacts), seconds=timing.collect(),
             energies=energy, bodies=bodies)

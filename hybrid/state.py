@@ -48,16 +48,27 @@ class ContactHistory:
     position  (m, 3) [m] where the grid has carried the corner
     touching  (m,) bool, in contact at the last accepted step
     anchor    (m, 3) [m] body frame, where friction would be zero; meaningful while touching
+    side      (m, 3) body frame, outward normal of the body where the corner touches, else 0
+    pressure  (m,) [N] multiplier of the augmented Lagrangian, 0 under plain penalty
+
+    and of the body's samples that touch in the second pass: sample (k,) their numbers, sample_anchor (k, 3) [m] in
+    space, sample_pressure (k,) [N]
     """
 
     id: np.ndarray
     position: np.ndarray
     touching: np.ndarray
     anchor: np.ndarray
+    side: np.ndarray
+    pressure: np.ndarray
+    sample: np.ndarray
+    sample_anchor: np.ndarray
+    sample_pressure: np.ndarray
 
     @classmethod
     def empty(cls):
-        return cls(np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros(0, bool), np.zeros((0, 3)))
+        return cls(np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros(0, bool), np.zeros((0, 3)), np.zeros((0, 3)),
+                   np.zeros(0), np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros(0))
 
 
 @dataclass

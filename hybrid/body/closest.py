@@ -10,6 +10,10 @@ import numpy as np
 from numba import njit
 
 
+NO_SIDE = (0.0, 0.0, 0.0)
+OPPOSITE = -0.5  # cosine: triangles turned farther than 120 degrees from the side of contact belong to the other one
+
+
 class Tree(NamedTuple):
     """What the kernels read. Complete binary tree: node i has children 2i and 2i + 1, the root is 1.
 
@@ -92,9 +96,10 @@ def _to_triangle(y0, y1, y2, facets, k, best):
 
 
 @njit(cache=True)
-def search(y0, y1, y2, reach, boxes, first, order, facets):
+def search(y0, y1, y2, reach, boxes, first, order, facets, side=NO_SIDE):
     """Slot of the triangle nearest to (y0, y1, y2), if nearer than reach, else -1; its closest feature; the
-    weights of v1 and v2 there; and how many triangles were looked at.
+    weights of v1 and v2 there; and how many triangles were looked at. Triangles that face away from `side`
+    are passed over.
 
     Depth first, nearer child first. In a complete tree sibling and parent of a node are known by its
     number, so the stack of farther siblings still to visit is one bit per level, kept in the integer
@@ -118,6 +123,8 @@ def search(y0, y1, y2, reach, boxes, first, order, facets):
         else:
             for k in range(first[node - leaves], first[node - leaves + 1]):
                 visited += 1
+                if facets[k, 9] * side[0] + facets[k, 10] * side[1] + facets[k, 11] * side[2] < OPPOSITE:
+                    continue
                 distance, found, fv, fw = _to_triangle(y0, y1, y2, facets, k, best)
                 # of equally near triangles the one with the lowest number; none (slot -1) never ties
                 if distance < best or (distance == best and slot >= 0 and order[k] < order[slot]):
@@ -147,15 +154,18 @@ def clear(y0, y1, y2, radius, tree):
 
 
 @njit(cache=True)
-def closest(y, reach, tree):
+def closest(y, reach, tree, side=NO_SIDE):
     """Closest point of the surface to y (3,), array or tuple [m], if nearer than reach [m], which may be inf.
+
+    side: outward normal, a tuple of three, of the side of the body to look at; zero for all of it. A point that
+    touches one side of a thin body stays with that side, however deep it is pressed in.
 
     Returns (triangle, feature, foot, weights, gap): triangle number, -1 when none is nearer than reach;
     feature as in the module's head; foot [m] and barycentric weights as tuples of three; gap [m], negative
     inside.
     """
     y0, y1, y2 = y[0], y[1], y[2]
-    slot, feature, v, w, _ = search(y0, y1, y2, reach, tree.boxes, tree.first, tree.order, tree.facets)
+    slot, feature, v, w, _ = search(y0, y1, y2, reach, tree.boxes, tree.first, tree.order, tree.facets, side)
     if slot < 0:
         return -1, 0, (y0, y1, y2), (0.0, 0.0, 0.0), math.inf
     triangle, facets, weights = tree.order[slot], tree.facets, (max(1.0 - v - w, 0.0), v, w)

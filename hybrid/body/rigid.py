@@ -12,6 +12,7 @@ from hybrid.body.attitude import exp_so3
 from hybrid.body.line import line_force
 from hybrid.body.mass import MassProperties
 from hybrid.body.motion import inertia_residual, updated
+from hybrid.body.samples import Samples
 from hybrid.body.surface import ContactSurface
 from hybrid.state import BodyState
 
@@ -36,7 +37,9 @@ class RigidBody:
     """Constants of a body.
 
     free: (6,) bool, the unknowns; drive: (6,) [m/s, rad/s] spatial rates of the others, zero for what is held
-    contact_stiffness: (n,) whole-point ε_N [N/m] against each soil point
+    contact_stiffness: (n,) whole-point ε_N [N/m] against each soil point; contact_pressure: (n,) p_f E [N/m³]
+    samples: of the second pass, which carries the share `second_pass` of the contact, None without it
+    augmented: multipliers take the overlap away
     """
 
     name: str
@@ -47,6 +50,10 @@ class RigidBody:
     friction: float
     tangential: float
     contact_stiffness: np.ndarray
+    contact_pressure: np.ndarray
+    samples: Samples | None = None
+    second_pass: float = 0.0
+    augmented: bool = False
     line: Line | None = None
 
     @property

@@ -36,7 +36,8 @@ class Corners:
     node, weight: (m, 8) grid nodes and hat functions there
     stiffness: (m,) ε_N [N/m]; touching: (m,) bool, in contact at the start of the step
     anchor: (m, 3) [m] body frame, where friction is zero: history while touching, else where the corner would meet
-        the surface (contact/meeting.py)
+        the surface (contact/meeting.py); side: (m, 3) body frame, the side of the body it touches, 0 if unknown
+    pressure: (m,) [N] multiplier of the augmented Lagrangian
     """
 
     id: np.ndarray
@@ -47,6 +48,8 @@ class Corners:
     stiffness: np.ndarray
     touching: np.ndarray
     anchor: np.ndarray
+    side: np.ndarray
+    pressure: np.ndarray
 
     def __len__(self):
         return len(self.id)
@@ -64,26 +67,44 @@ def find_corners(position, half, grid, active, body, surface, reach, stiffness, 
     active: (N,) bool, nodes that carry mass; stiffness: (n,) of a whole point [N/m]; history: ContactHistory;
     expected: nodal increments (N, 3) [m] (None: held soil) and pose of the body that the step starts to iterate from.
     """
-    near = np.zeros((len(position), 8), np.bool_)
-    near.reshape(-1)[history.id] = True  # not to be looked at: they are where the grid has carried them
-    _near(position, half, body.position, body.rotation, surface.lower - reach, surface.upper + reach, reach,
-          surface.tree, near)
-    near.reshape(-1)[history.id] = False
-    born = np.flatnonzero(near)
+    born = _born(position, half, body, surface, reach, history.id)
     kept = _within(history.position, body, surface, reach)
     id = np.concatenate([history.id[kept], born])
     place = np.concatenate([history.position[kept], position[born // 8] + SIGNS[born % 8] * half[born // 8]])
-    touching = np.concatenate([history.touching[kept], np.zeros(len(born), bool)])
-    anchor = np.concatenate([history.anchor[kept], np.zeros((len(born), 3))])
+    touching, anchor, side, pressure = (
+        np.concatenate([old[kept], np.zeros((len(born), *old.shape[1:]), old.dtype)])
+        for old in (history.touching, history.anchor, history.side, history.pressure))
     node, weight = _interpolation(place, grid.axes, active)
     use = np.flatnonzero(weight.any(axis=1))
     use = use[np.argsort(id[use], kind="stable")]
-    id, place, node, weight, touching, anchor = (a[use] for a in (id, place, node, weight, touching, anchor))
-    corners = Corners(id, place, (place - body.position) @ body.rotation, node, weight, SHARE * stiffness[id // 8],
-                      touching, anchor)
+    id, place, node, weight, touching, anchor, side, pressure = (
+        a[use] for a in (id, place, node, weight, touching, anchor, side, pressure))
+    corners = Corners(id, place, (place - body.position) @ body.rotation, node, weight,
+                      shared_stiffness(id, place, stiffness), touching, anchor, side, pressure)
     free = ~touching
-    anchor[free] = meeting_points(place[free], corners.moved(expected[0])[free], body, expected[1], surface)
+    anchor[free], side[free] = meeting_points(
+        place[free], corners.moved(expected[0])[free], body, expected[1], surface)
     return corners
+
+
+def shared_stiffness(id, place, stiffness):
+    """ε_N (m,) [N/m] of corners `id` at `place` (m, 3), of `stiffness` (n,) of whole points."""
+    return SHARE * stiffness[id // 8]
+
+
+def _born(position, half, body, surface, reach, followed):
+    """Numbers of the corners within reach that are not followed yet. Only points near the body's box are searched."""
+    close = np.flatnonzero(_close(position, half, body.position, surface.radius + reach))
+    near = np.zeros((len(close), 8), np.bool_)
+    where = np.searchsorted(close, followed // 8)
+    known = where < len(close)
+    known[known] = close[where[known]] == followed[known] // 8
+    near[where[known], followed[known] % 8] = True  # not to be looked at: they are where the grid has carried them
+    skip = near.copy()
+    _near(position, half, close, body.position, body.rotation, surface.lower - reach, surface.upper + reach, reach,
+          surface.tree, near)
+    point, corner = np.nonzero(near & ~skip)
+    return 8 * close[point] + corner
 
 
 def _within(place, body, surface, reach):
@@ -117,14 +138,23 @@ def overlap(position, half, body, surface):
 
 
 @njit(cache=True, parallel=True)
-def _near(position, half, centre, rotation, lower, upper, reach, tree, near):
-    radius = np.sqrt(np.sum(np.maximum(np.abs(lower), np.abs(upper)) ** 2))
+def _close(position, half, centre, radius):
+    """(n,) bool, points whose domain may come within `radius` of the body's centre."""
+    close = np.empty(len(position), np.bool_)
     for p in prange(len(position)):
+        x, y, z = position[p, 0] - centre[0], position[p, 1] - centre[1], position[p, 2] - centre[2]
+        a = radius + half[p, 0] + half[p, 1] + half[p, 2]
+        close[p] = x * x + y * y + z * z < a * a
+    return close
+
+
+@njit(cache=True, parallel=True)
+def _near(position, half, close, centre, rotation, lower, upper, reach, tree, near):
+    for n in prange(len(close)):
+        p = close[n]
         d = position[p] - centre
-        if np.sqrt(np.sum(d**2)) > radius + np.sqrt(np.sum(half[p] ** 2)):
-            continue
         for corner in range(8):
-            if near[p, corner]:
+            if near[n, corner]:
                 continue
             x0 = d[0] + (half[p, 0] if corner & 4 else -half[p, 0])
             x1 = d[1] + (half[p, 1] if corner & 2 else -half[p, 1])
@@ -133,7 +163,7 @@ def _near(position, half, centre, rotation, lower, upper, reach, tree, near):
             y1 = rotation[0, 1] * x0 + rotation[1, 1] * x1 + rotation[2, 1] * x2
             y2 = rotation[0, 2] * x0 + rotation[1, 2] * x1 + rotation[2, 2] * x2
             if (lower[0] <= y0 <= upper[0] and lower[1] <= y1 <= upper[1] and lower[2] <= y2 <= upper[2]):
-                near[p, corner] = closest((y0, y1, y2), reach, tree)[0] >= 0
+                near[n, corner] = closest((y0, y1, y2), reach, tree)[0] >= 0
 
 
 @njit(cache=True)

@@ -1,17 +1,19 @@
 """Penalty contact with Coulomb friction at corners, in the body frame.
 
-    y = R^T (x_c - c)      d = y - foot = g N      A = ∂d/∂y      p = -ε_N g  for g < 0
+    y = R^T (x_c - c)      d = y - foot = g N      A = ∂d/∂y      p = λ - ε_N g > 0
     z = y - y_anchor       g_t = P z,  P = I - N N^T
-    stick  |ε_T g_t| <= μ p :  f = ε_N d + ε_T g_t
-    slip   otherwise        :  f = ε_N d + μ p s,  s = g_t/|g_t|
+    stick  |ε_T g_t| <= μ p :  f = -p N + ε_T g_t
+    slip   otherwise        :  f = -p N + μ p s,  s = g_t/|g_t|
 
 (formulation section 6; the seed paper's eqs 3-6). f is the residual of the penalty, minus the force on the corner.
 Because the normal turns with y at an edge or a vertex, ∂N/∂y = G = (A - N N^T)/g there, and
 
     M = ∂g_t/∂y = P - (N·z) G - N (G z)^T
-    stick  ∂f/∂y = ε_N A + ε_T M          slip  ∂f/∂y = ε_N A + μp/|g_t| (I - s s^T) M - μ ε_N s N^T
+    normal ∂f/∂y = ε_N A - λ G
+    stick  + ε_T M                        slip  + μp/|g_t| (I - s s^T) M - μ ε_N s N^T
 
-On a face G = 0. The anchor is history in the body frame: objective, and indifferent to hopping between triangles. A
+λ is zero under plain penalty; the augmented Lagrangian raises it between solutions (contact/augment.py), and the
+tangent stays that of the penalty. On a face G = 0. The anchor is history in the body frame: objective, and indifferent to hopping between triangles. A
 contact born in the step takes its anchor where the corner meets the surface (contact/meeting.py). Without friction
 (μ = 0) neither anchor nor tangential law is evaluated.
 
@@ -19,7 +21,7 @@ The force of a step acts from the step's start, also on a corner that touches on
 that slips is therefore counted along its way since the start.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numba import njit, prange
@@ -37,6 +39,7 @@ class Touch:
     force: (m, 3) [N], minus the force on the corner
     tangent: (m, 3, 3) [N/m] at fixed attitude; arm: (m, 3) [m] from the body's centre; slip: (m,) bool
     anchor: (m, 3) [m] what the history becomes on commit, body frame; triangle: (m,), weights: (m, 3) of its vertices
+    side: (m, 3) outward normal, body frame; pressure: (m,) p [N]
     energy: stored in the springs [J]; dissipated: friction work of the step [J]
     """
 
@@ -48,6 +51,8 @@ class Touch:
     arm: np.ndarray
     slip: np.ndarray
     anchor: np.ndarray
+    side: np.ndarray
+    pressure: np.ndarray
     triangle: np.ndarray
     weights: np.ndarray
     energy: float
@@ -57,27 +62,29 @@ class Touch:
         return len(self.active)
 
 
-def evaluate(corners, place, centre, rotation, surface, reach, friction, tangential):
+def evaluate(corners, place, centre, rotation, surface, friction, tangential):
     """Touch of corners at `place` (m, 3) [m] with a body at `centre` (3,), `rotation` (3, 3).
 
-    friction: μ; tangential: ε_T/ε_N; reach [m]: corners farther than this from the surface are passed over.
+    friction: μ; tangential: ε_T/ε_N.
     """
     tree = surface.tree
     y = (place - centre) @ rotation
     gap, triangle, feature = np.empty(len(y)), np.empty(len(y), np.int64), np.empty(len(y), np.int64)
     foot, weights = np.empty_like(y), np.empty_like(y)
-    _project(y, reach, surface.radius, tree, gap, triangle, feature, foot, weights)
-    active = np.nonzero(gap < 0.0)[0]
+    _project(y, corners.side, corners.pressure, surface.radius, tree, gap, triangle, feature, foot, weights)
+    active = np.flatnonzero(np.isfinite(gap))
+    active = active[corners.pressure[active] - corners.stiffness[active] * gap[active] > 0.0]
     m = len(active)
-    force, tangent, anchor = np.empty((m, 3)), np.empty((m, 3, 3)), np.empty((m, 3))
+    force, tangent, anchor, side = np.empty((m, 3)), np.empty((m, 3, 3)), np.empty((m, 3)), np.empty((m, 3))
     slip, energy, dissipated = np.zeros(m, np.bool_), np.zeros(m), np.zeros(m)
     origin = np.where(corners.touching[active, None], corners.anchor[active], corners.start[active])
     _law(y[active], gap[active], triangle[active], feature[active], foot[active], corners.anchor[active], origin,
-         corners.stiffness[active], friction, tangential, tree, force, tangent, slip, anchor, energy, dissipated)
-    normal = (y[active] - foot[active]) / gap[active, None]
+         corners.stiffness[active], corners.pressure[active], friction, tangential, tree, force, tangent, slip, anchor,
+         side, energy, dissipated)
     return Touch(
-        active, gap[active], normal @ rotation.T, force @ rotation.T, rotation @ tangent @ rotation.T,
-        place[active] - centre, slip, anchor,
+        active, gap[active], side @ rotation.T, force @ rotation.T, rotation @ tangent @ rotation.T,
+        place[active] - centre, slip, anchor, side,
+        corners.pressure[active] - corners.stiffness[active] * gap[active],
         triangle[active], weights[active], float(total(energy)), float(total(dissipated)))
 
 
@@ -88,68 +95,78 @@ def passed_through(corners, touch, place, centre, rotation, surface, depth):
     their way and deeper than `depth` [m] inside on it.
     """
     way = (place - centre) @ rotation - corners.start
-    outward = np.einsum("ci,ci->c", way[touch.active], touch.normal @ rotation)
+    outward = np.einsum("ci,ci->c", way[touch.active], touch.side)
     along = outward > 0.5 * np.linalg.norm(way[touch.active], axis=1)
     entered = touch.active[along & ~corners.touching[touch.active]]
-    pushed_on = gaps(corners.start[entered], surface, np.inf) > 0.0
+    pushed_on = gaps(corners.start[entered], surface) > 0.0
     free = ~corners.touching
     free[touch.active] = False
     deepest = np.zeros(np.count_nonzero(free))
     for fraction in (0.25, 0.5, 0.75):
-        gap = gaps(corners.start[free] + fraction * way[free], surface, np.inf)
+        gap = gaps(corners.start[free] + fraction * way[free], surface)
         np.minimum(deepest, gap, out=deepest)
     return int(total(pushed_on) + total(deepest < -depth))
 
 
-def gaps(y, surface, reach):
-    """Signed gaps (m,) [m] of places (m, 3) in the body frame, inf beyond reach."""
+def gaps(y, surface):
+    """Signed gaps (m,) [m] of places (m, 3) in the body frame, inf clear of the body."""
     gap, index = np.empty(len(y)), np.empty((2, len(y)), np.int64)
-    _project(y, reach, surface.radius, surface.tree, gap, index[0], index[1], np.empty_like(y), np.empty_like(y))
+    _project(y, np.zeros_like(y), np.zeros(len(y)), surface.radius, surface.tree, gap, index[0], index[1],
+             np.empty_like(y), np.empty_like(y))
     return gap
 
 
 def commit(corners, place, touch):
     """ContactHistory after acceptance: every followed corner at its place (m, 3) [m]."""
-    touching, anchor = np.zeros(len(corners), bool), np.zeros((len(corners), 3))
+    touching = np.zeros(len(corners), bool)
+    anchor, side = np.zeros((len(corners), 3)), np.zeros((len(corners), 3))
     touching[touch.active] = True
-    anchor[touch.active] = touch.anchor
-    return ContactHistory(corners.id, place, touching, anchor)
+    anchor[touch.active], side[touch.active] = touch.anchor, touch.side
+    none = ContactHistory.empty()
+    return replace(none, id=corners.id, position=place, touching=touching, anchor=anchor, side=side,
+                   pressure=np.where(touching, corners.pressure, 0.0))
 
 
 @njit(cache=True, parallel=True)
-def _project(y, reach, radius, tree, gap, triangle, feature, foot, weights):
+def _project(y, side, pressure, radius, tree, gap, triangle, feature, foot, weights):
+    """A corner with a side to stay with, or pressed across a gap by its multiplier, is looked at wherever it is."""
     for n in prange(len(y)):
-        if clear(y[n, 0], y[n, 1], y[n, 2], radius, tree):
+        s = side[n, 0], side[n, 1], side[n, 2]
+        loose = pressure[n] == 0.0 and s[0] == 0.0 and s[1] == 0.0 and s[2] == 0.0
+        if loose and clear(y[n, 0], y[n, 1], y[n, 2], radius, tree):
             gap[n] = np.inf
             continue
-        t, f, x, w, g = closest((y[n, 0], y[n, 1], y[n, 2]), reach, tree)
+        t, f, x, w, g = closest((y[n, 0], y[n, 1], y[n, 2]), np.inf, tree, s)
         triangle[n], feature[n], gap[n] = t, f, g
         for i in range(3):
             foot[n, i], weights[n, i] = x[i], w[i]
 
 
 @njit(cache=True)
-def _law(y, gap, triangle, feature, foot, old, origin, stiffness, friction, ratio, tree, force, tangent, slip, anchor,
-         energy, dissipated):
+def _law(y, gap, triangle, feature, foot, old, origin, stiffness, multiplier, friction, ratio, tree, force, tangent,
+         slip, anchor, side, energy, dissipated):
     """old: (m, 3) anchors before; origin: (m, 3) where the way starts along which friction works."""
     N, A = np.empty(3), np.empty((3, 3))
     for n in range(len(y)):
         g, eps_n = gap[n], stiffness[n]
+        p = multiplier[n] - eps_n * g
         normal, rate = gap_geometry(y[n], foot[n], triangle[n], feature[n], tree)
         for i in range(3):
             N[i] = normal[i]
-            force[n, i] = eps_n * g * N[i]
+            side[n, i] = N[i]
+            force[n, i] = -p * N[i]
             for j in range(3):
                 A[i, j] = rate[i][j]
-                tangent[n, i, j] = eps_n * A[i, j]
+        NN = np.outer(N, N)
+        G = (A - NN) / g if g != 0.0 else 0.0 * A
+        tangent[n] = eps_n * NN - p * G
         anchor[n] = old[n]
-        energy[n] = 0.5 * eps_n * g * g
+        energy[n] = 0.5 * (p * p - multiplier[n] ** 2) / eps_n
         if friction > 0.0:
-            NN = np.outer(N, N)
-            z, P, G = y[n] - old[n], np.eye(3) - NN, (A - NN) / g
+            z, P = y[n] - old[n], np.eye(3) - NN
             gt = P @ z
             M = P - np.dot(N, z) * G - np.outer(N, G @ z)
-            eps_t, limit, size = ratio * eps_n, -friction * eps_n * g, np.sqrt(np.sum(gt * gt))
+            eps_t, limit, size = ratio * eps_n, friction * p, np.sqrt(np.sum(gt * gt))
             if eps_t * size <= limit:
                 force[n] += eps_t * gt
                 tangent[n] += eps_t * M

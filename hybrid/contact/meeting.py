@@ -9,7 +9,8 @@ a sphere of radius r, a being its way to the point of rest. At a = 50 mm and r =
 than what a stiff spring needs to slip, so an anchor where the corner stood at the step's start makes a
 rolling sphere creep by 1-2 %. An anchor at the end of the step would lose the friction of the step in which
 the contact is born. The expected motion is constant in a step, so the anchor adds nothing to the tangent.
-Without motion the anchor is the place at the start.
+Without motion the anchor is the place at the start. Where the path enters the body tells the side that the corner
+comes from: in a thin body the nearest surface may soon be that of the other side.
 """
 
 import numpy as np
@@ -22,20 +23,20 @@ HALVINGS = 12  # of the path: 10 μm at 40 mm
 
 
 def meeting_points(start, end, body, pose, surface):
-    """Meeting points (m, 3) [m] in the body frame.
+    """Meeting points (m, 3) [m] and outward normals there (m, 3), 0 where nothing is met, in the body frame.
 
     Corners are expected to go from `start` to `end` (m, 3) [m] in space while the body goes from `body` (a
     BodyState) to `pose` (position, rotation).
     """
     out = (start - body.position) @ body.rotation
-    turn = log_so3(pose[1] @ body.rotation.T)
+    turn, side = log_so3(pose[1] @ body.rotation.T), np.zeros_like(out)
     _meet(start - body.position, end - start - (pose[0] - body.position), turn, body.rotation, surface.radius,
-          surface.tree, out)
-    return out
+          surface.tree, out, side)
+    return out, side
 
 
 @njit(cache=True)
-def _meet(arm, way, turn, rotation, radius, tree, out):
+def _meet(arm, way, turn, rotation, radius, tree, out, side):
     """arm: (m, 3) from the centre at the start; way: (m, 3) relative to the centre; out: places before."""
     for n in range(len(arm)):
         last = _seen(arm[n], way[n], turn, rotation, 1.0)
@@ -50,6 +51,8 @@ def _meet(arm, way, turn, rotation, radius, tree, out):
                 else:
                     inside = middle
             out[n] = _seen(arm[n], way[n], turn, rotation, inside)
+            triangle, feature, _, _, _ = closest((out[n, 0], out[n, 1], out[n, 2]), np.inf, tree)
+            side[n] = tree.normals[triangle, feature]
 
 
 @njit(cache=True)

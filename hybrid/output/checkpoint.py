@@ -19,7 +19,7 @@ from hybrid.output import atomic
 from hybrid.state import BodyState, ContactHistory, Points, State
 
 NAME = "checkpoint.npz"
-FORMAT = 1
+FORMAT = 2
 
 
 class CheckpointError(HybridError):

@@ -10,6 +10,7 @@
 | F      | BodyRecord.contact_force    | (3,)  | N     |
 | M      | BodyRecord.contact_moment   | (3,)  | N m   |
 | T      | BodyRecord.line_tension     | -     | N     |
+| δ      | BodyRecord.overlap, deepest | -     | m     |
 """
 
 from dataclasses import dataclass, field
@@ -33,6 +34,7 @@ class BodyRecord:
     contact_force: np.ndarray
     contact_moment: np.ndarray
     line_tension: float = 0.0
+    overlap: float = 0.0
 
     def row(self):
         """Flat dict of this body's columns, each name ending in its unit."""
@@ -49,7 +51,7 @@ class BodyRecord:
         ):
             for axis, value in zip("xyz", vector):
                 columns[f"{kind}{axis}_{unit}"] = value
-        columns["tension_N"] = self.line_tension
+        columns["tension_N"], columns["overlap_m"] = self.line_tension, self.overlap
         return {f"{self.name}_{key}": float(value) for key, value in columns.items()}
 
 

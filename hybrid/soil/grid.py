@@ -55,11 +55,13 @@ class Grid:
     axes: three increasing arrays of node coordinates [m]; length 1 when collapsed.
     extent: (3, 2) lower and upper end of each axis [m]; a collapsed axis keeps its thickness here.
     fixed: (n_nodes, 3) bool, displacement components held by the faces.
+    closed: (3, 2) bool, the lower and upper face of each axis hold the soil back, at least along that axis.
     """
 
     axes: tuple[np.ndarray, np.ndarray, np.ndarray]
     extent: np.ndarray
     fixed: np.ndarray
+    closed: np.ndarray
 
     @property
     def shape(self):
@@ -109,4 +111,6 @@ def make_grid(axes, extent, faces, all_fixed=False):
                 fixed[index] = True
     if all_fixed:
         fixed[...] = True
-    return Grid(axes, np.asarray(extent, dtype=float), fixed.reshape(-1, 3))
+    closed = np.array([faces[face] != "free" for face in FACES]).reshape(3, 2)
+    closed[np.array(shape) == 1] = True
+    return Grid(axes, np.asarray(extent, dtype=float), fixed.reshape(-1, 3), closed)

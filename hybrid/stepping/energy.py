@@ -28,7 +28,7 @@ def energies(model, state, evaluation=None):
         out["kinetic"] += rigid.kinetic_energy(body, motion)
         out["potential"] -= body.mass.mass * float(motion.position @ model.gravity)
     if evaluation is not None:
-        out["contact"] = sum(t.energy for t in evaluation.touches)
+        out["contact"] = sum(c.energy for c in evaluation.contacts)
         out["line"] = sum(t.line_energy for t in evaluation.body_trials)
     return out | {name: state.work.get(name, 0.0) for name in WORKS}
 

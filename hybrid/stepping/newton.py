@@ -1,6 +1,6 @@
 """Newton's method with a backtracking line search on the equations of one increment."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from hybrid.errors import StepError
 from hybrid.system.equations import Evaluation, Step
@@ -12,11 +12,14 @@ GOOD = 0.15        # an update that leaves less than this of the residual earns 
 
 @dataclass(frozen=True)
 class Settings:
-    """tolerance: relative residual; iterations: limit; line_search: shorten updates that do not help."""
+    """tolerance: relative residual; iterations: limit; line_search: shorten updates that do not help; augmentations:
+    limit, augmentation_tolerance: relative change of contact forces, of the updates of contact multipliers."""
 
     tolerance: float = 1e-6
     iterations: int = 15
     line_search: bool = True
+    augmentations: int = 20
+    augmentation_tolerance: float = 1e-3
 
 
 @dataclass(frozen=True)
@@ -35,15 +38,30 @@ class Outcome:
 
 
 def solve(step: Step, settings: Settings):
-    """Outcome of Newton's method on `step`. Never raises for lack of convergence."""
+    """Outcome of Newton's method on `step`, repeated while contact multipliers change. Never raises for lack of
+    convergence."""
+    outcome = _newton(step, settings, step.start())
+    for _ in range(settings.augmentations):
+        if not outcome.converged or step.augment(outcome.evaluation) <= settings.augmentation_tolerance:
+            break
+        again = _newton(step, settings, outcome.evaluation.unknowns)
+        outcome = replace(again, iterations=outcome.iterations + again.iterations,
+                          krylov=outcome.krylov + again.krylov, errors=outcome.errors + again.errors)
+    else:
+        return replace(outcome, reason=f"contact forces still change after {settings.augmentations} updates of their "
+                       f"multipliers by more than {settings.augmentation_tolerance:g} (solver.augmentations)")
+    return replace(outcome, reason=_too_far(step, outcome.evaluation)) if outcome.converged else outcome
+
+
+def _newton(step, settings, unknowns):
     errors, krylov, current = [], 0, False
-    evaluation = step.evaluate(step.start())
+    evaluation = step.evaluate(unknowns)
     if evaluation is None:
         return Outcome(None, 0, 0, (), "the first guess turns soil inside out")
     for iteration in range(settings.iterations + 1):
         errors.append(evaluation.error)
         if evaluation.error <= settings.tolerance:
-            return Outcome(evaluation, iteration, krylov, tuple(errors), _too_far(step, evaluation))
+            return Outcome(evaluation, iteration, krylov, tuple(errors))
         if iteration == settings.iterations:
             break
         try:

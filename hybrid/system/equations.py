@@ -13,9 +13,7 @@ import numpy as np
 
 from hybrid import reductions
 from hybrid.body import rigid
-from hybrid.contact import assembly, friction
-from hybrid.contact.corners import Corners, find_corners
-from hybrid.contact.friction import Touch
+from hybrid.contact.pair import Contact, Pair
 from hybrid.soil.model import SoilStep, SoilTrial
 from hybrid.soil.transfer import interpolate
 from hybrid.state import State
@@ -50,7 +48,7 @@ class Evaluation:
     soil_trial: SoilTrial | None
     acceleration: np.ndarray | None
     body_trials: tuple
-    touches: tuple[Touch, ...]
+    contacts: tuple[Contact, ...]
     reactions: tuple
 
 
@@ -69,9 +67,9 @@ class Step:
         with phase("contact search"):
             self.reach = [self._reach(b, s) for b, s in zip(model.bodies, state.bodies)]
             guess = self.start()
-            self.corners: list[Corners] = [
-                find_corners(state.points.position, self._corner_half(), soil.grid, active, s, b.surface, reach,
-                             b.contact_stiffness, history, (guess.displacement, pose))
+            self.pairs = [
+                Pair(b, s, history, state.points, self._corner_half(), soil.grid, active, reach,
+                     (guess.displacement, pose))
                 for b, s, history, reach, pose in zip(
                     model.bodies, state.bodies, state.contacts, self.reach, guess.poses)]
         self.line_before = [
@@ -114,10 +112,16 @@ class Step:
     def passed_through(self, evaluation):
         """Number of corners that the step carried through a body, deeper than a twentieth of a cell."""
         depth = 0.05 * self.model.soil.grid.smallest_cell
-        return sum(
-            friction.passed_through(c, t, c.moved(evaluation.unknowns.displacement), *pose, body.surface, depth)
-            for body, c, t, pose in zip(
-                self.model.bodies, self.corners, evaluation.touches, evaluation.unknowns.poses))
+        unknowns = evaluation.unknowns
+        return sum(pair.passed_through(contact, unknowns.displacement, pose, depth)
+                   for pair, contact, pose in zip(self.pairs, evaluation.contacts, unknowns.poses))
+
+    def augment(self, evaluation):
+        """Update the multipliers of bodies with an augmented Lagrangian; relative change of the contact forces by it,
+        0 without such bodies."""
+        norms = [pair.augment(contact) for pair, contact in zip(self.pairs, evaluation.contacts) if pair.body.augmented]
+        change, size = np.sqrt(np.sum(np.square(norms), axis=0)) if norms else (0.0, 0.0)
+        return change / size if size > 0 else float(change > 0)
 
     def moved(self, unknowns, soil, body, scale=1.0):
         """Unknowns after `scale` times the increments soil (n,), body (m,)."""
@@ -145,20 +149,15 @@ class Step:
             fields["inertia"] = self.soil.mass[:, None] * acceleration
             fields["contact"] = np.zeros_like(trial.force)
         with phase("contact"):
-            touches = tuple(self._touch(i, unknowns) for i in range(len(model.bodies)))
-            contact = [assembly.add_residual(t, c, fields.get("contact")) for t, c in zip(touches, self.corners)]
+            contacts = tuple(p.evaluate(displacement, pose) for p, pose in zip(self.pairs, unknowns.poses))
+            on_body = [p.add_residual(c, fields.get("contact")) for p, c in zip(self.pairs, contacts)]
         bodies = tuple(
             rigid.evaluate(b, s, p, target, model.gravity, model.newmark, self.dt)
             for b, s, p, target in zip(model.bodies, self.state.bodies, unknowns.poses, self.targets))
         soil, soil_norm, soil_error = self._soil_residual(fields, displacement)
-        body, reactions, body_norms, body_error = self._body_residual(bodies, contact, unknowns.poses)
+        body, reactions, body_norms, body_error = self._body_residual(bodies, on_body, unknowns.poses)
         return Evaluation(unknowns, soil, body, max(soil_error, body_error), {**soil_norm, **body_norms}, trial,
-                          acceleration, bodies, touches, reactions)
-
-    def _touch(self, i, unknowns):
-        body, corners = self.model.bodies[i], self.corners[i]
-        return friction.evaluate(corners, corners.moved(unknowns.displacement), *unknowns.poses[i], body.surface,
-                                 np.inf, body.friction, body.tangential)
+                          acceleration, bodies, contacts, reactions)
 
     def _soil_residual(self, fields, displacement):
         if not fields:
@@ -199,15 +198,12 @@ class Step:
                 mass = np.repeat(self.soil.mass[:, None], 3, axis=1)[self.pattern.free]
                 system.values[self.pattern.diagonal] += model.newmark.mass_factor(self.dt) * mass
         first = 0
-        for body, corners, trial, touch in zip(
-                model.bodies, self.corners, evaluation.body_trials, evaluation.touches):
+        for body, pair, trial, contact in zip(
+                model.bodies, self.pairs, evaluation.body_trials, evaluation.contacts):
             with phase("contact"):
-                ww, Q = assembly.body_tangent(touch)
                 own = slice(first, first + np.count_nonzero(body.free))
+                ww = pair.add_tangent(contact, self.pattern, system.values, system.uw[:, own], system.wu[own])
                 system.ww[own, own] += (ww + trial.tangent)[np.ix_(body.free, body.free)]
-                if self.soil is not None:
-                    assembly.add_tangent(touch, corners, Q, self.pattern, system.values, body.free,
-                                         system.uw[:, own], system.wu[own])
                 first = own.stop
         with phase("factor"):
             system.factor()
@@ -230,10 +226,9 @@ class Step:
                 if body.drive.any():
                     mean = now if before.reaction is None else 0.5 * (before.reaction + now)
                     work["drive"] = work.get("drive", 0.0) + float(mean @ (self.dt * body.drive))
-            contacts = [friction.commit(c, c.moved(unknowns.displacement), t)
-                        for c, t in zip(self.corners, evaluation.touches)]
-            for touch in evaluation.touches:
-                work["friction"] = work.get("friction", 0.0) + touch.dissipated
+            contacts = [p.commit(c, unknowns.displacement) for p, c in zip(self.pairs, evaluation.contacts)]
+            for contact in evaluation.contacts:
+                work["friction"] = work.get("friction", 0.0) + contact.dissipated
             for body, trial, before in zip(model.bodies, evaluation.body_trials, self.line_before):
                 if body.line:
                     force = -0.5 * (before + trial.line[:3])

@@ -71,7 +71,7 @@ def test_an_easy_step_is_one_increment(geometry):
     state, report = one_step(simulation, Control(LENGTH, LENGTH / 64), newton.Settings())
     assert (report.increments, report.rejections, report.dt) == (1, 0, LENGTH)
     assert state.step == 1 and state.time == LENGTH and report.evaluation.error <= 1e-6
-    assert len(report.evaluation.touches[0]) >= 4      # the hit was in it
+    assert len(report.evaluation.contacts[0].corners) >= 4      # the hit was in it
 
 
 @pytest.mark.parametrize("iterations", [2, 3])
@@ -161,7 +161,7 @@ def test_committed_and_trial_arrays_are_never_the_same(geometry, held):
         assert outcome.converged
         committed, found = dict(arrays(state)), outcome.evaluation
         trial = dict(arrays(
-            (found.unknowns, found.soil_trial, found.touches, found.body_trials, found.acceleration)))
+            (found.unknowns, found.soil_trial, found.contacts, found.body_trials, found.acceleration)))
         accepted = step.accept(outcome.evaluation)
         if held:      # points that cannot move are handed on as they are
             committed = {path: a for path, a in committed.items() if not path.startswith(".points")}

@@ -42,7 +42,7 @@ class Ride:
         simulation = Simulation(built.scene, model, state, built.meshes)
         self.mass, self.sliding, self.force, self.air = model.bodies[0].mass.mass, [], np.zeros(3), 0
         for self.record in simulation.steps():
-            touch = simulation.evaluation.touches[0]
+            touch = simulation.evaluation.contacts[0].corners
             self.air += len(touch) == 0
             self.sliding += list(touch.slip)
             self.force += self.record.bodies[0].contact_force
@@ -98,7 +98,8 @@ def test_errors_fall_with_each_refinement():
 def test_anchor_at_the_start_of_the_step_makes_the_sphere_creep(monkeypatch):
     """The broken variant of contact/meeting.py."""
     monkeypatch.setattr("hybrid.contact.corners.meeting_points",
-                        lambda start, end, body, pose, surface: (start - body.position) @ body.rotation)
+                        lambda start, end, body, pose, surface: (
+                            (start - body.position) @ body.rotation, np.zeros_like(start)))
     assert Ride(built(4), 0.4).errors[1] > 2 * ride(4, 0.4).errors[1]
 
 

@@ -80,7 +80,7 @@ def observed_rate(step, unknowns, spoil=lambda K: K, seed=3):
 @pytest.mark.parametrize("friction", [0.0, 0.02, 0.3, 50.0])
 def test_block_tangent_is_consistent(geometry, law, friction):
     step, unknowns = prepared(scene(geometry, law, friction))
-    touch = step.evaluate(unknowns).touches[0]
+    touch = step.evaluate(unknowns).contacts[0].corners
     assert len(touch) >= 4
     if friction == 0.02:
         assert touch.slip.all()

@@ -60,12 +60,12 @@ def corners_at(feature, seed=4):
     anchor = y + 0.004 * rng.standard_normal((m, 3))
     place = CENTRE + y @ ROTATION.T
     return Corners(np.arange(m), place, y, np.zeros((m, 8), np.int64), np.full((m, 8), 0.125),
-                   1e5 * (1 + np.arange(m)), np.ones(m, bool), anchor)
+                   1e5 * (1 + np.arange(m)), np.ones(m, bool), anchor, np.zeros((m, 3)), np.zeros(m))
 
 
 def touch_at(corners, law, place=None, pose=(CENTRE, ROTATION)):
     place = corners.position if place is None else place
-    return friction.evaluate(corners, place, *pose, SURFACE, np.inf, LAWS[law], RATIO)
+    return friction.evaluate(corners, place, *pose, SURFACE, LAWS[law], RATIO)
 
 
 def test_places_have_the_features_they_are_named_after():

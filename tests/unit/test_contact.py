@@ -71,12 +71,13 @@ def corners_in(surface, y, anchor, pose=(np.zeros(3), np.eye(3)), touching=True)
     m = len(y)
     return Corners(
         np.arange(m), pose[0] + y @ pose[1].T, y, np.zeros((m, 8), np.int64), np.full((m, 8), 0.125),
-        np.full(m, 2e4), np.full(m, touching), np.array(np.broadcast_to(anchor, (m, 3)), float))
+        np.full(m, 2e4), np.full(m, touching), np.array(np.broadcast_to(anchor, (m, 3)), float),
+        np.zeros((m, 3)), np.zeros(m))
 
 
 def touch_of(corners, surface, pose=(np.zeros(3), np.eye(3)), place=None, mu=MU):
     return friction.evaluate(
-        corners, corners.position if place is None else place, *pose, surface, np.inf, mu, RATIO)
+        corners, corners.position if place is None else place, *pose, surface, mu, RATIO)
 
 
 def bed(cells=(8, 8, 2), size=0.1, per_axis=2):
@@ -163,7 +164,8 @@ def test_anchor_is_where_the_expected_path_meets_the_surface():
     surface, body = box(), body_at((0.0, 0.0, 0.51))        # 10 mm above the bed z = 0
     start = np.array([[0.1, 0.2, 0.0], [0.3, -0.1, -0.012]])
     pose = np.array([0.04, 0.0, 0.49]), np.eye(3)           # 20 mm down, 40 mm along x
-    anchor = meeting_points(start, start, body, pose, surface)
+    anchor, side = meeting_points(start, start, body, pose, surface)
+    np.testing.assert_array_equal(side, [[0.0, 0.0, -1.0], [0.0, 0.0, 0.0]])
     np.testing.assert_allclose(anchor[0], [0.08, 0.2, -0.5], atol=2e-5)     # half way
     np.testing.assert_allclose(anchor[1], [0.26, -0.1, -0.502], atol=1e-12)  # not met: the end of the path
 
@@ -177,7 +179,7 @@ def test_rolling_without_sliding_winds_up_no_friction():
     pose = np.array([way, 0.0, lowest - depth]), exp_so3(np.array([0.0, way / r, 0.0]))
     corner = np.array([[way + 0.002, 0.0, 0.0]])
     start = (corner - body.position) @ body.rotation
-    anchor = meeting_points(corner, corner, body, pose, surface)
+    anchor, _ = meeting_points(corner, corner, body, pose, surface)
     end = (corner - pose[0]) @ pose[1]
     normal = end / np.linalg.norm(end)
 
@@ -273,13 +275,13 @@ def contact_energy_at_rest(simulation, state):
     step = Step(simulation.model, state, 0.01, False, Systems(simulation.model))
     rest = Unknowns(np.zeros((simulation.model.soil.grid.node_count, 3)),
                     tuple((b.position, b.rotation) for b in state.bodies))
-    return step.evaluate(rest, tangent=False).touches[0].energy
+    return step.evaluate(rest, tangent=False).contacts[0].energy
 
 
 def test_contact_energy_does_not_jump_between_steps(geometry):
     """Corners are carried as material points. Placed anew at x_p ± l they would jump, and energy too."""
     simulation = pressed(geometry)
-    committed = simulation.evaluation.touches[0]
+    committed = simulation.evaluation.contacts[0].corners
     assert len(committed) >= 4 and committed.energy > 0.0
     state = simulation.state
     assert contact_energy_at_rest(simulation, state) == pytest.approx(committed.energy, rel=1e-10)

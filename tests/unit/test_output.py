@@ -92,9 +92,10 @@ class FakeSimulation:
             velocity=np.array([0.5, 0.0, -0.1]), acceleration=np.zeros(3),
             spin=np.array([0, 0.5, 0]), spin_rate=np.zeros(3), target=np.array([5.0, 0, 0]) if step else None,
         )
-        contact = ContactHistory(np.arange(0, 8 * n, 5), self.random.random((len(range(0, 8 * n, 5)), 3)),
-                                 self.random.random(len(range(0, 8 * n, 5))) < 0.1,
-                                 self.random.random((len(range(0, 8 * n, 5)), 3)))
+        id = np.arange(0, 8 * n, 5)
+        place, anchor, side, probe = self.random.random((4, len(id), 3))
+        pressure = self.random.random(len(id))
+        contact = ContactHistory(id, place, pressure < 0.1, anchor, side, pressure, id[:7], probe[:7], pressure[:7])
         return State(step * DT, step, points, [body], [contact], {"pull": 1 / 3 * step})
 
     def contact_forces(self, b):

@@ -1,0 +1,73 @@
+"""Samples of a body's contact surface: its vertices, and points between them where facets are larger than the soil's.
+
+Every triangle is cut into n² equal ones with edges no longer than a given spacing; the samples are their vertices,
+each with a third of the area of the triangles around it. Flat or curved, sharp or not, the areas add up to that of the
+surface, so that Σ A_s f(y_s) is a quadrature over the body's surface.
+
+| symbol | field            | shape  | unit |
+|--------|------------------|--------|------|
+| y_s    | Samples.position | (k, 3) | m    |
+| A_s    | Samples.area     | (k,)   | m²   |
+| N_s    | Samples.normal   | (k, 3) | -    |
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Samples in the body frame. normal: mean outward normal, weighted by area; triangle (k,) and weights (k, 3): one
+    of the triangles that a sample is on, and the weights of its vertices there."""
+
+    position: np.ndarray
+    area: np.ndarray
+    normal: np.ndarray
+    triangle: np.ndarray
+    weights: np.ndarray
+
+    def __len__(self):
+        return len(self.area)
+
+
+def surface_samples(surface, spacing):
+    """Samples of a ContactSurface no farther apart than `spacing` [m] along the edges of its triangles."""
+    corners = surface.vertices[surface.triangles]
+    edges = np.roll(corners, -1, axis=1) - corners
+    cuts = np.maximum(1, np.ceil(np.linalg.norm(edges, axis=2).max(axis=1) / spacing - 1e-9)).astype(int)
+    area = 0.5 * np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
+    parts = [[] for _ in range(4)]
+    for n in np.unique(cuts):
+        own, (weights, shares) = np.flatnonzero(cuts == n), _lattice(n)
+        parts[0].append(np.einsum("sk,tki->tsi", weights, corners[own]).reshape(-1, 3))
+        parts[1].append((area[own, None] * shares).ravel())
+        parts[2].append(np.repeat(own, len(shares)))
+        parts[3].append(np.tile(weights, (len(own), 1)))
+    position, area, triangle, weights = map(np.concatenate, parts)
+    return _merged(position, area, triangle, weights, surface)
+
+
+def _lattice(n):
+    """Barycentric weights (s, 3) of the vertices of n² equal parts of a triangle, and their shares (s,) of its area."""
+    index = [(i, j) for i in range(n + 1) for j in range(n + 1 - i)]
+    number = {at: s for s, at in enumerate(index)}
+    shares = np.zeros(len(index))
+    for i, j in index:
+        for part in (((i, j), (i + 1, j), (i, j + 1)), ((i, j), (i - 1, j), (i, j - 1))):
+            if all(at in number for at in part):
+                shares[[number[at] for at in part]] += 1 / (3 * n * n)
+    i, j = np.array(index).T
+    return np.stack([n - i - j, i, j], axis=1) / n, shares
+
+
+def _merged(position, area, triangle, weights, surface):
+    """Samples that coincide on edges and vertices become one, with the sum of their areas."""
+    cell = 1e-7 * surface.radius
+    _, first, same = np.unique(np.round(position / cell), axis=0, return_index=True, return_inverse=True)
+    same = same.reshape(-1)
+    normal = np.zeros((len(first), 3))
+    np.add.at(normal, same, area[:, None] * surface.normals[triangle])
+    length = np.linalg.norm(normal, axis=1, keepdims=True)
+    normal = np.divide(normal, length, out=np.zeros_like(normal), where=length > 0)
+    return Samples(position[first], np.bincount(same, weights=area), normal, triangle[first], weights[first])
