@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from hybrid.body import motion
 from hybrid.body.attitude import exp_so3
 from hybrid.body.line import line_force
 from hybrid.body.mass import MassProperties
-from hybrid.body.motion import inertia_residual, updated
 from hybrid.body.surface import ContactSurface
 from hybrid.state import BodyState
 
@@ -75,13 +75,13 @@ def moved(pose, increment):
     return pose[0] + increment[:3], exp_so3(increment[3:]) @ pose[1]
 
 
-def evaluate(body, state, pose, target, gravity, newmark, dt):
+def evaluate(body, state, pose, target, gravity, scheme, dt):
     """BodyTrial at `pose`; `target` (3,) is the far end of an acting pull line, or None."""
     position, rotation = pose
     inertia, tangent = np.zeros(6), np.zeros((6, 6))
-    if newmark.inertia:
-        inertia, tangent = inertia_residual(
-            body.mass.mass, body.mass.inertia, state, position, rotation, dt, newmark.beta, newmark.gamma)
+    if scheme.inertia:
+        inertia, tangent = motion.inertia_residual(
+            body.mass.mass, body.mass.inertia, state, position, rotation, dt, scheme)
     load = body.mass.gravity_load @ (rotation.T @ gravity)
     weight = -np.concatenate([rotation @ load[:3], rotation @ load[3:]])
     line, tension, energy = np.zeros(6), 0.0, 0.0
@@ -93,16 +93,16 @@ def evaluate(body, state, pose, target, gravity, newmark, dt):
     return BodyTrial(inertia, weight, line, tangent, tension, energy)
 
 
-def accept(state, pose, target, newmark, dt):
+def turn(body, state, pose, scheme, dt):
+    """Angle [rad] that the step to `pose` turns, or its spins would turn, the body by."""
+    return motion.turn(body.mass.inertia, state, *pose, dt, scheme)
+
+
+def accept(body, state, pose, target, scheme, dt):
     """New BodyState at the converged pose."""
-    position, rotation = pose
-    if newmark.inertia:
-        velocity, acceleration, spin, spin_rate = updated(
-            state, position, rotation, dt, newmark.beta, newmark.gamma)
-    else:
-        velocity, acceleration = (position - state.position) / dt, np.zeros(3)
-        spin, spin_rate = np.zeros(3), np.zeros(3)
-    return BodyState(position, rotation, velocity, acceleration, spin, spin_rate, target)
+    if scheme.inertia:
+        return replace(motion.updated(body.mass.inertia, state, *pose, dt, scheme), target=target)
+    return BodyState(*pose, (pose[0] - state.position) / dt, np.zeros(3), np.zeros(3), np.zeros(3), target)
 
 
 def kinetic_energy(body, state):

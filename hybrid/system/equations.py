@@ -24,6 +24,7 @@ from hybrid.timing import phase
 
 
 ROUNDING = 1e-14  # of positions and increments: an inertia force that this alone can make is no residual
+LARGEST_TURN = 2.0  # [rad] of a body in a step; from half a turn on it cannot be told from one the other way
 
 
 @dataclass(frozen=True)
@@ -75,7 +76,7 @@ class Step:
                     model.bodies, state.bodies, state.contacts, self.reach, guess.poses)]
         self.line_before = [
             rigid.evaluate(b, s, (s.position, s.rotation), None if t is None else s.target, model.gravity,
-                           model.newmark, dt).line[:3]
+                           model.scheme, dt).line[:3]
             for b, s, t in zip(model.bodies, state.bodies, self.targets)]
         self._free = model.body_free
 
@@ -93,11 +94,11 @@ class Step:
         """First guess: everything keeps its velocity."""
         displacement = None
         if self.soil is not None:
-            displacement = self.dt * self.soil.velocity if self.model.newmark.inertia else 0 * self.soil.velocity
+            displacement = self.dt * self.soil.velocity if self.model.scheme.inertia else 0 * self.soil.velocity
         poses = []
         for body, state in zip(self.model.bodies, self.state.bodies):
             rate = np.concatenate([state.velocity, state.rotation @ state.spin])
-            increment = self.dt * rate * body.free * self.model.newmark.inertia
+            increment = self.dt * rate * body.free * self.model.scheme.inertia
             poses.append(rigid.moved((state.position, state.rotation), increment))
         return Unknowns(displacement, tuple(poses))
 
@@ -112,6 +113,14 @@ class Step:
             turned = np.linalg.norm(pose[1] - state.rotation, 2) * body.radius
             ratio = max(ratio, (np.linalg.norm(pose[0] - state.position) + turned + fastest) / reach)
         return ratio
+
+    def overturned(self, unknowns):
+        """Why a step must not be made because of a body that turns too far in it; empty when none does."""
+        for body, state, pose in zip(self.model.bodies, self.state.bodies, unknowns.poses):
+            angle = rigid.turn(body, state, pose, self.model.scheme, self.dt)
+            if angle > LARGEST_TURN:
+                return f"{body.name} turns by {angle:.3g} rad in {self.dt:.3g} s, limit {LARGEST_TURN:g} rad"
+        return ""
 
     def passed_through(self, evaluation):
         """Number of corners that the step carried through a body, deeper than a twentieth of a cell."""
@@ -141,8 +150,7 @@ class Step:
                 trial = model.soil.evaluate(self.soil, displacement, tangent)
             if trial is None:
                 return None
-            acceleration = model.newmark.acceleration(
-                displacement, self.soil.velocity, self.soil.acceleration, self.dt)
+            _, acceleration, _ = model.scheme.advance(displacement, *self.soil.history, self.dt)
             fields["internal"], fields["weight"] = trial.force, -self.soil.weight
             fields["inertia"] = self.soil.mass[:, None] * acceleration
             fields["contact"] = np.zeros_like(trial.force)
@@ -150,7 +158,7 @@ class Step:
             touches = tuple(self._touch(i, unknowns) for i in range(len(model.bodies)))
             contact = [assembly.add_residual(t, c, fields.get("contact")) for t, c in zip(touches, self.corners)]
         bodies = tuple(
-            rigid.evaluate(b, s, p, target, model.gravity, model.newmark, self.dt)
+            rigid.evaluate(b, s, p, target, model.gravity, model.scheme, self.dt)
             for b, s, p, target in zip(model.bodies, self.state.bodies, unknowns.poses, self.targets))
         soil, soil_norm, soil_error = self._soil_residual(fields, displacement)
         body, body_norms, body_error = self._body_residual(bodies, contact, unknowns.poses)
@@ -169,7 +177,7 @@ class Step:
         parts = [part[free] for part in fields.values()]
         residual = sum(parts)
         norm, scale = reductions.norm(residual), max(reductions.norm(part) for part in parts)
-        noise = ROUNDING * self.model.newmark.mass_factor(self.dt) * reductions.norm(
+        noise = ROUNDING * self.model.scheme.mass_factor(self.dt) * reductions.norm(
             (self.soil.mass[:, None] * displacement)[free])
         return residual, {"soil [N]": norm}, max(norm - noise, 0.0) / scale if scale > 0 else 0.0
 
@@ -184,7 +192,7 @@ class Step:
             scale = np.linalg.norm(parts[:, :3], axis=1).max()
             arm = max(np.linalg.norm(parts[:, 3:], axis=1).max(), scale * body.radius)
             norms |= {f"{body.name} [N]": force, f"{body.name} [N m]": moment}
-            noise = ROUNDING * self.model.newmark.mass_factor(self.dt) * body.mass.mass * (
+            noise = ROUNDING * self.model.scheme.mass_factor(self.dt) * body.mass.mass * (
                 np.linalg.norm(pose[0]) + body.radius)
             error = max(error, (force - noise) / scale if scale > 0 else 0.0,
                         (moment - noise * body.radius) / arm if arm > 0 else 0.0)
@@ -198,7 +206,7 @@ class Step:
             with phase("assemble"):
                 model.soil.add_stiffness(self.soil, evaluation.soil_trial, self.pattern, system.values)
                 mass = np.repeat(self.soil.mass[:, None], 3, axis=1)[self.pattern.free]
-                system.values[self.pattern.diagonal] += model.newmark.mass_factor(self.dt) * mass
+                system.values[self.pattern.diagonal] += model.scheme.mass_factor(self.dt) * mass
         first = 0
         for body, corners, trial, touch in zip(
                 model.bodies, self.corners, evaluation.body_trials, evaluation.touches):
@@ -219,13 +227,11 @@ class Step:
         points, work = state.points, dict(state.work)
         with phase("update"):
             if self.soil is not None:
-                gain = model.newmark.velocity_gain(
-                    unknowns.displacement, self.soil.velocity, self.soil.acceleration, evaluation.acceleration, self.dt)
-                points = model.soil.accept(
-                    self.soil, evaluation.soil_trial, unknowns.displacement, gain, evaluation.acceleration)
+                rates = model.scheme.advance(unknowns.displacement, *self.soil.history, self.dt)
+                points = model.soil.accept(self.soil, evaluation.soil_trial, unknowns.displacement, *rates)
                 work["plastic"] = work.get("plastic", 0.0) + model.soil.plastic_work(evaluation.soil_trial)
-            bodies = [rigid.accept(s, p, s.target if target is None else target, model.newmark, self.dt)
-                      for s, p, target in zip(state.bodies, unknowns.poses, self.targets)]
+            bodies = [rigid.accept(b, s, p, s.target if target is None else target, model.scheme, self.dt)
+                      for b, s, p, target in zip(model.bodies, state.bodies, unknowns.poses, self.targets)]
             contacts = [friction.commit(c, c.moved(unknowns.displacement), t)
                         for c, t in zip(self.corners, evaluation.touches)]
             for touch in evaluation.touches:
