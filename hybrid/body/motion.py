@@ -113,13 +113,12 @@ def _by_cayley_turn(inertia, old, new, moment, dt, scheme):
 
 
 def turn(inertia, state, position, rotation, dt, scheme):
-    """Angle [rad] that tells whether the step may have lost count of turns: the largest of the one found and of those
-    that the spins before and after it would make."""
+    """Angle [rad] that tells whether the step may have lost count of turns: the one found or, where it is larger, what
+    the spin after the step would make."""
     found = np.linalg.norm(log_so3(state.rotation.T @ rotation))
     if not scheme.inertia:
         return found
-    new = updated(inertia, state, position, rotation, dt, scheme)
-    return max(found, dt * np.linalg.norm(state.spin), dt * np.linalg.norm(new.spin))
+    return max(found, dt * np.linalg.norm(updated(inertia, state, position, rotation, dt, scheme).spin))
 
 
 def free_spin_rate(inertia, rotation, spin, free):

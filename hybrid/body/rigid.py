@@ -94,7 +94,7 @@ def evaluate(body, state, pose, target, gravity, scheme, dt):
 
 
 def turn(body, state, pose, scheme, dt):
-    """Angle [rad] that the step to `pose` turns, or its spins would turn, the body by."""
+    """Angle [rad] by which the step to `pose`, or the spin at its end, turns the body."""
     return motion.turn(body.mass.inertia, state, *pose, dt, scheme)
 
 

@@ -37,6 +37,8 @@ class Outcome:
 def solve(step: Step, settings: Settings):
     """Outcome of Newton's method on `step`. Never raises for lack of convergence."""
     errors, krylov, current = [], 0, False
+    if reason := step.overturned():
+        return Outcome(None, 0, 0, (), reason)
     evaluation = step.evaluate(step.start())
     if evaluation is None:
         return Outcome(None, 0, 0, (), "the first guess turns soil inside out")
@@ -66,7 +68,9 @@ def solve(step: Step, settings: Settings):
 
 
 def _too_far(step, evaluation):
-    """Why a converged increment must not be accepted: it is too long for contact to have been seen rightly."""
+    """Why a converged increment must not be accepted: it is too long for turns or contact to have been seen rightly."""
+    if reason := step.overturned(evaluation.unknowns):
+        return reason
     ratio = step.overreach(evaluation.unknowns)
     if ratio > 1:
         return f"soil and body moved {ratio:.1f} times the reach of the contact search"

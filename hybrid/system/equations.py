@@ -114,10 +114,13 @@ class Step:
             ratio = max(ratio, (np.linalg.norm(pose[0] - state.position) + turned + fastest) / reach)
         return ratio
 
-    def overturned(self, unknowns):
-        """Why a step must not be made because of a body that turns too far in it; empty when none does."""
-        for body, state, pose in zip(self.model.bodies, self.state.bodies, unknowns.poses):
-            angle = rigid.turn(body, state, pose, self.model.scheme, self.dt)
+    def overturned(self, unknowns=None):
+        """Why a step must not be made because of a body that turns too far in it, by its spin before the step or by
+        trial unknowns; empty when none does."""
+        for i, (body, state) in enumerate(zip(self.model.bodies, self.state.bodies)):
+            angle = self.dt * np.linalg.norm(state.spin)
+            if unknowns is not None:
+                angle = max(angle, rigid.turn(body, state, unknowns.poses[i], self.model.scheme, self.dt))
             if angle > LARGEST_TURN:
                 return f"{body.name} turns by {angle:.3g} rad in {self.dt:.3g} s, limit {LARGEST_TURN:g} rad"
         return ""
