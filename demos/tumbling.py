@@ -10,7 +10,7 @@
     J Ẇ + W × J W = Rᵀ (R r × F)          R' = R W̃          r: arm of the weight F in the body frame
 
 The free body's spin has the period 4 K(m)/λ = 41.5092195 s (Landau and Lifshitz, Mechanics, sec. 37); attitudes are
-compared with an integration to round-off. Three unknowns, 100 000 steps, a figure: under two minutes.
+compared with an integration to round-off. Three unknowns, 100 000 steps, a figure: two minutes.
 
 Error of the attitude [rad] after a quarter of that period and after 1.2 s of the top, at the longest and the shortest
 step, and its order over the last halving:

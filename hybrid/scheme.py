@@ -9,14 +9,14 @@ Equilibrium is asked of v̇ at the end of the step, whatever the scheme, so no f
 |----------|---------------------------------------------------------------|--------------------|------------------|
 | Δu       | increment of the step: displacement or rotation vector Θ      | (N, 3), (3,)       | m, rad           |
 | v, v̇     | rate and its true time derivative                             | (N, 3), (3,)       | m/s, m/s²        |
-| a        | algorithmic acceleration: v̇ of about (αm - αf) Δt later        | (N, 3), (3,)       | m/s², rad/s²     |
+| a        | algorithmic acceleration: v̇ of about (αf - αm) Δt earlier      | (N, 3), (3,)       | m/s², rad/s²     |
 | ρ∞       | spectral radius for frequencies far above 1/Δt                | -                  | -                |
 
-| scheme            | αm, αf                      | γ, β                         | order | damping of high frequencies |
-|-------------------|-----------------------------|------------------------------|-------|-----------------------------|
-| newmark           | 0, 0: a is v̇                | given, (1/2, 1/4) unless so  | 2 only for γ = 1/2 | by γ > 1/2     |
-| generalised_alpha | (2ρ∞-1)/(ρ∞+1), ρ∞/(ρ∞+1)   | ½ + αf - αm, ¼ (γ + ½)²      | 2     | by ρ∞ a step                |
-| energy_momentum   | 0, 0                        | 1/2, 1/4, Cayley rotations   | 2     | none                        |
+| scheme            | αm, αf                    | γ, β                        | order         | high frequencies |
+|-------------------|---------------------------|-----------------------------|---------------|------------------|
+| newmark           | 0, 0: a is v̇              | given, else 1/2, 1/4        | 2 for γ = 1/2 | damped for γ > 1/2 |
+| generalised_alpha | (2ρ∞-1)/(ρ∞+1), ρ∞/(ρ∞+1) | ½ + αf - αm, ¼ (γ + ½)²     | 2             | times ρ∞ a step  |
+| energy_momentum   | 0, 0                      | 1/2, 1/4, Cayley rotations  | 2             | kept             |
 
 Only generalised alpha carries a as history besides v̇; where there is none yet, at the start or after a stage with
 another scheme, a = v̇. That is wrong by O(Δt), which moves v once by O(Δt²) and keeps the second order; so does a

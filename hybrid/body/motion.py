@@ -51,8 +51,8 @@ def updated(inertia, state, position, rotation, dt, scheme):
     inertia (3, 3) [kg m²] about the centre in the body frame; dt [s]. The target of a pull line stays what it was.
     """
     cayley = scheme.rotation == "cayley"
-    turn = (cayley_vector if cayley else log_so3)(state.rotation.T @ rotation)
-    increment = np.concatenate((position - state.position, turn))
+    theta = (cayley_vector if cayley else log_so3)(state.rotation.T @ rotation)
+    increment = np.concatenate((position - state.position, theta))
     before = np.concatenate((state.velocity, state.spin))
     gain, second, algorithmic = scheme.advance(
         increment, before, np.concatenate((state.acceleration, state.spin_rate)), state.algorithmic, dt)
@@ -98,10 +98,10 @@ def inertia_residual(mass, inertia, state, position, rotation, dt, scheme):
 
 def _by_turn(inertia, old, new, moment, dt, scheme):
     """∂ṗ/∂φ (3, 3) [N m] with the exponential map."""
-    turn = log_so3(old.rotation.T @ new.rotation)
+    theta = log_so3(old.rotation.T @ new.rotation)
     by_turn = scheme.mass_factor(dt) * inertia
     by_turn = by_turn + scheme.rate_factor(dt) * (skew(new.spin) @ inertia - skew(inertia @ new.spin))
-    return new.rotation @ by_turn @ np.linalg.inv(right_tangent(turn)) @ new.rotation.T - skew(moment)
+    return new.rotation @ by_turn @ np.linalg.inv(right_tangent(theta)) @ new.rotation.T - skew(moment)
 
 
 def _by_cayley_turn(inertia, old, new, moment, dt, scheme):

@@ -11,7 +11,7 @@ from numba import njit, prange
 
 
 def project(basis, slabs, shape, mass, *fields):
-    """Nodal mass (N,) [kg] and fields, each (N, 3), from those of the points, each (n, 3); zero where no point reaches."""
+    """Nodal mass (N,) [kg] and fields (N, 3) from those of the points, each (n, 3); zero where no point reaches."""
     nodes = int(np.prod(shape))
     m, nodal = np.zeros(nodes), np.zeros((len(fields), nodes, 3))
     _project(slabs.order, slabs.start, basis.first, basis.count, basis.value, shape[1], shape[2],

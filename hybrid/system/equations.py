@@ -40,7 +40,7 @@ class Evaluation:
     """Residual and parts at trial unknowns.
 
     soil (n,) [N] and body (m,) [N, N m]: residual on the unknowns; error: largest field residual relative to the
-    forces acting in that field; norms: the same in physical units by field name.
+    forces acting in that field; norms: the same in physical units by field name; rates: `Scheme.advance` of the nodes.
     """
 
     unknowns: Unknowns
@@ -49,7 +49,7 @@ class Evaluation:
     error: float
     norms: dict
     soil_trial: SoilTrial | None
-    acceleration: np.ndarray | None
+    rates: tuple | None
     body_trials: tuple
     touches: tuple[Touch, ...]
 
@@ -146,16 +146,16 @@ class Step:
     def evaluate(self, unknowns, tangent=True):
         """Evaluation at trial unknowns, or None when soil would turn inside out. `tangent`: a tangent will follow."""
         model, displacement = self.model, unknowns.displacement
-        trial = acceleration = None
+        trial = rates = None
         fields = {}
         if self.soil is not None:
             with phase("soil"):
                 trial = model.soil.evaluate(self.soil, displacement, tangent)
             if trial is None:
                 return None
-            _, acceleration, _ = model.scheme.advance(displacement, *self.soil.history, self.dt)
+            rates = model.scheme.advance(displacement, *self.soil.history, self.dt)
             fields["internal"], fields["weight"] = trial.force, -self.soil.weight
-            fields["inertia"] = self.soil.mass[:, None] * acceleration
+            fields["inertia"] = self.soil.mass[:, None] * rates[1]
             fields["contact"] = np.zeros_like(trial.force)
         with phase("contact"):
             touches = tuple(self._touch(i, unknowns) for i in range(len(model.bodies)))
@@ -166,7 +166,7 @@ class Step:
         soil, soil_norm, soil_error = self._soil_residual(fields, displacement)
         body, body_norms, body_error = self._body_residual(bodies, contact, unknowns.poses)
         return Evaluation(unknowns, soil, body, max(soil_error, body_error), {**soil_norm, **body_norms}, trial,
-                          acceleration, bodies, touches)
+                          rates, bodies, touches)
 
     def _touch(self, i, unknowns):
         body, corners = self.model.bodies[i], self.corners[i]
@@ -230,8 +230,7 @@ class Step:
         points, work = state.points, dict(state.work)
         with phase("update"):
             if self.soil is not None:
-                rates = model.scheme.advance(unknowns.displacement, *self.soil.history, self.dt)
-                points = model.soil.accept(self.soil, evaluation.soil_trial, unknowns.displacement, *rates)
+                points = model.soil.accept(self.soil, evaluation.soil_trial, unknowns.displacement, *evaluation.rates)
                 work["plastic"] = work.get("plastic", 0.0) + model.soil.plastic_work(evaluation.soil_trial)
             bodies = [rigid.accept(b, s, p, s.target if target is None else target, model.scheme, self.dt)
                       for b, s, p, target in zip(model.bodies, state.bodies, unknowns.poses, self.targets)]

@@ -39,8 +39,8 @@ def nodding(top):
     """Lowest u = cosθ and the time [s] to get there, for a top whose axis starts at rest."""
     j1, _, j3 = np.diag(top.inertia)
     weight, spin, u0 = -top.force[2] * top.arm[2], top.spin[2], top.rotation[2, 2]
-    # u'² = (u0 - u) [2 P (1 - u²) - (J3 W3)² (u0 - u)/J1]/J1
-    def bracket(u):
+
+    def bracket(u):     # u'² = (u0 - u) [2 P (1 - u²) - (J3 W3)² (u0 - u)/J1]/J1
         return (2 * weight * (1 - u * u) - (j3 * spin) ** 2 * (u0 - u) / j1) / j1
 
     roots = np.roots([-2 * weight, (j3 * spin) ** 2 / j1, 2 * weight - (j3 * spin) ** 2 * u0 / j1])
@@ -100,7 +100,8 @@ def test_energy_momentum_keeps_them_over_ten_thousand_steps():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name, energy, momentum", [
-    ("Newmark (1/4, 1/2)", 2e-5, 2e-4), ("generalised α, ρ∞ = 0.8", 3e-5, 2e-4), ("generalised α, ρ∞ = 0.5", 3e-4, 2e-3)])
+    ("Newmark (1/4, 1/2)", 2e-5, 2e-4), ("generalised α, ρ∞ = 0.8", 3e-5, 2e-4),
+    ("generalised α, ρ∞ = 0.5", 3e-4, 2e-3)])
 def test_drift_of_the_other_schemes(name, energy, momentum):
     largest, _ = DEMO.drift(TOP, 0.01, 10_000, DEMO.SCHEMES[name])
     assert energy / 10 < largest[0] < energy and momentum / 10 < largest[1] < momentum

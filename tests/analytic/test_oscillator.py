@@ -85,14 +85,14 @@ STIFFNESS = 4e5
 
 
 def hung(geometry, time, steps, speed=0.5, tolerance=1e-12):
-    """A sphere, thrown towards the far end of an elastic line."""
+    """A sphere, thrown towards the far end of an elastic line, along which alone it may move."""
     side = Axis(start=-0.4, end=0.4, size=0.4)
     return Scene(
         name="hung", grid=Grid(side, side, Axis(start=-10.4, end=-10.0, size=0.4)),
         soil=Soil(Material(law="hencky", young=1e6, poisson=0.3, density=1800.0), held=True),
         bodies=(Body(geometry=geometry / "sphere.geo", density=3000.0, parameters={"radius": 0.2, "size": 0.12},
-                     velocity=(speed, 0.0, 0.0), held=("y", "z", "rx", "ry", "rz"), pull=Pull((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), STIFFNESS, 5.0,
-                                                           (1.0, 0.0, 0.0), tension_only=False)),),
+                     velocity=(speed, 0.0, 0.0), held=("y", "z", "rx", "ry", "rz"),
+                     pull=Pull((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), STIFFNESS, 5.0, (1.0, 0.0, 0.0), False)),),
         gravity=(0.0, 0.0, 0.0), time=time, stages=(Stage("swing", steps),), solver=Solver(tolerance=tolerance))
 
 

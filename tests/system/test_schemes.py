@@ -20,8 +20,11 @@ from hybrid.system.equations import Step
 
 DT = 0.002
 SCHEMES = {
-    "newmark": {}, "dissipative": {"beta": 0.5625, "gamma": 1.0}, "alpha": {"scheme": "generalised-alpha"},
-    "alpha 0": {"scheme": "generalised-alpha", "spectral_radius": 0.0}, "energy-momentum": {"scheme": "energy-momentum"},
+    "newmark": {},
+    "dissipative": {"beta": 0.5625, "gamma": 1.0},
+    "alpha": {"scheme": "generalised-alpha"},
+    "alpha 0": {"scheme": "generalised-alpha", "spectral_radius": 0.0},
+    "energy-momentum": {"scheme": "energy-momentum"},
 }
 
 
@@ -32,8 +35,8 @@ def landing(geometry, stages=(Stage("fall", 12),), **time):
         name="landing", grid=Grid(side, side, Axis(start=-0.8, end=0.8, size=0.2), Faces(*["free"] * 6)),
         soil=Soil(Material(law="hencky", young=1e6, poisson=0.3, density=1800.0), lower=(-0.4, -0.4, -0.4),
                   upper=(0.4, 0.4, 0.2), geostatic=False),
-        bodies=(Body(geometry=geometry / "box.geo", density=3000.0,
-                     parameters={"length": 0.4, "width": 0.3, "height": 0.2, "size": 0.2}, position=(0.03, -0.02, 0.335),
+        bodies=(Body(geometry=geometry / "box.geo", density=3000.0, position=(0.03, -0.02, 0.335),
+                     parameters={"length": 0.4, "width": 0.3, "height": 0.2, "size": 0.2},
                      velocity=(0.3, 0.1, -2.0), spin=(2.0, -3.0, 1.0), friction=0.3),),
         gravity=(0.0, 0.0, 0.0), time=Time(step=DT, **time), stages=stages,
         solver=Solver(linear="direct", tolerance=1e-8), output=Output(every=0, checkpoint=2))
@@ -109,15 +112,19 @@ def test_a_stage_of_newmark_drops_the_algorithmic_acceleration(geometry):
 
 
 def test_a_resumed_run_has_its_algorithmic_acceleration(geometry, tmp_path):
-    whole = hybrid.run(landing(geometry, (Stage("fall", 6),), scheme="generalised-alpha"), tmp_path / "whole", quiet=True)
+    def fall(steps):
+        return landing(geometry, (Stage("fall", steps),), scheme="generalised-alpha")
+
+    whole = hybrid.run(fall(6), tmp_path / "whole", quiet=True)
     for steps in (3, 6):
-        described = landing(geometry, (Stage("fall", steps),), scheme="generalised-alpha")
+        described = fall(steps)
         resumed = hybrid.run(described, tmp_path / "parts", resume=steps == 6, quiet=True)
     back = checkpoint.load(tmp_path / "parts/checkpoint.npz", described)
     for end in (resumed.state, back):
         for found, wanted in ((end.points, whole.state.points), (end.bodies[0], whole.state.bodies[0])):
             for field in ("position", "velocity", "acceleration", "algorithmic"):
-                np.testing.assert_allclose(getattr(found, field), getattr(wanted, field), rtol=0, atol=1e-9, err_msg=field)
+                np.testing.assert_allclose(
+                    getattr(found, field), getattr(wanted, field), rtol=0, atol=1e-9, err_msg=field)
 
 
 @pytest.mark.parametrize("name", ["newmark", "alpha", "energy-momentum"])
@@ -162,7 +169,8 @@ def test_a_step_that_turns_a_body_too_far_is_halved(geometry, options):
 
 
 def test_the_turn_is_told_when_the_step_may_not_be_halved(geometry):
-    with pytest.raises(StepError, match=r"body turns by 3.6 rad in 0.04 s, limit 2 rad; .*time.smallest.*smaller time.step"):
+    reason = r"body turns by 3.6 rad in 0.04 s, limit 2 rad; .*time.smallest.*smaller time.step"
+    with pytest.raises(StepError, match=reason):
         list(spinning(geometry, 90.0, smallest=0.04).steps())
 
 
