@@ -4,6 +4,7 @@ import numpy as np
 
 from hybrid.body import mass, mesh
 from hybrid.body.attitude import rotation_from_axis_angle
+from hybrid.body.motion import free_spin_rate
 from hybrid.body.rigid import FREEDOMS, Line, RigidBody
 from hybrid.body.samples import surface_samples
 from hybrid.body.surface import build_surface
@@ -13,13 +14,13 @@ from hybrid.laws.drucker_prager import DruckerPrager
 from hybrid.laws.hencky import Hencky
 from hybrid.laws.sand import sand, stiffness_from_stress
 from hybrid.scene_file import validate
+from hybrid.scheme import Scheme
 from hybrid.simulation import Simulation
 from hybrid.soil.grid import FACES, graded_nodes, make_grid, uniform_nodes
 from hybrid.soil.model import Soil
 from hybrid.soil.points import at_rest, geostatic_stress, tile
 from hybrid.state import BodyState, ContactHistory, State
 from hybrid.system.model import Model
-from hybrid.system.newmark import Newmark
 
 
 def build(scene):
@@ -37,9 +38,18 @@ def build(scene):
         bodies.append(body)
         motions.append(motion)
         contacts.append(ContactHistory.empty())
-    newmark = Newmark(scene.time.beta, scene.time.gamma, scene.time.inertia)
-    model = Model(soil, tuple(bodies), newmark, gravity, scene.solver.linear, scene.solver.linear_tolerance)
+    model = Model(
+        soil, tuple(bodies), build_scheme(scene.time), gravity, scene.solver.linear, scene.solver.linear_tolerance)
     return Simulation(scene, model, State(0.0, 0, points, motions, contacts), meshes)
+
+
+def build_scheme(time):
+    """Time integration of the scene; its stages may replace it by a pair of Newmark's."""
+    if not time.inertia:
+        return Scheme(inertia=False)
+    if time.scheme == "generalised-alpha":
+        return Scheme.generalised_alpha(0.8 if time.spectral_radius is None else time.spectral_radius)
+    return Scheme.energy_momentum() if time.scheme == "energy-momentum" else Scheme.newmark(time.beta, time.gamma)
 
 
 def build_grid(scene):
@@ -140,8 +150,9 @@ def build_body(described, body_mesh, soil, gravity):
         second_pass=described.second_pass, augmented=described.enforcement == "augmented",
         line=build_line(described, body_mesh, properties))
     falling = gravity * free[:3]  # nothing touches a body at the start, so it accelerates freely
-    motion = BodyState(position, rotation, np.array(described.velocity, float), falling,
-                       np.array(described.spin, float), np.zeros(3))
+    spin = np.array(described.spin, float)
+    motion = BodyState(position, rotation, np.array(described.velocity, float), falling, spin,
+                       free_spin_rate(properties.inertia, rotation, spin, free[3:]))
     return body, motion
 
 

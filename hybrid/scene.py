@@ -194,7 +194,8 @@ class Stage:
     step    [s] of each; None: time.step
     pull    whether pull lines act
     held    components of all bodies that stay as they are in this stage, driven ones too
-    beta, gamma   [-] of Newmark's scheme in this stage, such as a dissipative pair to settle with; None: time's
+    beta, gamma   [-] of Newmark's scheme, used in this stage if one is given, such as a dissipative pair to settle
+                  with; None: time's
     """
 
     name: str
@@ -208,17 +209,23 @@ class Stage:
 
 @dataclass(frozen=True)
 class Time:
-    """Newmark's scheme.
+    """The outer step and the scheme of time integration.
 
-    step          [s] outer step
-    beta, gamma   [-] (1/4, 1/2) conserves energy; unconditionally stable for beta >= gamma/2 >= 1/4
-    inertia       False: quasi-static, no inertia of soil or body
-    smallest      [s] increment below which a run stops; None: a 64th of the outer step
+    step              [s] outer step
+    scheme            Newmark's; generalised alpha, of second order with damping of high frequencies; or Newmark's
+                      (1/4, 1/2) with rotations that keep energy and angular momentum
+    beta, gamma       [-] of newmark; None: (1/4, 1/2), which damps nothing. Unconditionally stable for
+                      beta >= gamma/2 >= 1/4; of first order for gamma > 1/2
+    spectral_radius   [-] of generalised-alpha: what a step leaves of high frequencies, from 0 to 1; None: 0.8
+    inertia           False: quasi-static, no inertia of soil or body
+    smallest          [s] increment below which a run stops; None: a 64th of the outer step
     """
 
     step: float
-    beta: float = 0.25
-    gamma: float = 0.5
+    scheme: Literal["newmark", "generalised-alpha", "energy-momentum"] = "newmark"
+    beta: float | None = None
+    gamma: float | None = None
+    spectral_radius: float | None = None
     inertia: bool = True
     smallest: float | None = None
 

@@ -2,6 +2,8 @@
 
 from math import prod
 
+from hybrid.scheme import Scheme
+
 
 def faults(scene):
     """Texts of everything out of range in a Scene whose values already have their declared types."""
@@ -210,19 +212,33 @@ def _pull(key, pull):
 
 def _time(key, time):
     yield from _need(time.step > 0, f"{key}.step", time.step, "positive", "in s, for example 0.04")
-    yield from _need(0.5 <= time.gamma <= 1, f"{key}.gamma", time.gamma, "from 0.5 to 1",
-                     "less than 0.5 grows without bound; 0.5 has no numerical damping")
-    yield from _need(time.beta >= time.gamma / 2, f"{key}.beta", time.beta,
-                     f"at least gamma/2 = {_shown(time.gamma / 2)}", "(0.25, 0.5) and (0.5625, 1) are stable")
+    for name, scheme in (("beta", "newmark"), ("gamma", "newmark"), ("spectral_radius", "generalised-alpha")):
+        value = getattr(time, name)
+        yield from _need(value is None or time.scheme == scheme, f"{key}.{name}", value,
+                         f"left out with scheme = {time.scheme!r}", f"or set scheme = {scheme!r}")
+    if time.scheme == "newmark":
+        yield from _pair(key, Scheme.newmark(time.beta, time.gamma))
+    rho = time.spectral_radius
+    yield from _need(rho is None or 0 <= rho <= 1, f"{key}.spectral_radius", rho, "from 0 to 1",
+                     "0 removes high frequencies in one step, 1 damps nothing, 0.8 is usual")
     if time.smallest is not None:
         yield from _need(0 < time.smallest <= time.step, f"{key}.smallest", time.smallest,
                          f"above 0 and at most step = {_shown(time.step)}", "leave it out for step/64")
+
+
+def _pair(key, scheme):
+    yield from _need(0.5 <= scheme.gamma <= 1, f"{key}.gamma", scheme.gamma, "from 0.5 to 1",
+                     "less than 0.5 grows without bound; 0.5 has no numerical damping")
+    yield from _need(scheme.beta >= scheme.gamma / 2, f"{key}.beta", scheme.beta,
+                     f"at least gamma/2 = {_shown(scheme.gamma / 2)}", "(0.25, 0.5) and (0.5625, 1) are stable")
 
 
 def _stage(key, stage, time):
     yield from _name(f"{key}.name", stage.name)
     yield from _need(stage.steps >= 1, f"{key}.steps", stage.steps, "at least 1",
                      "remove the stage to leave it out")
+    if stage.beta is not None or stage.gamma is not None:
+        yield from _pair(key, Scheme.newmark(time.beta, time.gamma).with_pair(stage.beta, stage.gamma))
     if stage.step is not None:
         smallest = 0.0 if time.smallest is None else time.smallest
         yield from _need(stage.step > 0 and stage.step >= smallest, f"{key}.step", stage.step,

@@ -30,9 +30,16 @@ def model_sheet(scene, model):
         "soil law": scene.soil.material.law if not soil.held else "none, the soil is held",
         "basis": scene.soil.basis if not soil.held else "none, the soil is held",
         "steps": " + ".join(f"{s.steps} {s.name}" for s in scene.stages),
+        "time integration": _schemes(scene, model.scheme),
         "memory, estimated [MiB]": round(memory / 2**20),
     }
     return {"modelled": modelled, "left out": left_out(scene, model, pattern)}
+
+
+def _schemes(scene, scheme):
+    """The scheme, and those of the stages that have their own."""
+    own = [(stage.name, str(scheme.with_pair(stage.beta, stage.gamma))) for stage in scene.stages]
+    return "; ".join([str(scheme), *(f"{name}: {other}" for name, other in own if other != str(scheme))])
 
 
 def _pattern(soil):
@@ -66,7 +73,7 @@ def left_out(scene, model, pattern):
         nodes = soil.grid.node_count
         empty = nodes - np.count_nonzero(pattern.free.any(axis=1))
         out.append(f"{empty} of {nodes} nodes: without soil, or held")
-    if not model.newmark.inertia:
+    if not model.scheme.inertia:
         out.append("inertia: the scene is quasi-static")
     for axis, collapsed in zip("xyz", soil.grid.collapsed):
         if collapsed:

@@ -5,6 +5,7 @@
 | x_p    | Points.position          | (n, 3)    | m      |
 | v_p    | Points.velocity          | (n, 3)    | m/s    |
 | a_p    | Points.acceleration      | (n, 3)    | m/s²   |
+| -      | Points.algorithmic       | (n, 3)    | m/s²   |
 | l_p    | Points.half              | (n, 3)    | m      |
 | F      | Points.deformation       | (n, 3, 3) | -      |
 | b_e    | Points.elastic           | (n, 3, 3) | -      |
@@ -14,6 +15,9 @@
 | R      | BodyState.rotation       | (3, 3)    | -      |
 | ċ, c̈  | velocity, acceleration   | (3,)      | m/s, m/s² |
 | W, A   | spin, spin_rate (body frame) | (3,)  | rad/s, rad/s² |
+| -      | algorithmic (space, body frame) | (6,) | m/s², rad/s² |
+
+The algorithmic acceleration a of `hybrid.scheme` is None where it is no history of its own.
 
 A step computes a *new* State and never writes into the committed one, so a rejected step costs nothing to undo.
 """
@@ -35,6 +39,7 @@ class Points:
     elastic: np.ndarray
     stress: np.ndarray
     plastic_strain: np.ndarray
+    algorithmic: np.ndarray | None = None
 
     def __len__(self):
         return len(self.position)
@@ -77,6 +82,7 @@ class BodyState:
 
     target    far end of its pull line (3,) [m]
     reaction  (6,) [N, N m about the centre] of the guides of held and driven components, zero for free ones
+    algorithmic  (6,) acceleration and spin rate that generalised-alpha carries, None for other schemes
     """
 
     position: np.ndarray
@@ -87,6 +93,7 @@ class BodyState:
     spin_rate: np.ndarray
     target: np.ndarray | None = None
     reaction: np.ndarray | None = None
+    algorithmic: np.ndarray | None = None
 
 
 @dataclass

@@ -1,8 +1,12 @@
-"""Rotations of a rigid body: the group SO(3) and its exponential map.
+"""Rotations of a rigid body: the group SO(3), its exponential map and its Cayley map.
 
     exp(Θ̃) = I + sinθ/θ Θ̃ + (1 - cosθ)/θ² Θ̃²                 Rodrigues
     T(Θ)   = I - (1 - cosθ)/θ² Θ̃ + (θ - sinθ)/θ³ Θ̃²           right tangent:
     exp(Θ̃) exp(δΦ~) = exp((Θ + δΘ)~)  with  δΦ = T δΘ          to first order
+
+    cay(Θ) = (I - Θ̃/2)^-1 (I + Θ̃/2)     about Θ by 2 atan(θ/2)  Cayley: rational, and
+    cay(Θ) - I = Θ̃ (cay(Θ) + I)/2        a turned arm moves by Θ × its mean over the turn
+    cay(Θ) cay(δΦ) = cay(Θ + δΘ)          with  δΘ = (I + Θ̃/2 + ΘΘᵀ/4) δΦ
 
 | symbol | meaning                                              | shape  | unit |
 |--------|------------------------------------------------------|--------|------|
@@ -11,8 +15,11 @@
 | R      | rotation, body frame to space                        | (3, 3) | -    |
 | T      | right tangent of the exponential map                 | (3, 3) | -    |
 
+The Cayley vector is twice the vector part of the unit quaternion over its scalar part, 2 tan(angle/2) along the axis.
+
 Sources: J. C. Simo and K. K. Wong, Int. J. Numer. Meth. Engng 31 (1991) 19-52 (T and the update on SO(3));
-S. W. Shepperd, J. Guidance and Control 1 (1978) 223-224 (quaternion from a matrix without cancellation).
+S. W. Shepperd, J. Guidance and Control 1 (1978) 223-224 (quaternion from a matrix without cancellation);
+M. D. Shuster, J. Astronaut. Sci. 41 (1993) 439-517 (Cayley's vector, named after Rodrigues or Gibbs there).
 """
 
 import math
@@ -87,6 +94,23 @@ def log_so3(rotation):
     if sine < 1e-150:   # sine/w would underflow; the limit of the factor below
         return 2.0 * q[1:]
     return 2.0 * math.atan2(sine, q[0]) / sine * q[1:]
+
+
+def cayley(theta):
+    """Rotation (3, 3) of the Cayley vector `theta` (3,) [-]."""
+    s = skew(theta)
+    return np.eye(3) + (s + 0.5 * (s @ s)) / (1.0 + 0.25 * np.dot(theta, theta))
+
+
+def cayley_vector(rotation):
+    """Cayley vector (3,) [-] of `rotation` (3, 3); at half a turn, where it has no limit, very long but finite."""
+    q = quaternion(rotation)
+    return 2.0 / max(q[0], 1e-9) * q[1:]
+
+
+def cayley_rate(theta):
+    """dΘ/dΦ (3, 3) of the Cayley vector `theta` (3,) [-] with respect to a turn δΦ from the right."""
+    return np.eye(3) + 0.5 * skew(theta) + 0.25 * np.outer(theta, theta)
 
 
 def rotation_from_axis_angle(axis, angle):

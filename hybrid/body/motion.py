@@ -1,53 +1,85 @@
-"""Inertia of one rigid body under Newmark's rule, with its exact tangent.
+"""Inertia of one rigid body under any scheme of `hybrid.scheme`, with its exact tangent.
 
-    a = (Δc - Δt v_n)/(βΔt²) - (1/(2β) - 1) a_n             v = v_n + Δt[(1-γ) a_n + γ a]
-    A = (Θ  - Δt W_n)/(βΔt²) - (1/(2β) - 1) A_n             W = W_n + Δt[(1-γ) A_n + γ A]
-    residual = [ m a ,  R τ ]        τ = J A + W × J W      Θ = log(R_n^T R)
+    Θ = log(R_n^T R)      (Δc, Θ), (v, W), (v̇, Ẇ)  follow the scheme's rule for increment, rate and second rate
+    residual = [ m v̇ ,  R τ ]        τ = J Ẇ + W × J W
 
 | symbol | meaning                                                      | shape  | unit         |
 |--------|--------------------------------------------------------------|--------|--------------|
 | c, R   | trial centre of mass and rotation (body frame to space)      | (3,), (3, 3) | m, -   |
-| v, a   | velocity and acceleration of the centre, in space            | (3,)   | m/s, m/s²    |
-| W, A   | spin and spin rate, in the body frame                        | (3,)   | rad/s, rad/s² |
-| Θ      | rotation of this step, in the body frame, |Θ| < π            | (3,)   | rad          |
+| v, v̇   | velocity and acceleration of the centre, in space            | (3,)   | m/s, m/s²    |
+| W, Ẇ   | spin and spin rate, in the body frame                        | (3,)   | rad/s, rad/s² |
+| Θ      | rotation of this step, in the body frame                     | (3,)   | rad          |
 | J      | inertia about the centre, in the body frame                  | (3, 3) | kg m²        |
 | τ      | moment of inertia forces about the centre, in the body frame | (3,)   | N m          |
+| π, ṗ   | angular momentum R J W and its rate R τ, in space            | (3,)   | N m s, N m   |
+| M, G   | ∂v̇/∂Δu and ∂v/∂Δu of the scheme                              | -      | 1/s², 1/s    |
 
 The unknowns are (δc, δφ) with c <- c + δc and R <- exp(δφ~) R, so δφ is a vector of space; in the body
 frame it is δΦ = R^T δφ. As R^T δΘ enters through the right tangent, δΘ = T^-1 δΦ, the tangent is (Simo and
 Wong 1991, sec. 4)
 
-    K = [ J/(βΔt²) + γ/(βΔt) (W̃ J - (J W)~) ] T^-1           δ(R τ) = ( R K R^T - (R τ)~ ) δφ
+    K = [ M J + G (W̃ J - (J W)~) ] T^-1                   δ(R τ) = ( R K R^T - (R τ)~ ) δφ
 
-Frozen during a step: the committed BodyState, m and J. A step must turn the body by less than half a turn,
-because the logarithm cannot tell Θ from Θ - 2π; contact and pull line ask for far smaller steps than that.
+**Energy-momentum.** The turn is Cayley's, R_n^T R = cay(Θ), with Θ = Δt (W_n + W)/2, and the angular momentum takes
+the mean of the moments at both ends, π - π_n = Δt (ṗ_n + ṗ)/2. As equilibrium is asked at the end only, that reads
+
+    ṗ = 2 (π - π_n)/Δt - ṗ_n            Ẇ = J^-1 (R^T ṗ - W × J W)
+
+and Ẇ carries ṗ from step to step. Its tangent, with G = 2/Δt and δΘ = D δΦ, is δṗ = G (G R J D R^T - π~) δφ.
+(W + W_n)/2 is along Θ, so that R_n^T R leaves it alone, and the kinetic energy changes by Δt (W + W_n)/2 · R_n^T times
+the mean moment: not at all without one. A constant force F on an arm r of the body has the mean moment (r_n + r)/2 × F,
+and a Cayley turn moves the arm by R_n Θ × (r_n + r)/2: the work of F is what the kinetic energy takes, exactly, and a
+heavy top keeps its energy. (With the exponential map the first holds and the second does not.)
+
+Sources: J. C. Simo and K. K. Wong, Int. J. Numer. Meth. Engng 31 (1991) 19-52 (both families and their tangents);
+D. Lewis and J. C. Simo, J. Nonlinear Sci. 4 (1994) 253-299 (with the Cayley map).
+
+Frozen during a step: the committed BodyState, m and J. A step must turn the body by clearly less than half a turn,
+because the logarithm cannot tell Θ from Θ - 2π: `turn` says by how much it does.
 """
+
+from dataclasses import replace
 
 import numpy as np
 
-from hybrid.body.attitude import log_so3, right_tangent, skew
+from hybrid.body.attitude import cayley_rate, cayley_vector, log_so3, right_tangent, skew
 
 
-def _newmark(increment, rate, second, dt, beta, gamma):
-    """Rate and second rate at the end of a step that moved by `increment`; all (3,)."""
-    new_second = (increment - dt * rate) / (beta * dt * dt) - (0.5 / beta - 1.0) * second
-    return rate + dt * ((1.0 - gamma) * second + gamma * new_second), new_second
+def updated(inertia, state, position, rotation, dt, scheme):
+    """BodyState at the end of the step from committed `state` to trial `position` (3,) [m] and `rotation` (3, 3).
 
-
-def updated(state, position, rotation, dt, beta, gamma):
-    """Rates at the end of the step from committed `state` to trial `position` (3,) [m] and `rotation` (3, 3).
-
-    Returns (velocity, acceleration, spin, spin_rate), each (3,): the first two in space [m/s, m/s²], the
-    last two in the body frame [rad/s, rad/s²].
+    inertia (3, 3) [kg m²] about the centre in the body frame; dt [s]. The target of a pull line stays what it was.
     """
-    velocity, acceleration = _newmark(
-        position - state.position, state.velocity, state.acceleration, dt, beta, gamma)
-    turn = log_so3(state.rotation.T @ rotation)
-    spin, spin_rate = _newmark(turn, state.spin, state.spin_rate, dt, beta, gamma)
-    return velocity, acceleration, spin, spin_rate
+    cayley = scheme.rotation == "cayley"
+    theta = (cayley_vector if cayley else log_so3)(state.rotation.T @ rotation)
+    increment = np.concatenate((position - state.position, theta))
+    before = np.concatenate((state.velocity, state.spin))
+    gain, second, algorithmic = scheme.advance(
+        increment, before, np.concatenate((state.acceleration, state.spin_rate)), state.algorithmic, dt)
+    rate = before + gain
+    new = replace(state, position=position, rotation=rotation, velocity=rate[:3], acceleration=second[:3],
+                  spin=rate[3:], spin_rate=second[3:], algorithmic=algorithmic)
+    return replace(new, spin_rate=_spin_rate_of_mean_moment(inertia, state, new, dt)) if cayley else new
 
 
-def inertia_residual(mass, inertia, state, position, rotation, dt, beta, gamma):
+def _gyroscopic(inertia, spin):
+    """W × J W (3,) [N m], in the body frame."""
+    return skew(spin) @ (inertia @ spin)
+
+
+def momentum_rate(inertia, state):
+    """ṗ = R (J Ẇ + W × J W) (3,) [N m], in space."""
+    return state.rotation @ (inertia @ state.spin_rate + _gyroscopic(inertia, state.spin))
+
+
+def _spin_rate_of_mean_moment(inertia, old, new, dt):
+    """Ẇ (3,) at the end of an energy-momentum step that led to the spin and rotation of `new`."""
+    gain = new.rotation @ inertia @ new.spin - old.rotation @ inertia @ old.spin
+    rate = 2.0 / dt * gain - momentum_rate(inertia, old)
+    return np.linalg.solve(inertia, new.rotation.T @ rate - _gyroscopic(inertia, new.spin))
+
+
+def inertia_residual(mass, inertia, state, position, rotation, dt, scheme):
     """Inertia force and moment of one body, and their derivative.
 
     mass [kg]; inertia (3, 3) [kg m²] about the centre in the body frame; state the committed BodyState;
@@ -55,17 +87,42 @@ def inertia_residual(mass, inertia, state, position, rotation, dt, beta, gamma):
     about the centre N m], both in space, and tangent (6, 6) with respect to (δc, δφ), δφ spatial. It is not
     symmetric.
     """
-    _, acceleration, spin, spin_rate = updated(state, position, rotation, dt, beta, gamma)
-    turn = log_so3(state.rotation.T @ rotation)
-    momentum = inertia @ spin
-    moment = rotation @ (inertia @ spin_rate + np.cross(spin, momentum))
-
-    by_turn = inertia / (beta * dt * dt)
-    by_turn = by_turn + gamma / (beta * dt) * (skew(spin) @ inertia - skew(momentum))
-    by_angle = by_turn @ np.linalg.inv(right_tangent(turn))
-
-    residual = np.concatenate((mass * acceleration, moment))
+    new = updated(inertia, state, position, rotation, dt, scheme)
+    moment = momentum_rate(inertia, new)
     tangent = np.zeros((6, 6))
-    tangent[:3, :3] = mass / (beta * dt * dt) * np.eye(3)
-    tangent[3:, 3:] = rotation @ by_angle @ rotation.T - skew(moment)
-    return residual, tangent
+    tangent[:3, :3] = mass * scheme.mass_factor(dt) * np.eye(3)
+    by_turn = _by_cayley_turn if scheme.rotation == "cayley" else _by_turn
+    tangent[3:, 3:] = by_turn(inertia, state, new, moment, dt, scheme)
+    return np.concatenate((mass * new.acceleration, moment)), tangent
+
+
+def _by_turn(inertia, old, new, moment, dt, scheme):
+    """∂ṗ/∂φ (3, 3) [N m] with the exponential map."""
+    theta = log_so3(old.rotation.T @ new.rotation)
+    by_turn = scheme.mass_factor(dt) * inertia
+    by_turn = by_turn + scheme.rate_factor(dt) * (skew(new.spin) @ inertia - skew(inertia @ new.spin))
+    return new.rotation @ by_turn @ np.linalg.inv(right_tangent(theta)) @ new.rotation.T - skew(moment)
+
+
+def _by_cayley_turn(inertia, old, new, moment, dt, scheme):
+    """∂ṗ/∂φ (3, 3) [N m] of energy-momentum."""
+    factor = scheme.rate_factor(dt)
+    by_turn = inertia @ cayley_rate(cayley_vector(old.rotation.T @ new.rotation))
+    momentum = new.rotation @ inertia @ new.spin
+    return factor * (factor * new.rotation @ by_turn @ new.rotation.T - skew(momentum))
+
+
+def turn(inertia, state, position, rotation, dt, scheme):
+    """Angle [rad] that tells whether the step may have lost count of turns: the one found or, where it is larger, what
+    the spin after the step would make."""
+    found = np.linalg.norm(log_so3(state.rotation.T @ rotation))
+    if not scheme.inertia:
+        return found
+    return max(found, dt * np.linalg.norm(updated(inertia, state, position, rotation, dt, scheme).spin))
+
+
+def free_spin_rate(inertia, rotation, spin, free):
+    """Spin rate (3,) [rad/s²] of a body on which only the guides of its held rotations act; free (3,) bool, about the
+    axes of space. Zero if it spins about a principal axis."""
+    axes = rotation.T[:, free]      # the free ones, in the body frame
+    return -axes @ np.linalg.solve(axes.T @ inertia @ axes, axes.T @ _gyroscopic(inertia, spin))

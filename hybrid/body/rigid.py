@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from hybrid.body import motion
 from hybrid.body.attitude import exp_so3
 from hybrid.body.line import line_force
 from hybrid.body.mass import MassProperties
-from hybrid.body.motion import inertia_residual, updated
 from hybrid.body.samples import Samples
 from hybrid.body.surface import ContactSurface
 from hybrid.state import BodyState
@@ -87,13 +87,13 @@ def moved(pose, increment):
     return pose[0] + increment[:3], exp_so3(increment[3:]) @ pose[1]
 
 
-def evaluate(body, state, pose, target, gravity, newmark, dt):
+def evaluate(body, state, pose, target, gravity, scheme, dt):
     """BodyTrial at `pose`; `target` (3,) is the far end of an acting pull line, or None."""
     position, rotation = pose
     inertia, tangent = np.zeros(6), np.zeros((6, 6))
-    if newmark.inertia:
-        inertia, tangent = inertia_residual(
-            body.mass.mass, body.mass.inertia, state, position, rotation, dt, newmark.beta, newmark.gamma)
+    if scheme.inertia:
+        inertia, tangent = motion.inertia_residual(
+            body.mass.mass, body.mass.inertia, state, position, rotation, dt, scheme)
     load = body.mass.gravity_load @ (rotation.T @ gravity)
     weight = -np.concatenate([rotation @ load[:3], rotation @ load[3:]])
     line, tension, energy = np.zeros(6), 0.0, 0.0
@@ -105,28 +105,35 @@ def evaluate(body, state, pose, target, gravity, newmark, dt):
     return BodyTrial(inertia, weight, line, tangent, tension, energy)
 
 
-def first_guess(body, state, newmark, dt):
+def first_guess(body, state, scheme, dt):
     """Pose after a step in which everything keeps its rate; in a quasi-static scene only what is driven moves."""
-    rate = np.concatenate([state.velocity, state.rotation @ state.spin]) * body.free * newmark.inertia
+    rate = np.concatenate([state.velocity, state.rotation @ state.spin]) * body.free * scheme.inertia
     return moved((state.position, state.rotation), dt * (rate + body.drive))
 
 
-def accept(body, state, pose, target, reaction, newmark, dt):
+def turn(body, state, pose, scheme, dt):
+    """Angle [rad] by which the step to `pose`, or the spin at its end, turns the body."""
+    return motion.turn(body.mass.inertia, state, *pose, dt, scheme)
+
+
+def accept(body, state, pose, target, reaction, scheme, dt):
     """New BodyState at the converged pose; reaction (6,) [N, N m] of what guides the body."""
-    position, rotation = pose
-    if newmark.inertia:
-        velocity, acceleration, spin, spin_rate = updated(
-            state, position, rotation, dt, newmark.beta, newmark.gamma)
+    if scheme.inertia:
+        new = motion.updated(body.mass.inertia, state, *pose, dt, scheme)
     else:
-        velocity, acceleration = (position - state.position) / dt, np.zeros(3)
-        spin, spin_rate = np.zeros(3), np.zeros(3)
-    if not body.free.all():  # the scheme alone would let a rate that is stopped swing about zero
-        guided = ~body.free
-        velocity[guided[:3]], acceleration[guided[:3]] = body.drive[:3][guided[:3]], 0.0
-        rates = rotation @ np.stack([spin, spin_rate], axis=1)
-        rates[guided[3:]] = np.stack([body.drive[3:], np.zeros(3)], axis=1)[guided[3:]]
-        spin, spin_rate = (rotation.T @ rates).T
-    return BodyState(position, rotation, velocity, acceleration, spin, spin_rate, target, reaction)
+        new = BodyState(*pose, (pose[0] - state.position) / dt, np.zeros(3), np.zeros(3), np.zeros(3))
+    new = new if body.free.all() else _guided(body, new)
+    return replace(new, target=target, reaction=reaction)
+
+
+def _guided(body, state):
+    """`state` with the rates that guides impose: the scheme alone would let one that is stopped swing about zero."""
+    velocity = np.where(body.free[:3], state.velocity, body.drive[:3])
+    acceleration = np.where(body.free[:3], state.acceleration, 0.0)
+    spin = np.where(body.free[3:], state.rotation @ state.spin, body.drive[3:])
+    spin_rate = np.where(body.free[3:], state.rotation @ state.spin_rate, 0.0)
+    return replace(state, velocity=velocity, acceleration=acceleration, spin=state.rotation.T @ spin,
+                   spin_rate=state.rotation.T @ spin_rate)
 
 
 def kinetic_energy(body, state):

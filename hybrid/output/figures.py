@@ -183,6 +183,40 @@ def comparison(path, curves, labels=("distance [m]", "spin [rad/s]"), xlabel="ti
     return Path(path)
 
 
+def convergence(path, curves, labels, ylabel, xlabel="step $\\Delta t$ [s]", orders=(1, 2)):
+    """Panels side by side of error against step on logarithmic axes, with slopes of `orders` in grey.
+
+    curves: {label: [(steps, errors) for each panel]}; labels: what each panel shows. Returns the path.
+    """
+    with figure(path, PAGE, 0.9 * COLUMN) as drawing:
+        panels = drawing.subplots(1, len(labels), sharey=True, squeeze=False)[0]
+        for i, (label, pairs) in enumerate(curves.items()):
+            # Smaller and smaller markers, so that curves that coincide are seen.
+            for panel, pair in zip(panels, pairs):
+                panel.loglog(*pair, MARKERS[i % len(MARKERS)] + "-", color=COLOURS[i % len(COLOURS)], label=label,
+                             markerfacecolor="white", markeredgewidth=0.9, markersize=max(2.5, 6.0 - 0.8 * i))
+        for letter, panel, label, pairs in zip("abcdef", panels, labels, zip(*curves.values())):
+            _draw_slopes(panel, pairs, orders)
+            steps = np.unique([step for pair in pairs for step in pair[0]])
+            panel.set_xticks(steps, [f"{step:.2g}" for step in steps])
+            panel.minorticks_off()
+            panel.set_xlabel(xlabel)
+            panel.set_title(f"({letter}) {label}", loc="left", fontsize=9)
+        panels[0].set_ylabel(ylabel)
+        panels[-1].legend(loc="lower right")
+    return Path(path)
+
+
+def _draw_slopes(panel, pairs, orders):
+    """Lines of the given orders that fan out below the curves, over the first doubling of the step."""
+    step, error = (min(np.min(pair[k]) for pair in pairs) for k in (0, 1))
+    for order in orders:
+        ends = np.array([step, 2 * step]), error / 8 * np.array([1.0, 2.0**order])
+        panel.loglog(*ends, color="#888888", linewidth=0.8)
+        panel.annotate(str(order), (ends[0][1], ends[1][1]), (3, 0), textcoords="offset points", color="#555555",
+                       va="center", fontsize=8)
+
+
 def picture(path, image, limit, label, caption="", extend="neither", ruler=None):
     """Rendered image over a line with caption and colour bar, 170 mm wide. Returns the path.
 

@@ -40,7 +40,8 @@ class SoilTrial:
 
 @dataclass(frozen=True)
 class SoilStep:
-    """What is frozen during a step: basis, slabs, nodal mass (N,) [kg], velocity, acceleration (N, 3), weight (N, 3)."""
+    """What is frozen during a step: basis, slabs, nodal mass (N,) [kg], velocity, acceleration (N, 3), weight (N, 3),
+    and the algorithmic acceleration (N, 3) where the points have one."""
 
     points: Points
     basis: Basis
@@ -49,6 +50,12 @@ class SoilStep:
     velocity: np.ndarray
     acceleration: np.ndarray
     weight: np.ndarray
+    algorithmic: np.ndarray | None = None
+
+    @property
+    def history(self):
+        """Velocity, acceleration and algorithmic acceleration, as `Scheme.advance` takes them."""
+        return self.velocity, self.acceleration, self.algorithmic
 
     @property
     def active(self):
@@ -73,11 +80,12 @@ class Soil:
         half = points.half if self.basis == "gimp" else np.zeros_like(points.half)
         basis = evaluate_basis(points.position, half, self.grid.axes)
         slabs = make_slabs(basis.first, self.grid.shape)
-        mass, velocity, acceleration = transfer.project(
-            basis, slabs, self.grid.shape, self.constants.mass, points.velocity, points.acceleration)
-        for field in (velocity, acceleration):
+        carried = [field for field in (points.velocity, points.acceleration, points.algorithmic) if field is not None]
+        mass, *nodal = transfer.project(basis, slabs, self.grid.shape, self.constants.mass, *carried)
+        for field in nodal:
             field[self.grid.fixed] = 0.0
-        return SoilStep(points, basis, slabs, mass, velocity, acceleration, mass[:, None] * gravity)
+        velocity, acceleration, *algorithmic = nodal
+        return SoilStep(points, basis, slabs, mass, velocity, acceleration, mass[:, None] * gravity, *algorithmic)
 
     def evaluate(self, step, displacement, tangent):
         """SoilTrial at nodal increments (N, 3) [m], or None when a point would turn inside out."""
@@ -96,10 +104,11 @@ class Soil:
         add_stiffness(step.basis, step.slabs, self.grid.shape, trial.strain, trial.response.stress,
                       trial.response.tangent, self.constants.volume, pattern, values)
 
-    def accept(self, step, trial, displacement, velocity_gain, acceleration):
-        """New Points from nodal increments of displacement, of velocity and from the new acceleration, all (N, 3)."""
+    def accept(self, step, trial, displacement, velocity_gain, acceleration, algorithmic=None):
+        """New Points from nodal increments of displacement and velocity and from the new accelerations, all (N, 3)."""
         old, shape = step.points, self.grid.shape
-        moved = transfer.interpolate(step.basis, shape, np.hstack([displacement, velocity_gain, acceleration]))
+        nodal = [displacement, velocity_gain, acceleration] + ([] if algorithmic is None else [algorithmic])
+        moved = transfer.interpolate(step.basis, shape, np.hstack(nodal))
         position = old.position + moved[:, :3]
         deformation = trial.strain.increment @ old.deformation
         response, directions = trial.response, trial.strain.directions
@@ -107,12 +116,13 @@ class Soil:
         return Points(
             position=position,
             velocity=old.velocity + moved[:, 3:6],
-            acceleration=moved[:, 6:].copy(),
+            acceleration=moved[:, 6:9].copy(),
             half=updated_half(self.domain, self.constants.half, deformation, position, self.grid.axes),
             deformation=deformation,
             elastic=from_principal(np.exp(2 * response.elastic), directions),
             stress=trial.stress / volume_ratio[:, None, None],
             plastic_strain=old.plastic_strain + plastic_increment(trial),
+            algorithmic=None if algorithmic is None else moved[:, 9:].copy(),
         )
 
     def plastic_work(self, trial):

@@ -1,7 +1,7 @@
 """Transfer between points and nodes.
 
-    m_v = Σ_p S_vp m_p      v_v = Σ_p S_vp m_p v_p / m_v      a_v likewise       (lumped mass projection)
-    q_p = Σ_v S_vp q_v                                                            (interpolation)
+    m_v = Σ_p S_vp m_p      q_v = Σ_p S_vp m_p q_p / m_v      (projection with the lumped mass: v, a)
+    q_p = Σ_v S_vp q_v                                        (interpolation)
 
 Mass and momentum are conserved to round-off because the basis is a partition of unity.
 """
@@ -10,16 +10,15 @@ import numpy as np
 from numba import njit, prange
 
 
-def project(basis, slabs, shape, mass, velocity, acceleration):
-    """Nodal mass (N,) [kg], velocity and acceleration (N, 3) from the points; zero where no point reaches."""
+def project(basis, slabs, shape, mass, *fields):
+    """Nodal mass (N,) [kg] and fields (N, 3) from those of the points, each (n, 3); zero where no point reaches."""
     nodes = int(np.prod(shape))
-    m, momentum, force = np.zeros(nodes), np.zeros((nodes, 3)), np.zeros((nodes, 3))
+    m, nodal = np.zeros(nodes), np.zeros((len(fields), nodes, 3))
     _project(slabs.order, slabs.start, basis.first, basis.count, basis.value, shape[1], shape[2],
-             mass, velocity, acceleration, m, momentum, force)
+             mass, np.stack(fields), m, nodal)
     filled = m > 0
-    momentum[filled] /= m[filled, None]
-    force[filled] /= m[filled, None]
-    return m, momentum, force
+    nodal[:, filled] /= m[filled, None]
+    return m, *nodal
 
 
 def interpolate(basis, shape, nodal):
@@ -30,7 +29,7 @@ def interpolate(basis, shape, nodal):
 
 
 @njit(cache=True, parallel=True)
-def _project(order, start, first, count, value, ny, nz, mass, velocity, acceleration, m, momentum, force):
+def _project(order, start, first, count, value, ny, nz, mass, fields, m, nodal):
     slabs = len(start) - 1
     for colour in range(2):
         for half in prange((slabs - colour + 1) // 2):
@@ -43,9 +42,9 @@ def _project(order, start, first, count, value, ny, nz, mass, velocity, accelera
                             v = ((first[p, 0] + a) * ny + first[p, 1] + b) * nz + first[p, 2] + c
                             w = value[p, 0, a] * value[p, 1, b] * value[p, 2, c] * mass[p]
                             m[v] += w
-                            for i in range(3):
-                                momentum[v, i] += w * velocity[p, i]
-                                force[v, i] += w * acceleration[p, i]
+                            for f in range(len(fields)):
+                                for i in range(3):
+                                    nodal[f, v, i] += w * fields[f, p, i]
 
 
 @njit(cache=True, parallel=True)

@@ -40,6 +40,8 @@ class Outcome:
 def solve(step: Step, settings: Settings):
     """Outcome of Newton's method on `step`, repeated while contact multipliers change. Never raises for lack of
     convergence."""
+    if reason := step.overturned():
+        return Outcome(None, 0, 0, (), reason)
     outcome = _newton(step, settings, step.start())
     for _ in range(settings.augmentations):
         if not outcome.converged or step.augment(outcome.evaluation) <= settings.augmentation_tolerance:
@@ -84,7 +86,9 @@ def _newton(step, settings, unknowns):
 
 
 def _too_far(step, evaluation):
-    """Why a converged increment must not be accepted: it is too long for contact to have been seen rightly."""
+    """Why a converged increment must not be accepted: it is too long for turns or contact to have been seen rightly."""
+    if reason := step.overturned(evaluation.unknowns):
+        return reason
     ratio = step.overreach(evaluation.unknowns)
     if ratio > 1:
         return f"soil and body moved {ratio:.1f} times the reach of the contact search"

@@ -22,6 +22,7 @@ from hybrid.timing import phase
 
 
 ROUNDING = 1e-14  # of positions and increments: an inertia force that this alone can make is no residual
+LARGEST_TURN = 2.0  # [rad] of a body in a step; from half a turn on it cannot be told from one the other way
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,8 @@ class Evaluation:
     """Residual and parts at trial unknowns.
 
     soil (n,) [N] and body (m,) [N, N m]: residual on the unknowns; error: largest field residual relative to the
-    forces acting in that field; norms: the same in physical units by field name; reactions: (6,) of each body's guides.
+    forces acting in that field; norms: the same in physical units by field name; rates: `Scheme.advance` of the nodes;
+    reactions: (6,) of each body's guides.
     """
 
     unknowns: Unknowns
@@ -46,7 +48,7 @@ class Evaluation:
     error: float
     norms: dict
     soil_trial: SoilTrial | None
-    acceleration: np.ndarray | None
+    rates: tuple | None
     body_trials: tuple
     contacts: tuple[Contact, ...]
     reactions: tuple
@@ -74,7 +76,7 @@ class Step:
                     model.bodies, state.bodies, state.contacts, self.reach, guess.poses)]
         self.line_before = [
             rigid.evaluate(b, s, (s.position, s.rotation), None if t is None else s.target, model.gravity,
-                           model.newmark, dt).line[:3]
+                           model.scheme, dt).line[:3]
             for b, s, t in zip(model.bodies, state.bodies, self.targets)]
         self._free = model.body_free
 
@@ -92,9 +94,9 @@ class Step:
         """First guess: everything keeps its velocity."""
         displacement = None
         if self.soil is not None:
-            displacement = self.dt * self.soil.velocity if self.model.newmark.inertia else 0 * self.soil.velocity
+            displacement = self.dt * self.soil.velocity if self.model.scheme.inertia else 0 * self.soil.velocity
         return Unknowns(displacement, tuple(
-            rigid.first_guess(b, s, self.model.newmark, self.dt)
+            rigid.first_guess(b, s, self.model.scheme, self.dt)
             for b, s in zip(self.model.bodies, self.state.bodies)))
 
     def overreach(self, unknowns):
@@ -108,6 +110,17 @@ class Step:
             turned = np.linalg.norm(pose[1] - state.rotation, 2) * body.radius
             ratio = max(ratio, (np.linalg.norm(pose[0] - state.position) + turned + fastest) / reach)
         return ratio
+
+    def overturned(self, unknowns=None):
+        """Why a step must not be made because of a body that turns too far in it, by its spin before the step or by
+        trial unknowns; empty when none does."""
+        for i, (body, state) in enumerate(zip(self.model.bodies, self.state.bodies)):
+            angle = self.dt * np.linalg.norm(state.spin)
+            if unknowns is not None:
+                angle = max(angle, rigid.turn(body, state, unknowns.poses[i], self.model.scheme, self.dt))
+            if angle > LARGEST_TURN:
+                return f"{body.name} turns by {angle:.3g} rad in {self.dt:.3g} s, limit {LARGEST_TURN:g} rad"
+        return ""
 
     def passed_through(self, evaluation):
         """Number of corners that the step carried through a body, deeper than a twentieth of a cell."""
@@ -136,28 +149,27 @@ class Step:
     def evaluate(self, unknowns, tangent=True):
         """Evaluation at trial unknowns, or None when soil would turn inside out. `tangent`: a tangent will follow."""
         model, displacement = self.model, unknowns.displacement
-        trial = acceleration = None
+        trial = rates = None
         fields = {}
         if self.soil is not None:
             with phase("soil"):
                 trial = model.soil.evaluate(self.soil, displacement, tangent)
             if trial is None:
                 return None
-            acceleration = model.newmark.acceleration(
-                displacement, self.soil.velocity, self.soil.acceleration, self.dt)
+            rates = model.scheme.advance(displacement, *self.soil.history, self.dt)
             fields["internal"], fields["weight"] = trial.force, -self.soil.weight
-            fields["inertia"] = self.soil.mass[:, None] * acceleration
+            fields["inertia"] = self.soil.mass[:, None] * rates[1]
             fields["contact"] = np.zeros_like(trial.force)
         with phase("contact"):
             contacts = tuple(p.evaluate(displacement, pose) for p, pose in zip(self.pairs, unknowns.poses))
             on_body = [p.add_residual(c, fields.get("contact")) for p, c in zip(self.pairs, contacts)]
         bodies = tuple(
-            rigid.evaluate(b, s, p, target, model.gravity, model.newmark, self.dt)
+            rigid.evaluate(b, s, p, target, model.gravity, model.scheme, self.dt)
             for b, s, p, target in zip(model.bodies, self.state.bodies, unknowns.poses, self.targets))
         soil, soil_norm, soil_error = self._soil_residual(fields, displacement)
         body, reactions, body_norms, body_error = self._body_residual(bodies, on_body, unknowns.poses)
         return Evaluation(unknowns, soil, body, max(soil_error, body_error), {**soil_norm, **body_norms}, trial,
-                          acceleration, bodies, contacts, reactions)
+                          rates, bodies, contacts, reactions)
 
     def _soil_residual(self, fields, displacement):
         if not fields:
@@ -166,7 +178,7 @@ class Step:
         parts = [part[free] for part in fields.values()]
         residual = sum(parts)
         norm, scale = reductions.norm(residual), max(reductions.norm(part) for part in parts)
-        noise = ROUNDING * self.model.newmark.mass_factor(self.dt) * reductions.norm(
+        noise = ROUNDING * self.model.scheme.mass_factor(self.dt) * reductions.norm(
             (self.soil.mass[:, None] * displacement)[free])
         return residual, {"soil [N]": norm}, max(norm - noise, 0.0) / scale if scale > 0 else 0.0
 
@@ -182,7 +194,7 @@ class Step:
             scale = np.linalg.norm(parts[:, :3], axis=1).max()
             arm = max(np.linalg.norm(parts[:, 3:], axis=1).max(), scale * body.radius)
             norms |= {f"{body.name} [N]": force, f"{body.name} [N m]": moment}
-            noise = ROUNDING * self.model.newmark.mass_factor(self.dt) * body.mass.mass * (
+            noise = ROUNDING * self.model.scheme.mass_factor(self.dt) * body.mass.mass * (
                 np.linalg.norm(pose[0]) + body.radius)
             error = max(error, (force - noise) / scale if scale > 0 else 0.0,
                         (moment - noise * body.radius) / arm if arm > 0 else 0.0)
@@ -196,7 +208,7 @@ class Step:
             with phase("assemble"):
                 model.soil.add_stiffness(self.soil, evaluation.soil_trial, self.pattern, system.values)
                 mass = np.repeat(self.soil.mass[:, None], 3, axis=1)[self.pattern.free]
-                system.values[self.pattern.diagonal] += model.newmark.mass_factor(self.dt) * mass
+                system.values[self.pattern.diagonal] += model.scheme.mass_factor(self.dt) * mass
         first = 0
         for body, pair, trial, contact in zip(
                 model.bodies, self.pairs, evaluation.body_trials, evaluation.contacts):
@@ -214,12 +226,9 @@ class Step:
         points, work = state.points, dict(state.work)
         with phase("update"):
             if self.soil is not None:
-                gain = model.newmark.velocity_gain(
-                    unknowns.displacement, self.soil.velocity, self.soil.acceleration, evaluation.acceleration, self.dt)
-                points = model.soil.accept(
-                    self.soil, evaluation.soil_trial, unknowns.displacement, gain, evaluation.acceleration)
+                points = model.soil.accept(self.soil, evaluation.soil_trial, unknowns.displacement, *evaluation.rates)
                 work["plastic"] = work.get("plastic", 0.0) + model.soil.plastic_work(evaluation.soil_trial)
-            bodies = [rigid.accept(b, s, p, s.target if target is None else target, reaction, model.newmark, self.dt)
+            bodies = [rigid.accept(b, s, p, s.target if target is None else target, reaction, model.scheme, self.dt)
                       for b, s, p, target, reaction in zip(
                           model.bodies, state.bodies, unknowns.poses, self.targets, evaluation.reactions)]
             for body, before, now in zip(model.bodies, state.bodies, evaluation.reactions):

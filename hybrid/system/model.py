@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hybrid.body.rigid import FREEDOMS, RigidBody
+from hybrid.scheme import Scheme
 from hybrid.soil.model import Soil
-from hybrid.system.newmark import Newmark
 
 
 @dataclass(frozen=True)
@@ -15,7 +15,7 @@ class Model:
 
     soil: Soil
     bodies: tuple[RigidBody, ...]
-    newmark: Newmark
+    scheme: Scheme
     gravity: np.ndarray
     linear: str = "krylov"
     linear_tolerance: float = 1e-3
@@ -26,8 +26,7 @@ class Model:
         return np.array([b.free for b in self.bodies], bool).reshape(-1, 6)
 
     def for_stage(self, held=(), beta=None, gamma=None):
-        """The same model with more components ("x" ... "rz") of every body held and, if given, another scheme."""
+        """The same model with more components ("x" ... "rz") of every body held and, if given, Newmark's rule."""
         held = np.isin(FREEDOMS, held)
-        newmark = replace(self.newmark, **{k: v for k, v in (("beta", beta), ("gamma", gamma)) if v is not None})
         bodies = tuple(replace(b, free=b.free & ~held, drive=b.drive * ~held) for b in self.bodies)
-        return replace(self, newmark=newmark, bodies=bodies)
+        return replace(self, scheme=self.scheme.with_pair(beta, gamma), bodies=bodies)

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from hybrid.body.attitude import (exp_so3, log_so3, quaternion, right_tangent, rotation_from_axis_angle, skew)
+from hybrid.body.attitude import (
+    cayley, cayley_rate, cayley_vector, exp_so3, log_so3, quaternion, right_tangent, rotation_from_axis_angle, skew)
 from hybrid.errors import SceneError
 
 ANGLES = [0.0, 1e-200, 1e-12, 1e-8, 1e-4, 0.1, 0.2999, 0.3001, 1.0, 2.5, math.pi - 1e-4, math.pi - 1e-9]
@@ -55,6 +56,31 @@ def test_right_tangent_is_the_derivative_of_the_exponential(angle):
             plus, minus = (log_so3(exp_so3(theta).T @ exp_so3(theta + s * h * e)) for s in (1, -1))
             fd[:, k] = (plus - minus) / (2 * h)
         np.testing.assert_allclose(right_tangent(theta), fd, atol=1e-9)
+
+
+@pytest.mark.parametrize("angle", ANGLES[:-2])
+def test_cayley_map_turns_by_twice_the_arctangent_and_moves_by_the_mean(angle):
+    for axis in unit_vectors():
+        theta, size = 2 * math.tan(angle / 2) * axis, 1.0 + math.tan(angle / 2)
+        turned = cayley(theta)
+        np.testing.assert_allclose(turned, exp_so3(angle * axis), atol=2e-15 * size)
+        np.testing.assert_allclose(cayley_vector(turned), theta, rtol=1e-13, atol=5e-15 * size)
+        np.testing.assert_allclose(turned - np.eye(3), skew(theta) @ (turned + np.eye(3)) / 2, atol=2e-15 * size)
+
+
+def test_cayley_vector_of_half_a_turn_is_long_but_finite():
+    vector = cayley_vector(exp_so3([math.pi, 0.0, 0.0]))
+    assert np.isfinite(vector).all() and np.linalg.norm(vector) > 1e8
+
+
+@pytest.mark.parametrize("angle", [0.0, 1e-9, 1e-3, 0.5, 1.5, 2.5])
+def test_cayley_rate_is_the_derivative_of_the_inverse_map(angle):
+    h = 1e-5
+    for axis in unit_vectors(5):
+        theta = 2 * math.tan(angle / 2) * axis
+        fd = np.array([(cayley_vector(cayley(theta) @ exp_so3(h * e)) - cayley_vector(cayley(theta) @ exp_so3(-h * e)))
+                       / (2 * h) for e in np.eye(3)]).T
+        np.testing.assert_allclose(cayley_rate(theta), fd, rtol=1e-8, atol=1e-8)
 
 
 def test_series_of_the_right_tangent_meets_the_closed_form():

@@ -406,6 +406,15 @@ def test_comparison_of_two_quantities(tmp_path):
     assert figures.comparison(tmp_path / "rolling.png", curves).stat().st_size > 5000
 
 
+def test_errors_against_the_step_in_one_or_two_panels(tmp_path):
+    steps = 0.1 / 2.0 ** np.arange(3)
+    curves = {name: [(steps, steps**order), (steps / 2, steps**order)] for name, order in (("a", 1), ("b", 2))}
+    for count in (1, 2):
+        one = {name: pairs[:count] for name, pairs in curves.items()}
+        path = figures.convergence(tmp_path / f"{count}.png", one, ("here", "there")[:count], "error [m]")
+        assert path.stat().st_size > 5000
+
+
 def test_colour_limit_is_round_and_never_zero():
     assert render.colour_limit(np.array([0.0, -0.23]), np.zeros(0)) == pytest.approx(0.3)
     assert render.colour_limit(np.zeros(5), np.full(3, -3.4)) == 4

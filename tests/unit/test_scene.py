@@ -222,6 +222,9 @@ def test_malformed_overrides(path, override, words):
     ("time.gamma=0.4", ["0.5 to 1"]),
     ("time.beta=0.2", ["gamma/2 = 0.25"]),
     ("time.gamma=1", ["gamma/2 = 0.5"]),
+    ("stage.0.gamma=1", ["stage.0.beta = 0.25", "gamma/2 = 0.5"]),
+    ("time.spectral_radius=0.8", ["left out with scheme = 'newmark'", "scheme = 'generalised-alpha'"]),
+    ("time.scheme=generalized-alpha", ["did you mean 'generalised-alpha'", "valid: newmark"]),
     ("time.smallest=1", ["at most step = 0.04"]),
     ("stage=[]", ["at least one", "[[stage]]"]),
     ("stage.0.steps=0", ["stage.0.steps = 0", "at least 1"]),
@@ -236,6 +239,24 @@ def test_ranges_have_limit_and_remedy(path, override, words):
     message = refused(path, override)
     assert all(word in message for word in words), message
     assert "; " in message  # what follows is the remedy
+
+
+@pytest.mark.parametrize("overrides, words", [
+    (["time.scheme=generalised-alpha", "time.spectral_radius=1.5"], ["spectral_radius = 1.5", "from 0 to 1"]),
+    (["time.scheme=generalised-alpha", "time.beta=0.25"], ["time.beta = 0.25", "or set scheme = 'newmark'"]),
+    (["time.scheme=energy-momentum", "time.gamma=0.5"], ["time.gamma = 0.5", "left out with scheme"]),
+    (["time.scheme=energy-momentum", "time.spectral_radius=0.8"], ["left out with scheme = 'energy-momentum'"]),
+    (["time.scheme=energy-momentum", "stage.0.gamma=1"], ["stage.0.beta = 0.25", "(0.5625, 1)"]),
+])
+def test_schemes_take_their_own_parameters_only(path, overrides, words):
+    message = refused(path, *overrides)
+    assert all(word in message for word in words), message
+
+
+def test_a_stage_may_have_a_pair_of_newmark_whatever_the_scheme(path):
+    pair = ["stage.0.beta=0.5625", "stage.0.gamma=1"]
+    for scheme in ("newmark", "generalised-alpha", "energy-momentum"):
+        assert load_scene(path, [f"time.scheme={scheme}", *pair]).stages[0].gamma == 1.0
 
 
 def test_all_faults_are_told_at_once(path):

@@ -17,6 +17,7 @@ def test_held_soil_leaves_six_unknowns():
     sheet = build(load_scene(DEMOS / "rolling_sphere.toml")).sheet()
     assert sheet["modelled"]["soil unknowns"] == 0 and sheet["modelled"]["body unknowns"] == 6
     assert any("held still" in line for line in sheet["left out"])
+    assert sheet["modelled"]["time integration"] == "Newmark, beta = 0.5625, gamma = 1"
 
 
 @pytest.mark.parametrize("friction", [0.45, 0.0])

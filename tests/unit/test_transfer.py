@@ -31,6 +31,7 @@ def soil_on(axes, basis="gimp"):
     points.position[:, ~grid.collapsed] += shift[:, ~grid.collapsed]
     points.velocity[:] = rng.standard_normal(points.velocity.shape)
     points.acceleration[:] = 10 * rng.standard_normal(points.velocity.shape)
+    points.algorithmic = 10 * rng.standard_normal(points.velocity.shape)
     return Soil(grid, constants, law, basis), points
 
 
@@ -46,7 +47,7 @@ def test_projection_conserves_mass_and_momentum(case):
     mass = soil.constants.mass
     assert step.mass.sum() == pytest.approx(mass.sum(), rel=1e-14)
     movable = ~soil.grid.collapsed
-    for nodal, carried in ((step.velocity, points.velocity), (step.acceleration, points.acceleration)):
+    for nodal, carried in zip(step.history, (points.velocity, points.acceleration, points.algorithmic), strict=True):
         exact, size = mass @ carried, mass @ np.abs(carried)
         assert np.all(np.abs(step.mass @ nodal - exact)[movable] <= 1e-14 * size[movable])
         assert not nodal[:, ~movable].any()    # a collapsed axis does not move

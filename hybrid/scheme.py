@@ -1,0 +1,108 @@
+"""Time integration: one rule for soil nodes, for the centre of a body and for its turn in the body frame.
+
+    a_{n+1} = (Δu - Δt v_n)/(βΔt²) - (1/(2β) - 1) a_n           v_{n+1} = v_n + Δt [(1-γ) a_n + γ a_{n+1}]
+    (1-αf) v̇_{n+1} + αf v̇_n = (1-αm) a_{n+1} + αm a_n
+
+Equilibrium is asked of v̇ at the end of the step, whatever the scheme, so no force is ever averaged over a step.
+
+| symbol   | meaning                                                       | of soil, of a turn | unit             |
+|----------|---------------------------------------------------------------|--------------------|------------------|
+| Δu       | increment of the step: displacement or rotation vector Θ      | (N, 3), (3,)       | m, rad           |
+| v, v̇     | rate and its true time derivative                             | (N, 3), (3,)       | m/s, m/s²        |
+| a        | algorithmic acceleration: v̇ of about (αf - αm) Δt earlier      | (N, 3), (3,)       | m/s², rad/s²     |
+| ρ∞       | spectral radius for frequencies far above 1/Δt                | -                  | -                |
+
+| scheme            | αm, αf                    | γ, β                        | order         | high frequencies |
+|-------------------|---------------------------|-----------------------------|---------------|------------------|
+| newmark           | 0, 0: a is v̇              | given, else 1/2, 1/4        | 2 for γ = 1/2 | damped for γ > 1/2 |
+| generalised_alpha | (2ρ∞-1)/(ρ∞+1), ρ∞/(ρ∞+1) | ½ + αf - αm, ¼ (γ + ½)²     | 2             | times ρ∞ a step  |
+| energy_momentum   | 0, 0                      | 1/2, 1/4, Cayley rotations  | 2             | kept             |
+
+Only generalised alpha carries a as history besides v̇; where there is none yet, at the start or after a stage with
+another scheme, a = v̇. That is wrong by O(Δt), which moves v once by O(Δt²) and keeps the second order; so does a
+change of Δt. What energy-momentum does to rotations is in `hybrid.body.motion`.
+
+Sources: J. Chung and G. M. Hulbert, J. Appl. Mech. 60 (1993) 371-375 (the parameters); M. Arnold and O. Brüls,
+Multibody Syst. Dyn. 18 (2007) 185-202 (the form with a); O. Brüls and A. Cardona, J. Comput. Nonlinear Dyn. 5 (2010)
+031002 (the same rule on rotations).
+"""
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+
+@dataclass(frozen=True)
+class Scheme:
+    """β, γ, αm, αf and the map of rotations; `inertia` False leaves out every mass term, so that time is only the
+    order of events."""
+
+    beta: float = 0.25
+    gamma: float = 0.5
+    inertia: bool = True
+    alpha_m: float = 0.0
+    alpha_f: float = 0.0
+    rotation: Literal["exponential", "cayley"] = "exponential"
+
+    @classmethod
+    def newmark(cls, beta=None, gamma=None):
+        """Newmark's rule, (1/4, 1/2) where nothing is given."""
+        return cls().with_pair(beta, gamma)
+
+    @classmethod
+    def generalised_alpha(cls, rho):
+        """Second order with spectral radius `rho` in [0, 1] at high frequencies; 1 damps nothing."""
+        alpha_m, alpha_f = (2 * rho - 1) / (rho + 1), rho / (rho + 1)
+        gamma = 0.5 + alpha_f - alpha_m
+        return cls(0.25 * (gamma + 0.5) ** 2, gamma, alpha_m=alpha_m, alpha_f=alpha_f)
+
+    @classmethod
+    def energy_momentum(cls):
+        """Newmark's (1/4, 1/2) with rotations that keep energy and angular momentum."""
+        return cls(rotation="cayley")
+
+    def with_pair(self, beta=None, gamma=None):
+        """Newmark's rule with a value changed for each one given; the others stay those of this scheme if it is
+        Newmark's, and are (1/4, 1/2) otherwise. This scheme itself when nothing is given."""
+        given = {name: value for name, value in (("beta", beta), ("gamma", gamma)) if value is not None}
+        if not given:
+            return self
+        other = self.auxiliary or self.rotation == "cayley"
+        return replace(Scheme(inertia=self.inertia) if other else self, **given)
+
+    @property
+    def auxiliary(self):
+        """Whether a is history of its own besides v̇."""
+        return self.inertia and (self.alpha_m != 0.0 or self.alpha_f != 0.0)
+
+    def mass_factor(self, dt):
+        """∂v̇/∂Δu [1/s²] at the end of the step."""
+        return (1 - self.alpha_m) / ((1 - self.alpha_f) * self.beta * dt**2) if self.inertia else 0.0
+
+    def rate_factor(self, dt):
+        """∂v/∂Δu [1/s] at the end of the step."""
+        return self.gamma / (self.beta * dt) if self.inertia else 1.0 / dt
+
+    def advance(self, increment, rate, second, algorithmic, dt):
+        """What a step of `dt` [s] that moved by `increment` makes of v_n `rate`, v̇_n `second` and a_n `algorithmic`.
+
+        All of one shape. `algorithmic` None stands for v̇_n, and is what other schemes than generalised alpha return.
+        Returns v_{n+1} - v_n, v̇_{n+1} and a_{n+1}; without inertia the rate becomes the mean one of the step.
+        """
+        if not self.inertia:
+            return increment / dt - rate, 0.0 * increment, None
+        old = algorithmic if self.auxiliary and algorithmic is not None else second
+        new = (increment - dt * rate) / (self.beta * dt**2) - (0.5 / self.beta - 1) * old
+        gain = dt * ((1 - self.gamma) * old + self.gamma * new)
+        if not self.auxiliary:
+            return gain, new, None
+        mean = (1 - self.alpha_m) * new + self.alpha_m * old
+        return gain, (mean - self.alpha_f * second) / (1 - self.alpha_f), new
+
+    def __str__(self):
+        if not self.inertia:
+            return "none, the scene is quasi-static"
+        if self.rotation == "cayley":
+            return "energy-momentum"
+        if self.auxiliary:
+            return f"generalised-alpha, spectral radius {self.alpha_f / (1 - self.alpha_f):.3g}"
+        return f"Newmark, beta = {self.beta:g}, gamma = {self.gamma:g}"

@@ -1,0 +1,67 @@
+"""Schemes: how they are chosen, what a stage changes, and what they are called."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hybrid.build import build_scheme
+from hybrid.scene import Time
+from hybrid.scheme import Scheme
+
+ALPHA, CONSERVING = Scheme.generalised_alpha(0.5), Scheme.energy_momentum()
+
+
+@pytest.mark.parametrize("options, scheme, name", [
+    ({}, Scheme(0.25, 0.5), "Newmark, beta = 0.25, gamma = 0.5"),
+    ({"beta": 0.5625, "gamma": 1.0}, Scheme(0.5625, 1.0), "Newmark, beta = 0.5625, gamma = 1"),
+    ({"scheme": "generalised-alpha", "spectral_radius": 0.5}, ALPHA, "generalised-alpha, spectral radius 0.5"),
+    ({"scheme": "generalised-alpha"}, Scheme.generalised_alpha(0.8), "generalised-alpha, spectral radius 0.8"),
+    ({"scheme": "energy-momentum"}, CONSERVING, "energy-momentum"),
+    ({"scheme": "energy-momentum", "inertia": False}, Scheme(inertia=False), "none, the scene is quasi-static"),
+])
+def test_the_scheme_of_a_scene_and_its_name(options, scheme, name):
+    found = build_scheme(Time(0.1, **options))
+    assert found == scheme and str(found) == name
+
+
+def test_a_stage_puts_a_pair_of_newmark_in_place_of_any_scheme():
+    dissipative = Scheme(0.5625, 1.0)
+    for scheme in (Scheme.newmark(), ALPHA, CONSERVING):
+        assert scheme.with_pair() is scheme
+        assert scheme.with_pair(0.5625, 1.0) == dissipative
+        assert scheme.with_pair(beta=0.3) == Scheme(0.3, 0.5)      # not the gamma of another rule
+    assert dissipative.with_pair(beta=0.6) == Scheme(0.6, 1.0)
+    assert not Scheme(inertia=False).with_pair(0.5625, 1.0).inertia
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.3, 0.8, 1.0])
+def test_generalised_alpha_is_of_second_order_and_stable(rho):
+    """Chung and Hulbert: γ = 1/2 - αm + αf, αm <= αf <= 1/2, β >= 1/4 + (αf - αm)/2."""
+    s = Scheme.generalised_alpha(rho)
+    assert s.gamma == pytest.approx(0.5 - s.alpha_m + s.alpha_f) and s.alpha_m <= s.alpha_f <= 0.5
+    assert s.beta >= 0.25 + 0.5 * (s.alpha_f - s.alpha_m) - 1e-15
+
+
+def test_only_generalised_alpha_carries_an_algorithmic_acceleration():
+    increment, rate, second, algorithmic = np.random.default_rng(1).normal(size=(4, 5, 3))
+    for scheme in (Scheme.newmark(), CONSERVING, Scheme(inertia=False)):
+        with_it, without = (scheme.advance(increment, rate, second, a, 0.1) for a in (algorithmic, None))
+        assert with_it[2] is None and np.array_equal(with_it[1], without[1])
+    assert ALPHA.advance(increment, rate, second, algorithmic, 0.1)[2].shape == (5, 3)
+    from_true, from_nothing = (ALPHA.advance(increment, rate, second, a, 0.1) for a in (second, None))
+    assert all(np.array_equal(a, b) for a, b in zip(from_true, from_nothing))
+
+
+@pytest.mark.parametrize("scheme", [Scheme(0.3, 0.6), ALPHA, CONSERVING, Scheme(inertia=False)])
+def test_factors_are_the_derivatives_of_the_rule(scheme):
+    rate, second, algorithmic = 0.3, -1.0, 0.7
+    plus, minus = (scheme.advance(du, rate, second, algorithmic, 0.1) for du in (0.5, -0.5))
+    assert plus[0] - minus[0] == pytest.approx(scheme.rate_factor(0.1))
+    assert plus[1] - minus[1] == pytest.approx(scheme.mass_factor(0.1))
+
+
+def test_constant_acceleration_is_exact():
+    for scheme in (Scheme(0.3, 0.6), ALPHA, replace(ALPHA, alpha_m=-0.3), CONSERVING):
+        gain, second, _ = scheme.advance(0.1 * 2.0 + 0.5 * 0.1**2 * 3.0, 2.0, 3.0, None, 0.1)
+        assert (gain, second) == pytest.approx((0.3, 3.0))
