@@ -236,8 +236,8 @@ class Solver:
 
     tolerance          [-] of the residual, relative to the forces acting
     iterations         [-] of Newton before an increment is rejected and halved
-    augmentations      [-] of an augmented Lagrangian, updates of its multipliers before an increment is rejected
-    augmentation_tolerance  [-] change of the contact forces by the last update, relative
+    augmentations      [-] of an augmented Lagrangian, updates of its multipliers in an increment at most
+    augmentation_tolerance  [-] of the forces of the overlap that is left, relative to the forces acting
     linear             preconditioned Krylov method, or a direct solver
     linear_tolerance   [-] relative, of the Krylov method
     line_search        shorten a Newton update that does not reduce the residual
@@ -247,7 +247,7 @@ class Solver:
 
     tolerance: float = 1e-6
     iterations: int = 15
-    augmentations: int = 20
+    augmentations: int = 5
     augmentation_tolerance: float = 1e-3
     linear: Literal["krylov", "direct"] = "krylov"
     linear_tolerance: float = 1e-3

@@ -255,7 +255,7 @@ def _solver(key, solver):
                      "0 is the consistent tangent, 0.1 helps loose sand")
     for name in ("iterations", "augmentations"):
         yield from _need(getattr(solver, name) >= 1, f"{key}.{name}", getattr(solver, name), "at least 1",
-                         "15 and 20 are usual")
+                         "15 and 5 are usual")
 
 
 def _output(key, output):

@@ -130,11 +130,12 @@ class Step:
                    for pair, contact, pose in zip(self.pairs, evaluation.contacts, unknowns.poses))
 
     def augment(self, evaluation):
-        """Update the multipliers of bodies with an augmented Lagrangian; relative change of the contact forces by it,
-        0 without such bodies."""
-        norms = [pair.augment(contact) for pair, contact in zip(self.pairs, evaluation.contacts) if pair.body.augmented]
-        change, size = np.sqrt(np.sum(np.square(norms), axis=0)) if norms else (0.0, 0.0)
-        return change / size if size > 0 else float(change > 0)
+        """Update the multipliers of bodies with an augmented Lagrangian; False when none of them touches anything."""
+        touching = [(pair, contact) for pair, contact in zip(self.pairs, evaluation.contacts)
+                    if pair.body.augmented and len(contact)]
+        for pair, contact in touching:
+            pair.augment(contact)
+        return bool(touching)
 
     def moved(self, unknowns, soil, body, scale=1.0):
         """Unknowns after `scale` times the increments soil (n,), body (m,)."""
