@@ -86,6 +86,8 @@ class Simulation:
             control = Control(length, scene.time.smallest or length / 64)
             model = self.model.for_stage(stage.held, stage.beta, stage.gamma)
             systems = Systems(model)
+            if self.state.step == first:
+                self.state = model.begin(self.state)
             if stage.pull:
                 self.state = replace(self.state, bodies=[
                     rigid.laid_out(b, s) for b, s in zip(self.model.bodies, self.state.bodies)])
