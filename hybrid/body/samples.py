@@ -1,14 +1,14 @@
 """Samples of a body's contact surface: its vertices, and points between them where facets are larger than the soil's.
 
 Every triangle is cut into n² equal ones with edges no longer than a given spacing; the samples are their vertices,
-each with a third of the area of the triangles around it. Flat or curved, sharp or not, the areas add up to that of the
-surface, so that Σ A_s f(y_s) is a quadrature over the body's surface.
+each with a third of the vector area (area times outward normal) of the triangles around it. Seen along a direction n, a
+sample stands for the area -a_s·n: at an edge only for what of its two sides is seen, so that the contact of a flat side
+costs exactly its area, and Σ -a_s·n g_s is the volume of an overlap g along n.
 
 | symbol | field            | shape  | unit |
 |--------|------------------|--------|------|
 | y_s    | Samples.position | (k, 3) | m    |
-| A_s    | Samples.area     | (k,)   | m²   |
-| N_s    | Samples.normal   | (k, 3) | -    |
+| a_s    | Samples.area     | (k, 3) | m²   |
 """
 
 from dataclasses import dataclass
@@ -18,12 +18,11 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Samples:
-    """Samples in the body frame. normal: mean outward normal, weighted by area; triangle (k,) and weights (k, 3): one
-    of the triangles that a sample is on, and the weights of its vertices there."""
+    """Samples in the body frame; triangle (k,) and weights (k, 3): one of the triangles that a sample is on, and the
+    weights of its vertices there."""
 
     position: np.ndarray
     area: np.ndarray
-    normal: np.ndarray
     triangle: np.ndarray
     weights: np.ndarray
 
@@ -36,12 +35,12 @@ def surface_samples(surface, spacing):
     corners = surface.vertices[surface.triangles]
     edges = np.roll(corners, -1, axis=1) - corners
     cuts = np.maximum(1, np.ceil(np.linalg.norm(edges, axis=2).max(axis=1) / spacing - 1e-9)).astype(int)
-    area = 0.5 * np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
+    area = 0.5 * np.cross(edges[:, 0], edges[:, 1])
     parts = [[] for _ in range(4)]
     for n in np.unique(cuts):
         own, (weights, shares) = np.flatnonzero(cuts == n), _lattice(n)
         parts[0].append(np.einsum("sk,tki->tsi", weights, corners[own]).reshape(-1, 3))
-        parts[1].append((area[own, None] * shares).ravel())
+        parts[1].append(np.einsum("ti,s->tsi", area[own], shares).reshape(-1, 3))
         parts[2].append(np.repeat(own, len(shares)))
         parts[3].append(np.tile(weights, (len(own), 1)))
     position, area, triangle, weights = map(np.concatenate, parts)
@@ -62,12 +61,10 @@ def _lattice(n):
 
 
 def _merged(position, area, triangle, weights, surface):
-    """Samples that coincide on edges and vertices become one, with the sum of their areas."""
+    """Samples that coincide on edges and vertices become one, with the sum of their vector areas."""
     cell = 1e-7 * surface.radius
     _, first, same = np.unique(np.round(position / cell), axis=0, return_index=True, return_inverse=True)
     same = same.reshape(-1)
-    normal = np.zeros((len(first), 3))
-    np.add.at(normal, same, area[:, None] * surface.normals[triangle])
-    length = np.linalg.norm(normal, axis=1, keepdims=True)
-    normal = np.divide(normal, length, out=np.zeros_like(normal), where=length > 0)
-    return Samples(position[first], np.bincount(same, weights=area), normal, triangle[first], weights[first])
+    summed = np.zeros((len(first), 3))
+    np.add.at(summed, same, area)
+    return Samples(position[first], summed, triangle[first], weights[first])

@@ -21,7 +21,7 @@ from hybrid.body.attitude import exp_so3, log_so3
 from hybrid.contact.corners import SIGNS
 
 COVER = 1.2          # a domain covers what is within this many half-widths: neighbours do not tile exactly once strained
-FACING = -0.1        # cosine between the normals of soil and body
+FACING = 0.1         # cosine between the normal of the soil and that into the body
 NEIGHBOURS = 6       # faces or domains looked at for each place
 HALVINGS = 12        # of the path, as for corners
 U = np.array([-1.0, 1.0, 1.0, -1.0]) / 4   # s_1a/4 and s_2a/4 of the corners, counter-clockwise seen from outside
@@ -98,26 +98,31 @@ def _covered(x, position, half, grid, point):
     return covered | inside.any(axis=1)
 
 
-def assign(x, normal, start, end, depth, reach):
-    """Face of each place x (k, 3) [m] of the body at the expected end of the step, -1 for none.
+def assign(x, area, end, depth, reach):
+    """Face of each place x (k, 3) [m] of the body at the expected end of the step, and the area (k,) [m²] that it shows
+    to that face, 0 for a place without a face.
 
-    normal: (k, 3) of the body there; start, end: (f, 4, 3) corners of the faces; depth: (f,) [m] below which a place no
-    longer belongs to a face; reach: distance [m] above it.
+    area: (k, 3) [m²] vector area of the body there; end: (f, 4, 3) corners of the faces; depth: (f,) [m] below which a
+    place no longer belongs to a face; reach: distance [m] above it.
     """
-    frame, chosen = Frame.of(end), np.full(len(x), -1)
+    chosen, seen, best = np.zeros(len(x), int), np.zeros(len(x)), np.full(len(x), np.inf)
+    if not len(end):
+        return chosen, seen
+    frame = Frame.of(end)
+    close = np.flatnonzero(((x > end.min(axis=(0, 1)) - reach) & (x < end.max(axis=(0, 1)) + reach)).all(axis=1))
     count = min(NEIGHBOURS, len(end))
     size = np.linalg.norm(end - frame.origin[:, None], axis=2).max()
-    near = cKDTree(frame.origin).query(x, count, distance_upper_bound=size + reach)[1].reshape(len(x), count)
-    best = np.full(len(x), np.inf)
+    near = cKDTree(frame.origin).query(x[close], count, distance_upper_bound=size + reach)[1].reshape(len(close), count)
     for k in range(count):
-        own = np.flatnonzero(near[:, k] < len(end))
-        face = near[own, k]
+        own, face = close[near[:, k] < len(end)], near[near[:, k] < len(end), k]
         part = Frame(frame.origin[face], frame.edges[face], frame.dual[face], frame.normal[face])
         at, gap = part.see(x[own])
+        shown = -np.einsum("mi,mi->m", part.normal, area[own])
         fits = (np.abs(at) <= 1 + 1e-9).all(axis=1) & (gap > -depth[face]) & (gap < reach) & (np.abs(gap) < best[own])
-        fits &= np.einsum("mi,mi->m", part.normal, normal[own]) < FACING
-        chosen[own[fits]], best[own[fits]] = face[fits], np.abs(gap[fits])
-    return chosen
+        fits &= shown > FACING * np.linalg.norm(area[own], axis=1)
+        own, face, gap = own[fits], face[fits], gap[fits]
+        chosen[own], seen[own], best[own] = face, shown[fits], np.abs(gap)
+    return chosen, seen
 
 
 def crossing(y, body, pose, start, end):
