@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hybrid.body import motion
-from hybrid.body.attitude import exp_so3
+from hybrid.body.attitude import cayley, exp_so3
 from hybrid.body.line import line_force
 from hybrid.body.mass import MassProperties
 from hybrid.body.samples import Samples
@@ -110,9 +110,14 @@ def _weight(body, rotation, gravity):
 
 
 def first_guess(body, state, scheme, dt):
-    """Pose after a step in which everything keeps its rate; in a quasi-static scene only what is driven moves."""
+    """Pose after a step in which everything keeps its rate; in a quasi-static scene only what is driven moves.
+
+    The turn is the scheme's own, so that a driven spin is kept to round-off and asks for no moment.
+    """
     rate = np.concatenate([state.velocity, state.rotation @ state.spin]) * body.free * scheme.inertia
-    return moved((state.position, state.rotation), dt * (rate + body.drive))
+    increment = dt * (rate + body.drive)
+    turned = cayley if scheme.rotation == "cayley" else exp_so3
+    return state.position + increment[:3], turned(increment[3:]) @ state.rotation
 
 
 def turn(body, state, pose, scheme, dt):

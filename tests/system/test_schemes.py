@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import hybrid
+import scenes
 from hybrid.body.attitude import exp_so3
 from hybrid.build import build
 from hybrid.errors import StepError
@@ -19,13 +20,7 @@ from hybrid.system.cache import Systems
 from hybrid.system.equations import Step
 
 DT = 0.002
-SCHEMES = {
-    "newmark": {},
-    "dissipative": {"beta": 0.5625, "gamma": 1.0},
-    "alpha": {"scheme": "generalised-alpha"},
-    "alpha 0": {"scheme": "generalised-alpha", "spectral_radius": 0.0},
-    "energy-momentum": {"scheme": "energy-momentum"},
-}
+SCHEMES = {**scenes.SCHEMES, "alpha 0": {"scheme": "generalised-alpha", "spectral_radius": 0.0}}
 
 
 def landing(geometry, stages=(Stage("fall", 12),), **time):

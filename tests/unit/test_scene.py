@@ -290,9 +290,30 @@ def test_materials_that_contradict_themselves(scene, change, words):
         validate(dataclasses.replace(scene, soil=Soil(Material(relative_density=38.0, **change), top=0.0)))
 
 
-def test_a_quasi_static_scene_has_no_velocities(path):
+@pytest.mark.parametrize("motion, component", [("velocity=[1, 0, 0]", "x"), ("spin=[0, 1, 0]", "ry")])
+def test_a_quasi_static_scene_has_no_velocities_unless_driven(path, motion, component):
     assert not load_scene(path, ["time.inertia=false"]).time.inertia
-    assert "time.inertia = true" in refused(path, "time.inertia=false", "body.0.velocity=[1, 0, 0]")
+    quasi_static = ["time.inertia=false", f"body.0.{motion}"]
+    message = refused(path, *quasi_static)
+    assert "time.inertia = true" in message and f"driven = ['{component}']" in message
+    assert "unless driven" in refused(path, *quasi_static, "body.0.driven=['z']")
+    assert load_scene(path, [*quasi_static, f"body.0.driven=['{component}']"]).bodies[0].driven == (component,)
+    assert load_scene(path, [f"body.0.{motion}"]).time.inertia
+
+
+@pytest.mark.parametrize("inertia", ["true", "false"])
+def test_a_component_is_driven_or_held(path, inertia):
+    message = refused(path, f"time.inertia={inertia}", "body.0.driven=['x', 'y', 'rz']")
+    assert "body.0.driven = [y, rz]: must be other than held" in message and "one of the two lists" in message
+
+
+def test_a_spin_is_compared_in_space(path):
+    """Given along the body's axes: e_x of a body turned by 90 degrees about z is e_y of space."""
+    turned = ["time.inertia=false", "body.0.rotation=[0, 0, 2, 90]", "body.0.spin=[1, 0, 0]"]
+    assert "driven = ['ry']" in refused(path, *turned, "body.0.driven=['rx']", "body.0.held=['y']")
+    assert load_scene(path, [*turned, "body.0.driven=['ry']", "body.0.held=['y', 'rx', 'rz']"])
+    assert "zero along held ry" in refused(path, *turned[1:], "body.0.held=['ry']")
+    assert load_scene(path, [*turned[1:], "body.0.held=['rx', 'rz']"])
 
 
 def test_missing_keys_and_files(path, tmp_path):
