@@ -1,8 +1,6 @@
 """Ranges of a scene's values: a generator of faults per dataclass, each with value, limit and remedy."""
 
-from math import prod
-
-import numpy as np
+from math import cos, hypot, prod, radians, sin
 
 from hybrid.scheme import Scheme
 
@@ -199,10 +197,12 @@ def _spatial_spin(body):
     """Spin (3,) about the axes of space, in which rotations are held and driven; round-off of the turn left out."""
     if body.rotation is None or not any(body.rotation[:3]):
         return body.spin
-    axis, spin = np.array(body.rotation[:3]), np.array(body.spin)
-    axis, angle = axis / np.linalg.norm(axis), np.radians(body.rotation[3])
-    turned = spin * np.cos(angle) + np.cross(axis, spin) * np.sin(angle) + axis * (axis @ spin) * (1 - np.cos(angle))
-    return np.where(np.abs(turned) > 1e-12 * np.linalg.norm(spin), turned, 0.0)
+    length, angle = hypot(*body.rotation[:3]), radians(body.rotation[3])
+    (x, y, z), (p, q, r) = (a / length for a in body.rotation[:3]), body.spin
+    along, across = x * p + y * q + z * r, (y * r - z * q, z * p - x * r, x * q - y * p)
+    turned = [v * cos(angle) + w * sin(angle) + a * along * (1 - cos(angle))
+              for v, w, a in zip(body.spin, across, (x, y, z))]
+    return tuple(v if abs(v) > 1e-12 * hypot(*body.spin) else 0.0 for v in turned)
 
 
 def _pull(key, pull):
