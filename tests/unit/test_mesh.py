@@ -176,7 +176,7 @@ def test_broken_geometry_is_refused_with_the_reason(geo, text, reason):
 
 
 def test_geometry_without_volume_elements_is_refused(monkeypatch):
-    monkeypatch.setattr(meshing, "elements", lambda *_: np.zeros((0, 4), dtype=int))
+    monkeypatch.setattr("hybrid.body.mesh.elements", lambda *_: np.zeros((0, 4), dtype=int))
     with pytest.raises(GeometryError, match="no volume elements"):
         generate(GEOMETRY / "box.geo")
 
