@@ -41,7 +41,8 @@ def test_sizes_are_those_of_the_first_step(friction):
 ])
 def test_contact_of_a_body(options, contact, absent):
     """The way of enforcing contact and the share and size of each pass, or that it is left out."""
-    simulation = build(plane(sphere(0.25, 0.1, name="ball", position=(0.0, 0.0, 0.5), friction=0.3, **options), 1, 0.01))
+    ball = sphere(0.25, 0.1, name="ball", position=(0.0, 0.0, 0.5), friction=0.3, **options)
+    simulation = build(plane(ball, 1, 0.01))
     body, sheet = simulation.model.bodies[0], simulation.sheet()
     (line,) = sheet["modelled"]["bodies"]
     assert line == (f"ball: {len(body.surface.triangles)} contact triangles, {body.mass.mass:.6g} kg, "
