@@ -50,19 +50,34 @@ def saved(folder):
         return {name: file[name].tobytes() for name in file.files}
 
 
+def in_one_go_and_in_two(folder, described, stop, end):
+    """Last checkpoints of a run of `end` steps and of one that is stopped and resumed, and the state it stopped in."""
+    hybrid.run(described(end), out=folder / "whole", quiet=True)
+    stopped = hybrid.run(described(stop), out=folder / "parts", quiet=True).state
+    hybrid.run(described(end), out=folder / "parts", resume=True, quiet=True)
+    whole, parts = saved(folder / "whole"), saved(folder / "parts")
+    assert whole.keys() == parts.keys() and len(whole) > 30
+    return whole, parts, stopped
+
+
 @pytest.mark.parametrize("options", [{}, {"linear": "direct"}], ids=["krylov", "direct"])
 def test_contact_goes_on_to_the_last_bit(geometry, tmp_path, options):
     """Multipliers of both passes, sides and anchors of friction are in the checkpoint: no bit of the end differs."""
-    hybrid.run(sliding(geometry, 6, **options), out=tmp_path / "whole", quiet=True)
-    hybrid.run(sliding(geometry, 4, **options), out=tmp_path / "parts", quiet=True)
-    contact = checkpoint.load(tmp_path / "parts/checkpoint.npz").contacts[0]
+    whole, parts, stopped = in_one_go_and_in_two(tmp_path, lambda steps: sliding(geometry, steps, **options), 4, 6)
+    (contact,) = stopped.contacts
     touching = contact.touching
     assert (contact.pressure[touching] > 0).any() and (contact.sample_pressure > 0).any()
     for history in (contact.side[touching], contact.anchor[touching], contact.sample_anchor):
         assert len(history) >= 4 and np.linalg.norm(history, axis=1).all()
-    hybrid.run(sliding(geometry, 6, **options), out=tmp_path / "parts", resume=True, quiet=True)
-    whole, parts = saved(tmp_path / "whole"), saved(tmp_path / "parts")
-    assert whole.keys() == parts.keys() and len(whole) > 30
+    assert [name for name in whole if whole[name] != parts[name]] == []
+
+
+def test_increments_go_on_to_the_last_bit(geometry, tmp_path):
+    """A hard hit halves increments; the run goes on with the one that it stopped at, 7.5 ms of 10 ms."""
+    whole, parts, _ = in_one_go_and_in_two(
+        tmp_path, lambda steps: scene(geometry, steps, {"velocity": (0.4, 0.1, -3.0)}, iterations=4), 3, 4)
+    history = read_history(tmp_path / "parts")
+    assert history["increments"].min() < history["increments"].max() and history["rejections"].sum() > 5
     assert [name for name in whole if whole[name] != parts[name]] == []
 
 
