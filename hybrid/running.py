@@ -20,5 +20,6 @@ def run(scene, out=None, overrides=(), resume=False, quiet=False):
     simulation = build(scene)
     if resume:
         simulation.state = checkpoint.load(folder / checkpoint.NAME, simulation.scene)
+        simulation.increment = checkpoint.read_extra(folder / checkpoint.NAME).get("increment")
     simulation.run(output.standard(folder, progress=not quiet))
     return simulation

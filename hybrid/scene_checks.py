@@ -1,6 +1,6 @@
 """Ranges of a scene's values: a generator of faults per dataclass, each with value, limit and remedy."""
 
-from math import prod
+from math import cos, hypot, prod, radians, sin
 
 from hybrid.scheme import Scheme
 
@@ -181,17 +181,28 @@ def _body(key, body, inertia):
     both = [f for f in body.driven if f in body.held]
     yield from _need(not both, f"{key}.driven", both, "other than held", "keep it in one of the two lists")
     for name, freedoms, motion in (("velocity", ("x", "y", "z"), body.velocity),
-                                   ("spin", ("rx", "ry", "rz"), body.spin)):
+                                   ("spin", ("rx", "ry", "rz"), _spatial_spin(body))):
+        given = getattr(body, name)
         moves = [f for f, v in zip(freedoms, motion) if v and f not in body.driven]
-        yield from _need(inertia or not moves, f"{key}.{name}", motion, "zero in a quasi-static scene, unless driven",
+        yield from _need(inertia or not moves, f"{key}.{name}", given, "zero in a quasi-static scene, unless driven",
                          f"set time.inertia = true, or driven = {moves}")
-        # The spin is given along body axes, held rotations are spatial: comparable in an unturned body only.
-        if name == "velocity" or body.rotation is None:
-            against = [f for f, v in zip(freedoms, motion) if v and f in body.held]
-            yield from _need(not against, f"{key}.{name}", motion, f"zero along held {', '.join(against)}",
-                             "release that freedom or start it at rest")
+        against = [f for f, v in zip(freedoms, motion) if v and f in body.held]
+        yield from _need(not against, f"{key}.{name}", given, f"zero along held {', '.join(against)}",
+                         "release that freedom or start it at rest")
     if body.pull is not None:
         yield from _pull(f"{key}.pull", body.pull)
+
+
+def _spatial_spin(body):
+    """Spin (3,) about the axes of space, in which rotations are held and driven; round-off of the turn left out."""
+    if body.rotation is None or not any(body.rotation[:3]):
+        return body.spin
+    length, angle = hypot(*body.rotation[:3]), radians(body.rotation[3])
+    (x, y, z), (p, q, r) = (a / length for a in body.rotation[:3]), body.spin
+    along, across = x * p + y * q + z * r, (y * r - z * q, z * p - x * r, x * q - y * p)
+    turned = [v * cos(angle) + w * sin(angle) + a * along * (1 - cos(angle))
+              for v, w, a in zip(body.spin, across, (x, y, z))]
+    return tuple(v if abs(v) > 1e-12 * hypot(*body.spin) else 0.0 for v in turned)
 
 
 def _pull(key, pull):

@@ -25,8 +25,7 @@ def model_sheet(scene, model):
         "soil unknowns": pattern.size,
         "body unknowns": body_unknowns,
         "entries of the soil block": entries,
-        "bodies": [f"{b.name}: {len(b.surface.triangles)} contact triangles, {b.mass.mass:.6g} kg, "
-                   f"{np.count_nonzero(b.free)} free components" for b in model.bodies] or "none",
+        "bodies": [_body(*pair) for pair in zip(scene.bodies, model.bodies)] or "none",
         "soil law": scene.soil.material.law if not soil.held else "none, the soil is held",
         "basis": scene.soil.basis if not soil.held else "none, the soil is held",
         "steps": " + ".join(f"{s.steps} {s.name}" for s in scene.stages),
@@ -34,6 +33,18 @@ def model_sheet(scene, model):
         "memory, estimated [MiB]": round(memory / 2**20),
     }
     return {"modelled": modelled, "left out": left_out(scene, model, pattern)}
+
+
+def _body(described, body):
+    """Sizes of a body, what drives it and how it meets the soil."""
+    parts = [f"{len(body.surface.triangles)} contact triangles", f"{body.mass.mass:.6g} kg",
+             f"{np.count_nonzero(body.free)} free components"]
+    if described.driven:
+        parts.append("driven " + " ".join(described.driven))
+    parts.append("augmented Lagrangian" if body.augmented else "penalty")
+    if body.samples is not None:
+        parts.append(f"second pass {body.second_pass:g} with {len(body.samples)} samples")
+    return f"{body.name}: {', '.join(parts)}"
 
 
 def _schemes(scene, scheme):
@@ -78,13 +89,24 @@ def left_out(scene, model, pattern):
     for axis, collapsed in zip("xyz", soil.grid.collapsed):
         if collapsed:
             out.append(f"motion along {axis}: that axis is collapsed")
-    for body in model.bodies:
-        if body.friction == 0.0:
-            out.append(f"friction of {body.name}: its coefficient is 0")
-        if not body.free.all():
-            held = [name for name, free in zip(FREEDOMS, body.free) if not free]
-            out.append(f"held components of {body.name}: {', '.join(held)}")
+    for described, body in zip(scene.bodies, model.bodies):
+        out += _left_out_of(described, body)
     if scene.soil.material.law == "hencky" and not soil.held:
         out.append("plasticity: the soil is elastic")
     out.append("reassembly of the bodies' mass: it turns with them")
     return out
+
+
+def _left_out_of(described, body):
+    """What the contact of a body does without, and its held components."""
+    if body.friction == 0.0:
+        yield f"friction of {body.name}: its coefficient is 0"
+    if body.second_pass == 0.0:
+        yield f"second pass of contact of {body.name}: its share is 0"
+    if body.second_pass == 1.0:
+        yield f"first pass of contact of {body.name}: the second carries all"
+    if not body.augmented:
+        yield f"multipliers of {body.name}: plain penalty"
+    held = [name for name, free in zip(FREEDOMS, body.free) if not free and name not in described.driven]
+    if held:
+        yield f"held components of {body.name}: {', '.join(held)}"

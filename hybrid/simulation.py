@@ -28,6 +28,7 @@ class Simulation:
         self.body_names = [b.name for b in model.bodies]
         self.masses = [b.mass for b in model.bodies]
         self.evaluation = None
+        self.increment = None   # [s] that the next step of this stage tries first; None: all of it
         self._start_energy = energies(model, state)
 
     @property
@@ -83,16 +84,19 @@ class Simulation:
         first = 0
         for stage in scene.stages:
             length = stage.step or scene.time.step
-            control = Control(length, scene.time.smallest or length / 64)
+            begun = self.state.step > first
+            control = Control(begun and self.increment or length, scene.time.smallest or length / 64)
             model = self.model.for_stage(stage.held, stage.beta, stage.gamma)
             systems = Systems(model)
+            if not begun:
+                self.state = model.begin(self.state)
             if stage.pull:
                 self.state = replace(self.state, bodies=[
                     rigid.laid_out(b, s) for b, s in zip(self.model.bodies, self.state.bodies)])
             for stage_step in range(max(1, self.state.step - first + 1), stage.steps + 1):
                 self.state, report = outer_step(
                     model, systems, self.state, length, stage.pull, control, settings)
-                self.evaluation = report.evaluation
+                self.evaluation, self.increment = report.evaluation, control.dt
                 yield self._record(stage.name, stage_step, report)
             first += stage.steps
 

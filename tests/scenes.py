@@ -5,6 +5,12 @@ from pathlib import Path
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
 
 GEOMETRY = Path(__file__).parents[1] / "geometry"
+SCHEMES = {    # values of the time table
+    "newmark": {},
+    "dissipative": {"beta": 0.5625, "gamma": 1.0},
+    "alpha": {"scheme": "generalised-alpha"},
+    "energy-momentum": {"scheme": "energy-momentum"},
+}
 
 
 def scene(name, grid, material, bodies, step, stages, soil=(), time=(), solver=(), gravity=(0.0, 0.0, 0.0)):

@@ -3,47 +3,23 @@
 A geometry declares its parameters with DefineConstant under the name "Parameters/..." (lengths in metres), a
 physical volume "body", a physical surface "contact", and where a body is cut by a symmetry plane a physical
 surface "symmetry". Physical points give names to places, such as the end where a body is pulled.
-
-| field          | what                                                     | shape  | unit |
-|----------------|----------------------------------------------------------|--------|------|
-| points         | nodes of the tetrahedra, in the geometry's coordinates   | (n, 3) | m    |
-| tets           | corners of each tetrahedron, positively oriented         | (m, 4) | -    |
-| contact        | triangles the soil may touch, seen counter-clockwise     | (t, 3) | -    |
-| symmetry       | triangles of the cut face, seen counter-clockwise        | (s, 3) | -    |
-| named_points   | name -> coordinates                                      | (3,)   | m    |
+`hybrid.body.solid` tells what the mesh has to be.
 """
 
 import difflib
 import inspect
 import math
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import gmsh
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
+from hybrid.body.solid import TetMesh, oriented, validate
 from hybrid.errors import GeometryError
 
 PREFIX = "Parameters/"
 TRIANGLE, TETRAHEDRON = 2, 4  # gmsh's numbers of the linear element types
-FLAT = 1e-12  # volume over cubed longest edge below which a tetrahedron counts as flat
-# Faces of a positively oriented tetrahedron, counter-clockwise from outside; face k is opposite corner k.
-FACES = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
-
-
-@dataclass(frozen=True)
-class TetMesh:
-    """Tetrahedra of one solid and the groups of its surface; fields in the module's table."""
-
-    points: np.ndarray
-    tets: np.ndarray
-    contact: np.ndarray
-    symmetry: np.ndarray = field(default_factory=lambda: np.zeros((0, 3), dtype=np.int64))
-    named_points: dict[str, np.ndarray] = field(default_factory=dict)
-    name: str = ""
 
 
 def generate(path, parameters=None, size=None):
@@ -75,9 +51,6 @@ def parameter_names(path):
         found = gmsh.onelab.getNames(f"{PREFIX}.*")
         values = {name[len(PREFIX) :]: gmsh.onelab.getNumber(name) for name in found}
         return {name: float(value[0]) for name, value in values.items() if len(value)}
-
-
-# ---- gmsh --------------------------------------------------------------------------------------------------
 
 
 @contextmanager
@@ -204,139 +177,3 @@ def read_points(path):
             raise GeometryError(f"geometry {path}: physical point '{name}' has {count} points, expected 1")
         named[name] = np.array(gmsh.model.getValue(0, int(entities[0]), []), dtype=float)
     return named
-
-
-# ---- pure numpy --------------------------------------------------------------------------------------------
-
-
-def boundary_faces(tets):
-    """Faces (b, 3) that belong to one tetrahedron only, seen counter-clockwise from outside.
-
-    Raises GeometryError when more than two tetrahedra share a face.
-    """
-    faces = tets[:, FACES].reshape(-1, 3)
-    _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
-    if count.max() > 2:
-        bad = faces[first[np.argmax(count)]]
-        raise GeometryError(f"{count.max()} tetrahedra share the face of nodes {bad.tolist()}, at most 2 can")
-    return faces[first[count == 1]]
-
-
-def oriented(mesh):
-    """The mesh with its contact and symmetry triangles turned outward, where they lie on the boundary."""
-    outward = {tuple(sorted(face)): face for face in boundary_faces(mesh.tets).tolist()}
-
-    def turn(triangles):
-        turned = [outward.get(tuple(sorted(t)), t) for t in triangles.tolist()]
-        return np.array(turned, dtype=np.int64).reshape(-1, 3)
-
-    return replace(mesh, contact=turn(mesh.contact), symmetry=turn(mesh.symmetry))
-
-
-def signed_volumes(points, tets):
-    """Signed volumes (m,) [m³]; positive when corner 3 is on the side that the triangle 0, 1, 2 faces."""
-    a, b, c, d = (points[tets[:, k]] for k in range(4))
-    return np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6.0
-
-
-def validate(mesh):
-    """Raise GeometryError unless `mesh` is one closed, correctly oriented solid covered by its groups."""
-    places = dict(enumerate(mesh.points)) | {f"'{name}'": point for name, point in mesh.named_points.items()}
-    for name, point in places.items():
-        if not np.isfinite(point).all():
-            raise GeometryError(f"{label(mesh)}: point {name} has coordinates {point.tolist()}, not finite")
-    if not len(mesh.tets):
-        raise GeometryError(f"{label(mesh)}: no volume elements")
-    check_volumes(mesh)
-    check_pieces(mesh)
-    boundary = boundary_faces(mesh.tets)
-    check_watertight(mesh, boundary)
-    check_edges(mesh, boundary)
-    check_flat(mesh)
-
-
-def label(mesh):
-    return f"geometry '{mesh.name}'" if mesh.name else "geometry"
-
-
-def place(corners):
-    """Middle of some points, to be read by a person."""
-    return "({:.4g}, {:.4g}, {:.4g}) m".format(*np.mean(corners, axis=0))
-
-
-def check_volumes(mesh):
-    volumes = signed_volumes(mesh.points, mesh.tets)
-    corners = mesh.points[mesh.tets]
-    longest = np.linalg.norm(corners[:, :, None] - corners[:, None, :], axis=3).max(axis=(1, 2))
-    bad = np.flatnonzero(~(volumes > FLAT * longest**3))
-    if len(bad):
-        k = bad[0]
-        kind = "negative" if volumes[k] < 0.0 else "zero"
-        raise GeometryError(
-            f"{label(mesh)}: {len(bad)} of {len(volumes)} tetrahedra have negative or zero volume: the "
-            f"first, number {k}, has a {kind} one of {volumes[k]:.3g} m³, at {place(corners[k])}; "
-            "try another size, or repair the geometry there"
-        )
-
-
-def check_pieces(mesh):
-    """Solids that merely overlap are meshed each on its own and would count twice: they must be fused."""
-    n = len(mesh.points)
-    first, second = mesh.tets[:, [0, 0, 0]].ravel(), mesh.tets[:, 1:].ravel()
-    joined = coo_matrix((np.ones(len(first)), (first, second)), shape=(n, n))
-    piece = connected_components(joined, directed=False)[1]
-    pieces = len(np.unique(piece[mesh.tets[:, 0]]))
-    if pieces > 1:
-        raise GeometryError(f"{label(mesh)} is in {pieces} pieces; a body is one solid: use BooleanUnion")
-
-
-def check_watertight(mesh, boundary):
-    """Contact and symmetry triangles together are the boundary of the tetrahedra, each once, outward."""
-    grouped = np.vstack([mesh.contact, mesh.symmetry]).tolist()
-    wanted = {tuple(sorted(face)): face for face in boundary.tolist()}
-    given = [tuple(sorted(face)) for face in grouped]
-    missing, extra = wanted.keys() - set(given), set(given) - wanted.keys()
-    twice = len(given) - len(set(given))
-    if missing or extra or twice:
-        bad = min(missing or extra or {face for face in given if given.count(face) > 1})
-        raise GeometryError(
-            f"{label(mesh)} is not watertight: of {len(wanted)} faces around the tetrahedra {len(missing)} "
-            f"are in neither 'contact' nor 'symmetry', {len(extra)} triangles of these groups are not on the "
-            f"boundary, {twice} are there twice; the first at {place(mesh.points[list(bad)])}; "
-            "every outer face belongs to exactly one of the two groups"
-        )
-    inward = sum(not same_turn(t, wanted[key]) for t, key in zip(grouped, given))
-    if inward:
-        raise GeometryError(f"{label(mesh)}: {inward} surface triangles face inward: use oriented()")
-
-
-def same_turn(a, b):
-    """Whether two triangles of the same nodes run round in the same sense."""
-    k = b.index(a[0])
-    return a[1] == b[(k + 1) % 3]
-
-
-def check_edges(mesh, boundary):
-    edges = np.sort(boundary[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    unique, count = np.unique(edges, axis=0, return_counts=True)
-    bad = np.flatnonzero(count != 2)
-    if len(bad):
-        raise GeometryError(
-            f"{label(mesh)} is not watertight: {len(bad)} edges of its surface join other than two "
-            f"triangles; the first joins {count[bad[0]]} at {place(mesh.points[unique[bad[0]]])}; "
-            "parts must not touch along an edge only"
-        )
-
-
-def check_flat(mesh):
-    """The cut face must be plane: the model is mirrored in it."""
-    if not len(mesh.symmetry):
-        return
-    points = mesh.points[np.unique(mesh.symmetry)]
-    spread = points - points.mean(axis=0)
-    out_of_plane = np.abs(spread @ np.linalg.svd(spread, full_matrices=False)[2][-1]).max()
-    if out_of_plane > 1e-6 * np.abs(spread).max():
-        raise GeometryError(
-            f"{label(mesh)}: nodes of the physical surface 'symmetry' are up to {out_of_plane:.3g} m off "
-            "its mean plane; a symmetry surface is one plane"
-        )

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hybrid.body import motion
-from hybrid.body.attitude import exp_so3
+from hybrid.body.attitude import cayley, exp_so3
 from hybrid.body.line import line_force
 from hybrid.body.mass import MassProperties
 from hybrid.body.samples import Samples
@@ -94,21 +94,30 @@ def evaluate(body, state, pose, target, gravity, scheme, dt):
     if scheme.inertia:
         inertia, tangent = motion.inertia_residual(
             body.mass.mass, body.mass.inertia, state, position, rotation, dt, scheme)
-    load = body.mass.gravity_load @ (rotation.T @ gravity)
-    weight = -np.concatenate([rotation @ load[:3], rotation @ load[3:]])
     line, tension, energy = np.zeros(6), 0.0, 0.0
     if target is not None:
         tension, line, line_tangent, energy = line_force(
             position, rotation, body.line.attachment, target, body.line.length, body.line.stiffness,
             body.line.tension_only)
         tangent = tangent + line_tangent
-    return BodyTrial(inertia, weight, line, tangent, tension, energy)
+    return BodyTrial(inertia, _weight(body, rotation, gravity), line, tangent, tension, energy)
+
+
+def _weight(body, rotation, gravity):
+    """Residual (6,) [N, N m] of the weight."""
+    load = body.mass.gravity_load @ (rotation.T @ gravity)
+    return -np.concatenate([rotation @ load[:3], rotation @ load[3:]])
 
 
 def first_guess(body, state, scheme, dt):
-    """Pose after a step in which everything keeps its rate; in a quasi-static scene only what is driven moves."""
+    """Pose after a step in which everything keeps its rate; in a quasi-static scene only what is driven moves.
+
+    The turn is the scheme's own, so that a driven spin is kept to round-off and asks for no moment.
+    """
     rate = np.concatenate([state.velocity, state.rotation @ state.spin]) * body.free * scheme.inertia
-    return moved((state.position, state.rotation), dt * (rate + body.drive))
+    increment = dt * (rate + body.drive)
+    turned = cayley if scheme.rotation == "cayley" else exp_so3
+    return state.position + increment[:3], turned(increment[3:]) @ state.rotation
 
 
 def turn(body, state, pose, scheme, dt):
@@ -126,14 +135,36 @@ def accept(body, state, pose, target, reaction, scheme, dt):
     return replace(new, target=target, reaction=reaction)
 
 
+def taken_over(body, state, gravity, scheme):
+    """`state` when guides take hold of a body, and the work [J] of the jolt that brings it to their rates.
+
+    A reaction that is not known yet, as at the start, where nothing touches a body, carries its weight and inertia.
+    """
+    if body.free.all():
+        return state, 0.0
+    new = _guided(body, state)
+    jolt = kinetic_energy(body, new) - kinetic_energy(body, state) if scheme.inertia else 0.0
+    if state.reaction is None:
+        rates = np.zeros(6)
+        if scheme.inertia:
+            rates = np.concatenate([body.mass.mass * new.acceleration,
+                                    motion.momentum_rate(body.mass.inertia, new)])
+        new = replace(new, reaction=np.where(body.free, 0.0, rates + _weight(body, state.rotation, gravity)))
+    return new, jolt
+
+
 def _guided(body, state):
     """`state` with the rates that guides impose: the scheme alone would let one that is stopped swing about zero."""
-    velocity = np.where(body.free[:3], state.velocity, body.drive[:3])
-    acceleration = np.where(body.free[:3], state.acceleration, 0.0)
-    spin = np.where(body.free[3:], state.rotation @ state.spin, body.drive[3:])
-    spin_rate = np.where(body.free[3:], state.rotation @ state.spin_rate, 0.0)
-    return replace(state, velocity=velocity, acceleration=acceleration, spin=state.rotation.T @ spin,
-                   spin_rate=state.rotation.T @ spin_rate)
+    rotation, algorithmic = state.rotation, state.algorithmic
+
+    def imposed(rates, own):    # rates (6,) of translation in space and of turns in the body frame
+        rates = np.where(body.free, np.concatenate([rates[:3], rotation @ rates[3:]]), own)
+        return np.concatenate([rates[:3], rotation.T @ rates[3:]])
+
+    first = imposed(np.concatenate([state.velocity, state.spin]), body.drive)
+    second = imposed(np.concatenate([state.acceleration, state.spin_rate]), 0.0)
+    return replace(state, velocity=first[:3], spin=first[3:], acceleration=second[:3], spin_rate=second[3:],
+                   algorithmic=None if algorithmic is None else imposed(algorithmic, 0.0))
 
 
 def kinetic_energy(body, state):

@@ -3,7 +3,7 @@
 A law is an object with
 
     parameters                                     (n, k) array, one row per point
-    respond(strain, tangent) -> Response           strain (n, 3) trial principal logarithmic strain
+    respond(strain) -> Response                    strain (n, 3) trial principal logarithmic strain
     energy(elastic) -> (n,) [J/m³ of initial volume]
     symmetric                                      True when the tangent is symmetric for every state
 
@@ -22,9 +22,9 @@ class Response:
 
     stress: (n, 3) principal Kirchhoff stress [Pa]
     elastic: (n, 3) principal elastic logarithmic strain after the return
-    tangent: (n, 3, 3) d stress_i / d trial strain_j [Pa], or None when not asked for
+    tangent: (n, 3, 3) d stress_i / d trial strain_j [Pa]
     """
 
     stress: np.ndarray
     elastic: np.ndarray
-    tangent: np.ndarray | None
+    tangent: np.ndarray

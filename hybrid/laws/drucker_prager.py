@@ -48,19 +48,18 @@ class DruckerPrager(Hencky):
         strength = [np.broadcast_to(a, n) for a in (eta, eta_bar, xi * np.asarray(cohesion, float))]
         self.parameters = np.column_stack([self.parameters, *strength])
 
-    def respond(self, strain, tangent=True):
+    def respond(self, strain):
         """Response to (n, 3) trial principal strains."""
-        stress, elastic = np.empty_like(strain), np.empty_like(strain)
-        matrix = np.empty((len(strain) if tangent else 0, 3, 3))
-        _return_map(strain, self.parameters, stress, elastic, matrix)
-        return Response(stress, elastic, matrix if tangent else None)
+        stress, elastic, tangent = np.empty_like(strain), np.empty_like(strain), np.empty((len(strain), 3, 3))
+        _return_map(strain, self.parameters, stress, elastic, tangent)
+        return Response(stress, elastic, tangent)
 
     def energy(self, elastic):
         return stored(elastic, self.parameters)
 
 
 @njit(cache=True, parallel=True)
-def _return_map(strain, parameters, stress, elastic, matrix):
+def _return_map(strain, parameters, stress, elastic, tangent):
     for p in prange(len(strain)):
         K, G, eta, eta_bar, strength = parameters[p]
         trace = strain[p, 0] + strain[p, 1] + strain[p, 2]
@@ -79,8 +78,7 @@ def _return_map(strain, parameters, stress, elastic, matrix):
         for i, e in enumerate((e0, e1, e2)):
             stress[p, i] = 2 * G * scale * e + mean
             elastic[p, i] = scale * e + mean / (3 * K)
-        if len(matrix):
-            _tangent(matrix[p], K, G, eta, eta_bar, multiplier if excess > 0.0 else 0.0, scale, (e0, e1, e2), norm)
+        _tangent(tangent[p], K, G, eta, eta_bar, multiplier if excess > 0.0 else 0.0, scale, (e0, e1, e2), norm)
 
 
 @njit(cache=True)

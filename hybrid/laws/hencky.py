@@ -19,12 +19,11 @@ class Hencky:
         self.young = np.array(young)
         self.parameters = np.column_stack([young / (3 * (1 - 2 * poisson)), young / (2 * (1 + poisson))])
 
-    def respond(self, strain, tangent=True):
+    def respond(self, strain):
         """Response to (n, 3) principal strains."""
-        stress = np.empty_like(strain)
-        matrix = np.empty((len(strain) if tangent else 0, 3, 3))
-        _respond(strain, self.parameters, stress, matrix)
-        return Response(stress, strain, matrix if tangent else None)
+        stress, tangent = np.empty_like(strain), np.empty((len(strain), 3, 3))
+        _respond(strain, self.parameters, stress, tangent)
+        return Response(stress, strain, tangent)
 
     def energy(self, elastic):
         """Stored energy per initial volume (n,) [J/m³]."""
@@ -45,13 +44,11 @@ def stored(elastic, parameters):
 
 
 @njit(cache=True, parallel=True)
-def _respond(strain, parameters, stress, matrix):
+def _respond(strain, parameters, stress, tangent):
     for p in prange(len(strain)):
         bulk, shear = parameters[p, 0], parameters[p, 1]
         trace = strain[p, 0] + strain[p, 1] + strain[p, 2]
         for i in range(3):
             stress[p, i] = (bulk - 2 * shear / 3) * trace + 2 * shear * strain[p, i]
-        if len(matrix):
-            for i in range(3):
-                for j in range(3):
-                    matrix[p, i, j] = bulk - 2 * shear / 3 + (2 * shear if i == j else 0.0)
+            for j in range(3):
+                tangent[p, i, j] = bulk - 2 * shear / 3 + (2 * shear if i == j else 0.0)

@@ -46,14 +46,15 @@ class Checkpoints:
             self._save(simulation)
 
     def _save(self, simulation):
-        save(self.path, simulation.state, simulation.scene)
+        increment = getattr(simulation, "increment", None)
+        save(self.path, simulation.state, simulation.scene, {"increment": increment} if increment else None)
         self.saved = simulation.state.step
 
 
 def save(path, state, scene=None, extra=None):
     """Write `state` (and the scene's fingerprint) to `path` in one move.
 
-    extra: dict of numbers, text or arrays that `read_extra` gives back, such as the current step size.
+    extra: dict of numbers, text or arrays that `read_extra` gives back, such as the current increment.
     """
     arrays = {"format": FORMAT, "scene": json.dumps(fingerprint(scene)), "state/time": state.time}
     arrays["state/step"] = state.step

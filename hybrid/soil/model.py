@@ -87,20 +87,20 @@ class Soil:
         velocity, acceleration, *algorithmic = nodal
         return SoilStep(points, basis, slabs, mass, velocity, acceleration, mass[:, None] * gravity, *algorithmic)
 
-    def evaluate(self, step, displacement, tangent):
+    def evaluate(self, step, displacement):
         """SoilTrial at nodal increments (N, 3) [m], or None when a point would turn inside out."""
         strain = self._kinematics(step.basis, self.grid.shape, displacement, step.points.elastic)
         if strain.inverted:
             return None
-        response = self.law.respond(strain.strain, tangent)
-        if tangent and self._share:
+        response = self.law.respond(strain.strain)
+        if self._share:
             response.tangent[...] += self._share * (self._elastic - response.tangent)
         stress = from_principal(response.stress, strain.directions)
         force = internal_force(step.basis, step.slabs, self.grid.shape, strain, stress, self.constants.volume)
         return SoilTrial(strain, response, stress, force)
 
     def add_stiffness(self, step, trial, pattern, values):
-        """Add the consistent tangent of `trial` (evaluated with tangent=True) to the soil block."""
+        """Add the consistent tangent of `trial` to the soil block."""
         add_stiffness(step.basis, step.slabs, self.grid.shape, trial.strain, trial.response.stress,
                       trial.response.tangent, self.constants.volume, pattern, values)
 

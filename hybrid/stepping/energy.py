@@ -3,7 +3,9 @@
     stored = kinetic + elastic + potential + contact springs + line
     stored(t) - stored(0) + plastic + friction = work of pull and drive + error
 
-Kinetic energy is that of points and bodies; what the transfer between points and grid loses shows in the error.
+Kinetic energy is that of points and bodies, none in a quasi-static scene; what the transfer between points and grid
+loses shows in the error. Drive is the work of guides: of driven components, and of the jolt when a stage holds a body
+that moves or sets off one that rests.
 """
 
 import numpy as np
@@ -19,13 +21,14 @@ def energies(model, state, evaluation=None):
     """Dict of energies and works [J]; contact and line energy come from the evaluation that led to `state`."""
     soil, points = model.soil, state.points
     out = dict.fromkeys(STORED, 0.0)
+    inertia = model.scheme.inertia
     if not soil.held:
         mass = soil.constants.mass
-        out["kinetic"] = 0.5 * float(total(mass * np.sum(points.velocity**2, axis=1)))
+        out["kinetic"] = 0.5 * float(total(mass * np.sum(points.velocity**2, axis=1))) * inertia
         out["elastic"] = soil.stored_energy(points)
         out["potential"] = -float(total(mass * ((points.position - soil.constants.position) @ model.gravity)))
     for body, motion in zip(model.bodies, state.bodies):
-        out["kinetic"] += rigid.kinetic_energy(body, motion)
+        out["kinetic"] += rigid.kinetic_energy(body, motion) * inertia
         out["potential"] -= body.mass.mass * float(motion.position @ model.gravity)
     if evaluation is not None:
         out["contact"] = sum(c.energy for c in evaluation.contacts)

@@ -147,14 +147,14 @@ class Step:
         full[self._free] = scale * body
         return Unknowns(displacement, tuple(rigid.moved(p, d) for p, d in zip(unknowns.poses, full)))
 
-    def evaluate(self, unknowns, tangent=True):
-        """Evaluation at trial unknowns, or None when soil would turn inside out. `tangent`: a tangent will follow."""
+    def evaluate(self, unknowns):
+        """Evaluation at trial unknowns, or None when soil would turn inside out."""
         model, displacement = self.model, unknowns.displacement
         trial = rates = None
         fields = {}
         if self.soil is not None:
             with phase("soil"):
-                trial = model.soil.evaluate(self.soil, displacement, tangent)
+                trial = model.soil.evaluate(self.soil, displacement)
             if trial is None:
                 return None
             rates = model.scheme.advance(displacement, *self.soil.history, self.dt)
@@ -202,7 +202,7 @@ class Step:
         return np.concatenate([np.zeros(0), *residuals]), tuple(reactions), norms, error
 
     def assemble(self, evaluation):
-        """Fill the block system with the tangent at an evaluation made with tangent=True."""
+        """Fill the block system with the tangent at an evaluation."""
         model, system = self.model, self.system
         system.clear()
         if self.soil is not None:

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hybrid.body.rigid import FREEDOMS, RigidBody
+from hybrid.body.rigid import FREEDOMS, RigidBody, taken_over
 from hybrid.scheme import Scheme
 from hybrid.soil.model import Soil
 
@@ -30,3 +30,11 @@ class Model:
         held = np.isin(FREEDOMS, held)
         bodies = tuple(replace(b, free=b.free & ~held, drive=b.drive * ~held) for b in self.bodies)
         return replace(self, scheme=self.scheme.with_pair(beta, gamma), bodies=bodies)
+
+    def begin(self, state):
+        """`state` at the start of a stage of this model: guides take hold of the bodies, and the jolt is their work."""
+        taken = [taken_over(b, s, self.gravity, self.scheme) for b, s in zip(self.bodies, state.bodies)]
+        jolt, work = sum(jolt for _, jolt in taken), dict(state.work)
+        if jolt:
+            work["drive"] = work.get("drive", 0.0) + jolt
+        return replace(state, bodies=[motion for motion, _ in taken], work=work)

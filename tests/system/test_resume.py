@@ -1,5 +1,7 @@
 """A run that stops keeps what it has and goes on from there to the same end."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,16 +9,17 @@ import hybrid
 from hybrid import Axis, Body, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
 from hybrid.build import build
 from hybrid.errors import StepError
+from hybrid.output import checkpoint
 from hybrid.output.history import read_history
 
 
-def scene(geometry, steps=6, **solver):
+def scene(geometry, steps=6, body={}, **solver):
     axis = Axis(start=0.0, end=0.8, size=0.2)
     return Scene(
         name="pressed", grid=Grid(axis, axis, Axis(start=-0.6, end=0.2, size=0.2), Faces(z_min="fixed")),
         soil=Soil(Material(law="hencky", young=1e6, poisson=0.3, density=1800.0), top=0.0),
-        bodies=(Body(geometry=geometry / "sphere.geo", density=3000.0, parameters={"radius": 0.25, "size": 0.12},
-                     position=(0.41, 0.39, 0.0), rest_on=0.0, friction=0.3),),
+        bodies=(Body(**{"geometry": geometry / "sphere.geo", "density": 3000.0, "position": (0.41, 0.39, 0.0),
+                        "parameters": {"radius": 0.25, "size": 0.12}, "rest_on": 0.0, "friction": 0.3, **body}),),
         time=Time(step=0.01), stages=(Stage("press", steps),), solver=Solver(tolerance=1e-9, **solver),
         output=Output(every=0, checkpoint=2))
 
@@ -31,6 +34,88 @@ def test_resumed_run_ends_where_the_whole_run_ends(geometry, tmp_path):
     assert np.allclose(resumed.state.points.position, whole.state.points.position, rtol=0, atol=1e-9)
     history = read_history(tmp_path)
     assert history["step"].tolist() == [1, 2, 3, 4, 5, 6]
+
+
+def sliding(geometry, steps, **solver):
+    """The scene with a box that slides, under both passes and multipliers. These settle slowly where samples outnumber
+    the corners that carry them: 1e-2 of the forces still changes after 20 updates."""
+    body = {"geometry": geometry / "box.geo", "parameters": {"length": 0.4, "width": 0.3, "height": 0.2, "size": 0.2},
+            "velocity": (0.2, 0.1, 0.0), "spin": (0.0, 0.0, 0.5), "second_pass": 0.5, "enforcement": "augmented"}
+    return scene(geometry, steps, body, **{"augmentation_tolerance": 0.1} | solver)
+
+
+def saved(folder):
+    """Every array of a checkpoint, as bytes."""
+    with np.load(folder / "checkpoint.npz") as file:
+        return {name: file[name].tobytes() for name in file.files}
+
+
+def in_one_go_and_in_two(folder, described, stop, end):
+    """Last checkpoints of a run of `end` steps and of one that is stopped and resumed, and the state it stopped in."""
+    hybrid.run(described(end), out=folder / "whole", quiet=True)
+    stopped = hybrid.run(described(stop), out=folder / "parts", quiet=True).state
+    hybrid.run(described(end), out=folder / "parts", resume=True, quiet=True)
+    whole, parts = saved(folder / "whole"), saved(folder / "parts")
+    assert whole.keys() == parts.keys() and len(whole) > 30
+    return whole, parts, stopped
+
+
+@pytest.mark.parametrize("options", [{}, {"linear": "direct"}], ids=["krylov", "direct"])
+def test_contact_goes_on_to_the_last_bit(geometry, tmp_path, options):
+    """Multipliers of both passes, sides and anchors of friction are in the checkpoint: no bit of the end differs."""
+    whole, parts, stopped = in_one_go_and_in_two(tmp_path, lambda steps: sliding(geometry, steps, **options), 4, 6)
+    (contact,) = stopped.contacts
+    touching = contact.touching
+    assert (contact.pressure[touching] > 0).any() and (contact.sample_pressure > 0).any()
+    for history in (contact.side[touching], contact.anchor[touching], contact.sample_anchor):
+        assert len(history) >= 4 and np.linalg.norm(history, axis=1).all()
+    assert [name for name in whole if whole[name] != parts[name]] == []
+
+
+def test_increments_go_on_to_the_last_bit(geometry, tmp_path):
+    """A hard hit halves increments; the run goes on with the one that it stopped at, 7.5 ms of 10 ms."""
+    whole, parts, _ = in_one_go_and_in_two(
+        tmp_path, lambda steps: scene(geometry, steps, {"velocity": (0.4, 0.1, -3.0)}, iterations=4), 3, 4)
+    history = read_history(tmp_path / "parts")
+    assert history["increments"].min() < history["increments"].max() and history["rejections"].sum() > 5
+    assert [name for name in whole if whole[name] != parts[name]] == []
+
+
+@pytest.fixture(scope="module")
+def stopped(geometry, tmp_path_factory):
+    """Simulation of one more step, the state that a run stopped in, and the body's velocity a step later."""
+    folder = tmp_path_factory.mktemp("stopped")
+    state = hybrid.run(sliding(geometry, 4), out=folder, quiet=True).state
+    simulation = build(sliding(geometry, 5))
+    return simulation, state, one_step_on(simulation, state)
+
+
+def one_step_on(simulation, state):
+    simulation.state = state
+    list(simulation.steps())
+    return simulation.state.bodies[0].velocity
+
+
+@pytest.mark.parametrize("forgotten", ["pressure", "anchor", "sample_anchor", "sample_pressure"])
+def test_each_part_of_the_contact_history_matters(stopped, forgotten):
+    """The end is another when one of them is lost. (Sides tell at rims and thin plates only.)"""
+    simulation, state, velocity = stopped
+    (contact,) = state.contacts
+    lost = replace(state, contacts=[replace(contact, **{forgotten: np.zeros_like(getattr(contact, forgotten))})])
+    assert np.array_equal(one_step_on(simulation, state), velocity)
+    assert np.abs(one_step_on(simulation, lost) - velocity).max() > 1e-9
+
+
+def test_a_checkpoint_of_another_format_is_refused(geometry, tmp_path):
+    hybrid.run(scene(geometry, steps=2), out=tmp_path, quiet=True)
+    path = tmp_path / "checkpoint.npz"
+    with np.load(path) as file:
+        old = {**file, "format": checkpoint.FORMAT - 1}
+    np.savez(path, **old)
+    with pytest.raises(checkpoint.CheckpointError) as refusal:
+        hybrid.run(scene(geometry, steps=4), out=tmp_path, resume=True, quiet=True)
+    told = f"{path} has format {checkpoint.FORMAT - 1}, this version reads {checkpoint.FORMAT}: start afresh"
+    assert str(refusal.value) == told
 
 
 def test_failed_run_keeps_its_steps_and_says_how_to_go_on(geometry, tmp_path):

@@ -3,17 +3,22 @@
 Slope test: with K exact, |R(u + h d) - R(u) - h K d| falls as h². Rates are asserted; a broken tangent falls as h.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from scipy.sparse import csr_matrix
 
+from hybrid.body.rigid import FREEDOMS
 from hybrid.build import build
+from hybrid.contact import probes
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Scene, Soil, Stage, Time
 from hybrid.system.cache import Systems
 from hybrid.system.equations import Step
 
 
-def scene(geometry, law, friction, depth=0.02, held=()):
-    """A small block of soil with a sphere pressed `depth` into its middle."""
+def scene(geometry, law, friction, depth=0.02, held=(), **body):
+    """A small block of soil with a sphere pressed `depth` into its middle; `body`: more of the sphere's options."""
     velocity, spin = np.array((0.4, 0.1, -depth / 0.01)), np.array((0.5, -1.0, 0.3))
     velocity[np.isin(("x", "y", "z"), held)] = 0.0
     spin[np.isin(("rx", "ry", "rz"), held)] = 0.0
@@ -28,35 +33,39 @@ def scene(geometry, law, friction, depth=0.02, held=()):
         soil=Soil(material, top=0.0),
         bodies=(Body(geometry=geometry / "sphere.geo", density=3000.0, parameters={"radius": 0.25, "size": 0.12},
                      position=(0.43, 0.37, 0.25 + 0.005), velocity=tuple(velocity), spin=tuple(spin),
-                     friction=friction, held=held),),
+                     friction=friction, held=held, **body),),
         time=Time(step=0.01), stages=(Stage("one", 1),))
 
 
-def prepared(described, seed=1, size=2e-3):
-    """A Step of the scene and trial unknowns away from rest."""
+def prepared(described, seed=1, size=2e-3, updates=0):
+    """A Step of the scene and trial unknowns away from rest; contact multipliers take over the pressures of as many
+    others, deeper ones, as there are `updates`."""
     simulation = build(described)
     rng = np.random.default_rng(seed)
     points = simulation.state.points
     points.velocity[:] = 0.1 * rng.standard_normal(points.velocity.shape)
     points.acceleration[:] = rng.standard_normal(points.acceleration.shape)
     step = Step(simulation.model, simulation.state, described.time.step, True, Systems(simulation.model))
+    free = simulation.model.body_free[0]
+    for _ in range(updates):
+        deeper = np.array([0.0, 0.0, -3e-3, 0.0, 0.0, 0.0])[free]
+        change = step.augment(step.evaluate(step.moved(step.start(), np.zeros(step.pattern.size), deeper)))
+        assert change > 0.1
     soil = size * rng.standard_normal(step.pattern.size)
-    body = np.array([2e-3, -1e-3, -3e-3, 0.02, -0.03, 0.04])[simulation.model.body_free[0]]
+    body = np.array([2e-3, -1e-3, -3e-3, 0.02, -0.03, 0.04])[free]
     return step, step.moved(step.start(), soil, body)
 
 
 def dense_tangent(step):
-    from scipy.sparse import csr_matrix
-
     system, pattern = step.system, step.pattern
     uu = csr_matrix((system.values, pattern.indices, pattern.indptr)).toarray()
     return np.block([[uu, system.uw], [system.wu, system.ww]])
 
 
-def remainders(step, unknowns, direction, sizes, spoil=lambda K: K):
-    """|R(u + h d) - R(u) - h K d| for each h."""
+def remainders(step, unknowns, direction, sizes, spoil=lambda K: K, linearised=lambda evaluation: evaluation):
+    """|R(u + h d) - R(u) - h K d| for each h; `linearised`: evaluation of which K is the tangent."""
     start = step.evaluate(unknowns)
-    step.assemble(start)
+    step.assemble(linearised(start))
     slope = spoil(dense_tangent(step)) @ direction
     n = step.pattern.size
     base = np.concatenate([start.soil, start.body])
@@ -67,12 +76,12 @@ def remainders(step, unknowns, direction, sizes, spoil=lambda K: K):
     return np.array(out)
 
 
-def observed_rate(step, unknowns, spoil=lambda K: K, seed=3):
+def observed_rate(step, unknowns, seed=3, **broken):
     rng = np.random.default_rng(seed)
     n, m = step.pattern.size, step.system.body_unknowns
     direction = np.concatenate([rng.standard_normal(n), rng.standard_normal(m)])
     sizes = 2e-5 / 2.0 ** np.arange(4)
-    r = remainders(step, unknowns, direction, sizes, spoil)
+    r = remainders(step, unknowns, direction, sizes, **broken)
     return np.polyfit(np.log(sizes), np.log(r), 1)[0]
 
 
@@ -101,17 +110,91 @@ def test_plastic_points_are_tested(geometry):
 def test_slope_test_fails_on_a_broken_block(geometry, block):
     step, unknowns = prepared(scene(geometry, "hencky", 0.3))
     n = step.pattern.size
-    rows, columns = slice(0, n) if block[0] == "u" else slice(n, None), slice(0, n) if block[1] == "u" else slice(n, None)
+    rows, columns = (slice(0, n) if field == "u" else slice(n, None) for field in block)
 
     def spoil(K):
         K = K.copy()
         K[rows, columns] *= 1.01
         return K
 
-    assert observed_rate(step, unknowns, spoil) < 1.5
+    assert observed_rate(step, unknowns, spoil=spoil) < 1.5
 
 
-def test_held_components_of_a_body_are_no_unknowns(geometry):
-    step, unknowns = prepared(scene(geometry, "hencky", 0.3, held=("y", "rx", "rz")))
-    assert step.system.body_unknowns == 3
+# ------------------------------------------------------------------ second pass, multipliers
+
+
+@pytest.mark.parametrize("state", ["no multipliers", "overlap", "gap"])
+@pytest.mark.parametrize("friction", [0.02, 50.0])
+@pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
+def test_tangent_with_a_second_pass_and_multipliers(geometry, share, friction, state):
+    """p = λ - ε_N g, of which corners carry 1 - share and samples share; λ > 0 may press across a gap. Slip of every
+    contact at μ = 0.02, stick at μ = 50."""
+    described = scene(geometry, "hencky", friction, second_pass=share, enforcement="augmented")
+    step, unknowns = prepared(described, updates=int(state != "no multipliers"))
+    if state == "gap":
+        unknowns = step.moved(unknowns, np.zeros(step.pattern.size), np.array([0.0, 0.0, 0.02, 0.0, 0.0, 0.0]))
+    contact, pair = step.evaluate(unknowns).contacts[0], step.pairs[0]
+    for held, touch, used in ((pair.corners, contact.corners, share < 1), (pair.probes, contact.samples, share > 0)):
+        if used:
+            assert len(touch) >= 4 and (touch.gap > 0).all() == (state == "gap")
+            assert touch.slip.all() if friction == 0.02 else not touch.slip.any()
+            assert (held.pressure[touch.active] > 0).any() == (state != "no multipliers")
     assert observed_rate(step, unknowns) > 1.85
+
+
+@pytest.mark.parametrize("term", ["at", "normal", "sliding"])
+def test_slope_test_fails_on_a_broken_second_pass(geometry, term, monkeypatch):
+    """A sample whose weights do not follow, whose normal does not turn, or whose way does not stretch: rate 1."""
+    step, unknowns = prepared(scene(geometry, "hencky", 50.0, second_pass=1.0))
+    complete = probes._motions
+    monkeypatch.setattr(probes, "_motions", lambda *args: replace(
+        complete(*args), **{term: np.zeros_like(getattr(complete(*args), term))}))
+    assert observed_rate(step, unknowns) < 1.5
+
+
+@pytest.mark.parametrize("share", [0.0, 1.0])
+def test_slope_test_fails_without_multipliers_in_the_tangent(geometry, share):
+    """K of p = -ε_N g against R of p = λ - ε_N g: rate 1."""
+    step, unknowns = prepared(scene(geometry, "hencky", 0.3, second_pass=share, enforcement="augmented"), updates=1)
+    pair = step.pairs[0]
+
+    def linearised(evaluation):
+        saved = pair.corners, pair.probes
+        pair.corners, pair.probes = (
+            held and replace(held, pressure=0 * held.pressure) for held in saved)
+        plain = step.evaluate(unknowns)
+        pair.corners, pair.probes = saved
+        return replace(evaluation, contacts=plain.contacts)
+
+    assert observed_rate(step, unknowns, linearised=linearised) < 1.5
+
+
+# ------------------------------------------------------------------ guided components
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5])
+@pytest.mark.parametrize("guide", ["held", "driven"])
+def test_guided_components_of_a_body_are_no_unknowns(geometry, guide, share):
+    guided = ("y", "rx", "rz")
+    described = scene(geometry, "hencky", 0.3, second_pass=share, **{guide: guided})
+    step, unknowns = prepared(described)
+    assert step.system.body_unknowns == 3 and dense_tangent(step).shape == (step.pattern.size + 3,) * 2
+    assert observed_rate(step, unknowns) > 1.85
+
+
+@pytest.mark.parametrize("driven", [("x",), ("z", "ry"), FREEDOMS])
+def test_rows_and_columns_of_driven_components_are_absent(geometry, driven):
+    """K of a body that is driven along its own path is K of the free body there without those rows and columns,
+    but for the moment of the spin rate that the body starts with, which guides change (3e-10 of K)."""
+    tangents, poses = [], []
+    for some in ((), driven):
+        step, _ = prepared(scene(geometry, "hencky", 0.3, second_pass=0.5, driven=some))
+        unknowns = step.start()
+        step.assemble(step.evaluate(unknowns))
+        tangents.append(dense_tangent(step))
+        poses.append(unknowns.poses[0])
+    np.testing.assert_allclose(poses[0][0], poses[1][0], rtol=0, atol=1e-15)
+    np.testing.assert_allclose(poses[0][1], poses[1][1], rtol=0, atol=1e-15)
+    kept = np.append(np.ones(step.pattern.size, bool), ~np.isin(FREEDOMS, driven))
+    wanted = tangents[0][np.ix_(kept, kept)]
+    np.testing.assert_allclose(tangents[1], wanted, rtol=0, atol=1e-9 * np.abs(wanted).max())

@@ -105,7 +105,7 @@ def block(law, basis="gimp", plane=False, seed=3):
 
 def stiffness(soil, step, displacement, law=None):
     """Stiffness on the free unknowns (sparse) and the pattern; `law` may give another, wrong tangent."""
-    trial = soil.evaluate(step, displacement, True)
+    trial = soil.evaluate(step, displacement)
     if law is not None:
         wrong = law.respond(trial.strain.strain)
         trial = SimpleNamespace(strain=trial.strain, response=SimpleNamespace(
@@ -120,10 +120,10 @@ def observed_rate(soil, step, displacement, K, free):
     """Rate at which |f(u + h d) - f(u) - h K d| falls with h."""
     d = np.zeros_like(displacement)
     d[free] = np.random.default_rng(8).standard_normal(np.count_nonzero(free))
-    start = soil.evaluate(step, displacement, True).force[free].copy()
+    start = soil.evaluate(step, displacement).force[free].copy()
     sizes, left = 2e-7 / 2.0 ** np.arange(4), []   # so small that hardly a point crosses the edge of yielding
     for h in sizes:
-        there = soil.evaluate(step, displacement + h * d, True).force[free]
+        there = soil.evaluate(step, displacement + h * d).force[free]
         left.append(np.linalg.norm(there - start - h * (K @ d[free])))
     return np.polyfit(np.log(sizes), np.log(left), 1)[0]
 
@@ -142,7 +142,7 @@ def test_stiffness_is_the_derivative_of_the_internal_force(law, basis, plane):
 
 def test_the_block_of_sand_yields_in_part():
     soil, step, displacement = block("drucker-prager")
-    trial = soil.evaluate(step, displacement, True)
+    trial = soil.evaluate(step, displacement)
     flow = np.abs(trial.strain.strain - trial.response.elastic).max(axis=1) > 1e-9
     apex = ~trial.response.tangent.any(axis=(1, 2))
     assert 0.2 < flow.mean() < 0.95 and 0.02 < apex.mean() < 0.5
@@ -155,7 +155,7 @@ def test_slope_test_fails_without_geometric_or_plastic_terms(law):
     if law == "drucker-prager":
         K, pattern = stiffness(soil, step, displacement, LAWS["hencky"](len(soil.constants)))
     else:
-        trial = soil.evaluate(step, displacement, True)
+        trial = soil.evaluate(step, displacement)
         pattern = make_pattern(step.active, soil.grid.fixed, soil.grid.shape)
         values = np.zeros(len(pattern.indices))
         add_stiffness(step.basis, step.slabs, soil.grid.shape, trial.strain, 0 * trial.response.stress,
@@ -178,10 +178,10 @@ def test_internal_force_is_the_gradient_of_the_stored_energy():
     h = 1e-5
 
     def energy(u):
-        trial = soil.evaluate(step, u, False)
+        trial = soil.evaluate(step, u)
         return np.sum(soil.law.energy(trial.strain.strain) * soil.constants.volume)
 
-    power = np.sum(soil.evaluate(step, displacement, False).force * d)
+    power = np.sum(soil.evaluate(step, displacement).force * d)
     slope = (energy(displacement + h * d) - energy(displacement - h * d)) / (2 * h)
     assert slope == pytest.approx(power, rel=1e-7)
 

@@ -7,8 +7,8 @@ import gmsh
 import numpy as np
 import pytest
 
-from hybrid.body import mesh as meshing
-from hybrid.body.mesh import TetMesh, boundary_faces, generate, oriented, parameter_names, validate
+from hybrid.body.mesh import generate, parameter_names
+from hybrid.body.solid import TetMesh, boundary_faces, oriented, signed_volumes, validate
 from hybrid.errors import GeometryError
 
 GEOMETRY = Path(__file__).parents[2] / "geometry"
@@ -60,7 +60,7 @@ def enclosed(points, triangles):
 def test_shipped_geometry_is_a_closed_outward_solid(name):
     mesh = generate(GEOMETRY / f"{name}.geo")
     surface = np.vstack([mesh.contact, mesh.symmetry])
-    volume = meshing.signed_volumes(mesh.points, mesh.tets).sum()
+    volume = signed_volumes(mesh.points, mesh.tets).sum()
     assert volume > 0.0
     assert enclosed(mesh.points, surface) == pytest.approx(volume, rel=1e-12)
     assert mesh.name == name
@@ -176,7 +176,7 @@ def test_broken_geometry_is_refused_with_the_reason(geo, text, reason):
 
 
 def test_geometry_without_volume_elements_is_refused(monkeypatch):
-    monkeypatch.setattr(meshing, "elements", lambda *_: np.zeros((0, 4), dtype=int))
+    monkeypatch.setattr("hybrid.body.mesh.elements", lambda *_: np.zeros((0, 4), dtype=int))
     with pytest.raises(GeometryError, match="no volume elements"):
         generate(GEOMETRY / "box.geo")
 

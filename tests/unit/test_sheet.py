@@ -9,6 +9,7 @@ from hybrid.build import build
 from hybrid.scene_file import load_scene
 from hybrid.system.cache import Systems
 from hybrid.system.equations import Step
+from scenes import plane, sphere
 
 DEMOS = Path(__file__).parents[2] / "demos"
 
@@ -30,6 +31,32 @@ def test_sizes_are_those_of_the_first_step(friction):
     assert sheet["modelled"]["material points"] == len(simulation.state.points)
     assert sheet["modelled"]["body unknowns"] == 3
     assert any("friction" in line for line in sheet["left out"]) == (friction == 0.0)
+
+
+@pytest.mark.parametrize("options, contact, absent", [
+    ({}, "penalty", ["second pass of contact of ball: its share is 0", "multipliers of ball: plain penalty"]),
+    ({"second_pass": 0.5, "enforcement": "augmented"}, "augmented Lagrangian, second pass 0.5 with {} samples", []),
+    ({"second_pass": 1.0}, "penalty, second pass 1 with {} samples",
+     ["first pass of contact of ball: the second carries all", "multipliers of ball: plain penalty"]),
+])
+def test_contact_of_a_body(options, contact, absent):
+    """The way of enforcing contact and the share and size of each pass, or that it is left out."""
+    ball = sphere(0.25, 0.1, name="ball", position=(0.0, 0.0, 0.5), friction=0.3, **options)
+    simulation = build(plane(ball, 1, 0.01))
+    body, sheet = simulation.model.bodies[0], simulation.sheet()
+    (line,) = sheet["modelled"]["bodies"]
+    assert line == (f"ball: {len(body.surface.triangles)} contact triangles, {body.mass.mass:.6g} kg, "
+                    f"6 free components, {contact.format(body.samples and len(body.samples))}")
+    assert [text for text in sheet["left out"] if "ball" in text] == absent
+
+
+def test_driven_components_are_modelled_and_held_ones_left_out():
+    """A component driven at rate 0 is driven all the same."""
+    ball = sphere(0.25, 0.1, name="ball", position=(0.0, 0.0, 0.5), velocity=(1.0, 0.0, 0.0), driven=("x", "z"),
+                  held=("rx", "rz"))
+    sheet = build(plane(ball, 1, 0.01)).sheet()
+    assert ", 2 free components, driven x z, penalty" in sheet["modelled"]["bodies"][0]
+    assert "held components of ball: rx, rz" in sheet["left out"]
 
 
 def test_demo_anchor_starts_in_equilibrium():

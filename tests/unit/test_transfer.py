@@ -78,7 +78,7 @@ def test_linear_field_gives_its_gradient(case):
     gradient = np.random.default_rng(1).uniform(-0.1, 0.1, (3, 3))
     gradient[soil.grid.collapsed] = gradient[:, soil.grid.collapsed] = 0.0
     nodes = np.stack([a.ravel() for a in np.meshgrid(*soil.grid.axes, indexing="ij")], axis=1)
-    increment = soil.evaluate(step, nodes @ gradient.T, True).strain.increment
+    increment = soil.evaluate(step, nodes @ gradient.T).strain.increment
     assert np.abs(increment - np.eye(3) - gradient).max() < 1e-12
 
 
@@ -88,7 +88,7 @@ def test_internal_forces_are_in_balance(case):
     rng = np.random.default_rng(9)
     displacement = 0.02 * soil.grid.smallest_cell * rng.standard_normal((soil.grid.node_count, 3))
     displacement[soil.grid.fixed] = 0.0
-    force = soil.evaluate(step, displacement, True).force
+    force = soil.evaluate(step, displacement).force
     nodes = np.stack([a.ravel() for a in np.meshgrid(*soil.grid.axes, indexing="ij")], axis=1) + displacement
     size = np.abs(force).sum()
     assert np.abs(force.sum(axis=0)).max() < 1e-13 * size
@@ -99,7 +99,7 @@ def test_internal_forces_are_in_balance(case):
 def computed(soil, points, displacement):
     """Everything the soil adds into shared arrays, from one begin to the stiffness."""
     step = soil.begin(points, np.array([0.0, 0.0, -9.81]))
-    trial = soil.evaluate(step, displacement, True)
+    trial = soil.evaluate(step, displacement)
     pattern = make_pattern(step.active, soil.grid.fixed, soil.grid.shape)
     values = np.zeros(len(pattern.indices))
     soil.add_stiffness(step, trial, pattern, values)

@@ -1,0 +1,109 @@
+"""Corners of the points' domains: carried by the grid, found where they are near, followed while they stay near."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from contact_bed import RIGHT_HAND, ball, bed, body_at, box, found_in_bed, touch_of
+from hybrid.body.closest import closest
+from hybrid.build import build
+from hybrid.contact import friction
+from hybrid.contact.corners import SIGNS
+from hybrid.scene import Axis, Body, Faces, Grid, Material, Scene, Soil, Stage, Time
+from hybrid.state import ContactHistory
+from hybrid.system.cache import Systems
+from hybrid.system.equations import Step, Unknowns
+
+
+def pressed(geometry, steps=4):
+    """Simulation of a sphere pressed into a soft block, frictionless, after a few steps."""
+    axis = Axis(start=0.0, end=0.8, size=0.2)
+    described = Scene(
+        name="block", grid=Grid(axis, axis, Axis(start=-0.6, end=0.2, size=0.2), Faces(z_min="fixed")),
+        soil=Soil(Material(law="hencky", young=2e5, poisson=0.2, density=1800.0), top=0.0, geostatic=False),
+        bodies=(Body(
+            geometry=geometry / "sphere.geo", density=3000.0, parameters={"radius": 0.25, "size": 0.12},
+            position=(0.43, 0.37, 0.25), velocity=(0.3, 0.0, -1.5)),),
+        gravity=(0.0, 0.0, 0.0), time=Time(step=0.01), stages=(Stage("press", steps),))
+    simulation = build(described)
+    simulation.run()
+    return simulation
+
+
+def contact_energy_at_rest(simulation, state):
+    step = Step(simulation.model, state, 0.01, False, Systems(simulation.model))
+    rest = Unknowns(np.zeros((simulation.model.soil.grid.node_count, 3)),
+                    tuple((b.position, b.rotation) for b in state.bodies))
+    return step.evaluate(rest).contacts[0].energy
+
+
+def test_contact_energy_does_not_jump_between_steps(geometry):
+    """Corners are carried as material points. Placed anew at x_p ± l they would jump, and energy too."""
+    simulation = pressed(geometry)
+    committed = simulation.evaluation.contacts[0].corners
+    assert len(committed) >= 4 and committed.energy > 0.0
+    state = simulation.state
+    assert contact_energy_at_rest(simulation, state) == pytest.approx(committed.energy, rel=1e-10)
+    anew = replace(state, contacts=[ContactHistory.empty()])
+    assert abs(contact_energy_at_rest(simulation, anew) / committed.energy - 1) > 0.02
+
+
+def test_weights_of_nodes_without_mass_go_to_the_others():
+    surface, body = ball(), body_at((0.4, 0.4, 0.2))
+    grid, everywhere = found_in_bed(surface, body)
+    upper = np.broadcast_to(grid.axes[2] > 1e-9, grid.shape).ravel()
+    _, corners = found_in_bed(surface, body, active=~upper)
+    full = {id: both for id, *both in zip(everywhere.id, everywhere.node, everywhere.weight)}
+    moved = 0
+    for id, node, weight in zip(corners.id, corners.node, corners.weight):
+        node_full, weight_full = full[id]
+        np.testing.assert_array_equal(node, node_full)
+        assert weight.sum() == pytest.approx(1.0, rel=1e-14)
+        assert not weight[upper[node]].any()
+        kept = ~upper[node]
+        np.testing.assert_allclose(weight[kept], weight_full[kept] / weight_full[kept].sum(), rtol=1e-13)
+        moved += weight_full[~kept].sum() > 1e-3
+    assert moved > 3
+    assert len(found_in_bed(surface, body, active=np.zeros(grid.node_count, bool))[1]) == 0
+
+
+def brute_force(position, half, body, surface, reach):
+    """Numbers of all corners within reach, one by one."""
+    place = position[:, None] + SIGNS * half[:, None]
+    y = (place.reshape(-1, 3) - body.position) @ body.rotation
+    gaps = np.array([closest(tuple(point), np.inf, surface.tree)[4] for point in y])
+    return np.flatnonzero(np.abs(gaps) < reach)
+
+
+@pytest.mark.parametrize("surface, position", [
+    (ball(), (0.4, 0.35, 0.2)), (box(2, (0.2, 0.15, 0.1)), (0.5, 0.3, 0.08)),
+    (box(1, (0.2, 0.15, 0.1)), (0.9, 0.9, 0.3))])
+@pytest.mark.parametrize("reach", [0.02, 0.1])
+def test_corner_search_equals_brute_force(surface, position, reach):
+    _, points, half = bed()
+    points = points + 0.01 * np.random.default_rng(1).standard_normal(points.shape)
+    body = body_at(position, RIGHT_HAND)
+    _, corners = found_in_bed(surface, body, reach=reach)
+    np.testing.assert_array_equal(corners.id, brute_force(points, half, body, surface, reach))
+    np.testing.assert_allclose(
+        corners.position, points[corners.id // 8] + SIGNS[corners.id % 8] * half[corners.id // 8], atol=1e-15)
+    np.testing.assert_allclose(corners.stiffness, 2e4)
+
+
+def test_history_is_followed_until_it_leaves_the_reach():
+    surface, body = ball(), body_at((0.4, 0.4, 0.24))
+    _, first = found_in_bed(surface, body)
+    touch = touch_of(first, surface, (body.position - (0, 0, 0.01), body.rotation))
+    shifted = first.position + 0.003
+    history = friction.commit(first, shifted, touch)
+    _, second = found_in_bed(surface, body, history)
+    common = np.isin(second.id, first.id)
+    at = np.searchsorted(first.id, second.id[common])
+    np.testing.assert_array_equal(second.position[common], shifted[at])
+    np.testing.assert_array_equal(second.touching[common], history.touching[at])
+    carried = history.touching[at]
+    assert carried.any()
+    np.testing.assert_array_equal(second.anchor[common][carried], history.anchor[at][carried])
+    _, far = found_in_bed(surface, body_at((0.4, 0.4, 2.0)), history)
+    assert len(far) == 0

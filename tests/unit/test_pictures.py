@@ -1,0 +1,69 @@
+"""Figures from the history and pictures of soil and bodies."""
+
+import logging
+
+import numpy as np
+import pytest
+
+from fake_run import FakeSimulation
+from hybrid.output import figures, history, render
+
+
+def test_figures_are_drawn_from_the_history_alone(tmp_path):
+    FakeSimulation().run([history.History(tmp_path)])
+    for path in (figures.trajectory(tmp_path), figures.tension(tmp_path),
+                 figures.tension(tmp_path, tmp_path / "drag.pdf", against="distance")):
+        assert path.stat().st_size > 5000
+    turned = figures.pitch(history.read_history(tmp_path), "anchor")
+    np.testing.assert_allclose(turned, np.degrees(0.02 * np.arange(1, 7)), atol=1e-10)
+
+
+def test_pitch_counts_full_turns(tmp_path):
+    angle = np.linspace(0, 20, 200)
+    columns = {"b_qw": np.cos(angle / 2), "b_qx": 0 * angle, "b_qy": np.sin(angle / 2), "b_qz": 0 * angle}
+    np.testing.assert_allclose(figures.pitch(columns, "b"), np.degrees(angle))
+
+
+def test_comparison_of_two_quantities(tmp_path):
+    time = np.linspace(0.01, 1, 100)
+    values = [(k * time**2, k * time) for k in (1, 2)]
+    curves = [figures.Curve(f"$\\mu = {k}$", time, pair, pair) for k, pair in enumerate(values)]
+    assert figures.comparison(tmp_path / "rolling.png", curves).stat().st_size > 5000
+
+
+def test_errors_against_the_step_in_one_or_two_panels(tmp_path):
+    steps = 0.1 / 2.0 ** np.arange(3)
+    curves = {name: [(steps, steps**order), (steps / 2, steps**order)] for name, order in (("a", 1), ("b", 2))}
+    for count in (1, 2):
+        one = {name: pairs[:count] for name, pairs in curves.items()}
+        path = figures.convergence(tmp_path / f"{count}.png", one, ("here", "there")[:count], "error [m]")
+        assert path.stat().st_size > 5000
+
+
+def test_colour_limit_is_round_and_never_zero():
+    assert render.colour_limit(np.array([0.0, -0.23]), np.zeros(0)) == pytest.approx(0.3)
+    assert render.colour_limit(np.zeros(5), np.full(3, -3.4)) == 4
+    assert render.colour_limit(np.zeros(5), np.zeros(0)) == 1e-3
+
+
+def test_pictures_show_soil_and_cut_body(tmp_path):
+    pytest.importorskip("pyvista")
+    from matplotlib.image import imread
+
+    simulation = FakeSimulation()
+    simulation.run([history.History(tmp_path), render.Pictures(tmp_path)])
+    if not (tmp_path / "soil_step_002.png").exists():
+        pytest.skip("no off-screen OpenGL on this machine")
+    image = imread(tmp_path / "soil_step_002.png")[:, :, :3]
+    assert image.shape[1] > 1500
+    red, blue = image[:, :, 0] - image[:, :, 2] > 0.3, image[:, :, 2] - image[:, :, 0] > 0.3
+    assert red.mean() > 0.005 and blue.mean() > 0.005
+    assert (tmp_path / "trajectory.png").exists() and (tmp_path / "line_tension.png").exists()
+
+
+def test_missing_renderer_is_a_warning_not_an_end(tmp_path, monkeypatch, caplog):
+    monkeypatch.setattr(render.sys, "executable", "/bin/false")
+    with caplog.at_level(logging.WARNING):
+        assert render.render(tmp_path / "a.png", FakeSimulation()) is False
+    assert "no picture a.png" in caplog.text and "apt install" in caplog.text
+    assert list(tmp_path.iterdir()) == []
