@@ -37,8 +37,16 @@ def sphere(radius, size, growth=0.5, **body):
     return Body(**{"geometry": GEOMETRY / "sphere.geo", "density": 1000.0, "parameters": parameters} | body)
 
 
-def plane(body, steps, step, cell=0.25, cells=(4, 4), stiffness=1e6, **rest):
-    """A body on a held plane z = 0 around the origin, of cells of `cell` [m]; stiffness: p_f E [Pa/m] of p_f = 1."""
+def plane(body, steps, step, cell=0.25, cells=(4, 4), stiffness=1e6, settle=0, **rest):
+    """A body on a held plane z = 0 around the origin, of cells of `cell` [m]; stiffness: p_f E [Pa/m] of p_f = 1.
+
+    settle: steps of 0.02 s before, in which nothing but z moves and that is damped.
+    """
     x, y = (Axis(start=-n * cell / 2, end=n * cell / 2, size=cell) for n in cells)
     return scene("plane", Grid(x, y, Axis(start=-cell, end=0.0, size=cell), Faces()), elastic(stiffness), [body], step,
-                 [Stage("run", steps)], **{"soil": {"held": True}, **rest})
+                 settling(settle) + [Stage("run", steps)], **{"soil": {"held": True}, **rest})
+
+
+def settling(steps, step=0.02):
+    """The stage in which a body settles, if it has any steps."""
+    return [Stage("settle", steps, step, held=("x", "y", "rx", "ry", "rz"), beta=0.5625, gamma=1.0)] * (steps > 0)

@@ -1,0 +1,123 @@
+"""Coulomb friction against closed forms on a held plane: incline, creep, an oscillator, a sphere set down spinning.
+
+A stuck contact is a spring k = ε_T/ε_N p_f E A, so a block let go suddenly on a slope first swings, x'' = g_t - k x/m,
+and slides from where the spring carries μ N; in the limit k -> ∞ that is a = max(0, g (sin θ - μ cos θ)).
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hybrid.build import build
+from hybrid.scene import Pull
+from scenes import box, plane, sphere
+
+G, MU, SETTLE = 9.81, 0.3, 30
+BOTH = [pytest.param(0.0, id="first pass"), pytest.param(1.0, id="second pass")]
+
+
+class Slide:
+    """A low block on a plane of p_f E A = 1 MN/m turned by `slope` = tan θ, from when it is let go.
+
+    The first pass integrates over the soil, so there the plane is the smaller of the two, of 1 x 1 m as the block is
+    in the second.
+    """
+
+    def __init__(self, slope, share, steps=200, step=0.002, tangential=0.5, speed=0.0, **body):
+        side, cells, angle = (1.0, (12, 6), np.arctan(slope)) if share else (4.0, (4, 4), np.arctan(slope))
+        height = 0.25 / side**2
+        body = box(side, side, height, rest_on=0.0, penalty=1.0, second_pass=share, friction=MU, tangential=tangential,
+                   held=("y", "rx", "ry", "rz"), **body)
+        simulation = build(plane(body, steps, step, cells=cells, settle=SETTLE,
+                                 gravity=(G * np.sin(angle), 0.0, -G * np.cos(angle)), solver={"tolerance": 1e-8}))
+        down, records = np.array([G * np.sin(angle), 0.0, 0.0]), []
+        for record in simulation.steps():
+            if record.stage == "run":
+                records.append(record)
+            elif record.stage_step == SETTLE:      # let go: with the speed wanted, pulled by its weight alone
+                simulation.state.bodies[0] = replace(
+                    simulation.state.bodies[0], velocity=np.array([speed, 0.0, 0.0]), acceleration=down)
+        self.mass, self.normal = simulation.masses[0].mass, simulation.masses[0].mass * G * np.cos(angle)
+        self.down, self.stiffness = G * np.sin(angle), tangential * 1e6
+        start = records[0].time - step
+        self.time = np.array([r.time - start for r in records])
+        self.x = np.array([r.bodies[0].position[0] for r in records])
+        self.v = np.array([r.bodies[0].velocity[0] for r in records])
+        self.friction = np.array([r.energies["friction"] for r in records])
+
+    def let_go(self):
+        """Time, place and speed at which it begins to slide, and the acceleration from there on."""
+        omega, limit = np.sqrt(self.stiffness / self.mass), MU * self.normal / self.stiffness
+        static = self.mass * self.down / self.stiffness
+        time = np.arccos(1 - limit / static) / omega
+        return time, limit, static * omega * np.sin(omega * time), self.down - MU * self.normal / self.mass
+
+
+@pytest.mark.parametrize("share", BOTH)
+def test_block_slides_above_the_threshold(share):
+    """Speed and way after 0.4 s, and friction work = μ N times the way slid."""
+    found = Slide(0.5, share)
+    time, place, speed, acceleration = found.let_go()
+    left = found.time[-1] - time
+    assert found.v[-1] == pytest.approx(speed + acceleration * left, rel=2e-3)
+    slid = speed * left + 0.5 * acceleration * left**2
+    assert found.x[-1] - place == pytest.approx(slid, rel=3e-3)
+    assert found.friction[-1] == pytest.approx(MU * found.normal * slid, rel=3e-3)
+
+
+def test_the_stiffer_the_spring_the_closer_to_the_law():
+    """Speed after 0.4 s against g (sin θ - μ cos θ) t: what is missed falls as k^(-1/2)."""
+    missed = []
+    for tangential in (0.5, 8.0):
+        found = Slide(0.5, 0.0, tangential=tangential, step=0.0005, steps=400)
+        missed.append(found.v[-1] / (found.let_go()[3] * found.time[-1]) - 1)
+    assert missed[0] / missed[1] == pytest.approx(4.0, rel=0.1)
+
+
+@pytest.mark.parametrize("share", BOTH)
+def test_block_keeps_its_speed_at_the_threshold(share):
+    """tan θ = μ: a block of 1 m/s goes on at 1 m/s, but for the way μ N/k over which the spring is stretched."""
+    found = Slide(MU, share, speed=1.0)
+    after = found.v[found.x > 2 * MU * found.normal / found.stiffness]
+    assert np.ptp(after) < 1e-4
+    assert after[-1] == pytest.approx(1.0, abs=5e-3)
+
+
+@pytest.mark.parametrize("share", BOTH)
+def test_stuck_block_does_not_creep(share):
+    """tan θ < μ/2: it swings between 0 and 2 m g sin θ/k <= μ N/k for 50 periods of 14 steps; nothing slips."""
+    found = Slide(0.4 * MU, share, steps=700, step=0.01)
+    swing = 2 * found.mass * found.down / found.stiffness
+    assert found.x.max() == pytest.approx(swing, rel=0.03)
+    assert -1e-3 * swing < found.x.min() and found.x.max() < MU * found.normal / found.stiffness
+    assert found.x[-100:].max() == pytest.approx(found.x[:100].max(), rel=1e-2)
+    assert found.friction[-1] == 0.0
+
+
+@pytest.mark.parametrize("share", BOTH)
+def test_block_comes_to_rest_below_the_threshold(share):
+    """μ/2 < tan θ < μ: let go suddenly it slides v²/(2 |a|) past the place where sliding begins, then sticks."""
+    found = Slide(0.6 * MU, share, steps=100)
+    _, place, speed, acceleration = found.let_go()
+    slid = speed**2 / (-2 * acceleration)
+    assert found.x.max() == pytest.approx(place + slid, rel=5e-3)
+    assert found.friction[-1] == pytest.approx(MU * found.normal * slid, rel=1e-2)
+    assert found.friction[-1] == found.friction[60]
+
+
+@pytest.mark.parametrize("share", BOTH)
+def test_every_reversal_costs_the_same_amplitude(share):
+    """A block on a spring of 20 kN/m swings from x_n to -(x_n - 2 μ N/k) and stops within μ N/k of the middle."""
+    spring, speed = 20e3, 2.0
+    found = Slide(0.0, share, steps=340, step=0.005, tangential=10.0, speed=speed, pull=Pull(
+        point=(0.0, 0.0, 0.0), velocity=(0.0, 0.0, 0.0), stiffness=spring, length=50.0, direction=(1.0, 0.0, 0.0),
+        tension_only=False))
+    band = MU * found.normal / spring
+    peaks = [-band + np.sqrt(band**2 + found.mass / spring * speed**2)]
+    while abs(peaks[-1]) > band:
+        peaks.append(-np.sign(peaks[-1]) * (abs(peaks[-1]) - 2 * band))
+    turns = found.x[1:-1][np.diff(np.sign(np.diff(found.x))) != 0]
+    assert len(peaks) >= 3
+    np.testing.assert_allclose(turns[:len(peaks)], peaks, atol=0.02 * peaks[0])
+    assert np.ptp(found.x[-40:]) < 2 * MU * found.normal / found.stiffness
