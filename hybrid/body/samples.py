@@ -1,13 +1,17 @@
 """Samples of a body's contact surface: its vertices, and points between them where facets are larger than the soil's.
 
 Every triangle is cut into n² equal ones with edges no longer than a given spacing; the samples are their vertices,
-each with a third of the area of the triangles around it. Flat or curved, sharp or not, the areas add up to that of the
-surface, so that Σ A_s f(y_s) is a quadrature over the body's surface.
+each with a third of the vector area of the triangles around it,
+
+    a_s = Σ A N / 3        Σ_s a_s·f(y_s) ≈ ∫ f·N dA
+
+A sample on an edge belongs to several sides at once. Against soil of normal n it stands for the area -n·a_s, the part
+of its surroundings that the soil sees: the bottom of a box on flat ground is its bottom, without a share of the walls.
 
 | symbol | field            | shape  | unit |
 |--------|------------------|--------|------|
 | y_s    | Samples.position | (k, 3) | m    |
-| A_s    | Samples.area     | (k,)   | m²   |
+| a_s    | Samples.area     | (k, 3) | m²   |
 | N_s    | Samples.normal   | (k, 3) | -    |
 """
 
@@ -18,7 +22,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Samples:
-    """Samples in the body frame. normal: mean outward normal, weighted by area; triangle (k,) and weights (k, 3): one
+    """Samples in the body frame. normal: outward, along the vector area; triangle (k,) and weights (k, 3): one
     of the triangles that a sample is on, and the weights of its vertices there."""
 
     position: np.ndarray
@@ -28,7 +32,7 @@ class Samples:
     weights: np.ndarray
 
     def __len__(self):
-        return len(self.area)
+        return len(self.position)
 
 
 def surface_samples(surface, spacing):
@@ -62,12 +66,12 @@ def _lattice(n):
 
 
 def _merged(position, area, triangle, weights, surface):
-    """Samples that coincide on edges and vertices become one, with the sum of their areas."""
+    """Samples that coincide on edges and vertices become one, with the sum of their vector areas."""
     cell = 1e-7 * surface.radius
     _, first, same = np.unique(np.round(position / cell), axis=0, return_index=True, return_inverse=True)
     same = same.reshape(-1)
-    normal = np.zeros((len(first), 3))
-    np.add.at(normal, same, area[:, None] * surface.normals[triangle])
-    length = np.linalg.norm(normal, axis=1, keepdims=True)
-    normal = np.divide(normal, length, out=np.zeros_like(normal), where=length > 0)
-    return Samples(position[first], np.bincount(same, weights=area), normal, triangle[first], weights[first])
+    vector = np.zeros((len(first), 3))
+    np.add.at(vector, same, area[:, None] * surface.normals[triangle])
+    length = np.linalg.norm(vector, axis=1, keepdims=True)
+    normal = np.divide(vector, length, out=np.zeros_like(vector), where=length > 0)
+    return Samples(position[first], vector, normal, triangle[first], weights[first])

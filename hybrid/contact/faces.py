@@ -8,8 +8,9 @@ that fits them,
 
 A face is exposed when a point half a domain beyond it lies in no other domain, nor behind a face of the grid that holds
 the soil. A sample is given to one face for the whole step: the nearest one whose span holds it where the motion that
-the step expects ends, and that faces the body's surface there. As in contact/meeting.py, the friction of a newborn
-contact is anchored where the expected path goes through the face.
+the step expects ends, and that faces the body's surface there. Where the soil's surface bends, the spans of neighbours
+leave a wedge between them; a span therefore widens with the distance from its face. As in contact/meeting.py, the
+friction of a newborn contact is anchored where the expected path goes through the face.
 """
 
 from dataclasses import dataclass
@@ -22,6 +23,7 @@ from hybrid.contact.corners import SIGNS
 
 COVER = 1.2          # a domain covers what is within this many half-widths: neighbours do not tile exactly once strained
 FACING = -0.1        # cosine between the normals of soil and body
+WEDGE = 0.5          # rad between neighbouring faces, in whose wedge a sample is given to one of them
 NEIGHBOURS = 6       # faces or domains looked at for each place
 HALVINGS = 12        # of the path, as for corners
 U = np.array([-1.0, 1.0, 1.0, -1.0]) / 4   # s_1a/4 and s_2a/4 of the corners, counter-clockwise seen from outside
@@ -114,9 +116,11 @@ def assign(x, normal, start, end, depth, reach):
         face = near[own, k]
         part = Frame(frame.origin[face], frame.edges[face], frame.dual[face], frame.normal[face])
         at, gap = part.see(x[own])
-        fits = (np.abs(at) <= 1 + 1e-9).all(axis=1) & (gap > -depth[face]) & (gap < reach) & (np.abs(gap) < best[own])
-        fits &= np.einsum("mi,mi->m", part.normal, normal[own]) < FACING
-        chosen[own[fits]], best[own[fits]] = face[fits], np.abs(gap[fits])
+        beside = ((np.abs(at) - 1) * np.linalg.norm(part.edges, axis=2)).max(axis=1)
+        distance = np.hypot(gap, np.maximum(beside, 0.0))
+        fits = (beside <= WEDGE * np.abs(gap) + 1e-9 * size) & (gap > -depth[face]) & (gap < reach)
+        fits &= (np.einsum("mi,mi->m", part.normal, normal[own]) < FACING) & (distance < best[own])
+        chosen[own[fits]], best[own[fits]] = face[fits], distance[fits]
     return chosen
 
 

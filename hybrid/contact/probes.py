@@ -3,16 +3,16 @@
 Corners do not see what fits between them: a sharp edge, a tip, the smooth bottom of a sphere. With the symbols of
 contact/faces.py, for a sample at x_s = c + R y_s given to a face,
 
-    w_a = 1/4 + ξ^α s_αa/4      foot = Σ w_a x_a = x_s - g n      p = λ - ε_N g > 0      ε_N = p_f E A_s
+    w_a = 1/4 + ξ^α s_αa/4      foot = Σ w_a x_a = x_s - g n      p = λ - ε_N g > 0      ε_N = -p_f E n·a_s
     τ = (ξ^α - ξ_0^α) e_α       stick  t = ε_T τ,  |t| <= μ p      slip  t = μ p s,  s = τ/|τ|
     F = -p n + t                residual:  F on the body with moment (foot - c) × F,  -w_a F on the corners
 
-so that force and moment cancel to round-off. With u = δx_s - Σ w_a δx_a, h_β = n·δe_β and m_αβ = e_α·e_β,
+a_s being the vector area of the sample; force and moment cancel to round-off. With u = δx_s - Σ w_a δx_a, h_β = n·δe_β and m_αβ = e_α·e_β,
 
     δg = n·u     δn = -h_α e^α     δξ^α = e^α·u + g m^αβ h_β     δτ = δξ^α e_α + (ξ^α - ξ_0^α) δe_α
 
 gives the full tangent. ξ_0 is a material point of the soil, kept in space between steps, so that a sample may go on to
-the next face. Frozen during a step: the face of each sample and ξ_0.
+the next face. Frozen during a step: the face of each sample, ε_N and ξ_0.
 """
 
 from dataclasses import dataclass
@@ -84,7 +84,7 @@ def find_probes(samples, points, grid, corners, body, reach, stiffness, history,
     face, point = exposed_faces(points.position, points.half, grid, corners)
     none = np.zeros(0, int)
     if not len(face):
-        return _probes(none, none, samples, face, point, stiffness, np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0))
+        return _probes(none, none, samples, face, none, *np.zeros((2, 0, 2)), np.zeros(0))
     start, end = corners.position[face], corners.moved(expected[0])[face]
     position, rotation = expected[1]
     x, normal = position + samples.position @ rotation.T, samples.normal @ rotation.T
@@ -93,18 +93,19 @@ def find_probes(samples, points, grid, corners, body, reach, stiffness, history,
     chosen = assign(x[id], normal[id], start, end, 2 * points.half[point].max(axis=1), reach) if len(id) else none
     id, chosen = id[chosen >= 0], chosen[chosen >= 0]
     if not len(id):
-        return _probes(none, none, samples, face, point, stiffness, np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0))
+        return _probes(none, none, samples, face, none, *np.zeros((2, 0, 2)), np.zeros(0))
+    area = -np.einsum("mi,mi->m", Frame.of(end[chosen]).normal, samples.area[id] @ rotation.T)
     anchor, origin = crossing(samples.position[id], body, expected[1], start[chosen], end[chosen])
     pressure = np.zeros(len(id))
     _, old, new = np.intersect1d(history[0], id, assume_unique=True, return_indices=True)
     anchor[new] = origin[new] = Frame.of(start[chosen[new]]).see(history[1][old])[0]
     pressure[new] = history[2][old]
-    return _probes(id, chosen, samples, face, point, stiffness, anchor, origin, pressure)
+    return _probes(id, chosen, samples, face, area * stiffness[point[chosen]], anchor, origin, pressure)
 
 
-def _probes(id, chosen, samples, face, point, stiffness, anchor, origin, pressure):
-    return Probes(id, samples.position[id], face[chosen], samples.area[id] * stiffness[point[chosen]], anchor, origin,
-                  pressure, samples.triangle[id], samples.weights[id])
+def _probes(id, chosen, samples, face, stiffness, anchor, origin, pressure):
+    return Probes(id, samples.position[id], face[chosen], stiffness, anchor, origin, pressure, samples.triangle[id],
+                  samples.weights[id])
 
 
 def evaluate(probes, place, centre, rotation, friction, tangential):
