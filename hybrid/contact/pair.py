@@ -81,6 +81,11 @@ class Pair:
             second = probes.evaluate(self.probes, place, *pose, body.friction, body.tangential)
         return Contact(touch, second)
 
+    def springs(self, contact):
+        """Stiffness [N/m] of all that touches, the root of the sum of squares."""
+        held = [(self.corners, contact.corners), (self.probes, contact.samples)]
+        return float(np.sqrt(sum(total(own.stiffness[touch.active] ** 2) for own, touch in held if touch is not None)))
+
     def add_residual(self, contact, force):
         """Add contact to nodal residuals (N, 3) [N], None when the soil is held; returns the body's residual (6,)."""
         out = assembly.add_residual(contact.corners, self.corners, force)

@@ -89,3 +89,84 @@ def test_a_blade_stays_on_the_soil_under_its_edge(geometry):
 def test_without_memory_a_blade_cuts_as_if_there_were_no_soil(geometry, forgetful):
     force = lift(box(geometry, 0.02, 0.3, 0.3, position=(0.405, 0.4, 0.0)), 3)
     assert abs(force[2]) < 0.1 * DEPTHS[2] * 0.03
+
+
+# ------------------------------------------------------------------ sharp edges and tips between corners
+
+OFF = (0.45, 0.45, 0.0)   # in the middle between rows of corners
+TIP = float(np.degrees(np.arccos(1 / np.sqrt(3))))
+SHARP = {"edge": ((0.0, 1.0, 0.0, 45.0), lambda d: 0.3 * d**2), "tip": ((1.0, -1.0, 0.0, TIP), lambda d: np.sqrt(0.75) * d**3)}
+
+
+def sharp(geometry, shape, size, second_pass):
+    """A cube of 0.3 m on its edge or corner."""
+    return box(geometry, 0.3, 0.3, 0.3, size=size, position=OFF, rotation=SHARP[shape][0], second_pass=second_pass)
+
+
+@pytest.mark.parametrize("shape", SHARP)
+def test_only_the_second_pass_sees_what_fits_between_corners(geometry, shape):
+    """Corners are silent until the flanks reach them, 50 mm to either side; samples resist from the first touch.
+
+    As facets of 20 mm are resolved the force tends to p_f E times the volume below the surface, d² L of an edge and
+    √3/2 d³ of a tip; the trapezoidal rule over its kink exceeds it by up to 0.07 and 0.3 times (size/d)².
+    """
+    assert (lift(sharp(geometry, shape, 0.02, 0.0), 3) == 0.0).all()
+    d, force = DEPTHS[:3], lift(sharp(geometry, shape, 0.02, 1.0), 3)
+    excess = force / SHARP[shape][1](d) - 1
+    assert (excess > 0.0).all() and (excess < {"edge": 0.07, "tip": 0.3}[shape] * (0.02 / d) ** 2).all()
+    np.testing.assert_allclose(lift(sharp(geometry, shape, 0.02, 0.5), 3), 0.5 * force, rtol=1e-9)
+
+
+@pytest.mark.parametrize("shape", SHARP)
+def test_one_row_of_samples_stands_for_the_strip_around_it(geometry, shape):
+    """Facets as large as the sides: until the next row of samples arrives the force is linear in the depth."""
+    force = lift(sharp(geometry, shape, 10.0, 1.0), 2)
+    assert force[0] > 0.0 and force[1] == pytest.approx(2 * force[0], rel=1e-9)
+
+
+# ------------------------------------------------------------------ no contact counted twice
+
+
+@SHARES
+@pytest.mark.parametrize("height", [0.04, 0.3])
+def test_a_flat_box_on_flat_soil_costs_its_footprint_once(geometry, second_pass, height):
+    """F = p_f E g A to round-off where the soil goes on around the box, whatever the share and the walls' height."""
+    flat = box(geometry, 0.3, 0.3, height, position=(0.4, 0.4, 0.0), second_pass=second_pass)
+    np.testing.assert_allclose(lift(flat, 2), DEPTHS[:2] * 0.09, rtol=1e-9)
+
+
+@SHARES
+def test_a_box_that_covers_all_the_soil(geometry, second_pass):
+    """Corners give p_f E g A exactly; samples lie anywhere across the soil's end: half a row of them, 10 % for 16."""
+    flat = box(geometry, 1.0, 1.0, 0.3, size=0.06, position=(0.4, 0.4, 0.0), second_pass=second_pass)
+    force = lift(flat) / (STEP * 0.64)
+    assert force == pytest.approx(1.0, abs=1e-9 + 0.1 * second_pass)
+
+
+# ------------------------------------------------------------------ facets finer and coarser than the soil
+
+
+@pytest.mark.parametrize("second_pass", [0.0, 1.0])
+def test_facets_of_a_flat_plate_do_not_matter(geometry, second_pass):
+    """A 20th of a cell, or the whole side of 20 cells: the same force, p_f E g A."""
+    fine, coarse = (box(geometry, edge, edge, 0.04, size=size, position=(x, x, 0.0), second_pass=second_pass)
+                    for edge, size, x in ((0.3, 0.01, 0.4), (4.1, 10.0, 2.1)))
+    assert lift(fine)[0] == pytest.approx(STEP * 0.3**2, rel=1e-9)
+    wide = {"x": (0.0, 4.2), "y": (0.0, 4.2), "z": (-0.2, 0.2)}
+    assert lift(coarse, **wide)[0] == pytest.approx(STEP * 4.1**2, rel=1e-9)
+
+
+def test_a_finely_faceted_sphere_over_coarse_soil(geometry):
+    """r = 0.25 m over the middle of four corners 0.1 m apart: they are met from d = r - √(r² - s²/2) = 10.2 mm on.
+
+    Samples every 20 mm feel p_f E times the volume of the cap, π d² (r - d/3), within 6 % at 10 mm.
+    """
+    def ball(second_pass):
+        return Body(geometry=geometry / "sphere.geo", density=3000.0, position=OFF, second_pass=second_pass,
+                    parameters={"radius": 0.25, "size": 0.02, "growth": 0.5})
+
+    cap = np.pi * DEPTHS**2 * (0.25 - DEPTHS / 3)
+    corners, samples = lift(ball(0.0), 3), lift(ball(1.0), 3)
+    print(corners / cap[:3], samples / cap[:3])
+    assert corners[0] == 0.0 and corners[1] > 0.0
+    np.testing.assert_allclose(samples, cap[:3], rtol=0.06)
