@@ -16,9 +16,10 @@ friction of a newborn contact is anchored where the expected path goes through t
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 from scipy.spatial import cKDTree
 
-from hybrid.body.attitude import exp_so3, log_so3
+from hybrid.body.attitude import log_so3
 from hybrid.contact.corners import SIGNS
 
 COVER = 1.2          # a domain covers what is within this many half-widths: neighbours do not tile exactly once strained
@@ -63,8 +64,9 @@ class Frame:
         edges = np.einsum("ca,mai->mci", np.stack([U, V]), corners)
         normal = np.cross(edges[:, 0], edges[:, 1])
         normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-        inverse = np.linalg.inv(np.einsum("mai,mbi->mab", edges, edges))
-        return cls(corners.mean(axis=1), edges, inverse @ edges, normal)
+        a, b, c = (np.einsum("mi,mi->m", edges[:, i], edges[:, j])[:, None] for i, j in ((0, 0), (0, 1), (1, 1)))
+        dual = np.stack([c * edges[:, 0] - b * edges[:, 1], a * edges[:, 1] - b * edges[:, 0]], axis=1)
+        return cls(corners.mean(axis=1), edges, dual / (a * c - b * b)[:, None], normal)
 
     def see(self, x):
         """Coordinates (m, 2) ξ^α and gap (m,) [m] of places x (m, 3)."""
@@ -93,11 +95,21 @@ def _covered(x, position, half, grid, point):
     if not len(x):
         return covered
     margin = 4 * half[point].max()
-    around = np.flatnonzero(((position > x.min(axis=0) - margin) & (position < x.max(axis=0) + margin)).all(axis=1))
+    around = np.flatnonzero(_in_box(position, x.min(axis=0) - margin, x.max(axis=0) + margin))
     count = min(NEIGHBOURS, len(around))
     near = around[cKDTree(position[around]).query(x, count)[1].reshape(len(x), count)]
     inside = (np.abs(x[:, None] - position[near]) <= COVER * half[near]).all(axis=2) & (near != point[:, None])
     return covered | inside.any(axis=1)
+
+
+@njit(cache=True)
+def _in_box(position, lower, upper):
+    """(n,) bool, in one pass over all points."""
+    within = np.empty(len(position), np.bool_)
+    for p in range(len(position)):
+        within[p] = (lower[0] < position[p, 0] < upper[0] and lower[1] < position[p, 1] < upper[1]
+                     and lower[2] < position[p, 2] < upper[2])
+    return within
 
 
 def assign(x, normal, start, end, depth, reach):
@@ -131,10 +143,14 @@ def crossing(y, body, pose, start, end):
     Samples that stay outside anchor where their path ends, samples that start inside where it starts.
     """
     turn = log_so3(pose[1] @ body.rotation.T)
+    angle = np.linalg.norm(turn)
+    axis = turn / angle if angle > 0 else turn
+    arms = y @ body.rotation.T
+    across, inwards = np.cross(axis, arms), np.cross(axis, np.cross(axis, arms))
 
     def seen(fraction):
-        rotations = np.array([exp_so3(f * turn) for f in np.unique(fraction)])
-        arm = np.einsum("mij,mj->mi", (rotations @ body.rotation)[np.unique(fraction, return_inverse=True)[1]], y)
+        partial = fraction[:, None] * angle
+        arm = arms + np.sin(partial) * across + (1 - np.cos(partial)) * inwards
         centre = body.position + fraction[:, None] * (pose[0] - body.position)
         return Frame.of(start + fraction[:, None, None] * (end - start)).see(centre + arm)
 

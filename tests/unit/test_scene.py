@@ -295,6 +295,11 @@ def test_a_quasi_static_scene_has_no_velocities(path):
     assert "time.inertia = true" in refused(path, "time.inertia=false", "body.0.velocity=[1, 0, 0]")
 
 
+def test_points_without_domains_have_no_second_pass(path):
+    message = refused(path, "soil.basis=mpm", "body.0.second_pass=0.5")
+    assert "body.0.second_pass = 0.5: must be 0 with soil.basis = 'mpm'" in message and "gimp" in message
+
+
 def test_missing_keys_and_files(path, tmp_path):
     path.write_text(SCENE.replace('geometry = "ball.geo"\ndensity = 7850\n', ""))
     assert "missing in [body.0]: geometry, density" in refused(path)
