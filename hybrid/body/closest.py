@@ -13,6 +13,7 @@ from numba import njit
 NO_SIDE = (0.0, 0.0, 0.0)
 OPPOSITE = -0.5  # cosine: triangles turned farther than 120 degrees from the side of contact belong to the other one
 SAME = 0.5       # cosine: triangles turned less than 60 degrees from the side of contact belong to it
+ALL = -2.0       # cosine: no triangle is passed over
 
 
 class Tree(NamedTuple):
@@ -155,6 +156,13 @@ def clear(y0, y1, y2, radius, tree):
 
 
 @njit(cache=True)
+def _facing(slot, feature, side, tree):
+    """Cosine between the pseudo-normal of a feature and a side, 0 without a side."""
+    n, triangle = tree.normals, tree.order[slot]
+    return n[triangle, feature, 0] * side[0] + n[triangle, feature, 1] * side[1] + n[triangle, feature, 2] * side[2]
+
+
+@njit(cache=True)
 def _behind(y0, y1, y2, slot, feature, tree):
     """Whether a point projects onto the face in `slot`, as its closest feature, from within the body."""
     f = tree.facets
@@ -167,22 +175,20 @@ def closest(y, reach, tree, side=NO_SIDE):
     """Closest point of the surface to y (3,), array or tuple [m], if nearer than reach [m], which may be inf.
 
     side: outward normal, a tuple of three, of the side of the body to look at; zero for all of it. A point that
-    touches one side of a thin body stays with that side, however deep it is pressed in: while it is behind that
-    side, the rim of a plate is not looked at either, and the other side never.
+    touches one side of a thin body stays with that side, however deep it is pressed in: from where the other side is
+    nearer on, neither that nor the rim between them is looked at while the point is behind its own.
 
     Returns (triangle, feature, foot, weights, gap): triangle number, -1 when none is nearer than reach;
     feature as in the module's head; foot [m] and barycentric weights as tuples of three; gap [m], negative
     inside.
     """
     y0, y1, y2 = y[0], y[1], y[2]
-    slot, feature, v, w = -1, 0, 0.0, 0.0
-    if side[0] != 0.0 or side[1] != 0.0 or side[2] != 0.0:
-        slot, feature, v, w, _ = search(y0, y1, y2, reach, tree.boxes, tree.first, tree.order, tree.facets, side, SAME)
-        if slot >= 0 and not _behind(y0, y1, y2, slot, feature, tree):
-            slot = -1
-    if slot < 0:
-        slot, feature, v, w, _ = search(y0, y1, y2, reach, tree.boxes, tree.first, tree.order, tree.facets, side,
-                                        OPPOSITE)
+    boxes, first, order, facets = tree.boxes, tree.first, tree.order, tree.facets
+    slot, feature, v, w, _ = search(y0, y1, y2, reach, boxes, first, order, facets, side, ALL)
+    if slot >= 0 and _facing(slot, feature, side, tree) < OPPOSITE:
+        slot, feature, v, w, _ = search(y0, y1, y2, reach, boxes, first, order, facets, side, SAME)
+        if slot < 0 or not _behind(y0, y1, y2, slot, feature, tree):
+            slot, feature, v, w, _ = search(y0, y1, y2, reach, boxes, first, order, facets, side, OPPOSITE)
     if slot < 0:
         return -1, 0, (y0, y1, y2), (0.0, 0.0, 0.0), math.inf
     triangle, facets, weights = tree.order[slot], tree.facets, (max(1.0 - v - w, 0.0), v, w)

@@ -112,11 +112,11 @@ def _in_box(position, lower, upper):
     return within
 
 
-def assign(x, normal, start, end, depth, reach):
+def assign(x, normal, end, depth, reach, touching):
     """Face of each place x (k, 3) [m] of the body at the expected end of the step, -1 for none.
 
-    normal: (k, 3) of the body there; start, end: (f, 4, 3) corners of the faces; depth: (f,) [m] below which a place no
-    longer belongs to a face; reach: distance [m] above it.
+    normal: (k, 3) of the body there; end: (f, 4, 3) corners of the faces; depth: (f,) [m] below which a place no longer
+    belongs to a face, unless it is `touching` (k,) since before; reach: distance [m] above it.
     """
     frame, chosen = Frame.of(end), np.full(len(x), -1)
     count = min(NEIGHBOURS, len(end))
@@ -130,7 +130,7 @@ def assign(x, normal, start, end, depth, reach):
         at, gap = part.see(x[own])
         beside = ((np.abs(at) - 1) * np.linalg.norm(part.edges, axis=2)).max(axis=1)
         distance = np.hypot(gap, np.maximum(beside, 0.0))
-        fits = (beside <= WEDGE * np.abs(gap) + 1e-9 * size) & (gap > -depth[face]) & (gap < reach)
+        fits = (beside <= WEDGE * np.abs(gap) + 1e-9 * size) & ((gap > -depth[face]) | touching[own]) & (gap < reach)
         fits &= (np.einsum("mi,mi->m", part.normal, normal[own]) < FACING) & (distance < best[own])
         chosen[own[fits]], best[own[fits]] = face[fits], distance[fits]
     return chosen

@@ -90,7 +90,8 @@ def find_probes(samples, points, grid, corners, body, reach, stiffness, history,
     x, normal = position + samples.position @ rotation.T, samples.normal @ rotation.T
     low, high = end.min(axis=(0, 1)) - reach, end.max(axis=(0, 1)) + reach
     id = np.flatnonzero(((x > low) & (x < high)).all(axis=1))
-    chosen = assign(x[id], normal[id], start, end, 2 * points.half[point].max(axis=1), reach) if len(id) else none
+    depth = 2 * points.half[point].max(axis=1)
+    chosen = assign(x[id], normal[id], end, depth, reach, np.isin(id, history[0])) if len(id) else none
     id, chosen = id[chosen >= 0], chosen[chosen >= 0]
     if not len(id):
         return _probes(none, none, samples, face, none, *np.zeros((2, 0, 2)), np.zeros(0))

@@ -63,7 +63,7 @@ def test_a_plate_pressed_deeper_than_its_thickness(geometry):
     assert g > 0.08
 
 
-DEPTHS = STEP * np.arange(1, 10)
+DEPTHS = STEP * np.arange(1, 14)
 SHARES = pytest.mark.parametrize("second_pass", [0.0, 0.5, 1.0])
 
 
@@ -71,7 +71,13 @@ SHARES = pytest.mark.parametrize("second_pass", [0.0, 0.5, 1.0])
 def test_a_plate_keeps_its_soil_up_to_the_rim(geometry, second_pass):
     """Plate of 40 mm and 0.3 m on nine sites: F = p_f E g A for g up to 90 mm, also 50 mm from its rim."""
     plate = box(geometry, 0.3, 0.3, 0.04, position=(0.4, 0.4, 0.0), second_pass=second_pass)
-    np.testing.assert_allclose(lift(plate, 9), DEPTHS * 0.09, rtol=1e-9)
+    np.testing.assert_allclose(lift(plate, 9), DEPTHS[:9] * 0.09, rtol=1e-9)
+
+
+def test_samples_that_touch_keep_their_face_however_deep(geometry):
+    """F = p_f E g A for g up to 130 mm: a newborn contact must lie within the domain of a point, 100 mm, an old one not."""
+    plate = box(geometry, 0.3, 0.3, 0.04, position=(0.4, 0.4, 0.0), second_pass=1.0)
+    np.testing.assert_allclose(lift(plate, 13), DEPTHS * 0.09, rtol=1e-9)
 
 
 def test_without_memory_of_the_side_the_force_flips(geometry, forgetful):
@@ -80,15 +86,20 @@ def test_without_memory_of_the_side_the_force_flips(geometry, forgetful):
     assert force[0] == pytest.approx(STEP * 0.09) and force[2] < -0.5 * STEP * 0.09 and force[3] == 0.0
 
 
-def test_a_blade_stays_on_the_soil_under_its_edge(geometry):
-    """A wall of 20 mm driven edge-down along a row of three sites, with 10 mm to either side: F = p_f E g A."""
-    blade = box(geometry, 0.02, 0.3, 0.3, position=(0.4, 0.4, 0.0))
-    np.testing.assert_allclose(lift(blade, 9), DEPTHS * 0.03, rtol=1e-9)
+def test_a_blade_pushes_down_what_is_under_its_edge(geometry):
+    """A wall of 40 mm driven edge-down along a row of three sites: F = p_f E g A up to half its thickness; beyond that
+    its walls are nearer and part the soil."""
+    blade = box(geometry, 0.04, 0.3, 0.3, position=(0.4, 0.4, 0.0))
+    force = lift(blade, 3)
+    np.testing.assert_allclose(force[:1], DEPTHS[:1] * 0.03, rtol=1e-9)
+    assert abs(force[2]) < 1e-9
 
 
-def test_without_memory_a_blade_cuts_as_if_there_were_no_soil(geometry, forgetful):
-    force = lift(box(geometry, 0.02, 0.3, 0.3, position=(0.405, 0.4, 0.0)), 3)
-    assert abs(force[2]) < 0.1 * DEPTHS[2] * 0.03
+def test_a_blade_presses_soft_ground_until_its_walls_are_nearer(geometry):
+    """Driven into elastic soil, p_f E = 50 E/m, 10 mm a step: the lift grows while the overlap g and a step stay below
+    half the thickness; measured g = 12 mm after 60 mm. From there on the walls part the row of soil."""
+    g = lift(box(geometry, 0.04, 0.3, 0.3, position=(0.4, 0.4, 0.0)), 5, held=False) / 0.03
+    assert (np.diff(g) > 0).all() and 0.005 < g[-1] < 0.02
 
 
 # ------------------------------------------------------------------ sharp edges and tips between corners
@@ -137,10 +148,11 @@ def test_a_flat_box_on_flat_soil_costs_its_footprint_once(geometry, second_pass,
 
 @SHARES
 def test_a_box_that_covers_all_the_soil(geometry, second_pass):
-    """Corners give p_f E g A exactly; samples lie anywhere across the soil's end: half a row of them, 10 % for 16."""
+    """Corners give p_f E g A exactly; samples lie anywhere across the soil's end, within half a row
+    of them: measured 3.8 % too much with 15 rows."""
     flat = box(geometry, 1.0, 1.0, 0.3, size=0.06, position=(0.4, 0.4, 0.0), second_pass=second_pass)
     force = lift(flat) / (STEP * 0.64)
-    assert force == pytest.approx(1.0, abs=1e-9 + 0.1 * second_pass)
+    assert force == pytest.approx(1.0, abs=1e-9 + 0.05 * second_pass)
 
 
 # ------------------------------------------------------------------ facets finer and coarser than the soil
@@ -159,7 +171,8 @@ def test_facets_of_a_flat_plate_do_not_matter(geometry, second_pass):
 def test_a_finely_faceted_sphere_over_coarse_soil(geometry):
     """r = 0.25 m over the middle of four corners 0.1 m apart: they are met from d = r - √(r² - s²/2) = 10.2 mm on.
 
-    Samples every 20 mm feel p_f E times the volume of the cap, π d² (r - d/3), within 6 % at 10 mm.
+    Samples every 20 mm feel p_f E times the volume of the cap, π d² (r - d/3); measured 1 % less. Corners, once met,
+    give 1.14 and 1.04 of it.
     """
     def ball(second_pass):
         return Body(geometry=geometry / "sphere.geo", density=3000.0, position=OFF, second_pass=second_pass,
@@ -167,6 +180,5 @@ def test_a_finely_faceted_sphere_over_coarse_soil(geometry):
 
     cap = np.pi * DEPTHS**2 * (0.25 - DEPTHS / 3)
     corners, samples = lift(ball(0.0), 3), lift(ball(1.0), 3)
-    print(corners / cap[:3], samples / cap[:3])
     assert corners[0] == 0.0 and corners[1] > 0.0
-    np.testing.assert_allclose(samples, cap[:3], rtol=0.06)
+    np.testing.assert_allclose(samples, cap[:3], rtol=0.02)
