@@ -1,4 +1,5 @@
-// Block with a V-shaped notch along y in its bottom, mouth down, centred at the origin. Lengths in metres, angle in degrees.
+// Block with a V-shaped notch along y in its bottom, its box centred at the origin. Lengths in metres, angle in
+// degrees.
 //
 //      .-----------------.
 //      |       /\ angle  |      z

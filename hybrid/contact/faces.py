@@ -22,7 +22,7 @@ from scipy.spatial import cKDTree
 from hybrid.body.attitude import log_so3
 from hybrid.contact.corners import SIGNS
 
-COVER = 1.2          # a domain covers what is within this many half-widths: neighbours do not tile exactly once strained
+COVER = 1.2          # a domain covers what is within this many half-widths: neighbours do not tile once strained
 FACING = -0.1        # cosine between the normals of soil and body
 WEDGE = 0.5          # rad between neighbouring faces, in whose wedge a sample is given to one of them
 NEIGHBOURS = 6       # faces or domains looked at for each place

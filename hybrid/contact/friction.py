@@ -91,8 +91,9 @@ def evaluate(corners, place, centre, rotation, surface, friction, tangential):
 def gaps(y, surface, side=None):
     """Signed gaps (m,) [m] of places (m, 3) in the body frame, inf clear of the body; side: (m, 3), as in Corners."""
     gap, index = np.empty(len(y)), np.empty((2, len(y)), np.int64)
-    _project(y, np.zeros_like(y) if side is None else side, np.zeros(len(y)), surface.radius, surface.tree, gap, index[0], index[1],
-             np.empty_like(y), np.empty_like(y))
+    side = np.zeros_like(y) if side is None else side
+    _project(y, side, np.zeros(len(y)), surface.radius, surface.tree, gap, index[0], index[1], np.empty_like(y),
+             np.empty_like(y))
     return gap
 
 

@@ -110,7 +110,8 @@ class Pair:
         """Number of corners that the step carried through the body, deeper than `depth` [m]. They tell it whichever
         pass carries the contact."""
         return passage.passed_through(
-            self.corners, contact.corners, self.corners.moved(displacement), *pose, self.body.surface, depth, self._width)
+            self.corners, contact.corners, self.corners.moved(displacement), *pose, self.body.surface, depth,
+            self._width)
 
     def augment(self, contact):
         """Let the multipliers take over the pressures. Returns the norm of their change and of themselves [N]."""

@@ -7,7 +7,8 @@ contact/faces.py, for a sample at x_s = c + R y_s given to a face,
     τ = (ξ^α - ξ_0^α) e_α       stick  t = ε_T τ,  |t| <= μ p      slip  t = μ p s,  s = τ/|τ|
     F = -p n + t                residual:  F on the body with moment (foot - c) × F,  -w_a F on the corners
 
-a_s being the vector area of the sample; force and moment cancel to round-off. With u = δx_s - Σ w_a δx_a, h_β = n·δe_β and m_αβ = e_α·e_β,
+with the vector area a_s of the sample; force and moment cancel to round-off. With u = δx_s - Σ w_a δx_a,
+h_β = n·δe_β and m_αβ = e_α·e_β,
 
     δg = n·u     δn = -h_α e^α     δξ^α = e^α·u + g m^αβ h_β     δτ = δξ^α e_α + (ξ^α - ξ_0^α) δe_α
 
@@ -132,7 +133,8 @@ def evaluate(probes, place, centre, rotation, friction, tangential):
     lost = np.where(slip, sliding * (np.einsum("mi,mi->m", direction, way) - sliding / eps_t), 0.0)
     energy = 0.5 * (p**2 - probes.pressure[active] ** 2) / stiffness + 0.5 * sliding**2 / eps_t
     return ProbeTouch(active, gap, frame.normal, -force, foot, slip, centre + foot - t / eps_t[:, None], p,
-                      probes.triangle[active], probes.weights[active], shares, matrix, float(total(energy)), float(total(lost)))
+                      probes.triangle[active], probes.weights[active], shares, matrix, float(total(energy)),
+                      float(total(lost)))
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,8 @@ SHARES = pytest.mark.parametrize("second_pass", [0.0, 0.5])
 
 
 def prepared(body, cells=8):
-    """Function that does a step's contact of `body`, pressed 30 mm into cells³/2 cells of 0.1 m, and the Pair it made."""
+    """Function that does a step's contact of `body`, pressed 30 mm into cells³/2 cells of 0.1 m; it returns
+    the Pair."""
     width = 0.1 * cells
     simulation = build(soil_scene([body], x=(0.0, width), y=(0.0, width), z=(-width / 2, 0.2), size=0.1))
     model, state = simulation.model, simulation.state
