@@ -17,6 +17,9 @@ def faults(scene):
     yield from _material("soil.material", scene.soil.material)
     for i, body in enumerate(scene.bodies):
         yield from _body(f"body.{i}", body, scene.time.inertia)
+        yield from _need(not body.second_pass or scene.soil.basis == "gimp", f"body.{i}.second_pass", body.second_pass,
+                         f"0 with soil.basis = {scene.soil.basis!r}, whose points have no faces",
+                         "leave it out or set soil.basis = 'gimp'")
     yield from _time("time", scene.time)
     yield from _need(scene.stages, "stage", "none", "at least one", "add a [[stage]] with a name and steps")
     for i, stage in enumerate(scene.stages):

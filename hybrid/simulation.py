@@ -12,6 +12,7 @@ from hybrid.output.record import BodyRecord, Record
 from hybrid.sheet import model_sheet
 from hybrid.stepping import newton
 from hybrid.stepping.energy import balance_error, energies
+from hybrid.stepping.leaving import Leaving
 from hybrid.stepping.loop import Control, outer_step
 from hybrid.system.cache import Systems
 
@@ -30,6 +31,7 @@ class Simulation:
         self.evaluation = None
         self.increment = None   # [s] that the next step of this stage tries first; None: all of it
         self._start_energy = energies(model, state)
+        self._leaving = Leaving(model, state.bodies)
 
     @property
     def total_steps(self):
@@ -115,4 +117,4 @@ class Simulation:
             step=state.step, stage=stage, stage_step=stage_step, time=state.time, dt=report.dt,
             increments=report.increments, iterations=report.iterations, rejections=report.rejections,
             residual=evaluation.error, contacts=sum(len(c) for c in evaluation.contacts), seconds=timing.collect(),
-            energies=energy, bodies=bodies)
+            energies=energy, bodies=bodies, notes=self._leaving.notes(self.model, state))

@@ -12,6 +12,8 @@ from numba import njit
 
 NO_SIDE = (0.0, 0.0, 0.0)
 OPPOSITE = -0.5  # cosine: triangles turned farther than 120 degrees from the side of contact belong to the other one
+SAME = 0.5       # cosine: triangles turned less than 60 degrees from the side of contact belong to it
+ALL = -2.0       # cosine: no triangle is passed over
 
 
 class Tree(NamedTuple):
@@ -96,10 +98,10 @@ def _to_triangle(y0, y1, y2, facets, k, best):
 
 
 @njit(cache=True)
-def search(y0, y1, y2, reach, boxes, first, order, facets, side=NO_SIDE):
+def search(y0, y1, y2, reach, boxes, first, order, facets, side=NO_SIDE, limit=OPPOSITE):
     """Slot of the triangle nearest to (y0, y1, y2), if nearer than reach, else -1; its closest feature; the
-    weights of v1 and v2 there; and how many triangles were looked at. Triangles that face away from `side`
-    are passed over.
+    weights of v1 and v2 there; and how many triangles were looked at. Triangles whose normal has a product below
+    `limit` with `side` are passed over.
 
     Depth first, nearer child first. In a complete tree sibling and parent of a node are known by its
     number, so the stack of farther siblings still to visit is one bit per level, kept in the integer
@@ -123,7 +125,7 @@ def search(y0, y1, y2, reach, boxes, first, order, facets, side=NO_SIDE):
         else:
             for k in range(first[node - leaves], first[node - leaves + 1]):
                 visited += 1
-                if facets[k, 9] * side[0] + facets[k, 10] * side[1] + facets[k, 11] * side[2] < OPPOSITE:
+                if facets[k, 9] * side[0] + facets[k, 10] * side[1] + facets[k, 11] * side[2] < limit:
                     continue
                 distance, found, fv, fw = _to_triangle(y0, y1, y2, facets, k, best)
                 # of equally near triangles the one with the lowest number; none (slot -1) never ties
@@ -154,18 +156,39 @@ def clear(y0, y1, y2, radius, tree):
 
 
 @njit(cache=True)
+def _facing(slot, feature, side, tree):
+    """Cosine between the pseudo-normal of a feature and a side, 0 without a side."""
+    n, triangle = tree.normals, tree.order[slot]
+    return n[triangle, feature, 0] * side[0] + n[triangle, feature, 1] * side[1] + n[triangle, feature, 2] * side[2]
+
+
+@njit(cache=True)
+def _behind(y0, y1, y2, slot, feature, tree):
+    """Whether a point projects onto the face in `slot`, as its closest feature, from within the body."""
+    f = tree.facets
+    height = (y0 - f[slot, 0]) * f[slot, 9] + (y1 - f[slot, 1]) * f[slot, 10] + (y2 - f[slot, 2]) * f[slot, 11]
+    return height < 0.0 and tree.kind[tree.order[slot], feature] == 0
+
+
+@njit(cache=True)
 def closest(y, reach, tree, side=NO_SIDE):
     """Closest point of the surface to y (3,), array or tuple [m], if nearer than reach [m], which may be inf.
 
     side: outward normal, a tuple of three, of the side of the body to look at; zero for all of it. A point that
-    touches one side of a thin body stays with that side, however deep it is pressed in.
+    touches one side of a thin body stays with that side, however deep it is pressed in: from where the other side is
+    nearer on, neither that nor the rim between them is looked at while the point is behind its own.
 
     Returns (triangle, feature, foot, weights, gap): triangle number, -1 when none is nearer than reach;
     feature as in the module's head; foot [m] and barycentric weights as tuples of three; gap [m], negative
     inside.
     """
     y0, y1, y2 = y[0], y[1], y[2]
-    slot, feature, v, w, _ = search(y0, y1, y2, reach, tree.boxes, tree.first, tree.order, tree.facets, side)
+    boxes, first, order, facets = tree.boxes, tree.first, tree.order, tree.facets
+    slot, feature, v, w, _ = search(y0, y1, y2, reach, boxes, first, order, facets, side, ALL)
+    if slot >= 0 and _facing(slot, feature, side, tree) < OPPOSITE:
+        slot, feature, v, w, _ = search(y0, y1, y2, reach, boxes, first, order, facets, side, SAME)
+        if slot < 0 or not _behind(y0, y1, y2, slot, feature, tree):
+            slot, feature, v, w, _ = search(y0, y1, y2, reach, boxes, first, order, facets, side, OPPOSITE)
     if slot < 0:
         return -1, 0, (y0, y1, y2), (0.0, 0.0, 0.0), math.inf
     triangle, facets, weights = tree.order[slot], tree.facets, (max(1.0 - v - w, 0.0), v, w)

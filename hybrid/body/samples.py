@@ -1,9 +1,12 @@
 """Samples of a body's contact surface: its vertices, and points between them where facets are larger than the soil's.
 
 Every triangle is cut into n² equal ones with edges no longer than a given spacing; the samples are their vertices,
-each with a third of the vector area (area times outward normal) of the triangles around it. Seen along a direction n, a
-sample stands for the area -a_s·n: at an edge only for what of its two sides is seen, so that the contact of a flat side
-costs exactly its area, and Σ -a_s·n g_s is the volume of an overlap g along n.
+each with a third of the vector area of the triangles around it,
+
+    a_s = Σ A N / 3        Σ_s a_s·f(y_s) ≈ ∫ f·N dA
+
+A sample on an edge belongs to several sides at once. Against soil of normal n it stands for the area -n·a_s, the part
+of its surroundings that the soil sees: the bottom of a box on flat ground is its bottom, without a share of the walls.
 
 | symbol | field            | shape  | unit |
 |--------|------------------|--------|------|
@@ -27,7 +30,7 @@ class Samples:
     weights: np.ndarray
 
     def __len__(self):
-        return len(self.area)
+        return len(self.position)
 
 
 def surface_samples(surface, spacing):
@@ -65,6 +68,6 @@ def _merged(position, area, triangle, weights, surface):
     cell = 1e-7 * surface.radius
     _, first, same = np.unique(np.round(position / cell), axis=0, return_index=True, return_inverse=True)
     same = same.reshape(-1)
-    summed = np.zeros((len(first), 3))
-    np.add.at(summed, same, area)
-    return Samples(position[first], summed, triangle[first], weights[first])
+    vector = np.zeros((len(first), 3))
+    np.add.at(vector, same, area)
+    return Samples(position[first], vector, triangle[first], weights[first])

@@ -8,20 +8,24 @@ that fits them,
 
 A face is exposed when a point half a domain beyond it lies in no other domain, nor behind a face of the grid that holds
 the soil. A sample is given to one face for the whole step: the nearest one whose span holds it where the motion that
-the step expects ends, and that faces the body's surface there. As in contact/meeting.py, the friction of a newborn
-contact is anchored where the expected path goes through the face.
+the step expects ends, and that faces the body's surface there. Where the soil's surface bends, the spans of neighbours
+leave a wedge between them; there a span widens with the distance from its face. As in contact/meeting.py, the
+friction of a newborn contact is anchored where the expected path goes through the face.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 from scipy.spatial import cKDTree
 
-from hybrid.body.attitude import exp_so3, log_so3
+from hybrid.body.attitude import log_so3
 from hybrid.contact.corners import SIGNS
 
-COVER = 1.2          # a domain covers what is within this many half-widths: neighbours do not tile exactly once strained
+COVER = 1.2          # a domain covers what is within this many half-widths: neighbours do not tile once strained
 FACING = 0.1         # cosine between the normal of the soil and that into the body
+WEDGE = 0.5          # rad between neighbouring faces, in whose wedge a sample is given to one of them
+RIM = 0.01           # rad by which a face may tilt before it loses a sample on the rim of the soil
 NEIGHBOURS = 6       # faces or domains looked at for each place
 HALVINGS = 12        # of the path, as for corners
 U = np.array([-1.0, 1.0, 1.0, -1.0]) / 4   # s_1a/4 and s_2a/4 of the corners, counter-clockwise seen from outside
@@ -61,8 +65,9 @@ class Frame:
         edges = np.einsum("ca,mai->mci", np.stack([U, V]), corners)
         normal = np.cross(edges[:, 0], edges[:, 1])
         normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-        inverse = np.linalg.inv(np.einsum("mai,mbi->mab", edges, edges))
-        return cls(corners.mean(axis=1), edges, inverse @ edges, normal)
+        a, b, c = (np.einsum("mi,mi->m", edges[:, i], edges[:, j])[:, None] for i, j in ((0, 0), (0, 1), (1, 1)))
+        dual = np.stack([c * edges[:, 0] - b * edges[:, 1], a * edges[:, 1] - b * edges[:, 0]], axis=1)
+        return cls(corners.mean(axis=1), edges, dual / (a * c - b * b)[:, None], normal)
 
     def see(self, x):
         """Coordinates (m, 2) ξ^α and gap (m,) [m] of places x (m, 3)."""
@@ -91,38 +96,59 @@ def _covered(x, position, half, grid, point):
     if not len(x):
         return covered
     margin = 4 * half[point].max()
-    around = np.flatnonzero(((position > x.min(axis=0) - margin) & (position < x.max(axis=0) + margin)).all(axis=1))
+    around = np.flatnonzero(_in_box(position, x.min(axis=0) - margin, x.max(axis=0) + margin))
     count = min(NEIGHBOURS, len(around))
     near = around[cKDTree(position[around]).query(x, count)[1].reshape(len(x), count)]
     inside = (np.abs(x[:, None] - position[near]) <= COVER * half[near]).all(axis=2) & (near != point[:, None])
     return covered | inside.any(axis=1)
 
 
-def assign(x, area, end, depth, reach):
+@njit(cache=True)
+def _in_box(position, lower, upper):
+    """(n,) bool, in one pass over all points."""
+    within = np.empty(len(position), np.bool_)
+    for p in range(len(position)):
+        within[p] = (lower[0] < position[p, 0] < upper[0] and lower[1] < position[p, 1] < upper[1]
+                     and lower[2] < position[p, 2] < upper[2])
+    return within
+
+
+def assign(x, area, end, depth, reach, touching):
     """Face of each place x (k, 3) [m] of the body at the expected end of the step, and the area (k,) [m²] that it shows
     to that face, 0 for a place without a face.
 
     area: (k, 3) [m²] vector area of the body there; end: (f, 4, 3) corners of the faces; depth: (f,) [m] below which a
-    place no longer belongs to a face; reach: distance [m] above it.
+    place no longer belongs to a face, unless it is `touching` (k,) since before; reach: distance [m] above it.
     """
-    chosen, seen, best = np.zeros(len(x), int), np.zeros(len(x)), np.full(len(x), np.inf)
-    if not len(end):
+    chosen, seen = np.zeros(len(x), int), np.zeros(len(x))
+    close = np.zeros(len(x), bool)
+    if len(end):
+        close = ((x > end.min(axis=(0, 1)) - reach) & (x < end.max(axis=(0, 1)) + reach)).all(axis=1)
+    if not close.any():
         return chosen, seen
-    frame = Frame.of(end)
-    close = np.flatnonzero(((x > end.min(axis=(0, 1)) - reach) & (x < end.max(axis=(0, 1)) + reach)).all(axis=1))
-    count = min(NEIGHBOURS, len(end))
+    frame, count = Frame.of(end), min(NEIGHBOURS, len(end))
     size = np.linalg.norm(end - frame.origin[:, None], axis=2).max()
-    near = cKDTree(frame.origin).query(x[close], count, distance_upper_bound=size + reach)[1].reshape(len(close), count)
-    for k in range(count):
-        own, face = close[near[:, k] < len(end)], near[near[:, k] < len(end), k]
-        part = Frame(frame.origin[face], frame.edges[face], frame.dual[face], frame.normal[face])
-        at, gap = part.see(x[own])
-        shown = -np.einsum("mi,mi->m", part.normal, area[own])
-        fits = (np.abs(at) <= 1 + 1e-9).all(axis=1) & (gap > -depth[face]) & (gap < reach) & (np.abs(gap) < best[own])
-        fits &= shown > FACING * np.linalg.norm(area[own], axis=1)
-        own, face, gap = own[fits], face[fits], gap[fits]
-        chosen[own], seen[own], best[own] = face, shown[fits], np.abs(gap)
+    near = cKDTree(frame.origin).query(x[close], count, distance_upper_bound=size + reach)[1].reshape(-1, count)
+    place, face = np.repeat(np.flatnonzero(close), count), np.minimum(near, len(end) - 1).ravel()
+    part = Frame(frame.origin[face], frame.edges[face], frame.dual[face], frame.normal[face])
+    at, gap = part.see(x[place])
+    beside = np.einsum("ma,mai->mi", np.sign(at) * np.maximum(np.abs(at) - 1 - 1e-9, 0.0), part.edges)
+    away, shown = np.linalg.norm(beside, axis=1), -np.einsum("mi,mi->m", part.normal, area[place])
+    fits = (near.ravel() < len(end)) & (away <= WEDGE * np.abs(gap)) & (gap < reach)
+    fits &= ((gap > -depth[face]) | touching[place]) & (shown > FACING * np.linalg.norm(area[place], axis=1))
+    fits &= (away <= RIM * np.abs(gap)) | _between(beside.reshape(-1, count, 3), fits.reshape(-1, count)).ravel()
+    distance = np.where(fits, np.hypot(gap, away), np.inf).reshape(-1, count)
+    best = np.arange(len(distance)) * count + np.argmin(distance, axis=1)
+    best = best[fits[best]]
+    chosen[place[best]], seen[place[best]] = face[best], shown[best]
     return chosen, seen
+
+
+def _between(beside, fits):
+    """(m, count) bool, whether the way `beside` (m, count, 3) from a face to a place is opposed by that from another
+    face: so between two faces, but not past the rim of the soil."""
+    product = np.einsum("mai,mbi->mab", beside, beside)
+    return ((product < 0) & fits[:, None, :]).any(axis=2)
 
 
 def crossing(y, body, pose, start, end):
@@ -132,10 +158,14 @@ def crossing(y, body, pose, start, end):
     Samples that stay outside anchor where their path ends, samples that start inside where it starts.
     """
     turn = log_so3(pose[1] @ body.rotation.T)
+    angle = np.linalg.norm(turn)
+    axis = turn / angle if angle > 0 else turn
+    arms = y @ body.rotation.T
+    across, inwards = np.cross(axis, arms), np.cross(axis, np.cross(axis, arms))
 
     def seen(fraction):
-        rotations = np.array([exp_so3(f * turn) for f in np.unique(fraction)])
-        arm = np.einsum("mij,mj->mi", (rotations @ body.rotation)[np.unique(fraction, return_inverse=True)[1]], y)
+        partial = fraction[:, None] * angle
+        arm = arms + np.sin(partial) * across + (1 - np.cos(partial)) * inwards
         centre = body.position + fraction[:, None] * (pose[0] - body.position)
         return Frame.of(start + fraction[:, None, None] * (end - start)).see(centre + arm)
 

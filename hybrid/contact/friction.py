@@ -88,31 +88,12 @@ def evaluate(corners, place, centre, rotation, surface, friction, tangential):
         triangle[active], weights[active], float(total(energy)), float(total(dissipated)))
 
 
-def passed_through(corners, touch, place, centre, rotation, surface, depth):
-    """Number of corners that a step too long for the body's thickness has carried past its middle, or right through.
-
-    Those in contact since this step that would be pushed on along their way, and those that are out at both ends of
-    their way and deeper than `depth` [m] inside on it.
-    """
-    way = (place - centre) @ rotation - corners.start
-    outward = np.einsum("ci,ci->c", way[touch.active], touch.side)
-    along = outward > 0.5 * np.linalg.norm(way[touch.active], axis=1)
-    entered = touch.active[along & ~corners.touching[touch.active]]
-    pushed_on = gaps(corners.start[entered], surface) > 0.0
-    free = ~corners.touching
-    free[touch.active] = False
-    deepest = np.zeros(np.count_nonzero(free))
-    for fraction in (0.25, 0.5, 0.75):
-        gap = gaps(corners.start[free] + fraction * way[free], surface)
-        np.minimum(deepest, gap, out=deepest)
-    return int(total(pushed_on) + total(deepest < -depth))
-
-
-def gaps(y, surface):
-    """Signed gaps (m,) [m] of places (m, 3) in the body frame, inf clear of the body."""
+def gaps(y, surface, side=None):
+    """Signed gaps (m,) [m] of places (m, 3) in the body frame, inf clear of the body; side: (m, 3), as in Corners."""
     gap, index = np.empty(len(y)), np.empty((2, len(y)), np.int64)
-    _project(y, np.zeros_like(y), np.zeros(len(y)), surface.radius, surface.tree, gap, index[0], index[1],
-             np.empty_like(y), np.empty_like(y))
+    side = np.zeros_like(y) if side is None else side
+    _project(y, side, np.zeros(len(y)), surface.radius, surface.tree, gap, index[0], index[1], np.empty_like(y),
+             np.empty_like(y))
     return gap
 
 

@@ -19,7 +19,8 @@ from numba import njit
 from hybrid.body.attitude import log_so3
 from hybrid.body.closest import clear, closest
 
-HALVINGS = 12  # of the path: 10 μm at 40 mm
+HALVINGS = 12      # of the path: 10 μm at 40 mm
+ON_SURFACE = 1e-9  # of the body's radius: a body laid on the soil touches it to round-off, and enters from there
 
 
 def meeting_points(start, end, body, pose, surface):
@@ -42,7 +43,7 @@ def _meet(arm, way, turn, rotation, radius, tree, out, side):
         last = _seen(arm[n], way[n], turn, rotation, 1.0)
         if clear(last[0], last[1], last[2], radius, tree) or _gap(last, tree) >= 0.0:
             out[n] = last
-        elif _gap(out[n], tree) > 0.0:
+        elif _gap(out[n], tree) >= -ON_SURFACE * radius:
             outside, inside = 0.0, 1.0
             for _ in range(HALVINGS):
                 middle = 0.5 * (outside + inside)

@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hybrid.contact import assembly, friction, probes
+from hybrid.contact import assembly, friction, passage, probes
 from hybrid.contact.corners import find_corners
 from hybrid.reductions import total
 
@@ -68,8 +68,9 @@ class Pair:
         first, second = (1 - body.second_pass) * body.contact_stiffness, body.second_pass * body.contact_pressure
         self.corners = find_corners(points.position, half, grid, active, state, body.surface, reach, first,
                                     history, expected)
-        self.probes = None
+        self.probes, self._width = None, None
         if body.second_pass:
+            self._width = 2 * half[self.corners.id // 8].max(axis=1)
             self.probes = probes.find_probes(
                 body.samples, points, grid, self.corners, state, reach, second,
                 (history.sample, history.sample_anchor, history.sample_pressure), expected)
@@ -82,6 +83,11 @@ class Pair:
         if self.probes is not None:
             second = probes.evaluate(self.probes, place, *pose, body.friction, body.tangential)
         return Contact(touch, second)
+
+    def springs(self, contact):
+        """Stiffness [N/m] of all that touches, the root of the sum of squares."""
+        held = [(self.corners, contact.corners), (self.probes, contact.samples)]
+        return float(np.sqrt(sum(total(own.stiffness[touch.active] ** 2) for own, touch in held if touch is not None)))
 
     def add_residual(self, contact, force):
         """Add contact to nodal residuals (N, 3) [N], None when the soil is held; returns the body's residual (6,)."""
@@ -104,12 +110,11 @@ class Pair:
         return ww
 
     def passed_through(self, contact, displacement, pose, depth):
-        """Number of corners that the step carried through the body, deeper than `depth` [m]; none where corners carry
-        nothing."""
-        if self.body.second_pass == 1:
-            return 0
-        return friction.passed_through(
-            self.corners, contact.corners, self.corners.moved(displacement), *pose, self.body.surface, depth)
+        """Number of corners that the step carried through the body, deeper than `depth` [m]. They tell it whichever
+        pass carries the contact."""
+        return passage.passed_through(
+            self.corners, contact.corners, self.corners.moved(displacement), *pose, self.body.surface, depth,
+            self._width)
 
     def augment(self, contact):
         """Let the multipliers take over the pressures."""

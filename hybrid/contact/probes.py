@@ -3,15 +3,16 @@
 Corners do not see what fits between them: a sharp edge, a tip, the smooth bottom of a sphere. With the symbols of
 contact/faces.py, for a sample at x_s = c + R y_s given to a face,
 
-    w_a = 1/4 + ξ^α s_αa/4      foot = Σ w_a x_a = x_s - g n      p = λ - ε_N g > 0      ε_N = -p_f E a_s·n
+    w_a = 1/4 + ξ^α s_αa/4      foot = Σ w_a x_a = x_s - g n      p = λ - ε_N g > 0      ε_N = -p_f E n·a_s
     τ = (ξ^α - ξ_0^α) e_α       stick  t = ε_T τ,  |t| <= μ p      slip  t = μ p s,  s = τ/|τ|
     F = -p n + t                residual:  F on the body with moment (foot - c) × F,  -w_a F on the corners
 
-so that force and moment cancel to round-off. With u = δx_s - Σ w_a δx_a, h_β = n·δe_β and m_αβ = e_α·e_β,
+with the vector area a_s of the sample; force and moment cancel to round-off. With u = δx_s - Σ w_a δx_a,
+h_β = n·δe_β and m_αβ = e_α·e_β,
 
     δg = n·u     δn = -h_α e^α     δξ^α = e^α·u + g m^αβ h_β     δτ = δξ^α e_α + (ξ^α - ξ_0^α) δe_α
 
-gives the full tangent; a_s is the sample's vector area (body/samples.py). ξ_0 is a material point of the soil, kept in space between steps, so that a sample may go on to
+gives the full tangent. ξ_0 is a material point of the soil, kept in space between steps, so that a sample may go on to
 the next face. Frozen during a step: the face of each sample, ε_N and ξ_0.
 """
 
@@ -84,8 +85,9 @@ def find_probes(samples, points, grid, corners, body, reach, stiffness, history,
     face, point = exposed_faces(points.position, points.half, grid, corners)
     start, end = corners.position[face], corners.moved(expected[0])[face]
     position, rotation = expected[1]
-    x, area = position + samples.position @ rotation.T, samples.area @ rotation.T
-    chosen, seen = assign(x, area, end, 2 * points.half[point].max(axis=1, initial=0.0), reach)
+    x, area, touching = position + samples.position @ rotation.T, samples.area @ rotation.T, np.zeros(len(samples), bool)
+    touching[history[0]] = True
+    chosen, seen = assign(x, area, end, 2 * points.half[point].max(axis=1, initial=0.0), reach, touching)
     id = np.flatnonzero(seen > 0)
     chosen, seen = chosen[id], seen[id]
     anchor, origin = crossing(samples.position[id], body, expected[1], start[chosen], end[chosen])
@@ -120,7 +122,8 @@ def evaluate(probes, place, centre, rotation, friction, tangential):
     lost = np.where(slip, sliding * (np.einsum("mi,mi->m", direction, way) - sliding / eps_t), 0.0)
     energy = 0.5 * (p**2 - probes.pressure[active] ** 2) / stiffness + 0.5 * sliding**2 / eps_t
     return ProbeTouch(active, gap, frame.normal, -force, foot, slip, centre + foot - t / eps_t[:, None], p,
-                      probes.triangle[active], probes.weights[active], shares, matrix, float(total(energy)), float(total(lost)))
+                      probes.triangle[active], probes.weights[active], shares, matrix, float(total(energy)),
+                      float(total(lost)))
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ import time
 class Progress:
     """Observer that rewrites one line of `stream` (default stderr) after every accepted outer step.
 
-    Nothing is written when the stream is not a terminal, except one closing line if `announce` is set.
+    Nothing is written when the stream is not a terminal, except notes and one closing line if `announce` is set.
     """
 
     def __init__(self, stream=None, announce=False, live=True):
@@ -23,17 +23,22 @@ class Progress:
         self._show("starting the first step")
 
     def accepted(self, record, simulation):
+        for note in record.notes:
+            self._say(note)
         done, left = record.step - self.first, simulation.total_steps - record.step
         remaining = (time.perf_counter() - self.began) / done * left
         steps = {stage.name: stage.steps for stage in simulation.scene.stages}
         self._show(describe(record, steps.get(record.stage, "?"), remaining))
 
     def finish(self, summary, simulation):
+        steps, seconds = simulation.state.step - self.first, time.perf_counter() - self.began
+        reason = f": {summary['reason']}" if summary.get("reason") else ""
+        self._say(f"{simulation.scene.name}: {summary['outcome']}, {steps} steps in {clock(seconds)}{reason}")
+
+    def _say(self, text):
+        """A line that stays, above the one that is rewritten."""
         self._show("")
         if self.live or self.announce:
-            steps, seconds = simulation.state.step - self.first, time.perf_counter() - self.began
-            reason = f": {summary['reason']}" if summary.get("reason") else ""
-            text = f"{simulation.scene.name}: {summary['outcome']}, {steps} steps in {clock(seconds)}{reason}"
             print(text, file=self.stream, flush=True)
 
     def _show(self, line):

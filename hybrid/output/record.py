@@ -63,6 +63,7 @@ class Record:
     `increments` how many there were, `iterations` the Newton iterations of all of them, `rejections` the
     trials thrown away, `residual` the last relative residual, `contacts` the corners that touch. `seconds`
     holds the wall time of each phase [s] and `energies` the balance [J]; both become columns of history.csv.
+    `notes` are texts for the user that are said once in a run, such as a body that leaves the grid.
     """
 
     step: int
@@ -78,6 +79,7 @@ class Record:
     seconds: dict[str, float] = field(default_factory=dict)
     energies: dict[str, float] = field(default_factory=dict)
     bodies: list[BodyRecord] = field(default_factory=list)
+    notes: tuple[str, ...] = ()
 
     def row(self):
         """Flat dict for one line of history.csv, each name ending in its unit where it has one."""

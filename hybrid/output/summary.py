@@ -45,7 +45,7 @@ class Summary:
         self.began = time.perf_counter()
         self.resumed_from = simulation.state.step
         self.counts = {"steps": 0, "increments": 0, "iterations": 0, "rejections": 0}
-        self.seconds = {}
+        self.seconds, self.notes = {}, []
         if self.resumed_from and (self.folder / HISTORY).exists():
             self._add_history(read_history(self.folder))
 
@@ -59,6 +59,7 @@ class Summary:
 
     def accepted(self, record, simulation):
         self.counts["steps"] += 1
+        self.notes += record.notes
         for name in ("increments", "iterations", "rejections"):
             self.counts[name] += getattr(record, name)
         for phase, value in record.seconds.items():
@@ -69,6 +70,7 @@ class Summary:
         content = {
             "scene": simulation.scene.name,
             **summary,
+            "notes": self.notes,
             "time_s": simulation.state.time,
             "step": simulation.state.step,
             "resumed_from_step": self.resumed_from,

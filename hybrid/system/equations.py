@@ -21,7 +21,7 @@ from hybrid.system.model import Model
 from hybrid.timing import phase
 
 
-ROUNDING = 1e-14  # of positions and increments: an inertia force that this alone can make is no residual
+ROUNDING = 1e-14  # of positions and increments: a force of inertia or contact that this alone can make is no residual
 LARGEST_TURN = 2.0  # [rad] of a body in a step; from half a turn on it cannot be told from one the other way
 
 
@@ -167,25 +167,26 @@ class Step:
         bodies = tuple(
             rigid.evaluate(b, s, p, target, model.gravity, model.scheme, self.dt)
             for b, s, p, target in zip(model.bodies, self.state.bodies, unknowns.poses, self.targets))
-        soil, soil_norm, soil_error = self._soil_residual(fields, displacement)
-        body, reactions, body_norms, body_error = self._body_residual(bodies, on_body, unknowns.poses)
+        springs = [p.springs(c) for p, c in zip(self.pairs, contacts)]
+        soil, soil_norm, soil_error = self._soil_residual(fields, displacement, springs)
+        body, reactions, body_norms, body_error = self._body_residual(bodies, on_body, unknowns.poses, springs)
         return Evaluation(unknowns, soil, body, max(soil_error, body_error), {**soil_norm, **body_norms}, trial,
                           rates, bodies, contacts, reactions)
 
-    def _soil_residual(self, fields, displacement):
+    def _soil_residual(self, fields, displacement, springs):
         if not fields:
             return np.zeros(0), {}, 0.0
         free = self.pattern.free
         parts = [part[free] for part in fields.values()]
         residual = sum(parts)
         norm, scale = reductions.norm(residual), max(reductions.norm(part) for part in parts)
-        noise = ROUNDING * self.model.scheme.mass_factor(self.dt) * reductions.norm(
-            (self.soil.mass[:, None] * displacement)[free])
+        noise = ROUNDING * (self.model.scheme.mass_factor(self.dt) * reductions.norm(
+            (self.soil.mass[:, None] * displacement)[free]) + np.abs(self.model.soil.grid.extent).max() * sum(springs))
         return residual, {"soil [N]": norm}, max(norm - noise, 0.0) / scale if scale > 0 else 0.0
 
-    def _body_residual(self, trials, contact, poses):
+    def _body_residual(self, trials, contact, poses, springs):
         residuals, reactions, norms, error = [], [], {}, 0.0
-        for body, trial, touch, pose in zip(self.model.bodies, trials, contact, poses):
+        for body, trial, touch, pose, spring in zip(self.model.bodies, trials, contact, poses, springs):
             parts = np.array([trial.inertia, trial.weight, trial.line, touch])
             total = parts.sum(axis=0)
             residuals.append(total[body.free])
@@ -195,7 +196,7 @@ class Step:
             scale = np.linalg.norm(parts[:, :3], axis=1).max()
             arm = max(np.linalg.norm(parts[:, 3:], axis=1).max(), scale * body.radius)
             norms |= {f"{body.name} [N]": force, f"{body.name} [N m]": moment}
-            noise = ROUNDING * self.model.scheme.mass_factor(self.dt) * body.mass.mass * (
+            noise = ROUNDING * (self.model.scheme.mass_factor(self.dt) * body.mass.mass + spring) * (
                 np.linalg.norm(pose[0]) + body.radius)
             error = max(error, (force - noise) / scale if scale > 0 else 0.0,
                         (moment - noise * body.radius) / arm if arm > 0 else 0.0)

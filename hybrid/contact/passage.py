@@ -1,0 +1,66 @@
+"""Corners that a step would carry through a body: the step is too long for its thickness and must not be accepted.
+
+Only corners that were outside when the step began are asked. Seen from the body they go straight from `start` to `end`.
+
+    pushed on   inside at the end, where the nearest side would push them on along their way
+    pierced     outside at the end, in by one side and out by the other one, or deeper than `depth` on the way
+    buried      deeper than their own domain at the end, where no sample of the body is given to their face any more;
+                asked only of a second pass
+
+The path is walked with steps as long as the distance to the surface, so it skips no facet, however thin the body is.
+"""
+
+import numpy as np
+from numba import njit
+
+from hybrid.body.closest import OPPOSITE, closest
+from hybrid.contact.friction import gaps
+from hybrid.reductions import total
+
+ALONG = 0.5            # cosine between the way of a corner and the normal that pushes it on
+FINEST = 0.02          # of `depth`: shortest step of the walk, and distance that counts as at the surface
+FRACTIONS = 0.25, 0.5, 0.75  # of the way, where its depth is looked at
+
+
+def passed_through(corners, touch, place, centre, rotation, surface, depth, width=None):
+    """Number of `corners`, at `place` (m, 3) [m] at the end and in contact as in `touch`, that passed through.
+
+    depth: [m]; width: (m,) [m] of the domains of the corners, None without a second pass.
+    """
+    end = (place - centre) @ rotation
+    way = end - corners.start
+    free = ~corners.touching & (gaps(corners.start, surface) >= 0.0)
+    ends = np.full(len(corners), np.inf)
+    ends[free] = gaps(end[free], surface, corners.side[free])
+    wrong = np.zeros(len(corners), bool)
+    outward = np.einsum("ci,ci->c", way[touch.active], touch.side)
+    wrong[touch.active] = outward > ALONG * np.linalg.norm(way[touch.active], axis=1)
+    out = free & (ends >= 0.0)
+    wrong[out] = _pierced(corners.start[out], way[out], surface.radius, FINEST * depth, surface.tree)
+    for fraction in FRACTIONS:
+        wrong[out] |= gaps(corners.start[out] + fraction * way[out], surface) < -depth
+    if width is not None:
+        wrong |= ends < -width
+    return int(total(free & wrong))
+
+
+@njit(cache=True)
+def _pierced(start, way, radius, finest, tree):
+    """(m,) bool, paths that enter on one side and leave on the other one."""
+    out = np.zeros(len(start), np.bool_)
+    for n in range(len(start)):
+        length, gone = np.sqrt(np.sum(way[n] * way[n])), 0.0
+        within, entry = False, np.zeros(3)
+        while gone <= length and length > 0.0:
+            y = start[n] + (gone / length) * way[n]
+            triangle, feature, _, _, gap = closest((y[0], y[1], y[2]), np.inf, tree)
+            normal = tree.normals[triangle, feature]
+            if not within and gap < finest:
+                within, entry = True, normal
+            elif within and gap >= finest:
+                if np.dot(entry, normal) < OPPOSITE:
+                    out[n] = True
+                    break
+                within = False
+            gone += max(abs(gap), finest)
+    return out
