@@ -2,7 +2,8 @@
 
 At the paper's resolution the corners, half a radius apart, make a bumpy ride and the errors belong to
 that ride: the limits are 1.5 times what was measured, for several facet sizes. At a quarter of the
-spacing, facets refined too, the law has to come out.
+spacing, facets refined too, the law has to come out; so it has at the paper's with the second pass,
+which sees the flat faces between the corners.
 """
 
 import functools
@@ -18,7 +19,6 @@ from hybrid.scene_file import load_scene
 from hybrid.simulation import Simulation
 
 DEMOS = Path(__file__).parents[2] / "demos"
-FRICTION = (0.0, 0.2, 0.4)
 RADIUS, NORMAL_GRAVITY = 0.25, 9.81 * np.sqrt(0.5)
 
 
@@ -30,19 +30,20 @@ def demo():
 
 
 DEMO = demo()
+FRICTION = DEMO.FRICTION
 
 
 class Ride:
     """One second from a start shifted along the slope [m]: what the tests ask about."""
 
-    def __init__(self, built, mu, shift=0.0):
+    def __init__(self, built, mu, shift):
         model = replace(built.model, bodies=(replace(built.model.bodies[0], friction=mu),))
         start = built.state.bodies[0].position + (shift, 0.0, 0.0)
         state = replace(built.state, bodies=[replace(built.state.bodies[0], position=start)])
         simulation = Simulation(built.scene, model, state, built.meshes)
         self.mass, self.sliding, self.force, self.air = model.bodies[0].mass.mass, [], np.zeros(3), 0
         for self.record in simulation.steps():
-            touch = simulation.evaluation.contacts[0].corners
+            touch = simulation.evaluation.contacts[0].parts[-1]
             self.air += len(touch) == 0
             self.sliding += list(touch.slip)
             self.force += self.record.bodies[0].contact_force
@@ -54,14 +55,15 @@ class Ride:
 
 
 @functools.cache
-def built(refinement):
-    return build(load_scene(DEMOS / "rolling_sphere.toml", DEMO.overrides(0.4, refinement)))
+def built(refinement, samples=False):
+    changes = DEMO.overrides(0.4, refinement) + (DEMO.SAMPLES if samples else [])
+    return build(load_scene(DEMOS / "rolling_sphere.toml", changes))
 
 
 @functools.cache
-def ride(refinement, mu, shift=0.0):
+def ride(refinement, mu, shift=0.0, samples=False):
     """Ride from a start shifted by a fraction of the spacing of the corners, run once."""
-    return Ride(built(refinement), mu, shift * 0.125 / refinement)
+    return Ride(built(refinement, samples), mu, shift * 0.125 / refinement)
 
 
 def scatter(refinement, shifts=(0.0, 1 / 3, 2 / 3)):
@@ -70,13 +72,30 @@ def scatter(refinement, shifts=(0.0, 1 / 3, 2 / 3)):
     return np.sqrt(np.mean(np.square(errors), axis=0))
 
 
-@pytest.mark.parametrize("mu, distance, spin", [(0.0, 2.1, 3.2), (0.2, 2.3, 6.5), (0.4, 0.5, 2.9)])
+@pytest.mark.parametrize("mu, distance, spin", [
+    (0.0, 2.1, 3.2), (0.1, 2.1, 3.2), (0.2, 2.3, 6.5), (0.4, 0.5, 2.9), (1.0, 1.5, 3.3)])
 def test_paper_resolution(mu, distance, spin):
-    """Measured: distance +0.6, +1.5, -0.0 %, spin +1.5 (of rolling), -4.3, -1.9 %; 5 to 9 steps in the air.
+    """Measured: distance +0.6, +0.9, +1.5, -0.0, -1.0 %, spin +1.5 (of rolling), +0.5, -4.3, -1.9, +2.2 %; 5 to 9 steps
+    in the air.
     With facets of 0.047 to 0.053 m at most 1.4, 1.4, 0.2 % and 2.1, 4.3, 1.9 %."""
     found = ride(1, mu)
     assert found.errors[0] < distance and found.errors[1] < spin
     assert found.air < 15
+
+
+@pytest.mark.parametrize("mu", FRICTION)
+def test_paper_resolution_with_the_second_pass(mu):
+    """Measured: distance 0.0 to +0.1 %, spin -0.6 to +0.1 % (1.9 % of rolling at μ = 0); never in the air."""
+    found = ride(1, mu, samples=True)
+    assert found.errors[0] < 1.0 and found.errors[1] < 2.0
+    assert found.air == 0
+
+
+def test_the_floor_of_the_first_pass_is_its_lattice_of_corners():
+    """Where the ride starts within the lattice changes the outcome by percents; of the second pass hardly anything."""
+    corners, samples = (np.ptp([[r.distance, r.spin] for r in (ride(1, 0.4, s, flat) for s in (0.0, 1 / 3, 2 / 3))], axis=0)
+                        for flat in (False, True))
+    assert (samples < 0.3 * corners).all()
 
 
 @pytest.mark.parametrize("mu", FRICTION)
@@ -100,7 +119,7 @@ def test_anchor_at_the_start_of_the_step_makes_the_sphere_creep(monkeypatch):
     monkeypatch.setattr("hybrid.contact.corners.meeting_points",
                         lambda start, end, body, pose, surface: (
                             (start - body.position) @ body.rotation, np.zeros_like(start)))
-    assert Ride(built(4), 0.4).errors[1] > 2 * ride(4, 0.4).errors[1]
+    assert Ride(built(4), 0.4, 0.0).errors[1] > 2 * ride(4, 0.4).errors[1]
 
 
 def test_sliding_and_rolling_states():
@@ -124,7 +143,7 @@ def test_energy_lost_is_friction_work():
     assert ride(4, 0.0).energies["friction"] == 0.0
 
 
-@pytest.mark.parametrize("mu", FRICTION)
+@pytest.mark.parametrize("mu", (0.0, 0.2, 0.4))
 def test_bumps_cost_little_energy(mu):
     """What the dissipative scheme takes from the bouncing, of the energy gained by falling."""
     found = ride(1, mu)
