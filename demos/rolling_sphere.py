@@ -39,12 +39,12 @@ LIMITS = {1: (2.3, 6.5), 2: (0.7, 2.5), 4: (0.5, 1.5)}  # [%] of distance and sp
 SAMPLES = ["body.0.second_pass=1.0", "body.0.penalty=400.0"]  # instead of the corners; smooth, it may be stiff
 
 
-def law(mu, time):
+def law(mu, time, radius=RADIUS):
     """Distance [m] and spin [rad/s] of a smooth sphere from rest."""
     down, across = GRAVITY * np.sin(SLOPE), GRAVITY * np.cos(SLOPE)
     if np.tan(SLOPE) > 3.5 * mu:
-        return 0.5 * (down - mu * across) * time**2, 2.5 * mu * across * time / RADIUS
-    return 5 / 14 * down * time**2, 5 / 7 * down * time / RADIUS
+        return 0.5 * (down - mu * across) * time**2, 2.5 * mu * across * time / radius
+    return 5 / 14 * down * time**2, 5 / 7 * down * time / radius
 
 
 def overrides(mu, refinement=1):

@@ -33,7 +33,7 @@ def build(scene):
     for described in scene.bodies:
         body_mesh = mesh.generate(described.geometry, described.parameters)
         body, motion = build_body(described, body_mesh, soil, gravity)
-        refuse_overlap(described, body, motion, points)
+        refuse_overlap(described, body, motion, points, soil.basis)
         meshes.append(body_mesh)
         bodies.append(body)
         motions.append(motion)
@@ -173,9 +173,10 @@ def build_line(described, body_mesh, properties):
                 pull.stiffness, pull.length, pull.tension_only)
 
 
-def refuse_overlap(described, body, motion, points):
+def refuse_overlap(described, body, motion, points, basis):
     """SceneError when the body starts inside the soil: the penalty would throw it out."""
-    depth, count = overlap(points.position, points.half, motion, body.surface)
+    half = points.half if basis == "gimp" else np.zeros_like(points.half)
+    depth, count = overlap(points.position, half, motion, body.surface)
     limit = 0.1 * points.half.min()
     if depth > limit:
         raise SceneError(f"body {described.name!r} starts inside the soil: {count} corners up to {depth:.3g} m deep, "

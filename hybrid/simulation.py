@@ -11,10 +11,11 @@ from hybrid.errors import HybridError
 from hybrid.output.record import BodyRecord, Record
 from hybrid.sheet import model_sheet
 from hybrid.stepping import newton
-from hybrid.stepping.energy import balance_error, energies
+from hybrid.stepping.energy import Gain, balance_error, energies
 from hybrid.stepping.leaving import Leaving
 from hybrid.stepping.loop import Control, outer_step
 from hybrid.system.cache import Systems
+from hybrid.system.equations import Step
 
 
 class Simulation:
@@ -30,8 +31,9 @@ class Simulation:
         self.masses = [b.mass for b in model.bodies]
         self.evaluation = None
         self.increment = None   # [s] that the next step of this stage tries first; None: all of it
-        self._start_energy = energies(model, state)
-        self._leaving = Leaving(model, state.bodies)
+        start = Step(model, state, scene.time.step, False, Systems(model))
+        self._start_energy = energies(model, state, start.evaluate(start.still()))  # a body may start in the soil a little
+        self._leaving, self._gain = Leaving(model, state.bodies), Gain()
 
     @property
     def total_steps(self):
@@ -117,4 +119,4 @@ class Simulation:
             step=state.step, stage=stage, stage_step=stage_step, time=state.time, dt=report.dt,
             increments=report.increments, iterations=report.iterations, rejections=report.rejections,
             residual=evaluation.error, contacts=sum(len(c) for c in evaluation.contacts), seconds=timing.collect(),
-            energies=energy, bodies=bodies, notes=self._leaving.notes(self.model, state))
+            energies=energy, bodies=bodies, notes=self._leaving.notes(self.model, state) + self._gain.notes(state.time, energy))

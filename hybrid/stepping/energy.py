@@ -40,3 +40,23 @@ def balance_error(now, start):
     """Energy that the balance does not account for [J], from `energies` now and at the start."""
     stored = sum(now[name] - start[name] for name in STORED)
     return stored + now["plastic"] + now["friction"] - now["pull"] - now["drive"]
+
+
+class Gain:
+    """Says once when there is energy out of nothing, as after an impact that falls into one undamped step."""
+
+    LIMIT = 0.25  # of the most that ever was kinetic, elastic and in contact springs
+
+    def __init__(self):
+        self._said, self._held = False, 0.0
+
+    def notes(self, time, energy):
+        """Texts (none or one) about the state at `time` [s]; energy: `energies` with their "error"."""
+        gain = energy["error"]
+        self._held = held = max(self._held, energy["kinetic"] + energy["elastic"] + energy["contact"])
+        if self._said or gain <= self.LIMIT * held:
+            return ()
+        self._said = True
+        return (f"energy out of nothing: at t = {time:.4g} s there are {gain:.3g} J too many, {gain / held:.0%} of what "
+                f"moves, soil and contact hold (limit {self.LIMIT:.0%}). Contact comes and goes faster than the step "
+                "resolves; use a smaller time.step, a lower body.penalty, or a scheme that damps",)

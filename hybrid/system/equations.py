@@ -99,6 +99,11 @@ class Step:
             rigid.first_guess(b, s, self.model.scheme, self.dt)
             for b, s in zip(self.model.bodies, self.state.bodies)))
 
+    def still(self):
+        """Unknowns of a step in which nothing moves."""
+        return Unknowns(None if self.soil is None else np.zeros_like(self.soil.velocity),
+                        tuple((s.position, s.rotation) for s in self.state.bodies))
+
     def overreach(self, unknowns):
         """Largest ratio of the way soil and body went towards each other to the reach of the corner search."""
         ratio = 0.0

@@ -68,6 +68,13 @@ def test_a_flat_overlap_costs_stiffness_times_area(side, share, facets):
     assert simulation.model.body_free.sum() == 0
 
 
+def test_points_without_domains_press_with_their_own_stiffness():
+    """Standard MPM: its points are half a domain below the surface, k = p_f E A there."""
+    body = box(1.2, 1.2, 0.5, rest_on=-0.0625 - 5e-4, penalty=1.0, held=("x", "y", "z", "rx", "ry", "rz"))
+    record, = build(plane(body, 1, 0.01, soil={"held": True, "basis": "mpm"})).steps()
+    assert record.bodies[0].contact_force[2] == pytest.approx(1e6 * 5e-4, rel=1e-9)
+
+
 @pytest.mark.parametrize("share", BOTH)
 def test_a_box_at_rest_presses_evenly(share):
     """σ_zz = -W/A at every point of a weightless cube under it, and the overlap W/(p_f E A) at every corner."""
