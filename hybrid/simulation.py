@@ -32,7 +32,8 @@ class Simulation:
         self.evaluation = None
         self.increment = None   # [s] that the next step of this stage tries first; None: all of it
         start = Step(model, state, scene.time.step, False, Systems(model))
-        self._start_energy = energies(model, state, start.evaluate(start.still()))  # a body may start in the soil a little
+        # a body may start in the soil a little
+        self._start_energy = energies(model, state, start.evaluate(start.still()))
         self._leaving, self._gain = Leaving(model, state.bodies), Gain()
 
     @property
@@ -119,4 +120,5 @@ class Simulation:
             step=state.step, stage=stage, stage_step=stage_step, time=state.time, dt=report.dt,
             increments=report.increments, iterations=report.iterations, rejections=report.rejections,
             residual=evaluation.error, contacts=sum(len(c) for c in evaluation.contacts), seconds=timing.collect(),
-            energies=energy, bodies=bodies, notes=self._leaving.notes(self.model, state) + self._gain.notes(state.time, energy))
+            energies=energy, bodies=bodies,
+            notes=self._leaving.notes(self.model, state) + self._gain.notes(state.time, energy))

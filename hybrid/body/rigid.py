@@ -135,6 +135,23 @@ def accept(body, state, pose, target, reaction, scheme, dt):
     return replace(new, target=target, reaction=reaction)
 
 
+def let_go(body, state):
+    """`state` when guides let go of components that are free from now on: what they held back accelerates at once.
+
+    Without it the scheme would start from no acceleration, half a step late.
+    """
+    if state.reaction is None or not np.any(state.reaction[body.free]):
+        return state
+    force, moment = np.split(np.where(body.free, state.reaction, 0.0), 2)
+    axes, inertia = state.rotation.T[:, body.free[3:]], body.mass.inertia     # the free ones, in the body frame
+    turn = axes @ np.linalg.solve(axes.T @ inertia @ axes, axes.T @ (state.rotation.T @ moment))
+    back = np.concatenate([force / body.mass.mass, turn])
+    return replace(
+        state, acceleration=state.acceleration - back[:3], spin_rate=state.spin_rate - back[3:],
+        algorithmic=None if state.algorithmic is None else state.algorithmic - back,
+        reaction=np.where(body.free, 0.0, state.reaction))
+
+
 def taken_over(body, state, gravity, scheme):
     """`state` when guides take hold of a body, and the work [J] of the jolt that brings it to their rates.
 

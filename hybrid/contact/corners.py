@@ -82,8 +82,9 @@ def find_corners(position, half, grid, active, body, surface, reach, stiffness, 
     use = use[np.argsort(id[use], kind="stable")]
     id, place, node, weight, touching, anchor, side, pressure = (
         a[use] for a in (id, place, node, weight, touching, anchor, side, pressure))
-    corners = Corners(id, place, (place - body.position) @ body.rotation, node, weight,
-                      shared_stiffness(id, place, stiffness if half.any() else stiffness / 2), touching, anchor, side, pressure)
+    stiffness = shared_stiffness(id, place, stiffness if half.any() else stiffness / 2)
+    corners = Corners(id, place, (place - body.position) @ body.rotation, node, weight, stiffness, touching, anchor,
+                      side, pressure)
     free = ~touching
     anchor[free], side[free] = meeting_points(
         place[free], corners.moved(expected[0])[free], body, expected[1], surface)

@@ -12,10 +12,10 @@ Because the normal turns with y at an edge or a vertex, ∂N/∂y = G = (A - N N
     normal ∂f/∂y = ε_N A - λ G
     stick  + ε_T M                        slip  + μp/|g_t| (I - s s^T) M - μ ε_N s N^T
 
-λ is zero under plain penalty; the augmented Lagrangian raises it between solutions (contact/augment.py), and the
-tangent stays that of the penalty. On a face G = 0. The anchor is history in the body frame: objective, and indifferent to hopping between triangles. A
-contact born in the step takes its anchor where the corner meets the surface (contact/meeting.py). Without friction
-(μ = 0) neither anchor nor tangential law is evaluated.
+λ is zero under plain penalty; the augmented Lagrangian raises it between solutions (contact/pair.py), and the tangent
+stays that of the penalty. On a face G = 0. The anchor is history in the body frame: objective, and indifferent to
+hopping between triangles. A contact born in the step takes its anchor where the corner meets the surface
+(contact/meeting.py). Without friction (μ = 0) neither anchor nor tangential law is evaluated.
 
 The force of a step acts from the step's start, also on a corner that touches only later. Friction work of a corner
 that slips is therefore counted along its way since the start.

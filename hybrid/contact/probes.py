@@ -85,7 +85,8 @@ def find_probes(samples, points, grid, corners, body, reach, stiffness, history,
     face, point = exposed_faces(points.position, points.half, grid, corners)
     start, end = corners.position[face], corners.moved(expected[0])[face]
     position, rotation = expected[1]
-    x, area, touching = position + samples.position @ rotation.T, samples.area @ rotation.T, np.zeros(len(samples), bool)
+    x, area = position + samples.position @ rotation.T, samples.area @ rotation.T
+    touching = np.zeros(len(samples), bool)
     touching[history[0]] = True
     chosen, seen = assign(x, area, end, 2 * points.half[point].max(axis=1, initial=0.0), reach, touching)
     id = np.flatnonzero(seen > 0)

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hybrid.body.rigid import FREEDOMS, RigidBody, taken_over
+from hybrid.body.rigid import FREEDOMS, RigidBody, let_go, taken_over
 from hybrid.scheme import Scheme
 from hybrid.soil.model import Soil
 
@@ -32,8 +32,10 @@ class Model:
         return replace(self, scheme=self.scheme.with_pair(beta, gamma), bodies=bodies)
 
     def begin(self, state):
-        """`state` at the start of a stage of this model: guides take hold of the bodies, and the jolt is their work."""
-        taken = [taken_over(b, s, self.gravity, self.scheme) for b, s in zip(self.bodies, state.bodies)]
+        """`state` at the start of a stage of this model: guides let go of bodies, or take hold of them, and the jolt is
+        their work."""
+        bodies = [let_go(b, s) for b, s in zip(self.bodies, state.bodies)] if self.scheme.inertia else state.bodies
+        taken = [taken_over(b, s, self.gravity, self.scheme) for b, s in zip(self.bodies, bodies)]
         jolt, work = sum(jolt for _, jolt in taken), dict(state.work)
         if jolt:
             work["drive"] = work.get("drive", 0.0) + jolt

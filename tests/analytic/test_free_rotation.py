@@ -10,26 +10,15 @@ With L² = |J W|² < 2T J2, 2T = W·J W, W1 never changes sign and
 57.4628489 s. The driver is that of demos/tumbling.py.
 """
 
-import importlib.util
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from demo_scripts import demo
 
 from hybrid.body.motion import inertia_residual, updated
 
-DEMO = Path(__file__).parents[2] / "demos/tumbling.py"
-
-
-def demo():
-    spec = importlib.util.spec_from_file_location("tumbling_demo", DEMO)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-DEMO = demo()
+DEMO = demo("tumbling")
 FREE = DEMO.TUMBLING
 CASES = [pytest.param(name, scheme, order, id=name) for (name, scheme), order in zip(DEMO.SCHEMES.items(), DEMO.ORDERS)]
 every_scheme = pytest.mark.parametrize("name, scheme, order", CASES)

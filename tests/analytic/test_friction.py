@@ -31,13 +31,13 @@ class Slide:
                    held=("y", "rx", "ry", "rz"), **body)
         simulation = build(plane(body, steps, step, cells=cells, settle=SETTLE,
                                  gravity=(G * np.sin(angle), 0.0, -G * np.cos(angle)), solver={"tolerance": 1e-8}))
-        down, records = np.array([G * np.sin(angle), 0.0, 0.0]), []
+        records = []
         for record in simulation.steps():
             if record.stage == "run":
                 records.append(record)
-            elif record.stage_step == SETTLE:      # let go: with the speed wanted, pulled by its weight alone
+            elif record.stage_step == SETTLE:      # let go with the speed wanted
                 simulation.state.bodies[0] = replace(
-                    simulation.state.bodies[0], velocity=np.array([speed, 0.0, 0.0]), acceleration=down)
+                    simulation.state.bodies[0], velocity=np.array([speed, 0.0, 0.0]))
         self.mass, self.normal = simulation.masses[0].mass, simulation.masses[0].mass * G * np.cos(angle)
         self.down, self.stiffness = G * np.sin(angle), tangential * 1e6
         start = records[0].time - step

@@ -7,29 +7,18 @@ the axis at u0 the top nods to u1 and back in the time 2 ∫ du/√f. P is weigh
 are about the fixed point (demos/tumbling.py).
 """
 
-import importlib.util
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from demo_scripts import demo
 from scipy.integrate import quad
 
 from hybrid.body import motion
 from hybrid.body.attitude import log_so3, right_tangent
 from hybrid.body.motion import inertia_residual, momentum_rate
 
-DEMO = Path(__file__).parents[2] / "demos/tumbling.py"
-
-
-def demo():
-    spec = importlib.util.spec_from_file_location("tumbling_demo", DEMO)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-DEMO = demo()
+DEMO = demo("tumbling")
 TOP, DURATION = DEMO.HEAVY, 1.2
 ENERGY_MOMENTUM = DEMO.SCHEMES["energy-momentum"]
 CASES = [pytest.param(scheme, order, id=name) for (name, scheme), order in zip(DEMO.SCHEMES.items(), DEMO.ORDERS)]

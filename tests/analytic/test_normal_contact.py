@@ -54,8 +54,8 @@ def test_the_dissipative_pair_takes_speed_from_a_bounce():
 @pytest.mark.parametrize("side, share, facets", [(1.2, 0.0, 10.0), (1.2, 0.0, 0.11), (1.0, 1.0, 10.0), (1.0, 1.0, 0.11),
                                                  (1.0, 0.5, 0.3)])
 def test_a_flat_overlap_costs_stiffness_times_area(side, share, facets):
-    """k = p_f E A to round-off for each pass alone, whatever the facets. In a mixture the first pass sees the soil under
-    the box only to half a cell: corners on the box's rim are none of its own."""
+    """k = p_f E A to round-off for each pass alone, whatever the facets. In a mixture the first pass sees the soil
+    under the box only to half a cell: corners on the box's rim are none of its own."""
     overlap = 5e-4
     body = box(side, side, 0.5, size=facets, rest_on=-overlap, penalty=1.0, second_pass=share,
                held=("x", "y", "z", "rx", "ry", "rz"))
@@ -81,9 +81,10 @@ def test_a_box_at_rest_presses_evenly(share):
     axis = Axis(start=0.0, end=1.0, size=0.25)
     body = box(1.0 + 0.2 * (share == 0), 1.0 + 0.2 * (share == 0), 0.5, size=0.125, position=(0.5, 0.5, 0.0),
                rest_on=1.0 - 1e-3, second_pass=share, held=("x", "y", "rx", "ry", "rz"))
-    described = scene("rest", Grid(axis, axis, Axis(start=0.0, end=1.25, size=0.25), Faces()), elastic(1e6), [body], 1.0,
-                      [Stage("rest", 1)], time={"inertia": False}, gravity=(0.0, 0.0, -9.81),
-                      soil={"top": 1.0}, solver={"tolerance": 1e-10, "linear": "direct"})
+    described = scene(
+        "rest", Grid(axis, axis, Axis(start=0.0, end=1.25, size=0.25), Faces()), elastic(1e6), [body], 1.0,
+        [Stage("rest", 1)], time={"inertia": False}, gravity=(0.0, 0.0, -9.81), soil={"top": 1.0},
+        solver={"tolerance": 1e-10, "linear": "direct"})
     simulation = build(described)
     simulation.model.soil.constants.mass[:] *= 1e-12
     record, = simulation.steps()

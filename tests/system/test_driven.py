@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import brentq
 
 from hybrid.build import build
-from hybrid.scene import Axis, Faces, Grid, Stage
+from hybrid.scene import Axis, Faces, Grid, Pull, Stage
 from scenes import SCHEMES, box, elastic, plane, scene
 
 STEP, STEPS = 0.01, 12
@@ -101,6 +101,28 @@ def test_a_body_stopped_in_flight_starts_again_from_rest(options):
     weight = 9.81 * simulation.masses[0].mass
     np.testing.assert_allclose(held.reaction, [0, 0, weight, 0, 0, 0], atol=1e-9 * weight)
     assert abs(records[-1].energies["error"] - records[-2].energies["error"]) < 1e-12 * weight
+
+
+@every_scheme
+@pytest.mark.parametrize("held", [("x", "z"), ("x", "y", "z", "rx", "ry", "rz")])
+def test_what_guides_held_back_accelerates_when_they_let_go(options, held):
+    """A body held for a step on a slope then falls ½ g t², to round-off from the first step."""
+    gravity = np.array([4.0, 0.0, -7.0])
+    stages = Stage("hold", 1, held=held), Stage("fly", 3)
+    _, _, motions = flying(options, tuple(gravity), stages)
+    for n, motion in enumerate(motions[1:], 1):
+        np.testing.assert_allclose(motion.position - motions[0].position, 0.5 * gravity * (n * STEP)**2, atol=1e-13)
+
+
+@every_scheme
+def test_a_moment_that_guides_held_back_turns_the_body_when_they_let_go(options):
+    """Pulled by a stretched line beside its centre, W ≈ J⁻¹ (r × F) t; half of that after a step from no acceleration."""
+    pull = Pull(point=(0.0, 0.1, 0.0), velocity=(1.0, 0.0, 0.0), stiffness=1e4, length=10.0, tension_only=False)
+    stages = Stage("hold", 1, held=("x", "y", "z", "rx", "ry", "rz")), Stage("fly", 1, step=1e-4)
+    simulation, records, motions = flying(options, (0.0, 0.0, 0.0), stages, pull=pull)
+    moment = np.cross([0.0, 0.1, 0.0], [records[0].bodies[0].line_tension, 0.0, 0.0])
+    expected = np.linalg.solve(simulation.model.bodies[0].mass.inertia, moment) * 1e-4
+    np.testing.assert_allclose(motions[1].spin, expected, atol=0.02 * np.linalg.norm(expected))
 
 
 # ------------------------------------------------------------------ a plate pressed into elastic soil

@@ -64,8 +64,8 @@ def test_signed_distance_around_the_concave_edge(geometry, angle):
 
 
 def pressing(geometry, height, steps):
-    """Simulation of a notch of 90° driven down, 10 mm a step, over a free column 0.4 m wide; it meets the column's edges
-    when it was put down from `height` to 0.2 m."""
+    """Simulation of a notch of 90° driven down, 10 mm a step, over a free column 0.4 m wide; it meets the
+    column's edges when it was put down from `height` to 0.2 m."""
     block = Body(geometry=geometry / "notched_block.geo", density=2000.0, position=(0.0, 0.1, height),
                  parameters={**SIZES, "angle": 90.0}, velocity=(0.0, 0.0, -1.0), driven=("x", "y", "z"),
                  held=("rx", "ry", "rz"))

@@ -16,7 +16,8 @@ def landing(geometry, names, options):
     ball = Body(geometry=geometry / "sphere.geo", density=3000.0, name="ball", parameters={"radius": 0.2, "size": 0.1},
                 position=(0.43, 0.38, 0.2005), velocity=(0.2, 0.0, -1.0), **options[0])
     brick = steel(0.4, 0.3, 0.2, size=0.2, density=3000.0, name="brick", position=(1.6, 0.4, 0.0),
-                rest_on=0.0005, rotation=(1.0, 2.0, 0.0, 4.0), velocity=(0.0, 0.3, -1.0), spin=(0.0, 0.0, 2.0), **options[1])
+                rest_on=0.0005, rotation=(1.0, 2.0, 0.0, 4.0), velocity=(0.0, 0.3, -1.0), spin=(0.0, 0.0, 2.0),
+                **options[1])
     bodies = [body for body in (ball, brick) if body.name in names]
     return build(soil_scene(bodies, x=(0.0, 2.0), poisson=0.3, steps=10, time=Time(step=0.001),
                             solver=Solver(linear="direct", tolerance=1e-11, augmentation_tolerance=0.6)))
