@@ -1,10 +1,8 @@
 """A coarse anchor, from .geo to its drag through sand: physics, not only completion."""
 
-import importlib.util
-from pathlib import Path
-
 import numpy as np
 import pytest
+from demo_scripts import demo
 
 from hybrid.build import build
 
@@ -12,11 +10,7 @@ from hybrid.build import build
 @pytest.fixture(scope="module")
 def drag():
     """(simulation, records) of the coarse demo."""
-    path = Path(__file__).parents[2] / "demos" / "anchor.py"
-    spec = importlib.util.spec_from_file_location("anchor_demo", path)
-    demo = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(demo)
-    simulation = build(demo.coarse_anchor(drag_steps=50))
+    simulation = build(demo("anchor").coarse_anchor(drag_steps=50))
     return simulation, list(simulation.steps())
 
 
