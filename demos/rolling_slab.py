@@ -20,7 +20,7 @@ import hybrid
 
 SCENE, OUT, RADIUS = Path(__file__).with_suffix(".toml"), Path("out/rolling_slab"), 1.0
 FINE = [*(f"grid.{axis}.size=0.025" for axis in "xyz"), "grid.y.fine=[0.75, 0.85]", "grid.z.fine=[-0.05, 0.0]",
-        "body.0.parameters.size=0.025", "body.0.second_pass=0"]
+        "body.0.second_pass=0"]
 WAYS = {"samples, cells of 0.1 m": [], "corners, cells of 0.025 m": FINE}
 
 

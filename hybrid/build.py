@@ -20,26 +20,32 @@ from hybrid.soil.grid import FACES, graded_nodes, make_grid, uniform_nodes
 from hybrid.soil.model import Soil
 from hybrid.soil.points import at_rest, geostatic_stress, tile
 from hybrid.state import BodyState, ContactHistory, State
+from hybrid.system.loads import Loads
 from hybrid.system.model import Model
 
 
-def build(scene):
-    """Simulation of a Scene, ready to run. Raises SceneError or GeometryError with what to change."""
+def build(scene, body_force=None):
+    """Simulation of a Scene, ready to run. Raises SceneError or GeometryError with what to change.
+
+    body_force: function of the time [s] and the points' initial positions (n, 3) [m] that gives accelerations (n, 3)
+    [m/s²] to act on them besides gravity.
+    """
     scene = validate(scene)
     gravity = np.array(scene.gravity, float)
     grid = build_grid(scene)
-    soil, points = build_soil(scene, grid, gravity)
+    loads = Loads(gravity, body_force).during(0.0, 0.0, (scene.stages[0].gravity[0],) * 2)
+    soil, points = build_soil(scene, grid, loads)
     meshes, bodies, motions, contacts = [], [], [], []
     for described in scene.bodies:
         body_mesh = mesh.generate(described.geometry, described.parameters)
-        body, motion = build_body(described, body_mesh, soil, gravity)
+        body, motion = build_body(described, body_mesh, soil, loads.on_bodies(0.0))
         refuse_overlap(described, body, motion, points, soil.basis)
         meshes.append(body_mesh)
         bodies.append(body)
         motions.append(motion)
         contacts.append(ContactHistory.empty())
     model = Model(
-        soil, tuple(bodies), build_scheme(scene.time), gravity, scene.solver.linear, scene.solver.linear_tolerance)
+        soil, tuple(bodies), build_scheme(scene.time), loads, scene.solver.linear, scene.solver.linear_tolerance)
     return Simulation(scene, model, State(0.0, 0, points, motions, contacts), meshes)
 
 
@@ -69,9 +75,9 @@ def build_grid(scene):
     return make_grid(axes, np.array(extent), faces, scene.soil.held)
 
 
-def build_soil(scene, grid, gravity):
+def build_soil(scene, grid, loads):
     """Soil model and its points at rest, in geostatic equilibrium when asked for."""
-    described = scene.soil
+    described, gravity = scene.soil, loads.gravity
     material = material_values(described.material)
     lower = np.array(described.lower if described.lower is not None else grid.extent[:, 0])
     upper = np.array(described.upper if described.upper is not None else grid.extent[:, 1])
@@ -91,7 +97,7 @@ def build_soil(scene, grid, gravity):
                     depth * material["density"] * np.linalg.norm(gravity) * k0)
     points = at_rest(constants, stress, law.strain(stress))
     if scene.time.inertia and not stress.any():
-        points.acceleration[:] = gravity  # nothing holds it yet
+        points.acceleration[:] = loads.on_points(0.0, constants.position)  # nothing holds it yet
     soil = Soil(grid, constants, law, described.basis, described.domain, described.held, scene.solver.elastic_share)
     return soil, points
 

@@ -194,6 +194,7 @@ class Stage:
     step    [s] of each; None: time.step
     pull    whether pull lines act
     held    components of all bodies that stay as they are in this stage, driven ones too
+    gravity [-] shares of gravity that act at the start and at the end of the stage, linear in between
     beta, gamma   [-] of Newmark's scheme, used in this stage if one is given, such as a dissipative pair to settle
                   with; None: time's
     """
@@ -203,6 +204,7 @@ class Stage:
     step: float | None = None
     pull: bool = True
     held: tuple[Freedom, ...] = ()
+    gravity: tuple[float, float] = (1.0, 1.0)
     beta: float | None = None
     gamma: float | None = None
 

@@ -24,6 +24,9 @@ def faults(scene):
     yield from _need(scene.stages, "stage", "none", "at least one", "add a [[stage]] with a name and steps")
     for i, stage in enumerate(scene.stages):
         yield from _stage(f"stage.{i}", stage, scene.time)
+    first = scene.stages[0].gravity[0] if scene.stages else 1.0
+    yield from _need(not scene.soil.geostatic or scene.soil.held or first == 1.0, "stage.0.gravity", first,
+                     "1 at the start of soil in geostatic stress", "set soil.geostatic = false to turn gravity on")
     yield from _distinct("body", scene.bodies)
     yield from _distinct("stage", scene.stages)
     yield from _solver("solver", scene.solver)
@@ -253,6 +256,8 @@ def _stage(key, stage, time):
                      "remove the stage to leave it out")
     if stage.beta is not None or stage.gamma is not None:
         yield from _pair(key, Scheme.newmark(time.beta, time.gamma).with_pair(stage.beta, stage.gamma))
+    yield from _need(all(0 <= s <= 10 for s in stage.gravity), f"{key}.gravity", stage.gravity, "shares from 0 to 10",
+                     "[0.0, 1.0] turns gravity on, leave it out for all of it")
     if stage.step is not None:
         smallest = 0.0 if time.smallest is None else time.smallest
         yield from _need(stage.step > 0 and stage.step >= smallest, f"{key}.step", stage.step,

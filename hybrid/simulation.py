@@ -86,12 +86,14 @@ class Simulation:
         settings = newton.Settings(
             scene.solver.tolerance, scene.solver.iterations, scene.solver.line_search, scene.solver.augmentations,
             scene.solver.augmentation_tolerance)
-        first = 0
+        first, starts = 0, 0.0
         for stage in scene.stages:
             length = stage.step or scene.time.step
             begun = self.state.step > first
             control = Control(begun and self.increment or length, scene.time.smallest or length / 64)
-            model = self.model.for_stage(stage.held, stage.beta, stage.gamma)
+            model = self.model.for_stage(
+                stage.held, stage.beta, stage.gamma,
+                self.model.loads.during(starts, stage.steps * length, stage.gravity))
             systems = Systems(model)
             if not begun:
                 self.state = model.begin(self.state)
@@ -103,7 +105,7 @@ class Simulation:
                     model, systems, self.state, length, stage.pull, control, settings)
                 self.evaluation, self.increment = report.evaluation, control.dt
                 yield self._record(stage.name, stage_step, report)
-            first += stage.steps
+            first, starts = first + stage.steps, starts + stage.steps * length
 
     def _record(self, stage, stage_step, report):
         state, evaluation = self.state, report.evaluation

@@ -75,17 +75,23 @@ class Soil:
         self._elastic = law.respond(np.zeros((len(constants), 3))).tangent if self._share else None
         self._kinematics = Kinematics(0 if held else len(constants))
 
-    def begin(self, points, gravity):
-        """SoilStep for committed `points` under `gravity` (3,) [m/s²]. Raises StepError when a point left the grid."""
+    def begin(self, points, load):
+        """SoilStep for committed `points` under `load` [m/s²], (3,) or of each point (n, 3).
+
+        Raises StepError when a point left the grid.
+        """
         half = points.half if self.basis == "gimp" else np.zeros_like(points.half)
         basis = evaluate_basis(points.position, half, self.grid.axes)
         slabs = make_slabs(basis.first, self.grid.shape)
         carried = [field for field in (points.velocity, points.acceleration, points.algorithmic) if field is not None]
+        carried += [load] if load.ndim > 1 else []
         mass, *nodal = transfer.project(basis, slabs, self.grid.shape, self.constants.mass, *carried)
+        if load.ndim > 1:
+            load = nodal.pop()
         for field in nodal:
             field[self.grid.fixed] = 0.0
         velocity, acceleration, *algorithmic = nodal
-        return SoilStep(points, basis, slabs, mass, velocity, acceleration, mass[:, None] * gravity, *algorithmic)
+        return SoilStep(points, basis, slabs, mass, velocity, acceleration, mass[:, None] * load, *algorithmic)
 
     def evaluate(self, step, displacement):
         """SoilTrial at nodal increments (N, 3) [m], or None when a point would turn inside out."""

@@ -1,11 +1,11 @@
 """Energy of a committed state and the balance of a run.
 
     stored = kinetic + elastic + potential + contact springs + line
-    stored(t) - stored(0) + plastic + friction = work of pull and drive + error
+    stored(t) - stored(0) + plastic + friction = work of pull, drive and load + error
 
 Kinetic energy is that of points and bodies, none in a quasi-static scene; what the transfer between points and grid
 loses shows in the error. Drive is the work of guides: of driven components, and of the jolt when a stage holds a body
-that moves or sets off one that rests.
+that moves or sets off one that rests. Load is all but the whole of gravity (`hybrid.system.loads`).
 """
 
 import numpy as np
@@ -14,7 +14,7 @@ from hybrid.body import rigid
 from hybrid.reductions import total
 
 STORED = ("kinetic", "elastic", "potential", "contact", "line")
-WORKS = ("plastic", "friction", "pull", "drive")
+WORKS = ("plastic", "friction", "pull", "drive", "load")
 
 
 def energies(model, state, evaluation=None):
@@ -39,7 +39,7 @@ def energies(model, state, evaluation=None):
 def balance_error(now, start):
     """Energy that the balance does not account for [J], from `energies` now and at the start."""
     stored = sum(now[name] - start[name] for name in STORED)
-    return stored + now["plastic"] + now["friction"] - now["pull"] - now["drive"]
+    return stored + now["plastic"] + now["friction"] - now["pull"] - now["drive"] - now["load"]
 
 
 class Gain:

@@ -59,9 +59,11 @@ class Step:
 
     def __init__(self, model: Model, state: State, dt, pulling, systems):
         self.model, self.state, self.dt = model, state, dt
+        self.gravity = model.loads.on_bodies(state.time + dt)
         soil = model.soil
         with phase("transfer"):
-            self.soil: SoilStep | None = None if soil.held else soil.begin(state.points, model.gravity)
+            self.soil: SoilStep | None = None if soil.held else soil.begin(
+                state.points, model.loads.on_points(state.time + dt, soil.constants.position))
             active = np.ones(soil.grid.node_count, bool) if soil.held else self.soil.active
             self.pattern, self.system = systems.get(active & ~soil.grid.fixed.all(axis=1))
         self.targets = tuple(
@@ -75,7 +77,7 @@ class Step:
                 for b, s, history, reach, pose in zip(
                     model.bodies, state.bodies, state.contacts, self.reach, guess.poses)]
         self.line_before = [
-            rigid.evaluate(b, s, (s.position, s.rotation), None if t is None else s.target, model.gravity,
+            rigid.evaluate(b, s, (s.position, s.rotation), None if t is None else s.target, self.gravity,
                            model.scheme, dt).line[:3]
             for b, s, t in zip(model.bodies, state.bodies, self.targets)]
         self._free = model.body_free
@@ -170,7 +172,7 @@ class Step:
             contacts = tuple(p.evaluate(displacement, pose) for p, pose in zip(self.pairs, unknowns.poses))
             on_body = [p.add_residual(c, fields.get("contact")) for p, c in zip(self.pairs, contacts)]
         bodies = tuple(
-            rigid.evaluate(b, s, p, target, model.gravity, model.scheme, self.dt)
+            rigid.evaluate(b, s, p, target, self.gravity, model.scheme, self.dt)
             for b, s, p, target in zip(model.bodies, self.state.bodies, unknowns.poses, self.targets))
         springs = [p.springs(c) for p, c in zip(self.pairs, contacts)]
         soil, soil_norm, soil_error = self._soil_residual(fields, displacement, springs)
@@ -249,4 +251,17 @@ class Step:
                 if body.line:
                     force = -0.5 * (before + trial.line[:3])
                     work["pull"] = work.get("pull", 0.0) + float(force @ (self.dt * body.line.velocity))
+        if not model.loads.gravity_alone:
+            work["load"] = work.get("load", 0.0) + self._load_work(points, bodies)
         return State(state.time + self.dt, state.step, points, bodies, contacts, work)
+
+    def _load_work(self, points, bodies):
+        """Work [J] of all loads but the whole of gravity."""
+        loads, begin, end = self.model.loads, self.state.time, self.state.time + self.dt
+        work = 0.0
+        if self.soil is not None:
+            soil = self.model.soil.constants
+            work = loads.work(begin, end, soil.mass, soil.position, points.position - self.state.points.position)
+        mean = 0.5 * (loads.on_bodies(begin) + loads.on_bodies(end)) - loads.gravity
+        return work + sum(body.mass.mass * float(mean @ (new.position - old.position))
+                          for body, old, new in zip(self.model.bodies, self.state.bodies, bodies))

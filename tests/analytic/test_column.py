@@ -14,10 +14,9 @@ from scipy.special import lambertw
 from hybrid.build import build
 from hybrid.scene import Axis, Faces, Grid, Material, Scene, Soil, Solver, Stage, Time
 from hybrid.stepping.energy import balance_error, energies
-from hybrid.stepping.loop import Control, outer_step
-from hybrid.stepping.newton import Settings
 from hybrid.system.cache import Systems
 from hybrid.system.equations import Step
+from hybrid.system.loads import Loads
 
 YOUNG, DENSITY, GRAVITY, LENGTH = 283.0, 50.0, 9.81, 0.8
 WEIGHT = DENSITY * GRAVITY * LENGTH
@@ -39,15 +38,12 @@ def column(cells, steps=50, full=False, basis="gimp", domain="stretch"):
         name="column", grid=Grid(side, side, Axis(start=0.0, end=LENGTH, size=size)),
         soil=Soil(Material(law="hencky", young=YOUNG, poisson=0.0, density=DENSITY), geostatic=False,
                   basis=basis, domain=domain),
-        time=Time(step=1.0, inertia=False), stages=(Stage("load", steps),), solver=Solver(linear="direct"))
+        time=Time(step=1.0, inertia=False), stages=(Stage("load", steps, gravity=(0.0, 1.0)),),
+        solver=Solver(linear="direct", tolerance=1e-9, iterations=25))
     simulation = build(scene)
-    state, systems = simulation.state, Systems(simulation.model)
-    control, settings = Control(1.0, 1 / 64), Settings(tolerance=1e-9, iterations=25)
-    for n in range(1, steps + 1):
-        model = replace(simulation.model, gravity=np.array([0.0, 0.0, -GRAVITY * n / steps]))
-        state, report = outer_step(model, systems, state, 1.0, False, control, settings)
-        assert report.increments == 1
-    points, constants = state.points, simulation.model.soil.constants
+    for record in simulation.steps():
+        assert record.increments == 1
+    points, constants = simulation.state.points, simulation.model.soil.constants
     top = np.argmax(points.position[:, 2])
     height = points.position[top, 2] + constants.half[top, 2] * points.deformation[top, 2, 2]
     return points, constants.position[:, 2], height
@@ -146,7 +142,7 @@ def test_geostatic_forces_balance_to_round_off(material):
     simulation = build(at_rest(material))
     model, fastest = simulation.model, []
     for factor in (1.0, 1.01):
-        heavier = replace(model, gravity=factor * model.gravity)
+        heavier = replace(model, loads=Loads(factor * model.gravity))
         step = Step(heavier, simulation.state, 0.04, False, Systems(heavier))
         evaluation = step.evaluate(step.start())
         step.assemble(evaluation)

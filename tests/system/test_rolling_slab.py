@@ -22,7 +22,7 @@ def missed(mu, changes):
 
 @pytest.mark.parametrize("mu", [0.2, 0.4])
 def test_the_first_tenths_of_a_second_on_coarse_facets(mu):
-    """40 steps, on facets of 0.1 m (of 0.05 m in the demo): where a sphere of facets is put down it rocks."""
+    """40 steps, on facets of 0.1 m (of 0.025 m in the demo): where a sphere of facets is put down it rocks."""
     distance, spin = missed(mu, ["stage.1.steps=40", "stage.0.steps=15", "body.0.parameters.size=0.1", "grid.x.end=4",
                                  "grid.x.fine=[0.8, 1.5]"])
     assert distance < 5.0 and spin < 10.0
