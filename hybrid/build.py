@@ -98,7 +98,8 @@ def build_soil(scene, grid, loads):
     points = at_rest(constants, stress, law.strain(stress))
     if scene.time.inertia and not stress.any():
         points.acceleration[:] = loads.on_points(0.0, constants.position)  # nothing holds it yet
-    soil = Soil(grid, constants, law, described.basis, described.domain, described.held, scene.solver.elastic_share)
+    soil = Soil(grid, constants, law, described.basis, described.domain, described.held, scene.solver.elastic_share,
+                described.fbar)
     return soil, points
 
 

@@ -106,6 +106,8 @@ class Soil:
     held              all displacements of the soil are zero
     basis             generalised interpolation (gimp) or standard material point (mpm)
     domain            how point domains deform: with the stretch, not at all, with the diagonal of F
+    fbar              points take the volume change of the cells around them, so that nearly incompressible or
+                      plastic soil does not lock
     geostatic         start in equilibrium under gravity
     k0                [-] ratio of horizontal to vertical initial stress; None: from the material
     """
@@ -118,6 +120,7 @@ class Soil:
     held: bool = False
     basis: Literal["gimp", "mpm"] = "gimp"
     domain: Literal["stretch", "none", "diagonal"] = "stretch"
+    fbar: bool = False
     geostatic: bool = True
     k0: float | None = None
 

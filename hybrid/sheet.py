@@ -93,6 +93,8 @@ def left_out(scene, model, pattern):
         out += _left_out_of(described, body)
     if scene.soil.material.law == "hencky" and not soil.held:
         out.append("plasticity: the soil is elastic")
+    if not scene.soil.fbar and not soil.held:
+        out.append("F-bar: points keep their own volume change")
     out.append("reassembly of the bodies' mass: it turns with them")
     return out
 

@@ -34,7 +34,7 @@ def add_stiffness(basis, slabs, shape, trial, principal_stress, tangent, volume,
 
 
 @njit(cache=True)
-def _gradients(p, first, count, value, slope, ny, nz, inverse, node, code, g):
+def gradients(p, first, count, value, slope, ny, nz, inverse, node, code, g):
     """Nodes, their places in a 5x5x5 stencil and current gradients of one point; returns how many."""
     m = 0
     for a in range(count[p, 0]):
@@ -60,7 +60,7 @@ def _internal_force(order, start, first, count, value, slope, ny, nz, inverse, s
             node, code, g = np.empty(27, np.int64), np.empty(27, np.int64), np.empty((27, 3))
             for n in range(start[slab], start[slab + 1]):
                 p = order[n]
-                m = _gradients(p, first, count, value, slope, ny, nz, inverse, node, code, g)
+                m = gradients(p, first, count, value, slope, ny, nz, inverse, node, code, g)
                 for a in range(m):
                     for i in range(3):
                         force[node[a], i] += volume[p] * (stress[p, i, 0] * g[a, 0] + stress[p, i, 1] * g[a, 1]
@@ -119,7 +119,7 @@ def _add_stiffness(order, start, first, count, value, slope, ny, nz, inverse, st
             A, work, T = np.empty((9, 9)), np.empty((9, 9)), np.empty((3, 9))
             for n in range(start[slab], start[slab + 1]):
                 p = order[n]
-                m = _gradients(p, first, count, value, slope, ny, nz, inverse, node, code, g)
+                m = gradients(p, first, count, value, slope, ny, nz, inverse, node, code, g)
                 spatial_tangent(strain[p], directions[p], stress[p], tangent[p], A, work)
                 for a in range(m):
                     whole[a] = True

@@ -2,6 +2,8 @@
 
     ΔF = I + Σ_v Δu_v ⊗ ∇_n S_v      b_trial = ΔF b_e ΔF^T      ε = ½ ln b_trial = Σ ε_i n_i ⊗ n_i
 
+F-bar (`hybrid.soil.fbar`) scales ΔF before b_trial is formed, so that its determinant is that of ΔF_0.
+
 Principal values are found by Jacobi rotations: exact for repeated values, where closed formulas lose digits.
 """
 
@@ -18,7 +20,8 @@ class TrialStrain:
     """Trial kinematics of all points.
 
     increment: (n, 3, 3) ΔF; inverse: (n, 3, 3) ΔF^-1; strain: (n, 3) principal logarithmic trial strain;
-    directions: (n, 3, 3) eigenvectors as columns; inverted: number of points with det ΔF <= 0.
+    directions: (n, 3, 3) eigenvectors as columns; inverted: number of points with det ΔF <= 0;
+    mean_inverse: (n, 3, 3) ΔF_0^-1 of F-bar, else None.
     """
 
     increment: np.ndarray
@@ -26,22 +29,28 @@ class TrialStrain:
     strain: np.ndarray
     directions: np.ndarray
     inverted: int
+    mean_inverse: np.ndarray | None = None
 
 
 class Kinematics:
     """Evaluates trial strains into buffers it keeps, so that no memory is touched for the first time in a step."""
 
-    def __init__(self, n):
+    def __init__(self, n, fbar=False):
         self._increment, self._inverse, self._directions = (np.empty((n, 3, 3)) for _ in range(3))
         self._strain = np.empty((n, 3))
         self._inverted = np.zeros(n, bool)
+        self._mean_inverse, self._mean_volume = (np.empty((n, 3, 3)), np.empty(n)) if fbar else (None, np.empty(0))
 
-    def __call__(self, basis, shape, displacement, elastic):
-        """TrialStrain from nodal increments (N, 3) [m] and committed b_e (n, 3, 3)."""
+    def __call__(self, basis, shape, displacement, elastic, mean=None):
+        """TrialStrain from nodal increments (N, 3) [m] and committed b_e (n, 3, 3); mean: the basis of F-bar."""
+        if mean is not None:
+            _volumes(mean.first, mean.count, mean.value, mean.slope, shape[1], shape[2], displacement,
+                     self._mean_inverse, self._mean_volume)
         _trial_strain(basis.first, basis.count, basis.value, basis.slope, shape[1], shape[2], displacement, elastic,
-                      self._increment, self._inverse, self._strain, self._directions, self._inverted)
+                      self._mean_volume, np.array(shape) > 1, self._increment, self._inverse, self._strain,
+                      self._directions, self._inverted)
         return TrialStrain(self._increment, self._inverse, self._strain, self._directions,
-                           int(np.count_nonzero(self._inverted)))
+                           int(np.count_nonzero(self._inverted)), self._mean_inverse)
 
 
 @njit(cache=True)
@@ -96,19 +105,40 @@ def _rotate(a, vectors, p, q):
 
 
 @njit(cache=True, parallel=True)
-def _trial_strain(first, count, value, slope, ny, nz, u, elastic, increment, inverse, strain, directions, inverted):
-    n = len(first)
+def _volumes(first, count, value, slope, ny, nz, u, inverse, volume):
     chunk = 256
+    for block in prange((len(first) + chunk - 1) // chunk):
+        F = np.empty((3, 3))
+        for p in range(block * chunk, min(len(first), (block + 1) * chunk)):
+            _gradient(p, first, count, value, slope, ny, nz, u, F)
+            for i in range(3):
+                F[i, i] += 1.0
+            volume[p] = invert(F, inverse[p])
+
+
+@njit(cache=True, parallel=True)
+def _trial_strain(first, count, value, slope, ny, nz, u, elastic, mean_volume, deforms, increment, inverse, strain,
+                  directions, inverted):
+    n = len(first)
+    chunk, axes = 256, np.sum(deforms)
     for block in prange((n + chunk - 1) // chunk):
-        b, half = np.empty((3, 3)), np.empty((3, 3))
+        b, half, scaled = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
         for p in range(block * chunk, min(n, (block + 1) * chunk)):
             F = increment[p]
             _gradient(p, first, count, value, slope, ny, nz, u, F)
             for i in range(3):
                 F[i, i] += 1.0
-            inverted[p] = not invert(F, inverse[p]) > 0.0
-            _product(F, elastic[p], half)
-            _product_transposed(half, F, b)
+            volume = invert(F, inverse[p])
+            inverted[p] = not volume > 0.0
+            scaled[:] = F
+            if len(mean_volume) > 0:
+                inverted[p] |= not mean_volume[p] > 0.0
+                s = (abs(mean_volume[p] / volume)) ** (1.0 / axes)
+                for i in range(3):
+                    if deforms[i]:
+                        scaled[i] *= s
+            _product(scaled, elastic[p], half)
+            _product_transposed(half, scaled, b)
             eigen_symmetric(b, directions[p])
             for i in range(3):
                 strain[p, i] = 0.5 * np.log(max(b[i, i], 1e-300))

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hybrid.reductions import total
-from hybrid.soil import transfer
+from hybrid.soil import fbar, transfer
 from hybrid.soil.basis import Basis, evaluate_basis
 from hybrid.soil.domains import updated_half
 from hybrid.soil.forces import add_stiffness, internal_force
@@ -41,7 +41,7 @@ class SoilTrial:
 @dataclass(frozen=True)
 class SoilStep:
     """What is frozen during a step: basis, slabs, nodal mass (N,) [kg], velocity, acceleration (N, 3), weight (N, 3),
-    and the algorithmic acceleration (N, 3) where the points have one."""
+    the algorithmic acceleration (N, 3) where the points have one, and the mean basis of F-bar."""
 
     points: Points
     basis: Basis
@@ -51,6 +51,7 @@ class SoilStep:
     acceleration: np.ndarray
     weight: np.ndarray
     algorithmic: np.ndarray | None = None
+    mean: Basis | None = None
 
     @property
     def history(self):
@@ -65,15 +66,16 @@ class SoilStep:
 
 class Soil:
     """Model of the soil: grid, points' constants, law, choice of basis ("gimp" | "mpm") and of domain update, and the
-    share of the elastic stiffness in the tangent of plastic points."""
+    share of the elastic stiffness in the tangent of plastic points; fbar: the cure for locking of `hybrid.soil.fbar`."""
 
     def __init__(self, grid: Grid, constants: PointConstants, law, basis="gimp", domain="stretch", held=False,
-                 elastic_share=0.0):
+                 elastic_share=0.0, fbar=False):
         self.grid, self.constants, self.law = grid, constants, law
         self.basis, self.domain, self.held = basis, domain, held
         self._share = 0.0 if held or law.symmetric else elastic_share
         self._elastic = law.respond(np.zeros((len(constants), 3))).tangent if self._share else None
-        self._kinematics = Kinematics(0 if held else len(constants))
+        self.fbar = fbar
+        self._kinematics = Kinematics(0 if held else len(constants), fbar)
 
     def begin(self, points, load):
         """SoilStep for committed `points` under `load` [m/s²], (3,) or of each point (n, 3).
@@ -91,11 +93,13 @@ class Soil:
         for field in nodal:
             field[self.grid.fixed] = 0.0
         velocity, acceleration, *algorithmic = nodal
-        return SoilStep(points, basis, slabs, mass, velocity, acceleration, mass[:, None] * load, *algorithmic)
+        return SoilStep(
+            points, basis, slabs, mass, velocity, acceleration, mass[:, None] * load, *algorithmic,
+            mean=fbar.mean_basis(points.position, half, self.grid.axes, basis) if self.fbar else None)
 
     def evaluate(self, step, displacement):
         """SoilTrial at nodal increments (N, 3) [m], or None when a point would turn inside out."""
-        strain = self._kinematics(step.basis, self.grid.shape, displacement, step.points.elastic)
+        strain = self._kinematics(step.basis, self.grid.shape, displacement, step.points.elastic, step.mean)
         if strain.inverted:
             return None
         response = self.law.respond(strain.strain)
@@ -103,12 +107,17 @@ class Soil:
             response.tangent[...] += self._share * (self._elastic - response.tangent)
         stress = from_principal(response.stress, strain.directions)
         force = internal_force(step.basis, step.slabs, self.grid.shape, strain, stress, self.constants.volume)
+        if self.fbar:
+            fbar.add_force(step, self.grid.shape, self.grid.collapsed, strain, stress, self.constants.volume, force)
         return SoilTrial(strain, response, stress, force)
 
     def add_stiffness(self, step, trial, pattern, values):
         """Add the consistent tangent of `trial` to the soil block."""
         add_stiffness(step.basis, step.slabs, self.grid.shape, trial.strain, trial.response.stress,
                       trial.response.tangent, self.constants.volume, pattern, values)
+        if self.fbar:
+            fbar.add_stiffness(step, self.grid.shape, self.grid.collapsed, trial.strain, trial.response.stress,
+                               trial.response.tangent, self.constants.volume, pattern, values)
 
     def accept(self, step, trial, displacement, velocity_gain, acceleration, algorithmic=None):
         """New Points from nodal increments of displacement and velocity and from the new accelerations, all (N, 3)."""

@@ -1,5 +1,6 @@
 """Tangent of the soil: of a point against differences of the stress, assembled against the internal force."""
 
+import itertools
 from types import SimpleNamespace
 
 import numpy as np
@@ -80,7 +81,7 @@ def test_strains_of_the_sand_are_plastic():
         assert response.tangent.any() and (flow > 1e-3) == (name not in ("isotropic", "undeformed"))
 
 
-def block(law, basis="gimp", plane=False, seed=3):
+def block(law, basis="gimp", plane=False, seed=3, fbar=False):
     """A graded block of soil with displaced points and committed strains, and trial increments."""
     rng = np.random.default_rng(seed)
     fine = graded_nodes(0.0, 1.2, 0.2, (0.4, 0.8), 1.5)
@@ -90,7 +91,7 @@ def block(law, basis="gimp", plane=False, seed=3):
     grid = make_grid((fine, middle, np.linspace(-0.8, 0.4, 7)), extent, faces)
     constants = tile(grid, extent[:, 0], np.array([*extent[:2, 1], 0.0]), (2, 2, 2), 1800.0)
     n = len(constants)
-    soil = Soil(grid, constants, LAWS[law](n), basis)
+    soil = Soil(grid, constants, LAWS[law](n), basis, fbar=fbar)
     strain = -0.004 + 0.001 * rng.standard_normal((n, 3))
     points = at_rest(constants, np.zeros((n, 3)), strain)
     turns = np.array([np.eye(3) if plane else exp_so3(v) for v in rng.standard_normal((n, 3))])
@@ -128,14 +129,15 @@ def observed_rate(soil, step, displacement, K, free):
     return np.polyfit(np.log(sizes), np.log(left), 1)[0]
 
 
-CASES = [("gimp", False), ("mpm", False), ("gimp", True)]
-IDS = ["gimp", "mpm", "plane strain"]
+CASES = [(basis, plane, fbar) for fbar in (False, True) for basis, plane in
+         (("gimp", False), ("mpm", False), ("gimp", True))]
+IDS = [f"{name}{fbar}" for fbar in ("", " f-bar") for name in ("gimp", "mpm", "plane strain")]
 
 
-@pytest.mark.parametrize("basis, plane", CASES, ids=IDS)
+@pytest.mark.parametrize("basis, plane, fbar", CASES, ids=IDS)
 @pytest.mark.parametrize("law", LAWS)
-def test_stiffness_is_the_derivative_of_the_internal_force(law, basis, plane):
-    soil, step, displacement = block(law, basis, plane)
+def test_stiffness_is_the_derivative_of_the_internal_force(law, basis, plane, fbar):
+    soil, step, displacement = block(law, basis, plane, fbar=fbar)
     K, pattern = stiffness(soil, step, displacement)
     assert observed_rate(soil, step, displacement, K, pattern.free) == pytest.approx(2.0, abs=0.1)
 
@@ -164,18 +166,28 @@ def test_slope_test_fails_without_geometric_or_plastic_terms(law):
     assert observed_rate(soil, step, displacement, K, pattern.free) < 1.2
 
 
-@pytest.mark.parametrize("basis, plane", CASES, ids=IDS)
-def test_stiffness_is_symmetric_for_hencky_only(basis, plane):
+@pytest.mark.parametrize("basis, plane, fbar", CASES, ids=IDS)
+def test_stiffness_is_symmetric_for_hencky_only(basis, plane, fbar):
     for law, symmetric in (("hencky", True), ("drucker-prager", False)):
-        K, _ = stiffness(*block(law, basis, plane))
+        K, _ = stiffness(*block(law, basis, plane, fbar=fbar))
         skewness = abs(K - K.T).max() / abs(K).max()
         assert skewness < 1e-13 if symmetric else skewness > 1e-3
 
 
-def test_internal_force_is_the_gradient_of_the_stored_energy():
-    soil, step, displacement = block("hencky")
+def test_slope_test_fails_without_the_terms_of_fbar():
+    soil, step, displacement = block("hencky", fbar=True)
+    soil.fbar = False
+    K, pattern = stiffness(soil, step, displacement)
+    soil.fbar = True
+    assert observed_rate(soil, step, displacement, K, pattern.free) < 1.2
+
+
+@pytest.mark.parametrize("plane", [False, True])
+@pytest.mark.parametrize("fbar", [False, True])
+def test_internal_force_is_the_gradient_of_the_stored_energy(fbar, plane):
+    soil, step, displacement = block("hencky", plane=plane, fbar=fbar)
     d = np.random.default_rng(8).standard_normal(displacement.shape) * ~soil.grid.fixed
-    h = 1e-5
+    h = 2e-6
 
     def energy(u):
         trial = soil.evaluate(step, u)
@@ -188,8 +200,8 @@ def test_internal_force_is_the_gradient_of_the_stored_energy():
 
 def test_translation_of_free_soil_meets_no_resistance():
     """Row sums vanish in every component, stressed or not, apart from the rows next to held nodes."""
-    for law in LAWS:
-        soil, step, displacement = block(law)
+    for law, fbar in itertools.product(LAWS, (False, True)):
+        soil, step, displacement = block(law, fbar=fbar)
         K, pattern = stiffness(soil, step, displacement)
         away = np.zeros(soil.grid.shape, bool)
         away[3:, :, 3:] = True                          # two nodes away from the held faces x_min, z_min

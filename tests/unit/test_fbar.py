@@ -1,0 +1,117 @@
+"""F-bar: what the mean gradient reproduces, what its force conserves, and that it does not lock."""
+
+import numpy as np
+import pytest
+
+from hybrid.build import build
+from hybrid.laws.hencky import Hencky
+from hybrid.scene import Axis, Faces, Grid, Material, Scene, Soil, Solver, Stage, Time
+from hybrid.soil.basis import evaluate_basis
+from hybrid.soil.fbar import mean_basis
+from hybrid.soil.grid import FACES, make_grid
+from hybrid.soil.kinematics import Kinematics
+from hybrid.soil.model import Soil as SoilModel
+from hybrid.soil.points import at_rest, tile
+from scattered import GRIDS, clear_of_nodes, scattered
+
+
+def bases(name, standard=False):
+    axes = GRIDS[name]
+    position, half = scattered(axes)
+    half = 0 * half if standard else half
+    basis = evaluate_basis(position, half, axes)
+    return axes, basis, mean_basis(position, half, axes, basis)
+
+
+def gradients(basis, shape, displacement):
+    """ΔF - I (n, 3, 3)."""
+    points = len(basis.first)
+    return Kinematics(points)(basis, shape, displacement, np.tile(np.eye(3), (points, 1, 1))).increment - np.eye(3)
+
+
+@pytest.mark.parametrize("standard", [False, True], ids=["gimp", "mpm"])
+@pytest.mark.parametrize("name", GRIDS)
+def test_mean_gradient_of_a_linear_field_is_its_gradient(name, standard):
+    axes, basis, mean = bases(name, standard)
+    nodes = np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 3)
+    linear = 0.1 * np.random.default_rng(0).standard_normal((3, 3))
+    np.testing.assert_allclose(mean.value.sum(axis=2), 1.0, atol=1e-12)
+    found = gradients(mean, [len(a) for a in axes], nodes @ linear.T)
+    np.testing.assert_allclose(found, np.broadcast_to(linear, found.shape), atol=1e-9)
+
+
+def test_mean_gradient_is_that_of_cell_centres():
+    """A domain inside one cell takes that cell's, one that overlaps two a mean by volume."""
+    axes = (np.array([0.0, 1.0, 3.0]),) * 3
+    place, half = np.array([[0.5, 0.5, 0.5], [1.0, 0.5, 0.5], [0.9, 0.4, 1.6]]), np.array([[0.3] * 3, [0.2] * 3, [0.2] * 3])
+    basis = evaluate_basis(place, half, axes)
+    mean = mean_basis(place, half, axes, basis)
+    displacement = 0.1 * np.random.default_rng(3).standard_normal((27, 3))
+    centres = np.array([[0.5, 0.5, 0.5], [2.0, 0.5, 0.5], [0.5, 0.5, 2.0], [2.0, 0.5, 2.0]])
+    a, b, c, d = gradients(evaluate_basis(centres, np.zeros((4, 3)), axes), (3, 3, 3), displacement)
+    wanted = [a, 0.5 * (a + b), 0.75 * c + 0.25 * d]
+    np.testing.assert_allclose(gradients(mean, (3, 3, 3), displacement), wanted, atol=1e-12)
+
+
+def test_mean_gradient_of_a_moving_point_is_continuous():
+    axes = GRIDS["graded"]
+    position, half = scattered(axes)
+    keep = clear_of_nodes(position, half, axes, 1e-3)
+    displacement = np.random.default_rng(1).standard_normal((np.prod([len(a) for a in axes]), 3))
+    found = []
+    for step in (0.0, 1e-7):
+        basis = evaluate_basis(position[keep] + step, half[keep], axes)
+        mean = mean_basis(position[keep] + step, half[keep], axes, basis)
+        found.append(gradients(mean, [len(a) for a in axes], 1e-3 * displacement))
+    assert np.abs(found[1] - found[0]).max() < 1e-5
+
+
+def test_force_has_no_resultant_and_no_moment():
+    """Of scattered, stressed points in free space, at the trial positions of the nodes."""
+    axes = GRIDS["graded"]
+    grid = make_grid(axes, np.array([(a[0], a[-1]) for a in axes]), dict.fromkeys(FACES, "free"))
+    constants = tile(grid, grid.extent[:, 0], grid.extent[:, 1], (2, 1, 2), 1000.0)
+    soil = SoilModel(grid, constants, Hencky(np.full(len(constants), 1e6), 0.3), fbar=True)
+    strain = 0.02 * np.random.default_rng(4).standard_normal((len(constants), 3))
+    step = soil.begin(at_rest(constants, np.zeros_like(strain), strain), np.zeros(3))
+    nodes = np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 3)
+    displacement = 0.01 * np.random.default_rng(5).standard_normal(nodes.shape)
+    force = soil.evaluate(step, displacement).force
+    size = np.abs(force).sum()
+    assert np.abs(force.sum(axis=0)).max() < 1e-13 * size
+    assert np.abs(np.cross(nodes + displacement, force).sum(axis=0)).max() < 1e-13 * size
+
+
+def sagging(poisson, fbar, full=False, cells=4):
+    """Sag [m] of a beam of 4 x 1 m, clamped at its left end, under its weight in plane strain, small strains.
+
+    full: the same in three dimensions between rollers.
+    """
+    size = 1.0 / cells
+    along = Axis(start=0.0, end=5.0, size=size)
+    up = Axis(start=-1.0, end=1.0, size=size)
+    scene = Scene(
+        name="beam", grid=Grid(along, Axis(start=0.0, end=size, size=size, collapsed=not full), up,
+                               Faces(x_min="fixed", x_max="free", z_min="free")),
+        soil=Soil(Material(law="hencky", young=1e6, poisson=poisson, density=1.0), lower=(0.0, 0.0, 0.0),
+                  upper=(4.0, size, 1.0), geostatic=False, fbar=fbar),
+        time=Time(step=1.0, inertia=False), stages=(Stage("load", 1),), solver=Solver(linear="direct"))
+    simulation = build(scene)
+    for _ in simulation.steps():
+        pass
+    return -simulation.state.points.position[:, 2].mean() + 0.5
+
+
+def test_beam_does_not_lock():
+    """Timoshenko's mean sag q/EI (L^4/20 ...): E/(1-ν²) is all that Poisson's ratio changes; locked, nearly nothing."""
+    scale = {nu: 1 - nu**2 for nu in (0.0, 0.4999)}
+    stiff, soft = (sagging(0.4999, fbar) / scale[0.4999] for fbar in (False, True))
+    loose = sagging(0.0, True) / scale[0.0]
+    assert soft == pytest.approx(loose, rel=0.1)
+    assert stiff < 0.25 * loose
+
+
+def test_plane_strain_agrees_with_three_dimensions_as_cells_shrink():
+    """Between rollers all three axes are scaled, in plane strain two: 2 % apart with 2 cells in the depth of the beam."""
+    apart = [abs(sagging(0.45, True, True, cells) / sagging(0.45, True, False, cells) - 1) for cells in (2, 4)]
+    assert apart[1] < 0.4 * apart[0] < 0.01
