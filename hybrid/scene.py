@@ -108,6 +108,8 @@ class Soil:
     domain            how point domains deform: with the stretch, not at all, with the diagonal of F
     fbar              points take the volume change of the cells around them, so that nearly incompressible or
                       plastic soil does not lock
+    ghost             [-] factor on Young's modulus of the penalty that ties cells hardly filled to their neighbours;
+                      0: none, 0.033 is usual
     geostatic         start in equilibrium under gravity
     k0                [-] ratio of horizontal to vertical initial stress; None: from the material
     """
@@ -121,6 +123,7 @@ class Soil:
     basis: Literal["gimp", "mpm"] = "gimp"
     domain: Literal["stretch", "none", "diagonal"] = "stretch"
     fbar: bool = False
+    ghost: float = 0.0
     geostatic: bool = True
     k0: float | None = None
 

@@ -95,6 +95,8 @@ def left_out(scene, model, pattern):
         out.append("plasticity: the soil is elastic")
     if not scene.soil.fbar and not soil.held:
         out.append("F-bar: points keep their own volume change")
+    if not scene.soil.ghost and not soil.held:
+        out.append("ghost penalty: cells hardly filled are left alone")
     out.append("reassembly of the bodies' mass: it turns with them")
     return out
 

@@ -17,9 +17,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from hybrid.reductions import total
-from hybrid.soil import fbar, transfer
+from hybrid.soil import fbar, ghost, transfer
 from hybrid.soil.basis import Basis, evaluate_basis
 from hybrid.soil.domains import updated_half
+from hybrid.soil.ghost import Ghost
 from hybrid.soil.forces import add_stiffness, internal_force
 from hybrid.soil.grid import Grid
 from hybrid.soil.kinematics import Kinematics, TrialStrain, from_principal
@@ -41,7 +42,7 @@ class SoilTrial:
 @dataclass(frozen=True)
 class SoilStep:
     """What is frozen during a step: basis, slabs, nodal mass (N,) [kg], velocity, acceleration (N, 3), weight (N, 3),
-    the algorithmic acceleration (N, 3) where the points have one, and the mean basis of F-bar."""
+    the algorithmic acceleration (N, 3) where the points have one, the mean basis of F-bar, the faces with a penalty."""
 
     points: Points
     basis: Basis
@@ -52,6 +53,7 @@ class SoilStep:
     weight: np.ndarray
     algorithmic: np.ndarray | None = None
     mean: Basis | None = None
+    cuts: Ghost | None = None
 
     @property
     def history(self):
@@ -66,15 +68,16 @@ class SoilStep:
 
 class Soil:
     """Model of the soil: grid, points' constants, law, choice of basis ("gimp" | "mpm") and of domain update, and the
-    share of the elastic stiffness in the tangent of plastic points; fbar: the cure for locking of `hybrid.soil.fbar`."""
+    share of the elastic stiffness in the tangent of plastic points; fbar: with the cure for locking of
+    `hybrid.soil.fbar`; ghost_factor: on Young's modulus in the cure for small cuts of `hybrid.soil.ghost`, 0 without."""
 
     def __init__(self, grid: Grid, constants: PointConstants, law, basis="gimp", domain="stretch", held=False,
-                 elastic_share=0.0, fbar=False):
+                 elastic_share=0.0, fbar=False, ghost_factor=0.0):
         self.grid, self.constants, self.law = grid, constants, law
         self.basis, self.domain, self.held = basis, domain, held
         self._share = 0.0 if held or law.symmetric else elastic_share
         self._elastic = law.respond(np.zeros((len(constants), 3))).tangent if self._share else None
-        self.fbar = fbar
+        self.fbar, self.ghost_factor = fbar, ghost_factor
         self._kinematics = Kinematics(0 if held else len(constants), fbar)
 
     def begin(self, points, load):
@@ -95,7 +98,8 @@ class Soil:
         velocity, acceleration, *algorithmic = nodal
         return SoilStep(
             points, basis, slabs, mass, velocity, acceleration, mass[:, None] * load, *algorithmic,
-            mean=fbar.mean_basis(points.position, half, self.grid.axes, basis) if self.fbar else None)
+            mean=fbar.mean_basis(points.position, half, self.grid.axes, basis) if self.fbar else None,
+            cuts=ghost.find_faces(basis, self.grid, self.ghost_factor * self.law.young) if self.ghost_factor else None)
 
     def evaluate(self, step, displacement):
         """SoilTrial at nodal increments (N, 3) [m], or None when a point would turn inside out."""
@@ -109,6 +113,8 @@ class Soil:
         force = internal_force(step.basis, step.slabs, self.grid.shape, strain, stress, self.constants.volume)
         if self.fbar:
             fbar.add_force(step, self.grid.shape, self.grid.collapsed, strain, stress, self.constants.volume, force)
+        if step.cuts:
+            ghost.add_force(step.cuts, self.grid, displacement, force)
         return SoilTrial(strain, response, stress, force)
 
     def add_stiffness(self, step, trial, pattern, values):
@@ -118,6 +124,8 @@ class Soil:
         if self.fbar:
             fbar.add_stiffness(step, self.grid.shape, self.grid.collapsed, trial.strain, trial.response.stress,
                                trial.response.tangent, self.constants.volume, pattern, values)
+        if step.cuts:
+            ghost.add_stiffness(step.cuts, self.grid, pattern, values)
 
     def accept(self, step, trial, displacement, velocity_gain, acceleration, algorithmic=None):
         """New Points from nodal increments of displacement and velocity and from the new accelerations, all (N, 3)."""

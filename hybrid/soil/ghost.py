@@ -1,0 +1,153 @@
+"""Ghost penalty: stiffness where the soil fills only a sliver of a cell.
+
+A node that hardly any soil reaches has hardly any stiffness, so the condition of the system grows without bound as the
+cut gets small, and the node is thrown about by what little residual it has. The penalty ties the gradients of
+displacement together across faces between a boundary cell (filled, with an empty neighbour) and any filled cell:
+
+    f_v = Σ_faces γ h ∫ [∂_n N_v] [∂_n Δu] dΓ            K_vw = Σ_faces γ h ∫ [∂_n N_v][∂_n N_w] dΓ I
+
+[∂_n N] the jump over the face of the derivative along its normal; h the mean of the two cells along the normal [m]; γ a
+modulus [Pa], a factor times the mean Young's modulus of the points that reach the two cells. A linear field has no jump: constant strain, translation and
+rotation are free. Rows sum to zero, so no momentum is added; and as Δu is of the step, no stress stays behind.
+
+After Coombs, Int. J. Numer. Methods Eng. 124 (2023) 4841-4875, who takes γ = E/30 and h³/3 in place of h: the same for
+h = 1 m up to the third, but a stiffness has to scale with h for the condition not to depend on the size of the cells.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from hybrid.soil.forces import CENTRE
+
+
+@dataclass(frozen=True)
+class Ghost:
+    """Faces (m, 4) of one step: lower cell's first node i, j, k and the axis of the normal; modulus: γ (m,) [Pa]."""
+
+    faces: np.ndarray
+    modulus: np.ndarray
+
+
+def find_faces(basis, grid, modulus):
+    """Ghost of the cells that the domains of a basis reach; modulus: (n,) of the points [Pa]."""
+    reached, weighted = np.zeros((2, *(max(1, n - 1) for n in grid.shape)))
+    _fill(basis.first, basis.count, modulus, reached, weighted)
+    filled = reached > 0
+    boundary = np.zeros_like(filled)
+    for axis in range(3):
+        a, b = _pairs(filled, axis)
+        low, high = _pairs(boundary, axis)
+        low |= a & ~b
+        high |= b & ~a
+    faces, moduli = [], []
+    for axis in range(3):
+        a, b = _pairs(filled, axis)
+        low, high = _pairs(boundary, axis)
+        chosen = a & b & (low | high)
+        cells = np.argwhere(chosen)
+        faces.append(np.column_stack([cells, np.full(len(cells), axis)]))
+        moduli.append((sum(_pairs(weighted, axis))[chosen]) / sum(_pairs(reached, axis))[chosen])
+    return Ghost(np.concatenate(faces), np.concatenate(moduli))
+
+
+def _pairs(cells, axis):
+    """Views of the cells below and above the faces across an axis."""
+    below = [slice(None)] * 3
+    above = list(below)
+    below[axis], above[axis] = slice(None, -1), slice(1, None)
+    return cells[tuple(below)], cells[tuple(above)]
+
+
+@njit(cache=True)
+def _fill(first, count, modulus, reached, weighted):
+    """Number of points that reach each cell, and the sum of their moduli."""
+    for p in range(len(first)):
+        for i in range(first[p, 0], first[p, 0] + max(1, count[p, 0] - 1)):
+            for j in range(first[p, 1], first[p, 1] + max(1, count[p, 1] - 1)):
+                for k in range(first[p, 2], first[p, 2] + max(1, count[p, 2] - 1)):
+                    reached[i, j, k] += 1
+                    weighted[i, j, k] += modulus[p]
+
+
+def add_force(ghost, grid, displacement, force):
+    """Add the penalty's force at nodal increments (N, 3) [m] to `force` (N, 3) [N]."""
+    _add_force(ghost.faces, ghost.modulus, *grid.axes, _thickness(grid), displacement, force)
+
+
+def add_stiffness(ghost, grid, pattern, values):
+    """Add the penalty's stiffness to the entries `values` of a matrix of sparsity `pattern`."""
+    _add_stiffness(ghost.faces, ghost.modulus, *grid.axes, _thickness(grid), pattern.dof, pattern.row, pattern.slot,
+                   pattern.indptr, values)
+
+
+def _thickness(grid):
+    return grid.extent[:, 1] - grid.extent[:, 0]
+
+
+@njit(cache=True)
+def _line(nodes, first, thickness, normal, factor):
+    """One axis of a face: how many nodes, and their matrix into `factor` (3, 3): jumps times jumps along the normal,
+    else the mass matrix of the cell."""
+    if len(nodes) == 1:
+        factor[0, 0] = thickness
+        return 1
+    h = nodes[first + 1] - nodes[first]
+    if not normal:
+        factor[0, 0] = factor[1, 1] = h / 3
+        factor[0, 1] = factor[1, 0] = h / 6
+        return 2
+    above = nodes[first + 2] - nodes[first + 1]
+    jump = (1 / h, -1 / h - 1 / above, 1 / above)
+    for a in range(3):
+        for b in range(3):
+            factor[a, b] = 0.5 * (h + above) * jump[a] * jump[b]
+    return 3
+
+
+@njit(cache=True)
+def _face(face, x, y, z, thickness, node, place, matrix):
+    """Nodes of a face, their places in a 5x5x5 stencil and its matrix (12, 12) but for the modulus; returns how many."""
+    fx, fy, fz = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    nx = _line(x, face[0], thickness[0], face[3] == 0, fx)
+    ny = _line(y, face[1], thickness[1], face[3] == 1, fy)
+    nz = _line(z, face[2], thickness[2], face[3] == 2, fz)
+    m = 0
+    for a in range(nx):
+        for b in range(ny):
+            for c in range(nz):
+                node[m] = ((face[0] + a) * len(y) + face[1] + b) * len(z) + face[2] + c
+                place[m] = (a * 5 + b) * 5 + c
+                m += 1
+    for r in range(m):
+        for s in range(m):
+            matrix[r, s] = (fx[r // (ny * nz), s // (ny * nz)] * fy[r // nz % ny, s // nz % ny] * fz[r % nz, s % nz])
+    return m
+
+
+@njit(cache=True)
+def _add_force(faces, modulus, x, y, z, thickness, displacement, force):
+    node, place, matrix = np.empty(12, np.int64), np.empty(12, np.int64), np.empty((12, 12))
+    for f in range(len(faces)):
+        m = _face(faces[f], x, y, z, thickness, node, place, matrix)
+        for r in range(m):
+            for s in range(m):
+                for i in range(3):
+                    force[node[r], i] += modulus[f] * matrix[r, s] * displacement[node[s], i]
+
+
+@njit(cache=True)
+def _add_stiffness(faces, modulus, x, y, z, thickness, dof, row, slot, indptr, values):
+    node, place, matrix = np.empty(12, np.int64), np.empty(12, np.int64), np.empty((12, 12))
+    for f in range(len(faces)):
+        m = _face(faces[f], x, y, z, thickness, node, place, matrix)
+        for r in range(m):
+            for s in range(m):
+                rank = 0
+                for i in range(3):
+                    held = dof[node[s], i] < 0
+                    if dof[node[r], i] >= 0 and not held:
+                        at = indptr[dof[node[r], i]] + slot[row[node[r]], place[s] - place[r] + CENTRE] + rank
+                        values[at] += modulus[f] * matrix[r, s]
+                    rank += not held

@@ -1,0 +1,106 @@
+"""Ghost penalty: which faces, what it leaves free, its tangent, and the condition of cut cells."""
+
+import numpy as np
+import pytest
+from scipy.sparse import csr_matrix
+
+from hybrid.laws.hencky import Hencky
+from hybrid.soil.ghost import find_faces
+from hybrid.soil.basis import evaluate_basis
+from hybrid.soil.grid import FACES, graded_nodes, make_grid
+from hybrid.soil.model import Soil
+from hybrid.soil.points import at_rest, tile
+from hybrid.system.pattern import make_pattern
+
+YOUNG, FACTOR = 1e6, 1 / 30
+FREE = dict.fromkeys(FACES, "free")
+
+
+def block(cells=3, offset=0.0, factor=FACTOR, plane=False, faces=FREE, size=1.0, graded=False):
+    """A cube of soil of `cells` cells in a grid with room around it, moved by `offset` [m] along all axes."""
+    nodes = size * np.arange(-1.0, cells + 3.0)
+    if graded:
+        nodes = graded_nodes(-1.0, cells + 2.0, 0.5, (0.0, 1.0), 1.5)
+    axes = (nodes, np.array([0.5]) if plane else nodes, nodes)
+    extent = np.array([(0.0, 1.0) if len(a) == 1 else (a[0], a[-1]) for a in axes])
+    grid = make_grid(axes, extent, faces)
+    constants = tile(grid, np.array([nodes[1]] * 3), np.array([nodes[-3]] * 3), (2, 2, 2), 1000.0)
+    soil = Soil(grid, constants, Hencky(np.full(len(constants), YOUNG), 0.3), domain="none", ghost_factor=factor)
+    points = at_rest(constants, np.zeros((len(constants), 3)), np.zeros((len(constants), 3)))
+    points.position = points.position + offset * ~grid.collapsed
+    return soil, soil.begin(points, np.zeros(3))
+
+
+def stiffness(soil, step):
+    displacement = np.zeros((soil.grid.node_count, 3))
+    pattern = make_pattern(step.active, soil.grid.fixed, soil.grid.shape)
+    values = np.zeros(len(pattern.indices))
+    soil.add_stiffness(step, soil.evaluate(step, displacement), pattern, values)
+    return csr_matrix((values, pattern.indices, pattern.indptr)), pattern
+
+
+def nodes_of(grid):
+    return np.stack(np.meshgrid(*grid.axes, indexing="ij"), -1).reshape(-1, 3)
+
+
+def test_faces_between_boundary_cells_and_filled_cells():
+    """Of 4 x 4 x 4 filled cells only the inner 2 x 2 x 2 are no boundary: 144 faces less the 12 among those."""
+    _, step = block(4)
+    assert len(step.cuts.faces) == 144 - 12 and (step.cuts.modulus == FACTOR * YOUNG).all()
+    _, plane = block(4, plane=True)
+    assert len(plane.cuts.faces) == 24 - 4 and set(plane.cuts.faces[:, 3]) == {0, 2}
+
+
+def test_soil_up_to_the_end_of_the_grid_is_not_cut_there():
+    axes = (np.arange(5.0), np.arange(4.0), np.arange(4.0))
+    grid = make_grid(axes, np.array([(a[0], a[-1]) for a in axes]), FREE)
+    constants = tile(grid, np.zeros(3), np.array([3.0, 3.0, 3.0]), (1, 1, 1), 1.0)
+    basis = evaluate_basis(constants.position, constants.half, grid.axes)
+    faces = find_faces(basis, grid, np.arange(27.0)).faces
+    assert {tuple(f) for f in faces[faces[:, 3] == 0]} == {(1, j, k, 0) for j in range(3) for k in range(3)}
+    assert set(faces[faces[:, 3] > 0][:, 0]) == {2}
+
+
+@pytest.mark.parametrize("plane", [False, True], ids=["block", "plane strain"])
+def test_linear_fields_are_free(plane):
+    """Translation, rotation and constant strain, on cells of any size; other fields are not."""
+    with_, without = (block(factor=f, plane=plane, graded=True, offset=0.1) for f in (FACTOR, 0.0))
+    nodes, rng = nodes_of(with_[0].grid), np.random.default_rng(1)
+    linear = 1e-3 * (nodes @ rng.standard_normal((3, 3)) + rng.standard_normal(3))
+    linear *= ~with_[0].grid.collapsed
+    force = [soil.evaluate(step, linear).force for soil, step in (with_, without)]
+    assert np.abs(force[0] - force[1]).max() < 1e-9
+    curved = 1e-3 * nodes[:, [2, 1, 0]] ** 2 * ~with_[0].grid.collapsed
+    force = [soil.evaluate(step, curved).force for soil, step in (with_, without)]
+    assert np.abs(force[0] - force[1]).max() > 1.0
+    assert np.abs((force[0] - force[1]).sum(axis=0)).max() < 1e-9
+
+
+@pytest.mark.parametrize("plane", [False, True], ids=["block", "plane strain"])
+def test_stiffness_is_the_derivative_of_the_force(plane):
+    """Exactly, the penalty being linear, next to held faces too; and symmetric."""
+    faces = FREE | {"z_min": "fixed", "x_min": "roller"}
+    pairs = [block(2, 0.3, f, plane, faces, graded=True) for f in (FACTOR, 0.0)]
+    K, K0 = (stiffness(*pair)[0] for pair in pairs)
+    pattern = stiffness(*pairs[0])[1]
+    d = 1e-4 * np.random.default_rng(2).standard_normal((pairs[0][0].grid.node_count, 3)) * pattern.free
+    force = [soil.evaluate(step, d).force[pattern.free] for soil, step in pairs]
+    np.testing.assert_allclose((K - K0) @ d[pattern.free], force[0] - force[1], atol=1e-9 * np.abs(force).max())
+    assert abs(K - K.T).max() < 1e-13 * abs(K).max()
+
+
+def condition(offset, factor, size=1.0):
+    """Condition number of the stiffness of a cube moved through the grid, rigid motions left out."""
+    soil, step = block(2, offset * size, factor, size=size)
+    eigenvalues = np.linalg.eigvalsh(stiffness(soil, step)[0].toarray())
+    return eigenvalues[-1] / eigenvalues[6]
+
+
+def test_condition_does_not_depend_on_the_cut():
+    """A rigid translation through a cell: without the penalty the condition grows as the cut shrinks, with it it does
+    not, and it is the same for small cells."""
+    bare, tied = ([condition(cut, factor) for cut in (0.5, 0.3, 0.1, 1e-3)] for factor in (0.0, FACTOR))
+    assert bare[2] > 1e4 * bare[1] > 1e6 * bare[0]      # and past what can be computed for the last
+    assert max(tied) < 6 * tied[0] and tied[1] < 1e-3 * bare[1]
+    assert condition(1e-7, FACTOR) < 1.01 * tied[-1]
+    assert condition(1e-4, FACTOR, 0.01) == pytest.approx(condition(1e-4, FACTOR), rel=1e-6)
