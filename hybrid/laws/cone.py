@@ -29,7 +29,7 @@ plane towards larger θ and D the denominator of Δγ,
 import numpy as np
 from numba import njit, prange
 
-from hybrid.errors import SceneError
+from hybrid.errors import LawError
 from hybrid.laws import Response
 from hybrid.laws.hencky import Hencky, stored
 
@@ -40,7 +40,7 @@ NO_HISTORY = np.zeros(0)
 class Cone(Hencky):
     """Elastic constants and strength per point, scalars or (n,) arrays; `young` fixes n.
 
-    parameters: (n, 8) columns K, G, η, η̄, k0, e, h, k_r. Raises SceneError where softening outruns elasticity.
+    parameters: (n, 8) columns K, G, η, η̄, k0, e, h, k_r. Raises LawError where softening outruns elasticity.
     """
 
     plastic = True
@@ -59,7 +59,7 @@ class Cone(Hencky):
         steepest = slope / np.sqrt(3) + G + K * eta * eta_bar
         if np.any(steepest <= 0.0):
             p = int(np.argmin(steepest))
-            raise SceneError(f"soil.material.hardening: softening of k by {-slope[p]:.3g} Pa per plastic strain is more "
+            raise LawError(f"soil.material.hardening: softening of k by {-slope[p]:.3g} Pa per plastic strain is more "
                              f"than √3 (G + K η η̄) = {-slope[p] + np.sqrt(3) * steepest[p]:.3g} Pa, beyond which a "
                              f"point snaps back; use a hardening nearer to 0")
 
