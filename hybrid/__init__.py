@@ -18,7 +18,8 @@ _SCENE = "Axis Body Faces Grid Material Output Pull Scene Soil Solver Stage Time
 _HOMES = {
     **dict.fromkeys(_SCENE, "hybrid.scene"),
     **dict.fromkeys(("load_scene", "validate"), "hybrid.scene_file"),
-    **dict.fromkeys(("HybridError", "SceneError", "GeometryError", "StepError"), "hybrid.errors"),
+    **dict.fromkeys(("HybridError", "SceneError", "GeometryError", "LawError", "StepError"), "hybrid.errors"),
+    "check_law": "hybrid.laws.check",
     "run": "hybrid.running",
 }
 __all__ = [*_HOMES, "__version__"]

@@ -10,31 +10,30 @@ from hybrid.body.samples import surface_samples
 from hybrid.body.surface import build_surface
 from hybrid.contact.corners import overlap
 from hybrid.errors import SceneError
-from hybrid.laws.drucker_prager import DruckerPrager
-from hybrid.laws.hencky import Hencky
-from hybrid.laws.sand import sand, stiffness_from_stress
+from hybrid.ground import build_ground
 from hybrid.scene_file import validate
 from hybrid.scheme import Scheme
 from hybrid.simulation import Simulation
 from hybrid.soil.grid import FACES, graded_nodes, make_grid, uniform_nodes
 from hybrid.soil.model import Soil
-from hybrid.soil.points import at_rest, geostatic_stress, tile
+from hybrid.soil.points import at_rest, tile
 from hybrid.state import BodyState, ContactHistory, State
 from hybrid.system.loads import Loads
 from hybrid.system.model import Model
 
 
-def build(scene, body_force=None):
-    """Simulation of a Scene, ready to run. Raises SceneError or GeometryError with what to change.
+def build(scene, body_force=None, law=None):
+    """Simulation of a Scene, ready to run. Raises SceneError, GeometryError or LawError with what to change.
 
     body_force: function of the time [s] and the points' initial positions (n, 3) [m] that gives accelerations (n, 3)
-    [m/s²] to act on them besides gravity.
+    [m/s²] to act on them besides gravity. law: function that makes the law of a scene whose soil.material.law is "user"
+    (`hybrid.laws.user`).
     """
     scene = validate(scene)
     gravity = np.array(scene.gravity, float)
     grid = build_grid(scene)
     loads = Loads(gravity, body_force).during(0.0, 0.0, (scene.stages[0].gravity[0],) * 2)
-    soil, points = build_soil(scene, grid, loads)
+    soil, points = build_soil(scene, grid, loads, law)
     meshes, bodies, motions, contacts = [], [], [], []
     for described in scene.bodies:
         body_mesh = mesh.generate(described.geometry, described.parameters)
@@ -75,62 +74,21 @@ def build_grid(scene):
     return make_grid(axes, np.array(extent), faces, scene.soil.held)
 
 
-def build_soil(scene, grid, loads):
+def build_soil(scene, grid, loads, law=None):
     """Soil model and its points at rest, in geostatic equilibrium when asked for."""
     described, gravity = scene.soil, loads.gravity
-    material = material_values(described.material)
     lower = np.array(described.lower if described.lower is not None else grid.extent[:, 0])
     upper = np.array(described.upper if described.upper is not None else grid.extent[:, 1])
     if described.top is not None:
         upper[2] = described.top
     per_axis = np.broadcast_to(described.points_per_axis, 3)
-    constants = tile(grid, lower, upper, per_axis, material["density"])
-    depth = upper[2] - constants.position[:, 2]
-    stress = np.zeros((len(constants), 3))
-    k0 = described.k0 if described.k0 is not None else coefficient_at_rest(described.material.law, material)
-    if described.geostatic and not described.held:
-        if np.any(gravity[:2] != 0.0) or gravity[2] > 0.0:
-            raise SceneError(f"soil.geostatic needs gravity along -z, but gravity = {gravity.tolist()}; set "
-                             "soil.geostatic = false and let the stress build up, or turn the scene")
-        stress = geostatic_stress(depth, -material["density"] * gravity[2], k0)
-    law = build_law(described.material.law, material, -stress[:, 2] * k0 if stress.any() else
-                    depth * material["density"] * np.linalg.norm(gravity) * k0)
+    constants, stress, law = build_ground(described, tile(grid, lower, upper, per_axis, 1.0), upper[2], gravity, law)
     points = at_rest(constants, stress, law.strain(stress))
     if scene.time.inertia and not stress.any():
         points.acceleration[:] = loads.on_points(0.0, constants.position)  # nothing holds it yet
     soil = Soil(grid, constants, law, described.basis, described.domain, described.held, scene.solver.elastic_share,
                 described.fbar, described.ghost)
     return soil, points
-
-
-def material_values(material):
-    """Material parameters by name: the preset of the relative density, overridden by what the scene gives."""
-    values = sand(material.relative_density, material.buoyant) if material.relative_density is not None else {}
-    names = ("young", "poisson", "density", "friction_angle", "dilation_angle", "cohesion", "reference_young",
-             "stiffness_exponent")
-    given = {name: getattr(material, name) for name in names if getattr(material, name) is not None}
-    if "young" in given:
-        values.pop("reference_young", None)
-    return {**values, **given, "cone": material.cone}
-
-
-def coefficient_at_rest(law, material):
-    """K0 = 1 - sin φ of sand, ν/(1 - ν) of an elastic soil."""
-    if law == "drucker-prager":
-        return 1 - np.sin(np.radians(material["friction_angle"]))
-    return material["poisson"] / (1 - material["poisson"])
-
-
-def build_law(name, material, horizontal_stress):
-    """Constitutive law with one row of parameters per point; stiffness follows the initial stress when asked to."""
-    young = material.get("young")
-    if young is None:
-        young = stiffness_from_stress(material["reference_young"], material["stiffness_exponent"], horizontal_stress)
-    young = np.broadcast_to(np.asarray(young, float), horizontal_stress.shape)
-    if name == "hencky":
-        return Hencky(young, material["poisson"])
-    return DruckerPrager(young, material["poisson"], material["friction_angle"], material["dilation_angle"],
-                         material["cohesion"], material["cone"])
 
 
 def build_body(described, body_mesh, soil, gravity):

@@ -13,5 +13,9 @@ class GeometryError(HybridError):
     """A geometry file cannot be meshed into a closed, correctly oriented solid."""
 
 
+class LawError(HybridError):
+    """A constitutive law contradicts itself, or answers in another shape than its contract says."""
+
+
 class StepError(HybridError):
     """A time step could not be completed; the last accepted state is intact."""

@@ -1,8 +1,8 @@
 """What is modelled: one frozen dataclass per table of a scene file. SI units, angles in degrees, z upwards.
 
 A scene file (TOML) and these classes map one to one: the tables are [grid.x], [grid.y], [grid.z],
-[grid.faces], [soil], [soil.material], [[body]], [body.parameters], [body.pull], [time], [[stage]], [solver]
-and [output].
+[grid.faces], [soil], [soil.material], [[soil.layer]], [soil.layer.material], [[body]], [body.parameters], [body.pull],
+[time], [[stage]], [solver] and [output].
 Reading and checking is done in `hybrid.scene_file`; nothing here computes.
 """
 
@@ -13,6 +13,7 @@ from typing import Literal
 Vector = tuple[float, float, float]
 Condition = Literal["free", "roller", "fixed"]
 Freedom = Literal["x", "y", "z", "rx", "ry", "rz"]
+Law = Literal["drucker-prager", "hencky", "user", "von-mises", "willam-warnke"]
 
 
 @dataclass(frozen=True)
@@ -68,21 +69,30 @@ class Grid:
 class Material:
     """The soil's law. `relative_density` sets every value left out; a value given here replaces the preset.
 
-    law                  Hencky elastic, alone or with Drucker-Prager plasticity
+    A value that the law does not use is refused; `hybrid.material.USES` lists them.
+
+    law                  hencky: elastic. drucker-prager: circular cone. willam-warnke: section on both meridians of
+                         Mohr-Coulomb. von-mises: undrained clay. user: given to `build` or `run` from Python
     relative_density     [%] of the sand whose correlations give the preset
     young                [Pa] one constant Young's modulus
     poisson              [-]
     density              [kg/m³] bulk
     friction_angle       [deg]
-    dilation_angle       [deg] of the plastic potential, at most the friction angle
+    dilation_angle       [deg] of the plastic potential, at most the friction angle; equal: associated flow
     cohesion             [Pa]
-    cone                 Mohr-Coulomb meridian or state that the circular cone is matched to
+    strength             [Pa] undrained shear strength s_u of von-mises, at the top of the soil or the layer
+    strength_gradient    [Pa/m] growth of s_u with the depth below that
+    hardening            [Pa] change of cohesion or s_u per equivalent plastic strain; negative: softening
+    residual_cohesion    [Pa] where softening of the cohesion ends
+    residual_strength    [Pa] where softening of s_u ends
+    cone                 Mohr-Coulomb meridian or state that a circular cone is matched to; of von-mises: the state in
+                         which it is as strong as Tresca's law
     reference_young      [Pa] E_ref in E = E_ref (K0 σ_v / 100 kPa)^m, instead of `young`
     stiffness_exponent   [-] m above
     buoyant              the preset's density is that of submerged sand
     """
 
-    law: Literal["drucker-prager", "hencky"] = "drucker-prager"
+    law: Law = "drucker-prager"
     relative_density: float | None = None
     young: float | None = None
     poisson: float | None = None
@@ -90,10 +100,36 @@ class Material:
     friction_angle: float | None = None
     dilation_angle: float | None = None
     cohesion: float | None = None
+    strength: float | None = None
+    strength_gradient: float | None = None
+    hardening: float | None = None
+    residual_cohesion: float | None = None
+    residual_strength: float | None = None
     cone: Literal["compression", "extension", "plane strain"] = "compression"
     reference_young: float | None = None
     stiffness_exponent: float | None = None
     buoyant: bool = False
+
+
+@dataclass(frozen=True)
+class Layer:
+    """A range of heights with values of its own. What it does not give, and soil in no layer, is soil.material's.
+
+    A point belongs to the layer that its centre lies in, so layers should end on lines of the grid.
+
+    name          for the model sheet
+    top, bottom   [m] z of its ends; None: those of the soil
+    law           None: that of soil.material
+    material      values of soil.material that are different here, by name; relative_density replaces all of them
+    k0            [-] ratio of horizontal to vertical initial stress; None: soil.k0, or from the layer's material
+    """
+
+    name: str
+    top: float | None = None
+    bottom: float | None = None
+    law: Law | None = None
+    material: dict[str, float] = field(default_factory=dict)
+    k0: float | None = None
 
 
 @dataclass(frozen=True)
@@ -112,6 +148,7 @@ class Soil:
                       0: none, 0.033 is usual
     geostatic         start in equilibrium under gravity
     k0                [-] ratio of horizontal to vertical initial stress; None: from the material
+    layers            what is different in ranges of z
     """
 
     material: Material
@@ -126,6 +163,7 @@ class Soil:
     ghost: float = 0.0
     geostatic: bool = True
     k0: float | None = None
+    layers: tuple[Layer, ...] = field(default=(), metadata={"key": "layer"})
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from math import cos, hypot, prod, radians, sin
 
+from hybrid.material import material_faults
 from hybrid.scheme import Scheme
 
 
@@ -14,7 +15,8 @@ def faults(scene):
     yield from _need(len(collapsed) < 3, "grid", ", ".join(collapsed) + " collapsed",
                      "one axis at least uncollapsed", "set collapsed = false where the soil deforms")
     yield from _soil("soil", scene.soil, scene.grid)
-    yield from _material("soil.material", scene.soil.material)
+    if scene.grid.z.start is not None and scene.grid.z.end is not None:
+        yield from material_faults(scene.soil, scene.grid)
     for i, body in enumerate(scene.bodies):
         yield from _body(f"body.{i}", body, scene.time.inertia)
         yield from _need(not body.second_pass or scene.soil.basis == "gimp", f"body.{i}.second_pass", body.second_pass,
@@ -27,6 +29,7 @@ def faults(scene):
     first = scene.stages[0].gravity[0] if scene.stages else 1.0
     yield from _need(not scene.soil.geostatic or scene.soil.held or first == 1.0, "stage.0.gravity", first,
                      "1 at the start of soil in geostatic stress", "set soil.geostatic = false to turn gravity on")
+    yield from _distinct("soil.layer", scene.soil.layers)
     yield from _distinct("body", scene.bodies)
     yield from _distinct("stage", scene.stages)
     yield from _solver("solver", scene.solver)
@@ -131,41 +134,6 @@ def _soil(key, soil, grid):
     yield from _need(0 <= soil.ghost <= 1, f"{key}.ghost", soil.ghost, "from 0 to 1", "0 leaves it out, 0.033 is usual")
     if soil.k0 is not None:
         yield from _need(soil.k0 > 0, f"{key}.k0", soil.k0, "positive", "leave it out for the material's own")
-
-
-def _material(key, material):
-    m = material
-    plastic = m.law == "drucker-prager"
-    if m.relative_density is None:
-        needed = ["poisson", "density"] + plastic * ["friction_angle", "dilation_angle", "cohesion"]
-        needed += ["young"] if m.reference_young is None else ["stiffness_exponent"]
-        absent = [name for name in needed if getattr(m, name) is None]
-        if absent:
-            yield (f"{key}: missing {', '.join(absent)} for law {m.law!r}; "
-                   "give them, or relative_density [%] for the sand preset")
-    limits = {
-        "relative_density": (lambda v: 0 < v <= 100, "in (0, 100] %", "38 is a loose sand"),
-        "young": (lambda v: v > 0, "positive", "in Pa: 20e6 is 20 MPa"),
-        "reference_young": (lambda v: v > 0, "positive", "in Pa: 20e6 is 20 MPa"),
-        "stiffness_exponent": (lambda v: 0 <= v <= 1, "from 0 to 1", "0 is one stiffness at all depths"),
-        "poisson": (lambda v: -1 < v < 0.5, "above -1 and below 0.5", "0.49 is nearly incompressible"),
-        "density": (lambda v: v > 0, "positive", "in kg/m³: 1600 is a dry sand"),
-        "friction_angle": (lambda v: 0 <= v < 90, "from 0 to below 90 degrees", "32.75 is a loose sand"),
-        "dilation_angle": (lambda v: 0 <= v < 90, "from 0 to below 90 degrees", "0 keeps the volume"),
-        "cohesion": (lambda v: v >= 0, "at least 0 Pa", "300 is nearly cohesionless"),
-    }
-    for name, (holds, limit, remedy) in limits.items():
-        value = getattr(m, name)
-        yield from _need(value is None or holds(value), f"{key}.{name}", value, limit, remedy)
-    if m.young is not None and m.reference_young is not None:
-        yield f"{key}: young and reference_young exclude each other; keep young for one constant stiffness"
-    if plastic and m.friction_angle is not None:
-        yield from _need((m.dilation_angle or 0) <= m.friction_angle,
-                         f"{key}.dilation_angle", m.dilation_angle,
-                         f"at most friction_angle = {_shown(m.friction_angle)}",
-                         "equal angles are associated flow")
-        yield from _need(m.friction_angle > 0 or m.cohesion != 0, f"{key}.cohesion", m.cohesion,
-                         "positive when friction_angle = 0", "the soil has no strength otherwise")
 
 
 # ------------------------------------------------------------------ bodies

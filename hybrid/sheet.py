@@ -3,6 +3,7 @@
 import numpy as np
 
 from hybrid.body.rigid import FREEDOMS
+from hybrid.material import USES, of_layer, span
 from hybrid.system.pattern import make_pattern
 
 LIBRARIES = 600e6       # bytes of the interpreter with dolfinx, PETSc, gmsh and compiled kernels, as measured
@@ -26,13 +27,38 @@ def model_sheet(scene, model):
         "body unknowns": body_unknowns,
         "entries of the soil block": entries,
         "bodies": [_body(*pair) for pair in zip(scene.bodies, model.bodies)] or "none",
-        "soil law": scene.soil.material.law if not soil.held else "none, the soil is held",
+        "soil law": _law(scene.soil.material, soil.law) if not soil.held else "none, the soil is held",
         "basis": scene.soil.basis if not soil.held else "none, the soil is held",
         "steps": " + ".join(f"{s.steps} {s.name}" for s in scene.stages),
         "time integration": _schemes(scene, model.scheme),
         "memory, estimated [MiB]": round(memory / 2**20),
     }
+    if scene.soil.layers:
+        modelled["soil layers"] = [_layer(layer, scene, soil) for layer in scene.soil.layers]
     return {"modelled": modelled, "left out": left_out(scene, model, pattern)}
+
+
+def _law(material, law):
+    """Law, its match and what changes its strength."""
+    m, floor = material, material.residual_cohesion
+    parts = [m.law if m.law != "user" else f"user, {law.name}"]
+    if "cone" in USES[m.law]:
+        parts.append(f"matched in {m.cone}")
+    if m.strength_gradient:
+        parts.append(f"strength {m.strength:g} Pa and {m.strength_gradient:g} Pa/m of depth")
+    if m.hardening:
+        floor = m.residual_strength if floor is None else floor
+        parts.append(f"hardening by {m.hardening:g} Pa" if m.hardening > 0 else
+                     f"softening by {-m.hardening:g} Pa down to {floor:g} Pa")
+    return ", ".join(parts)
+
+
+def _layer(layer, scene, soil):
+    """Range, law and own values of a layer."""
+    bottom, top = span(layer, scene.soil, scene.grid)
+    own = [f"{name} = {value:g}" for name, value in layer.material.items()] + [f"k0 = {layer.k0:g}"] * bool(layer.k0)
+    parts = [f"{layer.name}: z = {bottom:g} to {top:g} m", _law(of_layer(scene.soil.material, layer), soil.law), *own]
+    return ", ".join(parts)
 
 
 def _body(described, body):
@@ -91,12 +117,15 @@ def left_out(scene, model, pattern):
             out.append(f"motion along {axis}: that axis is collapsed")
     for described, body in zip(scene.bodies, model.bodies):
         out += _left_out_of(described, body)
-    if scene.soil.material.law == "hencky" and not soil.held:
-        out.append("plasticity: the soil is elastic")
-    if not scene.soil.fbar and not soil.held:
-        out.append("F-bar: points keep their own volume change")
-    if not scene.soil.ghost and not soil.held:
-        out.append("ghost penalty: cells hardly filled are left alone")
+    if not soil.held:
+        if not soil.law.plastic:
+            out.append("plasticity: the soil is elastic")
+        elif not getattr(soil.law, "hardens", True):
+            out.append("hardening: the strength stays as it is")
+        if not scene.soil.fbar:
+            out.append("F-bar: points keep their own volume change")
+        if not scene.soil.ghost:
+            out.append("ghost penalty: cells hardly filled are left alone")
     out.append("reassembly of the bodies' mass: it turns with them")
     return out
 

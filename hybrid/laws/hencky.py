@@ -12,15 +12,15 @@ from hybrid.laws import Response
 class Hencky:
     """Elastic law with Young's modulus [Pa] and Poisson's ratio per point, scalars or (n,) arrays."""
 
-    symmetric = True
+    plastic = False
 
     def __init__(self, young, poisson):
         young, poisson = np.broadcast_arrays(np.atleast_1d(np.asarray(young, float)), poisson)
         self.young = np.array(young)
         self.parameters = np.column_stack([young / (3 * (1 - 2 * poisson)), young / (2 * (1 + poisson))])
 
-    def respond(self, strain):
-        """Response to (n, 3) principal strains."""
+    def respond(self, strain, plastic_strain=None):
+        """Response to (n, 3) principal strains; there is no history."""
         stress, tangent = np.empty_like(strain), np.empty((len(strain), 3, 3))
         _respond(strain, self.parameters, stress, tangent)
         return Response(stress, strain, tangent)

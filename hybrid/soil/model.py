@@ -16,6 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hybrid.laws import plastic_increment
 from hybrid.reductions import total
 from hybrid.soil import fbar, ghost, transfer
 from hybrid.soil.basis import Basis, evaluate_basis
@@ -75,10 +76,12 @@ class Soil:
                  elastic_share=0.0, fbar=False, ghost_factor=0.0):
         self.grid, self.constants, self.law = grid, constants, law
         self.basis, self.domain, self.held = basis, domain, held
-        self._share = 0.0 if held or law.symmetric else elastic_share
-        self._elastic = law.respond(np.zeros((len(constants), 3))).tangent if self._share else None
+        self.refusal = ""  # why the last `evaluate` gave None
+        self._share = 0.0 if held or not law.plastic else elastic_share
+        n = len(constants)
+        self._elastic = law.respond(np.zeros((n, 3)), np.zeros(n)).tangent if self._share else None
         self.fbar, self.ghost_factor = fbar, ghost_factor
-        self._kinematics = Kinematics(0 if held else len(constants), fbar)
+        self._kinematics = Kinematics(0 if held else n, fbar)
 
     def begin(self, points, load):
         """SoilStep for committed `points` under `load` [m/s²], (3,) or of each point (n, 3).
@@ -102,11 +105,16 @@ class Soil:
             cuts=ghost.find_faces(basis, self.grid, self.ghost_factor * self.law.young) if self.ghost_factor else None)
 
     def evaluate(self, step, displacement):
-        """SoilTrial at nodal increments (N, 3) [m], or None when a point would turn inside out."""
+        """SoilTrial at nodal increments (N, 3) [m], or None with the reason in `refusal`: a point would turn inside
+        out, or the law has no stress for it."""
         strain = self._kinematics(step.basis, self.grid.shape, displacement, step.points.elastic, step.mean)
         if strain.inverted:
+            self.refusal = "turns soil inside out"
             return None
-        response = self.law.respond(strain.strain)
+        response = self.law.respond(strain.strain, step.points.plastic_strain)
+        if response.failed is not None and response.failed.any():
+            self.refusal = _no_stress(np.flatnonzero(response.failed))
+            return None
         if self._share:
             response.tangent[...] += self._share * (self._elastic - response.tangent)
         stress = from_principal(response.stress, strain.directions)
@@ -144,7 +152,7 @@ class Soil:
             deformation=deformation,
             elastic=from_principal(np.exp(2 * response.elastic), directions),
             stress=trial.stress / volume_ratio[:, None, None],
-            plastic_strain=old.plastic_strain + plastic_increment(trial),
+            plastic_strain=old.plastic_strain + plastic_increment(trial.strain.strain, response.elastic),
             algorithmic=None if algorithmic is None else moved[:, 9:].copy(),
         )
 
@@ -159,8 +167,7 @@ class Soil:
         return float(total(self.law.energy(strain) * self.constants.volume))
 
 
-def plastic_increment(trial):
-    """Equivalent deviatoric plastic strain √(2/3 e:e) of the step at each point (n,)."""
-    flow = trial.strain.strain - trial.response.elastic
-    flow = flow - flow.mean(axis=1, keepdims=True)
-    return np.sqrt(2 / 3 * np.sum(flow**2, axis=1))
+def _no_stress(ids):
+    """Reason for a refusal at points `ids`."""
+    more = f" and {len(ids) - 5} more" if len(ids) > 5 else ""
+    return f"leaves the soil's law without a stress at points {', '.join(map(str, ids[:5]))}{more}"

@@ -57,10 +57,16 @@ def _line(nodes, x, axis):
     return nearest
 
 
-def geostatic_stress(depth, unit_weight, k0):
-    """Principal stresses (n, 3) [Pa] at depths (n,) [m]: σ_zz = -γ z, σ_xx = σ_yy = K0 σ_zz."""
-    vertical = -unit_weight * depth
-    return np.stack([k0 * vertical, k0 * vertical, vertical], axis=1)
+def overburden(constants, gravity):
+    """Vertical stress (n,) [Pa], compression positive: weight of all points above a point and half its own, per area.
+
+    That is what the internal forces of a tiled box of soil in horizontal layers balance its weight with, to round-off,
+    whatever the densities: GIMP integrates hat functions exactly over domains that end at nodes.
+    """
+    _, first, level = np.unique(constants.position[:, 2], return_index=True, return_inverse=True)
+    density = constants.mass[first] / constants.volume[first]
+    weight = density * gravity * 2 * constants.half[first, 2]
+    return (np.cumsum(weight[::-1])[::-1] - 0.5 * weight)[level]
 
 
 def at_rest(constants, principal_stress, elastic_strain):

@@ -61,7 +61,7 @@ def _newton(step, settings, unknowns):
     errors, krylov, current = [], 0, False
     evaluation = step.evaluate(unknowns)
     if evaluation is None:
-        return Outcome(None, 0, 0, (), "the first guess turns soil inside out")
+        return Outcome(None, 0, 0, (), f"the first guess {step.model.soil.refusal}")
     for iteration in range(settings.iterations + 1):
         errors.append(evaluation.error)
         if evaluation.error <= settings.tolerance:
@@ -80,7 +80,7 @@ def _newton(step, settings, unknowns):
         # assembling and factoring the soil block costs several solutions; a body's few unknowns cost nothing
         current = bool(step.pattern.size and evaluation and evaluation.error < GOOD * errors[-1])
         if evaluation is None:
-            return Outcome(None, iteration, krylov, tuple(errors), "the update turns soil inside out")
+            return Outcome(None, iteration, krylov, tuple(errors), f"the update {step.model.soil.refusal}")
     norms = ", ".join(f"{value:.3g} {name}" for name, value in evaluation.norms.items())
     return Outcome(evaluation, settings.iterations, krylov, tuple(errors),
                    f"residual {evaluation.error:.2e} after {settings.iterations} iterations, "

@@ -1,0 +1,192 @@
+"""Return mapping to a cone in principal stress, its apex included; von Mises, Drucker-Prager and Willam-Warnke are
+cases of it.
+
+    f = g(θ) √J2(s) + η p - k(α)        p = tr τ / 3, tension positive
+    k(α) = max(k0 + h α, k_r)           linear hardening (h > 0) or softening to a residual strength
+    Δε_p = Δγ (s / 2√J2 + η̄ 1 / 3)      from the circular potential √J2 + η̄ p      Δα = Δγ/√3
+
+The section g(θ) is 1 on a circular cone. Willam and Warnke (IABSE Proc. 19, 1974) close it by a smooth, convex arc
+that depends on the ratio e of the extension meridian to the compression meridian, 1/2 < e <= 1:
+
+    g = [4 (1-e²) cos²θ + (2e-1)²] / [2 (1-e²) cosθ + (2e-1) √(4 (1-e²) cos²θ + 5e² - 4e)]      cos 3θ = 3√3/2 J3/J2^1.5
+
+from 1/e in extension (θ = 0) to 1 in compression (θ = 60°). The potential moves the deviator along itself, so θ is
+that of the trial state and the return has a closed form, whatever the section, with nothing to iterate:
+
+    Δγ = f_trial / (g G + K η η̄ + h/√3)      s = (1 - GΔγ/√J2_tr) s_tr      p = p_tr - K η̄ Δγ
+
+Where k_r is met within the increment, the same holds with k = k_r and h = 0. Where the deviator would turn over, the
+stress goes to the apex p = k/η. All of the trial deviator then flows, Δα = √(2/3 e_tr:e_tr), so the apex is closed too.
+The algorithmic tangent follows by differentiation (circular, without hardening, it is that of de Souza Neto, Perić and
+Owen, Computational Methods for Plasticity, 2008, section 8.3). With n = e_tr/|e_tr|, m normal to it in the deviatoric
+plane towards larger θ and D the denominator of Δγ,
+
+    ∂Δγ/∂ε = [√2 G g n + (√J2_tr - GΔγ) g' m/|e_tr| + η K 1] / D
+    ∂τ/∂ε = 2G (1 - GΔγ/√J2_tr) (I - 1⊗1/3) + K 1⊗1 + 2 G²Δγ/√J2_tr n⊗n - (√2 G n + K η̄ 1) ⊗ ∂Δγ/∂ε
+    ∂τ/∂ε = √(2/3) h/η 1⊗n        at the apex
+"""
+
+import numpy as np
+from numba import njit, prange
+
+from hybrid.errors import LawError
+from hybrid.laws import Response
+from hybrid.laws.hencky import Hencky, stored
+
+UNLIMITED = 1e300  # [Pa] strength of points that never yield
+NO_HISTORY = np.zeros(0)
+
+
+class Cone(Hencky):
+    """Elastic constants and strength per point, scalars or (n,) arrays; `young` fixes n.
+
+    parameters: (n, 8) columns K, G, η, η̄, k0, e, h, k_r. Raises LawError where softening outruns elasticity.
+    """
+
+    plastic = True
+
+    def __init__(self, young, poisson, eta, eta_bar, strength, ratio=1.0, hardening=0.0, residual=0.0):
+        super().__init__(young, poisson)
+        n = len(self.parameters)
+        residual = np.minimum(residual, strength)
+        columns = [np.broadcast_to(a, n) for a in (eta, eta_bar, strength, ratio, hardening, residual)]
+        self._set(np.column_stack([self.parameters, *columns]))
+
+    def _set(self, parameters):
+        self.parameters = parameters
+        K, G, eta, eta_bar, _, _, slope, _ = parameters.T
+        self.hardens = bool(np.any(slope != 0.0))
+        steepest = slope / np.sqrt(3) + G + K * eta * eta_bar
+        if np.any(steepest <= 0.0):
+            p = int(np.argmin(steepest))
+            raise LawError(f"soil.material.hardening: softening of k by {-slope[p]:.3g} Pa per plastic strain is more "
+                             f"than √3 (G + K η η̄) = {-slope[p] + np.sqrt(3) * steepest[p]:.3g} Pa, beyond which a "
+                             f"point snaps back; use a hardening nearer to 0")
+
+    def respond(self, strain, plastic_strain=None):
+        """Response to trial principal strains (n, 3) after accumulated plastic strain (n,), none when left out."""
+        history = NO_HISTORY
+        if self.hardens:
+            history = np.zeros(len(strain)) if plastic_strain is None else plastic_strain
+        stress, elastic, tangent = np.empty_like(strain), np.empty_like(strain), np.empty((len(strain), 3, 3))
+        _return_map(strain, history, self.parameters, stress, elastic, tangent)
+        return Response(stress, elastic, tangent)
+
+    def energy(self, elastic):
+        return stored(elastic, self.parameters)
+
+    def yield_function(self, stress, plastic_strain=0.0):
+        """f (n,) [Pa] at principal stresses (n, 3) and accumulated plastic strain (n,)."""
+        _, _, eta, _, strength, ratio, slope, residual = self.parameters.T
+        mean = stress.mean(axis=1)
+        deviator = stress - mean[:, None]
+        norm = np.sqrt(np.sum(deviator**2, axis=1))
+        g = np.array([_section(s, size, e)[0] for s, size, e in zip(deviator, norm, ratio)])
+        return g * norm / np.sqrt(2) + eta * mean - np.maximum(strength + slope * plastic_strain, residual)
+
+
+def joined(laws, members):
+    """One law from laws of parts of the points; members: their point ids. All Hencky, or all of them cones."""
+    n = sum(len(ids) for ids in members)
+    whole = Cone.__new__(Cone) if any(law.plastic for law in laws) else Hencky.__new__(Hencky)
+    rows = [_rows(law, whole.plastic) for law in laws]
+    whole.young, parameters = np.empty(n), np.empty((n, rows[0].shape[1]))
+    for law, ids, own in zip(laws, members, rows):
+        whole.young[ids], parameters[ids] = law.young, own
+    if whole.plastic:
+        whole._set(parameters)
+    else:
+        whole.parameters = parameters
+    return whole
+
+
+def _rows(law, plastic):
+    """Parameters of a law, of an elastic one with a strength that is never met where other points are `plastic`."""
+    if law.plastic or not plastic:
+        return law.parameters
+    return np.column_stack([law.parameters, np.tile([0.0, 0.0, UNLIMITED, 1.0, 0.0, 0.0], (len(law.parameters), 1))])
+
+
+@njit(cache=True)
+def _section(e, norm, ratio):
+    """g and dg/dθ of a deviator `e` (3,) of length `norm`."""
+    if ratio == 1.0 or norm == 0.0:
+        return 1.0, 0.0
+    high, low = max(e[0], e[1], e[2]), min(e[0], e[1], e[2])
+    cos = min(np.sqrt(1.5) * high / norm, 1.0)
+    sin = max(-high - 2 * low, 0.0) / (np.sqrt(2.0) * norm)     # from the middle value less the lowest
+    a, b = 1 - ratio * ratio, 2 * ratio - 1
+    root = np.sqrt(4 * a * cos * cos + 5 * ratio * ratio - 4 * ratio)
+    above, below = 4 * a * cos * cos + b * b, 2 * a * cos + b * root
+    d_above, d_below = -8 * a * cos * sin, -2 * a * sin - 4 * a * b * cos * sin / root
+    return above / below, (d_above - above / below * d_below) / below
+
+
+@njit(cache=True, parallel=True)
+def _return_map(strain, history, parameters, stress, elastic, tangent):
+    hardens = len(history) > 0
+    for p in prange(len(strain)):
+        K, G, eta, eta_bar, k, ratio, h, residual = parameters[p]
+        trace = strain[p, 0] + strain[p, 1] + strain[p, 2]
+        e = (strain[p, 0] - trace / 3, strain[p, 1] - trace / 3, strain[p, 2] - trace / 3)
+        norm = np.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2])
+        root = np.sqrt(2.0) * G * norm  # √J2 of the trial stress
+        pressure = K * trace
+        g, slope = _section(e, norm, ratio)
+        if hardens:
+            k += h * history[p]
+            if k <= residual:
+                k, h = residual, 0.0
+        excess = g * root + eta * pressure - k
+        multiplier, scale, mean, apex = 0.0, 1.0, pressure, False
+        if excess > 0.0:
+            multiplier = excess / (g * G + K * eta * eta_bar + h / np.sqrt(3.0))
+            if k + h * multiplier / np.sqrt(3.0) < residual:
+                multiplier = (excess + k - residual) / (g * G + K * eta * eta_bar)
+                h_cone = 0.0
+            else:
+                h_cone = h
+            apex = eta > 0.0 and root < G * multiplier
+            if apex:
+                grown = k + h * np.sqrt(2.0 / 3.0) * norm
+                if grown < residual:
+                    grown, h = residual, 0.0
+                scale, mean = 0.0, grown / eta
+            else:
+                h = h_cone
+                scale, mean = max(1.0 - G * multiplier / root, 0.0), pressure - K * eta_bar * multiplier
+        for i in range(3):
+            stress[p, i] = 2 * G * scale * e[i] + mean
+            elastic[p, i] = scale * e[i] + mean / (3 * K)
+        if apex:
+            _apex_tangent(tangent[p], e, norm, np.sqrt(2.0 / 3.0) * h / eta)
+        else:
+            for i in range(3):
+                for j in range(3):
+                    tangent[p, i, j] = 2 * G * scale * ((1.0 if i == j else 0.0) - 1 / 3) + K
+            if excess > 0.0:
+                turn = slope * (root - G * multiplier) / norm
+                _flow_tangent(tangent[p], K, G, eta, eta_bar, g, turn, scale, e, norm,
+                              g * G + K * eta * eta_bar + h / np.sqrt(3.0))
+
+
+@njit(cache=True)
+def _apex_tangent(matrix, e, norm, rise):
+    for j in range(3):
+        along = rise * e[j] / norm if norm > 0.0 else 0.0
+        for i in range(3):
+            matrix[i, j] = along
+
+
+@njit(cache=True)
+def _flow_tangent(matrix, K, G, eta, eta_bar, g, turn, scale, e, norm, denominator):
+    """Add the terms of plastic flow; turn: (√J2_tr - GΔγ) g'/|e|."""
+    order = (e[0] - e[1]) * (e[1] - e[2]) * (e[0] - e[2])
+    turn *= (1.0 if order > 0.0 else -1.0) / np.sqrt(3.0)       # at equal values g' is zero
+    for j in range(3):
+        n = e[j] / norm
+        m = (e[(j + 2) % 3] - e[(j + 1) % 3]) / norm            # √3 (1 × n) / |1|, towards larger θ for e0 > e1 > e2
+        grows = (np.sqrt(2.0) * G * g * n + turn * m + eta * K) / denominator
+        for i in range(3):
+            along = e[i] / norm
+            matrix[i, j] += 2 * G * (1.0 - scale) * along * n - (np.sqrt(2.0) * G * along + K * eta_bar) * grows
