@@ -146,6 +146,8 @@ class Soil:
                       plastic soil does not lock
     ghost             [-] factor on Young's modulus of the penalty that ties cells hardly filled to their neighbours;
                       0: none, 0.033 is usual
+    stray             points that leave the grid, or that nothing carries in a quasi-static scene: stop the run, stay
+                      where they are and take no part any more, or vanish
     geostatic         start in equilibrium under gravity
     k0                [-] ratio of horizontal to vertical initial stress; None: from the material
     layers            what is different in ranges of z
@@ -161,6 +163,7 @@ class Soil:
     domain: Literal["stretch", "none", "diagonal"] = "stretch"
     fbar: bool = False
     ghost: float = 0.0
+    stray: Literal["stop", "freeze", "remove"] = "stop"
     geostatic: bool = True
     k0: float | None = None
     layers: tuple[Layer, ...] = field(default=(), metadata={"key": "layer"})

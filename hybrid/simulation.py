@@ -11,6 +11,7 @@ from hybrid.errors import HybridError
 from hybrid.output.record import BodyRecord, Record
 from hybrid.sheet import model_sheet
 from hybrid.stepping import newton
+from hybrid.stepping.astray import Astray
 from hybrid.stepping.energy import Gain, balance_error, energies
 from hybrid.stepping.leaving import Leaving
 from hybrid.stepping.loop import Control, outer_step
@@ -35,6 +36,7 @@ class Simulation:
         # a body may start in the soil a little
         self._start_energy = energies(model, state, start.evaluate(start.still()))
         self._leaving, self._gain = Leaving(model, state.bodies), Gain()
+        self._astray = None if model.soil.held else Astray(model, state.points)
 
     @property
     def total_steps(self):
@@ -123,4 +125,9 @@ class Simulation:
             increments=report.increments, iterations=report.iterations, rejections=report.rejections,
             residual=evaluation.error, contacts=sum(len(c) for c in evaluation.contacts), seconds=timing.collect(),
             energies=energy, bodies=bodies,
-            notes=self._leaving.notes(self.model, state) + self._gain.notes(state.time, energy))
+            notes=self._notes(energy))
+
+    def _notes(self, energy):
+        state = self.state
+        astray = self._astray.notes(self.model, state) if self._astray else ()
+        return self._leaving.notes(self.model, state) + astray + self._gain.notes(state.time, energy)

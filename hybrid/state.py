@@ -11,13 +11,14 @@
 | b_e    | Points.elastic           | (n, 3, 3) | -      |
 | σ      | Points.stress (Cauchy)   | (n, 3, 3) | Pa     |
 | α      | Points.plastic_strain    | (n,)      | -      |
+| -      | Points.out               | (n,) bool | -      |
 | c      | BodyState.position       | (3,)      | m      |
 | R      | BodyState.rotation       | (3, 3)    | -      |
 | ċ, c̈  | velocity, acceleration   | (3,)      | m/s, m/s² |
 | W, A   | spin, spin_rate (body frame) | (3,)  | rad/s, rad/s² |
 | -      | algorithmic (space, body frame) | (6,) | m/s², rad/s² |
 
-The algorithmic acceleration a of `hybrid.scheme` is None where it is no history of its own.
+Points that are out have gone astray and take no part any more; None where none has. The algorithmic acceleration a of `hybrid.scheme` is None where it is no history of its own.
 
 A step computes a *new* State and never writes into the committed one, so a rejected step costs nothing to undo.
 """
@@ -40,6 +41,7 @@ class Points:
     stress: np.ndarray
     plastic_strain: np.ndarray
     algorithmic: np.ndarray | None = None
+    out: np.ndarray | None = None
 
     def __len__(self):
         return len(self.position)

@@ -64,14 +64,14 @@ class Corners:
         return self.position + np.einsum("ca,cai->ci", self.weight, displacement[self.node])
 
 
-def find_corners(position, half, grid, active, body, surface, reach, stiffness, history, expected):
+def find_corners(position, half, grid, active, body, surface, reach, stiffness, history, expected, taking_part=True):
     """Corners within `reach` [m] of the surface of `body` (a BodyState).
 
     active: (N,) bool, nodes that carry mass; stiffness: (n,) of a whole point [N/m]; history: ContactHistory;
-    expected: nodal increments (N, 3) [m] (None: held soil) and pose of the body that the step starts to iterate from.
+    expected: nodal increments (N, 3) [m] (None: held soil) and pose of the body that the step starts to iterate from; taking_part: (n,) bool, points that have not gone astray.
     """
-    born = _born(position, half, body, surface, reach, history.id)
-    kept = _within(history.position, body, surface, reach)
+    born = _born(position, half, taking_part, body, surface, reach, history.id)
+    kept = _within(history.position, body, surface, reach) & np.broadcast_to(taking_part, len(position))[history.id // 8]
     id = np.concatenate([history.id[kept], born])
     place = np.concatenate([history.position[kept], position[born // 8] + SIGNS[born % 8] * half[born // 8]])
     touching, anchor, side, pressure = (
@@ -96,9 +96,9 @@ def shared_stiffness(id, place, stiffness):
     return SHARE * stiffness[id // 8]
 
 
-def _born(position, half, body, surface, reach, followed):
+def _born(position, half, taking_part, body, surface, reach, followed):
     """Numbers of the corners within reach that are not followed yet. Only points near the body's box are searched."""
-    close = np.flatnonzero(_close(position, half, body.position, surface.radius + reach))
+    close = np.flatnonzero(_close(position, half, body.position, surface.radius + reach) & taking_part)
     near = np.zeros((len(close), 8), np.bool_)
     where = np.searchsorted(close, followed // 8)
     known = where < len(close)

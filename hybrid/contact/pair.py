@@ -67,7 +67,7 @@ class Pair:
         self.body, self._grid = body, grid
         first, second = (1 - body.second_pass) * body.contact_stiffness, body.second_pass * body.contact_pressure
         self.corners = find_corners(points.position, half, grid, active, state, body.surface, reach, first,
-                                    history, expected)
+                                    history, expected, True if points.out is None else ~points.out)
         self.probes, self._width = None, None
         if body.second_pass:
             self._width = 2 * half[self.corners.id // 8].max(axis=1)

@@ -1,7 +1,7 @@
 """checkpoint.npz: the whole state to the last bit, with the scene it belongs to.
 
 A run is resumed only with the scene that wrote the checkpoint. What may differ is what does not change the
-physics: the output and solver tables, and the number of steps of the last stage, so that a run can be taken
+physics: the output and solver tables, what becomes of stray points, and the number of steps of the last stage, so that a run can be taken
 further.
 """
 
@@ -100,7 +100,7 @@ def fingerprint(scene):
     flat = {}
     _flatten("", _plain(scene), flat)
     last = len(getattr(scene, "stages", ())) - 1
-    ignored = ("output.", "solver.", f"stages.{last}.steps")
+    ignored = ("output.", "solver.", "soil.stray", f"stages.{last}.steps")
     return {key: value for key, value in sorted(flat.items()) if not key.startswith(ignored)}
 
 

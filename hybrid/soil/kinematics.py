@@ -20,7 +20,7 @@ class TrialStrain:
     """Trial kinematics of all points.
 
     increment: (n, 3, 3) ΔF; inverse: (n, 3, 3) ΔF^-1; strain: (n, 3) principal logarithmic trial strain;
-    directions: (n, 3, 3) eigenvectors as columns; inverted: number of points with det ΔF <= 0;
+    directions: (n, 3, 3) eigenvectors as columns; inverted: numbers of points with det ΔF <= 0;
     mean_inverse: (n, 3, 3) ΔF_0^-1 of F-bar, else None.
     """
 
@@ -28,7 +28,7 @@ class TrialStrain:
     inverse: np.ndarray
     strain: np.ndarray
     directions: np.ndarray
-    inverted: int
+    inverted: np.ndarray
     mean_inverse: np.ndarray | None = None
 
 
@@ -41,8 +41,9 @@ class Kinematics:
         self._inverted = np.zeros(n, bool)
         self._mean_inverse, self._mean_volume = (np.empty((n, 3, 3)), np.empty(n)) if fbar else (None, np.empty(0))
 
-    def __call__(self, basis, shape, displacement, elastic, mean=None):
-        """TrialStrain from nodal increments (N, 3) [m] and committed b_e (n, 3, 3); mean: the basis of F-bar."""
+    def __call__(self, basis, shape, displacement, elastic, mean=None, out=None):
+        """TrialStrain from nodal increments (N, 3) [m] and committed b_e (n, 3, 3); mean: the basis of F-bar; out: (n,)
+        bool, points that may be inverted, taking no part."""
         if mean is not None:
             _volumes(mean.first, mean.count, mean.value, mean.slope, shape[1], shape[2], displacement,
                      self._mean_inverse, self._mean_volume)
@@ -50,7 +51,8 @@ class Kinematics:
                       self._mean_volume, np.array(shape) > 1, self._increment, self._inverse, self._strain,
                       self._directions, self._inverted)
         return TrialStrain(self._increment, self._inverse, self._strain, self._directions,
-                           int(np.count_nonzero(self._inverted)), self._mean_inverse)
+                           np.flatnonzero(self._inverted if out is None else self._inverted & ~out),
+                           self._mean_inverse)
 
 
 @njit(cache=True)

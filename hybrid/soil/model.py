@@ -18,7 +18,7 @@ import numpy as np
 
 from hybrid.laws import plastic_increment
 from hybrid.reductions import total
-from hybrid.soil import fbar, ghost, transfer
+from hybrid.soil import fbar, ghost, stray, transfer
 from hybrid.soil.basis import Basis, evaluate_basis
 from hybrid.soil.domains import updated_half
 from hybrid.soil.ghost import Ghost
@@ -70,10 +70,11 @@ class SoilStep:
 class Soil:
     """Model of the soil: grid, points' constants, law, choice of basis ("gimp" | "mpm") and of domain update, and the
     share of the elastic stiffness in the tangent of plastic points; fbar: with the cure for locking of
-    `hybrid.soil.fbar`; ghost_factor: on Young's modulus in the cure for small cuts of `hybrid.soil.ghost`, 0 without."""
+    `hybrid.soil.fbar`; ghost_factor: on Young's modulus in the cure for small cuts of `hybrid.soil.ghost`, 0 without; stray: what
+    becomes of points that leave (`hybrid.soil.stray`); adrift: whether soil may be held by nothing."""
 
     def __init__(self, grid: Grid, constants: PointConstants, law, basis="gimp", domain="stretch", held=False,
-                 elastic_share=0.0, fbar=False, ghost_factor=0.0):
+                 elastic_share=0.0, fbar=False, ghost_factor=0.0, stray="stop", adrift=True):
         self.grid, self.constants, self.law = grid, constants, law
         self.basis, self.domain, self.held = basis, domain, held
         self.refusal = ""  # why the last `evaluate` gave None
@@ -81,6 +82,7 @@ class Soil:
         n = len(constants)
         self._elastic = law.respond(np.zeros((n, 3)), np.zeros(n)).tangent if self._share else None
         self.fbar, self.ghost_factor = fbar, ghost_factor
+        self.stray, self.adrift = stray, adrift
         self._kinematics = Kinematics(0 if held else n, fbar)
 
     def begin(self, points, load):
@@ -90,10 +92,13 @@ class Soil:
         """
         half = points.half if self.basis == "gimp" else np.zeros_like(points.half)
         basis = evaluate_basis(points.position, half, self.grid.axes)
+        if not self.adrift:
+            points = self._without_adrift(points, basis)
         slabs = make_slabs(basis.first, self.grid.shape)
         carried = [field for field in (points.velocity, points.acceleration, points.algorithmic) if field is not None]
         carried += [load] if load.ndim > 1 else []
-        mass, *nodal = transfer.project(basis, slabs, self.grid.shape, self.constants.mass, *carried)
+        mass, *nodal = transfer.project(
+            basis, slabs, self.grid.shape, _of_those_in(points, self.constants.mass), *carried)
         if load.ndim > 1:
             load = nodal.pop()
         for field in nodal:
@@ -107,31 +112,34 @@ class Soil:
     def evaluate(self, step, displacement):
         """SoilTrial at nodal increments (N, 3) [m], or None with the reason in `refusal`: a point would turn inside
         out, or the law has no stress for it."""
-        strain = self._kinematics(step.basis, self.grid.shape, displacement, step.points.elastic, step.mean)
-        if strain.inverted:
-            self.refusal = "turns soil inside out"
+        out = step.points.out
+        strain = self._kinematics(step.basis, self.grid.shape, displacement, step.points.elastic, step.mean, out)
+        if len(strain.inverted):
+            self.refusal = f"turns soil inside out at {stray.listed(strain.inverted)}"
             return None
         response = self.law.respond(strain.strain, step.points.plastic_strain)
-        if response.failed is not None and response.failed.any():
+        if response.failed is not None and (response.failed if out is None else response.failed & ~out).any():
             self.refusal = _no_stress(np.flatnonzero(response.failed))
             return None
         if self._share:
             response.tangent[...] += self._share * (self._elastic - response.tangent)
         stress = from_principal(response.stress, strain.directions)
-        force = internal_force(step.basis, step.slabs, self.grid.shape, strain, stress, self.constants.volume)
+        volume = _of_those_in(step.points, self.constants.volume)
+        force = internal_force(step.basis, step.slabs, self.grid.shape, strain, stress, volume)
         if self.fbar:
-            fbar.add_force(step, self.grid.shape, self.grid.collapsed, strain, stress, self.constants.volume, force)
+            fbar.add_force(step, self.grid.shape, self.grid.collapsed, strain, stress, volume, force)
         if step.cuts:
             ghost.add_force(step.cuts, self.grid, displacement, force)
         return SoilTrial(strain, response, stress, force)
 
     def add_stiffness(self, step, trial, pattern, values):
         """Add the consistent tangent of `trial` to the soil block."""
+        volume = _of_those_in(step.points, self.constants.volume)
         add_stiffness(step.basis, step.slabs, self.grid.shape, trial.strain, trial.response.stress,
-                      trial.response.tangent, self.constants.volume, pattern, values)
+                      trial.response.tangent, volume, pattern, values)
         if self.fbar:
             fbar.add_stiffness(step, self.grid.shape, self.grid.collapsed, trial.strain, trial.response.stress,
-                               trial.response.tangent, self.constants.volume, pattern, values)
+                               trial.response.tangent, volume, pattern, values)
         if step.cuts:
             ghost.add_stiffness(step.cuts, self.grid, pattern, values)
 
@@ -141,10 +149,14 @@ class Soil:
         nodal = [displacement, velocity_gain, acceleration] + ([] if algorithmic is None else [algorithmic])
         moved = transfer.interpolate(step.basis, shape, np.hstack(nodal))
         position = old.position + moved[:, :3]
+        left = stray.outside(position, self.grid)
+        left = left if old.out is None else left & ~old.out
+        if self.stray == "stop":
+            stray.refuse_outside(left, position, self.grid)
         deformation = trial.strain.increment @ old.deformation
         response, directions = trial.response, trial.strain.directions
         volume_ratio = np.linalg.det(deformation)
-        return Points(
+        new = Points(
             position=position,
             velocity=old.velocity + moved[:, 3:6],
             acceleration=moved[:, 6:9].copy(),
@@ -155,11 +167,20 @@ class Soil:
             plastic_strain=old.plastic_strain + plastic_increment(trial.strain.strain, response.elastic),
             algorithmic=None if algorithmic is None else moved[:, 9:].copy(),
         )
+        return stray.kept_back(old, new, left)
 
-    def plastic_work(self, trial):
+    def _without_adrift(self, points, basis):
+        """`points` without those that nothing carries. Raises StepError if the run is to stop for them."""
+        piece, held = stray.adrift(basis, self.grid, None if points.out is None else ~points.out)
+        loose = (piece > 0) & ~held[piece] if len(held) > 1 else np.zeros(len(points), bool)
+        if self.stray == "stop":
+            stray.refuse_adrift(loose, points.position)
+        return stray.kept_back(points, points, loose)
+
+    def plastic_work(self, step, trial):
         """Work dissipated by plastic flow in the step [J]: Σ τ · Δε_p V0."""
         flow = trial.strain.strain - trial.response.elastic
-        return float(total(np.sum(trial.response.stress * flow, axis=1) * self.constants.volume))
+        return float(total(np.sum(trial.response.stress * flow, axis=1) * _of_those_in(step.points, self.constants.volume)))
 
     def stored_energy(self, points):
         """Elastic energy of committed points [J]."""
@@ -167,7 +188,11 @@ class Soil:
         return float(total(self.law.energy(strain) * self.constants.volume))
 
 
+def _of_those_in(points, values):
+    """`values` (n,) of points, 0 where they take no part any more."""
+    return values if points.out is None else np.where(points.out, 0.0, values)
+
+
 def _no_stress(ids):
     """Reason for a refusal at points `ids`."""
-    more = f" and {len(ids) - 5} more" if len(ids) > 5 else ""
-    return f"leaves the soil's law without a stress at points {', '.join(map(str, ids[:5]))}{more}"
+    return f"leaves the soil's law without a stress at {stray.listed(ids)}"

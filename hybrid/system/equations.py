@@ -70,9 +70,9 @@ class Step:
             s.target + dt * b.line.velocity if pulling and b.line else None for b, s in zip(model.bodies, state.bodies))
         with phase("contact search"):
             self.reach = [self._reach(b, s) for b, s in zip(model.bodies, state.bodies)]
-            guess = self.start()
+            guess, points = self.start(), self.soil.points if self.soil else state.points
             self.pairs = [
-                Pair(b, s, history, state.points, self._corner_half(), soil.grid, active, reach,
+                Pair(b, s, history, points, self._corner_half(), soil.grid, active, reach,
                      (guess.displacement, pose))
                 for b, s, history, reach, pose in zip(
                     model.bodies, state.bodies, state.contacts, self.reach, guess.poses)]
@@ -236,7 +236,7 @@ class Step:
         with phase("update"):
             if self.soil is not None:
                 points = model.soil.accept(self.soil, evaluation.soil_trial, unknowns.displacement, *evaluation.rates)
-                work["plastic"] = work.get("plastic", 0.0) + model.soil.plastic_work(evaluation.soil_trial)
+                work["plastic"] = work.get("plastic", 0.0) + model.soil.plastic_work(self.soil, evaluation.soil_trial)
             bodies = [rigid.accept(b, s, p, s.target if target is None else target, reaction, model.scheme, self.dt)
                       for b, s, p, target, reaction in zip(
                           model.bodies, state.bodies, unknowns.poses, self.targets, evaluation.reactions)]

@@ -1,0 +1,44 @@
+"""Tells of points that have gone astray: out of the grid, adrift, or stretched beyond reason (`hybrid.soil.stray`).
+
+Of each kind it is told when there are some, and again whenever there are twice as many.
+"""
+
+import numpy as np
+
+from hybrid.soil import stray
+from hybrid.soil.basis import evaluate_basis
+
+
+class Astray:
+    """Notes about the points of a run; those that are so at the start are not told of."""
+
+    def __init__(self, model, points):
+        self._told = {kind: np.count_nonzero(found) for kind, found, _ in _kinds(model.soil, points)}
+
+    def notes(self, model, state):
+        """Texts about what is new at `state`: kind, number, mass, which, and what it means."""
+        texts = []
+        for kind, found, meaning in _kinds(model.soil, state.points):
+            ids = np.flatnonzero(found)
+            if len(ids) < max(1, 2 * self._told[kind]):
+                continue
+            self._told[kind] = len(ids)
+            mass = model.soil.constants.mass
+            texts.append(f"{len(ids)} of {len(found)} points {kind} at t = {state.time:.4g} s ({mass[ids].sum():.4g} kg, "
+                         f"{mass[ids].sum() / mass.sum():.2g} of the mass): {stray.listed(ids, state.points.position[ids])}."
+                         f" {meaning}")
+        return tuple(texts)
+
+
+def _kinds(soil, points):
+    """(kind, (n,) bool, what it means) of each kind."""
+    out = np.zeros(len(points), bool) if points.out is None else points.out
+    half = points.half if soil.basis == "gimp" else np.zeros_like(points.half)
+    piece, _ = stray.adrift(evaluate_basis(points.position, half, soil.grid.axes), soil.grid, ~out)
+    return (
+        ("out of the soil", out, "They take no part any more, and their mass, momentum and energy are gone."),
+        ("adrift", (piece > 0) & ~out, "Their cells touch no other soil, so nothing but inertia acts on them."),
+        (f"stretched beyond {stray.LIMIT:g}", stray.stretched(points.deformation) & ~out,
+         "Their domains are cut off at the width of a cell and say little of where the soil is; smaller steps or more "
+         "points per cell help."),
+    )
