@@ -132,6 +132,10 @@ def _soil(key, soil, grid):
     yield from _need(all(1 <= n <= 10 for n in counts), f"{key}.points_per_axis", per_axis, "from 1 to 10",
                      f"2 is usual; this asks for {prod(counts)} points per cell")
     yield from _need(0 <= soil.ghost <= 1, f"{key}.ghost", soil.ghost, "from 0 to 1", "0 leaves it out, 0.033 is usual")
+    yield from _need(soil.blend is None or soil.transfer == "blended", f"{key}.blend", soil.blend,
+                     f"left out with transfer = {soil.transfer!r}", "or set transfer = 'blended'")
+    yield from _need(soil.blend is None or 0 < soil.blend <= 1, f"{key}.blend", soil.blend, "above 0, at most 1",
+                     "1 takes the nodes' velocity alone, 0.05 is usual")
     if soil.k0 is not None:
         yield from _need(soil.k0 > 0, f"{key}.k0", soil.k0, "positive", "leave it out for the material's own")
 

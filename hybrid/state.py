@@ -11,6 +11,7 @@
 | b_e    | Points.elastic           | (n, 3, 3) | -      |
 | σ      | Points.stress (Cauchy)   | (n, 3, 3) | Pa     |
 | α      | Points.plastic_strain    | (n,)      | -      |
+| C      | Points.affine            | (n, 3, 3) | 1/s    |
 | -      | Points.out               | (n,) bool | -      |
 | c      | BodyState.position       | (3,)      | m      |
 | R      | BodyState.rotation       | (3, 3)    | -      |
@@ -18,7 +19,7 @@
 | W, A   | spin, spin_rate (body frame) | (3,)  | rad/s, rad/s² |
 | -      | algorithmic (space, body frame) | (6,) | m/s², rad/s² |
 
-Points that are out have gone astray and take no part any more; None where none has. The algorithmic acceleration a of `hybrid.scheme` is None where it is no history of its own.
+C is there with affine transfer only. Points that are out have gone astray and take no part any more; None where none has. The algorithmic acceleration a of `hybrid.scheme` is None where it is no history of its own.
 
 A step computes a *new* State and never writes into the committed one, so a rejected step costs nothing to undo.
 """
@@ -41,6 +42,7 @@ class Points:
     stress: np.ndarray
     plastic_strain: np.ndarray
     algorithmic: np.ndarray | None = None
+    affine: np.ndarray | None = None
     out: np.ndarray | None = None
 
     def __len__(self):

@@ -71,10 +71,12 @@ class Soil:
     """Model of the soil: grid, points' constants, law, choice of basis ("gimp" | "mpm") and of domain update, and the
     share of the elastic stiffness in the tangent of plastic points; fbar: with the cure for locking of
     `hybrid.soil.fbar`; ghost_factor: on Young's modulus in the cure for small cuts of `hybrid.soil.ghost`, 0 without; stray: what
-    becomes of points that leave (`hybrid.soil.stray`); adrift: whether soil may be held by nothing."""
+    becomes of points that leave (`hybrid.soil.stray`); adrift: whether soil may be held by nothing;
+    transfer, blend: how points take up the motion of the nodes (`hybrid.soil.transfer`)."""
 
     def __init__(self, grid: Grid, constants: PointConstants, law, basis="gimp", domain="stretch", held=False,
-                 elastic_share=0.0, fbar=False, ghost_factor=0.0, stray="stop", adrift=True):
+                 elastic_share=0.0, fbar=False, ghost_factor=0.0, stray="stop", adrift=True,
+                 transfer="increments", blend=0.05):
         self.grid, self.constants, self.law = grid, constants, law
         self.basis, self.domain, self.held = basis, domain, held
         self.refusal = ""  # why the last `evaluate` gave None
@@ -83,6 +85,7 @@ class Soil:
         self._elastic = law.respond(np.zeros((n, 3)), np.zeros(n)).tangent if self._share else None
         self.fbar, self.ghost_factor = fbar, ghost_factor
         self.stray, self.adrift = stray, adrift
+        self.transfer, self.blend = transfer, blend
         self._kinematics = Kinematics(0 if held else n, fbar)
 
     def begin(self, points, load):
@@ -101,6 +104,10 @@ class Soil:
             basis, slabs, self.grid.shape, _of_those_in(points, self.constants.mass), *carried)
         if load.ndim > 1:
             load = nodal.pop()
+        if points.affine is not None:
+            own = _of_those_in(points, self.constants.mass)
+            added = transfer.affine_momentum(basis, slabs, self.grid.axes, points.position, own, points.affine)
+            nodal[0] += np.divide(added, mass[:, None], out=np.zeros_like(added), where=mass[:, None] > 0)
         for field in nodal:
             field[self.grid.fixed] = 0.0
         velocity, acceleration, *algorithmic = nodal
@@ -156,9 +163,10 @@ class Soil:
         deformation = trial.strain.increment @ old.deformation
         response, directions = trial.response, trial.strain.directions
         volume_ratio = np.linalg.det(deformation)
+        rate, affine = self._taken_up(step, old, velocity_gain, moved[:, 3:6])
         new = Points(
             position=position,
-            velocity=old.velocity + moved[:, 3:6],
+            velocity=rate,
             acceleration=moved[:, 6:9].copy(),
             half=updated_half(self.domain, self.constants.half, deformation, position, self.grid.axes),
             deformation=deformation,
@@ -166,8 +174,20 @@ class Soil:
             stress=trial.stress / volume_ratio[:, None, None],
             plastic_strain=old.plastic_strain + plastic_increment(trial.strain.strain, response.elastic),
             algorithmic=None if algorithmic is None else moved[:, 9:].copy(),
+            affine=affine,
         )
         return stray.kept_back(old, new, left)
+
+    def _taken_up(self, step, old, gain, moved):
+        """Velocities (n, 3) and, with affine transfer, their gradients (n, 3, 3) from the nodes' velocity `gain` (N, 3),
+        which is `moved` (n, 3) at the points."""
+        if self.transfer == "increments":
+            return old.velocity + moved, None
+        nodal = step.velocity + gain
+        seen = transfer.interpolate(step.basis, self.grid.shape, nodal)
+        if self.transfer == "blended":
+            return (1 - self.blend) * (old.velocity + moved) + self.blend * seen, None
+        return seen, transfer.affine_part(step.basis, self.grid.axes, old.position, nodal)
 
     def _without_adrift(self, points, basis):
         """`points` without those that nothing carries. Raises StepError if the run is to stop for them."""

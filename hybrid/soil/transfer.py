@@ -3,7 +3,18 @@
     m_v = Σ_p S_vp m_p      q_v = Σ_p S_vp m_p q_p / m_v      (projection with the lumped mass: v, a)
     q_p = Σ_v S_vp q_v                                        (interpolation)
 
-Mass and momentum are conserved to round-off because the basis is a partition of unity.
+Mass and momentum are conserved to round-off because the basis is a partition of unity; so is angular momentum by
+the projection, because the basis reproduces positions.
+
+How points take up the rates of the nodes, Δv_v = v_v,n+1 - v_v,n, is a choice (`soil.transfer`):
+
+    increments   v_p + Σ S_vp Δv_v                                       keeps what the grid does not see
+    blended      (1 - s) of that and s Σ S_vp v_v,n+1                    s of what the grid does not see goes a step
+    affine       Σ S_vp v_v,n+1, and C_p (x_v - x_p) in the projection   C_p = Σ S_vp v_v ⊗ (x_v - x_p) D_p^-1,
+                                                                         D_p = Σ S_vp (x_v - x_p) ⊗ (x_v - x_p)
+
+D_p is diagonal on a tensor-product grid. Affine: Jiang, Schroeder, Selle, Teran & Stomakhin, ACM Trans. Graph. 34
+(2015) 51; blended: Stomakhin, Schroeder, Chai, Teran & Selle, ibid. 32 (2013) 102.
 """
 
 import numpy as np
@@ -19,6 +30,21 @@ def project(basis, slabs, shape, mass, *fields):
     filled = m > 0
     nodal[:, filled] /= m[filled, None]
     return m, *nodal
+
+
+def affine_momentum(basis, slabs, axes, position, mass, affine):
+    """Momentum (N, 3) [kg m/s] that velocity gradients C_p (n, 3, 3) [1/s] of points at `position` add to the nodes."""
+    shape = [len(a) for a in axes]
+    out = np.zeros((1, int(np.prod(shape)), 3))
+    _affine_momentum(slabs.order, slabs.start, basis.first, basis.count, basis.value, *axes, position, mass, affine, out[0])
+    return out[0]
+
+
+def affine_part(basis, axes, position, velocity):
+    """C_p (n, 3, 3) [1/s] of nodal velocities (N, 3) [m/s] at points of `position` (n, 3) [m]."""
+    out = np.zeros((len(position), 3, 3))
+    _affine_part(basis.first, basis.count, basis.value, *axes, position, velocity, out)
+    return out
 
 
 def interpolate(basis, shape, nodal):
@@ -58,3 +84,48 @@ def _interpolate(first, count, value, ny, nz, nodal, out):
                         v = ((first[p, 0] + a) * ny + first[p, 1] + b) * nz + first[p, 2] + c
                         total += value[p, 0, a] * value[p, 1, b] * value[p, 2, c] * nodal[v, i]
             out[p, i] = total
+
+
+@njit(cache=True, parallel=True)
+def _affine_momentum(order, start, first, count, value, x, y, z, position, mass, affine, out):
+    slabs = len(start) - 1
+    for colour in range(2):
+        for half in prange((slabs - colour + 1) // 2):
+            slab = 2 * half + colour
+            for n in range(start[slab], start[slab + 1]):
+                p = order[n]
+                C = affine[p]
+                for a in range(count[p, 0]):
+                    for b in range(count[p, 1]):
+                        for c in range(count[p, 2]):
+                            i, j, k = first[p, 0] + a, first[p, 1] + b, first[p, 2] + c
+                            w = value[p, 0, a] * value[p, 1, b] * value[p, 2, c] * mass[p]
+                            r0, r1, r2 = x[i] - position[p, 0], y[j] - position[p, 1], z[k] - position[p, 2]
+                            for q in range(3):
+                                out[(i * len(y) + j) * len(z) + k, q] += w * (C[q, 0] * r0 + C[q, 1] * r1 + C[q, 2] * r2)
+
+
+@njit(cache=True, parallel=True)
+def _affine_part(first, count, value, x, y, z, position, velocity, out):
+    for p in prange(len(first)):
+        d0, d1, d2 = 0.0, 0.0, 0.0
+        for a in range(count[p, 0]):
+            d0 += value[p, 0, a] * (x[first[p, 0] + a] - position[p, 0]) ** 2
+        for b in range(count[p, 1]):
+            d1 += value[p, 1, b] * (y[first[p, 1] + b] - position[p, 1]) ** 2
+        for c in range(count[p, 2]):
+            d2 += value[p, 2, c] * (z[first[p, 2] + c] - position[p, 2]) ** 2
+        for a in range(count[p, 0]):
+            for b in range(count[p, 1]):
+                for c in range(count[p, 2]):
+                    i, j, k = first[p, 0] + a, first[p, 1] + b, first[p, 2] + c
+                    w = value[p, 0, a] * value[p, 1, b] * value[p, 2, c]
+                    v = (i * len(y) + j) * len(z) + k
+                    for q in range(3):
+                        out[p, q, 0] += w * velocity[v, q] * (x[i] - position[p, 0])
+                        out[p, q, 1] += w * velocity[v, q] * (y[j] - position[p, 1])
+                        out[p, q, 2] += w * velocity[v, q] * (z[k] - position[p, 2])
+        for q in range(3):   # a point that sits on a node line of standard MPM has no arm, and no gradient
+            out[p, q, 0] = out[p, q, 0] / d0 if d0 > 0.0 and len(x) > 1 else 0.0
+            out[p, q, 1] = out[p, q, 1] / d1 if d1 > 0.0 and len(y) > 1 else 0.0
+            out[p, q, 2] = out[p, q, 2] / d2 if d2 > 0.0 and len(z) > 1 else 0.0
