@@ -110,7 +110,7 @@ def _rows(law, plastic):
 @njit(cache=True)
 def _section(e, norm, ratio):
     """g and dg/dθ of a deviator `e` (3,) of length `norm`."""
-    if ratio == 1.0 or norm == 0.0:
+    if norm == 0.0:
         return 1.0, 0.0
     high, low = max(e[0], e[1], e[2]), min(e[0], e[1], e[2])
     cos = min(np.sqrt(1.5) * high / norm, 1.0)
@@ -132,42 +132,43 @@ def _return_map(strain, history, parameters, stress, elastic, tangent):
         norm = np.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2])
         root = np.sqrt(2.0) * G * norm  # √J2 of the trial stress
         pressure = K * trace
-        g, slope = _section(e, norm, ratio)
+        g, slope = _section(e, norm, ratio) if ratio != 1.0 else (1.0, 0.0)
         if hardens:
             k += h * history[p]
             if k <= residual:
                 k, h = residual, 0.0
         excess = g * root + eta * pressure - k
-        multiplier, scale, mean, apex = 0.0, 1.0, pressure, False
-        if excess > 0.0:
-            multiplier = excess / (g * G + K * eta * eta_bar + h / np.sqrt(3.0))
-            if k + h * multiplier / np.sqrt(3.0) < residual:
-                multiplier = (excess + k - residual) / (g * G + K * eta * eta_bar)
-                h_cone = 0.0
-            else:
-                h_cone = h
-            apex = eta > 0.0 and root < G * multiplier
-            if apex:
-                grown = k + h * np.sqrt(2.0 / 3.0) * norm
-                if grown < residual:
-                    grown, h = residual, 0.0
-                scale, mean = 0.0, grown / eta
-            else:
-                h = h_cone
-                scale, mean = max(1.0 - G * multiplier / root, 0.0), pressure - K * eta_bar * multiplier
-        for i in range(3):
-            stress[p, i] = 2 * G * scale * e[i] + mean
-            elastic[p, i] = scale * e[i] + mean / (3 * K)
-        if apex:
-            _apex_tangent(tangent[p], e, norm, np.sqrt(2.0 / 3.0) * h / eta)
+        if excess <= 0.0:
+            _put(stress[p], elastic[p], tangent[p], K, G, e, 1.0, pressure)
+            continue
+        steep = g * G + K * eta * eta_bar
+        denominator = steep + h / np.sqrt(3.0) if hardens else steep
+        multiplier = excess / denominator
+        to_floor = hardens and k + h * multiplier / np.sqrt(3.0) < residual
+        if to_floor:
+            denominator, multiplier = steep, (excess + k - residual) / steep
+        if eta > 0.0 and root < G * multiplier:
+            if hardens:
+                k += h * np.sqrt(2.0 / 3.0) * norm
+                if k < residual:
+                    k, h = residual, 0.0
+            _put(stress[p], elastic[p], tangent[p], K, G, e, 0.0, k / eta)
+            _apex_tangent(tangent[p], e, norm, np.sqrt(2.0 / 3.0) * h / eta if hardens else 0.0)
         else:
-            for i in range(3):
-                for j in range(3):
-                    tangent[p, i, j] = 2 * G * scale * ((1.0 if i == j else 0.0) - 1 / 3) + K
-            if excess > 0.0:
-                turn = slope * (root - G * multiplier) / norm
-                _flow_tangent(tangent[p], K, G, eta, eta_bar, g, turn, scale, e, norm,
-                              g * G + K * eta * eta_bar + h / np.sqrt(3.0))
+            scale = max(1.0 - G * multiplier / root, 0.0)
+            _put(stress[p], elastic[p], tangent[p], K, G, e, scale, pressure - K * eta_bar * multiplier)
+            _flow_tangent(tangent[p], K, G, eta, eta_bar, g, slope * (root - G * multiplier) / norm, scale, e, norm,
+                          denominator)
+
+
+@njit(cache=True)
+def _put(stress, elastic, tangent, K, G, e, scale, mean):
+    """Stress, elastic strain and the elastic part of the tangent of a deviator that shrinks by `scale`."""
+    for i in range(3):
+        stress[i] = 2 * G * scale * e[i] + mean
+        elastic[i] = scale * e[i] + mean / (3 * K)
+        for j in range(3):
+            tangent[i, j] = 2 * G * scale * ((1.0 if i == j else 0.0) - 1 / 3) + K
 
 
 @njit(cache=True)
@@ -181,12 +182,15 @@ def _apex_tangent(matrix, e, norm, rise):
 @njit(cache=True)
 def _flow_tangent(matrix, K, G, eta, eta_bar, g, turn, scale, e, norm, denominator):
     """Add the terms of plastic flow; turn: (√J2_tr - GΔγ) g'/|e|."""
-    order = (e[0] - e[1]) * (e[1] - e[2]) * (e[0] - e[2])
-    turn *= (1.0 if order > 0.0 else -1.0) / np.sqrt(3.0)       # at equal values g' is zero
+    inverse, share = 1.0 / norm, 1.0 / denominator
+    grows = (0.0, 0.0, 0.0)
+    if turn != 0.0:  # √3 m = (1 × n)/|1|, towards larger θ for e0 > e1 > e2; at equal values g' is zero
+        order = (e[0] - e[1]) * (e[1] - e[2]) * (e[0] - e[2])
+        turn *= (inverse if order > 0.0 else -inverse) / np.sqrt(3.0)
+        grows = (turn * (e[2] - e[1]), turn * (e[0] - e[2]), turn * (e[1] - e[0]))
     for j in range(3):
-        n = e[j] / norm
-        m = (e[(j + 2) % 3] - e[(j + 1) % 3]) / norm            # √3 (1 × n) / |1|, towards larger θ for e0 > e1 > e2
-        grows = (np.sqrt(2.0) * G * g * n + turn * m + eta * K) / denominator
+        n = e[j] * inverse
+        grow = (np.sqrt(2.0) * G * g * n + grows[j] + eta * K) * share
+        turned = 2 * G * (1.0 - scale) * n - np.sqrt(2.0) * G * grow
         for i in range(3):
-            along = e[i] / norm
-            matrix[i, j] += 2 * G * (1.0 - scale) * along * n - (np.sqrt(2.0) * G * along + K * eta_bar) * grows
+            matrix[i, j] += turned * e[i] * inverse - K * eta_bar * grow
