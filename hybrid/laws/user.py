@@ -1,11 +1,12 @@
 """A law of one's own, given from Python to a scene whose `soil.material` has `law = "user"` and the density:
 
-    def clay(points, stress):      # PointConstants: position, half, volume, mass; (n, 3) [Pa] initial stress along x, y, z
+    def clay(points, stress):
         return MyLaw(...)          # an object that keeps the contract of `hybrid.laws`
 
     hybrid.run(scene, law=clay)    # or hybrid.build.build(scene, law=clay)
 
-It is asked once for a law of all points. The law's answers are checked for shape at every call; a point with an answer
+It is asked once for a law of all points: `points` are PointConstants (position, half, volume, mass), `stress` (n, 3)
+[Pa] is the initial stress along x, y and z. The law's answers are checked for shape at every call; a point with an answer
 that is no finite number counts as failed, so that the increment is halved. Try a new law with `hybrid.check_law` first:
 it compares the tangent with finite differences. demos/user_law.py is an example.
 """

@@ -61,7 +61,7 @@ def test_the_law_is_told_places_and_initial_stress():
 
 @pytest.mark.parametrize("described, law, error, words", [
     (USER, None, SceneError, "belong together"),
-    (scene(density=1800.0, **elastic(1e6)), DEMO.clay, SceneError, "belong together; but law = 'hencky' and one is given"),
+    (scene(density=1800.0, **elastic(1e6)), DEMO.clay, SceneError, "but law = 'hencky' and one is given"),
     (USER, lambda points, stress: None, LawError, "NoneType has no young"),
     (USER, lambda points, stress: Hencky(1e6, 0.2), LawError, r"young of a law has shape \(1,\)"),
     (USER, lambda points, stress: Hencky(np.zeros(len(points)), 0.2), LawError, "must be positive"),
