@@ -135,7 +135,7 @@ def _return_map(strain, history, parameters, stress, elastic, tangent):
         g, slope = _section(e, norm, ratio) if ratio != 1.0 else (1.0, 0.0)
         if hardens:
             k += h * history[p]
-            if k <= residual:
+            if h < 0.0 and k <= residual:
                 k, h = residual, 0.0
         excess = g * root + eta * pressure - k
         if excess <= 0.0:

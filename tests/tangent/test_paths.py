@@ -140,6 +140,13 @@ def test_cohesion_hardens_and_softens_in_triaxial_compression(law, hardening):
     assert (cohesion[-1] == floor) == (hardening < 0)
 
 
+def test_sand_without_cohesion_gains_it_from_hardening():
+    path = drive(DruckerPrager([YOUNG], POISSON, PHI, PSI, 0.0, hardening=4e5), ISOTROPIC, (None, None, -0.05), steps=1)
+    axial, alpha = path.stress[-1, 2], path.plastic[-1]
+    assert (-CELL - axial) + (-CELL + axial) * SIN == pytest.approx(2 * 4e5 * alpha * COS, rel=1e-8)
+    assert alpha > 0.03
+
+
 def test_without_yielding_all_are_elastic():
     wanted = drive(Hencky([YOUNG], POISSON), ISOTROPIC, (None, None, -1e-3)).stress[-1]
     for law in LAWS.values():
