@@ -81,6 +81,13 @@ def test_volume_change_in_triaxial_compression_is_that_of_the_dilation_angle(nam
 
 
 @pytest.mark.parametrize("psi", [0.0, PSI, PHI])
+@pytest.mark.parametrize("name", ["extension", "willam-warnke"])
+def test_volume_change_in_triaxial_extension_is_that_of_the_dilation_angle(name, psi):
+    rate, sin = flow(drive(LAWS[name](psi), ISOTROPIC, (None, None, 0.1))), np.sin(np.radians(psi))
+    assert rate.sum() / rate[2] == pytest.approx(2 * sin / (1 + sin), abs=1e-8)
+
+
+@pytest.mark.parametrize("psi", [0.0, PSI, PHI])
 def test_volume_change_in_plane_strain_is_that_of_the_dilation_angle(psi):
     rate = flow(biaxial(LAWS["plane strain"](psi)))
     assert rate.sum() / (rate[0] - rate[2]) == pytest.approx(np.sin(np.radians(psi)), abs=1e-5)
