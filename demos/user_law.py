@@ -3,11 +3,8 @@
     y(α) = y0 + (y1 - y0) α / (α + a)        q_trial - 3G Δα = y(α + Δα)        quadratic in Δα
 
 y0, y1: first and last yield stress, a: plastic strain at half of the way, q = √(3/2 s:s). With the axial strain ε the
-oedometer has q = y(α) = 3G (2/3 ε - α) and τ = K ε + 2/3 y(α), so the platen's force is F = A τ(ε) exp(ε).
-
-                              kN
-    force in the run     {}
-    closed form          {}
+oedometer has q = y(α) = 3G (2/3 ε - α) and τ = K ε + 2/3 y(α), so the platen's force is F = A τ(ε) exp(ε): 153.634 kN
+after 20 steps, by the run and by the closed form.
 
     .venv/bin/python demos/user_law.py          a few seconds
 """

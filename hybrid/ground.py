@@ -69,8 +69,8 @@ def find_strata(described, height, top):
         upper, lower = top if layer.top is None else layer.top, -np.inf if layer.bottom is None else layer.bottom
         inside = (height < upper) & (height >= lower)
         if not inside.any():
-            raise SceneError(f"soil.layer.{i} ({layer.name}) holds no point: z = {lower:g} to {upper:g} m is outside the "
-                             "soil, or thinner than a point; move its ends or refine grid.z")
+            raise SceneError(f"soil.layer.{i} ({layer.name}) holds no point: z = {lower:g} to {upper:g} m is outside "
+                             "the soil, or thinner than a point; move its ends or refine grid.z")
         free &= ~inside
         k0 = described.k0 if layer.k0 is None else layer.k0
         strata.append(_stratum(layer.name, of_layer(described.material, layer), k0, upper, inside))
@@ -116,8 +116,9 @@ def build_law(stratum, horizontal_stress, depth):
     if stratum.law == "von-mises":
         strength = m["strength"] + m.get("strength_gradient", 0.0) * depth
         if strength.min() <= 0:
-            raise SceneError(f"soil.material.strength_gradient = {m['strength_gradient']:g}: leaves {strength.min():.3g} "
-                             f"Pa at a depth of {depth[np.argmin(strength)]:.3g} m; it must leave a strength everywhere")
+            at = depth[np.argmin(strength)]
+            raise SceneError(f"{stratum.name}: strength_gradient = {m['strength_gradient']:g} Pa/m leaves "
+                             f"{strength.min():.3g} Pa at a depth of {at:.3g} m; it must leave a strength everywhere")
         return VonMises(young, m["poisson"], strength, m["cone"], hardening, m.get("residual_strength", 0.0))
     angles = m["friction_angle"], m["dilation_angle"], m["cohesion"]
     floor = m.get("residual_cohesion", 0.0)
@@ -133,5 +134,5 @@ def _refuse_yielding(law, stress, depth):
     p = int(np.argmax(miss))
     if miss[p] > 0:
         shown = ", ".join(f"{value / 1e3:.4g}" for value in stress[p])
-        raise SceneError(f"soil.geostatic: the stress at rest at a depth of {depth[p]:.3g} m, ({shown}) kPa along x, y and "
-                         "z, is more than the law can carry; bring k0 nearer to 1 or raise the strength")
+        raise SceneError(f"soil.geostatic: the stress at rest at a depth of {depth[p]:.3g} m, ({shown}) kPa along x, y "
+                         "and z, is more than the law can carry; bring k0 nearer to 1 or raise the strength")

@@ -157,7 +157,8 @@ def _strength(key, m):
             yield (f"{key}.cohesion = 0: must be positive when friction_angle = 0; "
                    "the soil has no strength otherwise")
         if m.friction_angle == 0 and m.residual_cohesion == 0:
-            yield f"{key}.residual_cohesion = 0: must be positive when friction_angle = 0; use law = 'von-mises' for clay"
+            yield (f"{key}.residual_cohesion = 0: must be positive when friction_angle = 0; "
+                   "use law = 'von-mises' for clay")
     if m.law == "von-mises" and m.strength == 0 and not (m.strength_gradient or 0) > 0:
         yield f"{key}.strength = 0: must be positive without a positive strength_gradient; 20e3 is a soft clay"
 
@@ -169,7 +170,8 @@ def _softening(key, m, given):
         if floor not in USES[m.law]:
             continue
         if (m.hardening or 0) < 0 and low is None:
-            yield f"{key}: missing {floor} for hardening = {m.hardening:g}; give the strength [Pa] at which softening ends"
+            yield (f"{key}: missing {floor} for hardening = {m.hardening:g}; "
+                   "give the strength [Pa] at which softening ends")
         if (m.hardening or 0) >= 0 and getattr(given, floor) is not None:
             yield f"{key}.{floor} = {low:g}: must be left out without softening; give a negative hardening [Pa]"
         gradient = m.strength_gradient if start == "strength" else None

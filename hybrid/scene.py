@@ -78,7 +78,7 @@ class Material:
     poisson              [-]
     density              [kg/m³] bulk
     friction_angle       [deg]
-    dilation_angle       [deg] of the plastic potential, at most the friction angle; equal: associated flow
+    dilation_angle       [deg] of plastic flow, at most the friction angle; equal: associated on a circular cone
     cohesion             [Pa]
     strength             [Pa] undrained shear strength s_u of von-mises, at the top of the soil or the layer
     strength_gradient    [Pa/m] growth of s_u with the depth below that

@@ -1,4 +1,4 @@
-"""One material point along a path of principal strains and stresses, axes fixed: what a law does in a test apparatus."""
+"""One material point along a path of principal strains and stresses, axes fixed: a law in a test apparatus."""
 
 from dataclasses import dataclass
 

@@ -28,7 +28,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Response:
-    """Answer of a law at all points, in arrays that the caller may write into.
+    """Answer of a law at all points. The tangent is an array of its own, which the caller may change.
 
     stress: (n, 3) principal Kirchhoff stress [Pa]
     elastic: (n, 3) principal elastic logarithmic strain after the return

@@ -2,8 +2,8 @@
 
     ∂τ_i/∂ε_j ≈ [τ_i(ε + h e_j) - τ_i(ε - h e_j)] / 2h        τ = ∂ψ/∂ε_e        τ · Δε_p >= 0
 
-Where the one-sided differences differ by a hundredth of the stiffness, the strain sits on a kink of the law (the edge of
-yielding, an apex); the tangent is not unique there and is not compared.
+Where the one-sided differences differ by a hundredth of the stiffness, the strain sits on a kink of the law (the edge
+of yielding, an apex); the tangent is not unique there and is not compared.
 """
 
 import numpy as np
@@ -45,8 +45,8 @@ def _tangent(law, response, strain, history, step, tolerance, scale):
         columns.append((up - down) / (2 * step))
         smooth &= np.abs(up - 2 * response.stress + down).max(axis=1) < KINK * scale * step
     if smooth.sum() < 0.5 * len(strain):
-        raise LawError(f"{(~smooth).sum()} of {len(strain)} strains sit on kinks of the law, or the stress jumps; choose "
-                       "other strains or a smaller step")
+        raise LawError(f"{(~smooth).sum()} of {len(strain)} strains sit on kinks of the law, or the stress jumps; "
+                       "choose other strains or a smaller step")
     difference = np.stack(columns, axis=2)
     error = np.where(smooth, np.abs(difference - response.tangent).max(axis=(1, 2)), 0.0) / scale
     p = int(np.argmax(error))
@@ -60,7 +60,8 @@ def _tangent(law, response, strain, history, step, tolerance, scale):
 def _energy(law, response, strain, history, scale):
     """The stress is the gradient of the energy at the elastic strain, which `strain` finds from the stress."""
     elastic, h = response.elastic, 1e-6
-    gradient = np.stack([(law.energy(elastic + h * e) - law.energy(elastic - h * e)) / (2 * h) for e in np.eye(3)], axis=1)
+    columns = [(law.energy(elastic + h * e) - law.energy(elastic - h * e)) / (2 * h) for e in np.eye(3)]
+    gradient = np.stack(columns, axis=1)
     _small(np.abs(gradient - response.stress), 1e-6 * scale * h + 1e-6 * np.abs(response.stress).max(), strain, history,
            "the stress is not the derivative of the energy at the elastic strain", "Pa")
     _small(np.abs(law.strain(response.stress) - elastic), 1e-9, strain, history,
@@ -72,8 +73,8 @@ def _flow(law, response, strain, history, scale):
     work = np.sum(response.stress * (strain - response.elastic), axis=1)
     _small(-work[:, None], 1e-14 * scale * np.abs(strain).max(), strain, history, "plastic flow gains energy", "J/m³")
     again = answer(law, response.elastic, history + plastic_increment(strain, response.elastic))
-    _small(np.abs(again.stress - response.stress), 1e-9 * np.abs(response.stress).max() + 1e-14 * scale, strain, history,
-           "the response is not final: at its own elastic and plastic strain the law gives another stress", "Pa")
+    _small(np.abs(again.stress - response.stress), 1e-9 * np.abs(response.stress).max() + 1e-14 * scale, strain,
+           history, "the response is not final: at its own elastic and plastic strain the law gives another stress", "Pa")
 
 
 def _small(error, limit, strain, history, words, unit):

@@ -3,15 +3,16 @@ cases of it.
 
     f = g(θ) √J2(s) + η p - k(α)        p = tr τ / 3, tension positive
     k(α) = max(k0 + h α, k_r)           linear hardening (h > 0) or softening to a residual strength
-    Δε_p = Δγ (s / 2√J2 + η̄ 1 / 3)      from the circular potential √J2 + η̄ p      Δα = Δγ/√3
+    Δε_p = Δγ (s / 2√J2 + η̄ 1 / 3)      η̄ = η̄_c / g(θ, ē)      Δα = Δγ/√3
 
 The section g(θ) is 1 on a circular cone. Willam and Warnke (IABSE Proc. 19, 1974) close it by a smooth, convex arc
 that depends on the ratio e of the extension meridian to the compression meridian, 1/2 < e <= 1:
 
     g = [4 (1-e²) cos²θ + (2e-1)²] / [2 (1-e²) cosθ + (2e-1) √(4 (1-e²) cos²θ + 5e² - 4e)]      cos 3θ = 3√3/2 J3/J2^1.5
 
-from 1/e in extension (θ = 0) to 1 in compression (θ = 60°). The potential moves the deviator along itself, so θ is
-that of the trial state and the return has a closed form, whatever the section, with nothing to iterate:
+from 1/e in extension (θ = 0) to 1 in compression (θ = 60°). Dilation has a section of its own, with a ratio ē. Flow is
+along the deviator, so θ is that of the trial state and the return has a closed form, whatever the section, with nothing
+to iterate (a circular cone has the potential √J2 + η̄ p):
 
     Δγ = f_trial / (g G + K η η̄ + h/√3)      s = (1 - GΔγ/√J2_tr) s_tr      p = p_tr - K η̄ Δγ
 
@@ -21,8 +22,9 @@ The algorithmic tangent follows by differentiation (circular, without hardening,
 Owen, Computational Methods for Plasticity, 2008, section 8.3). With n = e_tr/|e_tr|, m normal to it in the deviatoric
 plane towards larger θ and D the denominator of Δγ,
 
-    ∂Δγ/∂ε = [√2 G g n + (√J2_tr - GΔγ) g' m/|e_tr| + η K 1] / D
+    ∂Δγ/∂ε = [√2 G g n + ((√J2_tr - GΔγ) g' - K η η̄' Δγ) m/|e_tr| + η K 1] / D
     ∂τ/∂ε = 2G (1 - GΔγ/√J2_tr) (I - 1⊗1/3) + K 1⊗1 + 2 G²Δγ/√J2_tr n⊗n - (√2 G n + K η̄ 1) ⊗ ∂Δγ/∂ε
+            - K η̄' Δγ/|e_tr| 1⊗m
     ∂τ/∂ε = √(2/3) h/η 1⊗n        at the apex
 """
 
@@ -40,23 +42,24 @@ NO_HISTORY = np.zeros(0)
 class Cone(Hencky):
     """Elastic constants and strength per point, scalars or (n,) arrays; `young` fixes n.
 
-    parameters: (n, 8) columns K, G, η, η̄, k0, e, h, k_r. Raises LawError where softening outruns elasticity.
+    parameters: (n, 9) columns K, G, η, η̄_c, k0, e, h, k_r, ē. Raises LawError where softening outruns elasticity.
     """
 
     plastic = True
 
-    def __init__(self, young, poisson, eta, eta_bar, strength, ratio=1.0, hardening=0.0, residual=0.0):
+    def __init__(self, young, poisson, eta, eta_bar, strength, ratio=1.0, hardening=0.0, residual=0.0,
+                 dilation_ratio=1.0):
         super().__init__(young, poisson)
         n = len(self.parameters)
         residual = np.minimum(residual, strength)
-        columns = [np.broadcast_to(a, n) for a in (eta, eta_bar, strength, ratio, hardening, residual)]
+        columns = [np.broadcast_to(a, n) for a in (eta, eta_bar, strength, ratio, hardening, residual, dilation_ratio)]
         self._set(np.column_stack([self.parameters, *columns]))
 
     def _set(self, parameters):
         self.parameters = parameters
-        K, G, eta, eta_bar, _, _, slope, _ = parameters.T
+        K, G, eta, eta_bar, _, _, slope, _, dilation_ratio = parameters.T
         self.hardens = bool(np.any(slope != 0.0))
-        steepest = slope / np.sqrt(3) + G + K * eta * eta_bar
+        steepest = slope / np.sqrt(3) + G + K * eta * eta_bar * dilation_ratio
         if np.any(steepest <= 0.0):
             p = int(np.argmin(steepest))
             raise LawError(f"soil.material.hardening: softening of k by {-slope[p]:.3g} Pa per plastic strain is more "
@@ -77,7 +80,7 @@ class Cone(Hencky):
 
     def yield_function(self, stress, plastic_strain=0.0):
         """f (n,) [Pa] at principal stresses (n, 3) and accumulated plastic strain (n,)."""
-        _, _, eta, _, strength, ratio, slope, residual = self.parameters.T
+        eta, strength, ratio, slope, residual = self.parameters.T[[2, 4, 5, 6, 7]]
         mean = stress.mean(axis=1)
         deviator = stress - mean[:, None]
         norm = np.sqrt(np.sum(deviator**2, axis=1))
@@ -104,13 +107,13 @@ def _rows(law, plastic):
     """Parameters of a law, of an elastic one with a strength that is never met where other points are `plastic`."""
     if law.plastic or not plastic:
         return law.parameters
-    return np.column_stack([law.parameters, np.tile([0.0, 0.0, UNLIMITED, 1.0, 0.0, 0.0], (len(law.parameters), 1))])
+    return np.column_stack([law.parameters, np.tile([0.0, 0.0, UNLIMITED, 1.0, 0.0, 0.0, 1.0], (len(law.parameters), 1))])
 
 
 @njit(cache=True)
 def _section(e, norm, ratio):
     """g and dg/dθ of a deviator `e` (3,) of length `norm`."""
-    if ratio == 1.0 or norm == 0.0:
+    if norm == 0.0:
         return 1.0, 0.0
     high, low = max(e[0], e[1], e[2]), min(e[0], e[1], e[2])
     cos = min(np.sqrt(1.5) * high / norm, 1.0)
@@ -126,48 +129,55 @@ def _section(e, norm, ratio):
 def _return_map(strain, history, parameters, stress, elastic, tangent):
     hardens = len(history) > 0
     for p in prange(len(strain)):
-        K, G, eta, eta_bar, k, ratio, h, residual = parameters[p]
+        K, G, eta, eta_bar, k, ratio, h, residual, dilation_ratio = parameters[p]
         trace = strain[p, 0] + strain[p, 1] + strain[p, 2]
         e = (strain[p, 0] - trace / 3, strain[p, 1] - trace / 3, strain[p, 2] - trace / 3)
         norm = np.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2])
         root = np.sqrt(2.0) * G * norm  # √J2 of the trial stress
         pressure = K * trace
-        g, slope = _section(e, norm, ratio)
+        g, slope = _section(e, norm, ratio) if ratio != 1.0 else (1.0, 0.0)
         if hardens:
             k += h * history[p]
-            if k <= residual:
+            if h < 0.0 and k <= residual:
                 k, h = residual, 0.0
         excess = g * root + eta * pressure - k
-        multiplier, scale, mean, apex = 0.0, 1.0, pressure, False
-        if excess > 0.0:
-            multiplier = excess / (g * G + K * eta * eta_bar + h / np.sqrt(3.0))
-            if k + h * multiplier / np.sqrt(3.0) < residual:
-                multiplier = (excess + k - residual) / (g * G + K * eta * eta_bar)
-                h_cone = 0.0
-            else:
-                h_cone = h
-            apex = eta > 0.0 and root < G * multiplier
-            if apex:
-                grown = k + h * np.sqrt(2.0 / 3.0) * norm
-                if grown < residual:
-                    grown, h = residual, 0.0
-                scale, mean = 0.0, grown / eta
-            else:
-                h = h_cone
-                scale, mean = max(1.0 - G * multiplier / root, 0.0), pressure - K * eta_bar * multiplier
-        for i in range(3):
-            stress[p, i] = 2 * G * scale * e[i] + mean
-            elastic[p, i] = scale * e[i] + mean / (3 * K)
-        if apex:
-            _apex_tangent(tangent[p], e, norm, np.sqrt(2.0 / 3.0) * h / eta)
+        if excess <= 0.0:
+            _put(stress[p], elastic[p], tangent[p], K, G, e, 1.0, pressure)
+            continue
+        swell = 0.0  # η̄'
+        if dilation_ratio != 1.0:
+            g_bar, swell = _section(e, norm, dilation_ratio)
+            eta_bar /= g_bar
+            swell *= -eta_bar / g_bar
+        steep = g * G + K * eta * eta_bar
+        denominator = steep + h / np.sqrt(3.0) if hardens else steep
+        multiplier = excess / denominator
+        to_floor = hardens and k + h * multiplier / np.sqrt(3.0) < residual
+        if to_floor:
+            denominator, multiplier = steep, (excess + k - residual) / steep
+        if eta > 0.0 and root < G * multiplier:
+            if hardens:
+                k += h * np.sqrt(2.0 / 3.0) * norm
+                if k < residual:
+                    k, h = residual, 0.0
+            _put(stress[p], elastic[p], tangent[p], K, G, e, 0.0, k / eta)
+            _apex_tangent(tangent[p], e, norm, np.sqrt(2.0 / 3.0) * h / eta if hardens else 0.0)
         else:
-            for i in range(3):
-                for j in range(3):
-                    tangent[p, i, j] = 2 * G * scale * ((1.0 if i == j else 0.0) - 1 / 3) + K
-            if excess > 0.0:
-                turn = slope * (root - G * multiplier) / norm
-                _flow_tangent(tangent[p], K, G, eta, eta_bar, g, turn, scale, e, norm,
-                              g * G + K * eta * eta_bar + h / np.sqrt(3.0))
+            scale = max(1.0 - G * multiplier / root, 0.0)
+            _put(stress[p], elastic[p], tangent[p], K, G, e, scale, pressure - K * eta_bar * multiplier)
+            swell *= K * multiplier / norm
+            turn = slope * (root - G * multiplier) / norm - eta * swell
+            _flow_tangent(tangent[p], K, G, eta, eta_bar, g, turn, swell, scale, e, norm, denominator)
+
+
+@njit(cache=True)
+def _put(stress, elastic, tangent, K, G, e, scale, mean):
+    """Stress, elastic strain and the elastic part of the tangent of a deviator that shrinks by `scale`."""
+    for i in range(3):
+        stress[i] = 2 * G * scale * e[i] + mean
+        elastic[i] = scale * e[i] + mean / (3 * K)
+        for j in range(3):
+            tangent[i, j] = 2 * G * scale * ((1.0 if i == j else 0.0) - 1 / 3) + K
 
 
 @njit(cache=True)
@@ -179,14 +189,17 @@ def _apex_tangent(matrix, e, norm, rise):
 
 
 @njit(cache=True)
-def _flow_tangent(matrix, K, G, eta, eta_bar, g, turn, scale, e, norm, denominator):
-    """Add the terms of plastic flow; turn: (√J2_tr - GΔγ) g'/|e|."""
-    order = (e[0] - e[1]) * (e[1] - e[2]) * (e[0] - e[2])
-    turn *= (1.0 if order > 0.0 else -1.0) / np.sqrt(3.0)       # at equal values g' is zero
+def _flow_tangent(matrix, K, G, eta, eta_bar, g, turn, swell, scale, e, norm, denominator):
+    """Add the terms of plastic flow; turn and swell: factors of m in D ∂Δγ/∂ε and in -∂p/∂ε."""
+    inverse, share = 1.0 / norm, 1.0 / denominator
+    m = (0.0, 0.0, 0.0)
+    if turn != 0.0 or swell != 0.0:  # m = (1 × n)/|1|, towards larger θ for e0 > e1 > e2; at equal values g' is zero
+        order = (e[0] - e[1]) * (e[1] - e[2]) * (e[0] - e[2])
+        unit = (inverse if order > 0.0 else -inverse) / np.sqrt(3.0)
+        m = (unit * (e[2] - e[1]), unit * (e[0] - e[2]), unit * (e[1] - e[0]))
     for j in range(3):
-        n = e[j] / norm
-        m = (e[(j + 2) % 3] - e[(j + 1) % 3]) / norm            # √3 (1 × n) / |1|, towards larger θ for e0 > e1 > e2
-        grows = (np.sqrt(2.0) * G * g * n + turn * m + eta * K) / denominator
+        n = e[j] * inverse
+        grow = (np.sqrt(2.0) * G * g * n + turn * m[j] + eta * K) * share
+        turned, mean = 2 * G * (1.0 - scale) * n - np.sqrt(2.0) * G * grow, K * eta_bar * grow + swell * m[j]
         for i in range(3):
-            along = e[i] / norm
-            matrix[i, j] += 2 * G * (1.0 - scale) * along * n - (np.sqrt(2.0) * G * along + K * eta_bar) * grows
+            matrix[i, j] += turned * e[i] * inverse - mean

@@ -9,7 +9,8 @@
     "plane strain"  η = 3 tanφ / √(9 + 12 tan²φ) ξ = 3 / √(9 + 12 tan²φ)      same collapse load in plane strain
 
 η̄ is η of the dilation angle; equal angles are associated flow. The cohesion hardens or softens linearly with the
-equivalent plastic strain, c(α) = max(c0 + H α, c_r). Return and tangent are those of `hybrid.laws.cone`.
+equivalent plastic strain, c(α) = max(c0 + H α, c_r). Softening gathers in bands one cell wide, so its results depend on
+the cells. Return and tangent are those of `hybrid.laws.cone`.
 """
 
 import numpy as np

@@ -1,16 +1,15 @@
 """A law of one's own, given from Python to a scene whose `soil.material` has `law = "user"` and the density:
 
-    def clay(points, stress):      # PointConstants: position, half, volume, mass; (n, 3) [Pa] initial stress along x, y, z
+    def clay(points, stress):
         return MyLaw(...)          # an object that keeps the contract of `hybrid.laws`
 
     hybrid.run(scene, law=clay)    # or hybrid.build.build(scene, law=clay)
 
-It is asked once for a law of all points. The law's answers are checked for shape at every call; a point with an answer
+It is asked once for a law of all points: `points` are PointConstants (position, half, volume, mass), `stress` (n, 3)
+[Pa] is the initial stress along x, y and z. The law's answers are checked for shape at every call; a point with an answer
 that is no finite number counts as failed, so that the increment is halved. Try a new law with `hybrid.check_law` first:
 it compares the tangent with finite differences. demos/user_law.py is an example.
 """
-
-from dataclasses import replace
 
 import numpy as np
 
@@ -45,13 +44,13 @@ def adopt(law, n):
         raise LawError(f"a law needs {', '.join(MEMBERS)} (hybrid.laws tells what they are); {type(law).__name__} has "
                        f"no {', '.join(missing)}. A class derived from hybrid.laws.hencky.Hencky has all of them")
     guarded = Guarded(law, n)
+    if not np.all(guarded.young > 0):
+        raise LawError(f"{guarded.name}.young goes down to {guarded.young.min():g} Pa: must be positive, contact takes "
+                       "its stiffness from it")
     at_rest = guarded.respond(guarded.strain(np.zeros((n, 3))), np.zeros(n))
     if at_rest.failed.any():
         raise LawError(f"{guarded.name} has no finite stress for {np.count_nonzero(at_rest.failed)} points without "
                        "stress or history; it must have one there")
-    if not np.all(guarded.young > 0):
-        raise LawError(f"{guarded.name}.young goes down to {guarded.young.min():g} Pa: must be positive, contact takes "
-                       "its stiffness from it")
     return guarded
 
 
@@ -67,7 +66,7 @@ def answer(law, strain, plastic_strain):
     failed = ~np.all([np.isfinite(part.reshape(n, -1)).all(axis=1) for part in parts.values()], axis=0)
     if getattr(response, "failed", None) is not None:
         failed |= _array(response.failed, (n,), "respond(...).failed").astype(bool)
-    return replace(Response(**parts), failed=failed)
+    return Response(**parts, failed=failed)
 
 
 def _array(value, shape, name):

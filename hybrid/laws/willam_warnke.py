@@ -1,11 +1,13 @@
 """Willam-Warnke section: a cone on both meridians of the Mohr-Coulomb pyramid, smooth and convex between them.
 
-    f = g(θ, e) √J2(s) + η p - ξ c(α)        e = (3 - sinφ) / (3 + sinφ)        flow potential √J2 + η̄ p
+    f = g(θ, e) √J2(s) + η p - ξ c(α)        e = (3 - sinφ) / (3 + sinφ)
+    Δε_p = Δγ (s / 2√J2 + η̄ 1 / 3)           η̄ = η̄_c / g(θ, ē)        ē = (3 - sinψ) / (3 + sinψ)
 
-η and ξ are those of triaxial compression (`hybrid.laws.drucker_prager`). In extension g = 1/e makes them those of the
-extension meridian, since both shrink by e. The potential is circular, with the dilation angle of triaxial compression;
-flow is therefore not associated where e < 1. The cohesion hardens or softens as that of Drucker-Prager. Section, return
-and tangent are those of `hybrid.laws.cone`.
+η, ξ and η̄_c are those of triaxial compression (`hybrid.laws.drucker_prager`). In extension g = 1/e makes them those of
+the extension meridian, since they shrink by e, and η̄_c by ē: strength and dilation angle are met on both. With one η̄
+for all θ, plastic flow near extension would gain energy where η̄ > e η, as with ψ = φ. Flow is along the deviator, so
+for e < 1 it is associated in its volume change only. The cohesion hardens or softens as that of Drucker-Prager.
+Section, return and tangent are those of `hybrid.laws.cone`.
 """
 
 import numpy as np
@@ -14,12 +16,17 @@ from hybrid.laws.cone import Cone
 from hybrid.laws.drucker_prager import cone_constants
 
 
+def meridian_ratio(angle):
+    """Extension to compression meridian of Mohr-Coulomb at a friction (or dilation) angle [degrees]."""
+    sin = np.sin(np.radians(angle))
+    return (3 - sin) / (3 + sin)
+
+
 class WillamWarnke(Cone):
     """Values per point, scalars or (n,) arrays: angles [degrees], cohesion [Pa], hardening dc/dα [Pa], floor [Pa]."""
 
     def __init__(self, young, poisson, friction_angle, dilation_angle, cohesion, hardening=0.0, residual_cohesion=0.0):
         eta, xi = cone_constants(friction_angle, "compression")
-        sin = np.sin(np.radians(friction_angle))
         strength, slope, residual = (xi * np.asarray(a, float) for a in (cohesion, hardening, residual_cohesion))
         super().__init__(young, poisson, eta, cone_constants(dilation_angle, "compression")[0], strength,
-                         (3 - sin) / (3 + sin), slope, residual)
+                         meridian_ratio(friction_angle), slope, residual, meridian_ratio(dilation_angle))

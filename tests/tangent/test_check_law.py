@@ -8,7 +8,7 @@ import pytest
 from hybrid.errors import LawError
 from hybrid.laws import Response, plastic_increment
 from hybrid.laws.check import check_law
-from hybrid.laws.cone import joined
+from hybrid.laws.cone import Cone, joined
 from hybrid.laws.drucker_prager import DruckerPrager
 from hybrid.laws.hencky import Hencky
 from hybrid.laws.user import adopt
@@ -31,6 +31,7 @@ LAWS = {
     "drucker-prager, softening": DruckerPrager(E, POISSON, *ANGLES, C, **SOFT),
     "willam-warnke": WillamWarnke(E, POISSON, *ANGLES, C),
     "willam-warnke, steep": WillamWarnke(E, POISSON, 55.0, 0.0, C),
+    "willam-warnke, dilatant": WillamWarnke(E, POISSON, 45.0, 45.0, C),
     "willam-warnke, flat": WillamWarnke(E, POISSON, 0.0, 0.0, C),
     "willam-warnke, hardening": WillamWarnke(E, POISSON, *ANGLES, C, hardening=1e6),
     "willam-warnke, softening": WillamWarnke(E, POISSON, *ANGLES, C, **SOFT),
@@ -66,6 +67,30 @@ def regions(law, strain, alpha):
 @pytest.mark.parametrize("name", LAWS)
 def test_tangent_energy_dissipation_and_finality(name, shape):
     assert check_law(LAWS[name], strains(shape), history()) < 2e-7
+
+
+@pytest.mark.parametrize("kind", range(3))
+def test_random_materials(kind):
+    """Stiffness over four decades, any Poisson's ratio, angles up to 60 degrees, strains from 1e-4 to 3 %."""
+    rng, n = np.random.default_rng(kind), 100
+    for _ in range(40):
+        young, size, phi = 10 ** rng.uniform(5, 9), 10 ** rng.uniform(-4, -1.5), rng.uniform(0.1, 60)
+        psi, start = rng.choice([0.0, rng.uniform(0, phi), phi]), young * size * 10 ** rng.uniform(-2, 0)
+        slope, floor = rng.choice([0.0, rng.uniform(-0.5, 1)]) * start / size, rng.uniform(0.01, 1) * start
+        stiff = np.full(n, young), rng.uniform(0, 0.49)
+        law = [lambda: VonMises(*stiff, start, "plane strain", slope, floor),
+               lambda: DruckerPrager(*stiff, phi, psi, start, "compression", slope, floor),
+               lambda: WillamWarnke(*stiff, phi, psi, start, slope, floor)][kind]()
+        strain = size * rng.standard_normal((n, 3)) * 10 ** rng.uniform(-1, 1, (n, 1)) - size * rng.uniform(-1, 2)
+        check_law(law, strain, rng.uniform(0, 2 * size, n), step=1e-7 * size, tolerance=1e-5)
+
+
+def test_one_dilation_for_the_whole_section_would_gain_energy():
+    """Why dilation has a section: with ψ = φ and a circular potential, stretched sand gives work back."""
+    law = WillamWarnke(E, POISSON, 45.0, 45.0, C)
+    law.parameters[:, 8] = 1.0
+    with pytest.raises(LawError, match="plastic flow gains energy"):
+        check_law(law, strains("extension"))
 
 
 @pytest.mark.parametrize("name", PLASTIC)
@@ -186,13 +211,14 @@ def test_broken_laws_are_found(name, spoil, words):
 
 
 def test_the_section_without_its_turn_is_a_wrong_tangent():
-    """The tangent of a circular cone of the same strength at each point misses g'."""
+    """The tangent of a circular cone of the same strength and dilation at each point misses g' and η̄'."""
     law, strain, alpha = LAWS["willam-warnke"], strains("apart"), np.zeros(N)
     unit = strain - strain.mean(axis=1, keepdims=True)
     unit /= np.sqrt(0.5 * np.sum(unit**2, axis=1, keepdims=True))
-    g = law.yield_function(unit) + law.parameters[:, 4]
+    g, g_bar = (Cone(E, POISSON, 0.0, 0.0, C, ratio).yield_function(unit) + C for ratio in law.parameters[0, [5, 8]])
     circular = DruckerPrager(E, POISSON, *ANGLES, C)
     circular.parameters[:, 2] /= g
+    circular.parameters[:, 3] /= g_bar
     circular.parameters[:, 4] /= g
     np.testing.assert_allclose(circular.respond(strain).stress, law.respond(strain).stress, atol=1e-6)
     with pytest.raises(LawError, match="tangent is off"):

@@ -81,6 +81,13 @@ def test_volume_change_in_triaxial_compression_is_that_of_the_dilation_angle(nam
 
 
 @pytest.mark.parametrize("psi", [0.0, PSI, PHI])
+@pytest.mark.parametrize("name", ["extension", "willam-warnke"])
+def test_volume_change_in_triaxial_extension_is_that_of_the_dilation_angle(name, psi):
+    rate, sin = flow(drive(LAWS[name](psi), ISOTROPIC, (None, None, 0.1))), np.sin(np.radians(psi))
+    assert rate.sum() / rate[2] == pytest.approx(2 * sin / (1 + sin), abs=1e-8)
+
+
+@pytest.mark.parametrize("psi", [0.0, PSI, PHI])
 def test_volume_change_in_plane_strain_is_that_of_the_dilation_angle(psi):
     rate = flow(biaxial(LAWS["plane strain"](psi)))
     assert rate.sum() / (rate[0] - rate[2]) == pytest.approx(np.sin(np.radians(psi)), abs=1e-5)
@@ -138,6 +145,13 @@ def test_cohesion_hardens_and_softens_in_triaxial_compression(law, hardening):
     expected = (axial + CELL) / YOUNG - (1 - eta_bar / np.sqrt(3)) * path.plastic[plastic]
     np.testing.assert_allclose(path.strain[plastic, 2], expected, atol=1e-10)
     assert (cohesion[-1] == floor) == (hardening < 0)
+
+
+def test_sand_without_cohesion_gains_it_from_hardening():
+    path = drive(DruckerPrager([YOUNG], POISSON, PHI, PSI, 0.0, hardening=4e5), ISOTROPIC, (None, None, -0.05), steps=1)
+    axial, alpha = path.stress[-1, 2], path.plastic[-1]
+    assert (-CELL - axial) + (-CELL + axial) * SIN == pytest.approx(2 * 4e5 * alpha * COS, rel=1e-8)
+    assert alpha > 0.03
 
 
 def test_without_yielding_all_are_elastic():

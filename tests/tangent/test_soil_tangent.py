@@ -100,6 +100,7 @@ def block(law, basis="gimp", plane=False, seed=3, fbar=False):
     soil = Soil(grid, constants, LAWS[law](n), basis, fbar=fbar)
     strain = -0.004 + 0.001 * rng.standard_normal((n, 3))
     points = at_rest(constants, np.zeros((n, 3)), strain)
+    points.plastic_strain = np.random.default_rng(seed + 1).uniform(0.0, 0.5, n)
     turns = np.array([np.eye(3) if plane else exp_so3(v) for v in rng.standard_normal((n, 3))])
     points.elastic = turns @ points.elastic @ turns.transpose(0, 2, 1)
     room = np.minimum(points.position - extent[:, 0], extent[:, 1] - points.position) - points.half
@@ -155,6 +156,22 @@ def test_the_block_of_sand_yields_in_part(law):
     flow = np.abs(trial.strain.strain - trial.response.elastic).max(axis=1) > 1e-9
     apex = np.ptp(trial.response.stress, axis=1) == 0
     assert 0.2 < flow.mean() < 0.95 and 0.02 < apex.mean() < 0.5
+
+
+@pytest.mark.parametrize("law", ["von-mises", "drucker-prager", "willam-warnke"])
+def test_accepted_points_lie_on_the_yield_surface_of_their_accumulated_strain(law):
+    """What the soil adds up is what the law hardened by."""
+    soil, step, displacement = block(law)
+    trial = soil.evaluate(step, displacement)
+    flow = np.abs(trial.strain.strain - trial.response.elastic).max(axis=1) > 1e-9
+    zero = np.zeros_like(displacement)
+    new = soil.accept(step, trial, displacement, zero, zero)
+    kirchhoff = trial.response.stress[flow]
+    found = soil.law.yield_function(trial.response.stress, new.plastic_strain)[flow]
+    assert flow.any() and np.abs(found).max() < 1e-10 * np.abs(kirchhoff).max()
+    assert np.all(new.plastic_strain[flow] > step.points.plastic_strain[flow])
+    stale = soil.law.yield_function(trial.response.stress, step.points.plastic_strain)[flow]
+    assert soil.law.hardens == (np.abs(stale).max() > 1e-6 * np.abs(kirchhoff).max())
 
 
 @pytest.mark.parametrize("law", LAWS)
