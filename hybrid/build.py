@@ -22,7 +22,7 @@ from hybrid.system.loads import Loads
 from hybrid.system.model import Model
 
 
-def build(scene, body_force=None, law=None):
+def build(scene, *, body_force=None, law=None):
     """Simulation of a Scene, ready to run. Raises SceneError, GeometryError or LawError with what to change.
 
     body_force: function of the time [s] and the points' initial positions (n, 3) [m] that gives accelerations (n, 3)

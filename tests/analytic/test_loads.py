@@ -18,7 +18,7 @@ def flying(stages, body_force=None, bodies=(), gravity=GRAVITY):
     return build(scene(
         "flight", Grid(AXIS, AXIS, Axis(start=-2.0, end=2.0, size=0.2), FREE), elastic(1e5, 0.3), bodies, 0.04, stages,
         soil={"lower": (-0.2, -0.4, 0.0), "upper": (0.4, 0.2, 0.6)}, gravity=tuple(gravity),
-        solver={"tolerance": 1e-13, "linear": "direct"}), body_force)
+        solver={"tolerance": 1e-13, "linear": "direct"}), body_force=body_force)
 
 
 def test_nodal_load_has_the_force_and_the_moment_of_that_on_the_points():
