@@ -153,7 +153,7 @@ def _body(key, body, inertia):
     yield from _need(body.penalty > 0, f"{key}.penalty", body.penalty, "positive", "50 is usual, in 1/m")
     yield from _need(0 <= body.second_pass <= 1, f"{key}.second_pass", body.second_pass, "from 0 to 1",
                      "0 leaves it out, 0.5 gives both passes the same share")
-    yield from _need(body.tangential > 0, f"{key}.tangential", body.tangential, "positive", "0.5 is usual")
+    yield from _need(body.tangential > 0, f"{key}.tangential", body.tangential, "positive", "1 is usual")
     if body.rotation is not None:
         yield from _need(any(body.rotation[:3]), f"{key}.rotation", body.rotation, "an axis other than zero",
                          "write [ax, ay, az, degrees], such as [0, 1, 0, 30]")
