@@ -7,14 +7,15 @@ gravity. Newmark (1/4, 1/2) damps nothing, so whatever energy goes is lost in th
     rotating   turns once in 2 s: angular momentum and energy after one turn
     bouncing   hits a rigid wall at 1 m/s: energy of all that moves and is strained after it came off
 
-    .venv/bin/python demos/transfers.py          a minute; writes out/transfers/
+    .venv/bin/python demos/transfers.py          a minute
 """
+
+from pathlib import Path
 
 import numpy as np
 
 from hybrid.build import build
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
-from pathlib import Path
 
 TRANSFERS = ("increments", "blended", "affine")
 BOX = Path(__file__).parents[1] / "geometry" / "box.geo"
@@ -45,17 +46,22 @@ def free(transfer, steps=320, **time):
     points.velocity[:, 0] = 0.5 * np.sin(np.pi * (points.position[:, 0] - 0.8))
     start = 0.5 * mass @ points.velocity[:, 0] ** 2
     points.velocity[:, 0] += 2.0
+    if transfer == "affine":
+        points.affine = np.zeros((len(points), 3, 3))
+        points.affine[:, 0, 0] = 0.5 * np.pi * np.cos(np.pi * (points.position[:, 0] - 0.8))
     for record in simulation.steps():
         pass
     return (energy(record) - 0.5 * mass.sum() * 2.0**2) / start
 
 
-def rotating(transfer, steps=200, **time):
-    """Shares of angular momentum and of energy left after one turn in 2 s."""
-    simulation = block(transfer, 1.6, 2.0 / steps, steps, **time)
+def rotating(transfer, steps=200, turns=1.0, **time):
+    """Shares of angular momentum and of energy left after `turns` at one in 2 s."""
+    simulation = block(transfer, 1.6, 2.0 * turns / steps, steps, **time)
     points, mass = simulation.state.points, simulation.model.soil.constants.mass
     arm, rate = points.position - np.array([0.8, 0.5, 0.8]), np.pi
     points.velocity[:] = rate * np.cross([0.0, 1.0, 0.0], arm)
+    if transfer == "affine":
+        points.affine = np.tile(rate * np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 0.0], [-1.0, 0.0, 0.0]]), (len(points), 1, 1))
     points.acceleration[:] = -rate**2 * arm * [1.0, 0.0, 1.0]
 
     def spin(points):

@@ -1,14 +1,17 @@
 """Transfer between points and nodes: conservation, exactness, and no dependence on the number of threads."""
 
+from dataclasses import replace
+
 import numba
 import numpy as np
 import pytest
 
 from hybrid.laws.drucker_prager import DruckerPrager
+from hybrid.soil.basis import evaluate_basis
 from hybrid.soil.grid import make_grid
 from hybrid.soil.model import Soil
 from hybrid.soil.points import at_rest, tile
-from hybrid.soil.transfer import interpolate
+from hybrid.soil.transfer import affine_part, interpolate
 from hybrid.system.pattern import make_pattern
 
 FREE = dict.fromkeys(("x_min", "x_max", "y_min", "y_max", "z_min", "z_max"), "free")
@@ -125,3 +128,74 @@ def test_results_do_not_depend_on_the_number_of_threads(name):
     for one, two, again in zip(*found):
         assert np.abs(one).max() > 0.0
         assert np.array_equal(one, two) and np.array_equal(two, again)
+
+
+def nodes_of(grid):
+    return np.stack([a.ravel() for a in np.meshgrid(*grid.axes, indexing="ij")], axis=1)
+
+
+def spin_of_points(soil, points):
+    """Angular momentum (3,): of the points, and of the motion within them, Σ m D : C."""
+    mass = soil.constants.mass
+    orbit = mass @ np.cross(points.position, points.velocity)
+    half = points.half if soil.basis == "gimp" else np.zeros_like(points.half)
+    basis = evaluate_basis(points.position, half, soil.grid.axes)
+    arm = np.zeros((len(points), 3))
+    for axis, nodes in enumerate(soil.grid.axes):
+        for a in range(3):
+            at = nodes[np.minimum(basis.first[:, axis] + a, len(nodes) - 1)]
+            arm[:, axis] += basis.value[:, axis, a] * (at - points.position[:, axis]) ** 2
+    own = points.affine * arm[:, None, :]
+    return orbit + mass @ np.stack([own[:, 2, 1] - own[:, 1, 2], own[:, 0, 2] - own[:, 2, 0],
+                                    own[:, 1, 0] - own[:, 0, 1]], axis=1)
+
+
+@pytest.mark.parametrize("basis", ["gimp", "mpm"])
+@pytest.mark.parametrize("name", ["uniform", "graded"])
+def test_affine_transfer_conserves_both_momenta(name, basis):
+    """From points to nodes and from nodes to points, with the gradients that the points carry."""
+    soil, points = soil_on(NODES[name], basis)
+    mass, nodes = soil.constants.mass, nodes_of(soil.grid)
+    points.affine = np.random.default_rng(2).standard_normal((len(points), 3, 3))
+    step = soil.begin(points, np.zeros(3))
+    size = mass @ np.linalg.norm(np.cross(points.position, points.velocity), axis=1)
+    np.testing.assert_allclose(step.mass @ step.velocity, mass @ points.velocity, atol=1e-13 * size)
+    np.testing.assert_allclose(step.mass @ np.cross(nodes, step.velocity), spin_of_points(soil, points), atol=1e-13 * size)
+    seen = replace(points, velocity=interpolate(step.basis, soil.grid.shape, step.velocity),
+                   affine=affine_part(step.basis, soil.grid.axes, points.position, step.velocity))
+    np.testing.assert_allclose(mass @ seen.velocity, step.mass @ step.velocity, atol=1e-13 * size)
+    np.testing.assert_allclose(spin_of_points(soil, seen), step.mass @ np.cross(nodes, step.velocity), atol=1e-12 * size)
+
+
+def test_affine_transfer_keeps_linear_fields(case):
+    """To the nodes, up to the outermost, and back; without the gradients the outermost nodes lag behind."""
+    soil, points, _ = case
+    gradient = np.random.default_rng(3).uniform(-1, 1, (3, 3))
+    gradient[soil.grid.collapsed] = gradient[:, soil.grid.collapsed] = 0.0
+    points.velocity = points.position @ gradient.T
+    points.affine = np.broadcast_to(gradient, (len(points), 3, 3)).copy()
+    errors = []
+    for given in (points, replace(points, affine=None)):
+        step = soil.begin(given, np.zeros(3))
+        errors.append(np.abs(step.velocity - nodes_of(soil.grid) @ gradient.T)[step.active].max())
+    assert errors[0] < 1e-12 < 1e-2 < errors[1]
+    step = soil.begin(points, np.zeros(3))
+    found = affine_part(step.basis, soil.grid.axes, points.position, step.velocity)
+    np.testing.assert_allclose(found, points.affine, atol=1e-9)
+
+
+@pytest.mark.parametrize("transfer", ["increments", "blended", "affine"])
+def test_rates_that_points_take_up(transfer):
+    """A uniform gain moves all points alike, whatever they carry on top; momentum is that of the nodes."""
+    soil, points = soil_on(NODES["graded"])
+    soil.transfer = transfer
+    step = soil.begin(points, np.zeros(3))
+    trial = soil.evaluate(step, np.zeros((soil.grid.node_count, 3)))
+    gain = np.random.default_rng(6).standard_normal((soil.grid.node_count, 3))
+    after = soil.accept(step, trial, 0 * gain, gain, 0 * gain)
+    mass = soil.constants.mass
+    size = mass.sum()
+    np.testing.assert_allclose(mass @ after.velocity, step.mass @ (step.velocity + gain), atol=1e-13 * size)
+    assert (after.affine is None) == (transfer != "affine")
+    lost = np.sum(mass[:, None] * (after.velocity - points.velocity - interpolate(step.basis, soil.grid.shape, gain)) ** 2)
+    assert (lost < 1e-20 * size) == (transfer == "increments")
