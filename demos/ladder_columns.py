@@ -81,9 +81,8 @@ def settle(column, cells, steps=None, basis="gimp", domain="stretch", full=False
     top = np.argmax(points.position[:, 2])
     height = points.position[top, 2] + constants.half[top, 2] * points.deformation[top, 2, 2]
     wrong = np.abs(found + column.density * column.gravity * (column.length - Z))
-    grid = simulation.model.soil.grid
     return Settled(Z, found, height, np.average(wrong, weights=constants.volume) / column.weight,
-                   abs(height - column.height()) / column.length, int(np.count_nonzero(~grid.fixed)), seconds)
+                   abs(height - column.height()) / column.length, len(simulation.evaluation.soil), seconds)
 
 
 def rates(cells, errors):

@@ -77,5 +77,5 @@ def press(angle, across, depth=2.0, width=4.0, settlement=None, steps=20, law=No
     force, iterations = np.array(rows).T
     points = simulation.state.points
     return Press(settlement * np.arange(1, steps + 1) / steps, force / (0.5 * WIDTH * thickness * COHESION),
-                 points.position, points.plastic_strain, int(np.count_nonzero(~simulation.model.soil.grid.fixed)),
+                 points.position, points.plastic_strain, len(simulation.evaluation.soil),
                  int(iterations.sum()), seconds)

@@ -172,7 +172,7 @@ def vibrate(solution, cells, steps, scheme=(), force=None, tolerance=1e-10, line
     wrong = points.stress - solution.stress(solution.duration, X)
     wrong = wrong[:, solution.axes][:, :, solution.axes] / (YOUNG * solution.wave * solution.amplitude)
     return Outcome(points.position - X, np.sqrt(np.mean(missed**2)), np.sqrt(np.mean(wrong**2)), crossed / len(X),
-                   int(np.count_nonzero(~simulation.model.soil.grid.fixed)), seconds)
+                   len(simulation.evaluation.soil), seconds)
 
 
 def start(simulation, solution, X):

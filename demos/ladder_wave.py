@@ -95,4 +95,4 @@ def ride(cells, passes=2, courant=0.5, scheme=(), full=False, **soil):
     return Ride(np.arange(steps + 1) * scene.time.step, Z[line], rows[:, 0], rows[:, 1],
                 np.concatenate(([1.0], (kinetic + elastic) / whole)),
                 np.concatenate(([first["kinetic"]], kinetic)) / whole,
-                int(np.count_nonzero(~simulation.model.soil.grid.fixed)), time.perf_counter() - begun)
+                len(simulation.evaluation.soil), time.perf_counter() - begun)

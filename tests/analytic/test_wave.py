@@ -50,8 +50,15 @@ def test_energy_is_lost_in_the_transfer_alone():
 
 def test_schemes_damp_as_they_should():
     """Generalised alpha hardly more than (1/4, 1/2) at ρ∞ = 0.8, more at 0; (0.5625, 1) takes most of the energy."""
-    kept = {name: ride(72, name).energy[-1] for name in DEMO.SCHEMES}
+    kept = {name: ride(36, name).energy[-1] for name in DEMO.SCHEMES}
     plain = kept["Newmark (1/4, 1/2)"]
-    assert plain - 0.005 < kept["generalised α, ρ∞ = 0.8"] < plain
-    assert plain - 0.2 < kept["generalised α, ρ∞ = 0"] < plain - 0.03
-    assert kept["Newmark (0.5625, 1)"] < 0.4
+    assert plain - 0.01 < kept["generalised α, ρ∞ = 0.8"] < plain
+    assert plain - 0.3 < kept["generalised α, ρ∞ = 0"] < plain - 0.1
+    assert kept["Newmark (0.5625, 1)"] < 0.3
+
+
+def test_a_bar_in_three_dimensions_agrees():
+    line, block = ride(36), ride(36, full=True)
+    assert block.unknowns > 15 * line.unknowns
+    assert np.abs(block.displacement - line.displacement).max() < 1e-7 * DEMO.AMPLITUDE
+    assert np.abs(block.energy - line.energy).max() < 1e-9
