@@ -49,7 +49,7 @@ def columns(path, curves, profiles):
             panel.plot(Z / column.length - 1, Z / column.length, color="black", linewidth=0.8, label="exact")
             panel.set_xlabel(r"$\sigma_{zz}/\rho g L$")
         bottom[0].set_ylabel("initial height $Z/L$")
-        bottom[-1].legend(loc="upper right", fontsize=7)
+        bottom[0].legend(loc="lower right", fontsize=7)
         letters(top, profiles)
         letters_after(bottom, len(profiles), "32 cells")
     return path
@@ -63,25 +63,28 @@ def letters_after(panels, count, title):
 def cantilever(path, curves, bent, elastica, beam):
     """Bent shape with the axial stress, and errors of the tip."""
     with figure(path, PAGE, COLUMN) as drawing:
-        shape, drop, short = drawing.subplots(1, 3, gridspec_kw={"width_ratios": (1.3, 1, 1)})
+        shape, drop, short = drawing.subplots(1, 3, gridspec_kw={"width_ratios": (1, 1.1, 1.1)})
         spread = np.trace(bent.stress, axis1=1, axis2=2) / 1e6
         limit = np.abs(spread).max()
-        dots = shape.scatter(bent.position[:, 0], bent.position[:, 2], c=spread, s=4, cmap="RdBu_r", vmin=-limit, vmax=limit)
-        drawing.colorbar(dots, ax=shape, location="bottom", label=r"tr $\sigma$ [MPa]", shrink=0.8)
+        dots = shape.scatter(bent.position[:, 0], bent.position[:, 2], c=spread, s=4, cmap="RdBu_r", vmin=-limit,
+                             vmax=limit)
+        drawing.colorbar(dots, ax=shape, label=r"tr $\sigma$ [MPa]", aspect=40)
         for (down, back), marker, label in ((elastica, "s", "elastica"), (beam, "D", "Hencky fibres")):
             shape.plot(10 - back, 0.5 - down, marker, color="black", label=label, markersize=5, markerfacecolor="none")
         shape.set_aspect("equal")
         shape.set_xlabel("$x$ [m]")
         shape.set_ylabel("$z$ [m]")
-        shape.legend(loc="upper right", fontsize=7)
+        shape.legend(loc="lower left", fontsize=7, borderpad=0.1, handletextpad=0.1)
         for k, panel in enumerate((drop, short)):
             for i, (case, (sizes, errors)) in enumerate(curves.items()):
                 panel.loglog(sizes, 100 * errors[:, k], MARKERS[i] + "-", color=COLOURS[i], label=case, **HOLLOW)
             ticks(panel, np.unique(np.concatenate([sizes for sizes, _ in curves.values()])))
             panel.tick_params(axis="x", labelrotation=60)
             panel.set_xlabel("cell [m]")
-        drop.set_ylabel("difference from the beam of Hencky fibres [%]")
-        short.legend(loc="lower right", fontsize=6)
+            panel.set_ylim(0.02, 10)
+            panel.set_yticks((0.1, 0.2, 0.5, 1, 2, 5, 10), ("0.1", "0.2", "0.5", "1", "2", "5", "10"))
+        drop.set_ylabel("off the beam of Hencky fibres [%]")
+        short.legend(loc="lower right", fontsize=7)
         letters((shape, drop, short), ("cells of 0.5 m", "drop", "shortening"))
     return path
 
@@ -104,11 +107,12 @@ def manufactured(path, space, steps):
             panel.set_xlabel("cell $h/L$")
         panels[0].plot([], [], color="black", label="GIMP")
         panels[0].plot([], [], ":", color="black", label="standard MPM")
-        panels[0].legend(loc="upper left", fontsize=6.5)
+        panels[0].legend(loc="lower right", fontsize=6.5)
         panels[0].set_ylabel("error [-]")
         for i, (name, (step, errors)) in enumerate(steps.items()):
             label = name.replace("ρ∞", r"$\rho_\infty$").replace("α", r"$\alpha$")
-            panels[2].loglog(step, errors, MARKERS[i] + "-", color=COLOURS[i], label=label, markersize=6 - 1.5 * i, **HOLLOW)
+            panels[2].loglog(step, errors, MARKERS[i] + "-", color=COLOURS[i], label=label, markersize=6 - 1.5 * i,
+                             **HOLLOW)
         first = next(iter(steps.values()))
         for order, (step, errors) in ((2, first), (1, first)):
             slope(panels[2], order, step, 0.5 * errors.min())
@@ -124,16 +128,14 @@ def wave(path, rides, module):
     """The pulse on its way and at the end, and its energy."""
     with figure(path, PAGE, 0.85 * COLUMN) as drawing:
         shape, energy = drawing.subplots(1, 2)
-        first = next(iter(rides.values()))
         Z, scale = np.linspace(0, module.LENGTH, 400), module.AMPLITUDE
         shape.plot(Z, -module.pulse(Z)[0] / scale, color="black", linewidth=0.8, label="exact, $t = 2L/c$")
         for i, (name, found) in enumerate(rides.items()):
             label = name.replace("ρ∞", r"$\rho_\infty$").replace("α", r"$\alpha$")
             shape.plot(found.Z, found.displacement[-1] / scale, MARKERS[i], color=COLOURS[i], label=label, **HOLLOW,
-                       markersize=3)
-            energy.plot(found.times * module.SPEED / module.LENGTH, found.energy, color=COLOURS[i], label=label)
-        energy.plot(first.times * module.SPEED / module.LENGTH, first.kinetic, color="#888888", linewidth=0.8,
-                    label="kinetic part of the first")
+                       markersize=5 - i)
+            energy.plot(found.times * module.SPEED / module.LENGTH, found.energy, color=COLOURS[i], label=label,
+                        linewidth=3 - 0.6 * i)
         shape.set_xlabel("$Z/L$")
         shape.set_ylabel("$u/A$")
         shape.legend(fontsize=7)
@@ -151,7 +153,8 @@ def dimensions(path, ratios):
         panel = drawing.subplots()
         place = np.arange(len(ratios))
         for k, label in enumerate(("unknowns", "time")):
-            bars = panel.bar(place + 0.35 * k - 0.175, [r[k] for r in ratios.values()], 0.33, color=COLOURS[k], label=label)
+            bars = panel.bar(place + 0.35 * k - 0.175, [r[k] for r in ratios.values()], 0.33, color=COLOURS[k],
+                             label=label)
             panel.bar_label(bars, fmt="%.1f", fontsize=7)
         panel.set_xticks(place, [case.replace(", ", ",\n") for case in ratios])
         panel.set_ylabel("3-D / collapsed axes")
@@ -171,8 +174,8 @@ def footing(path, curves, module):
                 for name, style in (("F-bar", "-"), ("plain", "--")):
                     if (angle, name, n) in curves:
                         found = curves[angle, name, n]
-                        panel.plot(100 * np.append(0, found.settlement), np.append(0, found.factor), style, color=COLOURS[i],
-                                   label=f"{name}, {n}")
+                        panel.plot(100 * np.append(0, found.settlement), np.append(0, found.factor), style,
+                                   color=COLOURS[i], label=f"{name}, {n}")
             panel.axhline(exact, color="black", linewidth=0.8)
             panel.annotate(f"{exact:.2f}", (0, exact), (3, 3), textcoords="offset points", fontsize=8)
             panel.set_xlabel("settlement / $B$ [%]")

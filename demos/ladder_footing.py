@@ -49,7 +49,8 @@ class Press:
     seconds: float
 
 
-def press(angle, across, depth=2.0, width=4.0, settlement=None, steps=20, law=None, body=(), faces=(), solver=(), **soil):
+def press(angle, across, depth=2.0, width=4.0, settlement=None, steps=20, law=None, body=(), faces=(), solver=(),
+          **soil):
     """Press with `across` cells under half the footing in soil of `width` x `depth` footing widths, half a model.
 
     settlement: in widths; law: another Material; body, faces, solver, soil: more values of these tables.
@@ -66,8 +67,8 @@ def press(angle, across, depth=2.0, width=4.0, settlement=None, steps=20, law=No
         position=(0.0, 0.5 * thickness, 0.0), rest_on=0.0, driven=("z",), held=("x", "y", "rx", "ry", "rz"),
         velocity=(0.0, 0.0, -settlement * WIDTH / steps), **{"penalty": 100.0, **dict(body)})
     scene = Scene(
-        name="footing", grid=grid, soil=Soil(law or material(angle), geostatic=False, top=0.0, **soil), bodies=(footing,),
-        gravity=(0.0, 0.0, 0.0), time=Time(step=1.0, inertia=False), stages=(Stage("press", steps),),
+        name="footing", grid=grid, soil=Soil(law or material(angle), geostatic=False, top=0.0, **soil),
+        bodies=(footing,), gravity=(0.0, 0.0, 0.0), time=Time(step=1.0, inertia=False), stages=(Stage("press", steps),),
         solver=Solver(**{"linear": "direct", "tolerance": 1e-5, "iterations": 25, **dict(solver)}),
         output=Output(every=0, checkpoint=0))
     simulation, begun, rows = build(scene), time.perf_counter(), []

@@ -189,5 +189,5 @@ def start(simulation, solution, X):
 def in_time(solution, cells, counts, reference, scheme=(), **soil):
     """Errors of displacement (root mean square, relative to A) against a run of `reference` steps on the same grid."""
     exact = vibrate(solution, cells, reference, scheme, **soil).moved
-    return np.array([np.sqrt(np.mean((vibrate(solution, cells, n, scheme, **soil).moved - exact)[:, solution.axes] ** 2))
-                     for n in counts]) / solution.amplitude
+    apart = [(vibrate(solution, cells, n, scheme, **soil).moved - exact)[:, solution.axes] for n in counts]
+    return np.sqrt(np.mean(np.square(apart), axis=(1, 2))) / solution.amplitude

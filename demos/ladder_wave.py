@@ -3,8 +3,8 @@
     wall |-----/\\------------- free      c = √(E/ρ), ν = 0;  u = A exp(-(Z - z0 - ct)²/2w²)
     z = 0     z0 ->               L      Riemann: v = -c u'
 
-The free end throws it back upright, the wall upside down: after 2L/c it is its own negative. Speed: place of the maximum
-before the first end is reached. Energy: kinetic of the points and elastic.
+The free end throws it back upright, the wall upside down: after 2L/c it is its own negative. Speed: place of the
+maximum before the first end is reached. Energy: kinetic of the points and elastic.
 """
 
 import time
@@ -37,15 +37,13 @@ def pulse(Z):
 
 @dataclass(frozen=True)
 class Ride:
-    """times [s]; Z (n,), displacement, velocity (times, n) of the points at the middle of the section; energy and its
-    kinetic part (times,) relative to the start; unknowns; seconds of the run."""
+    """times [s]; Z (n,), displacement (times, n) of a line of points; energy (times,) relative to the start; unknowns;
+    seconds of the run."""
 
     times: np.ndarray
     Z: np.ndarray
     displacement: np.ndarray
-    velocity: np.ndarray
     energy: np.ndarray
-    kinetic: np.ndarray
     unknowns: int
     seconds: float
 
@@ -73,7 +71,8 @@ def ride(cells, passes=2, courant=0.5, scheme=(), full=False, **soil):
     steps = round(passes * cells / courant)
     scene = Scene(
         name="bar", grid=Grid(side, side, Axis(start=0.0, end=LENGTH + size, size=size)),
-        soil=Soil(Material(law="hencky", young=YOUNG, poisson=0.0, density=DENSITY), geostatic=False, top=LENGTH, **soil),
+        soil=Soil(Material(law="hencky", young=YOUNG, poisson=0.0, density=DENSITY), geostatic=False, top=LENGTH,
+                  **soil),
         gravity=(0.0, 0.0, 0.0), time=Time(step=courant * size / SPEED, **dict(scheme)), stages=(Stage("ride", steps),),
         solver=Solver(linear="direct", tolerance=1e-8), output=Output(every=0, checkpoint=0))
     simulation = build(scene)
@@ -85,14 +84,11 @@ def ride(cells, passes=2, courant=0.5, scheme=(), full=False, **soil):
     points.stress[:, 2, 2] = YOUNG * np.log1p(slope) / (1 + slope)
     line = np.flatnonzero(np.all(points.position[:, :2] == points.position[0, :2], axis=1))
     first = energies(simulation.model, simulation.state)
-    begun, rows, energy = time.perf_counter(), [(points.position[line, 2] - Z[line], points.velocity[line, 2])], []
+    energy = [first["kinetic"] + first["elastic"]]
+    begun, rows = time.perf_counter(), [points.position[line, 2] - Z[line]]
     for record in simulation.steps():
         points = simulation.state.points
-        rows.append((points.position[line, 2] - Z[line], points.velocity[line, 2]))
-        energy.append((record.energies["kinetic"], record.energies["elastic"]))
-    kinetic, elastic = np.array(energy).T
-    rows, whole = np.array(rows), first["kinetic"] + first["elastic"]
-    return Ride(np.arange(steps + 1) * scene.time.step, Z[line], rows[:, 0], rows[:, 1],
-                np.concatenate(([1.0], (kinetic + elastic) / whole)),
-                np.concatenate(([first["kinetic"]], kinetic)) / whole,
+        rows.append(points.position[line, 2] - Z[line])
+        energy.append(record.energies["kinetic"] + record.energies["elastic"])
+    return Ride(np.arange(steps + 1) * scene.time.step, Z[line], np.array(rows), np.array(energy) / energy[0],
                 len(simulation.evaluation.soil), time.perf_counter() - begun)

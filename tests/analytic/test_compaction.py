@@ -28,7 +28,8 @@ def test_reference_heights():
     assert DEMO.SELF_WEIGHT.height() == pytest.approx(0.538602, abs=5e-7)
 
 
-@pytest.mark.parametrize("column, stress, height", [(DEMO.STIFF, 3e-4, 3e-7), (DEMO.SOFT, 3e-4, 5e-5)], ids=["1 MPa", "10 kPa"])
+@pytest.mark.parametrize("column, stress, height", [(DEMO.STIFF, 3e-4, 3e-7), (DEMO.SOFT, 3e-4, 5e-5)],
+                         ids=["1 MPa", "10 kPa"])
 def test_on_128_cells(column, stress, height):
     """Error of the stress relative to the largest, of the height relative to the length."""
     found = settle(column, 128)

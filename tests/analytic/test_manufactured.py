@@ -81,7 +81,8 @@ def test_a_wrong_law_is_seen():
 
 
 @pytest.mark.parametrize("scheme, wanted", [
-    ({}, 2), ({"scheme": "generalised-alpha"}, 2), ({"beta": 0.5625, "gamma": 1.0}, 1)], ids=["newmark", "alpha", "pair"])
+    ({}, 2), ({"scheme": "generalised-alpha"}, 2), ({"beta": 0.5625, "gamma": 1.0}, 1)],
+    ids=["newmark", "alpha", "pair"])
 def test_order_in_time(scheme, wanted):
     """Against a fine step on the same grid of 64 cells, so that only the step is seen."""
     errors = DEMO.in_time(QUIET, 64, (12, 24, 48), 384, tuple(scheme.items()))
