@@ -29,10 +29,13 @@ def prandtl(angle):
     return 2 + np.pi if angle == 0 else (np.exp(np.pi * tan) * np.tan(np.radians(45 + angle / 2)) ** 2 - 1) / tan
 
 
-def material(angle, poisson=None):
-    """Associated cone matched in plane strain."""
-    return Material(law="drucker-prager", young=STIFFNESS * COHESION, poisson=poisson or (0.49 if angle == 0 else 0.3),
-                    density=1.0, friction_angle=angle, dilation_angle=angle, cohesion=COHESION, cone="plane strain")
+def material(angle):
+    """Von Mises for φ = 0, else an associated cone; both matched in plane strain."""
+    common = {"young": STIFFNESS * COHESION, "density": 1.0, "cone": "plane strain"}
+    if angle == 0:
+        return Material(law="von-mises", poisson=0.49, strength=COHESION, **common)
+    return Material(law="drucker-prager", poisson=0.3, friction_angle=angle, dilation_angle=angle, cohesion=COHESION,
+                    **common)
 
 
 @dataclass(frozen=True)
