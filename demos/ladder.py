@@ -167,7 +167,7 @@ def run_footing(fine):
     """Bearing capacity against settlement and cell size."""
     across, rows, curves = (2, 4, 8)[:2 + fine], [], {}
     for angle in (0, 20, 30):
-        for name, soil in (("F-bar", {"fbar": True}), ("plain", {})):
+        for name, soil in footing.CURES.items():
             for n in across:
                 try:
                     found = curves[angle, name, n] = footing.press(angle, n, **soil)

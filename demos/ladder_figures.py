@@ -171,7 +171,7 @@ def footing(path, curves, module):
         for panel, angle in zip(panels, (0, 20, 30)):
             exact = module.prandtl(angle)
             for i, n in enumerate(across):
-                for name, style in (("F-bar", "-"), ("plain", "--")):
+                for name, style in zip(module.CURES, ("-", ":", "--")):
                     if (angle, name, n) in curves:
                         found = curves[angle, name, n]
                         panel.plot(100 * np.append(0, found.settlement), np.append(0, found.factor), style,
@@ -181,6 +181,6 @@ def footing(path, curves, module):
             panel.set_xlabel("settlement / $B$ [%]")
             panel.set_ylim(bottom=0)
         panels[0].set_ylabel("$F/(Bc)$")
-        panels[-1].legend(loc="lower right", fontsize=7, title="cells in $B/2$", title_fontsize=7)
+        panels[-1].legend(loc="lower right", fontsize=6, title="cells in $B/2$", title_fontsize=7)
         letters(panels, (rf"$\varphi$ = {a}°" for a in (0, 20, 30)))
     return path
