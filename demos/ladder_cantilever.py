@@ -125,7 +125,7 @@ def bend(size, per_axis=2, height=1.0, steps=STEPS, full=False, ghost=GHOST, **s
         out[:, 2] = -LOAD * width * t / steps / mass * np.select([columns == 0, columns == 1], [1.5, -0.5], 0.0)
         return out
 
-    simulation, begun, tips, iterations = build(scene, force), time.perf_counter(), [], 0
+    simulation, begun, tips, iterations = build(scene, body_force=force), time.perf_counter(), [], 0
     constants = simulation.model.soil.constants
     last = constants.position[:, 0] > LENGTH - size / per_axis
     for record in simulation.steps():

@@ -159,7 +159,7 @@ def vibrate(solution, cells, steps, scheme=(), force=None, tolerance=1e-10, line
         gravity=(0.0, 0.0, 0.0), time=Time(step=solution.duration / steps, **dict(scheme)),
         stages=(Stage("vibrate", steps),), solver=Solver(linear=linear, tolerance=tolerance, iterations=25),
         output=Output(every=0, checkpoint=0))
-    simulation = build(scene, force or solution.force)
+    simulation = build(scene, body_force=force or solution.force)
     X = simulation.model.soil.constants.position
     start(simulation, solution, X)
     begun, crossed, points = time.perf_counter(), 0, simulation.state.points

@@ -14,8 +14,6 @@ import functools
 import pytest
 from demo_scripts import demo
 
-from hybrid.errors import StepError
-
 DEMO = demo("ladder_footing")
 CURED, PLAIN = {"fbar": True}, {}      # options of the soil
 
@@ -62,12 +60,11 @@ def test_without_a_cure_clay_locks():
     assert excess(20, 2, **PLAIN) > 0.12
 
 
-def test_heave_needs_the_ghost_penalty():
-    """Soil that rises beside the footing just reaches into empty cells: in a wider and deeper domain Newton's method is
-    lost before the soil flows. A tenth of the usual penalty is enough."""
-    with pytest.raises(StepError, match="step 1[0-9] failed"):
-        press(0, 2, width=6.0, depth=3.0, **CURED)
-    assert abs(excess(0, 2, width=6.0, depth=3.0, ghost=0.0033, **CURED)) < 0.03
+def test_the_ghost_penalty_steadies_it():
+    """Soil that heaves beside the footing just reaches into empty cells: in wide and deep domains some runs stop there
+    (four cells at φ = 0, step 14 of 20). A tenth of the usual penalty is enough for all."""
+    found = press(0, 2, width=6.0, depth=3.0, ghost=0.0033, **CURED)
+    assert found.iterations < 110 and abs(found.factor[-1] / DEMO.prandtl(0) - 1) < 0.03
 
 
 @pytest.mark.slow
