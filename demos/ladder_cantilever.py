@@ -1,0 +1,137 @@
+"""A cantilever bent right down by a dead load at its end, in plane strain, against beams.
+
+    wall |===========  L = 10 m, height H = 1 m, E = 12 MPa, ν = 0.2, load F = 100 kN per metre of width
+         |       F |   50 quasi-static steps; E' = E/(1 - ν²), G = E/2(1 + ν)
+                   v
+
+With θ the turn of a section, s the initial length along the beam and forces in the section N = F sin θ, Q = F cos θ,
+
+    x' = (1 + e) cos θ - g sin θ      d' = (1 + e) sin θ + g cos θ      θ' = κ      M' = -F x'      M(L) = 0
+
+with the drop d. Elastica: e = g = 0, M = E'H³/12 κ: the tip drops 8.062 m, shortens 5.461 m. But F is large enough to
+strain the fibres at the wall by ±20 %, where Hencky's law is not that of Hooke. `hencky_beam`: Q = 5/6 G H g and
+
+    N = ∫ P ∂λ/∂e dZ,  M = ∫ P ∂λ/∂κ dZ,   P = E' ln λ/λ,   λ^(1+n) = (1 + e)^(1+n) - (1 + n) κ Z,   n = ν/(1 - ν)
+
+the stretch λ of the fibre at initial height Z where fibres thicken and thin at no lateral stress: λ = 1 + e - κ z,
+dz/dZ = λ^-n. It drops 8.240 m, shortens 5.511 m. The difference goes with (H/L)² at the same E'H³.
+
+The load is shared by the last two columns of points, 3/2 and -1/2 of it, so that its line is the end face.
+"""
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.integrate import solve_bvp
+
+from hybrid.build import build
+from hybrid.scene import Axis, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
+
+LENGTH, YOUNG, POISSON, LOAD, DENSITY, STEPS = 10.0, 12e6, 0.2, 1e5, 1000.0, 50
+GHOST = 0.033
+HEIGHTS, WEIGHTS = np.polynomial.legendre.leggauss(12)
+
+
+def young(height):
+    """E [Pa] that gives a beam of `height` [m] the bending stiffness of that of 1 m."""
+    return YOUNG / height**3
+
+
+def solved(section):
+    """(drop, shortening) [m] of the tip; section(N, M) -> e, κ and shear flexibility [1/N] make the beam."""
+    def rates(s, u):
+        out = np.empty_like(u)
+        for i, (_, _, turn, moment) in enumerate(u.T):
+            stretch, curvature, flexible = section(LOAD * np.sin(turn), moment)
+            shear = flexible * LOAD * np.cos(turn)
+            along = (1 + stretch) * np.cos(turn) - shear * np.sin(turn)
+            out[:, i] = along, (1 + stretch) * np.sin(turn) + shear * np.cos(turn), curvature, -LOAD * along
+        return out
+
+    s = np.linspace(0.0, LENGTH, 41)
+    guess = np.array([0.7 * s, 0.6 * s, 1.2 * s / LENGTH, 0.4 * LOAD * (LENGTH - s)])
+    found = solve_bvp(rates, lambda a, b: np.array([a[0], a[1], a[2], b[3]]), s, guess, tol=1e-5)
+    assert found.success
+    return found.y[1, -1], LENGTH - found.y[0, -1]
+
+
+def elastica():
+    """(drop, shortening) [m] of a beam that only bends."""
+    stiffness = YOUNG / (1 - POISSON**2) / 12
+    return solved(lambda force, moment: (0.0, moment / stiffness, 0.0))
+
+
+def hencky_beam(height=1.0):
+    """(drop, shortening) [m] of a beam of Hencky fibres that also stretches and shears."""
+    modulus, n = young(height) / (1 - POISSON**2), POISSON / (1 - POISSON)
+    Z, weight = 0.5 * height * HEIGHTS, 0.5 * height * WEIGHTS
+    flexible = 2 * (1 + POISSON) / (5 / 6 * young(height) * height)
+
+    def forces(e, k):
+        stretch = ((1 + e) ** (1 + n) - (1 + n) * k * Z) ** (1 / (1 + n))
+        share = weight * modulus * np.log(stretch) / stretch
+        return np.array([share @ ((1 + e) / stretch) ** n, -share @ (Z * stretch**-n)])
+
+    def section(force, moment):
+        x, small = np.array([force / (modulus * height), moment / (modulus * height**3 / 12)]), 1e-7
+        for _ in range(30):
+            now = forces(*x)
+            tangent = np.column_stack([forces(x[0] + small, x[1]) - now, forces(x[0], x[1] + small) - now]) / small
+            step = np.linalg.solve(tangent, [force, moment] - now)
+            x = x + step
+            if np.abs(step).max() < 1e-9:
+                return *x, flexible
+        raise AssertionError(f"no strain for N = {force:g}, M = {moment:g}")
+
+    return solved(section)
+
+
+@dataclass(frozen=True)
+class Bent:
+    """drop, shortening [m] of the tip after each step; X, position (n, 3) at the end, half (n, 3) of the domains;
+    Newton iterations; points; unknowns; seconds of the run."""
+
+    drop: np.ndarray
+    shortening: np.ndarray
+    X: np.ndarray
+    position: np.ndarray
+    stress: np.ndarray
+    iterations: int
+    unknowns: int
+    seconds: float
+
+
+def bend(size, per_axis=2, height=1.0, steps=STEPS, full=False, ghost=GHOST, **soil):
+    """Bent cantilever on cells of `size` [m]; full: three-dimensional, two cells wide between rollers."""
+    width = 2 * size
+    below = np.ceil(9.3 / size) * size
+    grid = Grid(
+        Axis(start=0.0, end=LENGTH + size, size=size), Axis(start=0.0, end=width, size=size, collapsed=not full),
+        Axis(start=-below, end=height + size, size=size), Faces("fixed", "free", "roller", "roller", "free", "free"))
+    material = Material(law="hencky", young=young(height), poisson=POISSON, density=DENSITY)
+    scene = Scene(
+        name="cantilever", grid=grid,
+        soil=Soil(material, geostatic=False, lower=(0.0, 0.0, 0.0), upper=(LENGTH, width, height),
+                  points_per_axis=per_axis, ghost=ghost, **soil),
+        gravity=(0.0, 0.0, 0.0), time=Time(step=1.0, inertia=False), stages=(Stage("load", steps),),
+        # a beam turns more than it strains: the residual rises before it falls
+        solver=Solver(linear="direct", tolerance=1e-7, iterations=25, line_search=False),
+        output=Output(every=0, checkpoint=0))
+
+    def force(t, X):
+        columns, out = np.rint((LENGTH - X[:, 0]) * per_axis / size - 0.5), np.zeros_like(X)
+        mass = DENSITY * width * height * size / per_axis      # of a column of points
+        out[:, 2] = -LOAD * width * t / steps / mass * np.select([columns == 0, columns == 1], [1.5, -0.5], 0.0)
+        return out
+
+    simulation, begun, tips, iterations = build(scene, body_force=force), time.perf_counter(), [], 0
+    constants = simulation.model.soil.constants
+    last = constants.position[:, 0] > LENGTH - size / per_axis
+    for record in simulation.steps():
+        points, iterations = simulation.state.points, iterations + record.iterations
+        face = points.position[last] + points.deformation[last, :, 0] * constants.half[last, :1]
+        tips.append(face.mean(axis=0) - (LENGTH, 0.0, 0.5 * height))
+    tips, points = np.array(tips), simulation.state.points
+    return Bent(-tips[:, 2], -tips[:, 0], constants.position, points.position, points.stress, iterations,
+                len(simulation.evaluation.soil), time.perf_counter() - begun)
