@@ -47,8 +47,8 @@ def free(transfer, steps=320, **time):
     start = 0.5 * mass @ points.velocity[:, 0] ** 2
     points.velocity[:, 0] += 2.0
     if transfer == "affine":
-        points.affine = np.zeros((len(points), 3, 3))
-        points.affine[:, 0, 0] = 0.5 * np.pi * np.cos(np.pi * (points.position[:, 0] - 0.8))
+        points.affine = np.zeros((len(points), 1, 3, 3))
+        points.affine[:, 0, 0, 0] = 0.5 * np.pi * np.cos(np.pi * (points.position[:, 0] - 0.8))
     for record in simulation.steps():
         pass
     return (energy(record) - 0.5 * mass.sum() * 2.0**2) / start
@@ -61,7 +61,7 @@ def rotating(transfer, steps=200, turns=1.0, **time):
     arm, rate = points.position - np.array([0.8, 0.5, 0.8]), np.pi
     points.velocity[:] = rate * np.cross([0.0, 1.0, 0.0], arm)
     if transfer == "affine":
-        points.affine = np.tile(rate * np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 0.0], [-1.0, 0.0, 0.0]]), (len(points), 1, 1))
+        points.affine = np.tile(rate * np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 0.0], [-1.0, 0.0, 0.0]]), (len(points), 1, 1, 1))
     points.acceleration[:] = -rate**2 * arm * [1.0, 0.0, 1.0]
 
     def spin(points):

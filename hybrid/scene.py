@@ -146,8 +146,8 @@ class Soil:
                       plastic soil does not lock
     ghost             [-] factor on Young's modulus of the penalty that ties cells hardly filled to their neighbours;
                       0: none, 0.033 is usual
-    transfer          how points take up the motion of the nodes: the nodes' increments of velocity; blended with a share
-                      of the nodes' velocity itself; or that velocity with its gradient (affine)
+    transfer          how points take up the motion of the nodes: the nodes' velocity with its gradient (affine); the
+                      nodes' increments of velocity; or these blended with a share of the nodes' velocity itself
     blend             [-] that share a step, of transfer = "blended"; None: 0.05
     stray             points that leave the grid, or that nothing carries in a quasi-static scene: stop the run, stay
                       where they are and take no part any more, or vanish
@@ -166,7 +166,7 @@ class Soil:
     domain: Literal["stretch", "none", "diagonal"] = "stretch"
     fbar: bool = False
     ghost: float = 0.0
-    transfer: Literal["increments", "blended", "affine"] = "increments"
+    transfer: Literal["affine", "increments", "blended"] = "affine"
     blend: float | None = None
     stray: Literal["stop", "freeze", "remove"] = "stop"
     geostatic: bool = True

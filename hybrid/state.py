@@ -11,7 +11,7 @@
 | b_e    | Points.elastic           | (n, 3, 3) | -      |
 | σ      | Points.stress (Cauchy)   | (n, 3, 3) | Pa     |
 | α      | Points.plastic_strain    | (n,)      | -      |
-| C      | Points.affine            | (n, 3, 3) | 1/s    |
+| C      | Points.affine            | (n, k, 3, 3) | 1/s, 1/s² |
 | -      | Points.out               | (n,) bool | -      |
 | c      | BodyState.position       | (3,)      | m      |
 | R      | BodyState.rotation       | (3, 3)    | -      |
@@ -19,7 +19,7 @@
 | W, A   | spin, spin_rate (body frame) | (3,)  | rad/s, rad/s² |
 | -      | algorithmic (space, body frame) | (6,) | m/s², rad/s² |
 
-C is there with affine transfer only. Points that are out have gone astray and take no part any more; None where none has. The algorithmic acceleration a of `hybrid.scheme` is None where it is no history of its own.
+C, the gradients of v, a and the algorithmic acceleration, is there with affine transfer only. Points that are out have gone astray and take no part any more; None where none has. The algorithmic acceleration a of `hybrid.scheme` is None where it is no history of its own.
 
 A step computes a *new* State and never writes into the committed one, so a rejected step costs nothing to undo.
 """

@@ -76,7 +76,7 @@ class Soil:
 
     def __init__(self, grid: Grid, constants: PointConstants, law, basis="gimp", domain="stretch", held=False,
                  elastic_share=0.0, fbar=False, ghost_factor=0.0, stray="stop", adrift=True,
-                 transfer="increments", blend=0.05):
+                 transfer="affine", blend=0.05):
         self.grid, self.constants, self.law = grid, constants, law
         self.basis, self.domain, self.held = basis, domain, held
         self.refusal = ""  # why the last `evaluate` gave None
@@ -106,8 +106,8 @@ class Soil:
             load = nodal.pop()
         if points.affine is not None:
             own = _of_those_in(points, self.constants.mass)
-            added = transfer.affine_momentum(basis, slabs, self.grid.axes, points.position, own, points.affine)
-            nodal[0] += np.divide(added, mass[:, None], out=np.zeros_like(added), where=mass[:, None] > 0)
+            for field, gradient in zip(nodal, points.affine.swapaxes(0, 1)):
+                field += transfer.affine_part(basis, slabs, self.grid.axes, points.position, own, gradient, mass)
         for field in nodal:
             field[self.grid.fixed] = 0.0
         velocity, acceleration, *algorithmic = nodal
@@ -163,7 +163,7 @@ class Soil:
         deformation = trial.strain.increment @ old.deformation
         response, directions = trial.response, trial.strain.directions
         volume_ratio = np.linalg.det(deformation)
-        rate, affine = self._taken_up(step, old, velocity_gain, moved[:, 3:6])
+        rate, affine = self._taken_up(step, old, nodal[1:], moved[:, 3:6])
         new = Points(
             position=position,
             velocity=rate,
@@ -178,16 +178,17 @@ class Soil:
         )
         return stray.kept_back(old, new, left)
 
-    def _taken_up(self, step, old, gain, moved):
-        """Velocities (n, 3) and, with affine transfer, their gradients (n, 3, 3) from the nodes' velocity `gain` (N, 3),
-        which is `moved` (n, 3) at the points."""
+    def _taken_up(self, step, old, nodal, moved):
+        """Velocities (n, 3) and, with affine transfer, the gradients (n, k, 3, 3) of all that is carried, from `nodal`
+        gain of velocity and accelerations (N, 3); the gain is `moved` (n, 3) at the points."""
         if self.transfer == "increments":
             return old.velocity + moved, None
-        nodal = step.velocity + gain
-        seen = transfer.interpolate(step.basis, self.grid.shape, nodal)
+        rates = [step.velocity + nodal[0], *nodal[1:]]
+        seen = transfer.interpolate(step.basis, self.grid.shape, rates[0])
         if self.transfer == "blended":
             return (1 - self.blend) * (old.velocity + moved) + self.blend * seen, None
-        return seen, transfer.affine_part(step.basis, self.grid.axes, old.position, nodal)
+        gradients = [transfer.gradient(step.basis, self.grid.axes, old.position, rate) for rate in rates]
+        return seen, np.stack(gradients, axis=1)
 
     def _without_adrift(self, points, basis):
         """`points` without those that nothing carries. Raises StepError if the run is to stop for them."""

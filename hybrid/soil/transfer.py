@@ -13,7 +13,8 @@ How points take up the rates of the nodes, Δv_v = v_v,n+1 - v_v,n, is a choice 
     affine       Σ S_vp v_v,n+1, and C_p (x_v - x_p) in the projection   C_p = Σ S_vp v_v ⊗ (x_v - x_p) D_p^-1,
                                                                          D_p = Σ S_vp (x_v - x_p) ⊗ (x_v - x_p)
 
-D_p is diagonal on a tensor-product grid. Affine: Jiang, Schroeder, Selle, Teran & Stomakhin, ACM Trans. Graph. 34
+D_p is diagonal on a tensor-product grid. Accelerations are always taken from the nodes, by affine transfer with their
+gradients too: what the way there and back takes off them acts as damping of first order in Δt. Affine: Jiang, Schroeder, Selle, Teran & Stomakhin, ACM Trans. Graph. 34
 (2015) 51; blended: Stomakhin, Schroeder, Chai, Teran & Selle, ibid. 32 (2013) 102.
 """
 
@@ -32,18 +33,20 @@ def project(basis, slabs, shape, mass, *fields):
     return m, *nodal
 
 
-def affine_momentum(basis, slabs, axes, position, mass, affine):
-    """Momentum (N, 3) [kg m/s] that velocity gradients C_p (n, 3, 3) [1/s] of points at `position` add to the nodes."""
-    shape = [len(a) for a in axes]
-    out = np.zeros((1, int(np.prod(shape)), 3))
-    _affine_momentum(slabs.order, slabs.start, basis.first, basis.count, basis.value, *axes, position, mass, affine, out[0])
-    return out[0]
+def affine_part(basis, slabs, axes, position, mass, affine, nodal_mass):
+    """What gradients C_p (n, 3, 3) of points at `position` (n, 3) [m] add to the projection of a field, (N, 3)."""
+    out = np.zeros((len(nodal_mass), 3))
+    _affine_part(slabs.order, slabs.start, basis.first, basis.count, basis.value, *axes, position, mass,
+                 np.ascontiguousarray(affine), out)
+    filled = nodal_mass > 0
+    out[filled] /= nodal_mass[filled, None]
+    return out
 
 
-def affine_part(basis, axes, position, velocity):
-    """C_p (n, 3, 3) [1/s] of nodal velocities (N, 3) [m/s] at points of `position` (n, 3) [m]."""
+def gradient(basis, axes, position, nodal):
+    """C_p (n, 3, 3) of a nodal field (N, 3) at points of `position` (n, 3) [m]."""
     out = np.zeros((len(position), 3, 3))
-    _affine_part(basis.first, basis.count, basis.value, *axes, position, velocity, out)
+    _gradient(basis.first, basis.count, basis.value, *axes, position, nodal, out)
     return out
 
 
@@ -87,7 +90,7 @@ def _interpolate(first, count, value, ny, nz, nodal, out):
 
 
 @njit(cache=True, parallel=True)
-def _affine_momentum(order, start, first, count, value, x, y, z, position, mass, affine, out):
+def _affine_part(order, start, first, count, value, x, y, z, position, mass, affine, out):
     slabs = len(start) - 1
     for colour in range(2):
         for half in prange((slabs - colour + 1) // 2):
@@ -106,7 +109,7 @@ def _affine_momentum(order, start, first, count, value, x, y, z, position, mass,
 
 
 @njit(cache=True, parallel=True)
-def _affine_part(first, count, value, x, y, z, position, velocity, out):
+def _gradient(first, count, value, x, y, z, position, nodal, out):
     for p in prange(len(first)):
         d0, d1, d2 = 0.0, 0.0, 0.0
         for a in range(count[p, 0]):
@@ -122,9 +125,9 @@ def _affine_part(first, count, value, x, y, z, position, velocity, out):
                     w = value[p, 0, a] * value[p, 1, b] * value[p, 2, c]
                     v = (i * len(y) + j) * len(z) + k
                     for q in range(3):
-                        out[p, q, 0] += w * velocity[v, q] * (x[i] - position[p, 0])
-                        out[p, q, 1] += w * velocity[v, q] * (y[j] - position[p, 1])
-                        out[p, q, 2] += w * velocity[v, q] * (z[k] - position[p, 2])
+                        out[p, q, 0] += w * nodal[v, q] * (x[i] - position[p, 0])
+                        out[p, q, 1] += w * nodal[v, q] * (y[j] - position[p, 1])
+                        out[p, q, 2] += w * nodal[v, q] * (z[k] - position[p, 2])
         for q in range(3):   # a point that sits on a node line of standard MPM has no arm, and no gradient
             out[p, q, 0] = out[p, q, 0] / d0 if d0 > 0.0 and len(x) > 1 else 0.0
             out[p, q, 1] = out[p, q, 1] / d1 if d1 > 0.0 and len(y) > 1 else 0.0

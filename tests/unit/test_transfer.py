@@ -11,7 +11,7 @@ from hybrid.soil.basis import evaluate_basis
 from hybrid.soil.grid import make_grid
 from hybrid.soil.model import Soil
 from hybrid.soil.points import at_rest, tile
-from hybrid.soil.transfer import affine_part, interpolate
+from hybrid.soil.transfer import gradient, interpolate
 from hybrid.system.pattern import make_pattern
 
 FREE = dict.fromkeys(("x_min", "x_max", "y_min", "y_max", "z_min", "z_max"), "free")
@@ -145,7 +145,7 @@ def spin_of_points(soil, points):
         for a in range(3):
             at = nodes[np.minimum(basis.first[:, axis] + a, len(nodes) - 1)]
             arm[:, axis] += basis.value[:, axis, a] * (at - points.position[:, axis]) ** 2
-    own = points.affine * arm[:, None, :]
+    own = points.affine[:, 0] * arm[:, None, :]
     return orbit + mass @ np.stack([own[:, 2, 1] - own[:, 1, 2], own[:, 0, 2] - own[:, 2, 0],
                                     own[:, 1, 0] - own[:, 0, 1]], axis=1)
 
@@ -156,13 +156,13 @@ def test_affine_transfer_conserves_both_momenta(name, basis):
     """From points to nodes and from nodes to points, with the gradients that the points carry."""
     soil, points = soil_on(NODES[name], basis)
     mass, nodes = soil.constants.mass, nodes_of(soil.grid)
-    points.affine = np.random.default_rng(2).standard_normal((len(points), 3, 3))
+    points.affine = np.random.default_rng(2).standard_normal((len(points), 1, 3, 3))
     step = soil.begin(points, np.zeros(3))
     size = mass @ np.linalg.norm(np.cross(points.position, points.velocity), axis=1)
     np.testing.assert_allclose(step.mass @ step.velocity, mass @ points.velocity, atol=1e-13 * size)
     np.testing.assert_allclose(step.mass @ np.cross(nodes, step.velocity), spin_of_points(soil, points), atol=1e-13 * size)
     seen = replace(points, velocity=interpolate(step.basis, soil.grid.shape, step.velocity),
-                   affine=affine_part(step.basis, soil.grid.axes, points.position, step.velocity))
+                   affine=gradient(step.basis, soil.grid.axes, points.position, step.velocity)[:, None])
     np.testing.assert_allclose(mass @ seen.velocity, step.mass @ step.velocity, atol=1e-13 * size)
     np.testing.assert_allclose(spin_of_points(soil, seen), step.mass @ np.cross(nodes, step.velocity), atol=1e-12 * size)
 
@@ -170,18 +170,20 @@ def test_affine_transfer_conserves_both_momenta(name, basis):
 def test_affine_transfer_keeps_linear_fields(case):
     """To the nodes, up to the outermost, and back; without the gradients the outermost nodes lag behind."""
     soil, points, _ = case
-    gradient = np.random.default_rng(3).uniform(-1, 1, (3, 3))
-    gradient[soil.grid.collapsed] = gradient[:, soil.grid.collapsed] = 0.0
-    points.velocity = points.position @ gradient.T
-    points.affine = np.broadcast_to(gradient, (len(points), 3, 3)).copy()
+    slope = np.random.default_rng(3).uniform(-1, 1, (2, 3, 3))
+    slope[:, soil.grid.collapsed] = slope[:, :, soil.grid.collapsed] = 0.0
+    points.velocity, points.acceleration = (points.position @ part.T for part in slope)
+    points.affine = np.tile(slope, (len(points), 1, 1, 1))
     errors = []
     for given in (points, replace(points, affine=None)):
         step = soil.begin(given, np.zeros(3))
-        errors.append(np.abs(step.velocity - nodes_of(soil.grid) @ gradient.T)[step.active].max())
-    assert errors[0] < 1e-12 < 1e-2 < errors[1]
+        errors.append([np.abs(field - nodes_of(soil.grid) @ part.T)[step.active].max()
+                       for field, part in zip((step.velocity, step.acceleration), slope)])
+    assert max(errors[0]) < 1e-12 < 1e-2 < min(errors[1])
     step = soil.begin(points, np.zeros(3))
-    found = affine_part(step.basis, soil.grid.axes, points.position, step.velocity)
-    np.testing.assert_allclose(found, points.affine, atol=1e-9)
+    for field, part in zip((step.velocity, step.acceleration), slope):
+        found = gradient(step.basis, soil.grid.axes, points.position, field)
+        np.testing.assert_allclose(found, np.broadcast_to(part, found.shape), atol=1e-9)
 
 
 @pytest.mark.parametrize("transfer", ["increments", "blended", "affine"])
