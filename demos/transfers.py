@@ -61,7 +61,8 @@ def rotating(transfer, steps=200, turns=1.0, **time):
     arm, rate = points.position - np.array([0.8, 0.5, 0.8]), np.pi
     points.velocity[:] = rate * np.cross([0.0, 1.0, 0.0], arm)
     if transfer == "affine":
-        points.affine = np.tile(rate * np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 0.0], [-1.0, 0.0, 0.0]]), (len(points), 1, 1, 1))
+        turn = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 0.0], [-1.0, 0.0, 0.0]])
+        points.affine = np.tile(rate * turn, (len(points), 1, 1, 1))
     points.acceleration[:] = -rate**2 * arm * [1.0, 0.0, 1.0]
 
     def spin(points):

@@ -19,7 +19,9 @@
 | W, A   | spin, spin_rate (body frame) | (3,)  | rad/s, rad/s² |
 | -      | algorithmic (space, body frame) | (6,) | m/s², rad/s² |
 
-C, the gradients of v, a and the algorithmic acceleration, is there with affine transfer only. Points that are out have gone astray and take no part any more; None where none has. The algorithmic acceleration a of `hybrid.scheme` is None where it is no history of its own.
+C, the gradients of v, a and the algorithmic acceleration, is there with affine transfer only. Points that are out have
+gone astray and take no part any more; None where none has. The algorithmic acceleration a of `hybrid.scheme` is None
+where it is no history of its own.
 
 A step computes a *new* State and never writes into the committed one, so a rejected step costs nothing to undo.
 """

@@ -68,10 +68,12 @@ def find_corners(position, half, grid, active, body, surface, reach, stiffness, 
     """Corners within `reach` [m] of the surface of `body` (a BodyState).
 
     active: (N,) bool, nodes that carry mass; stiffness: (n,) of a whole point [N/m]; history: ContactHistory;
-    expected: nodal increments (N, 3) [m] (None: held soil) and pose of the body that the step starts to iterate from; taking_part: (n,) bool, points that have not gone astray.
+    expected: nodal increments (N, 3) [m] (None: held soil) and pose of the body that the step starts to iterate from;
+    taking_part: (n,) bool, points that have not gone astray.
     """
     born = _born(position, half, taking_part, body, surface, reach, history.id)
-    kept = _within(history.position, body, surface, reach) & np.broadcast_to(taking_part, len(position))[history.id // 8]
+    kept = _within(history.position, body, surface, reach)
+    kept &= np.broadcast_to(taking_part, len(position))[history.id // 8]
     id = np.concatenate([history.id[kept], born])
     place = np.concatenate([history.position[kept], position[born // 8] + SIGNS[born % 8] * half[born // 8]])
     touching, anchor, side, pressure = (

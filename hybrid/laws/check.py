@@ -74,7 +74,8 @@ def _flow(law, response, strain, history, scale):
     _small(-work[:, None], 1e-14 * scale * np.abs(strain).max(), strain, history, "plastic flow gains energy", "J/m³")
     again = answer(law, response.elastic, history + plastic_increment(strain, response.elastic))
     _small(np.abs(again.stress - response.stress), 1e-9 * np.abs(response.stress).max() + 1e-14 * scale, strain,
-           history, "the response is not final: at its own elastic and plastic strain the law gives another stress", "Pa")
+           history, "the response is not final: the law gives another stress at its own elastic and plastic strain",
+            "Pa")
 
 
 def _small(error, limit, strain, history, words, unit):

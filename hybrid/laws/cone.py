@@ -107,7 +107,8 @@ def _rows(law, plastic):
     """Parameters of a law, of an elastic one with a strength that is never met where other points are `plastic`."""
     if law.plastic or not plastic:
         return law.parameters
-    return np.column_stack([law.parameters, np.tile([0.0, 0.0, UNLIMITED, 1.0, 0.0, 0.0, 1.0], (len(law.parameters), 1))])
+    unlimited = np.tile([0.0, 0.0, UNLIMITED, 1.0, 0.0, 0.0, 1.0], (len(law.parameters), 1))
+    return np.column_stack([law.parameters, unlimited])
 
 
 @njit(cache=True)

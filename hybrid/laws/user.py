@@ -6,10 +6,9 @@
     hybrid.run(scene, law=clay)    # or hybrid.build.build(scene, law=clay)
 
 It is asked once for a law of all points: `points` are PointConstants (position, half, volume, mass), `stress` (n, 3)
-[Pa] is the initial stress along x, y and z. The law's answers are checked for shape at every call; a point with an answer
-that is no finite number counts as failed, so that the increment is halved. Try a new law with `hybrid.check_law` first:
-it compares the tangent with finite differences. demos/user_law.py is an example.
-"""
+[Pa] is the initial stress along x, y and z. The law's answers are checked for shape at every call; a point with an
+answer that is no finite number counts as failed, so that the increment is halved. Try a new law with
+`hybrid.check_law` first: it compares the tangent with finite differences. demos/user_law.py is an example."""
 
 import numpy as np
 

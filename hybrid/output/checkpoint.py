@@ -1,8 +1,8 @@
 """checkpoint.npz: the whole state to the last bit, with the scene it belongs to.
 
 A run is resumed only with the scene that wrote the checkpoint. What may differ is what does not change the
-physics: the output and solver tables, what becomes of stray points, and the number of steps of the last stage, so that a run can be taken
-further.
+physics: the output and solver tables, what becomes of stray points, and the number of steps of the last stage, so
+that a run can be taken further.
 """
 
 import dataclasses

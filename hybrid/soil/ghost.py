@@ -7,8 +7,9 @@ displacement together across faces between a boundary cell (filled, with an empt
     f_v = Σ_faces γ h ∫ [∂_n N_v] [∂_n Δu] dΓ            K_vw = Σ_faces γ h ∫ [∂_n N_v][∂_n N_w] dΓ I
 
 [∂_n N] the jump over the face of the derivative along its normal; h the mean of the two cells along the normal [m]; γ a
-modulus [Pa], a factor times the mean Young's modulus of the points that reach the two cells. A linear field has no jump: constant strain, translation and
-rotation are free. Rows sum to zero, so no momentum is added; and as Δu is of the step, no stress stays behind.
+modulus [Pa], a factor times the mean Young's modulus of the points that reach the two cells. A linear field has no
+jump: constant strain, translation and rotation are free. Rows sum to zero, so no momentum is added; and as Δu is of
+the step, no stress stays behind.
 
 After Coombs, Int. J. Numer. Methods Eng. 124 (2023) 4841-4875, who takes γ = E/30 and h³/3 in place of h: the same for
 h = 1 m up to the third, but a stiffness has to scale with h for the condition not to depend on the size of the cells.
@@ -108,7 +109,7 @@ def _line(nodes, first, thickness, normal, factor):
 
 @njit(cache=True)
 def _face(face, x, y, z, thickness, node, place, matrix):
-    """Nodes of a face, their places in a 5x5x5 stencil and its matrix (12, 12) but for the modulus; returns how many."""
+    """Nodes of a face, their places in a 5x5x5 stencil and the matrix (12, 12) of γ = 1; returns how many."""
     fx, fy, fz = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
     nx = _line(x, face[0], thickness[0], face[3] == 0, fx)
     ny = _line(y, face[1], thickness[1], face[3] == 1, fy)

@@ -68,11 +68,17 @@ class SoilStep:
 
 
 class Soil:
-    """Model of the soil: grid, points' constants, law, choice of basis ("gimp" | "mpm") and of domain update, and the
-    share of the elastic stiffness in the tangent of plastic points; fbar: with the cure for locking of
-    `hybrid.soil.fbar`; ghost_factor: on Young's modulus in the cure for small cuts of `hybrid.soil.ghost`, 0 without; stray: what
-    becomes of points that leave (`hybrid.soil.stray`); adrift: whether soil may be held by nothing;
-    transfer, blend: how points take up the motion of the nodes (`hybrid.soil.transfer`)."""
+    """Model of the soil: grid, points' constants, law, and what a scene may choose.
+
+    basis          "gimp" | "mpm"
+    domain         update of the points' domains (`hybrid.soil.domains`)
+    held           all displacements are zero
+    elastic_share  of the elastic stiffness in the tangent of plastic points
+    fbar           with the cure for locking (`hybrid.soil.fbar`)
+    ghost_factor   on Young's modulus in the cure for small cuts (`hybrid.soil.ghost`), 0 without
+    stray, adrift  what becomes of points that leave, and whether soil may be held by nothing (`hybrid.soil.stray`)
+    transfer, blend  how points take up the motion of the nodes (`hybrid.soil.transfer`)
+    """
 
     def __init__(self, grid: Grid, constants: PointConstants, law, basis="gimp", domain="stretch", held=False,
                  elastic_share=0.0, fbar=False, ghost_factor=0.0, stray="stop", adrift=True,
@@ -201,7 +207,8 @@ class Soil:
     def plastic_work(self, step, trial):
         """Work dissipated by plastic flow in the step [J]: Σ τ · Δε_p V0."""
         flow = trial.strain.strain - trial.response.elastic
-        return float(total(np.sum(trial.response.stress * flow, axis=1) * _of_those_in(step.points, self.constants.volume)))
+        volume = _of_those_in(step.points, self.constants.volume)
+        return float(total(np.sum(trial.response.stress * flow, axis=1) * volume))
 
     def stored_energy(self, points):
         """Elastic energy of committed points [J]."""

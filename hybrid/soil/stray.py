@@ -28,8 +28,8 @@ def outside(position, grid):
 
 
 def adrift(basis, grid, taking_part=None):
-    """(n,) int, 0 for points of the largest piece of soil, else the number of their piece, and (pieces,) bool, whether a
-    node of a piece is held. Pieces are sets of cells that touch, at a corner at least.
+    """(n,) int, 0 for points of the largest piece of soil, else the number of their piece, and (pieces,) bool, whether
+    a node of a piece is held. Pieces are sets of cells that touch, at a corner at least.
 
     taking_part: (n,) bool, None for all.
     """
@@ -97,8 +97,8 @@ def refuse_outside(left, position, grid):
     if len(ids) == 0:
         return
     ends = "; ".join(f"{axis} {low:.6g} to {high:.6g}" for axis, (low, high) in zip("xyz", grid.extent))
-    raise StepError(f"{listed(ids, position[ids])} would leave the grid ({ends} m); enlarge the grid, hold its face, or "
-                    'set soil.stray = "freeze" or "remove"')
+    raise StepError(f"{listed(ids, position[ids])} would leave the grid ({ends} m); enlarge the grid, hold its face, "
+                    'or set soil.stray = "freeze" or "remove"')
 
 
 def refuse_adrift(loose, position):

@@ -14,8 +14,10 @@ How points take up the rates of the nodes, Δv_v = v_v,n+1 - v_v,n, is a choice 
                                                                          D_p = Σ S_vp (x_v - x_p) ⊗ (x_v - x_p)
 
 D_p is diagonal on a tensor-product grid. Accelerations are always taken from the nodes, by affine transfer with their
-gradients too: what the way there and back takes off them acts as damping of first order in Δt. Affine: Jiang, Schroeder, Selle, Teran & Stomakhin, ACM Trans. Graph. 34
-(2015) 51; blended: Stomakhin, Schroeder, Chai, Teran & Selle, ibid. 32 (2013) 102.
+gradients too: what the way there and back takes off them acts as damping of first order in Δt.
+
+Affine: Jiang, Schroeder, Selle, Teran & Stomakhin, ACM Trans. Graph. 34 (2015) 51; blended: Stomakhin, Schroeder,
+Chai, Teran & Selle, ibid. 32 (2013) 102.
 """
 
 import numpy as np
@@ -104,8 +106,9 @@ def _affine_part(order, start, first, count, value, x, y, z, position, mass, aff
                             i, j, k = first[p, 0] + a, first[p, 1] + b, first[p, 2] + c
                             w = value[p, 0, a] * value[p, 1, b] * value[p, 2, c] * mass[p]
                             r0, r1, r2 = x[i] - position[p, 0], y[j] - position[p, 1], z[k] - position[p, 2]
+                            v = (i * len(y) + j) * len(z) + k
                             for q in range(3):
-                                out[(i * len(y) + j) * len(z) + k, q] += w * (C[q, 0] * r0 + C[q, 1] * r1 + C[q, 2] * r2)
+                                out[v, q] += w * (C[q, 0] * r0 + C[q, 1] * r1 + C[q, 2] * r2)
 
 
 @njit(cache=True, parallel=True)

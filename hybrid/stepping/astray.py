@@ -23,10 +23,10 @@ class Astray:
             if len(ids) < max(1, 2 * self._told[kind]):
                 continue
             self._told[kind] = len(ids)
-            mass = model.soil.constants.mass
-            texts.append(f"{len(ids)} of {len(found)} points {kind} at t = {state.time:.4g} s ({mass[ids].sum():.4g} kg, "
-                         f"{mass[ids].sum() / mass.sum():.2g} of the mass): {stray.listed(ids, state.points.position[ids])}."
-                         f" {meaning}")
+            mass, at = model.soil.constants.mass, state.points.position[ids]
+            heavy = mass[ids].sum()
+            texts.append(f"{len(ids)} of {len(found)} points {kind} at t = {state.time:.4g} s ({heavy:.4g} kg, "
+                         f"{heavy / mass.sum():.2g} of the mass): {stray.listed(ids, at)}. {meaning}")
         return tuple(texts)
 
 

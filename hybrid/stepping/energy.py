@@ -58,5 +58,5 @@ class Gain:
             return ()
         self._said = True
         return (f"energy out of nothing: at t = {time:.4g} s there are {gain:.3g} J too many, {gain / held:.0%} of "
-                f"what moves, soil and contact hold (limit {self.LIMIT:.0%}). Contact comes and goes faster than the step "
-                "resolves; use a smaller time.step, a lower body.penalty, or a scheme that damps",)
+                f"what moves, soil and contact hold (limit {self.LIMIT:.0%}). Contact comes and goes faster than the "
+                "step resolves; use a smaller time.step, a lower body.penalty, or a scheme that damps",)

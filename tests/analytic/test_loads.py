@@ -43,7 +43,8 @@ def test_uniform_body_force_is_as_gravity():
     start, before = simulation.state.points, energies(simulation.model, simulation.state)
     for n, record in enumerate(simulation.steps(), 1):
         fallen = simulation.state.points.position - start.position
-        np.testing.assert_allclose(fallen, np.broadcast_to((GRAVITY + force) * (0.04 * n)**2 / 2, fallen.shape), atol=1e-12)
+        wanted = (GRAVITY + force) * (0.04 * n) ** 2 / 2
+        np.testing.assert_allclose(fallen, np.broadcast_to(wanted, fallen.shape), atol=1e-12)
     mass = simulation.model.soil.constants.mass.sum()
     assert record.energies["load"] == pytest.approx(mass * force @ fallen[0], rel=1e-10)
     assert abs(balance_error(record.energies, before)) < 1e-10 * mass

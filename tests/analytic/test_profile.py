@@ -116,7 +116,8 @@ def test_elastic_layers_stay_elastic():
 @pytest.mark.parametrize("change, words", [
     ({"layers": (replace(CLAY, top=0.6, bottom=0.4),)}, "holds no point: z = 0.4 to 0.6 m"),
     ({"layers": (replace(CLAY, top=-1.0, bottom=-1.01),)}, "thinner than a point"),
-    ({"layers": (replace(CLAY, material={**CLAY.material, "strength_gradient": -20e3}),)}, "clay: .* leaves .* Pa at a"),
+    ({"layers": (replace(CLAY, material={**CLAY.material, "strength_gradient": -20e3}),)},
+     "clay: .* leaves .* Pa at a"),
     ({"layers": (replace(CLAY, k0=0.2, material={**CLAY.material, "strength": 3e3}),)},
      "the stress at rest at a depth of .* is more than the law can carry.* k0"),
     ({"k0": 0.1}, "more than the law can carry"),

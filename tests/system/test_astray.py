@@ -102,7 +102,8 @@ def test_soil_adrift_is_told_of_and_refused_where_nothing_carries_it():
 def test_pieces_of_soil():
     axes = (np.arange(8.0),) * 3
     grid = make_grid(axes, np.array([(0.0, 7.0)] * 3), dict.fromkeys(FACES, "free") | {"x_max": "roller"})
-    place = np.array([[0.5, 0.5, 0.5], [1.5, 1.5, 1.5], [1.5, 0.5, 0.5], [4.5, 4.5, 4.5], [6.5, 0.5, 0.5], [6.5, 1.5, 0.5]])
+    place = np.array([[0.5, 0.5, 0.5], [1.5, 1.5, 1.5], [1.5, 0.5, 0.5],
+                      [4.5, 4.5, 4.5], [6.5, 0.5, 0.5], [6.5, 1.5, 0.5]])
     basis = evaluate_basis(place, np.full((6, 3), 0.4), grid.axes)
     piece, held = stray.adrift(basis, grid)
     assert (piece[:3] == 0).all() and piece[3] != piece[4] == piece[5] != 0

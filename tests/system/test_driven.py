@@ -116,7 +116,7 @@ def test_what_guides_held_back_accelerates_when_they_let_go(options, held):
 
 @every_scheme
 def test_a_moment_that_guides_held_back_turns_the_body_when_they_let_go(options):
-    """Pulled by a stretched line beside its centre, W ≈ J⁻¹ (r × F) t; half of that after a step from no acceleration."""
+    """Pulled by a stretched line beside its centre, W ≈ J⁻¹ (r × F) t, half of it after a step from no acceleration."""
     pull = Pull(point=(0.0, 0.1, 0.0), velocity=(1.0, 0.0, 0.0), stiffness=1e4, length=10.0, tension_only=False)
     stages = Stage("hold", 1, held=("x", "y", "z", "rx", "ry", "rz")), Stage("fly", 1, step=1e-4)
     simulation, records, motions = flying(options, (0.0, 0.0, 0.0), stages, pull=pull)

@@ -1,4 +1,4 @@
-"""An impact that falls into one step of undamped Newmark makes energy out of nothing: it is said once, with remedies."""
+"""An impact within one step of undamped Newmark makes energy out of nothing: it is said once, with remedies."""
 
 import pytest
 from scenes import box, plane, soil_scene, steel

@@ -87,7 +87,8 @@ def test_a_flying_body_of_a_scene_keeps_its_angular_momentum(geometry):
 
 def test_newmark_projects_no_more_than_before(geometry, monkeypatch):
     fields, project = [], transfer.project
-    runs = [build(landing(geometry, (Stage("fall", 2),), **options)) for options in ({}, {"scheme": "generalised-alpha"})]
+    runs = [build(landing(geometry, (Stage("fall", 2),), **options))
+            for options in ({}, {"scheme": "generalised-alpha"})]
     monkeypatch.setattr(transfer, "project", lambda *given: fields.append(len(given) - 4) or project(*given))
     for run in runs:
         list(run.steps())

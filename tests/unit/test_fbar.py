@@ -43,7 +43,8 @@ def test_mean_gradient_of_a_linear_field_is_its_gradient(name, standard):
 def test_mean_gradient_is_that_of_cell_centres():
     """A domain inside one cell takes that cell's, one that overlaps two a mean by volume."""
     axes = (np.array([0.0, 1.0, 3.0]),) * 3
-    place, half = np.array([[0.5, 0.5, 0.5], [1.0, 0.5, 0.5], [0.9, 0.4, 1.6]]), np.array([[0.3] * 3, [0.2] * 3, [0.2] * 3])
+    place = np.array([[0.5, 0.5, 0.5], [1.0, 0.5, 0.5], [0.9, 0.4, 1.6]])
+    half = np.array([[0.3] * 3, [0.2] * 3, [0.2] * 3])
     basis = evaluate_basis(place, half, axes)
     mean = mean_basis(place, half, axes, basis)
     displacement = 0.1 * np.random.default_rng(3).standard_normal((27, 3))
@@ -112,6 +113,6 @@ def test_beam_does_not_lock():
 
 
 def test_plane_strain_agrees_with_three_dimensions_as_cells_shrink():
-    """Between rollers all three axes are scaled, in plane strain two: 2 % apart with 2 cells in the depth of the beam."""
+    """Between rollers all three axes are scaled, in plane strain two: 2 % apart with 2 cells in the beam's depth."""
     apart = [abs(sagging(0.45, True, True, cells) / sagging(0.45, True, False, cells) - 1) for cells in (2, 4)]
     assert apart[1] < 0.4 * apart[0] < 0.01
