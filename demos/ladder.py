@@ -29,7 +29,7 @@ import numpy as np
 from hybrid.errors import StepError
 
 OUT = Path("out/ladder")
-STANDARD = {"basis": "mpm", "domain": "none"}
+STANDARD = {"basis": "mpm", "domain": "none", "transfer": "increments"}
 METHODS = {"GIMP": {}, "GIMP, rigid domains": {"domain": "none"}, "standard MPM": STANDARD}
 
 

@@ -88,7 +88,8 @@ def build_soil(scene, grid, loads, law=None):
         points.acceleration[:] = loads.on_points(0.0, constants.position)  # nothing holds it yet
     soil = Soil(grid, constants, law, described.basis, described.domain, described.held, scene.solver.elastic_share,
                 described.fbar, described.ghost, described.stray, adrift=scene.time.inertia,
-                transfer=described.transfer, blend=0.05 if described.blend is None else described.blend)
+                transfer=described.transfer if scene.time.inertia else "increments",
+                blend=0.05 if described.blend is None else described.blend)
     return soil, points
 
 

@@ -212,7 +212,7 @@ class Body:
     driven       translations and rotations that keep the velocity and spin of the start, whatever it takes
     friction     [-] Coulomb coefficient against the soil
     penalty      [1/m] p_f in ε_N = p_f E A
-    tangential   [-] ε_T / ε_N; what rolls creeps in inverse proportion
+    tangential   [-] ε_T / ε_N; what rolls creeps less the larger it is
     enforcement  penalty, or augmented Lagrangian: multipliers take the overlap away, at several solutions a step
     second_pass  [-] share of the contact carried by the body's vertices and edges against the faces of the points'
                  domains, from 0 (none) to 1; the rest is carried by the domains' corners against the body's triangles

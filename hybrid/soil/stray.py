@@ -70,7 +70,7 @@ def kept_back(old, new, leaving):
     for name, value in fields.items():
         if value is not None and name != "out":
             keep = out.reshape(-1, *[1] * (value.ndim - 1))
-            still = name in ("velocity", "acceleration", "algorithmic")
+            still = name in ("velocity", "acceleration", "algorithmic", "affine")
             fields[name] = np.where(keep, 0.0 if still else getattr(old, name), value)
     return dataclasses.replace(new, **fields | {"out": out})
 

@@ -8,7 +8,7 @@ from demo_scripts import demo
 
 DEMO = demo("ladder_manufactured")
 QUIET, LARGE, DRIFTING = DEMO.Wave(1e-4), DEMO.Wave(0.05), DEMO.Wave(0.05, 5.0)
-STANDARD = {"basis": "mpm", "domain": "none"}
+STANDARD = {"basis": "mpm", "domain": "none", "transfer": "increments"}
 
 
 @functools.cache
@@ -45,7 +45,7 @@ def test_quiet_points_have_the_orders_of_linear_elements():
     for options in ({}, STANDARD):
         observed, fine = orders(QUIET, **options)
         assert fine.crossed == 0
-        assert observed == pytest.approx([1.9, 1.0], abs=0.15)
+        assert 1.75 < observed[0] < 2.3 and observed[1] == pytest.approx(1.0, abs=0.15)
 
 
 @pytest.mark.parametrize("wave", [LARGE, DRIFTING], ids=["shaken", "drifting"])
@@ -53,7 +53,7 @@ def test_moving_points_keep_second_order_with_gimp(wave):
     """Every point crosses 4 and 19 nodes; the stress gains an order by it."""
     observed, fine = orders(wave)
     assert fine.crossed > 4 and fine.displacement < 0.005 and fine.stress < 0.01
-    assert observed == pytest.approx([2.0, 2.0], abs=0.15)
+    assert observed == pytest.approx([2.0, 1.9], abs=0.15)
 
 
 @pytest.mark.parametrize("wave", [LARGE, DRIFTING], ids=["shaken", "drifting"])
@@ -89,10 +89,12 @@ def test_order_in_time(scheme, wanted, counts, reference):
     assert np.log2(errors[:-1] / errors[1:])[-1] == pytest.approx(wanted, abs=0.2)
 
 
-def test_projection_leaves_a_first_order_term_on_coarse_grids():
-    """Accelerations are projected once more than velocities: an error of Δt (kh)², the larger part at 16 cells."""
-    errors = DEMO.in_time(QUIET, 16, (48, 96), 384)
-    assert 0.5 < np.log2(errors[0] / errors[1]) < 1.4 and errors[1] < 1.5e-3
+@pytest.mark.parametrize("transfer, low, high", [("increments", 0.5, 1.4), ("affine", 1.8, 2.2)])
+def test_order_in_time_on_coarse_grids(transfer, low, high):
+    """Without their gradients accelerations are smoothed on the way there and back: an error of Δt (kh)², the larger
+    part at 16 cells."""
+    errors = DEMO.in_time(QUIET, 16, (48, 96), 384, transfer=transfer)
+    assert low < np.log2(errors[0] / errors[1]) < high and errors[1] < 1.5e-3
 
 
 def test_swirl_in_three_dimensions():

@@ -1,5 +1,7 @@
 """A spinning sphere flies into a block of elastic soil and nothing else acts: what is to be conserved is."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -99,11 +101,14 @@ def test_energy_does_not_grow(geometry, friction):
     assert last < start["kinetic"] and (rubbed > 0.0) == (friction > 0.0)
 
 
-def test_the_loss_falls_with_the_step(geometry):
-    """The transfer between points and nodes dissipates: less the shorter the step."""
+@pytest.mark.parametrize("transfer, ratio", [("increments", (1.25, 1.5)), ("affine", (0.75, 1.0))])
+def test_what_the_transfer_loses(geometry, transfer, ratio):
+    """An impact that a block of four cells hardly resolves: increments lose 26, 19, 14 % in steps of 2, 1, 0.5 ms,
+    affine transfer 27, 32, 35 %, for it takes what the grid does not see away at every step."""
     lost = []
     for parts in (1, 2):
-        simulation = build(scene(geometry, friction=0.0))
+        described = scene(geometry, friction=0.0)
+        simulation = build(replace(described, soil=replace(described.soil, transfer=transfer)))
         model, state, systems = simulation.model, simulation.state, Systems(simulation.model)
         start = energies(model, state)
         for _ in range(STEPS * parts):
@@ -112,4 +117,4 @@ def test_the_loss_falls_with_the_step(geometry):
             assert outcome.converged, outcome.reason
             state = step.accept(outcome.evaluation)
         lost.append(-balance_error(energies(model, state, outcome.evaluation), start) / start["kinetic"])
-    assert 0.3 > lost[0] > 1.25 * lost[1] > 0
+    assert 0.3 > lost[0] > 0 and ratio[0] < lost[0] / lost[1] < ratio[1]
