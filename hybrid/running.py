@@ -18,7 +18,7 @@ def run(scene, out=None, overrides=(), resume=False, quiet=False, law=None):
     if isinstance(scene, (str, Path)):
         scene = load_scene(scene, overrides)
     folder = Path(out) if out is not None else Path("out") / scene.name
-    simulation = build(scene, law)
+    simulation = build(scene, law=law)
     if resume:
         simulation.state = checkpoint.load(folder / checkpoint.NAME, simulation.scene)
         simulation.increment = checkpoint.read_extra(folder / checkpoint.NAME).get("increment")
