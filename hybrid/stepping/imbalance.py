@@ -43,8 +43,8 @@ class Imbalance:
 
 
 def measure(step, evaluation):
-    """Imbalance of the state that `step` begins from, by its `evaluation` with nothing moved; None where the soil is held
-    or weighs nothing."""
+    """Imbalance of the state that `step` begins from, by its `evaluation` with nothing moved; None where the soil is
+    held or weighs nothing."""
     weight = 0.0 if step.soil is None else float(np.sum(step.soil.mass)) * float(np.linalg.norm(step.model.gravity))
     if weight == 0.0:
         return None

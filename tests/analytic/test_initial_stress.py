@@ -114,6 +114,10 @@ def test_sheet_and_first_record_tell_of_it():
     assert len(notes) == 1 and notes[0][0] == 1
     assert notes[0][1].startswith("initial imbalance: 8.3 % of the weight, largest near (2, 0.5, -0.75) m is out of")
     assert "stage.gamma = 1" in notes[0][1] and "stage.gravity = [0.0, 1.0]" in notes[0][1]
+    halfway, resumed = build(cut(steps=3)), build(cut(steps=3))
+    next(halfway.steps())
+    resumed.state = halfway.state
+    assert all(record.notes == () for record in resumed.steps())
     for scene, words in ((cut(damped=True), "'settle' damps"), (cut(time={"inertia": False}), "has no inertia"),
                          (cut(geostatic=False), "no stress yet and its weight acts at once")):
         (record,) = build(scene).steps()

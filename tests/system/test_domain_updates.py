@@ -51,7 +51,7 @@ def test_only_the_moments_turn_with_the_soil():
 
 
 def test_shear():
-    """The diagonal is exact in simple shear; moments keep the volume, and the stretch, 1.2 times of it, is a bit better."""
+    """The diagonal is exact in simple shear; moments keep the volume; the stretch, with 1.2 of it, is better."""
     name = "squeezed to 0.8, sheared to 1"
     assert worst("diagonal", name) < 1e-12 and worst("diagonal", name, "volume") < 1e-12
     assert worst("moments", name, "volume") < 1e-12 and worst("stretch", name, "volume") > 0.15

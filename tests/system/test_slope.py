@@ -1,7 +1,7 @@
 """A long slope whose gravity is turned on (demos/slope.toml): the stress of the infinite slope, and when it slides.
 
-At a depth d of the middle  σ_zz = -ρ g d cosθ,  τ_xz = ρ g d sinθ.  Sliding along the base of L at a share s of gravity,
-with D deep soil pushed up at the lower end (passive) and let down at the upper one (active), Rankine's K = tan²(45° ± φ/2):
+At a depth d of the middle  σ_zz = -ρ g d cosθ,  τ_xz = ρ g d sinθ.  Sliding along the base of length L at a share s
+of gravity, with soil of depth D pushed up at the lower end and let down at the upper, Rankine's K = tan²(45° ± φ/2):
 
     s [γD L (sinθ - cosθ tanφ) - (Kp - Ka)/2 γD² cosθ] = c L + 2c D (√Kp + √Ka)          γ = ρ g
 """
@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from hybrid.build import build
-from hybrid.errors import StepError
+from hybrid.errors import SceneError, StepError
 from hybrid.scene_file import load_scene
 
 DEMO = Path(__file__).parents[2] / "demos" / "slope.toml"
@@ -61,11 +61,17 @@ def test_a_slope_below_its_friction_angle_stands_with_the_stress_of_the_infinite
 
 
 def test_a_slope_above_its_friction_angle_slides():
-    """The run stops at the share of gravity that limit equilibrium gives, and says what stopped it. Without its ends the
-    slope would slide at half of that; with 25 degrees of friction all of gravity does not move it."""
+    """The run stops at the share of gravity that limit equilibrium gives, and says what stopped it. Without its ends
+    the slope would slide at half of that; with 25 degrees of friction all of gravity does not move it."""
     with pytest.raises(StepError, match="residual .* after 15 iterations.*cannot carry its load") as failure:
         list(slope(*friction(12)).steps())
     reached = float(re.search(r"t = (\S+) s", str(failure.value)).group(1)) / 10
     assert reached == pytest.approx(share_at_sliding(12), rel=0.1)
     assert reached > 1.8 * COHESION / (WEIGHT * DEPTH * (np.sin(STEEP) - np.cos(STEEP) * np.tan(np.radians(12))))
     assert len(list(slope(*COARSE, *friction(25)).steps())) == 10
+
+
+def test_stress_at_rest_is_refused_under_inclined_gravity():
+    """It would not be in equilibrium; the remedy is the one that this scene uses."""
+    with pytest.raises(SceneError, match=r"geostatic needs gravity along -z.*stage.gravity = \[0.0, 1.0\]"):
+        slope("soil.geostatic=true", "stage.0.gravity=[1.0, 1.0]")
