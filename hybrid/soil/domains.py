@@ -26,7 +26,7 @@ THINNEST = 1e-3  # of the initial half-width: keeps the basis well defined for a
 def updated_half(rule, initial_half, deformation, position, axes):
     """Half-widths (n, 3) [m] from the initial ones, F (n, 3, 3) and positions (n, 3) [m]."""
     if rule == "moments":
-        half = _moments(initial_half, deformation, sum(len(nodes) > 1 for nodes in axes))
+        half = _moments(initial_half, deformation, np.array([len(nodes) > 1 for nodes in axes]))
     else:
         half = initial_half * _stretches(UPDATES[rule], deformation)
     np.maximum(half, THINNEST * initial_half, out=half)
@@ -63,7 +63,7 @@ def _stretches(rule, deformation):
 
 
 @njit(cache=True, parallel=True)
-def _moments(initial_half, deformation, deforming):
+def _moments(initial_half, deformation, deforms):
     out = np.empty_like(initial_half)
     for p in prange(len(deformation)):
         F, ratio = deformation[p], 1.0
@@ -72,10 +72,11 @@ def _moments(initial_half, deformation, deforming):
             for j in range(3):
                 square += (F[i, j] * initial_half[p, j]) ** 2
             out[p, i] = np.sqrt(square)
-            ratio *= out[p, i] / initial_half[p, i]
+            if deforms[i]:
+                ratio *= out[p, i] / initial_half[p, i]
         volume = (F[0, 0] * (F[1, 1] * F[2, 2] - F[1, 2] * F[2, 1]) - F[0, 1] * (F[1, 0] * F[2, 2] - F[1, 2] * F[2, 0])
                   + F[0, 2] * (F[1, 0] * F[2, 1] - F[1, 1] * F[2, 0]))
-        out[p] *= (volume / ratio) ** (1.0 / deforming)
+        out[p] *= (volume / ratio) ** (1.0 / np.sum(deforms))
     return out
 
 
