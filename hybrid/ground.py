@@ -49,7 +49,8 @@ def build_ground(described, constants, top, gravity, own_law=None):
     if described.geostatic and not described.held:
         if np.any(gravity[:2] != 0.0) or gravity[2] > 0.0:
             raise SceneError(f"soil.geostatic needs gravity along -z, but gravity = {gravity.tolist()}; set "
-                             "soil.geostatic = false and let the stress build up, or turn the scene")
+                             "soil.geostatic = false and turn gravity on by stage.gravity = [0.0, 1.0], or turn the "
+                             "scene")
         stress = -vertical[:, None] * np.stack([k0, k0, np.ones_like(k0)], axis=1)
     if own_law is not None:
         law = adopt(own_law(constants, stress.copy()), len(constants))

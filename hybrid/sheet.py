@@ -11,8 +11,9 @@ BYTES_PER_POINT = 1500  # history, constants, trial buffers and temporaries of o
 BYTES_PER_ENTRY = 24    # of the soil block: value and index, the same again for the incomplete factor
 
 
-def model_sheet(scene, model):
-    """Sections {title: {label: value}} for `hybrid check` and summary.json."""
+def model_sheet(scene, model, imbalance=None):
+    """Sections {title: {label: value}} for `hybrid check` and summary.json; imbalance: of the initial state, where the
+    soil has a weight to carry."""
     soil = model.soil
     pattern = _pattern(soil)
     body_unknowns = int(np.count_nonzero(model.body_free))
@@ -33,6 +34,8 @@ def model_sheet(scene, model):
         "time integration": _schemes(scene, model.scheme),
         "memory, estimated [MiB]": round(memory / 2**20),
     }
+    if imbalance is not None:
+        modelled["initial imbalance"] = str(imbalance)
     if scene.soil.layers:
         modelled["soil layers"] = [_layer(layer, scene, soil) for layer in scene.soil.layers]
     return {"modelled": modelled, "left out": left_out(scene, model, pattern)}

@@ -13,6 +13,7 @@ from hybrid.sheet import model_sheet
 from hybrid.stepping import newton
 from hybrid.stepping.astray import Astray
 from hybrid.stepping.energy import Gain, balance_error, energies
+from hybrid.stepping.imbalance import measure
 from hybrid.stepping.leaving import Leaving
 from hybrid.stepping.loop import Control, outer_step
 from hybrid.system.cache import Systems
@@ -33,8 +34,9 @@ class Simulation:
         self.evaluation = None
         self.increment = None   # [s] that the next step of this stage tries first; None: all of it
         start = Step(model, state, scene.time.step, False, Systems(model))
-        # a body may start in the soil a little
-        self._start_energy = energies(model, state, start.evaluate(start.still()))
+        evaluation = start.evaluate(start.still())
+        self._start_energy = energies(model, state, evaluation)     # a body may start in the soil a little
+        self.imbalance = measure(start, evaluation)
         self._leaving, self._gain = Leaving(model, state.bodies), Gain()
         self._astray = None if model.soil.held else Astray(model, state.points)
 
@@ -45,7 +47,7 @@ class Simulation:
 
     def sheet(self):
         """What is modelled and what is left out, with sizes: {section: {label: value}}."""
-        return model_sheet(self.scene, self.model)
+        return model_sheet(self.scene, self.model, self.imbalance)
 
     def contact_forces(self, b):
         """Force of the soil on each surface vertex of body b at the last accepted step, (V, 3) [N]."""
@@ -130,4 +132,12 @@ class Simulation:
     def _notes(self, energy):
         state = self.state
         astray = self._astray.notes(self.model, state) if self._astray else ()
-        return self._leaving.notes(self.model, state) + astray + self._gain.notes(state.time, energy)
+        return (self._initial_notes() + self._leaving.notes(self.model, state) + astray
+                + self._gain.notes(state.time, energy))
+
+    def _initial_notes(self):
+        """What is told once, with the first step of all."""
+        if self.imbalance is None or self.state.step != 1:
+            return ()
+        stage = self.scene.stages[0]
+        return self.imbalance.notes(stage, self.model.scheme.with_pair(stage.beta, stage.gamma))

@@ -1,10 +1,16 @@
 """Domains of the points: boxes along the axes whose half-widths follow the deformation.
 
-    none      l = l0
-    stretch   l = l0 U_ii,  U the right stretch of F = R U
-    diagonal  l = l0 F_ii
+    none      l_i = l0_i
+    stretch   l_i = l0_i U_ii,  U the right stretch of F = R U
+    diagonal  l_i = l0_i |F_ii|
+    moments   l_i = s √Σ_j (F_ij l0_j)²,  s such that Π l = J Π l0 over the axes that deform
+
+U belongs to the axes of the start: soil that has turned by 90 degrees and is stretched then has domains that widen the
+wrong way. `moments` gives the box the second moments Σ_j (F_ij l0_j)²/3 of the deformed domain along the axes, and its
+volume, so it turns with the soil, whatever the shape of the domain at the start (`demos/domains.py` compares all).
 
 A domain is kept no wider than the cell that holds its centre (so three nodes an axis suffice) and inside the grid.
+Domains of n points a cell along an axis therefore tile a bar only until it is stretched n times.
 """
 
 import numpy as np
@@ -13,13 +19,16 @@ from numba import njit, prange
 from hybrid.soil.basis import find_cell
 from hybrid.soil.kinematics import eigen_symmetric
 
-UPDATES = {"none": 0, "stretch": 1, "diagonal": 2}
+UPDATES = {"none": 0, "stretch": 1, "diagonal": 2}     # those that scale each axis by itself
 THINNEST = 1e-3  # of the initial half-width: keeps the basis well defined for a squashed point
 
 
 def updated_half(rule, initial_half, deformation, position, axes):
     """Half-widths (n, 3) [m] from the initial ones, F (n, 3, 3) and positions (n, 3) [m]."""
-    half = initial_half * _stretches(UPDATES[rule], deformation)
+    if rule == "moments":
+        half = _moments(initial_half, deformation, np.array([len(nodes) > 1 for nodes in axes]))
+    else:
+        half = initial_half * _stretches(UPDATES[rule], deformation)
     np.maximum(half, THINNEST * initial_half, out=half)
     for axis, nodes in enumerate(axes):
         if len(nodes) > 1:
@@ -50,6 +59,24 @@ def _stretches(rule, deformation):
             for i in range(3):
                 out[p, i] = (np.sqrt(max(c[0, 0], 0.0)) * n[i, 0] ** 2 + np.sqrt(max(c[1, 1], 0.0)) * n[i, 1] ** 2
                              + np.sqrt(max(c[2, 2], 0.0)) * n[i, 2] ** 2)
+    return out
+
+
+@njit(cache=True, parallel=True)
+def _moments(initial_half, deformation, deforms):
+    out = np.empty_like(initial_half)
+    for p in prange(len(deformation)):
+        F, ratio = deformation[p], 1.0
+        for i in range(3):
+            square = 0.0
+            for j in range(3):
+                square += (F[i, j] * initial_half[p, j]) ** 2
+            out[p, i] = np.sqrt(square)
+            if deforms[i]:
+                ratio *= out[p, i] / initial_half[p, i]
+        volume = (F[0, 0] * (F[1, 1] * F[2, 2] - F[1, 2] * F[2, 1]) - F[0, 1] * (F[1, 0] * F[2, 2] - F[1, 2] * F[2, 0])
+                  + F[0, 2] * (F[1, 0] * F[2, 1] - F[1, 1] * F[2, 0]))
+        out[p] *= (volume / ratio) ** (1.0 / np.sum(deforms))
     return out
 
 

@@ -50,7 +50,7 @@ def outer_step(model, systems, state, length, pulling, control, settings):
             rejections += 1
             control.dt = dt / 2
             if control.dt < control.smallest:
-                raise StepError(_failure(reached, dt, control, outcome))
+                raise StepError(_failure(model, reached, dt, control, outcome))
             continue
         reached = step.accept(outcome.evaluation)
         increments, smallest = increments + 1, min(smallest, dt)
@@ -60,9 +60,11 @@ def outer_step(model, systems, state, length, pulling, control, settings):
     return reached, Report(smallest, increments, iterations, krylov, rejections, outcome.evaluation)
 
 
-def _failure(state, dt, control, outcome):
+def _failure(model, state, dt, control, outcome):
     history = " ".join(f"{e:.1e}" for e in outcome.errors[-6:])
     return (f"step {state.step + 1} failed at t = {state.time:.6g} s with increment {dt:.3g} s: {outcome.reason}; "
             f"half of it is below the floor of {control.smallest:.3g} s (time.smallest). "
             f"Last relative residuals: {history}. All accepted steps are kept. Try a smaller time.step, "
-            "a lower body.penalty, more solver.iterations, or a looser solver.tolerance")
+            "a lower body.penalty, more solver.iterations, or a looser solver.tolerance"
+            + (". Without inertia, this is also how soil ends that cannot carry its load" if not model.scheme.inertia
+               else ""))

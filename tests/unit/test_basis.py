@@ -145,7 +145,7 @@ def test_a_turning_point_keeps_its_domain_only_with_stretch():
     assert updated_half("diagonal", initial, F, position, UNIFORM)[2, 0] < 0.1 * initial[2, 0]
 
 
-@pytest.mark.parametrize("rule", ["stretch", "diagonal"])
+@pytest.mark.parametrize("rule", ["stretch", "diagonal", "moments"])
 def test_domains_are_capped(rule):
     """No wider than the cell of the centre, inside the grid, not thinner than a thousandth of the start."""
     axes = (UNIFORM[0], np.array([0.5]), UNIFORM[2])

@@ -1,0 +1,335 @@
+"""How should the domains of points follow the soil? Four rules and none (standard points) in plane strain.
+
+    none      l = l0            stretch   l = l0 U_ii            diagonal   l = l0 F_ii
+    moments   l_i ~ √Σ_j (F_ij l0_j)², of the volume J V0
+
+Prescribed: a block of 16 x 16 cells of 0.1 m, 4 points a cell, moves homogeneously through the grid, at 5 places of it:
+
+    volume    sum of the domains over the volume of the soil, less 1
+    gap, overlap   share of the soil that no domain covers, and that more than one covers
+    force     of a uniform pressure on the nodes inside, where it should vanish; root mean square over pressure x face
+
+Solved: a column is squeezed to 3/4 by its weight and let go again; a block spins by one turn.
+Beyond the cell: a bar is drawn out, and domains that would be wider than their cell are cut off there.
+
+With n points a cell along the bar, domains that follow it are exact up to a stretch of n; from 2n on cells may stay
+empty, and the bar parts. Unchanging domains are wrong from the start and part from n + 1, standard points from n.
+
+    .venv/bin/python demos/domains.py          a minute; draws out/domains/domains.png
+"""
+
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+
+from hybrid.build import build
+from hybrid.scene import Axis, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
+from hybrid.soil.basis import evaluate_basis
+from hybrid.soil.domains import updated_half
+from hybrid.soil.forces import internal_force
+from hybrid.soil.grid import FACES, make_grid
+from hybrid.soil.points import tile
+from hybrid.soil.slabs import make_slabs
+from hybrid.system.cache import Systems
+from hybrid.system.equations import Step, Unknowns
+
+RULES = ("none", "stretch", "diagonal", "moments", "mpm")
+SIZE, CELLS = 0.1, 16
+FREE = Faces(*["free"] * 6)
+
+
+def stretched(factor):
+    return np.diag([factor, 1.0, 1.0])
+
+
+def sheared(gamma):
+    F = np.eye(3)
+    F[0, 2] = gamma
+    return F
+
+
+def turned(degrees):
+    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    return np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
+
+
+MOTIONS = {  # deformation gradient at a share s of the way
+    "stretched to 1.5": lambda s: stretched(1 + 0.5 * s),
+    "squeezed to 0.5": lambda s: stretched(1 - 0.5 * s),
+    "sheared to 1": lambda s: sheared(s),
+    "squeezed to 0.8, sheared to 1": lambda s: sheared(s) @ stretched(0.8),
+    "turned to 90 deg": lambda s: turned(90 * s),
+    "drawn to 1.25, turned to 90 deg": lambda s: turned(90 * s) @ stretched(1.25),
+    "turned to 90 deg, drawn to 1.5": lambda s: stretched(1 + 0.5 * s) @ turned(90),
+    "turned to 360 deg": lambda s: turned(360 * s)}
+WAY = np.linspace(0.1, 1.0, 10)
+
+# ------------------------------------------------------------------ prescribed motions
+
+
+def block():
+    """Grid of 40 x 40 cells and the points of the block in its middle."""
+    nodes = np.linspace(-20 * SIZE, 20 * SIZE, 41)
+    ends = (nodes[0], nodes[-1])
+    grid = make_grid((nodes, [0.0], nodes), np.array([ends, (-0.5, 0.5), ends]), dict.fromkeys(FACES, "free"))
+    edge = CELLS / 2 * SIZE
+    return grid, tile(grid, np.array([-edge, -0.5, -edge]), np.array([edge, 0.5, edge]), (2, 1, 2), 1.0)
+
+
+def places(count=5):
+    """Where the middle of the block is put, in cells: (count, 3)."""
+    shifts = [(0.0, 0.0, 0.0), (0.13, 0.0, 0.37), (0.41, 0.0, 0.22), (0.5, 0.0, 0.5), (0.29, 0.0, 0.81)]
+    return SIZE * np.array(shifts[:count])
+
+
+def moved(rule, F, centre, grid, constants):
+    """Positions and half-widths (n, 3) [m] of the block after F about `centre`."""
+    position = centre + constants.position @ F.T
+    if rule == "mpm":
+        return position, np.zeros_like(position)
+    return position, updated_half(rule, constants.half, np.tile(F, (len(constants), 1, 1)), position, grid.axes)
+
+
+def inside(place, F, centre, margin):
+    """(n,) bool, places (n, 3) of the deformed block at least `margin` [m] from its faces."""
+    back = np.linalg.inv(F)
+    start, width = (place - centre) @ back.T, np.linalg.norm(back, axis=1)
+    return np.all(np.abs(start[:, [0, 2]]) <= CELLS / 2 * SIZE - margin * width[[0, 2]], axis=1)
+
+
+def covered(position, half, F, centre, per_edge=60):
+    """Shares of the soil, a cell from its faces, that no domain covers and that more than one covers."""
+    a = (np.arange(per_edge) + 0.5) / per_edge * CELLS * SIZE - CELLS / 2 * SIZE
+    start = np.stack([*(g.ravel() for g in np.meshgrid(a, [0.0], a, indexing="ij"))], axis=1)
+    place = centre + start @ F.T
+    place = place[inside(place, F, centre, SIZE)]
+    count = np.zeros(len(place), int)
+    for p, l in zip(position, half):
+        count += (np.abs(place[:, 0] - p[0]) < l[0]) & (np.abs(place[:, 2] - p[2]) < l[2])
+    return np.mean(count == 0), np.mean(count > 1)
+
+
+def force_error(position, half, F, centre, grid, constants):
+    """Forces (m, 3) of a uniform unit pressure on the nodes that only the inside of the block reaches, over pressure
+    times the face of a cell."""
+    basis = evaluate_basis(position, half, grid.axes)
+    one = np.tile(np.eye(3), (len(constants), 1, 1))
+    force = internal_force(basis, make_slabs(basis.first, grid.shape), grid.shape, SimpleNamespace(inverse=one), one,
+                           np.linalg.det(F) * constants.volume)
+    nodes = np.stack([g.ravel() for g in np.meshgrid(*grid.axes, indexing="ij")], axis=1)
+    return force[inside(nodes, F, centre, 2 * SIZE)] / SIZE
+
+
+def prescribed(rule, motion, way=WAY, count=5):
+    """Worst on the `way` of a motion: volume of the domains over that of the soil less 1, gap, overlap, and the root
+    mean square over nodes and `count` places of the force's error."""
+    grid, constants = block()
+    worst = np.zeros(4)
+    for share in way:
+        F, squares = motion(share), []
+        for centre in places(count):
+            position, half = moved(rule, F, centre, grid, constants)
+            squares.append(np.sum(force_error(position, half, F, centre, grid, constants) ** 2, axis=1))
+        area = np.prod(2 * half[:, [0, 2]], axis=1).sum() / (constants.volume.sum() * np.linalg.det(F))
+        found = area - 1, *covered(position, half, F, centre), np.sqrt(np.concatenate(squares).mean())
+        worst = np.where(np.abs(found) > np.abs(worst), found, worst)
+    return worst
+
+
+# ------------------------------------------------------------------ solved problems
+
+
+def squeezed(rule, already=0.0, cells=16, steps=40):
+    """Column of 0.8 m (E = 283 Pa, ν = 0, 50 kg/m³) under its weight and let go again but for 1 %: mean errors of the
+    stress over that at the bottom, under all of it and at the end."""
+    size = 0.8 / cells
+    side = Axis(start=0.0, end=size, collapsed=True)
+    simulation = build(Scene(
+        name="column", grid=Grid(side, side, Axis(start=0.0, end=0.8, size=size)),
+        soil=Soil(Material(law="hencky", young=283.0, poisson=0.0, density=50.0), geostatic=False, **choice(rule)),
+        time=Time(step=1.0, inertia=False), solver=Solver(linear="direct", tolerance=1e-9, iterations=25),
+        stages=(Stage("load", steps, gravity=(0.0, 1.0)), Stage("unload", steps, gravity=(1.0, 0.01))),
+        output=Output(every=0, checkpoint=0)))
+    turn(simulation, already)
+    wanted, bottom = -50.0 * 9.81 * (0.8 - simulation.initial_position[:, 2]), 50.0 * 9.81 * 0.8
+    for record in simulation.steps():
+        if record.step == steps:
+            loaded = np.abs(simulation.state.points.stress[:, 2, 2] - wanted).mean() / bottom
+    return loaded, np.abs(simulation.state.points.stress[:, 2, 2] - 0.01 * wanted).mean() / bottom
+
+
+def turn(simulation, degrees):
+    """Soil that has turned by `degrees` before the start, without strain: only its domains can tell."""
+    simulation.state.points.deformation[:] = turned(degrees)
+
+
+def choice(rule):
+    return {"basis": "mpm", "domain": "none"} if rule == "mpm" else {"domain": rule}
+
+
+def spinning(rule, turns=1, steps=100, period=2.0):
+    """A block of 1 m (E = 1 MPa, ν = 0, 1000 kg/m³) that spins once in 2 s from rest without stress: stress [Pa] at the
+    end, root mean square, share of energy left, and share of the motion that is no rigid motion; None if it fails."""
+    axis = Axis(start=0.0, end=1.6, size=SIZE)
+    simulation = build(Scene(
+        name="spin", grid=Grid(axis, Axis(start=0.0, end=1.0, collapsed=True), axis, FREE),
+        soil=Soil(Material(law="hencky", young=1e6, poisson=0.0, density=1000.0), lower=(0.3, 0.0, 0.3),
+                  upper=(1.3, 1.0, 1.3), geostatic=False, **choice(rule)),
+        gravity=(0.0, 0.0, 0.0), time=Time(step=period / steps), stages=(Stage("spin", turns * steps),),
+        solver=Solver(tolerance=1e-8, linear="direct"), output=Output(every=0, checkpoint=0)))
+    points, mass = simulation.state.points, simulation.model.soil.constants.mass
+    arm, rate = points.position - np.array([0.8, 0.5, 0.8]), 2 * np.pi / period
+    points.velocity[:] = rate * np.cross([0.0, 1.0, 0.0], arm)
+    points.acceleration[:] = -rate**2 * arm * [1.0, 0.0, 1.0]
+    start = 0.5 * mass @ np.sum(points.velocity**2, axis=1)
+    for record in simulation.steps():
+        pass
+    points = simulation.state.points
+    arm = points.position - mass @ points.position / mass.sum()
+    spin = mass @ np.cross(arm, points.velocity)[:, 1] / (mass @ np.sum(arm**2 * [1.0, 0.0, 1.0], axis=1))
+    rest = points.velocity - spin * np.cross([0.0, 1.0, 0.0], arm)
+    stress = np.sqrt(np.mean(np.sum(points.stress**2, axis=(1, 2))))
+    left = record.energies["kinetic"] + record.energies["elastic"]
+    return stress, left / start, 0.5 * mass @ np.sum(rest**2, axis=1) / start
+
+
+# ------------------------------------------------------------------ a bar drawn out
+
+
+def drawn_out(stretch, per_cell, rule="stretch", already=0.0, cells=8, steps=60):
+    """(stretch, error of the stress, empty cells) of a bar whose end is drawn out, a row for each step.
+
+    The bar lies along x with its lateral strain held, E = 1 MPa, ν = 0: σ = E ln λ / λ everywhere. Nodes in the last
+    cell and beyond are moved as λ says, the others find equilibrium. The error is the root mean square over the bar's
+    first three quarters, over E / e, the largest stress that the law has in tension.
+    """
+    young, length = 1e6, float(cells)
+    side = Axis(start=0.0, end=1.0, collapsed=True)
+    simulation = build(Scene(
+        name="bar", grid=Grid(Axis(start=0.0, end=(stretch * cells + 2) // 1 + 1, size=1.0), side, side,
+                              replace(FREE, x_min="roller")),
+        soil=Soil(Material(law="hencky", young=young, poisson=0.0, density=1000.0), upper=(length, 1.0, 1.0),
+                  geostatic=False, points_per_axis=(per_cell, 1, 1), **choice(rule)),
+        gravity=(0.0, 0.0, 0.0), time=Time(step=1.0, inertia=False), stages=(Stage("draw", 1),),
+        solver=Solver(linear="direct"), output=Output(every=0, checkpoint=0)))
+    model, state, rows = simulation.model, simulation.state, []
+    nodes = model.soil.grid.axes[0]
+    turn(simulation, already)
+    near = model.soil.constants.position[:, 0] < 0.75 * length
+    before = 1.0
+    for factor in np.linspace(1.0, stretch, steps + 1)[1:]:
+        fixed = model.soil.grid.fixed.copy()
+        fixed[nodes > before * length - 1.0] = True
+        soil = model.soil
+        soil.grid = replace(simulation.model.soil.grid, fixed=fixed)
+        step = Step(model, state, 1.0, False, Systems(model))
+        displacement = np.zeros((len(nodes), 3))
+        displacement[:, 0] = (factor / before - 1) * nodes
+        evaluation = balanced(step, Unknowns(displacement, ()), 1e-9 * young)
+        if evaluation is None:
+            break
+        state, before = step.accept(evaluation), factor
+        stress = state.points.stress[near, 0, 0] - young * np.log(factor) / factor
+        rows.append((factor, np.sqrt(np.mean(stress**2)) * np.e / young, empty_cells(state.points, nodes, rule)))
+    return np.array(rows)
+
+
+def balanced(step, unknowns, tolerance, iterations=30):
+    """Evaluation with no residual above `tolerance` [N], found from `unknowns`, whose held nodes move as given; None
+    without one. (The forces of a uniform stress cancel at every free node, so there is none to compare with.)"""
+    evaluation = step.evaluate(unknowns)
+    for _ in range(iterations):
+        if evaluation is None or np.abs(evaluation.soil).max() <= tolerance:
+            return evaluation
+        step.assemble(evaluation)
+        soil, body, _ = step.system.solve(evaluation.soil, evaluation.body)
+        evaluation = step.evaluate(step.moved(evaluation.unknowns, soil, body))
+    return None
+
+
+def empty_cells(points, nodes, rule):
+    """Number of cells between the first and the last point that no domain reaches."""
+    x, half = points.position[:, 0], points.half[:, 0] * (rule != "mpm")
+    low, high = nodes[:-1, None], nodes[1:, None]
+    full = np.flatnonzero(np.any((x + half >= low + 1e-9) & (x - half <= high - 1e-9), axis=1))
+    return int(full[-1] - full[0] + 1 - len(full))
+
+
+def parts(per_cell, rule="stretch", cells=12):
+    """Stretch from which a uniform bar, wherever it lies, may have cells that no domain reaches: there it parts."""
+    nodes, start = np.arange(-1.0, 12.0 * cells), (np.arange(cells * per_cell) + 0.5) / per_cell
+    half = np.full((len(start), 3), 0.5 / per_cell)
+    for stretch in np.arange(1.0, 10.0, 0.05) + 1e-6:
+        for offset in np.linspace(0.0, 1.0, 11):
+            position = (offset + stretch * start)[:, None] * [1.0, 0.0, 0.0]
+            F = np.tile(stretched(stretch), (len(start), 1, 1))
+            axes = nodes, np.zeros(1), np.zeros(1)
+            wide = updated_half("none" if rule == "mpm" else rule, half, F, position, axes)
+            if empty_cells(SimpleNamespace(position=position, half=wide), nodes, rule):
+                return stretch
+    return np.inf
+
+
+# ------------------------------------------------------------------ what is shown
+
+
+def draw(folder):
+    """Domains after four motions (rows: rules) and the errors of the force on the way, into `folder`/domains.png."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.collections import PatchCollection
+    from matplotlib.figure import Figure
+    from matplotlib.patches import Rectangle
+
+    grid, constants = block()
+    motions = tuple(list(MOTIONS)[i] for i in (0, 3, 4, 6))
+    figure = Figure(figsize=(15, 12), layout="constrained")
+    FigureCanvasAgg(figure)
+    plots = figure.subplots(4, 5)
+    for row, rule in zip(plots, RULES[:4]):
+        for plot, name in zip(row, motions):
+            share = 0.4 if name == "turned to 90 deg" else 1.0
+            position, half = moved(rule, MOTIONS[name](share), places()[1], grid, constants)
+            near = np.all(np.abs(position[:, [0, 2]]) < 3 * SIZE, axis=1)
+            plot.add_collection(PatchCollection(
+                [Rectangle((p - l)[[0, 2]], *(2 * l[[0, 2]])) for p, l in zip(position[near], half[near])],
+                facecolor="tab:blue", edgecolor="black", alpha=0.35))
+            plot.plot(*position[near][:, [0, 2]].T, "k.", markersize=3)
+            plot.set(xlim=(-0.2, 0.2), ylim=(-0.2, 0.2), aspect="equal")
+            plot.set_title(f"{rule}: {name if share == 1.0 else 'turned to 36 deg'}", fontsize=8)
+            plot.set_xticks(np.arange(-0.2, 0.21, SIZE), [])
+            plot.set_yticks(np.arange(-0.2, 0.21, SIZE), [])
+            plot.grid(True)
+    for plot, name in zip(plots[:, 4], motions):
+        for rule in RULES:
+            errors = [prescribed(rule, MOTIONS[name], [share], 3)[3] for share in WAY]
+            plot.semilogy(WAY, np.maximum(errors, 1e-5), "o-", markersize=3, label=rule)
+        plot.set_title(f"error of the force: {name}", fontsize=8)
+    plots[0, 4].legend(fontsize=7)
+    folder.mkdir(parents=True, exist_ok=True)
+    figure.savefig(folder / "domains.png", dpi=100)
+
+
+def show():
+    print("prescribed, worst on the way                volume       gap   overlap     force")
+    for name, motion in MOTIONS.items():
+        for rule in RULES:
+            print(f"{name:33s} {rule:9s}" + "".join(f"{v:10.4f}" for v in prescribed(rule, motion)))
+    print("\nsolved         column: stress under load, left      the same, turned by 90 deg first        one spin:"
+          " stress [Pa], energy left, not rigid")
+    for rule in RULES:
+        values = *squeezed(rule), *squeezed(rule, 90), *spinning(rule)
+        print(f"{rule:9s}" + "".join(f"{v:18.5g}" for v in values))
+    print("\nbar drawn out: points a cell, largest stretch with no error of the stress, error then, cells empty from")
+    for rule in ("stretch", "none", "mpm"):
+        for count in (2, 3, 4):
+            rows = drawn_out(1.2 * count, count, rule, steps=60)
+            good = rows[rows[:, 1] < 1e-6]
+            upto, then = (good[-1, 0], rows[min(len(good), len(rows) - 1), 1]) if len(good) else (1.0, rows[0, 1])
+            print(f"{rule:9s} {count} {upto:10.3f} {then:12.2g} {parts(count, rule):10.2f}")
+
+
+if __name__ == "__main__":
+    show()
+    draw(Path("out/domains"))

@@ -1,0 +1,77 @@
+"""A long slope whose gravity is turned on (demos/slope.toml): the stress of the infinite slope, and when it slides.
+
+At a depth d of the middle  σ_zz = -ρ g d cosθ,  τ_xz = ρ g d sinθ.  Sliding along the base of length L at a share s
+of gravity, with soil of depth D pushed up at the lower end and let down at the upper, Rankine's K = tan²(45° ± φ/2):
+
+    s [γD L (sinθ - cosθ tanφ) - (Kp - Ka)/2 γD² cosθ] = c L + 2c D (√Kp + √Ka)          γ = ρ g
+"""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hybrid.build import build
+from hybrid.errors import SceneError, StepError
+from hybrid.scene_file import load_scene
+
+DEMO = Path(__file__).parents[2] / "demos" / "slope.toml"
+COARSE = ["grid.x.size=1.0", "grid.z.size=0.5"]
+STEEP, DEPTH, LENGTH, WEIGHT, COHESION = np.radians(20.0), 2.0, 20.0, 1700 * 9.81, 1e3
+
+
+def slope(*changes):
+    return build(load_scene(DEMO, changes))
+
+
+def errors(simulation, turn=1.0):
+    """Root mean square errors of σ_zz and τ_xz in the middle 2 m over their values at the base; turn: of the slope."""
+    place, stress = simulation.initial_position, simulation.state.points.stress
+    middle = np.abs(place[:, 0] - LENGTH / 2) < 1.0
+    depth, stress = DEPTH - place[middle, 2], stress[middle]
+    normal, shear = WEIGHT * np.cos(turn * STEEP), WEIGHT * np.sin(turn * STEEP)
+    return (np.sqrt(np.mean((stress[:, 2, 2] + normal * depth) ** 2)) / (normal * DEPTH),
+            np.sqrt(np.mean((stress[:, 0, 2] - shear * depth) ** 2)) / (shear * DEPTH))
+
+
+def share_at_sliding(angle):
+    """Share of gravity by the equation above."""
+    tan, up = np.tan(np.radians(angle)), np.tan(np.radians(45 + angle / 2))
+    driving = DEPTH * LENGTH * (np.sin(STEEP) - np.cos(STEEP) * tan) - (up**2 - up**-2) / 2 * DEPTH**2 * np.cos(STEEP)
+    return COHESION * (LENGTH + 2 * DEPTH * (up + 1 / up)) / (WEIGHT * driving)
+
+
+def friction(angle):
+    return [f"soil.material.friction_angle={angle}", f"soil.material.dilation_angle={angle}"]
+
+
+@pytest.mark.parametrize("law", [[], ["soil.material.dilation_angle=0"]], ids=["associated", "no dilation"])
+def test_a_slope_below_its_friction_angle_stands_with_the_stress_of_the_infinite_slope(law):
+    """Points carry a cell's mean stress: errors halve with the cells; a slope of 25 degrees is told apart."""
+    found = []
+    for grid in (COARSE, []):
+        simulation = slope(*grid, *law)
+        for record in simulation.steps():
+            assert record.rejections == 0 and record.notes == ()
+        found.append(errors(simulation))
+        assert max(errors(simulation, 1.25)) > 0.1
+    assert max(found[1]) < 0.045 and max(found[0]) < 0.08
+    assert np.log2(np.divide(*found)) == pytest.approx(1.0, abs=0.2)
+
+
+def test_a_slope_above_its_friction_angle_slides():
+    """The run stops at the share of gravity that limit equilibrium gives, and says what stopped it. Without its ends
+    the slope would slide at half of that; with 25 degrees of friction all of gravity does not move it."""
+    with pytest.raises(StepError, match="residual .* after 15 iterations.*cannot carry its load") as failure:
+        list(slope(*friction(12)).steps())
+    reached = float(re.search(r"t = (\S+) s", str(failure.value)).group(1)) / 10
+    assert reached == pytest.approx(share_at_sliding(12), rel=0.1)
+    assert reached > 1.8 * COHESION / (WEIGHT * DEPTH * (np.sin(STEEP) - np.cos(STEEP) * np.tan(np.radians(12))))
+    assert len(list(slope(*COARSE, *friction(25)).steps())) == 10
+
+
+def test_stress_at_rest_is_refused_under_inclined_gravity():
+    """It would not be in equilibrium; the remedy is the one that this scene uses."""
+    with pytest.raises(SceneError, match=r"geostatic needs gravity along -z.*stage.gravity = \[0.0, 1.0\]"):
+        slope("soil.geostatic=true", "stage.0.gravity=[1.0, 1.0]")
