@@ -141,8 +141,8 @@ class Soil:
     points_per_axis   [-] material points per cell along each axis, one number or three
     held              all displacements of the soil are zero
     basis             generalised interpolation (gimp) or standard material point (mpm)
-    domain            how point domains deform: with the stretch, not at all, with the diagonal of F, or with the second
-                      moments of the deformed domain, which turn with it
+    domain            how point domains deform: with the second moments of the deformed domain, with the stretch, not at
+                      all, or with the diagonal of F
     fbar              points take the volume change of the cells around them, so that nearly incompressible or
                       plastic soil does not lock
     ghost             [-] factor on Young's modulus of the penalty that ties cells hardly filled to their neighbours;
@@ -164,7 +164,7 @@ class Soil:
     points_per_axis: int | tuple[int, int, int] = 2
     held: bool = False
     basis: Literal["gimp", "mpm"] = "gimp"
-    domain: Literal["stretch", "none", "diagonal", "moments"] = "stretch"
+    domain: Literal["moments", "stretch", "none", "diagonal"] = "moments"
     fbar: bool = False
     ghost: float = 0.0
     transfer: Literal["affine", "increments", "blended"] = "affine"

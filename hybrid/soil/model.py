@@ -80,7 +80,7 @@ class Soil:
     transfer, blend  how points take up the motion of the nodes (`hybrid.soil.transfer`)
     """
 
-    def __init__(self, grid: Grid, constants: PointConstants, law, basis="gimp", domain="stretch", held=False,
+    def __init__(self, grid: Grid, constants: PointConstants, law, basis="gimp", domain="moments", held=False,
                  elastic_share=0.0, fbar=False, ghost_factor=0.0, stray="stop", adrift=True,
                  transfer="affine", blend=0.05):
         self.grid, self.constants, self.law = grid, constants, law
