@@ -1,12 +1,14 @@
 """Tells of points that have gone astray: out of the grid, adrift, or stretched beyond reason (`hybrid.soil.stray`).
 
-Of each kind it is told when there are some, and again whenever there are twice as many.
+Of each kind it is told when there are some, and again whenever there are so many times as many as in AGAIN.
 """
 
 import numpy as np
 
 from hybrid.soil import stray
 from hybrid.soil.basis import evaluate_basis
+
+AGAIN = {"out": 2, "adrift": 10, "stretched": 10}
 
 
 class Astray:
@@ -20,7 +22,7 @@ class Astray:
         texts = []
         for kind, found, meaning in _kinds(model.soil, state.points):
             ids = np.flatnonzero(found)
-            if len(ids) < max(1, 2 * self._told[kind]):
+            if len(ids) < max(1, AGAIN[kind.split()[0]] * self._told[kind]):
                 continue
             self._told[kind] = len(ids)
             mass, at = model.soil.constants.mass, state.points.position[ids]
