@@ -141,7 +141,7 @@ class Outcome:
     seconds: float
 
 
-def vibrate(solution, cells, steps, scheme=(), force=None, tolerance=1e-10, linear="direct", **soil):
+def vibrate(solution, cells, steps, scheme=(), force=None, tolerance=1e-9, linear="direct", **soil):
     """Outcome of a run in `steps` steps on cells of LENGTH / cells along the axes that move.
 
     scheme: values of the time table; force: instead of the solution's, to show what a wrong one does.
