@@ -91,7 +91,8 @@ def test_multipliers_take_the_overlap_away_at_moderate_stiffness():
     assert sum(found.iterations) < 2.5 * sum(plain.iterations)
 
 
-@pytest.mark.parametrize("facets, area, bent", [(0.4, 0.07, 0.006), (0.05, 0.07, 5e-4), pytest.param(0.025, 0.02, 1e-4, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("facets, area, bent", [
+    (0.4, 0.07, 0.006), (0.05, 0.07, 5e-4), pytest.param(0.025, 0.02, 1e-4, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("share", [0.5, 1.0])
 def test_the_second_pass_carries_the_same_pressure(share, facets, area, bent):
     """Nothing is counted twice; what is missed is area, as the soil's edge cuts through that of the samples.

@@ -10,7 +10,7 @@ DEMO = demo("transfers")
 def test_affine_transfer_loses_least():
     """A quarter turn in 50 steps, and three periods of the swing: in both increments lose more, blended most.
 
-    Lost of momentum, energy and swing: affine 0.001, 0.002, 0.03; increments 0.03, 0.05, 0.06; blended 0.09, 0.18, 0.14.
+    Lost of momentum, energy, swing: affine 0.001, 0.002, 0.03; increments 0.03, 0.05, 0.06; blended 0.09, 0.18, 0.14.
     """
     lost = {name: (1 - np.array(DEMO.rotating(name, 50, turns=0.25)), 1 - DEMO.free(name, 96))
             for name in DEMO.TRANSFERS}
