@@ -5,7 +5,7 @@ the errors of distance / spin [%] after 1 s:
 
     cells     contact                      unknowns   time    μ = 0      0.1        0.2        0.4        1.0
     0.1 m     second pass alone               8 400   1 min   -.03/.07   .01/-.28   .16/-.44   .09/-.34   .06/-.22
-    0.025 m   first pass, all defaults       39 800   7 min   .03/-.11   .07/-.23   .26/-.39   .30/-.44   .27/-.39
+    0.025 m   first pass, all defaults       39 800   7 min   .03/-.11   .07/-.23   .26/-.39   .30/-.46   .27/-.39
 
 What is left is the creep of the tangential springs while the contact rolls on: with ε_T = ε_N/2 .36/-.58 at μ = 0.4.
 
