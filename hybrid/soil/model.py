@@ -131,8 +131,9 @@ class Soil:
             self.refusal = f"turns soil inside out at {stray.listed(strain.inverted)}"
             return None
         response = self.law.respond(strain.strain, step.points.plastic_strain)
-        if response.failed is not None and (response.failed if out is None else response.failed & ~out).any():
-            self.refusal = _no_stress(np.flatnonzero(response.failed))
+        failed = () if response.failed is None else np.flatnonzero(_of_those_in(step.points, response.failed))
+        if len(failed):
+            self.refusal = f"leaves the soil's law without a stress at {stray.listed(failed)}"
             return None
         if self._share:
             response.tangent[...] += self._share * (self._elastic - response.tangent)
@@ -219,8 +220,3 @@ class Soil:
 def _of_those_in(points, values):
     """`values` (n,) of points, 0 where they take no part any more."""
     return values if points.out is None else np.where(points.out, 0.0, values)
-
-
-def _no_stress(ids):
-    """Reason for a refusal at points `ids`."""
-    return f"leaves the soil's law without a stress at {stray.listed(ids)}"

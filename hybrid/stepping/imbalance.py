@@ -11,6 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hybrid.reductions import total
+
 TOLERANCE = 1e-6  # share of the weight that is told of; round-off is below 1e-12
 
 
@@ -45,14 +47,14 @@ class Imbalance:
 def measure(step, evaluation):
     """Imbalance of the state that `step` begins from, by its `evaluation` with nothing moved; None where the soil is
     held or weighs nothing."""
-    weight = 0.0 if step.soil is None else float(np.sum(step.soil.mass)) * float(np.linalg.norm(step.model.gravity))
+    weight = 0.0 if step.soil is None else float(total(step.soil.mass)) * float(np.linalg.norm(step.model.gravity))
     if weight == 0.0:
         return None
     force = np.where(step.pattern.free, evaluation.soil_trial.force - step.soil.weight, 0.0)
     size, grid = np.linalg.norm(force, axis=1), step.model.soil.grid
     node = np.unravel_index(int(np.argmax(size)), grid.shape)
     place = tuple(float(nodes[i]) for nodes, i in zip(grid.axes, node))
-    return Imbalance(float(size.sum()) / weight, place, bool(step.soil.points.stress.any()))
+    return Imbalance(float(total(size)) / weight, place, bool(step.soil.points.stress.any()))
 
 
 def _remedy(stage, scheme):

@@ -11,6 +11,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from hybrid.reductions import total
+
 
 @dataclass(frozen=True)
 class Loads:
@@ -57,4 +59,4 @@ class Loads:
     def work(self, begin, end, mass, initial, moved):
         """Work [J] on points that `moved` (n, 3) [m] from time `begin` to `end` [s] of all but the whole of gravity."""
         mean = 0.5 * (self.on_points(begin, initial) + self.on_points(end, initial)) - self.gravity
-        return float(np.sum(mass * np.sum(mean * moved, axis=1)))
+        return float(total(mass * np.sum(mean * moved, axis=1)))
