@@ -129,3 +129,12 @@ def test_inverted_points_are_named():
     points.velocity[:, 0] = -1e5 * (points.position[:, 0] - 1.2)
     with pytest.raises(StepError, match=r"inside out at points 0, 1, 2, 3, 4 and 59 more"):
         list(simulation.steps())
+
+
+def test_points_may_leave_in_the_first_step():
+    """When they carry no gradients of the rates yet: those that stay behind have none."""
+    simulation = thrown("freeze", speed=17.0, steps=2)
+    next(simulation.steps())
+    points = simulation.state.points
+    assert 0 < points.out.sum() < len(points)
+    assert points.affine.dtype == float and (points.affine[points.out] == 0).all()
