@@ -7,9 +7,10 @@ With e the error that one increment adds to a position, C_u and C_v the leading 
     e_Θ = (|C_u| + |C_v|) Δt² (Ẇ_{n+1} - Ẇ_n) - Δt³/12 W × Ẇ - |Θ|² Θ/12
 
 δ Δt is how much older than v̇ the acceleration is that generalised alpha carries. The second term of a turn comes
-from Θ not being the integral of W, and the third is there only with energy-momentum, whose Cayley vector is longer than the
-turn. C_v Δt (v̇_{n+1} - v̇_n) is the error of the velocity, and counts with the increment it acts in; it is zero but for
-Newmark's γ > 1/2. For every scheme that a scene may ask for, C_u is at least 1/12, and the estimate not degenerate.
+from Θ not being the integral of W, and the third is there only with energy-momentum, whose Cayley vector is longer
+than the turn. C_v Δt (v̇_{n+1} - v̇_n) is the error of the velocity, and counts with the increment it acts in; it is
+zero but for Newmark's γ > 1/2. For every scheme that a scene may ask for, C_u is at least 1/12, and the estimate not
+degenerate.
 
 | symbol | meaning                                                                    | unit |
 |--------|----------------------------------------------------------------------------|------|
@@ -23,9 +24,9 @@ that is the size of what the grid can see; the motion of the step would ask for 
 goes with Δt³ and its share of A with Δt, the next increment is 0.9 ρ^(-1/2) times this one, and the error of a whole
 run goes with A, for γ > 1/2 with √A. Nothing but the increment is carried from one to the next.
 
-v̇ of the soil is compared at the points, where both values come from the nodes of their own step; on the nodes, v̇_n has
-been to the points and back, and what that changes does not vanish with Δt unless transfer is affine. Components that
-guides hold or drive have no error.
+v̇ of the soil is compared at the points, where both values come from the nodes of their own step; on the nodes, v̇_n
+has been to the points and back, and what that changes does not vanish with Δt unless transfer is affine. Components
+that guides hold or drive have no error.
 
 Source: O. C. Zienkiewicz and Y. M. Xie, Earthquake Eng. Struct. Dyn. 20 (1991) 871-887 (e of Newmark's scheme); the
 shift δ, and the terms of a turn, follow from Taylor series, of Θ by Magnus.

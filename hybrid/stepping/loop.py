@@ -49,8 +49,8 @@ class Control:
 
 @dataclass(frozen=True)
 class Report:
-    """What an outer step took. dt: its smallest increment [s]; evaluation: the last converged one; error: sum of the local
-    errors of its increments [m], None where nobody asked."""
+    """What an outer step took. dt: its smallest increment [s]; evaluation: the last converged one; error: sum of the
+    local errors of its increments [m], None where nobody asked."""
 
     dt: float
     increments: int
