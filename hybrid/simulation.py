@@ -95,9 +95,7 @@ class Simulation:
             length = stage.step or scene.time.step
             begun = self.state.step > first
             control = self._control(length, begun)
-            model = self.model.for_stage(
-                stage.held, stage.beta, stage.gamma,
-                self.model.loads.during(starts, stage.steps * length, stage.gravity))
+            model = self.stage_model(stage, starts)
             systems = Systems(model)
             if not begun:
                 self.state = model.begin(self.state)
@@ -110,6 +108,12 @@ class Simulation:
                 self.evaluation, self.increment = report.evaluation, control.dt
                 yield self._record(stage.name, stage_step, report)
             first, starts = first + stage.steps, starts + stage.steps * length
+
+    def stage_model(self, stage, starts):
+        """Model of a `stage` that starts at a time [s]."""
+        length = stage.steps * (stage.step or self.scene.time.step)
+        return self.model.for_stage(
+            stage.held, stage.beta, stage.gamma, self.model.loads.during(starts, length, stage.gravity))
 
     def _control(self, length, begun):
         """Increment control of a stage with outer steps of `length` [s], which goes on as it was if it has `begun`."""
