@@ -8,7 +8,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from hybrid.errors import HybridError, SceneError
+from hybrid.errors import HybridError, SceneError, StepError
 
 INTERRUPTED = 130  # 128 + SIGINT, as shells report it
 
@@ -41,8 +41,9 @@ def parser():
     sub.add_argument("--out", type=Path, metavar="DIR", help="folder of results (default: out/<scene name>)")
     sub.add_argument("--resume", action="store_true", help="continue from the last checkpoint in the folder")
 
-    sub = _command(commands, "check", check, "validate a scene and print what would be modelled")
+    sub = _command(commands, "check", check, "validate a scene, print what would be modelled and what it would take")
     _scene_arguments(sub)
+    sub.add_argument("--no-probe", action="store_true", help="leave out the prediction, which times parts of a step")
 
     sub = _command(commands, "mesh", mesh, "mesh a geometry and print its mass properties")
     sub.add_argument("geometry", type=Path, metavar="FILE.geo", help="gmsh geometry")
@@ -94,13 +95,27 @@ def run(options):
 
 
 def check(options):
-    """`hybrid check`: everything short of the first step."""
+    """`hybrid check`: everything short of the first step, and what the steps would take."""
     from hybrid.scene_file import load_scene
 
     scene = load_scene(options.scene, options.overrides)
     from hybrid.build import build  # late: a mistake in the scene is told at once
 
-    print(format_sheet(build(scene).sheet()))
+    simulation = build(scene)
+    sheet = simulation.sheet()
+    print(format_sheet(sheet), flush=True)
+    if not options.no_probe:
+        print("\n" + format_sheet(_predicted(simulation)))
+
+
+def _predicted(simulation):
+    """Section of what the steps would take, or why nothing can be said of it."""
+    from hybrid.probe import probe
+
+    try:
+        return probe(simulation).sheet()
+    except StepError as error:
+        return {"predicted": [f"nothing: {error}"]}
 
 
 def mesh(options):

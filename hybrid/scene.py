@@ -295,7 +295,10 @@ class Time:
                       beta >= gamma/2 >= 1/4; of first order for gamma > 1/2
     spectral_radius   [-] of generalised-alpha: what a step leaves of high frequencies, from 0 to 1; None: 0.8
     inertia           False: quasi-static, no inertia of soil or body
-    smallest          [s] increment below which a run stops; None: a 64th of the outer step
+    smallest          [s] increment below which a run stops; None: a 64th of the outer step, with accuracy a 4096th
+    accuracy          [-] error of positions, in smallest cells, that an outer step may add by its increments being too
+                      long: they become as short as that asks for, and the outer step is their ceiling. None: they
+                      follow convergence alone. 1e-3 is usual
     """
 
     step: float
@@ -305,6 +308,7 @@ class Time:
     spectral_radius: float | None = None
     inertia: bool = True
     smallest: float | None = None
+    accuracy: float | None = None
 
 
 @dataclass(frozen=True)

@@ -251,6 +251,11 @@ def _time(key, time):
     if time.smallest is not None:
         yield from _need(0 < time.smallest <= time.step, f"{key}.smallest", time.smallest,
                          f"above 0 and at most step = {_shown(time.step)}", "leave it out for step/64")
+    if time.accuracy is not None:
+        yield from _need(0 < time.accuracy <= 1, f"{key}.accuracy", time.accuracy, "above 0, at most 1",
+                         "in smallest cells a step: 1e-3 is usual")
+        yield from _need(time.inertia, f"{key}.accuracy", time.accuracy, "left out in a quasi-static scene, where time "
+                         "is only the order of events", "choose time.step, or set time.inertia = true")
 
 
 def _pair(key, scheme):

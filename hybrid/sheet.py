@@ -3,12 +3,15 @@
 import numpy as np
 
 from hybrid.body.rigid import FREEDOMS
+from hybrid.laws.sand import sand
 from hybrid.material import USES, of_layer, span
 from hybrid.system.pattern import make_pattern
 
-LIBRARIES = 600e6       # bytes of the interpreter with dolfinx, PETSc, gmsh and compiled kernels, as measured
-BYTES_PER_POINT = 1500  # history, constants, trial buffers and temporaries of one point
-BYTES_PER_ENTRY = 24    # of the soil block: value and index, the same again for the incomplete factor
+LIBRARIES = 320e6       # bytes of the interpreter with dolfinx, PETSc, gmsh and compiled kernels, as measured
+PICTURES = 95e6         # of what draws, as measured
+BYTES_PER_POINT = 1600  # history, constants, trial buffers and temporaries of one point, as measured
+BYTES_PER_ENTRY = 34    # of the soil block: value and index, what makes the incomplete factor, and that; as measured
+BYTES_OF_FILL = 1200    # of a direct factor, times n^(4/3) as nested dissection of n unknowns in space; as measured
 
 
 def model_sheet(scene, model, imbalance=None):
@@ -18,7 +21,7 @@ def model_sheet(scene, model, imbalance=None):
     pattern = _pattern(soil)
     body_unknowns = int(np.count_nonzero(model.body_free))
     entries = len(pattern.indices)
-    memory = BYTES_PER_POINT * len(soil.constants) + BYTES_PER_ENTRY * entries + LIBRARIES
+    memory = LIBRARIES + PICTURES * bool(scene.output.pictures) + bytes_of(soil, pattern, scene.solver.linear)
     cells = [max(1, n - 1) for n in soil.grid.shape]
     modelled = {
         "grid cells": " x ".join(map(str, cells)),
@@ -30,8 +33,10 @@ def model_sheet(scene, model, imbalance=None):
         "bodies": [_body(*pair) for pair in zip(scene.bodies, model.bodies)] or "none",
         "soil law": _law(scene.soil.material, soil.law) if not soil.held else "none, the soil is held",
         "basis": scene.soil.basis if not soil.held else "none, the soil is held",
+        "soil tangent": _tangent(scene.soil) if not soil.held else "none, the soil is held",
         "steps": " + ".join(f"{s.steps} {s.name}" for s in scene.stages),
         "time integration": _schemes(scene, model.scheme),
+        "increments": _increments(scene, soil.grid.smallest_cell),
         "memory, estimated [MiB]": round(memory / 2**20),
     }
     if imbalance is not None:
@@ -39,6 +44,39 @@ def model_sheet(scene, model, imbalance=None):
     if scene.soil.layers:
         modelled["soil layers"] = [_layer(layer, scene, soil) for layer in scene.soil.layers]
     return {"modelled": modelled, "left out": left_out(scene, model, pattern)}
+
+
+def bytes_of(soil, pattern, linear):
+    """Memory [bytes] that points, matrix and factor take at the most."""
+    memory = BYTES_PER_POINT * len(soil.constants) + BYTES_PER_ENTRY * len(pattern.indices)
+    fill = linear == "direct" and not soil.grid.collapsed.any()
+    return memory + BYTES_OF_FILL * pattern.size ** (4 / 3) * fill
+
+
+def _tangent(soil):
+    """Whether the soil's block of the tangent is symmetric, by the laws of soil.material and the layers."""
+    materials = [of_layer(soil.material, layer) for layer in soil.layers] or [soil.material]
+    if "user" in {m.law for m in materials}:
+        return "as the user's law has it"
+    return "symmetric" if all(map(_associated, materials)) else "unsymmetric"
+
+
+def _associated(material):
+    """Whether plastic flow, if there is any, has a symmetric tangent: at the apex of a cone hardening spoils it."""
+    if "friction_angle" not in USES[material.law]:
+        return True
+    preset = {} if material.relative_density is None else sand(material.relative_density, material.buoyant)
+    friction, dilation = (preset.get(name) if getattr(material, name) is None else getattr(material, name)
+                          for name in ("friction_angle", "dilation_angle"))
+    return material.law == "drucker-prager" and friction == dilation and not material.hardening
+
+
+def _increments(scene, cell):
+    """What sets their length."""
+    time = scene.time
+    if time.accuracy is None:
+        return "as long as a step where they converge"
+    return f"at most {time.accuracy * cell:.3g} m a step added to the error of positions, accuracy {time.accuracy:g}"
 
 
 def _law(material, law):
@@ -113,6 +151,7 @@ def left_out(scene, model, pattern):
         nodes = soil.grid.node_count
         empty = nodes - np.count_nonzero(pattern.free.any(axis=1))
         out.append(f"{empty} of {nodes} nodes: without soil, or held")
+        out.append(f"soil beyond the grid: {_faces(scene.grid.faces, soil.grid.collapsed)}")
     if not model.scheme.inertia:
         out.append("inertia: the scene is quasi-static")
     for axis, collapsed in zip("xyz", soil.grid.collapsed):
@@ -131,6 +170,15 @@ def left_out(scene, model, pattern):
             out.append("ghost penalty: cells hardly filled are left alone")
     out.append("reassembly of the bodies' mass: it turns with them")
     return out
+
+
+def _faces(faces, collapsed):
+    """What the faces of the grid hold in its place."""
+    axes = [name for name, away in zip("xyz", collapsed) if not away]
+    kinds = {}
+    for name in (f"{axis}_{end}" for axis in axes for end in ("min", "max")):
+        kinds.setdefault(getattr(faces, name), []).append(name)
+    return ", ".join(f"{kind} at {' '.join(names)}" for kind, names in kinds.items())
 
 
 def _left_out_of(described, body):

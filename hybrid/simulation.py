@@ -104,10 +104,8 @@ class Simulation:
         for stage in scene.stages:
             length = stage.step or scene.time.step
             begun = self.state.step > first
-            control = Control(begun and self.increment or length, scene.time.smallest or length / 64)
-            model = self.model.for_stage(
-                stage.held, stage.beta, stage.gamma,
-                self.model.loads.during(starts, stage.steps * length, stage.gravity))
+            control = self._control(length, begun)
+            model = self.stage_model(stage, starts)
             systems = Systems(model)
             if not begun:
                 self.state = model.begin(self.state)
@@ -126,6 +124,18 @@ class Simulation:
                 yield self._record(stage.name, stage_step, report)
             first, starts = first + stage.steps, starts + stage.steps * length
 
+    def stage_model(self, stage, starts):
+        """Model of a `stage` that starts at a time [s]."""
+        length = stage.steps * (stage.step or self.scene.time.step)
+        return self.model.for_stage(
+            stage.held, stage.beta, stage.gamma, self.model.loads.during(starts, length, stage.gravity))
+
+    def _control(self, length, begun):
+        """Increment control of a stage with outer steps of `length` [s], which goes on as it was if it has `begun`."""
+        time, cell = self.scene.time, self.model.soil.grid.smallest_cell
+        return Control(begun and self.increment or length, time.smallest or length / (4096 if time.accuracy else 64),
+                       time.accuracy and time.accuracy * cell)
+
     def _record(self, stage, stage_step, report):
         state, evaluation = self.state, report.evaluation
         with timing.phase("energy"):
@@ -141,7 +151,7 @@ class Simulation:
             step=state.step, stage=stage, stage_step=stage_step, time=state.time, dt=report.dt,
             increments=report.increments, iterations=report.iterations, rejections=report.rejections,
             residual=evaluation.error, contacts=sum(len(c) for c in evaluation.contacts), seconds=timing.collect(),
-            energies=energy, bodies=bodies,
+            energies=energy, bodies=bodies, time_error=report.error,
             notes=self._notes(energy))
 
     def _notes(self, energy):

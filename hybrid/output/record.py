@@ -64,7 +64,8 @@ class Record:
 
     step counts from 1 over all stages, stage_step from 1 in its stage. dt [s] is the smallest increment used,
     `increments` how many there were, `iterations` the Newton iterations of all of them, `rejections` the
-    trials thrown away, `residual` the last relative residual, `contacts` the corners that touch. `seconds`
+    trials thrown away, `residual` the last relative residual, `contacts` the corners that touch, `time_error` what
+    the length of the increments adds to the error of positions [m], None where no accuracy is asked for. `seconds`
     holds the wall time of each phase [s] and `energies` the balance [J]; both become columns of history.csv.
     `notes` are texts for the user that are said once in a run, such as a body that leaves the grid.
     """
@@ -83,6 +84,7 @@ class Record:
     energies: dict[str, float] = field(default_factory=dict)
     bodies: list[BodyRecord] = field(default_factory=list)
     notes: tuple[str, ...] = ()
+    time_error: float | None = None
 
     def row(self):
         """Flat dict for one line of history.csv, each name ending in its unit where it has one."""
@@ -98,6 +100,8 @@ class Record:
             "residual": float(self.residual),
             "contacts": int(self.contacts),
         }
+        if self.time_error is not None:
+            row["time_error_m"] = float(self.time_error)
         for body in self.bodies:
             row.update(body.row())
         row.update({f"energy_{column(name)}_J": float(value) for name, value in self.energies.items()})

@@ -2,12 +2,16 @@
 
     committed state -> Step (frozen) -> Newton on trial values -> converged?  yes: new committed state
                                                                               no:  halve the increment, try again
+
+Where the scene asks for accuracy, a converged increment has to be accurate too, and its error sets the length of the
+next one (`hybrid.stepping.accuracy`).
 """
 
 from dataclasses import dataclass
 
 from hybrid.errors import StepError
 from hybrid.stepping import newton
+from hybrid.stepping.accuracy import even, following, local_error, shorter
 from hybrid.system.equations import Evaluation, Step
 
 EASY = 6  # Newton iterations up to which the next increment may be twice as long
@@ -15,15 +19,38 @@ EASY = 6  # Newton iterations up to which the next increment may be twice as lon
 
 @dataclass
 class Control:
-    """Increment control: `dt` is what the next increment tries [s], `smallest` the floor [s]."""
+    """Increment control: `dt` is what the next increment tries [s], `smallest` the floor [s], `accuracy` the error of
+    positions that an outer step may add [m], None where only convergence is asked for."""
 
     dt: float
     smallest: float
+    accuracy: float | None = None
+    _rejected: bool = False     # the last trial
+
+    def increment(self, rest):
+        """What to try [s] with `rest` [s] of the outer step left."""
+        dt = min(self.dt, rest)
+        return even(dt, rest) if self.accuracy else dt
+
+    def rejected(self, dt):
+        """After a trial of `dt` [s] that gave no state."""
+        self.dt, self._rejected = dt, True
+
+    def accepted(self, dt, ratio, easy, length):
+        """After an increment `dt` [s] of an outer step of `length` [s]. ratio: of its error to what it may be, None
+        without accuracy; easy: Newton's method took it easily."""
+        if ratio is not None:
+            dt = following(dt, ratio, easy and not self._rejected)
+            self.dt = min(max(dt, self.smallest), length)
+        elif easy:
+            self.dt = min(2 * self.dt, length)
+        self._rejected = False
 
 
 @dataclass(frozen=True)
 class Report:
-    """What an outer step took. dt: its smallest increment [s]; evaluation: the last converged one."""
+    """What an outer step took. dt: its smallest increment [s]; evaluation: the last converged one; error: sum of the
+    local errors of its increments [m], None where nobody asked."""
 
     dt: float
     increments: int
@@ -31,6 +58,7 @@ class Report:
     krylov: int
     rejections: int
     evaluation: Evaluation
+    error: float | None = None
 
 
 def outer_step(model, systems, state, length, pulling, control, settings):
@@ -41,23 +69,33 @@ def outer_step(model, systems, state, length, pulling, control, settings):
     end, reached = state.time + length, state
     control.dt = min(control.dt, length)
     smallest, increments, iterations, krylov, rejections = length, 0, 0, 0, 0
+    ratio, added = None, 0.0 if control.accuracy else None
     while end - reached.time > 1e-9 * length:
-        dt = min(control.dt, end - reached.time)
+        dt = control.increment(end - reached.time)
         step = Step(model, reached, dt, pulling, systems)
         outcome = newton.solve(step, settings)
         iterations, krylov = iterations + outcome.iterations, krylov + outcome.krylov
         if not outcome.converged:
             rejections += 1
-            control.dt = dt / 2
+            control.rejected(dt / 2)
             if control.dt < control.smallest:
                 raise StepError(_failure(model, reached, dt, control, outcome))
             continue
+        if control.accuracy:
+            error = local_error(step, outcome.evaluation)
+            ratio = error.length / (control.accuracy * dt / length)
+            if ratio > 1:
+                rejections += 1
+                if dt <= control.smallest * (1 + 1e-9):
+                    raise StepError(_inaccurate(reached, dt, control, error, length))
+                control.rejected(max(shorter(dt, ratio), control.smallest))
+                continue
+            added += error.length
         reached = step.accept(outcome.evaluation)
         increments, smallest = increments + 1, min(smallest, dt)
-        if outcome.iterations <= EASY:
-            control.dt = min(2 * control.dt, length)
+        control.accepted(dt, ratio, outcome.iterations <= EASY, length)
     reached.time, reached.step = end, state.step + 1
-    return reached, Report(smallest, increments, iterations, krylov, rejections, outcome.evaluation)
+    return reached, Report(smallest, increments, iterations, krylov, rejections, outcome.evaluation, added)
 
 
 def _failure(model, state, dt, control, outcome):
@@ -68,3 +106,12 @@ def _failure(model, state, dt, control, outcome):
             "a lower body.penalty, more solver.iterations, or a looser solver.tolerance"
             + (". Without inertia, this is also how soil ends that cannot carry its load" if not model.scheme.inertia
                else ""))
+
+
+def _inaccurate(state, dt, control, error, length):
+    return (f"step {state.step + 1} failed at t = {state.time:.6g} s with increment {dt:.3g} s: it adds "
+            f"{error.length:.3g} m to the error of {error.of}, more than its share, "
+            f"{control.accuracy * dt / length:.3g} m of {control.accuracy:.3g} m a step (time.accuracy times the "
+            f"smallest cell), and it is at the floor of {control.smallest:.3g} s (time.smallest). All accepted steps "
+            "are kept. Try a larger time.accuracy, a smaller time.smallest, a lower body.penalty, or a scheme that "
+            "damps")

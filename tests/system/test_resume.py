@@ -81,6 +81,17 @@ def test_increments_go_on_to_the_last_bit(geometry, tmp_path):
     assert [name for name in whole if whole[name] != parts[name]] == []
 
 
+def test_increments_by_accuracy_go_on_to_the_last_bit(geometry, tmp_path):
+    def hit(steps):
+        described = scene(geometry, steps, {"velocity": (0.4, 0.1, -1.0)})
+        return replace(described, time=replace(described.time, accuracy=1e-4))
+
+    whole, parts, _ = in_one_go_and_in_two(tmp_path, hit, 3, 5)
+    history = read_history(tmp_path / "parts")
+    assert history["increments"].min() > 2 and 0 < history["time_error_m"].max() < 1e-4 * 0.2
+    assert [name for name in whole if whole[name] != parts[name]] == []
+
+
 @pytest.fixture(scope="module")
 def stopped(geometry, tmp_path_factory):
     """Simulation of one more step, the state that a run stopped in, and the body's velocity a step later."""

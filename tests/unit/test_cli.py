@@ -134,7 +134,7 @@ def test_check_prints_the_sheet_aligned(scene, stand_in, capsys):
         "left out": ["pore water", "damage"],
     }
     stand_in("hybrid.build", build=lambda scene: SimpleNamespace(sheet=lambda: sheet))
-    assert cli.main(["check", str(scene)]) == 0
+    assert cli.main(["check", str(scene), "--no-probe"]) == 0
     assert capsys.readouterr().out.splitlines() == [
         "unknowns",
         "  soil           21 648",
@@ -150,6 +150,25 @@ def test_check_prints_the_sheet_aligned(scene, stand_in, capsys):
         "  pore water",
         "  damage",
     ]
+
+
+def test_check_adds_what_the_steps_would_take(scene, stand_in, capsys):
+    simulation = SimpleNamespace(sheet=lambda: {"left out": ["damage"]})
+    stand_in("hybrid.build", build=lambda scene: simulation)
+    stand_in("hybrid.probe", probe=lambda given: SimpleNamespace(
+        sheet=lambda: {"predicted": {"step [s]": 0.25 if given is simulation else None}}))
+    assert cli.main(["check", str(scene)]) == 0
+    assert capsys.readouterr().out.splitlines()[2:] == ["", "predicted", "  step [s]  0.25"]
+
+
+def test_check_says_why_nothing_can_be_predicted(scene, stand_in, capsys):
+    def probe(_):
+        raise StepError("linear solver: a diagonal block is singular")
+
+    stand_in("hybrid.build", build=lambda scene: SimpleNamespace(sheet=lambda: {"left out": ["damage"]}))
+    stand_in("hybrid.probe", probe=probe)
+    assert cli.main(["check", str(scene)]) == 0
+    assert "nothing: linear solver: a diagonal block is singular" in capsys.readouterr().out
 
 
 def test_mesh_prints_sizes_and_mass(stand_in, capsys, tmp_path):

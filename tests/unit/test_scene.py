@@ -51,6 +51,7 @@ from small_scene import refused
     ("time.spectral_radius=0.8", ["left out with scheme = 'newmark'", "scheme = 'generalised-alpha'"]),
     ("time.scheme=generalized-alpha", ["did you mean 'generalised-alpha'", "valid: newmark"]),
     ("time.smallest=1", ["at most step = 0.04"]),
+    ("time.accuracy=0", ["time.accuracy = 0", "at most 1", "1e-3 is usual"]),
     ("stage=[]", ["at least one", "[[stage]]"]),
     ("stage.0.steps=0", ["stage.0.steps = 0", "at least 1"]),
     ("stage.0.step=-1", ["positive"]),
@@ -64,6 +65,11 @@ def test_ranges_have_limit_and_remedy(path, override, words):
     message = refused(path, override)
     assert all(word in message for word in words), message
     assert "; " in message  # what follows is the remedy
+
+
+def test_accuracy_needs_inertia(path):
+    message = refused(path, "time.accuracy=1e-3", "time.inertia=false")
+    assert "time.accuracy = 0.001: must be left out in a quasi-static scene" in message
 
 
 def test_a_stage_may_have_a_pair_of_newmark_whatever_the_scheme(path):

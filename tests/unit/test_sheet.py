@@ -1,15 +1,18 @@
 """The model sheet tells the sizes that a run has, and what a scene leaves out."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.sparse import csr_array
 
 from hybrid.build import build
+from hybrid.scene import Axis, Material, Time
 from hybrid.scene_file import load_scene
 from hybrid.system.cache import Systems
 from hybrid.system.equations import Step
-from scenes import plane, sphere
+from scenes import plane, soil_scene, sphere
 
 DEMOS = Path(__file__).parents[2] / "demos"
 
@@ -65,3 +68,37 @@ def test_demo_anchor_starts_in_equilibrium():
     step = Step(simulation.model, simulation.state, 0.04, False, Systems(simulation.model))
     weight = np.linalg.norm(step.soil.weight)
     assert np.linalg.norm(step.evaluate(step.start()).soil) < 1e-12 * weight
+
+
+@pytest.mark.parametrize("law, symmetric", [
+    ({"law": "hencky"}, True),
+    ({"law": "von-mises", "strength": 1e3}, True),
+    ({"law": "von-mises", "strength": 1e3, "hardening": 1e5}, True),
+    ({"law": "drucker-prager", "friction_angle": 30.0, "dilation_angle": 30.0, "cohesion": 1e3}, True),
+    ({"law": "drucker-prager", "friction_angle": 30.0, "dilation_angle": 5.0, "cohesion": 1e3}, False),
+    ({"law": "drucker-prager", "friction_angle": 30.0, "dilation_angle": 30.0, "cohesion": 1e3, "hardening": 1e5},
+     False),
+    ({"law": "willam-warnke", "friction_angle": 30.0, "dilation_angle": 30.0, "cohesion": 1e3}, False),
+])
+@pytest.mark.parametrize("fbar", [False, True])
+def test_the_soil_tangent_is_symmetric_where_the_sheet_says_so(law, symmetric, fbar):
+    described = soil_scene(gravity=(0.0, 0.0, -9.81), fbar=fbar)
+    material = Material(young=1e6, poisson=0.3, density=1800.0, **law)
+    simulation = build(replace(described, soil=replace(described.soil, material=material)))
+    step = Step(simulation.model, simulation.state, 0.01, False, Systems(simulation.model))
+    shaken = 0.004 * np.random.default_rng(0).normal(size=step.start().displacement.shape)
+    step.assemble(step.evaluate(replace(step.start(), displacement=shaken)))
+    pattern = step.pattern
+    tangent = csr_array((step.system.values, pattern.indices, pattern.indptr)).toarray()
+    assert (np.abs(tangent - tangent.T).max() < 1e-12 * np.abs(tangent).max()) == symmetric
+    assert simulation.sheet()["modelled"]["soil tangent"] == ("symmetric" if symmetric else "unsymmetric")
+
+
+def test_what_sets_the_increments_and_what_stands_for_the_far_soil():
+    described = soil_scene(y=Axis(0.0, 0.8, collapsed=True), time=Time(0.01, accuracy=1e-3))
+    sheet = build(described).sheet()
+    assert sheet["modelled"]["increments"] == (
+        "at most 0.0002 m a step added to the error of positions, accuracy 0.001")
+    assert "soil beyond the grid: roller at x_min x_max, fixed at z_min, free at z_max" in sheet["left out"]
+    plain = build(replace(described, time=Time(0.01))).sheet()
+    assert plain["modelled"]["increments"] == "as long as a step where they converge"
