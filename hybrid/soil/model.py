@@ -22,11 +22,12 @@ from hybrid.soil import fbar, ghost, stray, transfer
 from hybrid.soil.basis import Basis, evaluate_basis
 from hybrid.soil.domains import updated_half
 from hybrid.soil.ghost import Ghost
-from hybrid.soil.forces import add_stiffness, internal_force
+from hybrid.soil.forces import internal_force
 from hybrid.soil.grid import Grid
 from hybrid.soil.kinematics import Kinematics, TrialStrain, from_principal
 from hybrid.soil.points import PointConstants
 from hybrid.soil.slabs import Slabs, make_slabs
+from hybrid.soil.stiffness import add_stiffness
 from hybrid.state import Points
 
 
