@@ -21,7 +21,7 @@ from hybrid.soil.forces import gradients
 
 CENTRE = 62  # place of a node itself in its 5x5x5 stencil
 # Unsigned indices: numba looks for a negative one at every access otherwise, which costs more than the addition.
-ONE, TWO, THREE, SIX = np.uintp(1), np.uintp(2), np.uintp(3), np.uintp(6)
+ONE, TWO, THREE, FOUR, FIVE, SIX = (np.uintp(i) for i in range(1, 7))
 WIDTH = np.uintp(81)
 
 
@@ -181,12 +181,10 @@ def _add_row(values, begin, place, stack, stacks, B, x, gx, gy, gz):
     for s in range(stacks):
         at, q, length = np.uintp(begin + place[s]), x + np.uintp(stack[1, s]), stack[1, s + 1] - stack[1, s]
         if length == 9:
-            _add_three(values, at, B, q, gx, gy, gz)
-            _add_three(values, at + THREE, B, q + THREE, gx, gy, gz)
+            _add_six(values, at, B, q, gx, gy, gz)
             _add_three(values, at + SIX, B, q + SIX, gx, gy, gz)
         elif length == 6:
-            _add_three(values, at, B, q, gx, gy, gz)
-            _add_three(values, at + THREE, B, q + THREE, gx, gy, gz)
+            _add_six(values, at, B, q, gx, gy, gz)
         else:
             for _ in range(length):
                 values[at] += gx * B[q] + gy * B[q + WIDTH] + gz * B[q + WIDTH + WIDTH]
@@ -195,11 +193,25 @@ def _add_row(values, begin, place, stack, stacks, B, x, gx, gy, gz):
 
 
 @njit(cache=True, fastmath={"contract"})
-def _add_three(values, at, B, x, gx, gy, gz):
-    """Three entries at once: all is read before anything is written."""
+def _add_six(values, at, B, x, gx, gy, gz):
+    """Six neighbouring entries. All is read before anything is written, so that no addition waits for another."""
     y = x + WIDTH
     z = y + WIDTH
-    first = values[at] + gx * B[x] + gy * B[y] + gz * B[z]
-    second = values[at + ONE] + gx * B[x + ONE] + gy * B[y + ONE] + gz * B[z + ONE]
-    third = values[at + TWO] + gx * B[x + TWO] + gy * B[y + TWO] + gz * B[z + TWO]
-    values[at], values[at + ONE], values[at + TWO] = first, second, third
+    one = values[at] + gx * B[x] + gy * B[y] + gz * B[z]
+    two = values[at + ONE] + gx * B[x + ONE] + gy * B[y + ONE] + gz * B[z + ONE]
+    three = values[at + TWO] + gx * B[x + TWO] + gy * B[y + TWO] + gz * B[z + TWO]
+    four = values[at + THREE] + gx * B[x + THREE] + gy * B[y + THREE] + gz * B[z + THREE]
+    five = values[at + FOUR] + gx * B[x + FOUR] + gy * B[y + FOUR] + gz * B[z + FOUR]
+    six = values[at + FIVE] + gx * B[x + FIVE] + gy * B[y + FIVE] + gz * B[z + FIVE]
+    values[at], values[at + ONE], values[at + TWO] = one, two, three
+    values[at + THREE], values[at + FOUR], values[at + FIVE] = four, five, six
+
+
+@njit(cache=True, fastmath={"contract"})
+def _add_three(values, at, B, x, gx, gy, gz):
+    y = x + WIDTH
+    z = y + WIDTH
+    one = values[at] + gx * B[x] + gy * B[y] + gz * B[z]
+    two = values[at + ONE] + gx * B[x + ONE] + gy * B[y + ONE] + gz * B[z + ONE]
+    three = values[at + TWO] + gx * B[x + TWO] + gy * B[y + TWO] + gz * B[z + TWO]
+    values[at], values[at + ONE], values[at + TWO] = one, two, three
