@@ -26,8 +26,9 @@ class Systems:
                 self._current[1].destroy()
             pattern = make_pattern(active, grid.fixed, grid.shape)
             unknowns = int(np.count_nonzero(model.body_free))
+            near = pattern.near_part(model.soil.ghost_factor > 0) if model.linear == "krylov" else None
             self._current = pattern, BlockSystem(
-                pattern.indptr, pattern.indices, unknowns, model.linear, model.linear_tolerance, pattern.near)
+                pattern.indptr, pattern.indices, unknowns, model.linear, model.linear_tolerance, near)
             self._active = active.copy()
             self.rebuilt += 1
         return self._current

@@ -14,6 +14,7 @@ import numpy as np
 from numba import njit
 
 from hybrid.soil.stiffness import CENTRE
+from hybrid.system.near import Near
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,13 @@ class Pattern:
     def size(self):
         """Number of soil unknowns."""
         return len(self.indptr) - 1
+
+    def near_part(self, shared):
+        """Near of the entries between nodes of one cell; whether a share of the others counts too."""
+        if not shared:
+            return Near(self.indptr, self.indices, self.near)
+        node, component = np.nonzero(self.free)
+        return Near(self.indptr, self.indices, self.near, self.dof[node], component)
 
 
 def make_pattern(active, fixed, shape):

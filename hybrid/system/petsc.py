@@ -7,9 +7,8 @@ K_uu is sparse (AIJ) over the free soil unknowns, the others are dense and as th
 preconditioner is the upper block factorisation: an incomplete (or, for checks, a direct) factor of K_uu and the exact
 Schur complement K_ww - K_wu M^-1 K_uw, formed with one application of that factor M^-1 per body unknown.
 
-The incomplete factor is made from the entries between nodes of one cell only. A point near a cell's face also couples
-nodes two cells apart, which makes three quarters of the entries but carries little: without them a factor of 15 600
-unknowns takes 0.04 s instead of 0.35 s, and GMRES 8 iterations instead of 4 to 1e-3, in the same time.
+The incomplete factor is made from the entries between nodes of one cell (`hybrid.system.near`): without the others a
+factor of 15 600 unknowns takes 0.04 s instead of 0.35 s, and GMRES 8 iterations instead of 4 to 1e-3, in the same time.
 
 All matrices stay allocated while the pattern is the same; values are edited in place. Options prefix: "hybrid_".
 """
@@ -32,7 +31,7 @@ CHOSEN_BY_USER = set(PETSc.Options().getAll())  # PETSC_OPTIONS of the environme
 class BlockSystem:
     """Storage and solution of the block system for one sparsity pattern.
 
-    near: (entries,) bool, those of K_uu that the incomplete factor is made from, None for all.
+    near: Near, what the incomplete factor is made from, None for all of K_uu.
     values: entries of K_uu in the order of the pattern; uw (n, m), wu (m, n), ww (m, m): dense blocks.
     """
 
@@ -47,10 +46,9 @@ class BlockSystem:
             self._uu = PETSc.Mat().createAIJWithArrays((n, n), (indptr, indices, self.values), comm=COMM)
             self._blocks.append(self._uu)
             if near is not None and linear != "direct":
-                self._near, self._near_values = np.flatnonzero(near), np.zeros(np.count_nonzero(near))
-                start = np.concatenate([[0], np.cumsum(near)[indptr[1:] - 1]]).astype(np.int32)
+                self._near = near
                 self._uu_near = PETSc.Mat().createAIJWithArrays(
-                    (n, n), (start, indices[near], self._near_values), comm=COMM)
+                    (n, n), (near.indptr, near.indices, near.values), comm=COMM)
         if m:
             self._ww = PETSc.Mat().createDense((m, m), array=self.ww, comm=COMM)
             self._blocks.append(self._ww)
@@ -120,7 +118,7 @@ class BlockSystem:
     def factor(self):
         """Prepare the preconditioner after assembly."""
         if self._near is not None:
-            np.take(self.values, self._near, out=self._near_values)
+            self._near.take(self.values)
             self._uu_near.stateIncrease()
         for block in (*self._blocks, self._matrix, self._preconditioner):
             block.stateIncrease()

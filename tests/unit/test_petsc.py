@@ -4,8 +4,14 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_matrix, diags, random
 
+from hybrid.build import build
 from hybrid.errors import StepError
+from hybrid.scene import Solver, Time
+from hybrid.system.cache import Systems
+from hybrid.system.equations import Step
+from hybrid.system.near import SHARE, Near
 from hybrid.system.petsc import BlockSystem
+from scenes import soil_scene
 
 
 def filled(n, m, linear, tolerance=1e-12, seed=0):
@@ -45,7 +51,7 @@ def test_a_factor_of_the_near_entries_gives_the_same_solution():
     uu = csr_matrix(K[:200, :200])
     near = abs(np.repeat(np.arange(200), np.diff(uu.indptr)) - uu.indices) < 80
     assert 0.2 < near.mean() < 0.8
-    system = BlockSystem(uu.indptr, uu.indices, 3, "krylov", 1e-12, near)
+    system = BlockSystem(uu.indptr, uu.indices, 3, "krylov", 1e-12, Near(uu.indptr, uu.indices, near))
     residual = np.ones(203)
     for scale in (1.0, 3.0):
         system.values[:], system.uw[:], system.wu[:] = scale * uu.data, K[:200, 200:], K[200:, :200]
@@ -76,10 +82,43 @@ def test_memory_is_given_back():
     diagonal, near = np.flatnonzero(indices == column), abs(indices - column) < k // 2
     used = []
     for _ in range(6):
-        system = BlockSystem(indptr.copy(), indices.copy(), 3, "krylov", 1e-4, near)
+        system = BlockSystem(indptr.copy(), indices.copy(), 3, "krylov", 1e-4, Near(indptr, indices, near))
         system.values[diagonal], system.ww[:] = 1.0, np.eye(3)
         system.factor()
         system.solve(np.ones(n), np.ones(3))
         system.destroy()
         used.append(resident())
     assert used[-1] - used[1] < 40  # one factor and matrix are 40 MiB; leaking them would be 160
+
+
+def test_what_the_factor_leaves_out_goes_by_a_share_to_the_node_of_its_row():
+    """Two unknowns a node, of components 0 and 2; the far entries of a row are of the nodes that are not its own."""
+    uu = csr_matrix(np.arange(1.0, 37.0).reshape(6, 6))
+    node, component = np.repeat(np.arange(3), 2), np.tile([0, 2], 3)
+    own = np.stack([2 * node, np.full(6, -1), 2 * node + 1], axis=1)
+    chosen = node[np.repeat(np.arange(6), 6)] == node[uu.indices]
+    near = Near(uu.indptr, uu.indices, chosen, own, component)
+    near.take(uu.data)
+    dense = uu.toarray()
+    expected = np.zeros((6, 6))
+    for r in range(6):
+        for c in range(6):
+            if node[c] == node[r]:
+                far = [dense[r, q] for q in range(6) if node[q] != node[r] and component[q] == component[c]]
+                expected[r, c] = dense[r, c] + SHARE * sum(far)
+    np.testing.assert_allclose(csr_matrix((near.values, near.indices, near.indptr), (6, 6)).toarray(), expected)
+
+
+def test_cells_hardly_filled_cost_no_iterations_with_the_ghost_penalty():
+    """A block that reaches into the next layer of cells by less and less of it, pushed everywhere."""
+    counts = {}
+    for filled in (1.0, 1e-2, 1e-4):
+        simulation = build(soil_scene(size=0.1, ghost=0.033, time=Time(step=1.0, inertia=False),
+                                      solver=Solver(linear="krylov", linear_tolerance=1e-3)))
+        points = simulation.state.points
+        points.position[:, 2] -= (1 - filled) * 0.1 * (1 + points.position[:, 2] / 0.4)     # the base stays
+        points.half[:, 2] *= 1 - (1 - filled) * 0.25
+        step = Step(simulation.model, simulation.state, 1.0, False, Systems(simulation.model))
+        step.assemble(step.evaluate(step.start()))
+        counts[filled] = step.system.solve(np.random.default_rng(1).normal(size=step.pattern.size), np.zeros(0))[2]
+    assert max(counts.values()) <= counts[1.0] + 2

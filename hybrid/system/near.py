@@ -1,0 +1,74 @@
+"""The part of the soil block that its incomplete factor is made of.
+
+A point near a cell's face couples nodes two cells apart, which makes three quarters of the entries but carries little,
+so they are left out. The ghost penalty couples them too, and with it they carry much: then a share of what is left out
+is added to the block that its row's node has with itself, component by component. Krylov iterations to 1e-3 of blocks
+of 10 700 to 12 000 unknowns whose last cells are filled to a part:
+
+| share, with ghost = 0.033           | 0    | 1/4 | 1/2  | 3/4  |
+|-------------------------------------|------|-----|------|------|
+| 0.01, elastic, quasi-static         | 27   | 7   | 6    | 6    |
+| 0.001, elastic, dynamic             | 49   | 7   | 6    | 6    |
+| 0.3, plastic, quasi-static          | none | 37  | none | none |
+
+Without the penalty a share does harm: cells filled to 0.3 take 19 iterations instead of 5, and to 0.1 none converges.
+"""
+
+import numpy as np
+from numba import njit, prange
+
+SHARE = 0.25
+
+
+class Near:
+    """Entries of a matrix of sparsity (indptr, indices) that `chosen` (entries,) bool marks, and what is left of others.
+
+    indptr, indices, values: compressed rows. own: (n, 3) unknowns of the node of each unknown, or -1, and component:
+    (n,) which of them it is; without these the other entries are left out altogether.
+    """
+
+    def __init__(self, indptr, indices, chosen, own=None, component=None):
+        self._from, n = indptr, len(indptr) - 1
+        self.indptr = np.concatenate([[0], np.cumsum(chosen)[indptr[1:] - 1]]).astype(np.int32)
+        self.indices, self.values = indices[chosen], np.zeros(np.count_nonzero(chosen))
+        self._place = np.full((n, 3), -1, np.int32)
+        self._kind = np.where(chosen, -1, 3 if own is None else component[indices]).astype(np.int8)
+        if own is not None:
+            _find(self.indptr, self.indices, own.astype(np.int32), self._place)
+
+    def take(self, values):
+        """Fill `values` of this from the entries of the whole matrix."""
+        _take(self._from, self.indptr, self._kind, self._place, values, self.values)
+
+
+@njit(cache=True)
+def _find(indptr, indices, own, place):
+    """Places of the entries that a row has with its own node."""
+    for r in range(len(own)):
+        for at in range(indptr[r], indptr[r + 1]):
+            for k in range(3):
+                if indices[at] == own[r, k]:
+                    place[r, k] = at
+
+
+@njit(cache=True, parallel=True)
+def _take(whole, indptr, kind, place, values, near):
+    for r in prange(len(indptr) - 1):
+        at, x, y, z = indptr[r], 0.0, 0.0, 0.0
+        for entry in range(whole[r], whole[r + 1]):
+            k = kind[entry]
+            if k < 0:
+                near[at] = values[entry]
+                at += 1
+            elif k == 0:
+                x += values[entry]
+            elif k == 1:
+                y += values[entry]
+            elif k == 2:
+                z += values[entry]
+        if place[r, 0] >= 0:
+            near[place[r, 0]] += SHARE * x
+        if place[r, 1] >= 0:
+            near[place[r, 1]] += SHARE * y
+        if place[r, 2] >= 0:
+            near[place[r, 2]] += SHARE * z
