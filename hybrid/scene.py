@@ -320,7 +320,9 @@ class Solver:
     augmentations      [-] of an augmented Lagrangian, updates of its multipliers in an increment at most
     augmentation_tolerance  [-] of the forces of the overlap that is left, relative to the forces acting
     linear             preconditioned Krylov method, or a direct solver
-    linear_tolerance   [-] relative, of the Krylov method
+    linear_tolerance   [-] relative, of the Krylov method near the solution
+    loosest_tolerance  [-] the same far from it, where a better solution does not help Newton's method; up to
+                       linear_tolerance: none
     tangent_tolerance  [-] change of a point's tangent within an increment, relative to Young's modulus, up to which it
                        is not assembled again; 0: always. F-bar assembles all points whatever it says
     line_search        shorten a Newton update that does not halve the residual, where that lowers it further
@@ -334,6 +336,7 @@ class Solver:
     augmentation_tolerance: float = 1e-3
     linear: Literal["krylov", "direct"] = "krylov"
     linear_tolerance: float = 1e-3
+    loosest_tolerance: float = 0.02
     tangent_tolerance: float = 1e-2
     line_search: bool = True
     elastic_share: float = 0.0

@@ -286,6 +286,9 @@ def _solver(key, solver):
         value = getattr(solver, name)
         yield from _need(1e-14 <= value < 1, f"{key}.{name}", value, "from 1e-14 to below 1",
                          "1e-6 for Newton and 1e-3 for the linear solver are usual")
+    for name in ("loosest_tolerance", "tangent_tolerance"):
+        yield from _need(0 <= getattr(solver, name) < 1, f"{key}.{name}", getattr(solver, name), "from 0 to below 1",
+                         "0 switches it off")
     yield from _need(0 <= solver.elastic_share < 1, f"{key}.elastic_share", solver.elastic_share, "from 0 to below 1",
                      "0 is the consistent tangent, 0.1 helps loose sand")
     for name in ("iterations", "augmentations"):

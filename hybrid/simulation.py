@@ -99,7 +99,7 @@ class Simulation:
         scene = self.scene
         settings = newton.Settings(
             scene.solver.tolerance, scene.solver.iterations, scene.solver.line_search, scene.solver.augmentations,
-            scene.solver.augmentation_tolerance)
+            scene.solver.augmentation_tolerance, scene.solver.linear_tolerance, scene.solver.loosest_tolerance)
         first, starts = 0, 0.0
         for stage in scene.stages:
             length = stage.step or scene.time.step

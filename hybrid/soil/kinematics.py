@@ -192,3 +192,38 @@ def _from_principal(values, directions, out):
             for j in range(3):
                 out[p, i, j] = (values[p, 0] * n[i, 0] * n[j, 0] + values[p, 1] * n[i, 1] * n[j, 1]
                                 + values[p, 2] * n[i, 2] * n[j, 2])
+
+
+def moved_on(increment, deformation):
+    """F = ΔF F_n (n, 3, 3) and its determinant (n,)."""
+    out, volume = np.empty_like(deformation), np.empty(len(deformation))
+    _moved_on(increment, deformation, out, volume)
+    return out, volume
+
+
+def logarithmic(b):
+    """Principal logarithmic strains ½ ln b_i (n, 3) of b (n, 3, 3)."""
+    out = np.empty((len(b), 3))
+    _logarithmic(b, out)
+    return out
+
+
+@njit(cache=True, parallel=True)
+def _moved_on(increment, deformation, out, volume):
+    for p in prange(len(out)):
+        F = out[p]
+        _product(increment[p], deformation[p], F)
+        volume[p] = (F[0, 0] * (F[1, 1] * F[2, 2] - F[1, 2] * F[2, 1]) - F[0, 1] * (F[1, 0] * F[2, 2] - F[1, 2] * F[2, 0])
+                     + F[0, 2] * (F[1, 0] * F[2, 1] - F[1, 1] * F[2, 0]))
+
+
+@njit(cache=True, parallel=True)
+def _logarithmic(b, out):
+    chunk = 256
+    for block in prange((len(b) + chunk - 1) // chunk):
+        a, vectors = np.empty((3, 3)), np.empty((3, 3))
+        for p in range(block * chunk, min(len(b), (block + 1) * chunk)):
+            a[:] = b[p]
+            eigen_symmetric(a, vectors)
+            for i in range(3):
+                out[p, i] = 0.5 * np.log(a[i, i])

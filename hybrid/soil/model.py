@@ -24,7 +24,7 @@ from hybrid.soil.domains import updated_half
 from hybrid.soil.ghost import Ghost
 from hybrid.soil.forces import internal_force
 from hybrid.soil.grid import Grid
-from hybrid.soil.kinematics import Kinematics, TrialStrain, from_principal
+from hybrid.soil.kinematics import Kinematics, TrialStrain, from_principal, logarithmic, moved_on
 from hybrid.soil.points import PointConstants
 from hybrid.soil.slabs import Slabs, make_slabs
 from hybrid.soil.stiffness import KeptStiffness, add_stiffness
@@ -122,8 +122,9 @@ class Soil:
             load = nodal.pop()
         if points.affine is not None:
             own = _of_those_in(points, self.constants.mass)
-            for field, gradient in zip(nodal, points.affine.swapaxes(0, 1)):
-                field += transfer.affine_part(basis, slabs, self.grid.axes, points.position, own, gradient, mass)
+            parts = transfer.affine_part(basis, slabs, self.grid.axes, points.position, own, points.affine, mass)
+            for field, part in zip(nodal, parts.swapaxes(0, 1)):
+                field += part
         for field in nodal:
             field[self.grid.fixed] = 0.0
         velocity, acceleration, *algorithmic = nodal
@@ -190,9 +191,8 @@ class Soil:
         left = left if old.out is None else left & ~old.out
         if self.stray == "stop":
             stray.refuse_outside(left, position, self.grid)
-        deformation = trial.strain.increment @ old.deformation
+        deformation, volume_ratio = moved_on(trial.strain.increment, old.deformation)
         response, directions = trial.response, trial.strain.directions
-        volume_ratio = np.linalg.det(deformation)
         rate, affine = self._taken_up(step, old, nodal[1:], moved[:, 3:6])
         new = Points(
             position=position,
@@ -217,8 +217,7 @@ class Soil:
         seen = transfer.interpolate(step.basis, self.grid.shape, rates[0])
         if self.transfer == "blended":
             return (1 - self.blend) * (old.velocity + moved) + self.blend * seen, None
-        gradients = [transfer.gradient(step.basis, self.grid.axes, old.position, rate) for rate in rates]
-        return seen, np.stack(gradients, axis=1)
+        return seen, transfer.gradient(step.basis, self.grid.axes, old.position, np.stack(rates, axis=1))
 
     def _without_adrift(self, points, basis):
         """`points` without those that nothing carries. Raises StepError if the run is to stop for them."""
@@ -236,7 +235,7 @@ class Soil:
 
     def stored_energy(self, points):
         """Elastic energy of committed points [J]."""
-        strain = 0.5 * np.log(np.linalg.eigvalsh(points.elastic))
+        strain = logarithmic(points.elastic)
         return float(total(self.law.energy(strain) * self.constants.volume))
 
 

@@ -36,18 +36,19 @@ def project(basis, slabs, shape, mass, *fields):
 
 
 def affine_part(basis, slabs, axes, position, mass, affine, nodal_mass):
-    """What gradients C_p (n, 3, 3) of points at `position` (n, 3) [m] add to the projection of a field, (N, 3)."""
-    out = np.zeros((len(nodal_mass), 3))
+    """What gradients C_p (n, k, 3, 3) of points at `position` (n, 3) [m] add to the projection of k fields,
+    (N, k, 3)."""
+    out = np.zeros((len(nodal_mass), affine.shape[1], 3))
     _affine_part(slabs.order, slabs.start, basis.first, basis.count, basis.value, *axes, position, mass,
                  np.ascontiguousarray(affine), out)
     filled = nodal_mass > 0
-    out[filled] /= nodal_mass[filled, None]
+    out[filled] /= nodal_mass[filled, None, None]
     return out
 
 
 def gradient(basis, axes, position, nodal):
-    """C_p (n, 3, 3) of a nodal field (N, 3) at points of `position` (n, 3) [m]."""
-    out = np.zeros((len(position), 3, 3))
+    """C_p (n, k, 3, 3) of nodal fields (N, k, 3) at points of `position` (n, 3) [m]."""
+    out = np.zeros((len(position), *nodal.shape[1:], 3))
     _gradient(basis.first, basis.count, basis.value, *axes, position, nodal, out)
     return out
 
@@ -107,8 +108,9 @@ def _affine_part(order, start, first, count, value, x, y, z, position, mass, aff
                             w = value[p, 0, a] * value[p, 1, b] * value[p, 2, c] * mass[p]
                             r0, r1, r2 = x[i] - position[p, 0], y[j] - position[p, 1], z[k] - position[p, 2]
                             v = (i * len(y) + j) * len(z) + k
-                            for q in range(3):
-                                out[v, q] += w * (C[q, 0] * r0 + C[q, 1] * r1 + C[q, 2] * r2)
+                            for f in range(len(C)):
+                                for q in range(3):
+                                    out[v, f, q] += w * (C[f, q, 0] * r0 + C[f, q, 1] * r1 + C[f, q, 2] * r2)
 
 
 @njit(cache=True, parallel=True)
@@ -127,11 +129,14 @@ def _gradient(first, count, value, x, y, z, position, nodal, out):
                     i, j, k = first[p, 0] + a, first[p, 1] + b, first[p, 2] + c
                     w = value[p, 0, a] * value[p, 1, b] * value[p, 2, c]
                     v = (i * len(y) + j) * len(z) + k
-                    for q in range(3):
-                        out[p, q, 0] += w * nodal[v, q] * (x[i] - position[p, 0])
-                        out[p, q, 1] += w * nodal[v, q] * (y[j] - position[p, 1])
-                        out[p, q, 2] += w * nodal[v, q] * (z[k] - position[p, 2])
-        for q in range(3):   # a point that sits on a node line of standard MPM has no arm, and no gradient
-            out[p, q, 0] = out[p, q, 0] / d0 if d0 > 0.0 and len(x) > 1 else 0.0
-            out[p, q, 1] = out[p, q, 1] / d1 if d1 > 0.0 and len(y) > 1 else 0.0
-            out[p, q, 2] = out[p, q, 2] / d2 if d2 > 0.0 and len(z) > 1 else 0.0
+                    r0, r1, r2 = w * (x[i] - position[p, 0]), w * (y[j] - position[p, 1]), w * (z[k] - position[p, 2])
+                    for f in range(nodal.shape[1]):
+                        for q in range(3):
+                            out[p, f, q, 0] += nodal[v, f, q] * r0
+                            out[p, f, q, 1] += nodal[v, f, q] * r1
+                            out[p, f, q, 2] += nodal[v, f, q] * r2
+        for f in range(nodal.shape[1]):
+            for q in range(3):   # a point that sits on a node line of standard MPM has no arm, and no gradient
+                out[p, f, q, 0] = out[p, f, q, 0] / d0 if d0 > 0.0 and len(x) > 1 else 0.0
+                out[p, f, q, 1] = out[p, f, q, 1] / d1 if d1 > 0.0 and len(y) > 1 else 0.0
+                out[p, f, q, 2] = out[p, f, q, 2] / d2 if d2 > 0.0 and len(z) > 1 else 0.0

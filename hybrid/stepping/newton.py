@@ -14,13 +14,16 @@ GOOD = 0.15        # an update that leaves less than this of the residual earns 
 @dataclass(frozen=True)
 class Settings:
     """tolerance: relative residual; iterations: limit; line_search: shorten updates that do not help; augmentations:
-    limit, augmentation_tolerance: relative residual that an update may leave, of the updates of contact multipliers."""
+    limit, augmentation_tolerance: relative residual that an update may leave, of the updates of contact multipliers;
+    linear_tolerance, loosest_tolerance: of the Krylov method, near the solution and far from it."""
 
     tolerance: float = 1e-6
     iterations: int = 15
     line_search: bool = True
     augmentations: int = 5
     augmentation_tolerance: float = 1e-3
+    linear_tolerance: float = 1e-3
+    loosest_tolerance: float = 1e-3
 
 
 @dataclass(frozen=True)
@@ -59,7 +62,7 @@ def solve(step: Step, settings: Settings):
 
 
 def _newton(step, settings, unknowns):
-    errors, krylov, current = [], 0, False
+    errors, krylov, current, forcing = [], 0, False, settings.loosest_tolerance
     evaluation = step.evaluate(unknowns)
     if evaluation is None:
         return Outcome(None, 0, 0, (), f"the first guess {step.model.soil.refusal}")
@@ -72,8 +75,9 @@ def _newton(step, settings, unknowns):
         try:
             if not current:
                 step.assemble(evaluation)
+            forcing = _forcing(settings, errors, forcing)
             with phase("solve"):
-                soil, body, count = step.system.solve(evaluation.soil, evaluation.body)
+                soil, body, count = step.system.solve(evaluation.soil, evaluation.body, forcing)
         except StepError as failure:
             return Outcome(evaluation, iteration, krylov, tuple(errors), str(failure))
         krylov += count
@@ -86,6 +90,18 @@ def _newton(step, settings, unknowns):
     return Outcome(evaluation, settings.iterations, krylov, tuple(errors),
                    f"residual {evaluation.error:.2e} after {settings.iterations} iterations, "
                    f"tolerance {settings.tolerance:.0e} ({norms})")
+
+
+def _forcing(settings, errors, last):
+    """Tolerance of the Krylov method: no tighter than Newton's progress is worth (Eisenstat & Walker, SIAM J. Sci.
+    Comput. 17 (1996) 16-32, choice 2 with its safeguards), nor than what is left to the tolerance."""
+    loosest, tightest = settings.loosest_tolerance, settings.linear_tolerance
+    if len(errors) == 1 or loosest <= tightest:
+        return max(loosest, tightest)
+    forcing = 0.9 * (errors[-1] / errors[-2]) ** 2
+    if 0.9 * last**2 > 0.1:
+        forcing = max(forcing, 0.9 * last**2)
+    return min(loosest, max(forcing, tightest, 0.5 * settings.tolerance / errors[-1]))
 
 
 def _too_far(step, evaluation):

@@ -11,7 +11,7 @@ a search:  values[indptr[dof[v, i]] + slot[row[v], stencil(w - v)] + (rank of co
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
+from numba import njit, prange
 
 from hybrid.soil.stiffness import CENTRE
 from hybrid.system.near import Near
@@ -65,12 +65,13 @@ def make_pattern(active, fixed, shape):
     return Pattern(dof, row, slot, indptr, indices, free, diagonal, near)
 
 
-@njit(cache=True)
+@njit(cache=True, parallel=True)
 def _fill_slots(nodes, free, nx, ny, nz, slot):
     width = np.zeros(len(nodes), np.int32)
-    for r in range(len(nodes)):
+    for r in prange(len(nodes)):
         v = nodes[r]
         i, j, k = v // (ny * nz), v // nz % ny, v % nz
+        taken = 0
         for s in range(125):
             a, b, c = i + s // 25 - 2, j + s // 5 % 5 - 2, k + s % 5 - 2
             if 0 <= a < nx and 0 <= b < ny and 0 <= c < nz:
@@ -79,14 +80,15 @@ def _fill_slots(nodes, free, nx, ny, nz, slot):
                 for q in range(3):
                     components += free[w, q]
                 if components > 0:
-                    slot[r, s] = width[r]
-                    width[r] += components
+                    slot[r, s] = taken
+                    taken += components
+        width[r] = taken
     return width
 
 
-@njit(cache=True)
+@njit(cache=True, parallel=True)
 def _fill_indices(nodes, dof, ny, nz, slot, indptr, indices, near):
-    for r in range(len(nodes)):
+    for r in prange(len(nodes)):
         v = nodes[r]
         for i in range(3):
             if dof[v, i] < 0:

@@ -41,6 +41,7 @@ class BlockSystem:
         self.uw, self.wu = np.zeros((n, m), order="F"), np.zeros((m, n), order="F")
         self.ww, self._schur = np.zeros((m, m), order="F"), np.zeros((m, m), order="F")
         self.soil_unknowns, self.body_unknowns = n, m
+        self._tolerance = tolerance
         self._coupled, self._blocks, self._near = bool(n and m), [], None
         if n:
             self._uu = PETSc.Mat().createAIJWithArrays((n, n), (indptr, indices, self.values), comm=COMM)
@@ -140,13 +141,17 @@ class BlockSystem:
                 self._schur[:, a] -= self.wu @ x.array
         self._sp.stateIncrease()
 
-    def solve(self, soil, body):
+    def solve(self, soil, body, tolerance=None):
         """Increments (n,), (m,) that cancel residuals (n,), (m,), and the number of Krylov iterations.
 
+        tolerance: relative, of the Krylov method, None for that of the system.
         Raises StepError when the Krylov method does not converge or meets a singular factor.
         """
         if not self._blocks:
             return np.zeros(0), np.zeros(0), 0
+        if "hybrid_ksp_rtol" not in CHOSEN_BY_USER:
+            _, *others = self._ksp.getTolerances()
+            self._ksp.setTolerances(self._tolerance if tolerance is None else tolerance, *others)
         self._b.array = -np.concatenate([soil, body])
         try:
             self._ksp.solve(self._b, self._x)

@@ -12,7 +12,7 @@ from hybrid.laws.drucker_prager import DruckerPrager
 from hybrid.laws.hencky import Hencky
 from hybrid.laws.von_mises import VonMises
 from hybrid.laws.willam_warnke import WillamWarnke
-from hybrid.soil.stiffness import add_stiffness, spatial_tangent
+from hybrid.soil.stiffness import KeptStiffness, add_stiffness, spatial_tangent
 from hybrid.soil.grid import graded_nodes, make_grid
 from hybrid.soil.kinematics import eigen_symmetric, from_principal
 from hybrid.soil.model import Soil
@@ -196,6 +196,29 @@ def test_stiffness_is_symmetric_for_associated_flow_only(basis, plane, fbar):
         K, _ = stiffness(*block(law, basis, plane, fbar=fbar))
         skewness = abs(K - K.T).max() / abs(K).max()
         assert skewness < 1e-13 if symmetric else skewness > 1e-3
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_kept_tangent_follows_the_trial(law):
+    """Brought from one trial to another it is the tangent of the second; with a tolerance, of the points that changed
+    by more than that. Without bringing it up to date it is not."""
+    soil, step, displacement = block(law)
+    pattern = make_pattern(step.active, soil.grid.fixed, soil.grid.shape)
+
+    def filled(tolerance, *trials):
+        soil._kept = KeptStiffness(tolerance * soil.law.young)
+        values = np.empty(len(pattern.indices))
+        for u in trials:
+            soil.fill_stiffness(step, soil.evaluate(step, u), pattern, values)
+        return values
+
+    other = 1.05 * displacement
+    expected = stiffness(soil, step, other)[0].data
+    scale = np.abs(expected).max()
+    assert np.abs(filled(0.0, displacement, other) - expected).max() < 1e-12 * scale
+    assert 1e-12 * scale < np.abs(filled(1e-2, displacement, other) - expected).max() < 5e-2 * scale
+    assert np.abs(filled(1e9, displacement, other) - expected).max() > 1e-3 * scale
+    assert np.array_equal(filled(1e9, displacement, other), filled(1e9, displacement))
 
 
 def test_slope_test_fails_without_the_terms_of_fbar():

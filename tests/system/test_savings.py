@@ -1,0 +1,97 @@
+"""What Newton's method saves changes the way to a solution, not the solution: sphere pressed into loose sand."""
+
+from types import SimpleNamespace
+
+import pytest
+from scenes import GEOMETRY, scene
+
+from hybrid.build import build
+from hybrid.scene import Axis, Body, Faces, Grid, Stage
+from hybrid.stepping import newton
+
+EXACT = {"tangent_tolerance": 0.0, "loosest_tolerance": 0.0, "linear_tolerance": 1e-10}
+SAVINGS = {
+    "kept tangents": {"tangent_tolerance": 1e-2},
+    "loose Krylov": {"loosest_tolerance": 0.1, "linear_tolerance": 1e-3},
+    "both": {"tangent_tolerance": 1e-2, "loosest_tolerance": 0.1, "linear_tolerance": 1e-3},
+}
+TOLERANCE = 1e-8
+WAY = 0.03  # [m] that the sphere moves in these steps
+
+
+def pressed(**solver):
+    """(state, Newton iterations) after a sphere has sunk into sand for three steps."""
+    axis = Axis(start=0.0, end=0.8, size=0.2)
+    body = Body(geometry=GEOMETRY / "sphere.geo", density=3000.0, parameters={"radius": 0.25, "size": 0.12},
+                position=(0.43, 0.37, 0.255), velocity=(0.4, 0.1, -1.0), friction=0.4)
+    sand = {"law": "drucker-prager", "young": 1e6, "poisson": 0.3, "friction_angle": 30.0, "dilation_angle": 5.0,
+            "cohesion": 100.0}
+    grid = Grid(axis, axis, Axis(start=-0.6, end=0.2, size=0.2), Faces(z_min="fixed"))
+    simulation = build(scene("pressed", grid, sand, [body], 0.01, [Stage("one", 3)], soil={"top": 0.0},
+                             solver={"tolerance": TOLERANCE, "iterations": 30, **solver}, gravity=(0.0, 0.0, -9.81)))
+    records = list(simulation.steps())
+    return simulation.state, sum(r.iterations for r in records)
+
+
+@pytest.fixture(scope="module")
+def exact():
+    return pressed(**EXACT)
+
+
+@pytest.mark.parametrize("name", SAVINGS)
+def test_the_answer_is_the_same_within_the_tolerance(exact, name):
+    state, iterations = pressed(**{**EXACT, **SAVINGS[name]})
+    assert state.points.position == pytest.approx(exact[0].points.position, abs=1e3 * TOLERANCE * WAY)
+    assert state.bodies[0].position == pytest.approx(exact[0].bodies[0].position, abs=1e3 * TOLERANCE * WAY)
+    assert state.points.plastic_strain == pytest.approx(exact[0].points.plastic_strain, abs=1e-5)
+    assert exact[0].points.plastic_strain.max() > 1e-3   # the sand yields, so tangents change
+    assert iterations < 3 * exact[1]
+
+
+def test_the_krylov_tolerance_follows_newton_and_keeps_within_its_bounds():
+    settings = newton.Settings(tolerance=1e-6, linear_tolerance=1e-3, loosest_tolerance=0.1)
+    forcing = newton._forcing
+    assert forcing(settings, [1.0], 0.1) == 0.1
+    assert forcing(settings, [1.0, 0.9], 0.1) == 0.1                       # stagnating
+    assert forcing(settings, [1.0, 0.1], 0.1) == pytest.approx(9e-3)      # 0.9 (R_k / R_k-1)²
+    assert forcing(settings, [1.0, 1e-3], 0.1) == 1e-3                     # never tighter than linear_tolerance
+    assert forcing(settings, [1.0, 1e-5], 0.1) == pytest.approx(0.05)     # what is left to the tolerance
+    same = newton.Settings(linear_tolerance=1e-3, loosest_tolerance=0.0)
+    assert forcing(same, [1.0, 0.9], 0.1) == 1e-3
+
+
+def test_an_update_that_gains_little_is_shortened():
+    """Soil that opens and closes: |r| = |1 - 1.95 s| along the update; the whole of it gains 5 %, half of it 97 %."""
+    tried = []
+
+    class Step:
+        model = None
+
+        def moved(self, unknowns, soil, body, scale):
+            return scale
+
+        def evaluate(self, scale):
+            tried.append(scale)
+            return SimpleNamespace(error=abs(1 - 1.95 * scale), unknowns=scale)
+
+    old = SimpleNamespace(error=1.0, unknowns=None)
+    assert newton._search(Step(), old, None, None, True).unknowns == 0.5 and tried == [1.0, 0.5]
+    tried.clear()
+    assert newton._search(Step(), old, None, None, False).unknowns == 1.0
+
+
+@pytest.mark.parametrize("error, best", [(lambda s: 1 - 0.3 * s, 1.0), (lambda s: 1 + s, 1 / 16),
+                                         (lambda s: 0.8 if s == 0.5 else 0.9, 0.5)])
+def test_the_evaluation_returned_is_the_best_and_the_last(error, best):
+    tried = []
+
+    class Step:
+        def moved(self, unknowns, soil, body, scale):
+            return scale
+
+        def evaluate(self, scale):
+            tried.append(scale)
+            return SimpleNamespace(error=error(scale), unknowns=scale)
+
+    found = newton._search(Step(), SimpleNamespace(error=1.0, unknowns=None), None, None, True)
+    assert found.unknowns == best and tried[-1] == best
