@@ -1,8 +1,10 @@
 """From a Scene to a model and its initial state: the only reader of scenes, apart from what observers print."""
 
+from dataclasses import replace
+
 import numpy as np
 
-from hybrid.body import mass, mesh
+from hybrid.body import mass, mesh, rigid
 from hybrid.body.attitude import rotation_from_axis_angle
 from hybrid.body.motion import free_spin_rate
 from hybrid.body.rigid import FREEDOMS, Line, RigidBody
@@ -14,12 +16,14 @@ from hybrid.ground import build_ground
 from hybrid.scene_file import validate
 from hybrid.scheme import Scheme
 from hybrid.simulation import Simulation
+from hybrid.soil.lattice import Lattice
 from hybrid.soil.grid import FACES, graded_nodes, make_grid, uniform_nodes
 from hybrid.soil.model import Soil
 from hybrid.soil.points import at_rest, tile
 from hybrid.state import BodyState, ContactHistory, State
 from hybrid.system.loads import Loads
 from hybrid.system.model import Model
+from hybrid.travel import Travel
 
 
 def build(scene, *, body_force=None, law=None):
@@ -31,21 +35,22 @@ def build(scene, *, body_force=None, law=None):
     """
     scene = validate(scene)
     gravity = np.array(scene.gravity, float)
-    grid = build_grid(scene)
     loads = Loads(gravity, body_force).during(0.0, 0.0, (scene.stages[0].gravity[0],) * 2)
+    meshes = [mesh.generate(described.geometry, described.parameters) for described in scene.bodies]
+    placed = [build_body(*pair, loads.on_bodies(0.0)) for pair in zip(scene.bodies, meshes)]
+    grid, travel, layouts = build_grid(scene, placed)
     soil, points = build_soil(scene, grid, loads, law)
-    meshes, bodies, motions, contacts = [], [], [], []
-    for described in scene.bodies:
-        body_mesh = mesh.generate(described.geometry, described.parameters)
-        body, motion = build_body(described, body_mesh, soil, loads.on_bodies(0.0))
+    motions, contacts = [motion for _, motion in placed], [ContactHistory.empty() for _ in placed]
+    bodies = [against(described, body, soil) for described, (body, _) in zip(scene.bodies, placed)]
+    for described, body, motion in zip(scene.bodies, bodies, motions):
         refuse_overlap(described, body, motion, points, soil.basis)
-        meshes.append(body_mesh)
-        bodies.append(body)
-        motions.append(motion)
-        contacts.append(ContactHistory.empty())
     model = Model(
         soil, tuple(bodies), build_scheme(scene.time), loads, scene.solver.linear, scene.solver.linear_tolerance)
-    return Simulation(scene, model, State(0.0, 0, points, motions, contacts), meshes)
+    state = State(0.0, 0, points, motions, contacts)
+    if travel is not None:
+        travel.lay_out = lambda grid: lay_out(scene, grid, gravity)
+        state.ground = travel.start(layouts, soil)
+    return Simulation(scene, model, state, meshes, travel)
 
 
 def build_scheme(time):
@@ -57,12 +62,15 @@ def build_scheme(time):
     return Scheme.energy_momentum() if time.scheme == "energy-momentum" else Scheme.newmark(time.beta, time.gamma)
 
 
-def build_grid(scene):
-    """Background grid with its held faces."""
-    axes, extent = [], []
-    for axis in (scene.grid.x, scene.grid.y, scene.grid.z):
+def build_grid(scene, placed=()):
+    """(Grid with its held faces, Travel or None, its layouts) for bodies `placed`, each a RigidBody and BodyState."""
+    axes, extent, lattices = [], [], {}
+    for number, axis in enumerate((scene.grid.x, scene.grid.y, scene.grid.z)):
         extent.append((axis.start, axis.end))
-        if axis.collapsed:
+        if axis.travels:
+            lattices[number] = build_lattice(axis, upwards=number == 2)
+            axes.append(None)
+        elif axis.collapsed:
             axes.append(np.array([0.5 * (axis.start + axis.end)]))
         elif axis.nodes is not None:
             axes.append(np.array(axis.nodes))
@@ -71,18 +79,41 @@ def build_grid(scene):
         else:
             axes.append(uniform_nodes(axis.start, axis.end, axis.size))
     faces = {face: getattr(scene.grid.faces, face) for face in FACES}
-    return make_grid(axes, np.array(extent), faces, scene.soil.held)
+    if not lattices:
+        return make_grid(axes, np.array(extent), faces, scene.soil.held), None, None
+    names = [body.name for body, _ in placed]
+    followed = names.index(scene.grid.follow) if scene.grid.follow else 0
+    travel = Travel(followed, lattices, axes, np.array(extent), faces,
+                    np.broadcast_to(scene.soil.points_per_axis, 3), scene.grid.behind == "freeze")
+    layouts = travel.fit(rigid.box(*placed[followed]))
+    return travel.grid(layouts), travel, layouts
+
+
+def build_lattice(axis, upwards):
+    """Lattice of a travelling axis; `upwards` its window leaves nothing out."""
+    window = axis.window and (axis.window[0], np.inf if upwards else axis.window[1])
+    return Lattice(axis.start, axis.end, round((axis.end - axis.start) / axis.size), axis.around, window, axis.doublings,
+                   max(1, round(np.log(2) / np.log(axis.growth))))
+
+
+def lay_out(scene, grid, gravity, law=None):
+    """(PointConstants, principal stress (n, 3) [Pa], law) of the scene's soil, as far as the grid reaches, at rest."""
+    described = scene.soil
+    lower, upper = grid.extent[:, 0].copy(), grid.extent[:, 1].copy()
+    if described.lower is not None:
+        lower = np.maximum(lower, described.lower)
+    if described.upper is not None:
+        upper = np.minimum(upper, described.upper)
+    if described.top is not None:
+        upper[2] = described.top
+    per_axis = np.broadcast_to(described.points_per_axis, 3)
+    return build_ground(described, tile(grid, lower, upper, per_axis, 1.0), upper[2], gravity, law)
 
 
 def build_soil(scene, grid, loads, law=None):
     """Soil model and its points at rest, in geostatic equilibrium when asked for."""
-    described, gravity = scene.soil, loads.gravity
-    lower = np.array(described.lower if described.lower is not None else grid.extent[:, 0])
-    upper = np.array(described.upper if described.upper is not None else grid.extent[:, 1])
-    if described.top is not None:
-        upper[2] = described.top
-    per_axis = np.broadcast_to(described.points_per_axis, 3)
-    constants, stress, law = build_ground(described, tile(grid, lower, upper, per_axis, 1.0), upper[2], gravity, law)
+    described = scene.soil
+    constants, stress, law = lay_out(scene, grid, loads.gravity, law)
     points = at_rest(constants, stress, law.strain(stress))
     if scene.time.inertia and not stress.any():
         points.acceleration[:] = loads.on_points(0.0, constants.position)  # nothing holds it yet
@@ -93,8 +124,8 @@ def build_soil(scene, grid, loads, law=None):
     return soil, points
 
 
-def build_body(described, body_mesh, soil, gravity):
-    """RigidBody and its initial BodyState."""
+def build_body(described, body_mesh, gravity):
+    """RigidBody, of no soil yet, and its initial BodyState."""
     properties = mass.condensed_mass(body_mesh, described.density)
     surface = build_surface(body_mesh.points - properties.centre, body_mesh.contact)
     rotation = np.eye(3)
@@ -103,17 +134,12 @@ def build_body(described, body_mesh, soil, gravity):
     position = np.array(described.position or (0.0, 0.0, 0.0)) + rotation @ properties.centre
     if described.rest_on is not None:
         position[2] = described.rest_on - (surface.vertices @ rotation.T)[:, 2].min()
-    pressure = described.penalty * soil.law.young
-    samples = None
-    if described.second_pass:
-        samples = surface_samples(surface, 2 * soil.constants.half.min())
     driven = np.isin(FREEDOMS, described.driven)
     free = ~(np.isin(FREEDOMS, described.held) | driven)
     rates = np.concatenate([described.velocity, rotation @ described.spin])
     body = RigidBody(
         name=described.name, mass=properties, surface=surface, free=free, drive=rates * driven,
-        friction=described.friction, tangential=described.tangential, contact_pressure=pressure,
-        contact_stiffness=pressure * soil.constants.volume ** (2 / 3), samples=samples,
+        friction=described.friction, tangential=described.tangential, penalty=described.penalty,
         second_pass=described.second_pass, augmented=described.enforcement == "augmented",
         line=build_line(described, body_mesh, properties))
     falling = gravity * free[:3]  # nothing touches a body at the start, so it accelerates freely
@@ -121,6 +147,14 @@ def build_body(described, body_mesh, soil, gravity):
     motion = BodyState(position, rotation, np.array(described.velocity, float), falling, spin,
                        free_spin_rate(properties.inertia, rotation, spin, free[3:]))
     return body, motion
+
+
+def against(described, body, soil):
+    """The body with what it needs to meet `soil`."""
+    body = rigid.against(body, soil.law.young, soil.constants.volume)
+    if not described.second_pass:
+        return body
+    return replace(body, samples=surface_samples(body.surface, 2 * soil.constants.half.min()))
 
 
 def build_line(described, body_mesh, properties):

@@ -44,6 +44,7 @@ def build_ground(described, constants, top, gravity, own_law=None):
     for s in strata:
         density[s.points], k0[s.points] = s.values["density"], s.k0
     constants = replace(constants, mass=density * constants.volume)
+    sideways = np.stack([k0, k0, np.ones_like(k0)], axis=1)
     vertical = overburden(constants, np.linalg.norm(gravity))
     stress = np.zeros((len(constants), 3))
     if described.geostatic and not described.held:
@@ -51,7 +52,8 @@ def build_ground(described, constants, top, gravity, own_law=None):
             raise SceneError(f"soil.geostatic needs gravity along -z, but gravity = {gravity.tolist()}; set "
                              "soil.geostatic = false and turn gravity on by stage.gravity = [0.0, 1.0], or turn the "
                              "scene")
-        stress = -vertical[:, None] * np.stack([k0, k0, np.ones_like(k0)], axis=1)
+        stress = -vertical[:, None] * sideways
+        constants = replace(constants, rise=(density * np.linalg.norm(gravity))[:, None] * sideways)
     if own_law is not None:
         law = adopt(own_law(constants, stress.copy()), len(constants))
     else:

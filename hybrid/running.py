@@ -20,7 +20,7 @@ def run(scene, out=None, overrides=(), resume=False, quiet=False, body_force=Non
     folder = Path(out) if out is not None else Path("out") / scene.name
     simulation = build(scene, body_force=body_force, law=law)
     if resume:
-        simulation.state = checkpoint.load(folder / checkpoint.NAME, simulation.scene)
-        simulation.increment = checkpoint.read_extra(folder / checkpoint.NAME).get("increment")
+        path = folder / checkpoint.NAME
+        simulation.resume(checkpoint.load(path, simulation.scene), checkpoint.read_extra(path).get("increment"))
     simulation.run(output.standard(folder, progress=not quiet))
     return simulation

@@ -26,6 +26,10 @@ class Axis:
     growth       [-] largest ratio of neighbouring cells outside `fine`, in (1, 2]
     collapsed    one constant basis function and no displacement along this axis; end - start is the thickness
     nodes        [m] increasing coordinates of all nodes, instead of `size`
+    around       [m] (below, above): cells of `size` from this far below to this far above the box of the body that
+                 grid.follow names, and wherever it goes; they double away from it as `growth` allows
+    window       [m] (below, above): soil farther than this from that box is left out; upwards, along z, nothing is
+    doublings    [-] of the cells at most, with `around`; windows end at multiples of the widest cells
     """
 
     start: float | None = None
@@ -35,6 +39,14 @@ class Axis:
     growth: float = 1.3
     collapsed: bool = False
     nodes: tuple[float, ...] | None = None
+    around: tuple[float, float] | None = None
+    window: tuple[float, float] | None = None
+    doublings: int = 3
+
+    @property
+    def travels(self):
+        """Whether the nodes go with a body."""
+        return self.around is not None or self.window is not None
 
     def __post_init__(self):
         if self.nodes is not None and len(self.nodes):
@@ -57,12 +69,22 @@ class Faces:
 
 @dataclass(frozen=True)
 class Grid:
-    """The background grid: the tensor product of three axes."""
+    """The background grid: the tensor product of three axes.
+
+    follow   name of the body that the axes with `around` or `window` go with; None: the first one
+    behind   soil that a window leaves behind stays as it was and is solved again should the body return, or is removed
+    """
 
     x: Axis
     y: Axis
     z: Axis
     faces: Faces = Faces()
+    follow: str | None = None
+    behind: Literal["freeze", "remove"] = "freeze"
+
+    @property
+    def travels(self):
+        return any(axis.travels for axis in (self.x, self.y, self.z))
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ def faults(scene):
     collapsed = [name for name in "xyz" if getattr(scene.grid, name).collapsed]
     yield from _need(len(collapsed) < 3, "grid", ", ".join(collapsed) + " collapsed",
                      "one axis at least uncollapsed", "set collapsed = false where the soil deforms")
+    yield from _travel(scene)
     yield from _soil("soil", scene.soil, scene.grid)
     if scene.grid.z.start is not None and scene.grid.z.end is not None:
         yield from material_faults(scene.soil, scene.grid)
@@ -66,6 +67,8 @@ def _distinct(key, items):
 def _axis(key, axis):
     kinds = [name for name, given in (("nodes", axis.nodes is not None), ("fine", axis.fine is not None),
                                       ("collapsed", axis.collapsed)) if given]
+    if kinds or not axis.travels:
+        kinds += [name for name in ("around", "window") if getattr(axis, name) is not None][:1]
     if len(kinds) > 1:
         yield f"{key}: {' and '.join(kinds)} exclude each other; keep one of them"
         return
@@ -84,6 +87,40 @@ def _axis(key, axis):
                      "1.3 grows cells by 30 % each; leave out `fine` for a uniform axis")
     if not axis.collapsed and axis.start < axis.end:
         yield from _cells(key, axis)
+
+
+def _travel(scene):
+    """Faults of a grid that goes with a body."""
+    grid, soil = scene.grid, scene.soil
+    names = [body.name for body in scene.bodies]
+    if not grid.travels:
+        yield from _need(grid.follow is None, "grid.follow", grid.follow, "left out",
+                         "or give an axis `around` or `window` [m] to travel with")
+        return
+    yield from _need(names and grid.follow in (None, *names), "grid.follow", grid.follow,
+                     f"a body of the scene: {', '.join(names) or 'it has none'}", "name one, or let the axes stand still")
+    yield from _need(not soil.held, "soil.held", soil.held, "false where the grid travels",
+                     "held soil has no unknowns to save: leave `around` and `window` out")
+    yield from _need(soil.material.law != "user", "soil.material.law", soil.material.law,
+                     "one of the package's own where the grid travels, as points come and go",
+                     "leave `around` and `window` out")
+    for name in "xyz":
+        axis, key = getattr(grid, name), f"grid.{name}"
+        if not axis.travels or axis.start is None or axis.end is None or not axis.size:
+            continue
+        for margin in ("around", "window"):
+            ends = getattr(axis, margin)
+            yield from _need(ends is None or min(ends) >= 0, f"{key}.{margin}", ends, "two distances of at least 0",
+                             "they are measured from the body's box, outwards")
+        yield from _need(1 <= axis.doublings <= 8, f"{key}.doublings", axis.doublings, "from 1 to 8", "3 is usual")
+        cells, block = (axis.end - axis.start) / axis.size, 2**axis.doublings
+        fits = abs(cells / block - round(cells / block)) < 1e-6
+        yield from _need(fits, f"{key}.end", axis.end, f"start = {_shown(axis.start)} plus a multiple of size times "
+                         f"2^doublings = {_shown(axis.size * block)}",
+                         f"use {_shown(axis.start + axis.size * block * max(1, round(cells / block)))}")
+        yield from _need(axis.window is None or soil.geostatic, f"{key}.window", axis.window,
+                         "left out without geostatic stress, as soil comes in at rest",
+                         "or set soil.geostatic = true")
 
 
 def _nodes(key, axis):

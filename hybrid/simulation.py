@@ -23,11 +23,10 @@ from hybrid.system.equations import Step
 class Simulation:
     """Scene, model and committed state, with what observers ask for; made by `hybrid.build.build`."""
 
-    def __init__(self, scene, model, state, meshes):
+    def __init__(self, scene, model, state, meshes, travel=None):
         self.scene, self.model, self.state, self.meshes = scene, model, state, meshes
+        self.travel = travel    # None: the grid stays
         self.initial_bodies = list(state.bodies)
-        self.initial_position = model.soil.constants.position
-        self.initial_half = model.soil.constants.half
         self.surfaces = [b.surface for b in model.bodies]
         self.body_names = [b.name for b in model.bodies]
         self.masses = [b.mass for b in model.bodies]
@@ -39,6 +38,17 @@ class Simulation:
         self.imbalance = measure(start, evaluation)
         self._leaving, self._gain = Leaving(model, state.bodies), Gain()
         self._astray = None if model.soil.held else Astray(model, state.points)
+
+    @property
+    def initial_position(self):
+        """(n, 3) [m] of the points."""
+        return self.model.soil.constants.position
+
+    def resume(self, state, increment=None):
+        """Go on from `state`, trying steps of `increment` [s] first."""
+        self.state, self.increment = state, increment
+        if self.travel:
+            self.model = self.travel.model(self.model, state.ground)
 
     @property
     def total_steps(self):
@@ -103,6 +113,11 @@ class Simulation:
                 self.state = replace(self.state, bodies=[
                     rigid.laid_out(b, s) for b, s in zip(self.model.bodies, self.state.bodies)])
             for stage_step in range(max(1, self.state.step - first + 1), stage.steps + 1):
+                if self.travel:
+                    self.model, self.state, moved = self.travel.follow(self.model, self.state)
+                    if moved:
+                        model = model.on(self.model.soil)
+                        systems.renew(model)
                 self.state, report = outer_step(
                     model, systems, self.state, length, stage.pull, control, settings)
                 self.evaluation, self.increment = report.evaluation, control.dt

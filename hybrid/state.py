@@ -51,6 +51,52 @@ class Points:
         return len(self.position)
 
 
+@dataclass(frozen=True)
+class PointConstants:
+    """What a point keeps for as long as it is neither split nor merged.
+
+    position: (n, 3) [m] and half: (n, 3) [m] at the start; volume: (n,) [m³]; mass: (n,) [kg]; rise: (n, 3) [Pa/m],
+    growth with height of the principal stress at rest, None without geostatic stress.
+    """
+
+    position: np.ndarray
+    half: np.ndarray
+    volume: np.ndarray
+    mass: np.ndarray
+    rise: np.ndarray | None = None
+
+    def __len__(self):
+        return len(self.mass)
+
+
+@dataclass(frozen=True)
+class Population:
+    """Material points with all that belongs to them: history, constants, and a row of the law's values for each."""
+
+    points: Points
+    constants: PointConstants
+    rows: np.ndarray
+
+    def __len__(self):
+        return len(self.points)
+
+
+@dataclass(frozen=True)
+class Ground:
+    """What a scene cannot tell of its soil any more once the grid travels.
+
+    fine, window: (3, 2) lattice numbers of the layout; made: (a, b, c) bool, blocks whose soil has been laid out;
+    constants, rows: of the points that are solved; behind: all of those that the window has left, None if none are kept.
+    """
+
+    fine: np.ndarray
+    window: np.ndarray
+    made: np.ndarray
+    constants: PointConstants
+    rows: np.ndarray
+    behind: Population | None = None
+
+
 @dataclass
 class ContactHistory:
     """Corners near one body that are followed as material points from step to step.
@@ -104,7 +150,8 @@ class BodyState:
 
 @dataclass
 class State:
-    """Everything a run needs to go on: time [s], outer step number, points, bodies, work done so far [J]."""
+    """Everything a run needs to go on: time [s], outer step number, points, bodies, work done so far [J], and the
+    ground where the grid travels."""
 
     time: float
     step: int
@@ -112,3 +159,4 @@ class State:
     bodies: list[BodyState]
     contacts: list[ContactHistory]
     work: dict[str, float] = field(default_factory=dict)
+    ground: Ground | None = None

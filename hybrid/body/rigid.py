@@ -37,7 +37,8 @@ class RigidBody:
     """Constants of a body.
 
     free: (6,) bool, the unknowns; drive: (6,) [m/s, rad/s] spatial rates of the others, zero for what is held
-    contact_stiffness: (n,) whole-point ε_N [N/m] against each soil point; contact_pressure: (n,) p_f E [N/m³]
+    penalty: p_f [1/m]; contact_pressure: (n,) p_f E [N/m³] and contact_stiffness: (n,) whole-point ε_N [N/m] against
+        each soil point, given by `against`
     samples: of the second pass, which carries the share `second_pass` of the contact, None without it
     augmented: multipliers take the overlap away
     """
@@ -49,8 +50,9 @@ class RigidBody:
     drive: np.ndarray
     friction: float
     tangential: float
-    contact_stiffness: np.ndarray
-    contact_pressure: np.ndarray
+    penalty: float
+    contact_stiffness: np.ndarray | None = None
+    contact_pressure: np.ndarray | None = None
     samples: Samples | None = None
     second_pass: float = 0.0
     augmented: bool = False
@@ -60,6 +62,18 @@ class RigidBody:
     def radius(self):
         """Distance [m] of the farthest surface vertex from the centre."""
         return self.surface.radius
+
+
+def against(body, young, volume):
+    """The body as it meets points of Young's modulus `young` (n,) [Pa] and initial volume (n,) [m³]."""
+    pressure = body.penalty * young
+    return replace(body, contact_pressure=pressure, contact_stiffness=pressure * volume ** (2 / 3))
+
+
+def box(body, state):
+    """Lower and upper corner (2, 3) [m] of the body's surface."""
+    place = state.position + body.surface.vertices @ state.rotation.T
+    return np.array([place.min(axis=0), place.max(axis=0)])
 
 
 @dataclass(frozen=True)

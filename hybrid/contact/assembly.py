@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 
 from hybrid.reductions import total
-from hybrid.soil.forces import CENTRE
+from hybrid.soil.stiffness import CENTRE
 
 STENCIL = np.array([((a >> 2) * 5 + (a >> 1 & 1)) * 5 + (a & 1) for a in range(8)])  # of a cell's nodes, in 5x5x5
 

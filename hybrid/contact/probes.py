@@ -24,7 +24,7 @@ from numba import njit
 from hybrid.contact.assembly import skew
 from hybrid.contact.faces import U, V, Frame, assign, crossing, exposed_faces
 from hybrid.reductions import total
-from hybrid.soil.forces import CENTRE
+from hybrid.soil.stiffness import CENTRE
 
 SLOPES = np.stack([U, V])  # c_αa = ∂w_a/∂ξ^α
 

@@ -3,6 +3,8 @@
     τ_i = K tr ε + 2 G dev(ε)_i          ψ = ½ K (tr ε)² + G dev ε : dev ε
 """
 
+import copy
+
 import numpy as np
 from numba import njit, prange
 
@@ -18,6 +20,17 @@ class Hencky:
         young, poisson = np.broadcast_arrays(np.atleast_1d(np.asarray(young, float)), poisson)
         self.young = np.array(young)
         self.parameters = np.column_stack([young / (3 * (1 - 2 * poisson)), young / (2 * (1 + poisson))])
+
+    @property
+    def rows(self):
+        """(n, 1 + k) Young's modulus and parameters of each point."""
+        return np.column_stack([self.young, self.parameters])
+
+    def with_rows(self, rows):
+        """The same law for other points, given by their rows."""
+        other = copy.copy(self)
+        other.young, other.parameters = rows[:, 0].copy(), rows[:, 1:].copy()
+        return other
 
     def respond(self, strain, plastic_strain=None):
         """Response to (n, 3) principal strains; there is no history."""

@@ -16,8 +16,9 @@ import numpy as np
 
 from hybrid.errors import HybridError
 from hybrid.output import atomic
-from hybrid.state import BodyState, ContactHistory, Points, State
+from hybrid.state import BodyState, ContactHistory, Ground, PointConstants, Points, Population, State
 
+NESTED = {"points": Points, "constants": PointConstants, "behind": Population}  # fields that are dataclasses themselves
 NAME = "checkpoint.npz"
 FORMAT = 2
 
@@ -59,6 +60,8 @@ def save(path, state, scene=None, extra=None):
     arrays = {"format": FORMAT, "scene": json.dumps(fingerprint(scene)), "state/time": state.time}
     arrays["state/step"] = state.step
     arrays.update(_fields(state.points, "points"))
+    if state.ground is not None:
+        arrays.update(_fields(state.ground, "ground"))
     for name, items in (("bodies", state.bodies), ("contacts", state.contacts)):
         arrays[f"{name}/count"] = len(items)
         for i, item in enumerate(items):
@@ -87,6 +90,7 @@ def load(path, scene=None):
         bodies=_restored_list(BodyState, arrays, "bodies"),
         contacts=_restored_list(ContactHistory, arrays, "contacts"),
         work={name: float(value) for name, value in _below(arrays, "work/").items()},
+        ground=_restored(Ground, arrays, "ground") if _below(arrays, "ground/") else None,
     )
 
 
@@ -132,12 +136,21 @@ def _read(path):
 
 
 def _fields(item, prefix):
-    values = {f.name: getattr(item, f.name) for f in dataclasses.fields(item)}
-    return {f"{prefix}/{name}": value for name, value in values.items() if value is not None}
+    flat = {}
+    for field in dataclasses.fields(item):
+        name, value = f"{prefix}/{field.name}", getattr(item, field.name)
+        if dataclasses.is_dataclass(value):
+            flat |= _fields(value, name)
+        elif value is not None:
+            flat[name] = value
+    return flat
 
 
 def _restored(kind, arrays, prefix):
-    return kind(**_below(arrays, prefix + "/"))
+    own = _below(arrays, prefix + "/")
+    inner = {name: NESTED[name] for name in NESTED if _below(own, name + "/")}
+    values = {name: value for name, value in own.items() if "/" not in name}
+    return kind(**values, **{name: _restored(part, own, name) for name, part in inner.items()})
 
 
 def _restored_list(kind, arrays, prefix):

@@ -1,4 +1,4 @@
-"""What one accepted outer step reports to the observers, and where a body's surface stands.
+"""What one accepted outer step reports to the observers, which points they draw, where a body's surface stands.
 
 | symbol | field                       | shape | unit  |
 |--------|-----------------------------|-------|-------|
@@ -16,6 +16,9 @@
 from dataclasses import dataclass, field
 
 import numpy as np
+
+from hybrid.soil.population import together
+from hybrid.state import Points, Population
 
 
 @dataclass
@@ -124,3 +127,17 @@ def initial_bodies(simulation):
     A resumed simulation carries them as `initial_bodies`; without that attribute the present ones are taken.
     """
     return list(getattr(simulation, "initial_bodies", simulation.state.bodies))
+
+
+def drawn(simulation):
+    """Points to draw and their initial positions (n, 3) [m]: also those that a travelling grid has left behind, but not
+    those that the scene removes when they stray."""
+    points, initial = simulation.state.points, simulation.initial_position
+    ground = getattr(simulation.state, "ground", None)
+    if ground is not None and ground.behind is not None:
+        all_of_it = together(Population(points, ground.constants, ground.rows), ground.behind)
+        points, initial = all_of_it.points, all_of_it.constants.position
+    if points.out is None or simulation.scene.soil.stray != "remove":
+        return points, initial
+    kept = {name: None if value is None else value[~points.out] for name, value in vars(points).items()}
+    return Points(**kept), initial[~points.out]

@@ -21,7 +21,7 @@ import numpy as np
 from hybrid.output import figures
 from hybrid.output.history import NAME as HISTORY
 from hybrid.output.history import body_names, read_history
-from hybrid.output.record import initial_bodies, placed
+from hybrid.output.record import drawn, initial_bodies, placed
 
 log = logging.getLogger("hybrid")
 
@@ -80,8 +80,8 @@ def render(path, simulation, caption="", initial=None):
 def scene_arrays(simulation, initial):
     """What the child draws: box centres and half-widths (n, 3) [m], body vertices (V, 3) [m] and triangles
     (t, 3) of all bodies together, vertical displacements `soil` (n,) and `body` (V,) [m], colour `limit`."""
-    points, state = simulation.state.points, simulation.state
-    soil = points.position[:, 2] - simulation.initial_position[:, 2]
+    (points, before), state = drawn(simulation), simulation.state
+    soil = points.position[:, 2] - before[:, 2]
     vertices, triangles, moved, count = [np.zeros((0, 3))], [np.zeros((0, 3), int)], [np.zeros(0)], 0
     for surface, body, first in zip(simulation.surfaces, state.bodies, initial):
         now = placed(surface.vertices, body)

@@ -11,7 +11,6 @@ xx yy zz xy yz xz; mean stress is tr σ/3 and deviatoric stress is q = sqrt(3/2 
 precision, fields in single precision: they are for the eye, the checkpoint keeps every digit.
 """
 
-import dataclasses
 import os
 import re
 import xml.etree.ElementTree as xml
@@ -21,8 +20,7 @@ import meshio
 import numpy as np
 
 from hybrid.output import atomic
-from hybrid.output.record import initial_bodies, placed
-from hybrid.state import Points
+from hybrid.output.record import drawn, initial_bodies, placed
 
 SYMMETRIC = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))  # VTK's order of a symmetric tensor
 GROUPS = {"body": 0, "contact": 1, "symmetry": 2}
@@ -112,16 +110,6 @@ def read_pvd(path):
         return []
     frames = xml.parse(path).getroot().iter("DataSet")
     return [(os.path.basename(frame.get("file")), float(frame.get("timestep"))) for frame in frames]
-
-
-def drawn(simulation):
-    """Points to draw and their initial positions (n, 3) [m]: all but those that the scene removes when they stray."""
-    points, initial = simulation.state.points, simulation.initial_position
-    if points.out is None or simulation.scene.soil.stray != "remove":
-        return points, initial
-    fields = {f.name: getattr(points, f.name) for f in dataclasses.fields(points)}
-    kept = {name: None if value is None else value[~points.out] for name, value in fields.items()}
-    return Points(**kept), initial[~points.out]
 
 
 def soil_mesh(points, initial_position):

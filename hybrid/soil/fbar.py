@@ -25,7 +25,8 @@ import numpy as np
 from numba import njit, prange
 
 from hybrid.soil.basis import Basis, support
-from hybrid.soil.forces import CENTRE, gradients, spatial_tangent
+from hybrid.soil.forces import gradients
+from hybrid.soil.stiffness import find_stacks, free_components, scratch, spatial_tangent
 
 
 def mean_basis(position, half, axes, basis):
@@ -73,11 +74,11 @@ def _add_force(order, start, first, count, value, mean, slope, ny, nz, inverse, 
     for colour in range(2):
         for pair in prange((slabs - colour + 1) // 2):
             slab = 2 * pair + colour
-            node, code, g, h = np.empty(27, np.int64), np.empty(27, np.int64), np.empty((27, 3)), np.empty((27, 3))
+            node, g, h = np.empty(27, np.int64), np.empty((27, 3)), np.empty((27, 3))
             for n in range(start[slab], start[slab + 1]):
                 p = order[n]
-                m = gradients(p, first, count, value, slope, ny, nz, inverse, node, code, g)
-                gradients(p, first, count, mean, slope, ny, nz, mean_inverse, node, code, h)
+                m = gradients(p, first, count, value, slope, ny, nz, inverse, node, g)
+                gradients(p, first, count, mean, slope, ny, nz, mean_inverse, node, h)
                 q = 0.0
                 for i in range(3):
                     if deforms[i]:
@@ -126,39 +127,34 @@ def _add_stiffness(order, start, first, count, value, mean, slope, ny, nz, inver
     for colour in range(2):
         for pair in prange((slabs - colour + 1) // 2):
             slab = 2 * pair + colour
-            node, code = np.empty(27, np.int64), np.empty(27, np.int64)
-            g, h, H, cg, eg = (np.empty((27, 3)), np.empty((27, 3)), np.empty((27, 3)), np.empty((27, 3)),
-                               np.empty((27, 3)))
-            A, work, c, e = np.empty((9, 9)), np.empty((9, 9)), np.empty((3, 3)), np.empty((3, 3))
+            node, g, code, unknown, stack, place = scratch()
+            h, H, cg, eg = np.empty((27, 3)), np.empty((27, 3)), np.empty((27, 3)), np.empty((27, 3))
+            A, work, c, e = np.empty((9, 9)), np.empty((2, 9, 6)), np.empty((3, 3)), np.empty((3, 3))
             for n in range(start[slab], start[slab + 1]):
                 p = order[n]
-                m = gradients(p, first, count, value, slope, ny, nz, inverse, node, code, g)
-                gradients(p, first, count, mean, slope, ny, nz, mean_inverse, node, code, h)
+                m = gradients(p, first, count, value, slope, ny, nz, inverse, node, g)
+                gradients(p, first, count, mean, slope, ny, nz, mean_inverse, node, h)
+                stacks = free_components(count[p], node, dof, code, unknown, stack)
                 spatial_tangent(strain[p], directions[p], stress[p], tangent[p], A, work)
                 q, kappa = _projections(A, directions[p], stress[p], deforms, c, e)
                 H[:m] = h[:m] - g[:m]
                 _products(c, g, m, cg)
                 _products(e, g, m, eg)
                 for a in range(m):
-                    _add_rows(a, m, node, code, volume[p], g, h, H, cg, eg, kappa, q, dof, row, slot, indptr, values)
+                    if find_stacks(row[node[a]], code[a], stack, stacks, slot, place):
+                        for i in range(3):
+                            if dof[node[a], i] >= 0:
+                                _add_row(values, indptr[dof[node[a], i]], place, stack, stacks, unknown, a, i,
+                                         volume[p], g, h, H, cg, eg, kappa, q)
 
 
 @njit(cache=True, fastmath={"contract"})
-def _add_rows(a, m, node, code, volume, g, h, H, cg, eg, kappa, q, dof, row, slot, indptr, values):
-    """Add what node a feels of every node b of the point."""
-    r = row[node[a]]
-    if r < 0:
-        return
-    for b in range(m):
-        offset = slot[r, code[b] - code[a] + CENTRE]
-        if offset < 0:
-            continue
-        for i in range(3):
-            if dof[node[a], i] < 0:
-                continue
-            at = indptr[dof[node[a], i]] + offset
-            for k in range(3):
-                if dof[node[b], k] >= 0:
-                    values[at] += volume * (cg[a, i] * H[b, k] + H[a, i] * (eg[b, k] + kappa * H[b, k])
-                                            + q * (g[a, k] * g[b, i] - h[a, k] * h[b, i]))
-                    at += 1
+def _add_row(values, begin, place, stack, stacks, unknown, a, i, volume, g, h, H, cg, eg, kappa, q):
+    """Add what component i of node a feels of every node b of the point to the row that begins at `begin`."""
+    of_h, of_e = volume * (cg[a, i] + kappa * H[a, i]), volume * H[a, i]
+    for s in range(stacks):
+        at = begin + place[s] - stack[1, s]
+        for n in range(stack[1, s], stack[1, s + 1]):
+            b, k = unknown[0, n], unknown[1, n]
+            values[at + n] += (of_h * H[b, k] + of_e * eg[b, k]
+                               + volume * q * (g[a, k] * g[b, i] - h[a, k] * h[b, i]))

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from hybrid.soil.forces import CENTRE
+from hybrid.soil.stiffness import CENTRE
 
 
 @dataclass(frozen=True)

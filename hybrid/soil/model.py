@@ -22,11 +22,12 @@ from hybrid.soil import fbar, ghost, stray, transfer
 from hybrid.soil.basis import Basis, evaluate_basis
 from hybrid.soil.domains import updated_half
 from hybrid.soil.ghost import Ghost
-from hybrid.soil.forces import add_stiffness, internal_force
+from hybrid.soil.forces import internal_force
 from hybrid.soil.grid import Grid
 from hybrid.soil.kinematics import Kinematics, TrialStrain, from_principal
 from hybrid.soil.points import PointConstants
 from hybrid.soil.slabs import Slabs, make_slabs
+from hybrid.soil.stiffness import add_stiffness
 from hybrid.state import Points
 
 
@@ -86,6 +87,7 @@ class Soil:
         self.grid, self.constants, self.law = grid, constants, law
         self.basis, self.domain, self.held = basis, domain, held
         self.refusal = ""  # why the last `evaluate` gave None
+        self.elastic_share = elastic_share
         self._share = 0.0 if held or not law.plastic else elastic_share
         n = len(constants)
         self._elastic = law.respond(np.zeros((n, 3)), np.zeros(n)).tangent if self._share else None
@@ -93,6 +95,11 @@ class Soil:
         self.stray, self.adrift = stray, adrift
         self.transfer, self.blend = transfer, blend
         self._kinematics = Kinematics(0 if held else n, fbar)
+
+    def on(self, grid, constants, law):
+        """The same model of other points on another grid."""
+        return Soil(grid, constants, law, self.basis, self.domain, self.held, self.elastic_share, self.fbar,
+                    self.ghost_factor, self.stray, self.adrift, self.transfer, self.blend)
 
     def begin(self, points, load):
         """SoilStep for committed `points` under `load` [m/s²], (3,) or of each point (n, 3).

@@ -1,27 +1,9 @@
 """Creation of material points that tile the cells of a grid, and their geostatic stress."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from hybrid.errors import SceneError
-from hybrid.state import Points
-
-
-@dataclass(frozen=True)
-class PointConstants:
-    """What a point keeps for life.
-
-    position: (n, 3) [m] and half: (n, 3) [m] at the start; volume: (n,) [m³]; mass: (n,) [kg].
-    """
-
-    position: np.ndarray
-    half: np.ndarray
-    volume: np.ndarray
-    mass: np.ndarray
-
-    def __len__(self):
-        return len(self.mass)
+from hybrid.state import PointConstants, Points
 
 
 def tile(grid, lower, upper, per_axis, density):

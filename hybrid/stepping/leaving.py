@@ -4,6 +4,8 @@ A body leaves when a vertex of its surface passes a face of the grid that none h
 nothing to speak of, along a collapsed axis it means nothing, and a platen wider than the soil is meant so.
 """
 
+from hybrid.body import rigid
+
 FACES = tuple((axis, side) for axis in range(3) for side in (0, 1) if (axis, side) != (2, 1))
 
 
@@ -26,9 +28,9 @@ def _beyond(model, bodies):
     grid = model.soil.grid
     slack = 1e-6 * grid.smallest_cell
     for b, (body, state) in enumerate(zip(model.bodies, bodies)):
-        place = state.position + body.surface.vertices @ state.rotation.T
+        place = rigid.box(body, state)
         for axis, side in FACES:
-            at = (place[:, axis].min(), place[:, axis].max())[side]
+            at = place[side, axis]
             end = grid.extent[axis, side]
             if not grid.collapsed[axis] and (at - end) * (2 * side - 1) > slack:
                 yield b, (axis, side), at, end

@@ -14,6 +14,10 @@ class Systems:
         self._active, self._current = None, None
         self.rebuilt = 0
 
+    def renew(self, model):
+        """Go on with another model."""
+        self._model, self._active = model, None
+
     def get(self, active):
         """(Pattern, BlockSystem) for active nodes (N,) bool."""
         if self._active is None or not np.array_equal(active, self._active):

@@ -253,7 +253,7 @@ class Step:
                     work["pull"] = work.get("pull", 0.0) + float(force @ (self.dt * body.line.velocity))
         if not model.loads.gravity_alone:
             work["load"] = work.get("load", 0.0) + self._load_work(points, bodies)
-        return State(state.time + self.dt, state.step, points, bodies, contacts, work)
+        return State(state.time + self.dt, state.step, points, bodies, contacts, work, state.ground)
 
     def _load_work(self, points, bodies):
         """Work [J] of all loads but the whole of gravity."""

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from hybrid.body import rigid
 from hybrid.body.rigid import FREEDOMS, RigidBody, let_go, taken_over
 from hybrid.scheme import Scheme
 from hybrid.soil.model import Soil
@@ -30,6 +31,11 @@ class Model:
     def body_free(self):
         """(bodies, 6) bool mask of the bodies' unknowns."""
         return np.array([b.free for b in self.bodies], bool).reshape(-1, 6)
+
+    def on(self, soil):
+        """The same model with other soil."""
+        young, volume = soil.law.young, soil.constants.volume
+        return replace(self, soil=soil, bodies=tuple(rigid.against(body, young, volume) for body in self.bodies))
 
     def for_stage(self, held=(), beta=None, gamma=None, loads=None):
         """The same model with more components ("x" ... "rz") of every body held and, if given, Newmark's rule or other

@@ -12,7 +12,7 @@ from hybrid.laws.drucker_prager import DruckerPrager
 from hybrid.laws.hencky import Hencky
 from hybrid.laws.von_mises import VonMises
 from hybrid.laws.willam_warnke import WillamWarnke
-from hybrid.soil.forces import add_stiffness, spatial_tangent
+from hybrid.soil.stiffness import add_stiffness, spatial_tangent
 from hybrid.soil.grid import graded_nodes, make_grid
 from hybrid.soil.kinematics import eigen_symmetric, from_principal
 from hybrid.soil.model import Soil
@@ -72,7 +72,7 @@ def test_tangent_of_a_point(law, name):
     law = LAWS[law](1)
     b = ROTATION @ np.diag(np.exp(2 * np.array(STRAINS[name]))) @ ROTATION.T
     stress, strain, directions, response = kirchhoff(law, b)
-    A, work = np.empty((9, 9)), np.empty((9, 9))
+    A, work = np.empty((9, 9)), np.empty((2, 9, 6))
     spatial_tangent(strain, directions, response.stress[0], response.tangent[0], A, work)
     geometric = np.einsum("il,jk->ijkl", stress, np.eye(3)).reshape(9, 9)
     assert np.abs(A + geometric - difference(law, b)).max() < 2e-9 * YOUNG

@@ -100,7 +100,7 @@ def test_unknown_names_come_with_the_nearest_and_the_list(path, override, words)
     ("body.0.pull.point=[1, 2, true]", ["body.0.pull.point.2 = true", "a number"]),
     ("body.0.geometry=1", ["a path"]),
     ("soil.points_per_axis=[2, 2]", ["3 whole numbers"]),
-    ("grid=3", ["a table (x, y, z, faces)"]),
+    ("grid=3", ["a table (x, y, z, faces, follow, behind)"]),
     ("stage=3", ["a list of tables"]),
     ("time=[]", ["a table"]),
     ("time.step=2024-01-01", ["a number"]),

@@ -1,0 +1,205 @@
+"""Consistent tangent of the internal force, added into the sparse soil block.
+
+    K_vw,ik   = Σ_p V0 g_v,j A_ijkl g_w,l           A_ijkl = ∂τ_ij/∂l_kl - τ_il δ_jk
+
+(formulation section 3; g, τ and V0 as in `hybrid.soil.forces`). In the principal frame of b_trial, with D = ∂τ_i/∂ε_j,
+
+    ∂τ_ii/∂l_kk = D_ik      ∂τ_ij/∂l_ij = b_j κ_ij      ∂τ_ij/∂l_ji = b_i κ_ij      κ_ij = (τ_i - τ_j)/(b_i - b_j)
+
+and κ_ij -> (D_ii - D_ij)/(2 b_i) where two principal values meet. These are all its entries, and it is symmetric in ij:
+that leaves 54 numbers to turn into the frame of the grid, one index at a time.
+
+The nodes of a point that differ in z only are a *stack*: their free components are neighbours in every row of the
+matrix. So B_ij,q = V0 A_ijkl g_w,l is formed once for the free components q = (w, k) of a point, and a row takes
+g_v,j B_ij,q in runs, one for each stack.
+"""
+
+import numpy as np
+from numba import njit, prange
+
+from hybrid.soil.forces import gradients
+
+CENTRE = 62  # place of a node itself in its 5x5x5 stencil
+# Unsigned indices: numba looks for a negative one at every access otherwise, which costs more than the addition.
+ONE, TWO, THREE, SIX = np.uintp(1), np.uintp(2), np.uintp(3), np.uintp(6)
+WIDTH = np.uintp(81)
+
+
+def add_stiffness(basis, slabs, shape, trial, principal_stress, tangent, volume, pattern, values):
+    """Add the consistent tangent to the entries `values` of a matrix with the given sparsity `pattern`."""
+    _add_stiffness(slabs.order, slabs.start, basis.first, basis.count, basis.value, basis.slope, shape[1], shape[2],
+                   trial.inverse, trial.strain, trial.directions, principal_stress, tangent, volume,
+                   pattern.dof, pattern.row, pattern.slot, pattern.indptr, values)
+
+
+@njit(cache=True, parallel=True)
+def _add_stiffness(order, start, first, count, value, slope, ny, nz, inverse, strain, directions, stress, tangent,
+                   volume, dof, row, slot, indptr, values):
+    slabs = len(start) - 1
+    for colour in range(2):
+        for pair in prange((slabs - colour + 1) // 2):
+            slab = 2 * pair + colour
+            node, g, code, unknown, stack, place = scratch()
+            A, work, B = np.empty((9, 9)), np.empty((2, 9, 6)), np.empty(9 * 81)
+            for n in range(start[slab], start[slab + 1]):
+                p = order[n]
+                m = gradients(p, first, count, value, slope, ny, nz, inverse, node, g)
+                stacks = free_components(count[p], node, dof, code, unknown, stack)
+                spatial_tangent(strain[p], directions[p], stress[p], tangent[p], A, work)
+                _contract(A, g, volume[p], unknown, stack[1, stacks], B)
+                for a in range(m):
+                    if find_stacks(row[node[a]], code[a], stack, stacks, slot, place):
+                        for i in range(3):
+                            if dof[node[a], i] >= 0:
+                                _add_row(values, indptr[dof[node[a], i]], place, stack, stacks, B,
+                                         np.uintp(3 * i) * WIDTH, g[a, 0], g[a, 1], g[a, 2])
+
+
+@njit(cache=True)
+def scratch():
+    """Arrays that a thread fills for one point after another: node (27,), g (27, 3), code (27,), unknown (2, 81),
+    stack (2, 10), place (9,)."""
+    return (np.empty(27, np.int64), np.empty((27, 3)), np.empty(27, np.int64), np.empty((2, 81), np.int64),
+            np.empty((2, 10), np.int64), np.empty(9, np.int64))
+
+
+@njit(cache=True)
+def free_components(count, node, dof, code, unknown, stack):
+    """Free components of the nodes of one point; returns the number of stacks that have any.
+
+    code: (m,) places of the nodes in a 5x5x5 stencil. unknown: (2, q) node of the point and component. stack: (2, s)
+    place in the stencil of the first node with a free component, and the number of the stack's first component; one
+    more column ends the last stack.
+    """
+    m, q, stacks = 0, 0, 0
+    for a in range(count[0]):
+        for b in range(count[1]):
+            stack[1, stacks] = q
+            for c in range(count[2]):
+                code[m] = (a * 5 + b) * 5 + c
+                for k in range(3):
+                    if dof[node[m], k] >= 0:
+                        if q == stack[1, stacks]:
+                            stack[0, stacks] = code[m]
+                        unknown[0, q], unknown[1, q] = m, k
+                        q += 1
+                m += 1
+            if q > stack[1, stacks]:
+                stacks += 1
+    stack[1, stacks] = q
+    return stacks
+
+
+@njit(cache=True)
+def find_stacks(row, code, stack, stacks, slot, place):
+    """Offsets of the stacks in the rows of a node at `code` of the stencil; False when the node has no rows."""
+    if row >= 0:
+        for s in range(stacks):
+            place[s] = slot[row, stack[0, s] - code + CENTRE]
+    return row >= 0
+
+
+@njit(cache=True, fastmath={"contract"})
+def spatial_tangent(strain, directions, stress, tangent, A, work):
+    """A_ijkl (9, 9) of one point, row 3i + j, column 3k + l; `work` is (2, 9, 6) scratch.
+
+    M holds ∂τ_ij/∂l_cd with ij in the frame of the grid, in the order xx yy zz xy xz yz, and cd in the principal one.
+    """
+    n, M, N = directions, work[0], work[1]
+    b = (np.exp(2 * strain[0]), np.exp(2 * strain[1]), np.exp(2 * strain[2]))
+    for c in range(3):
+        for s in range(3):
+            N[c, s] = n[s, c] * n[s, c]
+        N[c, 3], N[c, 4], N[c, 5] = n[0, c] * n[1, c], n[0, c] * n[2, c], n[1, c] * n[2, c]
+    for c in range(3):
+        for s in range(6):
+            M[4 * c, s] = tangent[0, c] * N[0, s] + tangent[1, c] * N[1, s] + tangent[2, c] * N[2, s]
+    tau = (stress[0] * N[0, 0] + stress[1] * N[1, 0] + stress[2] * N[2, 0],
+           stress[0] * N[0, 1] + stress[1] * N[1, 1] + stress[2] * N[2, 1],
+           stress[0] * N[0, 2] + stress[1] * N[1, 2] + stress[2] * N[2, 2],
+           stress[0] * N[0, 3] + stress[1] * N[1, 3] + stress[2] * N[2, 3],
+           stress[0] * N[0, 4] + stress[1] * N[1, 4] + stress[2] * N[2, 4],
+           stress[0] * N[0, 5] + stress[1] * N[1, 5] + stress[2] * N[2, 5])
+    for c in range(2):
+        for d in range(c + 1, 3):
+            if abs(strain[c] - strain[d]) > 1e-7:
+                kappa = (stress[c] - stress[d]) / (b[c] - b[d])
+            else:
+                kappa = 0.5 * (tangent[c, c] - tangent[c, d] + tangent[d, d] - tangent[d, c]) / (b[c] + b[d])
+            pair = (2 * n[0, c] * n[0, d], 2 * n[1, c] * n[1, d], 2 * n[2, c] * n[2, d],
+                    n[0, c] * n[1, d] + n[0, d] * n[1, c], n[0, c] * n[2, d] + n[0, d] * n[2, c],
+                    n[1, c] * n[2, d] + n[1, d] * n[2, c])
+            for s in range(6):
+                M[3 * c + d, s], M[3 * d + c, s] = b[d] * kappa * pair[s], b[c] * kappa * pair[s]
+    for c in range(3):
+        for l in range(3):
+            for s in range(6):
+                N[3 * c + l, s] = n[l, 0] * M[3 * c, s] + n[l, 1] * M[3 * c + 1, s] + n[l, 2] * M[3 * c + 2, s]
+    for k in range(3):
+        for l in range(3):
+            for s in range(6):
+                M[3 * k + l, s] = n[k, 0] * N[l, s] + n[k, 1] * N[3 + l, s] + n[k, 2] * N[6 + l, s]
+    _spread(M, tau, A)
+
+
+@njit(cache=True)
+def _spread(M, tau, A):
+    """All of A from what is symmetric in ij, less τ_il δ_jk."""
+    for kl in range(9):
+        A[0, kl], A[4, kl], A[8, kl] = M[kl, 0], M[kl, 1], M[kl, 2]
+        A[1, kl] = A[3, kl] = M[kl, 3]
+        A[2, kl] = A[6, kl] = M[kl, 4]
+        A[5, kl] = A[7, kl] = M[kl, 5]
+    xx, yy, zz, xy, xz, yz = tau
+    for j in range(3):
+        A[j, 3 * j] -= xx
+        A[j, 3 * j + 1] -= xy
+        A[j, 3 * j + 2] -= xz
+        A[3 + j, 3 * j] -= xy
+        A[3 + j, 3 * j + 1] -= yy
+        A[3 + j, 3 * j + 2] -= yz
+        A[6 + j, 3 * j] -= xz
+        A[6 + j, 3 * j + 1] -= yz
+        A[6 + j, 3 * j + 2] -= zz
+
+
+@njit(cache=True, fastmath={"contract"})
+def _contract(A, g, volume, unknown, size, B):
+    """B_ij,q = V0 A_ijkl g_w,l of the free components q = (w, k), in nine rows of WIDTH."""
+    for q in range(size):
+        w, kx = np.uintp(unknown[0, q]), np.uintp(3 * unknown[1, q])
+        ky, kz = kx + ONE, kx + TWO
+        x, y, z, at = volume * g[w, 0], volume * g[w, 1], volume * g[w, 2], np.uintp(q)
+        for ij in range(9):
+            B[at] = A[ij, kx] * x + A[ij, ky] * y + A[ij, kz] * z
+            at += WIDTH
+
+
+@njit(cache=True, fastmath={"contract"})
+def _add_row(values, begin, place, stack, stacks, B, x, gx, gy, gz):
+    """Add g_j B_ij,q to the row that begins at `begin`; x is where B_i0 begins."""
+    for s in range(stacks):
+        at, q, length = np.uintp(begin + place[s]), x + np.uintp(stack[1, s]), stack[1, s + 1] - stack[1, s]
+        if length == 9:
+            _add_three(values, at, B, q, gx, gy, gz)
+            _add_three(values, at + THREE, B, q + THREE, gx, gy, gz)
+            _add_three(values, at + SIX, B, q + SIX, gx, gy, gz)
+        elif length == 6:
+            _add_three(values, at, B, q, gx, gy, gz)
+            _add_three(values, at + THREE, B, q + THREE, gx, gy, gz)
+        else:
+            for _ in range(length):
+                values[at] += gx * B[q] + gy * B[q + WIDTH] + gz * B[q + WIDTH + WIDTH]
+                at += ONE
+                q += ONE
+
+
+@njit(cache=True, fastmath={"contract"})
+def _add_three(values, at, B, x, gx, gy, gz):
+    """Three entries at once: all is read before anything is written."""
+    y = x + WIDTH
+    z = y + WIDTH
+    first = values[at] + gx * B[x] + gy * B[y] + gz * B[z]
+    second = values[at + ONE] + gx * B[x + ONE] + gy * B[y + ONE] + gz * B[z + ONE]
+    third = values[at + TWO] + gx * B[x + TWO] + gy * B[y + TWO] + gz * B[z + TWO]
+    values[at], values[at + ONE], values[at + TWO] = first, second, third

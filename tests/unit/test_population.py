@@ -1,0 +1,116 @@
+"""Points that are halved and joined keep mass, momentum, volume, stress and history."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hybrid.laws.drucker_prager import DruckerPrager
+from hybrid.soil import population as pop
+from hybrid.soil.kinematics import from_principal
+from hybrid.state import PointConstants, Points, Population
+
+COUNT = 50
+LAW = DruckerPrager(np.linspace(1e6, 3e6, COUNT), 0.3, 30.0, 5.0, 1e3)
+
+
+@pytest.fixture
+def population():
+    """Points deformed, stressed and moving at random, with their rates' gradients."""
+    rng = np.random.default_rng(3)
+    half = rng.uniform(0.02, 0.1, (COUNT, 3))
+    constants = PointConstants(rng.uniform(-1, 1, (COUNT, 3)), half, np.prod(2 * half, axis=1),
+                               1800 * np.prod(2 * half, axis=1), rng.uniform(0.4, 1, (COUNT, 3)) * 18e3)
+    deformation = np.eye(3) + 0.3 * rng.uniform(-1, 1, (COUNT, 3, 3))
+    strain = 1e-3 * rng.uniform(-1, 1, (COUNT, 3))
+    directions = np.linalg.qr(rng.normal(size=(COUNT, 3, 3)))[0]
+    stress = from_principal(LAW.respond(strain).stress, np.ascontiguousarray(directions))
+    elastic = from_principal(np.exp(2 * LAW.respond(strain).elastic), np.ascontiguousarray(directions))
+    points = Points(
+        position=constants.position + rng.uniform(-0.1, 0.1, (COUNT, 3)), velocity=rng.normal(size=(COUNT, 3)),
+        acceleration=rng.normal(size=(COUNT, 3)), half=half.copy(), deformation=deformation, elastic=elastic,
+        stress=stress / np.linalg.det(deformation)[:, None, None], plastic_strain=rng.uniform(0, 1, COUNT),
+        affine=rng.normal(size=(COUNT, 2, 3, 3)))
+    return Population(points, constants, LAW.rows)
+
+
+def held(population):
+    """What must never change: mass, momentum and its rate, centre, volumes, stress, history, per unit."""
+    p, c = population.points, population.constants
+    now = np.linalg.det(p.deformation) * c.volume
+    return {
+        "mass": c.mass.sum(), "volume": c.volume.sum(), "volume now": now.sum(), "momentum": c.mass @ p.velocity,
+        "force": c.mass @ p.acceleration, "centre": c.mass @ p.position, "first centre": c.mass @ c.position,
+        "stress": np.einsum("n,nij->ij", now, p.stress), "plastic": c.volume @ p.plastic_strain,
+        "modulus": c.volume @ population.rows,
+    }
+
+
+def assert_same(a, b, but=()):
+    for name in held(a).keys() - set(but):
+        one, other = held(a)[name], held(b)[name]
+        np.testing.assert_allclose(one, other, rtol=1e-12, atol=1e-12 * np.abs(other).max(), err_msg=name)
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_halves_keep_what_their_whole_had(population, axis):
+    assert_same(pop.halved(population, axis, LAW), population)
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_two_points_keep_what_they_had_in_one(population, axis):
+    first, second = pop.taken(population, np.arange(25)), pop.taken(population, np.arange(25, COUNT))
+    second = replace(second, constants=replace(second.constants, half=first.constants.half,
+                                               volume=first.constants.volume, mass=0.7 * first.constants.mass))
+    assert_same(pop.joined(first, second, axis, LAW), pop.together(first, second), but=["first centre"])
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_halves_that_are_joined_again_are_what_they_were(population, axis):
+    halves = pop.halved(population, axis, LAW)
+    whole = pop.joined(pop.taken(halves, np.arange(COUNT)), pop.taken(halves, np.arange(COUNT, 2 * COUNT)), axis, LAW)
+    for part in ("points", "constants"):
+        for name, value in vars(getattr(population, part)).items():
+            if value is not None:
+                np.testing.assert_allclose(getattr(getattr(whole, part), name), value, rtol=1e-9,
+                                           atol=1e-12 * np.abs(value).max(), err_msg=name)
+
+
+def test_a_field_that_varies_linearly_is_seen_by_the_halves(population):
+    """The velocity of a half is that of the affine field at its place: angular momentum about any place is kept."""
+    halves = pop.halved(population, 1, LAW)
+    step = halves.points.position[:COUNT] - population.points.position
+    expected = population.points.velocity + np.einsum("nij,nj->ni", population.points.affine[:, 0], step)
+    np.testing.assert_allclose(halves.points.velocity[:COUNT], expected, rtol=1e-12)
+
+
+def test_the_stress_of_halves_carries_their_weight(population):
+    """Undeformed and at rest, the upper half has less weight above it by half of the whole's."""
+    rest = replace(population, points=replace(population.points, deformation=np.tile(np.eye(3), (COUNT, 1, 1))))
+    halves = pop.halved(rest, 2, LAW)
+    change = halves.points.stress[COUNT:] - halves.points.stress[:COUNT]
+    expected = (rest.constants.rise * rest.constants.half[:, 2, None])[:, :, None] * np.eye(3)
+    np.testing.assert_allclose(change, expected, atol=1e-9 * 1e6)
+
+
+def test_a_whole_of_admissible_halves_is_admissible(population):
+    """Convexity of the cone, points of one law."""
+    rows = np.tile(LAW.rows[:1], (COUNT, 1))
+    law = LAW.with_rows(rows)
+    rng = np.random.default_rng(5)
+    response = law.respond(5e-3 * rng.uniform(-1, 0.5, (COUNT, 3)))
+    flowing = replace(population, rows=rows, points=replace(
+        population.points, stress=from_principal(response.stress, np.tile(np.eye(3), (COUNT, 1, 1)))
+        / np.linalg.det(population.points.deformation)[:, None, None]))
+    whole = pop.joined(pop.taken(flowing, np.arange(25)), pop.taken(flowing, np.arange(25, COUNT)), 0, LAW)
+    kirchhoff = whole.points.stress * np.linalg.det(whole.points.deformation)[:, None, None]
+    assert law.with_rows(whole.rows).yield_function(np.linalg.eigvalsh(kirchhoff)).max() < 1e-6
+
+
+def test_momentum_is_lost_where_the_mean_forgets_the_masses(population):
+    """The conservation test fails on a mean by number."""
+    first, second = pop.taken(population, np.arange(25)), pop.taken(population, np.arange(25, COUNT))
+    whole = pop.joined(first, second, 0, LAW)
+    broken = replace(whole, points=replace(whole.points, velocity=0.5 * (first.points.velocity + second.points.velocity)))
+    with pytest.raises(AssertionError, match="momentum"):
+        assert_same(broken, pop.together(first, second), but=["first centre"])
