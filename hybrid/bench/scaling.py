@@ -7,6 +7,7 @@ from hybrid.build import build
 
 HEIGHTS = (9, 13, 19, 29)      # cells, twice as many along x and y: 9 700 to 302 000 unknowns
 STEPS = 3
+PHASES = ("soil", "assemble", "factor", "solve", "transfer", "update")   # of a step, on average
 
 
 def run(options):
@@ -18,18 +19,12 @@ def run(options):
         size = sizes(simulation)
         records, seconds = stepped(simulation)
         newton, krylov = (sum(getattr(record, name) for record in records) for name in ("iterations", "krylov"))
+        phases = {f"{name} [s]": sum(record.seconds.get(name, 0.0) for record in records) / STEPS for name in PHASES}
         rows.append({**size, "s a step": float(np.median(seconds[1:])), "s a Newton iteration": sum(seconds) / newton,
-                     "Newton a step": newton / STEPS, "Krylov a Newton": krylov / newton,
-                     "assembly [s]": _phase(records, "assemble"), "factor [s]": _phase(records, "factor"),
-                     "solve [s]": _phase(records, "solve")})
+                     "Newton a step": newton / STEPS, "Krylov a Newton": krylov / newton, **phases})
     for last in range(len(rows)):
         own = rows[:last + 1]
         for name in ("s a Newton iteration", "Krylov a Newton"):
             fitted = exponent([r["unknowns"] for r in own], [r[name] for r in own]) if last else None
             rows[last][f"power of {name}"] = fitted
     return rows
-
-
-def _phase(records, name):
-    """Seconds of a phase in a step, on average."""
-    return sum(record.seconds.get(name, 0.0) for record in records) / len(records)
