@@ -120,7 +120,8 @@ def build_soil(scene, grid, loads, law=None):
     soil = Soil(grid, constants, law, described.basis, described.domain, described.held, scene.solver.elastic_share,
                 described.fbar, described.ghost, described.stray, adrift=scene.time.inertia,
                 transfer=described.transfer if scene.time.inertia else "increments",
-                blend=0.05 if described.blend is None else described.blend)
+                blend=0.05 if described.blend is None else described.blend,
+                tangent_tolerance=scene.solver.tangent_tolerance)
     return soil, points
 
 

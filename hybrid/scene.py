@@ -321,7 +321,9 @@ class Solver:
     augmentation_tolerance  [-] of the forces of the overlap that is left, relative to the forces acting
     linear             preconditioned Krylov method, or a direct solver
     linear_tolerance   [-] relative, of the Krylov method
-    line_search        shorten a Newton update that does not reduce the residual
+    tangent_tolerance  [-] change of a point's tangent within an increment, relative to Young's modulus, up to which it
+                       is not assembled again; 0: always. F-bar assembles all points whatever it says
+    line_search        shorten a Newton update that does not halve the residual, where that lowers it further
     elastic_share      [-] of the elastic stiffness mixed into the plastic tangent. 0 is Newton's method; 0.1 saves
                        a tenth of the iterations of the anchor of 0.2 m cells and costs a tenth at 0.4 m
     """
@@ -332,6 +334,7 @@ class Solver:
     augmentation_tolerance: float = 1e-3
     linear: Literal["krylov", "direct"] = "krylov"
     linear_tolerance: float = 1e-3
+    tangent_tolerance: float = 1e-2
     line_search: bool = True
     elastic_share: float = 0.0
 

@@ -108,10 +108,11 @@ def _travel(scene):
         axis, key = getattr(grid, name), f"grid.{name}"
         if not axis.travels or axis.start is None or axis.end is None or not axis.size:
             continue
-        for margin in ("around", "window"):
+        for margin, least, reason in (("around", axis.size, "points that meet the body cannot be halved any more"),
+                                      ("window", 0.0, "they are measured from the body's box, outwards")):
             ends = getattr(axis, margin)
-            yield from _need(ends is None or min(ends) >= 0, f"{key}.{margin}", ends, "two distances of at least 0",
-                             "they are measured from the body's box, outwards")
+            yield from _need(ends is None or min(ends) >= least, f"{key}.{margin}", ends,
+                             f"two distances of at least {_shown(least)}", reason)
         yield from _need(1 <= axis.doublings <= 8, f"{key}.doublings", axis.doublings, "from 1 to 8", "3 is usual")
         cells, block = (axis.end - axis.start) / axis.size, 2**axis.doublings
         fits = abs(cells / block - round(cells / block)) < 1e-6

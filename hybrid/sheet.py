@@ -25,6 +25,7 @@ def model_sheet(scene, model, imbalance=None):
     cells = [max(1, n - 1) for n in soil.grid.shape]
     modelled = {
         "grid cells": " x ".join(map(str, cells)),
+        **_travelling(scene),
         "smallest cell [m]": soil.grid.smallest_cell,
         "material points": len(soil.constants),
         "soil unknowns": pattern.size,
@@ -44,6 +45,13 @@ def model_sheet(scene, model, imbalance=None):
     if scene.soil.layers:
         modelled["soil layers"] = [_layer(layer, scene, soil) for layer in scene.soil.layers]
     return {"modelled": modelled, "left out": left_out(scene, model, pattern)}
+
+
+def _travelling(scene):
+    """Row about a grid that goes with a body, if it does."""
+    axes = [name for name in "xyz" if getattr(scene.grid, name).travels]
+    followed = scene.grid.follow or scene.bodies[0].name if axes else ""
+    return {"the grid goes with": f"{followed}, along {', '.join(axes)}"} if axes else {}
 
 
 def bytes_of(soil, pattern, linear):
@@ -152,6 +160,7 @@ def left_out(scene, model, pattern):
         empty = nodes - np.count_nonzero(pattern.free.any(axis=1))
         out.append(f"{empty} of {nodes} nodes: without soil, or held")
         out.append(f"soil beyond the grid: {_faces(scene.grid.faces, soil.grid.collapsed)}")
+        out += _left_out_by_travelling(scene.grid, soil)
     if not model.scheme.inertia:
         out.append("inertia: the scene is quasi-static")
     for axis, collapsed in zip("xyz", soil.grid.collapsed):
@@ -170,6 +179,21 @@ def left_out(scene, model, pattern):
             out.append("ghost penalty: cells hardly filled are left alone")
     out.append("reassembly of the bodies' mass: it turns with them")
     return out
+
+
+def _left_out_by_travelling(grid, soil):
+    """What is not there because the grid goes with a body."""
+    axes = {name: axis for name, axis in zip("xyz", (grid.x, grid.y, grid.z)) if axis.travels}
+    windows = [name for name, axis in axes.items() if axis.window]
+    whole = 1
+    for name, nodes in zip("xyz", soil.grid.axes):
+        whole *= round((axes[name].end - axes[name].start) / axes[name].size) if name in axes else max(1, len(nodes) - 1)
+    if axes:
+        cells = np.prod([max(1, n - 1) for n in soil.grid.shape])
+        yield f"{whole - cells} of {whole} cells of the finest size: coarser, or not there, away from the body"
+    if windows:
+        yield (f"soil outside the window along {', '.join(windows)}: it comes in at rest and "
+               + ("stays as it was when it is left" if grid.behind == "freeze" else "is removed when it is left"))
 
 
 def _faces(faces, collapsed):

@@ -129,7 +129,7 @@ def _add_stiffness(order, start, first, count, value, mean, slope, ny, nz, inver
             slab = 2 * pair + colour
             node, g, code, unknown, stack, place = scratch()
             h, H, cg, eg = np.empty((27, 3)), np.empty((27, 3)), np.empty((27, 3)), np.empty((27, 3))
-            A, work, c, e = np.empty((9, 9)), np.empty((2, 9, 6)), np.empty((3, 3)), np.empty((3, 3))
+            A, work, c, e = np.empty((9, 9)), np.empty((2, 9, 9)), np.empty((3, 3)), np.empty((3, 3))
             for n in range(start[slab], start[slab + 1]):
                 p = order[n]
                 m = gradients(p, first, count, value, slope, ny, nz, inverse, node, g)

@@ -21,17 +21,26 @@ def internal_force(basis, slabs, shape, trial, stress, volume):
 
 @njit(cache=True)
 def gradients(p, first, count, value, slope, ny, nz, inverse, node, g):
-    """Nodes and current gradients of one point; returns how many."""
+    """Nodes and current gradients ∇S of one point; returns how many."""
+    m, f = reference_gradients(p, first, count, value, slope, ny, nz, node, g), inverse[p]
+    for a in range(m):
+        g0, g1, g2 = g[a, 0], g[a, 1], g[a, 2]
+        for j in range(3):
+            g[a, j] = g0 * f[0, j] + g1 * f[1, j] + g2 * f[2, j]
+    return m
+
+
+@njit(cache=True)
+def reference_gradients(p, first, count, value, slope, ny, nz, node, g):
+    """Nodes and gradients ∇_n S of one point; returns how many."""
     m = 0
     for a in range(count[p, 0]):
         for b in range(count[p, 1]):
+            along_x, along_y = slope[p, 0, a] * value[p, 1, b], value[p, 0, a] * slope[p, 1, b]
+            both = value[p, 0, a] * value[p, 1, b]
             for c in range(count[p, 2]):
-                g0 = slope[p, 0, a] * value[p, 1, b] * value[p, 2, c]
-                g1 = value[p, 0, a] * slope[p, 1, b] * value[p, 2, c]
-                g2 = value[p, 0, a] * value[p, 1, b] * slope[p, 2, c]
                 node[m] = ((first[p, 0] + a) * ny + first[p, 1] + b) * nz + first[p, 2] + c
-                for j in range(3):
-                    g[m, j] = g0 * inverse[p, 0, j] + g1 * inverse[p, 1, j] + g2 * inverse[p, 2, j]
+                g[m, 0], g[m, 1], g[m, 2] = along_x * value[p, 2, c], along_y * value[p, 2, c], both * slope[p, 2, c]
                 m += 1
     return m
 

@@ -27,7 +27,7 @@ from hybrid.soil.grid import Grid
 from hybrid.soil.kinematics import Kinematics, TrialStrain, from_principal
 from hybrid.soil.points import PointConstants
 from hybrid.soil.slabs import Slabs, make_slabs
-from hybrid.soil.stiffness import add_stiffness
+from hybrid.soil.stiffness import KeptStiffness, add_stiffness
 from hybrid.state import Points
 
 
@@ -78,12 +78,13 @@ class Soil:
     fbar           with the cure for locking (`hybrid.soil.fbar`)
     ghost_factor   on Young's modulus in the cure for small cuts (`hybrid.soil.ghost`), 0 without
     stray, adrift  what becomes of points that leave, and whether soil may be held by nothing (`hybrid.soil.stray`)
+    tangent_tolerance  change of a point's tangent within an increment, relative to Young's modulus, that is left out
     transfer, blend  how points take up the motion of the nodes (`hybrid.soil.transfer`)
     """
 
     def __init__(self, grid: Grid, constants: PointConstants, law, basis="gimp", domain="moments", held=False,
                  elastic_share=0.0, fbar=False, ghost_factor=0.0, stray="stop", adrift=True,
-                 transfer="affine", blend=0.05):
+                 transfer="affine", blend=0.05, tangent_tolerance=0.0):
         self.grid, self.constants, self.law = grid, constants, law
         self.basis, self.domain, self.held = basis, domain, held
         self.refusal = ""  # why the last `evaluate` gave None
@@ -95,6 +96,8 @@ class Soil:
         self.stray, self.adrift = stray, adrift
         self.transfer, self.blend = transfer, blend
         self._kinematics = Kinematics(0 if held else n, fbar)
+        keeps = tangent_tolerance > 0.0 and not held and not fbar     # the tangent of F-bar is not linear in Â
+        self._kept = KeptStiffness(tangent_tolerance * law.young) if keeps else None
 
     def on(self, grid, constants, law):
         """The same model of other points on another grid."""
@@ -152,6 +155,19 @@ class Soil:
         if step.cuts:
             ghost.add_force(step.cuts, self.grid, displacement, force)
         return SoilTrial(strain, response, stress, force)
+
+    def fill_stiffness(self, step, trial, pattern, values):
+        """Put the tangent of `trial` into the soil block, up to the tolerance for changes within an increment."""
+        if self._kept is None:
+            values[...] = 0.0
+            self.add_stiffness(step, trial, pattern, values)
+            return
+        volume = _of_those_in(step.points, self.constants.volume)
+        self._kept.update(step, self.grid.shape, trial.strain, trial.response.stress, trial.response.tangent, volume,
+                          pattern)
+        values[...] = self._kept.values
+        if step.cuts:
+            ghost.add_stiffness(step.cuts, self.grid, pattern, values)
 
     def add_stiffness(self, step, trial, pattern, values):
         """Add the consistent tangent of `trial` to the soil block."""

@@ -12,40 +12,79 @@ that leaves 54 numbers to turn into the frame of the grid, one index at a time.
 The nodes of a point that differ in z only are a *stack*: their free components are neighbours in every row of the
 matrix. So B_ij,q = V0 A_ijkl g_w,l is formed once for the free components q = (w, k) of a point, and a row takes
 g_v,j B_ij,q in runs, one for each stack.
+
+Within an increment ∇_n S is fixed, so a point's part of K is linear in the 81 numbers
+
+    Â_imkn = ΔF^-1_mj A_ijkl ΔF^-1_nl        K_vw,ik = Σ_p V0 ∂_m S_v Â_imkn ∂_n S_w
+
+From one Newton iteration to the next these hardly change but in the few points that yield, so what has been assembled
+is kept, and only points whose Â has changed by more than a tolerance add the difference.
 """
 
 import numpy as np
 from numba import njit, prange
 
-from hybrid.soil.forces import gradients
+from hybrid.soil.forces import reference_gradients
 
 CENTRE = 62  # place of a node itself in its 5x5x5 stencil
 # Unsigned indices: numba looks for a negative one at every access otherwise, which costs more than the addition.
-ONE, TWO, THREE, SIX = np.uintp(1), np.uintp(2), np.uintp(3), np.uintp(6)
+ONE, TWO, THREE, FOUR, FIVE, SIX = (np.uintp(i) for i in range(1, 7))
 WIDTH = np.uintp(81)
+
+
+NOTHING = np.zeros((0, 9, 9)), np.zeros(0)
 
 
 def add_stiffness(basis, slabs, shape, trial, principal_stress, tangent, volume, pattern, values):
     """Add the consistent tangent to the entries `values` of a matrix with the given sparsity `pattern`."""
+    _add(basis, slabs, shape, trial, principal_stress, tangent, volume, pattern, values, *NOTHING, True)
+
+
+class KeptStiffness:
+    """Tangent of one increment after another, brought up to date where it changes; limit: (n,) of Â [Pa].
+
+    values: its entries, of the pattern last used.
+    """
+
+    def __init__(self, limit):
+        self._limit, self._tensors = limit, np.empty((len(limit), 9, 9))
+        self._increment, self._pattern, self.values = None, None, np.zeros(0)
+
+    def update(self, increment, shape, trial, principal_stress, tangent, volume, pattern):
+        """Bring `values` up to date with a trial of an `increment` (SoilStep), all of it when that is a new one."""
+        fresh = increment is not self._increment or pattern is not self._pattern
+        if pattern is not self._pattern:
+            self.values = np.empty(len(pattern.indices))
+        if fresh:
+            self._increment, self._pattern = increment, pattern
+            self.values[...] = 0.0
+        _add(increment.basis, increment.slabs, shape, trial, principal_stress, tangent, volume, pattern, self.values,
+             self._tensors, self._limit, fresh)
+
+
+def _add(basis, slabs, shape, trial, principal_stress, tangent, volume, pattern, values, kept, limit, fresh):
     _add_stiffness(slabs.order, slabs.start, basis.first, basis.count, basis.value, basis.slope, shape[1], shape[2],
                    trial.inverse, trial.strain, trial.directions, principal_stress, tangent, volume,
-                   pattern.dof, pattern.row, pattern.slot, pattern.indptr, values)
+                   pattern.dof, pattern.row, pattern.slot, pattern.indptr, values, kept, limit, fresh)
 
 
 @njit(cache=True, parallel=True)
 def _add_stiffness(order, start, first, count, value, slope, ny, nz, inverse, strain, directions, stress, tangent,
-                   volume, dof, row, slot, indptr, values):
+                   volume, dof, row, slot, indptr, values, kept, limit, fresh):
     slabs = len(start) - 1
     for colour in range(2):
         for pair in prange((slabs - colour + 1) // 2):
             slab = 2 * pair + colour
             node, g, code, unknown, stack, place = scratch()
-            A, work, B = np.empty((9, 9)), np.empty((2, 9, 6)), np.empty(9 * 81)
+            A, work, B = np.empty((9, 9)), np.empty((2, 9, 9)), np.empty(9 * 81)
             for n in range(start[slab], start[slab + 1]):
                 p = order[n]
-                m = gradients(p, first, count, value, slope, ny, nz, inverse, node, g)
-                stacks = free_components(count[p], node, dof, code, unknown, stack)
                 spatial_tangent(strain[p], directions[p], stress[p], tangent[p], A, work)
+                _pull_back(A, inverse[p], work[0])
+                if len(kept) > 0 and not _replace(kept[p], A, limit[p], fresh):
+                    continue
+                m = reference_gradients(p, first, count, value, slope, ny, nz, node, g)
+                stacks = free_components(count[p], node, dof, code, unknown, stack)
                 _contract(A, g, volume[p], unknown, stack[1, stacks], B)
                 for a in range(m):
                     if find_stacks(row[node[a]], code[a], stack, stacks, slot, place):
@@ -53,6 +92,39 @@ def _add_stiffness(order, start, first, count, value, slope, ny, nz, inverse, st
                             if dof[node[a], i] >= 0:
                                 _add_row(values, indptr[dof[node[a], i]], place, stack, stacks, B,
                                          np.uintp(3 * i) * WIDTH, g[a, 0], g[a, 1], g[a, 2])
+
+
+@njit(cache=True, fastmath={"contract"})
+def _pull_back(A, inverse, work):
+    """Â of a point in place of its A."""
+    for i in range(3):
+        for m in range(3):
+            for kl in range(9):
+                work[3 * i + m, kl] = (inverse[m, 0] * A[3 * i, kl] + inverse[m, 1] * A[3 * i + 1, kl]
+                                       + inverse[m, 2] * A[3 * i + 2, kl])
+    for im in range(9):
+        for k in range(3):
+            for n in range(3):
+                A[im, 3 * k + n] = (work[im, 3 * k] * inverse[n, 0] + work[im, 3 * k + 1] * inverse[n, 1]
+                                    + work[im, 3 * k + 2] * inverse[n, 2])
+
+
+@njit(cache=True)
+def _replace(kept, A, limit, fresh):
+    """Keep A of a point and leave in it what has to be added; False when it has not changed by more than `limit`."""
+    change = 0.0
+    for ij in range(9):
+        for kl in range(9):
+            change = max(change, abs(A[ij, kl] - kept[ij, kl]))
+    if not fresh and change <= limit:
+        return False
+    for ij in range(9):
+        for kl in range(9):
+            new = A[ij, kl]
+            if not fresh:
+                A[ij, kl] = new - kept[ij, kl]
+            kept[ij, kl] = new
+    return True
 
 
 @njit(cache=True)
@@ -101,7 +173,7 @@ def find_stacks(row, code, stack, stacks, slot, place):
 
 @njit(cache=True, fastmath={"contract"})
 def spatial_tangent(strain, directions, stress, tangent, A, work):
-    """A_ijkl (9, 9) of one point, row 3i + j, column 3k + l; `work` is (2, 9, 6) scratch.
+    """A_ijkl (9, 9) of one point, row 3i + j, column 3k + l; `work` is (2, 9, 9) scratch.
 
     M holds ∂τ_ij/∂l_cd with ij in the frame of the grid, in the order xx yy zz xy xz yz, and cd in the principal one.
     """
@@ -181,12 +253,10 @@ def _add_row(values, begin, place, stack, stacks, B, x, gx, gy, gz):
     for s in range(stacks):
         at, q, length = np.uintp(begin + place[s]), x + np.uintp(stack[1, s]), stack[1, s + 1] - stack[1, s]
         if length == 9:
-            _add_three(values, at, B, q, gx, gy, gz)
-            _add_three(values, at + THREE, B, q + THREE, gx, gy, gz)
+            _add_six(values, at, B, q, gx, gy, gz)
             _add_three(values, at + SIX, B, q + SIX, gx, gy, gz)
         elif length == 6:
-            _add_three(values, at, B, q, gx, gy, gz)
-            _add_three(values, at + THREE, B, q + THREE, gx, gy, gz)
+            _add_six(values, at, B, q, gx, gy, gz)
         else:
             for _ in range(length):
                 values[at] += gx * B[q] + gy * B[q + WIDTH] + gz * B[q + WIDTH + WIDTH]
@@ -195,11 +265,25 @@ def _add_row(values, begin, place, stack, stacks, B, x, gx, gy, gz):
 
 
 @njit(cache=True, fastmath={"contract"})
-def _add_three(values, at, B, x, gx, gy, gz):
-    """Three entries at once: all is read before anything is written."""
+def _add_six(values, at, B, x, gx, gy, gz):
+    """Six neighbouring entries. All is read before anything is written, so that no addition waits for another."""
     y = x + WIDTH
     z = y + WIDTH
-    first = values[at] + gx * B[x] + gy * B[y] + gz * B[z]
-    second = values[at + ONE] + gx * B[x + ONE] + gy * B[y + ONE] + gz * B[z + ONE]
-    third = values[at + TWO] + gx * B[x + TWO] + gy * B[y + TWO] + gz * B[z + TWO]
-    values[at], values[at + ONE], values[at + TWO] = first, second, third
+    one = values[at] + gx * B[x] + gy * B[y] + gz * B[z]
+    two = values[at + ONE] + gx * B[x + ONE] + gy * B[y + ONE] + gz * B[z + ONE]
+    three = values[at + TWO] + gx * B[x + TWO] + gy * B[y + TWO] + gz * B[z + TWO]
+    four = values[at + THREE] + gx * B[x + THREE] + gy * B[y + THREE] + gz * B[z + THREE]
+    five = values[at + FOUR] + gx * B[x + FOUR] + gy * B[y + FOUR] + gz * B[z + FOUR]
+    six = values[at + FIVE] + gx * B[x + FIVE] + gy * B[y + FIVE] + gz * B[z + FIVE]
+    values[at], values[at + ONE], values[at + TWO] = one, two, three
+    values[at + THREE], values[at + FOUR], values[at + FIVE] = four, five, six
+
+
+@njit(cache=True, fastmath={"contract"})
+def _add_three(values, at, B, x, gx, gy, gz):
+    y = x + WIDTH
+    z = y + WIDTH
+    one = values[at] + gx * B[x] + gy * B[y] + gz * B[z]
+    two = values[at + ONE] + gx * B[x + ONE] + gy * B[y + ONE] + gz * B[z + ONE]
+    three = values[at + TWO] + gx * B[x + TWO] + gy * B[y + TWO] + gz * B[z + TWO]
+    values[at], values[at + ONE], values[at + TWO] = one, two, three

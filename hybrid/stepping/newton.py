@@ -7,6 +7,7 @@ from hybrid.system.equations import Evaluation, Step
 from hybrid.timing import phase
 
 SHORTEST = 1 / 16  # of a Newton update, tried by the line search
+ENOUGH = 0.5        # of the residual, left by an update that is taken as it is
 GOOD = 0.15        # an update that leaves less than this of the residual earns its tangent another use
 
 
@@ -99,17 +100,23 @@ def _too_far(step, evaluation):
 
 
 def _search(step, old, soil, body, shorten):
-    """First evaluation along the update that lowers the error; the best of those tried when none does.
+    """First evaluation along the update that lowers the error by enough; else the best of those tried.
 
+    Soil that opens under one update and closes under the next lowers the error a little by every whole update, and by
+    a lot by half of one, so an update that gains little is not left at that.
     The evaluation returned is always the last one made: trial strains live in buffers that the next one overwrites.
     """
-    scale, tried = 1.0, []
-    while True:
+    scale, best, best_scale, tried = 1.0, float("inf"), 0.0, 0.0
+    while scale >= SHORTEST:
         new = step.evaluate(step.moved(old.unknowns, soil, body, scale))
-        if new is not None and (not shorten or new.error < old.error):
+        error, tried = float("inf") if new is None else new.error, scale
+        if new is not None and (not shorten or error < ENOUGH * old.error):
             return new
-        tried.append((new.error if new is not None else float("inf"), scale))
+        if error > best and best < old.error:   # beyond the valley
+            break
+        if error < best:
+            best, best_scale = error, scale
         scale /= 2
-        if scale < SHORTEST:
-            best = min(tried)
-            return step.evaluate(step.moved(old.unknowns, soil, body, best[1])) if best[0] < float("inf") else None
+    if best == float("inf"):
+        return None
+    return new if tried == best_scale else step.evaluate(step.moved(old.unknowns, soil, body, best_scale))

@@ -215,7 +215,7 @@ class Step:
         system.clear()
         if self.soil is not None:
             with phase("assemble"):
-                model.soil.add_stiffness(self.soil, evaluation.soil_trial, self.pattern, system.values)
+                model.soil.fill_stiffness(self.soil, evaluation.soil_trial, self.pattern, system.values)
                 mass = np.repeat(self.soil.mass[:, None], 3, axis=1)[self.pattern.free]
                 system.values[self.pattern.diagonal] += model.scheme.mass_factor(self.dt) * mass
         first = 0

@@ -113,8 +113,8 @@ class BlockSystem:
                 thing.destroy()
 
     def clear(self):
-        """Zero all blocks before they are assembled anew."""
-        for block in (self.values, self.uw, self.wu, self.ww):
+        """Zero what is assembled anew by adding: all blocks but K_uu, which is filled."""
+        for block in (self.uw, self.wu, self.ww):
             block[...] = 0.0
 
     def factor(self):

@@ -72,7 +72,7 @@ def test_tangent_of_a_point(law, name):
     law = LAWS[law](1)
     b = ROTATION @ np.diag(np.exp(2 * np.array(STRAINS[name]))) @ ROTATION.T
     stress, strain, directions, response = kirchhoff(law, b)
-    A, work = np.empty((9, 9)), np.empty((2, 9, 6))
+    A, work = np.empty((9, 9)), np.empty((2, 9, 9))
     spatial_tangent(strain, directions, response.stress[0], response.tangent[0], A, work)
     geometric = np.einsum("il,jk->ijkl", stress, np.eye(3)).reshape(9, 9)
     assert np.abs(A + geometric - difference(law, b)).max() < 2e-9 * YOUNG
