@@ -1,4 +1,4 @@
-"""The `hybrid` command: run a scene, check it without running, mesh a geometry.
+"""The `hybrid` command: run a scene, check it without running, measure speed, mesh a geometry.
 
 Each command imports what it needs when it runs, so that help and mistakes in the arguments answer at once.
 Exit codes: 0 done, 2 wrong arguments or an error the user can act on, 130 interrupted.
@@ -8,6 +8,7 @@ import argparse
 import sys
 from pathlib import Path
 
+from hybrid.bench import CASES
 from hybrid.errors import HybridError, SceneError, StepError
 
 INTERRUPTED = 130  # 128 + SIGINT, as shells report it
@@ -44,6 +45,12 @@ def parser():
     sub = _command(commands, "check", check, "validate a scene, print what would be modelled and what it would take")
     _scene_arguments(sub)
     sub.add_argument("--no-probe", action="store_true", help="leave out the prediction, which times parts of a step")
+
+    sub = _command(commands, "bench", bench, "measure the speed of set cases on this machine")
+    sub.add_argument("cases", nargs="*", metavar="CASE", default=[], help=", ".join(CASES) + " (default: all)")
+    sub.add_argument("--quick", action="store_true", help="the smallest size of each case")
+    sub.add_argument("--out", type=Path, metavar="FILE.json", help="write what is measured, with machine and versions")
+    sub.add_argument("--peer", type=Path, metavar="PYTHON", help="a Python with Kratos MPM, to run beside in `block`")
 
     sub = _command(commands, "mesh", mesh, "mesh a geometry and print its mass properties")
     sub.add_argument("geometry", type=Path, metavar="FILE.geo", help="gmsh geometry")
@@ -116,6 +123,18 @@ def _predicted(simulation):
         return probe(simulation).sheet()
     except StepError as error:
         return {"predicted": [f"nothing: {error}"]}
+
+
+def bench(options):
+    """`hybrid bench`: tables of the cases, and a file of all that was measured."""
+    from hybrid import bench as benchmarks
+
+    unknown = [name for name in options.cases if name not in CASES]
+    if unknown:
+        raise SceneError(f"bench {unknown[0]}: no such case; there are {', '.join(CASES)}")
+    if options.peer is not None and not options.peer.is_file():
+        raise SceneError(f"--peer {options.peer}: no such file; give the python of an environment with Kratos MPM")
+    benchmarks.run(options.cases, benchmarks.Options(options.quick, options.peer), options.out)
 
 
 def mesh(options):

@@ -151,7 +151,7 @@ class Simulation:
             step=state.step, stage=stage, stage_step=stage_step, time=state.time, dt=report.dt,
             increments=report.increments, iterations=report.iterations, rejections=report.rejections,
             residual=evaluation.error, contacts=sum(len(c) for c in evaluation.contacts), seconds=timing.collect(),
-            energies=energy, bodies=bodies, time_error=report.error,
+            energies=energy, bodies=bodies, time_error=report.error, krylov=report.krylov,
             notes=self._notes(energy))
 
     def _notes(self, energy):

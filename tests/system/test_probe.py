@@ -47,7 +47,7 @@ def test_time_of_a_step(kind):
         begin = time.process_time()
     again = probe(build(SCENES[kind]()))
     predicted = np.mean([first.step, again.step])
-    assert 0.5 < predicted / np.mean(taken[1:]) < 2
+    assert 0.5 < predicted / np.median(taken) < 2     # the mean would tell of what is compiled meanwhile
     assert first.steps == len(taken) and set(first.seconds) == set(PARTS)
 
 

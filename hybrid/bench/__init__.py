@@ -1,0 +1,63 @@
+"""Benchmarks: what the program takes for scenes of known size, with the machine it ran on, as JSON.
+
+A case is a module with one function, `run(options) -> list of rows`, a row being a dict of numbers and texts with the
+same keys all through. Counts of a row do not depend on the machine; its times do.
+"""
+
+import json
+from dataclasses import dataclass
+from datetime import datetime, timezone
+from importlib import import_module
+from pathlib import Path
+from time import perf_counter
+
+CASES = {
+    "kernels": "each part of a step on 48 000 points",
+    "anchor": "demos/anchor.toml, by phase",
+    "sphere": "demos/rolling_sphere.toml in 300 steps",
+    "scaling": "a block of soil under gravity, from 10 000 to 300 000 unknowns",
+    "solvers": "the linear solvers for one tangent, easy and hard",
+    "block": "the peer's block of 46 552 points, beside the peer where there is one",
+}
+
+
+@dataclass(frozen=True)
+class Options:
+    """quick: the smallest size of every case, for its counts; peer: Python with Kratos MPM, or None."""
+
+    quick: bool = False
+    peer: Path | None = None
+
+
+def run(names=(), options=Options(), out=None, tell=print):
+    """Run the cases of those names (all if none), tell a table of each, and return what is written to `out` as JSON:
+    {"stamp": ..., "cases": {name: {"rows", "seconds", "peak_MiB"}}}. What is done is written after each case.
+
+    Raises KeyError for a name that is none of CASES.
+    """
+    from hybrid.bench.stamp import stamp
+    from hybrid.bench.table import table
+
+    names = list(names) or list(CASES)
+    modules = {name: import_module(f"hybrid.bench.{name}") for name in names if CASES[name]}
+    began = datetime.now(timezone.utc).isoformat(timespec="seconds")
+    result = {"stamp": {"date": began, "quick": options.quick, **stamp()}, "cases": {}}
+    for name, module in modules.items():
+        result["cases"][name] = case = measured(module.run, options)
+        tell(f"\n{name}: {CASES[name]}\n{table(case['rows'])}\n"
+             f"  {case['seconds']:.3g} s in all, {case['peak_MiB']:.0f} MiB at most")
+        if out is not None:
+            Path(out).parent.mkdir(parents=True, exist_ok=True)
+            Path(out).write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
+    return result
+
+
+def measured(work, options):
+    """Rows of a case, with its wall time and the most memory that was held meanwhile."""
+    from hybrid.bench.stamp import forget_peak
+    from hybrid.probe import peak_memory
+
+    forget_peak()
+    begin = perf_counter()
+    rows = work(options)
+    return {"rows": rows, "seconds": perf_counter() - begin, "peak_MiB": peak_memory() / 2**20}

@@ -1,0 +1,92 @@
+"""A block of soil falls into its own weight: 46 552 points, plastic from the first step, and the same in a peer.
+
+1 x 1 x 0.5 m in 23 x 23 x 11 cells, E = 10 MPa, ν = 0.3, ρ = 1800 kg/m³, φ = 32°, ψ = 2°, c = 1 kPa, gravity at once,
+rollers at base and sides, Newmark, 5 steps of 0.01 s. Where a Python with Kratos MPM is given, both take turns with as
+many threads, and the last rows tell the peer's times over ours.
+"""
+
+import json
+import os
+import subprocess
+import tempfile
+from pathlib import Path
+
+import numba
+import numpy as np
+
+from hybrid.bench.soils import SAND, block, sizes, stepped, warm
+from hybrid.build import build
+from hybrid.errors import HybridError
+
+ROUNDS, THREADS, STEPS, STEP = 3, 2, 5, 0.01
+PEER_TOLERANCE = 1e-4   # of the peer's residual relative to its first; ours is relative to the forces acting
+
+
+def run(options):
+    """A row for each run, and one with ratios when there is a peer."""
+    warm()
+    cells, rounds = ((6, 6, 3), 1) if options.quick else ((23, 23, 11), ROUNDS)
+    before = numba.get_num_threads()
+    threads = min(THREADS, numba.config.NUMBA_NUM_THREADS)
+    numba.set_num_threads(threads)
+    try:
+        rows = []
+        for _ in range(rounds):
+            rows.append(ours(cells))
+            if options.peer is not None:
+                rows.append(peers(cells, options.peer, threads))
+    finally:
+        numba.set_num_threads(before)
+    return rows + ([ratios(rows)] if options.peer is not None else [])
+
+
+def ours(cells):
+    """Row of a run of our own."""
+    simulation = build(block(cells, 1 / cells[0], SAND, steps=STEPS))
+    records, seconds = stepped(simulation)
+    sunk = simulation.state.points.position[:, 2] - simulation.initial_position[:, 2]
+    tolerance = simulation.scene.solver.tolerance
+    return row("hybrid", seconds, [record.iterations for record in records], tolerance, sizes(simulation), sunk.min(),
+               [record.krylov for record in records])
+
+
+def peers(cells, python, threads):
+    """Row of a run of the peer. Raises HybridError with its last words where it fails."""
+    described = {"cells": cells, "size": 1 / cells[0], "steps": STEPS, "step": STEP, "tolerance": PEER_TOLERANCE,
+                 "material": SAND}
+    script = Path(__file__).with_name("kratos_block.py")
+    with tempfile.TemporaryDirectory() as folder:
+        done = subprocess.run(
+            [str(python), str(script), json.dumps(described)], cwd=folder, capture_output=True, text=True,
+            env={**_plain_environment(), "OMP_NUM_THREADS": str(threads)})
+    told = [line for line in done.stdout.splitlines() if line.startswith("RESULT")]
+    if done.returncode or not told:
+        raise HybridError(f"the peer failed: {(done.stderr or done.stdout).strip()[-500:]}; "
+                          "--peer wants a python with KratosMultiphysics, KratosMPMApplication and "
+                          "KratosLinearSolversApplication")
+    told = json.loads(told[-1].removeprefix("RESULT"))
+    size = {"points": told["points"], "unknowns": None, "entries": None}
+    return row(f"kratos {told['version'].partition('-')[0]}", told["seconds"], told["newton"], PEER_TOLERANCE, size,
+               told["lowest [m]"])
+
+
+def row(program, seconds, newton, tolerance, size, lowest, krylov=None):
+    """Of one run: mean and later steps, iterations of Newton's method and of the linear solver."""
+    return {"program": program, "s a step": float(np.mean(seconds)), "s a later step": float(np.median(seconds[1:])),
+            "s a Newton iteration": sum(seconds) / sum(newton), "Newton": sum(newton),
+            "Krylov": None if krylov is None else sum(krylov), "tolerance": tolerance,
+            "lowest [mm]": 1e3 * float(lowest), **size}
+
+
+def ratios(rows):
+    """The peer's times over ours, of the medians over the rounds."""
+    own, other = ([r for r in rows if (r["program"] == "hybrid") == mine] for mine in (True, False))
+    ratio = dict.fromkeys(rows[0])
+    for name in ("s a step", "s a later step", "s a Newton iteration", "Newton", "lowest [mm]"):
+        ratio[name] = float(np.median([r[name] for r in other]) / np.median([r[name] for r in own]))
+    return {**ratio, "program": "peer over hybrid"}
+
+
+def _plain_environment():
+    """Ours without what would lead another Python astray."""
+    return {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "VIRTUAL_ENV"))}

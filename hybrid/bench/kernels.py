@@ -1,0 +1,85 @@
+"""Each part of a step by itself, on soil that yields under a cube of steel, off the lattice that it starts from."""
+
+from time import perf_counter
+
+import numpy as np
+
+from hybrid.bench.soils import block, off_the_lattice, sizes, warm
+from hybrid.build import build
+from hybrid.contact.pair import Pair
+from hybrid.soil.basis import evaluate_basis
+from hybrid.system.cache import Systems
+from hybrid.system.equations import Step, Unknowns
+
+REPEAT = 7
+
+
+def run(options):
+    """Rows of the parts: median time, also for each point and each entry of the soil block."""
+    warm()
+    cells = (6, 6, 4) if options.quick else (20, 20, 15)
+    simulation = build(block(cells, 0.05, body=(0.2, 50.0)))
+    model, state = simulation.model, off_the_lattice(simulation.state)
+    soil, systems = model.soil, Systems(model)
+    step = Step(model, state, 0.01, False, systems)
+    unknowns = pressed(step)
+    found = step.evaluate(unknowns)
+    step.assemble(found)
+    law = soil.law
+    strain, plastic = found.soil_trial.strain.strain.copy(), state.points.plastic_strain
+    parts = {
+        "basis": lambda: evaluate_basis(state.points.position, state.points.half, soil.grid.axes),
+        "begin: basis and projection": lambda: soil.begin(state.points, model.gravity),
+        "return mapping": lambda: law.respond(strain, plastic),
+        "strain, law, internal force": lambda: soil.evaluate(step.soil, unknowns.displacement),
+        "tangent into the block matrix": lambda: soil.add_stiffness(
+            step.soil, found.soil_trial, step.pattern, step.system.values),
+        "state update": lambda: soil.accept(
+            step.soil, found.soil_trial, unknowns.displacement, *found.rates),
+        "search of contact": lambda: _pair(step),
+        "contact": lambda: [pair.evaluate(unknowns.displacement, pose)
+                            for pair, pose in zip(step.pairs, unknowns.poses)],
+        "factor": lambda: step.system.factor(),
+    }
+    size = sizes(simulation)
+    size["entries"] = len(step.system.values)
+    flowing = np.abs(strain - found.soil_trial.response.elastic).max(axis=1) > 1e-12
+    rows = []
+    for name, work in parts.items():
+        seconds = _median(work)
+        rows.append({"part": name, "ms": 1e3 * seconds, "ns a point": 1e9 * seconds / size["points"],
+                     "ns an entry": 1e9 * seconds / size["entries"], **size,
+                     "corners": sum(len(c.corners) for c in found.contacts), "flowing": int(flowing.sum())})
+    return rows
+
+
+def pressed(step, share=0.02):
+    """Unknowns in which the cube goes down by `share` of a cell and the soil follows less the deeper and the farther
+    it is: enough for it to yield."""
+    grid, (pose,) = step.model.soil.grid, step.still().poses
+    nodes = np.stack([a.ravel() for a in np.meshgrid(*grid.axes, indexing="ij")], axis=1)
+    surface = step.state.points.position[:, 2].max()
+    depth = share * grid.smallest_cell
+    away = np.linalg.norm(nodes[:, :2] - pose[0][:2], axis=1)
+    down = 0.5 * depth * np.exp(-((away / 0.1) ** 2)) * np.clip(nodes[:, 2] / surface, 0, 1)
+    displacement = np.where(grid.fixed, 0.0, -down[:, None] * [0.0, 0.0, 1.0])
+    displacement[~step.soil.active] = 0.0
+    return Unknowns(displacement, ((pose[0] - (0.0, 0.0, depth), pose[1]),))
+
+
+def _pair(step):
+    """The pair of cube and soil made anew: the search of contact."""
+    guess, (body,), (state,) = step.start(), step.model.bodies, step.state.bodies
+    return Pair(body, state, step.state.contacts[0], step.soil.points, step.soil.points.half, step.model.soil.grid,
+                step.soil.active, step.model.soil.grid.smallest_cell, (guess.displacement, guess.poses[0]))
+
+
+def _median(work):
+    """Median wall time [s] of `work`, done once before."""
+    work()
+    times = []
+    for _ in range(REPEAT):
+        begin = perf_counter()
+        work()
+        times.append(perf_counter() - begin)
+    return float(np.median(times))

@@ -1,0 +1,105 @@
+"""The linear solvers for one tangent: where it is easy, and where contact is stiff, cells small or hardly filled.
+
+The tangent is that of a block under a cube that goes down by a share of a cell; without a cube, that of the block in
+free fall with every node shaken. The right-hand side is the residual there. What is told is the relative residual that
+is left, and of the Krylov method the iterations to 1e-3.
+"""
+
+from dataclasses import replace
+from time import perf_counter
+
+import numpy as np
+
+from hybrid.bench.kernels import pressed
+from hybrid.bench.soils import ELASTIC, SAND, block, off_the_lattice, warm
+from hybrid.build import build
+from hybrid.errors import StepError
+from hybrid.scene import Solver
+from hybrid.system.cache import Systems
+from hybrid.system.equations import Step, Unknowns
+
+SMALL, LARGE = (26, 26, 9), (36, 36, 14)    # 20 000 and 60 000 unknowns
+CUBE = 0.3  # [m]
+
+
+def cases(quick):
+    """(name, cells, size [m], options of the block, share of its cell that the top layer fills, solvers)."""
+    both, krylov, width = ("krylov", "direct"), ("krylov",), 1.0
+    sizes = [((6, 6, 4), both)] if quick else [(SMALL, both), (LARGE, both)]
+    for cells, solvers in sizes:
+        for law, material in (("elastic", ELASTIC), ("plastic", SAND)):
+            for kind, inertia in (("dynamic", True), ("quasi-static", False)):
+                yield (f"{law}, {kind}", cells, width / cells[0], {"material": material, "inertia": inertia}, 1.0,
+                       solvers if law == "elastic" or cells != LARGE else krylov)
+    cells = sizes[0][0]
+    for factor in (1.0, 100.0, 1e4):
+        yield (f"contact, penalty x {factor:g}", cells, width / cells[0], {"body": (CUBE, 50.0 * factor)}, 1.0, krylov)
+    half = tuple(2 * n for n in cells) if quick else LARGE
+    yield "contact, smaller cells", half, width / half[0], {"body": (CUBE, 50.0)}, 1.0, krylov
+    for filled in (0.3, 0.01):
+        for ghost in (0.0, 0.033):
+            yield (f"top cells filled to {filled:g}, ghost {ghost:g}", cells, width / cells[0],
+                   {"material": ELASTIC, "inertia": False, "ghost": ghost}, filled, krylov)
+
+
+def run(options):
+    """A row for each tangent and solver."""
+    warm()
+    rows = []
+    for name, cells, size, chosen, filled, solvers in cases(options.quick):
+        simulation = build(block(cells, size, **chosen))
+        state = off_the_lattice(simulation.state) if filled == 1.0 else _lifted(simulation, filled)
+        for linear in solvers:
+            rows.append(_solved(name, linear, simulation.model, state))
+    return rows
+
+
+def _lifted(simulation, filled):
+    """State of a block that reaches into the next layer of cells by a share `filled` of it."""
+    state, cell = simulation.state, simulation.model.soil.grid.smallest_cell
+    up = state.points.position + (0.0, 0.0, filled * cell)
+    low = up[:, 2].min() - state.points.half[0, 2]
+    up[:, 2] -= low * np.clip(1 - up[:, 2] / up[:, 2].max(), 0, 1)     # the base stays
+    return replace(state, points=replace(state.points, position=up))
+
+
+def _solved(name, linear, model, state):
+    """Row of one tangent and solver."""
+    model = replace(model, linear=linear, linear_tolerance=Solver.linear_tolerance)
+    step = Step(model, state, 0.01, False, Systems(model))
+    unknowns = pressed(step) if model.bodies else _shaken(step)
+    found = step.evaluate(unknowns)
+    step.assemble(found)
+    begin = perf_counter()
+    step.system.factor()
+    factored = perf_counter()
+    row = {"tangent": name, "solver": linear, "unknowns": step.pattern.size + len(found.body),
+           "entries": len(step.system.values), "corners": sum(len(c.corners) for c in found.contacts)}
+    try:
+        soil, body, iterations = step.system.solve(found.soil, found.body)
+        left, failed = _residual(step, found, soil, body), ""
+    except StepError as error:
+        iterations, left, failed = 0, 1.0, str(error).partition(";")[0]
+    solved = perf_counter()
+    step.system.destroy()
+    return {**row, "iterations": iterations, "left": left, "factor [s]": factored - begin,
+            "solve [s]": solved - factored, "failed": failed}
+
+
+def _shaken(step):
+    """Unknowns with every free node off its place by up to a 500th of a cell, the same each time."""
+    grid = step.model.soil.grid
+    shaken = np.random.default_rng(1).uniform(-1, 1, (grid.node_count, 3)) * 0.002 * grid.smallest_cell
+    shaken[grid.fixed] = 0.0
+    shaken[~step.soil.active] = 0.0
+    return Unknowns(shaken, ())
+
+
+def _residual(step, found, soil, body):
+    """Norm of what is left of the right-hand side, relative to it, by the difference of residuals a little way along
+    the solution, so that nothing need be known of how the matrix is kept."""
+    share = 1e-6
+    before = np.concatenate([found.soil, found.body])
+    moved = step.evaluate(step.moved(found.unknowns, soil, body, share))
+    change = (np.concatenate([moved.soil, moved.body]) - before) / share
+    return float(np.linalg.norm(before + change) / np.linalg.norm(before))
