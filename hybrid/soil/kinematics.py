@@ -148,19 +148,34 @@ def _trial_strain(first, count, value, slope, ny, nz, u, elastic, mean_volume, d
 
 @njit(cache=True)
 def _gradient(p, first, count, value, slope, ny, nz, u, out):
-    """Σ_v u_v ⊗ ∇S_v at one point."""
-    out[:] = 0.0
+    """Σ_v u_v ⊗ ∇S_v at one point, summed along z first: the products of the other axes are the same for a column."""
+    xx, xy, xz, yx, yy, yz, zx, zy, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for a in range(count[p, 0]):
         for b in range(count[p, 1]):
+            v = ((first[p, 0] + a) * ny + first[p, 1] + b) * nz + first[p, 2]
+            sx, sy, sz, dx, dy, dz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
             for c in range(count[p, 2]):
-                v = ((first[p, 0] + a) * ny + first[p, 1] + b) * nz + first[p, 2] + c
-                g0 = slope[p, 0, a] * value[p, 1, b] * value[p, 2, c]
-                g1 = value[p, 0, a] * slope[p, 1, b] * value[p, 2, c]
-                g2 = value[p, 0, a] * value[p, 1, b] * slope[p, 2, c]
-                for i in range(3):
-                    out[i, 0] += u[v, i] * g0
-                    out[i, 1] += u[v, i] * g1
-                    out[i, 2] += u[v, i] * g2
+                s, d = value[p, 2, c], slope[p, 2, c]
+                sx += u[v + c, 0] * s
+                sy += u[v + c, 1] * s
+                sz += u[v + c, 2] * s
+                dx += u[v + c, 0] * d
+                dy += u[v + c, 1] * d
+                dz += u[v + c, 2] * d
+            along_x, along_y = slope[p, 0, a] * value[p, 1, b], value[p, 0, a] * slope[p, 1, b]
+            along_z = value[p, 0, a] * value[p, 1, b]
+            xx += sx * along_x
+            yx += sy * along_x
+            zx += sz * along_x
+            xy += sx * along_y
+            yy += sy * along_y
+            zy += sz * along_y
+            xz += dx * along_z
+            yz += dy * along_z
+            zz += dz * along_z
+    out[0, 0], out[0, 1], out[0, 2] = xx, xy, xz
+    out[1, 0], out[1, 1], out[1, 2] = yx, yy, yz
+    out[2, 0], out[2, 1], out[2, 2] = zx, zy, zz
 
 
 @njit(cache=True)

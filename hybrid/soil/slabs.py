@@ -1,7 +1,7 @@
 """Colouring that lets two threads add into the same nodal arrays without locks.
 
-Points are grouped by slabs of three cells along the longest axis. A point reaches at most two cells ahead of its first
-node, so slabs of the same parity never share a node. All even slabs run at once, then all odd ones; the order of
+Points are grouped by slabs of two cells along the longest axis. A point reaches at most two nodes ahead of its first
+one, so slabs of the same parity never share a node. All even slabs run at once, then all odd ones; the order of
 additions at a node does not depend on the number of threads, so results are bitwise reproducible.
 """
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-WIDTH = 3
+WIDTH = 2
 
 
 @dataclass(frozen=True)
