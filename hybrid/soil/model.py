@@ -96,13 +96,14 @@ class Soil:
         self.stray, self.adrift = stray, adrift
         self.transfer, self.blend = transfer, blend
         self._kinematics = Kinematics(0 if held else n, fbar)
+        self.tangent_tolerance = tangent_tolerance
         keeps = tangent_tolerance > 0.0 and not held and not fbar     # the tangent of F-bar is not linear in Â
         self._kept = KeptStiffness(tangent_tolerance * law.young) if keeps else None
 
     def on(self, grid, constants, law):
         """The same model of other points on another grid."""
         return Soil(grid, constants, law, self.basis, self.domain, self.held, self.elastic_share, self.fbar,
-                    self.ghost_factor, self.stray, self.adrift, self.transfer, self.blend)
+                    self.ghost_factor, self.stray, self.adrift, self.transfer, self.blend, self.tangent_tolerance)
 
     def begin(self, points, load):
         """SoilStep for committed `points` under `load` [m/s²], (3,) or of each point (n, 3).
@@ -157,15 +158,17 @@ class Soil:
             ghost.add_force(step.cuts, self.grid, displacement, force)
         return SoilTrial(strain, response, stress, force)
 
-    def fill_stiffness(self, step, trial, pattern, values):
-        """Put the tangent of `trial` into the soil block, up to the tolerance for changes within an increment."""
+    def fill_stiffness(self, step, trial, pattern, values, error=1.0):
+        """Put the tangent of `trial` into the soil block. Changes within an increment that are too small to matter at
+        a relative residual of `error` are left out: fewer the nearer the solution, so that it converges faster than
+        linearly."""
         if self._kept is None:
             values[...] = 0.0
             self.add_stiffness(step, trial, pattern, values)
             return
         volume = _of_those_in(step.points, self.constants.volume)
         self._kept.update(step, self.grid.shape, trial.strain, trial.response.stress, trial.response.tangent, volume,
-                          pattern)
+                          pattern, np.sqrt(min(error, 1.0)))
         values[...] = self._kept.values
         if step.cuts:
             ghost.add_stiffness(step.cuts, self.grid, pattern, values)

@@ -50,8 +50,9 @@ class KeptStiffness:
         self._limit, self._tensors = limit, np.empty((len(limit), 9, 9))
         self._increment, self._pattern, self.values = None, None, np.zeros(0)
 
-    def update(self, increment, shape, trial, principal_stress, tangent, volume, pattern):
-        """Bring `values` up to date with a trial of an `increment` (SoilStep), all of it when that is a new one."""
+    def update(self, increment, shape, trial, principal_stress, tangent, volume, pattern, share=1.0):
+        """Bring `values` up to date with a trial of an `increment` (SoilStep), all of it when that is a new one; to a
+        `share` of the limit."""
         fresh = increment is not self._increment or pattern is not self._pattern
         if pattern is not self._pattern:
             self.values = np.empty(len(pattern.indices))
@@ -59,7 +60,7 @@ class KeptStiffness:
             self._increment, self._pattern = increment, pattern
             self.values[...] = 0.0
         _add(increment.basis, increment.slabs, shape, trial, principal_stress, tangent, volume, pattern, self.values,
-             self._tensors, self._limit, fresh)
+             self._tensors, share * self._limit, fresh)
 
 
 def _add(basis, slabs, shape, trial, principal_stress, tangent, volume, pattern, values, kept, limit, fresh):

@@ -215,7 +215,8 @@ class Step:
         system.clear()
         if self.soil is not None:
             with phase("assemble"):
-                model.soil.fill_stiffness(self.soil, evaluation.soil_trial, self.pattern, system.values)
+                model.soil.fill_stiffness(self.soil, evaluation.soil_trial, self.pattern, system.values,
+                                          evaluation.error)
                 mass = np.repeat(self.soil.mass[:, None], 3, axis=1)[self.pattern.free]
                 system.values[self.pattern.diagonal] += model.scheme.mass_factor(self.dt) * mass
         first = 0
