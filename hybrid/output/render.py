@@ -3,22 +3,25 @@
 The soil is drawn as the domains of its points (boxes x_p ± l_p), seen obliquely from the side of small y,
 where a half model has its symmetry plane, so that the cut through soil and body faces the viewer.
 
-VTK ends the whole process when it finds no OpenGL. The scene is therefore drawn by a child process (this file
-run as a module), and a run only loses its picture, with a warning that says why.
+VTK ends the whole process when it finds no OpenGL. A picture is therefore drawn by a child process (this file run as
+a module), and a run only loses its picture, with a warning that says why. The run goes on while the child works; one
+child works at a time.
 """
 
 import logging
 import math
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 import numpy as np
 
-from hybrid.output import figures
+from hybrid.output import atomic
 from hybrid.output.history import NAME as HISTORY
 from hybrid.output.history import body_names, read_history
 from hybrid.output.record import drawn, initial_bodies, placed
@@ -29,6 +32,8 @@ LABEL = "vertical displacement [m]"
 WINDOW = (2100, 1400)  # pixels, before cropping
 VIEW = np.array([-0.3, -1.0, 0.42])  # from the focal point to the camera
 TIME_LIMIT = 300.0  # seconds for one picture
+# EGL needs no X server; where it is missing VTK may choose for itself.
+TRIES = {"VTK_DEFAULT_OPENGL_WINDOW": "vtkEGLRenderWindow"}, {}
 REMEDY = "try: apt install libegl1 libgl1-mesa-dri (off-screen OpenGL), pip install pyvista"
 
 
@@ -42,20 +47,36 @@ class Pictures:
     def start(self, simulation):
         self.before = sum(stage.steps for stage in simulation.scene.stages[:-1])
         self.initial = initial_bodies(simulation)
+        self.drawing = None
 
     def accepted(self, record, simulation):
         step = record.step - self.before
         if step in simulation.scene.output.pictures:
+            self._collect()
             caption = f"{record.stage}: step {step}, time {record.time:.2f} s"
-            render(self.folder / f"soil_step_{step:03d}.png", simulation, caption, self.initial)
+            path = self.folder / f"soil_step_{step:03d}.png"
+            self.drawing = Drawing(path, scene_arrays(simulation, self.initial), caption)
 
     def finish(self, summary, simulation):
+        try:
+            self._figures(simulation)
+        finally:
+            self._collect()
+
+    def _figures(self, simulation):
         history = read_history(self.folder) if (self.folder / HISTORY).exists() else {}
         if not simulation.body_names or not len(history.get("step", ())):
             return
+        from hybrid.output import figures  # late: matplotlib takes a while, and most of a run does without
+
         figures.trajectory(self.folder)
         if any(np.any(history[f"{name}_tension_N"]) for name in body_names(history)):
             figures.tension(self.folder)
+
+    def _collect(self):
+        if self.drawing:
+            self.drawing.collect()
+        self.drawing = None
 
 
 def render(path, simulation, caption="", initial=None):
@@ -64,17 +85,7 @@ def render(path, simulation, caption="", initial=None):
     initial: list of BodyState at the start of the run, default `simulation.initial_bodies`. When nothing can
     be drawn a warning names cause and remedy and the run goes on.
     """
-    arrays = scene_arrays(simulation, initial or initial_bodies(simulation))
-    try:
-        image, ruler = _draw_in_child(arrays)
-    except (OSError, RuntimeError, subprocess.TimeoutExpired) as error:
-        log.warning("no picture %s: %s; %s", Path(path).name, error, REMEDY)
-        return False
-    limit, values = float(arrays["limit"]), np.concatenate([arrays["soil"], arrays["body"]])
-    below, above = np.any(values < -limit), np.any(values > limit)
-    extend = {(0, 0): "neither", (1, 0): "min", (0, 1): "max", (1, 1): "both"}[int(below), int(above)]
-    figures.picture(path, image, limit, LABEL, caption, extend, ruler)
-    return True
+    return Drawing(path, scene_arrays(simulation, initial or initial_bodies(simulation)), caption).collect()
 
 
 def scene_arrays(simulation, initial):
@@ -108,43 +119,91 @@ def colour_limit(soil, body):
     return next(m * power for m in (1, 1.5, 2, 3, 4, 5, 6, 8, 10) if m * power >= 0.999 * largest)
 
 
-def _draw_in_child(arrays):
-    """Image (rows, columns, 4) and ruler; RuntimeError with the child's last words when every try failed."""
-    package = str(Path(__file__).resolve().parents[2])
-    environment = dict(os.environ, OMP_NUM_THREADS="1", MPLBACKEND="Agg")
-    environment["PYTHONPATH"] = os.pathsep.join(filter(None, [package, environment.get("PYTHONPATH")]))
-    # EGL needs no X server; where it is missing VTK may choose for itself.
-    tries = [{"VTK_DEFAULT_OPENGL_WINDOW": "vtkEGLRenderWindow"}, {}]
-    with tempfile.TemporaryDirectory(prefix="hybrid-picture-") as folder:
-        given, drawn = os.path.join(folder, "given.npz"), os.path.join(folder, "drawn.npz")
-        np.savez(given, **arrays)
-        for choice in tries:
-            child = subprocess.run(
-                [sys.executable, "-m", "hybrid.output.render", given, drawn],
-                env={**environment, **choice}, timeout=TIME_LIMIT,
-                stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
-            )
-            if child.returncode == 0 and os.path.exists(drawn):
-                with np.load(drawn) as file:
-                    ends, length = file["ruler"], float(file["length"])
-                    return file["image"], (*ends, f"{length:g} m")
-    plain = re.sub(r"\x1b\[[0-9;]*m", "", child.stderr.decode(errors="replace"))
-    # What follows VTK's stamp of date and place.
-    words = [line.split("|")[-1].strip() for line in plain.splitlines() if line.strip()]
-    raise RuntimeError(words[-1] if words else f"the drawing process ended with code {child.returncode}")
+class Drawing:
+    """A picture that a child process draws from `scene_arrays`; to be ended by `collect`."""
+
+    def __init__(self, path, arrays, caption=""):
+        self._path, self._caption, self._error = Path(path), caption, None
+        self._folder = self._child = None
+        try:
+            self._folder = tempfile.TemporaryDirectory(prefix="hybrid-picture-")
+            np.savez(os.path.join(self._folder.name, "given.npz"), **arrays)
+            self._begin(TRIES[0])
+        except OSError as error:
+            self._error = error
+
+    def collect(self):
+        """Wait for the picture; returns whether there is one. Otherwise a warning names cause and remedy."""
+        try:
+            if self._error:
+                raise self._error
+            self._wait()
+        except (OSError, RuntimeError, subprocess.TimeoutExpired) as error:
+            log.warning("no picture %s: %s; %s", self._path.name, error, REMEDY)
+            return False
+        finally:
+            if self._child and self._child.poll() is None:
+                self._child.kill()
+                self._child.wait()
+            if self._folder:
+                self._folder.cleanup()
+        return True
+
+    def _begin(self, choice):
+        package = str(Path(__file__).resolve().parents[2])
+        environment = dict(os.environ, OMP_NUM_THREADS="1", MPLBACKEND="Agg", **choice)
+        environment["PYTHONPATH"] = os.pathsep.join(filter(None, [package, environment.get("PYTHONPATH")]))
+        folder = self._folder.name
+        command = [sys.executable, "-m", "hybrid.output.render", os.path.join(folder, "given.npz"),
+                   os.path.join(folder, "drawn.png"), self._caption]
+        # A session of its own: who interrupts the run from the keyboard still gets the picture. What the child says
+        # goes to a file, since nobody reads a pipe while the run goes on.
+        with open(os.path.join(folder, "said"), "wb") as said:
+            self._child = subprocess.Popen(command, env=environment, start_new_session=True, stderr=said,
+                                           stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+        self._deadline = time.monotonic() + TIME_LIMIT
+
+    def _wait(self):
+        """Put the picture in its place; RuntimeError with the child's last words when every try failed."""
+        picture = Path(self._folder.name) / "drawn.png"
+        for choice in (*TRIES[1:], None):
+            code = self._child.wait(max(0.0, self._deadline - time.monotonic()))
+            if code == 0 and picture.exists():
+                with atomic(self._path) as partial:
+                    shutil.copyfile(picture, partial)
+                return
+            if choice is not None:
+                self._begin(choice)
+        said = (Path(self._folder.name) / "said").read_text(errors="replace")
+        plain = re.sub(r"\x1b\[[0-9;]*m", "", said)
+        # What follows VTK's stamp of date and place.
+        words = [line.split("|")[-1].strip() for line in plain.splitlines() if line.strip()]
+        raise RuntimeError(words[-1] if words else f"the drawing process ended with code {code}")
 
 
 # ---- below: in the child process ----
 
 
-def draw(arrays):
+def main(given, drawn, caption=""):
+    from hybrid.output import figures
+
+    with np.load(given) as file:
+        arrays = dict(file)
+    image, ends, length = draw(arrays, figures.DIVERGING)
+    limit, values = float(arrays["limit"]), np.concatenate([arrays["soil"], arrays["body"]])
+    below, above = np.any(values < -limit), np.any(values > limit)
+    extend = {(0, 0): "neither", (1, 0): "min", (0, 1): "max", (1, 1): "both"}[int(below), int(above)]
+    figures.picture(drawn, image, limit, LABEL, caption, extend, (*ends, f"{length:g} m"))
+
+
+def draw(arrays, colours):
     """Image (rows, columns, 4: RGB and opacity), ruler ends (4,) in its pixels, ruler's length [m]."""
     import pyvista
 
     plotter = pyvista.Plotter(off_screen=True, window_size=WINDOW, lighting="none")
     plotter.set_background("white")
     limit = float(arrays["limit"])
-    shown = {"scalars": "uz", "cmap": figures.DIVERGING, "clim": (-limit, limit), "show_scalar_bar": False}
+    shown = {"scalars": "uz", "cmap": colours, "clim": (-limit, limit), "show_scalar_bar": False}
     if len(arrays["position"]):
         soil = visible_faces(pyvista, arrays["position"], arrays["half"], arrays["soil"])
         plotter.add_mesh(soil, ambient=0.35, diffuse=0.65, specular=0.0, **shown)
@@ -259,12 +318,6 @@ def cropped(image, ends, margin=24):
     left, top = max(0, columns.min() - margin), max(0, rows.min() - margin)
     right, bottom = min(image.shape[1], columns.max() + margin), min(image.shape[0], rows.max() + margin)
     return image[top:bottom, left:right], np.array([left, top])
-
-
-def main(given, drawn):
-    with np.load(given) as file:
-        image, ruler, length = draw(dict(file))
-    np.savez(drawn, image=image, ruler=ruler, length=length)
 
 
 if __name__ == "__main__":

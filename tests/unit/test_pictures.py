@@ -1,11 +1,13 @@
 """Figures from the history and pictures of soil and bodies."""
 
 import logging
+import os
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from fake_run import FakeSimulation
+from fake_run import FakeScene, FakeSimulation, Output
 from hybrid.output import figures, history, render
 
 
@@ -67,3 +69,70 @@ def test_missing_renderer_is_a_warning_not_an_end(tmp_path, monkeypatch, caplog)
         assert render.render(tmp_path / "a.png", FakeSimulation()) is False
     assert "no picture a.png" in caplog.text and "apt install" in caplog.text
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.fixture
+def child(tmp_path, monkeypatch):
+    """Puts a shell script in place of the drawing process; returns the empty folder of temporary files. The script
+    gets what to draw as $3, where to as $4 and the caption as $5."""
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+    monkeypatch.setattr(render.tempfile, "tempdir", str(temporary))
+
+    def script(text):
+        path = tmp_path / "child"
+        path.write_text("#!/bin/sh\n" + text)
+        path.chmod(0o755)
+        monkeypatch.setattr(render.sys, "executable", str(path))
+        return temporary
+
+    return script
+
+
+@pytest.mark.parametrize("outcome", ["completed", "interrupted", "failed"])
+def test_run_goes_on_while_a_picture_is_drawn(tmp_path, child, outcome):
+    """The child ends only once the step after the picture has been accepted."""
+    go, out = tmp_path / "go", tmp_path / "out"
+    temporary = child(f'for i in $(seq 200); do [ -e {go} ] && break; sleep 0.05; done\n'
+                      f'[ -e {go} ] && printf "%s" "$5" > "$4"')
+
+    class Goes:
+        start = finish = lambda self, *_: None
+
+        def accepted(self, record, simulation):
+            assert not (out / "soil_step_002.png").exists()
+            if record.step == 5:
+                go.touch()
+
+    FakeSimulation().run([render.Pictures(out), Goes()], until=5, outcome=outcome)
+    assert (out / "soil_step_002.png").read_text() == "drag: step 2, time 0.16 s"
+    assert list(temporary.iterdir()) == [] and len(list(out.iterdir())) == 1
+
+
+def test_pictures_are_drawn_one_at_a_time(tmp_path, child):
+    lock = tmp_path / "lock"
+    child(f'mkdir {lock} || exit 1\nsleep 0.1\nrmdir {lock}\nprintf "%s" "$5" > "$4"')
+    scene = replace(FakeScene(), output=Output(pictures=(1, 2, 3)))
+    FakeSimulation(scene).run([render.Pictures(tmp_path / "out")])
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == [f"soil_step_00{n}.png" for n in (1, 2, 3)]
+
+
+def test_a_failing_child_is_tried_with_other_settings(tmp_path, child, caplog):
+    temporary = child('[ -z "$VTK_DEFAULT_OPENGL_WINDOW" ] && printf x > "$4"')
+    assert render.render(tmp_path / "out" / "a.png", FakeSimulation()) is True
+    assert not caplog.text and list(temporary.iterdir()) == []
+
+
+def test_a_child_that_fails_twice_is_quoted(tmp_path, child, caplog):
+    temporary = child('echo "date (0.1s) | ERR| no display" >&2; exit 1')
+    assert render.render(tmp_path / "a.png", FakeSimulation()) is False
+    assert "no picture a.png: no display; try" in caplog.text and list(temporary.iterdir()) == []
+
+
+def test_a_child_without_end_is_stopped(tmp_path, child, caplog, monkeypatch):
+    monkeypatch.setattr(render, "TIME_LIMIT", 0.2)
+    temporary = child(f'echo $$ > {tmp_path / "id"}; exec sleep 60')
+    assert render.render(tmp_path / "a.png", FakeSimulation()) is False
+    assert "no picture a.png" in caplog.text and "timed out" in caplog.text and list(temporary.iterdir()) == []
+    with pytest.raises(ProcessLookupError):
+        os.kill(int((tmp_path / "id").read_text()), 0)
