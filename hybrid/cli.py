@@ -95,10 +95,12 @@ def run(options):
     from hybrid.scene_file import load_scene
 
     scene = load_scene(options.scene, options.overrides)
-    from hybrid.running import run as run_scene  # late: a mistake in the scene is told at once
+    from hybrid.kernels import announced  # late: a mistake in the scene is told at once
+    from hybrid.running import run as run_scene
 
     out = options.out or Path("out") / scene.name
-    run_scene(scene, out, resume=options.resume, quiet=not sys.stderr.isatty())
+    with announced():
+        run_scene(scene, out, resume=options.resume, quiet=not sys.stderr.isatty())
 
 
 def check(options):
@@ -107,12 +109,14 @@ def check(options):
 
     scene = load_scene(options.scene, options.overrides)
     from hybrid.build import build  # late: a mistake in the scene is told at once
+    from hybrid.kernels import announced
 
-    simulation = build(scene)
-    sheet = simulation.sheet()
-    print(format_sheet(sheet), flush=True)
-    if not options.no_probe:
-        print("\n" + format_sheet(_predicted(simulation)))
+    with announced():
+        simulation = build(scene)
+        sheet = simulation.sheet()
+        print(format_sheet(sheet), flush=True)
+        if not options.no_probe:
+            print("\n" + format_sheet(_predicted(simulation)))
 
 
 def _predicted(simulation):
@@ -134,7 +138,10 @@ def bench(options):
         raise SceneError(f"bench {unknown[0]}: no such case; there are {', '.join(CASES)}")
     if options.peer is not None and not options.peer.is_file():
         raise SceneError(f"--peer {options.peer}: no such file; give the python of an environment with Kratos MPM")
-    benchmarks.run(options.cases, benchmarks.Options(options.quick, options.peer), options.out)
+    from hybrid.kernels import announced  # late: a mistake in the arguments is told at once
+
+    with announced():
+        benchmarks.run(options.cases, benchmarks.Options(options.quick, options.peer), options.out)
 
 
 def mesh(options):

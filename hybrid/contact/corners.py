@@ -158,13 +158,13 @@ def _close(position, half, centre, radius):
 def _near(position, half, close, centre, rotation, lower, upper, reach, tree, near):
     for n in prange(len(close)):
         p = close[n]
-        d = position[p] - centre
+        d0, d1, d2 = position[p, 0] - centre[0], position[p, 1] - centre[1], position[p, 2] - centre[2]
         for corner in range(8):
             if near[n, corner]:
                 continue
-            x0 = d[0] + (half[p, 0] if corner & 4 else -half[p, 0])
-            x1 = d[1] + (half[p, 1] if corner & 2 else -half[p, 1])
-            x2 = d[2] + (half[p, 2] if corner & 1 else -half[p, 2])
+            x0 = d0 + (half[p, 0] if corner & 4 else -half[p, 0])
+            x1 = d1 + (half[p, 1] if corner & 2 else -half[p, 1])
+            x2 = d2 + (half[p, 2] if corner & 1 else -half[p, 2])
             y0 = rotation[0, 0] * x0 + rotation[1, 0] * x1 + rotation[2, 0] * x2
             y1 = rotation[0, 1] * x0 + rotation[1, 1] * x1 + rotation[2, 1] * x2
             y2 = rotation[0, 2] * x0 + rotation[1, 2] * x1 + rotation[2, 2] * x2

@@ -44,10 +44,14 @@ def evaluate_basis(position, half, axes):
     """
     n = len(position)
     basis = Basis(np.zeros((n, 3), np.int32), np.ones((n, 3), np.int32), np.zeros((n, 3, 3)), np.zeros((n, 3, 3)))
+    astray = np.empty(n, np.bool_)
     for axis, nodes in enumerate(axes):
-        outside = _axis_basis(position[:, axis], half[:, axis], nodes, axis,
-                              basis.first, basis.count, basis.value, basis.slope)
-        if outside >= 0:
+        if len(nodes) == 1:
+            basis.value[:, axis, 0] = 1.0
+            continue
+        _axis_basis(position, half, nodes, axis, basis.first, basis.count, basis.value, basis.slope, astray)
+        if astray.any():
+            outside = np.flatnonzero(astray)[-1]
             raise StepError(
                 f"point {outside} at {'xyz'[axis]} = {position[outside, axis]:.6g} m left the grid "
                 f"[{nodes[0]:.6g}, {nodes[-1]:.6g}] m; enlarge grid.{'xyz'[axis]} or shorten the step")
@@ -103,25 +107,21 @@ def support(x, half, nodes):
 
 
 @njit(cache=True, parallel=True)
-def _axis_basis(x, half, nodes, axis, first, count, value, slope):
-    """Fill one axis of the basis; returns a point outside the grid or -1."""
-    if len(nodes) == 1:
-        value[:, axis, 0] = 1.0
-        return -1
-    outside = np.full(len(x), -1)
-    for p in prange(len(x)):
-        slack = 1e-9 * (nodes[-1] - nodes[0])
-        if not (x[p] - half[p] >= nodes[0] - slack and x[p] + half[p] <= nodes[-1] + slack):
-            outside[p] = p
+def _axis_basis(position, half, nodes, axis, first, count, value, slope, outside):
+    """Fill one axis of the basis; outside: (n,) bool, points that are not in the grid."""
+    slack = 1e-9 * (nodes[-1] - nodes[0])
+    for p in prange(len(position)):
+        x, l = position[p, axis], half[p, axis]
+        outside[p] = not (x - l >= nodes[0] - slack and x + l <= nodes[-1] + slack)
+        if outside[p]:
             continue
-        i, j, low, high = support(x[p], half[p], nodes)
+        i, j, low, high = support(x, l, nodes)
         first[p, axis] = i
         count[p, axis] = j - i + 1
         for a in range(j - i + 1):
-            if half[p] > 0.0:
+            if l > 0.0:
                 value[p, axis, a] = hat_integral(low, high, i + a, nodes) / (high - low)
                 slope[p, axis, a] = (hat(high, i + a, nodes) - hat(low, i + a, nodes)) / (high - low)
             else:
-                value[p, axis, a] = hat(x[p], i + a, nodes)
+                value[p, axis, a] = hat(x, i + a, nodes)
                 slope[p, axis, a] = (2 * a - 1) / (nodes[j] - nodes[i])
-    return outside.max()

@@ -26,9 +26,13 @@ THINNEST = 1e-3  # of the initial half-width: keeps the basis well defined for a
 def updated_half(rule, initial_half, deformation, position, axes):
     """Half-widths (n, 3) [m] from the initial ones, F (n, 3, 3) and positions (n, 3) [m]."""
     if rule == "moments":
-        half = _moments(initial_half, deformation, np.array([len(nodes) > 1 for nodes in axes]))
+        half, deforms = np.empty_like(initial_half), np.array([len(nodes) > 1 for nodes in axes])
+        _moments(initial_half, deformation, deforms, int(deforms.sum()), half)
     else:
-        half = initial_half * _stretches(UPDATES[rule], deformation)
+        half = np.ones_like(initial_half)
+        if rule != "none":
+            _stretches(UPDATES[rule], deformation, half)
+        half *= initial_half
     np.maximum(half, THINNEST * initial_half, out=half)
     for axis, nodes in enumerate(axes):
         if len(nodes) > 1:
@@ -39,10 +43,7 @@ def updated_half(rule, initial_half, deformation, position, axes):
 
 
 @njit(cache=True, parallel=True)
-def _stretches(rule, deformation):
-    out = np.ones((len(deformation), 3))
-    if rule == 0:
-        return out
+def _stretches(rule, deformation, out):
     chunk = 256
     for block in prange((len(deformation) + chunk - 1) // chunk):
         c, n = np.empty((3, 3)), np.empty((3, 3))
@@ -59,12 +60,10 @@ def _stretches(rule, deformation):
             for i in range(3):
                 out[p, i] = (np.sqrt(max(c[0, 0], 0.0)) * n[i, 0] ** 2 + np.sqrt(max(c[1, 1], 0.0)) * n[i, 1] ** 2
                              + np.sqrt(max(c[2, 2], 0.0)) * n[i, 2] ** 2)
-    return out
 
 
 @njit(cache=True, parallel=True)
-def _moments(initial_half, deformation, deforms):
-    out = np.empty_like(initial_half)
+def _moments(initial_half, deformation, deforms, count, out):
     for p in prange(len(deformation)):
         F, ratio = deformation[p], 1.0
         for i in range(3):
@@ -76,8 +75,9 @@ def _moments(initial_half, deformation, deforms):
                 ratio *= out[p, i] / initial_half[p, i]
         volume = (F[0, 0] * (F[1, 1] * F[2, 2] - F[1, 2] * F[2, 1]) - F[0, 1] * (F[1, 0] * F[2, 2] - F[1, 2] * F[2, 0])
                   + F[0, 2] * (F[1, 0] * F[2, 1] - F[1, 1] * F[2, 0]))
-        out[p] *= (volume / ratio) ** (1.0 / np.sum(deforms))
-    return out
+        scale = (volume / ratio) ** (1.0 / count)
+        for i in range(3):
+            out[p, i] *= scale
 
 
 @njit(cache=True, parallel=True)

@@ -56,7 +56,8 @@ def add_force(step, shape, collapsed, trial, stress, volume, force):
     """Add V0 q H_v to nodal forces (N, 3) [N]; stress: (n, 3, 3) Kirchhoff [Pa]; volume: (n,) initial [m³]."""
     basis, mean, slabs = step.basis, step.mean, step.slabs
     _add_force(slabs.order, slabs.start, basis.first, basis.count, basis.value, mean.value, basis.slope, shape[1],
-               shape[2], trial.inverse, trial.mean_inverse, ~collapsed, stress, volume, force)
+               shape[2], trial.inverse, trial.mean_inverse, ~collapsed, np.count_nonzero(~collapsed), stress, volume,
+               force)
 
 
 def add_stiffness(step, shape, collapsed, trial, principal_stress, tangent, volume, pattern, values):
@@ -68,9 +69,9 @@ def add_stiffness(step, shape, collapsed, trial, principal_stress, tangent, volu
 
 
 @njit(cache=True, parallel=True)
-def _add_force(order, start, first, count, value, mean, slope, ny, nz, inverse, mean_inverse, deforms, stress, volume,
-               force):
-    slabs, axes = len(start) - 1, np.sum(deforms)
+def _add_force(order, start, first, count, value, mean, slope, ny, nz, inverse, mean_inverse, deforms, axes, stress,
+               volume, force):
+    slabs = len(start) - 1
     for colour in range(2):
         for pair in prange((slabs - colour + 1) // 2):
             slab = 2 * pair + colour
@@ -137,7 +138,9 @@ def _add_stiffness(order, start, first, count, value, mean, slope, ny, nz, inver
                 stacks = free_components(count[p], node, dof, code, unknown, stack)
                 spatial_tangent(strain[p], directions[p], stress[p], tangent[p], A, work)
                 q, kappa = _projections(A, directions[p], stress[p], deforms, c, e)
-                H[:m] = h[:m] - g[:m]
+                for a in range(m):
+                    for i in range(3):
+                        H[a, i] = h[a, i] - g[a, i]
                 _products(c, g, m, cg)
                 _products(e, g, m, eg)
                 for a in range(m):

@@ -44,11 +44,12 @@ class Kinematics:
     def __call__(self, basis, shape, displacement, elastic, mean=None, out=None):
         """TrialStrain from nodal increments (N, 3) [m] and committed b_e (n, 3, 3); mean: the basis of F-bar; out: (n,)
         bool, points that may be inverted, taking no part."""
+        deforms = np.array(shape) > 1
         if mean is not None:
             _volumes(mean.first, mean.count, mean.value, mean.slope, shape[1], shape[2], displacement,
                      self._mean_inverse, self._mean_volume)
         _trial_strain(basis.first, basis.count, basis.value, basis.slope, shape[1], shape[2], displacement, elastic,
-                      self._mean_volume, np.array(shape) > 1, self._increment, self._inverse, self._strain,
+                      self._mean_volume, deforms, int(deforms.sum()), self._increment, self._inverse, self._strain,
                       self._directions, self._inverted)
         return TrialStrain(self._increment, self._inverse, self._strain, self._directions,
                            np.flatnonzero(self._inverted if out is None else self._inverted & ~out),
@@ -119,10 +120,10 @@ def _volumes(first, count, value, slope, ny, nz, u, inverse, volume):
 
 
 @njit(cache=True, parallel=True)
-def _trial_strain(first, count, value, slope, ny, nz, u, elastic, mean_volume, deforms, increment, inverse, strain,
-                  directions, inverted):
+def _trial_strain(first, count, value, slope, ny, nz, u, elastic, mean_volume, deforms, axes, increment, inverse,
+                  strain, directions, inverted):
     n = len(first)
-    chunk, axes = 256, np.sum(deforms)
+    chunk = 256
     for block in prange((n + chunk - 1) // chunk):
         b, half, scaled = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
         for p in range(block * chunk, min(n, (block + 1) * chunk)):
@@ -132,13 +133,13 @@ def _trial_strain(first, count, value, slope, ny, nz, u, elastic, mean_volume, d
                 F[i, i] += 1.0
             volume = invert(F, inverse[p])
             inverted[p] = not volume > 0.0
-            scaled[:] = F
+            s = 1.0
             if len(mean_volume) > 0:
                 inverted[p] |= not mean_volume[p] > 0.0
                 s = (abs(mean_volume[p] / volume)) ** (1.0 / axes)
-                for i in range(3):
-                    if deforms[i]:
-                        scaled[i] *= s
+            for i in range(3):
+                for j in range(3):
+                    scaled[i, j] = F[i, j] * s if deforms[i] else F[i, j]
             _product(scaled, elastic[p], half)
             _product_transposed(half, scaled, b)
             eigen_symmetric(b, directions[p])
@@ -238,7 +239,9 @@ def _logarithmic(b, out):
     for block in prange((len(b) + chunk - 1) // chunk):
         a, vectors = np.empty((3, 3)), np.empty((3, 3))
         for p in range(block * chunk, min(len(b), (block + 1) * chunk)):
-            a[:] = b[p]
+            for i in range(3):
+                for j in range(3):
+                    a[i, j] = b[p, i, j]
             eigen_symmetric(a, vectors)
             for i in range(3):
                 out[p, i] = 0.5 * np.log(a[i, i])
