@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from hybrid.body import mass, mesh, rigid
+from hybrid.body import rigid
 from hybrid.body.attitude import rotation_from_axis_angle
 from hybrid.body.motion import free_spin_rate
 from hybrid.body.rigid import FREEDOMS, Line, RigidBody
@@ -36,7 +36,7 @@ def build(scene, *, body_force=None, law=None):
     scene = validate(scene)
     gravity = np.array(scene.gravity, float)
     loads = Loads(gravity, body_force).during(0.0, 0.0, (scene.stages[0].gravity[0],) * 2)
-    meshes = [mesh.generate(described.geometry, described.parameters) for described in scene.bodies]
+    meshes = [mesh_of(described) for described in scene.bodies]
     placed = [build_body(*pair, loads.on_bodies(0.0)) for pair in zip(scene.bodies, meshes)]
     grid, travel, layouts = build_grid(scene, placed)
     soil, points = build_soil(scene, grid, loads, law)
@@ -125,9 +125,18 @@ def build_soil(scene, grid, loads, law=None):
     return soil, points
 
 
+def mesh_of(described):
+    """TetMesh of a body's geometry."""
+    from hybrid.body.mesh import generate  # late, as in build_body: a scene without bodies needs no gmsh and dolfinx
+
+    return generate(described.geometry, described.parameters)
+
+
 def build_body(described, body_mesh, gravity):
     """RigidBody, of no soil yet, and its initial BodyState."""
-    properties = mass.condensed_mass(body_mesh, described.density)
+    from hybrid.body.mass import condensed_mass
+
+    properties = condensed_mass(body_mesh, described.density)
     surface = build_surface(body_mesh.points - properties.centre, body_mesh.contact)
     rotation = np.eye(3)
     if described.rotation:

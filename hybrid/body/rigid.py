@@ -5,16 +5,19 @@ are left out of the system. Mass and gravity load come from the condensed finite
 """
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from hybrid.body import motion
 from hybrid.body.attitude import cayley, exp_so3
 from hybrid.body.line import line_force
-from hybrid.body.mass import MassProperties
 from hybrid.body.samples import Samples
 from hybrid.body.surface import ContactSurface
 from hybrid.state import BodyState
+
+if TYPE_CHECKING:
+    from hybrid.body.mass import MassProperties   # loads dolfinx
 
 FREEDOMS = ("x", "y", "z", "rx", "ry", "rz")
 
@@ -44,7 +47,7 @@ class RigidBody:
     """
 
     name: str
-    mass: MassProperties
+    mass: "MassProperties"
     surface: ContactSurface
     free: np.ndarray
     drive: np.ndarray

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.optimize import brentq
 
 from hybrid.errors import SceneError
 
@@ -44,6 +43,8 @@ def _growing_cells(distance, size, growth):
     count = 1
     while length(growth, count) < distance:
         count += 1
+    from scipy.optimize import brentq  # late: not every grid is graded
+
     ratio = brentq(lambda r: length(r, count) - distance, 1e-3, growth, xtol=1e-15)
     return size * ratio ** np.arange(1, count + 1)
 
