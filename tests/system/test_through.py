@@ -17,12 +17,12 @@ SHARES = pytest.mark.parametrize("second_pass", [0.0, 0.5, 1.0])
 THICKNESS = pytest.mark.parametrize("thickness", [0.04, 0.005])
 
 
-def thrown(geometry, thickness, second_pass, **time):
+def thrown(geometry, thickness, second_pass, solver=Solver(tolerance=1e-4), **time):
     """Simulation of a plate thrown at a block of elastic soil."""
     plate = steel(0.5, 0.5, thickness, size=0.25, rest_on=0.01, position=(0.4, 0.4, 0.0),
                 velocity=(0.0, 0.0, -5.0), second_pass=second_pass)
     return build(soil_scene([plate], z=(-0.8, 0.6), young=5e6, poisson=0.2, time=Time(step=0.03, **time),
-                            solver=Solver(tolerance=1e-4)))
+                            solver=solver))
 
 
 def lowest_gap_to_soil(simulation):
@@ -45,8 +45,10 @@ def test_long_steps_are_halved_until_no_corner_is_carried_through(geometry, thic
 @pytest.mark.parametrize("second_pass", [0.0, 1.0])
 @THICKNESS
 def test_without_the_check_it_goes_through(geometry, monkeypatch, thickness, second_pass):
+    """Plain Newton updates land beyond the plate; of two equilibria others may happen to find that on this side."""
     monkeypatch.setattr(Step, "passed_through", lambda self, evaluation: 0)
-    simulation = thrown(geometry, thickness, second_pass)
+    plain = Solver(tolerance=1e-4, line_search=False, tangent_tolerance=0.0, loosest_tolerance=0.0)
+    simulation = thrown(geometry, thickness, second_pass, plain)
     list(simulation.steps())
     assert lowest_gap_to_soil(simulation) < 0.0
 
