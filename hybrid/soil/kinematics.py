@@ -133,13 +133,16 @@ def _trial_strain(first, count, value, slope, ny, nz, u, elastic, mean_volume, d
                 F[i, i] += 1.0
             volume = invert(F, inverse[p])
             inverted[p] = not volume > 0.0
-            s = 1.0
+            for i in range(3):
+                for j in range(3):
+                    scaled[i, j] = F[i, j]
             if len(mean_volume) > 0:
                 inverted[p] |= not mean_volume[p] > 0.0
                 s = (abs(mean_volume[p] / volume)) ** (1.0 / axes)
-            for i in range(3):
-                for j in range(3):
-                    scaled[i, j] = F[i, j] * s if deforms[i] else F[i, j]
+                for i in range(3):
+                    if deforms[i]:
+                        for j in range(3):
+                            scaled[i, j] *= s
             _product(scaled, elastic[p], half)
             _product_transposed(half, scaled, b)
             eigen_symmetric(b, directions[p])
