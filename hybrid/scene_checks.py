@@ -2,6 +2,7 @@
 
 from math import cos, hypot, prod, radians, sin
 
+from hybrid.grid_checks import grid_faults, need, shown
 from hybrid.material import material_faults
 from hybrid.scheme import Scheme
 
@@ -9,27 +10,22 @@ from hybrid.scheme import Scheme
 def faults(scene):
     """Texts of everything out of range in a Scene whose values already have their declared types."""
     yield from _name("name", scene.name)
-    for name in "xyz":
-        yield from _axis(f"grid.{name}", getattr(scene.grid, name))
-    collapsed = [name for name in "xyz" if getattr(scene.grid, name).collapsed]
-    yield from _need(len(collapsed) < 3, "grid", ", ".join(collapsed) + " collapsed",
-                     "one axis at least uncollapsed", "set collapsed = false where the soil deforms")
-    yield from _travel(scene)
+    yield from grid_faults(scene)
     yield from _soil("soil", scene.soil, scene.grid)
     if scene.grid.z.start is not None and scene.grid.z.end is not None:
         yield from material_faults(scene.soil, scene.grid)
     for i, body in enumerate(scene.bodies):
         yield from _body(f"body.{i}", body, scene.time.inertia)
-        yield from _need(not body.second_pass or scene.soil.basis == "gimp", f"body.{i}.second_pass", body.second_pass,
-                         f"0 with soil.basis = {scene.soil.basis!r}, whose points have no faces",
-                         "leave it out or set soil.basis = 'gimp'")
+        yield from need(not body.second_pass or scene.soil.basis == "gimp", f"body.{i}.second_pass", body.second_pass,
+                        f"0 with soil.basis = {scene.soil.basis!r}, whose points have no faces",
+                        "leave it out or set soil.basis = 'gimp'")
     yield from _time("time", scene.time)
-    yield from _need(scene.stages, "stage", "none", "at least one", "add a [[stage]] with a name and steps")
+    yield from need(scene.stages, "stage", "none", "at least one", "add a [[stage]] with a name and steps")
     for i, stage in enumerate(scene.stages):
         yield from _stage(f"stage.{i}", stage, scene.time)
     first = scene.stages[0].gravity[0] if scene.stages else 1.0
-    yield from _need(not scene.soil.geostatic or scene.soil.held or first == 1.0, "stage.0.gravity", first,
-                     "1 at the start of soil in geostatic stress", "set soil.geostatic = false to turn gravity on")
+    yield from need(not scene.soil.geostatic or scene.soil.held or first == 1.0, "stage.0.gravity", first,
+                    "1 at the start of soil in geostatic stress", "set soil.geostatic = false to turn gravity on")
     yield from _distinct("soil.layer", scene.soil.layers)
     yield from _distinct("body", scene.bodies)
     yield from _distinct("stage", scene.stages)
@@ -37,112 +33,20 @@ def faults(scene):
     yield from _output("output", scene.output)
 
 
-def _need(ok, key, value, limit, remedy):
-    """Nothing when `ok`, else the one fault."""
-    return [] if ok else [f"{key} = {_shown(value)}: must be {limit}; {remedy}"]
-
-
-def _shown(value):
-    if isinstance(value, (tuple, list)):
-        return "[" + ", ".join(map(_shown, value)) + "]"
-    return f"{value:.10g}" if isinstance(value, float) else str(value)
-
-
 def _name(key, name):
     # Names become folders and files of the output.
     plain = name.strip() == name != "" and name not in (".", "..") and not set(name) & set("/\\\0\n")
-    return _need(plain, key, repr(name), "a plain file name", "use letters, digits, - and _")
+    return need(plain, key, repr(name), "a plain file name", "use letters, digits, - and _")
 
 
 def _distinct(key, items):
     names = [item.name for item in items]
     for i, name in enumerate(names):
-        yield from _need(name not in names[:i], f"{key}.{i}.name", repr(name),
-                         "different from the other names", f"name every [[{key}]]; output is labelled by it")
+        yield from need(name not in names[:i], f"{key}.{i}.name", repr(name),
+                        "different from the other names", f"name every [[{key}]]; output is labelled by it")
 
 
-# ------------------------------------------------------------------ grid and soil
-
-
-def _axis(key, axis):
-    kinds = [name for name, given in (("nodes", axis.nodes is not None), ("fine", axis.fine is not None),
-                                      ("collapsed", axis.collapsed)) if given]
-    if kinds or not axis.travels:
-        kinds += [name for name in ("around", "window") if getattr(axis, name) is not None][:1]
-    if len(kinds) > 1:
-        yield f"{key}: {' and '.join(kinds)} exclude each other; keep one of them"
-        return
-    if axis.nodes is not None:
-        yield from _nodes(key, axis)
-        return
-    absent = [name for name in ("start", "end", "size") if getattr(axis, name) is None]
-    if axis.collapsed and "size" in absent:
-        absent.remove("size")
-    if absent:
-        yield f"{key}: missing {', '.join(absent)}; give start, end and size [m], or nodes"
-        return
-    yield from _need(axis.start < axis.end, f"{key}.end", axis.end, f"above start = {_shown(axis.start)}",
-                     "swap the two or widen the grid")
-    yield from _need(1 < axis.growth <= 2, f"{key}.growth", axis.growth, "in (1, 2]",
-                     "1.3 grows cells by 30 % each; leave out `fine` for a uniform axis")
-    if not axis.collapsed and axis.start < axis.end:
-        yield from _cells(key, axis)
-
-
-def _travel(scene):
-    """Faults of a grid that goes with a body."""
-    grid, soil = scene.grid, scene.soil
-    names = [body.name for body in scene.bodies]
-    if not grid.travels:
-        yield from _need(grid.follow is None, "grid.follow", grid.follow, "left out",
-                         "or give an axis `around` or `window` [m] to travel with")
-        return
-    yield from _need(names and grid.follow in (None, *names), "grid.follow", grid.follow,
-                     f"a body of the scene: {', '.join(names) or 'it has none'}", "name one, or let the axes stand still")
-    yield from _need(not soil.held, "soil.held", soil.held, "false where the grid travels",
-                     "held soil has no unknowns to save: leave `around` and `window` out")
-    yield from _need(soil.material.law != "user", "soil.material.law", soil.material.law,
-                     "one of the package's own where the grid travels, as points come and go",
-                     "leave `around` and `window` out")
-    for name in "xyz":
-        axis, key = getattr(grid, name), f"grid.{name}"
-        if not axis.travels or axis.start is None or axis.end is None or not axis.size:
-            continue
-        for margin, least, reason in (("around", axis.size, "points that meet the body cannot be halved any more"),
-                                      ("window", 0.0, "they are measured from the body's box, outwards")):
-            ends = getattr(axis, margin)
-            yield from _need(ends is None or min(ends) >= least, f"{key}.{margin}", ends,
-                             f"two distances of at least {_shown(least)}", reason)
-        yield from _need(1 <= axis.doublings <= 8, f"{key}.doublings", axis.doublings, "from 1 to 8", "3 is usual")
-        cells, block = (axis.end - axis.start) / axis.size, 2**axis.doublings
-        fits = abs(cells / block - round(cells / block)) < 1e-6
-        yield from _need(fits, f"{key}.end", axis.end, f"start = {_shown(axis.start)} plus a multiple of size times "
-                         f"2^doublings = {_shown(axis.size * block)}",
-                         f"use {_shown(axis.start + axis.size * block * max(1, round(cells / block)))}")
-        yield from _need(axis.window is None or soil.geostatic, f"{key}.window", axis.window,
-                         "left out without geostatic stress, as soil comes in at rest",
-                         "or set soil.geostatic = true")
-
-
-def _nodes(key, axis):
-    rising = len(axis.nodes) >= 2 and all(a < b for a, b in zip(axis.nodes, axis.nodes[1:]))
-    yield from _need(rising, f"{key}.nodes", axis.nodes, "two or more increasing coordinates", "sort them")
-    if rising:
-        for name, node in (("start", axis.nodes[0]), ("end", axis.nodes[-1])):
-            yield from _need(getattr(axis, name) == node, f"{key}.{name}", getattr(axis, name),
-                             f"that of nodes, {_shown(node)}", "leave it out: nodes give the extent")
-
-
-def _cells(key, axis):
-    length = axis.end - axis.start
-    fits = 0 < axis.size <= length * (1 + 1e-9)
-    yield from _need(fits, f"{key}.size", axis.size, f"positive and at most end - start = {_shown(length)}",
-                     "choose a smaller cell size [m]")
-    if axis.fine is not None:
-        low, high = axis.fine
-        yield from _need(axis.start <= low < high <= axis.end, f"{key}.fine", axis.fine,
-                         f"(low, high) inside [start, end] = {_shown((axis.start, axis.end))}",
-                         "narrow it or widen the grid")
+# ------------------------------------------------------------------ soil
 
 
 def _soil(key, soil, grid):
@@ -151,31 +55,31 @@ def _soil(key, soil, grid):
         return  # the grid's own fault, found already
     start, end = tuple(a.start for a in axes), tuple(a.end for a in axes)
     top = end[2] if soil.top is None else soil.top
-    yield from _need(start[2] < top <= end[2], f"{key}.top", top,
-                     f"above {_shown(start[2])} and at most {_shown(end[2])}, the ends of the grid",
-                     "leave room above the surface for heave by raising grid.z.end")
+    yield from need(start[2] < top <= end[2], f"{key}.top", top,
+                    f"above {shown(start[2])} and at most {shown(end[2])}, the ends of the grid",
+                    "leave room above the surface for heave by raising grid.z.end")
     lower, upper = soil.lower or start, soil.upper or (*end[:2], top)
     given = [name for name in ("lower", "upper") if getattr(soil, name) is not None]
     for name in given:
         corner = getattr(soil, name)
-        yield from _need(all(s <= c <= e for s, c, e in zip(start, corner, end)), f"{key}.{name}", corner,
-                         f"inside the grid, {_shown(start)} to {_shown(end)}", "move it in or widen the grid")
+        yield from need(all(s <= c <= e for s, c, e in zip(start, corner, end)), f"{key}.{name}", corner,
+                        f"inside the grid, {shown(start)} to {shown(end)}", "move it in or widen the grid")
     if given:
-        yield from _need(all(a < b for a, b in zip(lower, (*upper[:2], min(upper[2], top)))),
-                         f"{key}.lower", lower,
-                         f"below upper = {_shown(upper)} and top = {_shown(top)} along each axis",
-                         "swap the corners")
+        yield from need(all(a < b for a, b in zip(lower, (*upper[:2], min(upper[2], top)))),
+                        f"{key}.lower", lower,
+                        f"below upper = {shown(upper)} and top = {shown(top)} along each axis",
+                        "swap the corners")
     per_axis = soil.points_per_axis
     counts = per_axis if isinstance(per_axis, tuple) else (per_axis,) * 3
-    yield from _need(all(1 <= n <= 10 for n in counts), f"{key}.points_per_axis", per_axis, "from 1 to 10",
-                     f"2 is usual; this asks for {prod(counts)} points per cell")
-    yield from _need(0 <= soil.ghost <= 1, f"{key}.ghost", soil.ghost, "from 0 to 1", "0 leaves it out, 0.033 is usual")
-    yield from _need(soil.blend is None or soil.transfer == "blended", f"{key}.blend", soil.blend,
-                     f"left out with transfer = {soil.transfer!r}", "or set transfer = 'blended'")
-    yield from _need(soil.blend is None or 0 < soil.blend <= 1, f"{key}.blend", soil.blend, "above 0, at most 1",
-                     "1 takes the nodes' velocity alone, 0.05 is usual")
+    yield from need(all(1 <= n <= 10 for n in counts), f"{key}.points_per_axis", per_axis, "from 1 to 10",
+                    f"2 is usual; this asks for {prod(counts)} points per cell")
+    yield from need(0 <= soil.ghost <= 1, f"{key}.ghost", soil.ghost, "from 0 to 1", "0 leaves it out, 0.033 is usual")
+    yield from need(soil.blend is None or soil.transfer == "blended", f"{key}.blend", soil.blend,
+                    f"left out with transfer = {soil.transfer!r}", "or set transfer = 'blended'")
+    yield from need(soil.blend is None or 0 < soil.blend <= 1, f"{key}.blend", soil.blend, "above 0, at most 1",
+                    "1 takes the nodes' velocity alone, 0.05 is usual")
     if soil.k0 is not None:
-        yield from _need(soil.k0 > 0, f"{key}.k0", soil.k0, "positive", "leave it out for the material's own")
+        yield from need(soil.k0 > 0, f"{key}.k0", soil.k0, "positive", "leave it out for the material's own")
 
 
 # ------------------------------------------------------------------ bodies
@@ -183,29 +87,29 @@ def _soil(key, soil, grid):
 
 def _body(key, body, inertia):
     yield from _name(f"{key}.name", body.name)
-    yield from _need(body.geometry.is_file(), f"{key}.geometry", body.geometry, "an existing file",
-                     "the path is relative to the scene file, or to the working folder from Python")
-    yield from _need(body.density > 0, f"{key}.density", body.density, "positive", "in kg/m³: 7850 is steel")
-    yield from _need(body.friction >= 0, f"{key}.friction", body.friction, "at least 0",
-                     "0.45 is steel on sand")
-    yield from _need(body.penalty > 0, f"{key}.penalty", body.penalty, "positive", "50 is usual, in 1/m")
-    yield from _need(0 <= body.second_pass <= 1, f"{key}.second_pass", body.second_pass, "from 0 to 1",
-                     "0 leaves it out, 0.5 gives both passes the same share")
-    yield from _need(body.tangential > 0, f"{key}.tangential", body.tangential, "positive", "1 is usual")
+    yield from need(body.geometry.is_file(), f"{key}.geometry", body.geometry, "an existing file",
+                    "the path is relative to the scene file, or to the working folder from Python")
+    yield from need(body.density > 0, f"{key}.density", body.density, "positive", "in kg/m³: 7850 is steel")
+    yield from need(body.friction >= 0, f"{key}.friction", body.friction, "at least 0",
+                    "0.45 is steel on sand")
+    yield from need(body.penalty > 0, f"{key}.penalty", body.penalty, "positive", "50 is usual, in 1/m")
+    yield from need(0 <= body.second_pass <= 1, f"{key}.second_pass", body.second_pass, "from 0 to 1",
+                    "0 leaves it out, 0.5 gives both passes the same share")
+    yield from need(body.tangential > 0, f"{key}.tangential", body.tangential, "positive", "1 is usual")
     if body.rotation is not None:
-        yield from _need(any(body.rotation[:3]), f"{key}.rotation", body.rotation, "an axis other than zero",
-                         "write [ax, ay, az, degrees], such as [0, 1, 0, 30]")
+        yield from need(any(body.rotation[:3]), f"{key}.rotation", body.rotation, "an axis other than zero",
+                        "write [ax, ay, az, degrees], such as [0, 1, 0, 30]")
     both = [f for f in body.driven if f in body.held]
-    yield from _need(not both, f"{key}.driven", both, "other than held", "keep it in one of the two lists")
+    yield from need(not both, f"{key}.driven", both, "other than held", "keep it in one of the two lists")
     for name, freedoms, motion in (("velocity", ("x", "y", "z"), body.velocity),
                                    ("spin", ("rx", "ry", "rz"), _spatial_spin(body))):
         given = getattr(body, name)
         moves = [f for f, v in zip(freedoms, motion) if v and f not in body.driven]
-        yield from _need(inertia or not moves, f"{key}.{name}", given, "zero in a quasi-static scene, unless driven",
-                         f"set time.inertia = true, or driven = {moves}")
+        yield from need(inertia or not moves, f"{key}.{name}", given, "zero in a quasi-static scene, unless driven",
+                        f"set time.inertia = true, or driven = {moves}")
         against = [f for f, v in zip(freedoms, motion) if v and f in body.held]
-        yield from _need(not against, f"{key}.{name}", given, f"zero along held {', '.join(against)}",
-                         "release that freedom or start it at rest")
+        yield from need(not against, f"{key}.{name}", given, f"zero along held {', '.join(against)}",
+                        "release that freedom or start it at rest")
     if body.pull is not None:
         yield from _pull(f"{key}.pull", body.pull)
 
@@ -223,82 +127,82 @@ def _spatial_spin(body):
 
 
 def _pull(key, pull):
-    yield from _need(pull.stiffness > 0, f"{key}.stiffness", pull.stiffness, "positive",
-                     "in N/m, for example 1e6")
-    yield from _need(pull.length > 0, f"{key}.length", pull.length, "positive", "in m, for example 10")
+    yield from need(pull.stiffness > 0, f"{key}.stiffness", pull.stiffness, "positive",
+                    "in N/m, for example 1e6")
+    yield from need(pull.length > 0, f"{key}.length", pull.length, "positive", "in m, for example 10")
     if pull.direction is None:
-        yield from _need(any(pull.velocity), f"{key}.velocity", pull.velocity,
-                         "other than zero without a direction",
-                         "give direction for a line whose far end stands still")
+        yield from need(any(pull.velocity), f"{key}.velocity", pull.velocity,
+                        "other than zero without a direction",
+                        "give direction for a line whose far end stands still")
     else:
-        yield from _need(any(pull.direction), f"{key}.direction", pull.direction, "other than zero",
-                         "leave it out for the direction of velocity")
+        yield from need(any(pull.direction), f"{key}.direction", pull.direction, "other than zero",
+                        "leave it out for the direction of velocity")
 
 
 # ------------------------------------------------------------------ time, solver, output
 
 
 def _time(key, time):
-    yield from _need(time.step > 0, f"{key}.step", time.step, "positive", "in s, for example 0.04")
+    yield from need(time.step > 0, f"{key}.step", time.step, "positive", "in s, for example 0.04")
     for name, scheme in (("beta", "newmark"), ("gamma", "newmark"), ("spectral_radius", "generalised-alpha")):
         value = getattr(time, name)
-        yield from _need(value is None or time.scheme == scheme, f"{key}.{name}", value,
-                         f"left out with scheme = {time.scheme!r}", f"or set scheme = {scheme!r}")
+        yield from need(value is None or time.scheme == scheme, f"{key}.{name}", value,
+                        f"left out with scheme = {time.scheme!r}", f"or set scheme = {scheme!r}")
     if time.scheme == "newmark":
         yield from _pair(key, Scheme.newmark(time.beta, time.gamma))
     rho = time.spectral_radius
-    yield from _need(rho is None or 0 <= rho <= 1, f"{key}.spectral_radius", rho, "from 0 to 1",
-                     "0 removes high frequencies in one step, 1 damps nothing, 0.8 is usual")
+    yield from need(rho is None or 0 <= rho <= 1, f"{key}.spectral_radius", rho, "from 0 to 1",
+                    "0 removes high frequencies in one step, 1 damps nothing, 0.8 is usual")
     if time.smallest is not None:
-        yield from _need(0 < time.smallest <= time.step, f"{key}.smallest", time.smallest,
-                         f"above 0 and at most step = {_shown(time.step)}", "leave it out for step/64")
+        yield from need(0 < time.smallest <= time.step, f"{key}.smallest", time.smallest,
+                        f"above 0 and at most step = {shown(time.step)}", "leave it out for step/64")
     if time.accuracy is not None:
-        yield from _need(0 < time.accuracy <= 1, f"{key}.accuracy", time.accuracy, "above 0, at most 1",
-                         "in smallest cells a step: 1e-3 is usual")
-        yield from _need(time.inertia, f"{key}.accuracy", time.accuracy, "left out in a quasi-static scene, where time "
-                         "is only the order of events", "choose time.step, or set time.inertia = true")
+        yield from need(0 < time.accuracy <= 1, f"{key}.accuracy", time.accuracy, "above 0, at most 1",
+                        "in smallest cells a step: 1e-3 is usual")
+        yield from need(time.inertia, f"{key}.accuracy", time.accuracy, "left out in a quasi-static scene, where time "
+                        "is only the order of events", "choose time.step, or set time.inertia = true")
 
 
 def _pair(key, scheme):
-    yield from _need(0.5 <= scheme.gamma <= 1, f"{key}.gamma", scheme.gamma, "from 0.5 to 1",
-                     "less than 0.5 grows without bound; 0.5 has no numerical damping")
-    yield from _need(scheme.beta >= scheme.gamma / 2, f"{key}.beta", scheme.beta,
-                     f"at least gamma/2 = {_shown(scheme.gamma / 2)}", "(0.25, 0.5) and (0.5625, 1) are stable")
+    yield from need(0.5 <= scheme.gamma <= 1, f"{key}.gamma", scheme.gamma, "from 0.5 to 1",
+                    "less than 0.5 grows without bound; 0.5 has no numerical damping")
+    yield from need(scheme.beta >= scheme.gamma / 2, f"{key}.beta", scheme.beta,
+                    f"at least gamma/2 = {shown(scheme.gamma / 2)}", "(0.25, 0.5) and (0.5625, 1) are stable")
 
 
 def _stage(key, stage, time):
     yield from _name(f"{key}.name", stage.name)
-    yield from _need(stage.steps >= 1, f"{key}.steps", stage.steps, "at least 1",
-                     "remove the stage to leave it out")
+    yield from need(stage.steps >= 1, f"{key}.steps", stage.steps, "at least 1",
+                    "remove the stage to leave it out")
     if stage.beta is not None or stage.gamma is not None:
         yield from _pair(key, Scheme.newmark(time.beta, time.gamma).with_pair(stage.beta, stage.gamma))
-    yield from _need(all(0 <= s <= 10 for s in stage.gravity), f"{key}.gravity", stage.gravity, "shares from 0 to 10",
-                     "[0.0, 1.0] turns gravity on, leave it out for all of it")
+    yield from need(all(0 <= s <= 10 for s in stage.gravity), f"{key}.gravity", stage.gravity, "shares from 0 to 10",
+                    "[0.0, 1.0] turns gravity on, leave it out for all of it")
     if stage.step is not None:
         smallest = 0.0 if time.smallest is None else time.smallest
-        yield from _need(stage.step > 0 and stage.step >= smallest, f"{key}.step", stage.step,
-                         f"positive and at least time.smallest = {_shown(smallest)}",
-                         "leave it out for time.step")
+        yield from need(stage.step > 0 and stage.step >= smallest, f"{key}.step", stage.step,
+                        f"positive and at least time.smallest = {shown(smallest)}",
+                        "leave it out for time.step")
 
 
 def _solver(key, solver):
     for name in ("tolerance", "linear_tolerance", "augmentation_tolerance"):
         value = getattr(solver, name)
-        yield from _need(1e-14 <= value < 1, f"{key}.{name}", value, "from 1e-14 to below 1",
-                         "1e-6 for Newton and 1e-3 for the linear solver are usual")
+        yield from need(1e-14 <= value < 1, f"{key}.{name}", value, "from 1e-14 to below 1",
+                        "1e-6 for Newton and 1e-3 for the linear solver are usual")
     for name in ("loosest_tolerance", "tangent_tolerance"):
-        yield from _need(0 <= getattr(solver, name) < 1, f"{key}.{name}", getattr(solver, name), "from 0 to below 1",
-                         "0 switches it off")
-    yield from _need(0 <= solver.elastic_share < 1, f"{key}.elastic_share", solver.elastic_share, "from 0 to below 1",
-                     "0 is the consistent tangent, 0.1 helps loose sand")
+        yield from need(0 <= getattr(solver, name) < 1, f"{key}.{name}", getattr(solver, name), "from 0 to below 1",
+                        "0 switches it off")
+    yield from need(0 <= solver.elastic_share < 1, f"{key}.elastic_share", solver.elastic_share, "from 0 to below 1",
+                    "0 is the consistent tangent, 0.1 helps loose sand")
     for name in ("iterations", "augmentations"):
-        yield from _need(getattr(solver, name) >= 1, f"{key}.{name}", getattr(solver, name), "at least 1",
-                         "15 and 5 are usual")
+        yield from need(getattr(solver, name) >= 1, f"{key}.{name}", getattr(solver, name), "at least 1",
+                        "15 and 5 are usual")
 
 
 def _output(key, output):
     for name in ("every", "checkpoint"):
         value = getattr(output, name)
-        yield from _need(value >= 0, f"{key}.{name}", value, "at least 0", "0 writes none")
-    yield from _need(all(step >= 1 for step in output.pictures), f"{key}.pictures", output.pictures,
-                     "steps of the last stage, from 1", "leave out step 0")
+        yield from need(value >= 0, f"{key}.{name}", value, "at least 0", "0 writes none")
+    yield from need(all(step >= 1 for step in output.pictures), f"{key}.pictures", output.pictures,
+                    "steps of the last stage, from 1", "leave out step 0")
