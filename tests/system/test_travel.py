@@ -5,12 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hybrid.body import rigid
+from hybrid import travel
 from hybrid.build import build
 from hybrid.errors import SceneError, StepError
 from hybrid.running import run
 from hybrid.scene import Axis, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
 from hybrid.scene_file import validate
+from hybrid.state import ContactHistory
 from scenes import box
 
 SAND = Material(law="drucker-prager", relative_density=38.0)
@@ -146,6 +147,28 @@ def test_a_run_goes_on_where_its_grid_was(tmp_path):
     np.testing.assert_array_equal(halves.points.position, straight.points.position)
     np.testing.assert_array_equal(halves.points.stress, straight.points.stress)
     np.testing.assert_array_equal(halves.ground.behind.points.stress, straight.ground.behind.points.stress)
+
+
+def test_a_face_where_the_window_ends_holds_the_soil_back():
+    scene = flown_over()
+    free = replace(scene, grid=replace(scene.grid, faces=Faces(*["free"] * 6)))
+    closed = build(free).model.soil.grid.closed
+    assert closed[0].tolist() == [False, True]      # the window begins where the axis does, and ends before it
+    assert not closed[1:].any()
+
+
+def test_corners_keep_their_points_and_their_order():
+    """Point 5 has gone, and the others have been put in another order."""
+    origin = np.array([7, -1, 2, 0])
+    id = np.array([3, 17, 21, 41, 56, 63])
+    blank = ContactHistory.empty()
+    history = replace(blank, id=id, position=np.stack([id] * 3, axis=1).astype(float), touching=id > 20,
+                      anchor=np.zeros((6, 3)), side=np.zeros((6, 3)), pressure=id.astype(float))
+    new = travel._renumbered(history, origin, before=8)
+    assert new.id.tolist() == [0, 7, 17, 21, 27]
+    np.testing.assert_array_equal(new.pressure, [56, 63, 17, 21, 3])
+    assert travel._unfollowed([history], origin).tolist() == [False, True, False, False]
+    assert new.touching.tolist() == [True, True, False, True, False]
 
 
 @pytest.mark.parametrize(("change", "text"), [
