@@ -41,6 +41,8 @@ class Corners:
     anchor: (m, 3) [m] body frame, where friction is zero: history while touching, else where the corner would meet
         the surface (contact/meeting.py); side: (m, 3) body frame, the side of the body it touches, 0 if unknown
     pressure: (m,) [N] multiplier of the augmented Lagrangian
+    clearance: (m,) [m] signed distance from the surface at the start: a corner outside that goes no farther than this
+        cannot touch, which spares most of them the search
     """
 
     id: np.ndarray
@@ -53,6 +55,7 @@ class Corners:
     anchor: np.ndarray
     side: np.ndarray
     pressure: np.ndarray
+    clearance: np.ndarray
 
     def __len__(self):
         return len(self.id)
@@ -72,25 +75,34 @@ def find_corners(position, half, grid, active, body, surface, reach, stiffness, 
     taking_part: (n,) bool, points that have not gone astray.
     """
     born = _born(position, half, taking_part, body, surface, reach, history.id)
-    kept = _within(history.position, body, surface, reach)
-    kept &= np.broadcast_to(taking_part, len(position))[history.id // 8]
+    distance = gaps((history.position - body.position) @ body.rotation, surface, reach)
+    kept = np.isfinite(distance) & np.broadcast_to(taking_part, len(position))[history.id // 8]
     id = np.concatenate([history.id[kept], born])
     place = np.concatenate([history.position[kept], position[born // 8] + SIGNS[born % 8] * half[born // 8]])
     touching, anchor, side, pressure = (
         np.concatenate([old[kept], np.zeros((len(born), *old.shape[1:]), old.dtype)])
         for old in (history.touching, history.anchor, history.side, history.pressure))
+    born = (place[np.count_nonzero(kept):] - body.position) @ body.rotation
+    clearance = np.concatenate([distance[kept], gaps(born, surface)])
     node, weight = _interpolation(place, grid.axes, active)
     use = np.flatnonzero(weight.any(axis=1))
     use = use[np.argsort(id[use], kind="stable")]
-    id, place, node, weight, touching, anchor, side, pressure = (
-        a[use] for a in (id, place, node, weight, touching, anchor, side, pressure))
+    id, place, node, weight, touching, anchor, side, pressure, clearance = (
+        a[use] for a in (id, place, node, weight, touching, anchor, side, pressure, clearance))
     stiffness = shared_stiffness(id, place, stiffness if half.any() else stiffness / 2)
-    corners = Corners(id, place, (place - body.position) @ body.rotation, node, weight, stiffness, touching, anchor,
-                      side, pressure)
+    start = (place - body.position) @ body.rotation
+    corners = Corners(id, place, start, node, weight, stiffness, touching, anchor, side, pressure, clearance)
     free = ~touching
     anchor[free], side[free] = meeting_points(
-        place[free], corners.moved(expected[0])[free], body, expected[1], surface)
+        place[free], corners.moved(expected[0])[free], body, expected[1], surface, clearance[free])
     return corners
+
+
+def gaps(places, surface, reach=np.inf):
+    """Signed distances (m,) [m] of places (m, 3) in the body frame from the surface, inf beyond `reach` [m]."""
+    out = np.empty(len(places))
+    _gaps(places, reach, surface.tree, out)
+    return out
 
 
 def shared_stiffness(id, place, stiffness):
@@ -111,14 +123,6 @@ def _born(position, half, taking_part, body, surface, reach, followed):
           surface.tree, near)
     point, corner = np.nonzero(near & ~skip)
     return 8 * close[point] + corner
-
-
-def _within(place, body, surface, reach):
-    """(m,) bool, places within reach of the surface."""
-    y = (place - body.position) @ body.rotation
-    found = np.empty(len(y), np.bool_)
-    _is_near(y, reach, surface.tree, found)
-    return found
 
 
 def _interpolation(place, axes, active):
@@ -172,10 +176,10 @@ def _near(position, half, close, centre, rotation, lower, upper, reach, tree, ne
                 near[n, corner] = closest((y0, y1, y2), reach, tree)[0] >= 0
 
 
-@njit(cache=True)
-def _is_near(y, reach, tree, found):
-    for n in range(len(y)):
-        found[n] = closest((y[n, 0], y[n, 1], y[n, 2]), reach, tree)[0] >= 0
+@njit(cache=True, parallel=True)
+def _gaps(y, reach, tree, out):
+    for n in prange(len(y)):
+        out[n] = closest((y[n, 0], y[n, 1], y[n, 2]), reach, tree)[4]
 
 
 @njit(cache=True)

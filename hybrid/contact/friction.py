@@ -71,7 +71,8 @@ def evaluate(corners, place, centre, rotation, surface, friction, tangential):
     y = (place - centre) @ rotation
     gap, triangle, feature = np.empty(len(y)), np.empty(len(y), np.int64), np.empty(len(y), np.int64)
     foot, weights = np.empty_like(y), np.empty_like(y)
-    _project(y, corners.side, corners.pressure, surface.radius, tree, gap, triangle, feature, foot, weights)
+    _project(y, corners.start, corners.clearance, corners.side, corners.pressure, surface.radius, tree, gap, triangle,
+             feature, foot, weights)
     active = np.flatnonzero(np.isfinite(gap))
     active = active[corners.pressure[active] - corners.stiffness[active] * gap[active] > 0.0]
     m = len(active)
@@ -92,7 +93,8 @@ def gaps(y, surface, side=None):
     """Signed gaps (m,) [m] of places (m, 3) in the body frame, inf clear of the body; side: (m, 3), as in Corners."""
     gap, index = np.empty(len(y)), np.empty((2, len(y)), np.int64)
     side = np.zeros_like(y) if side is None else side
-    _project(y, side, np.zeros(len(y)), surface.radius, surface.tree, gap, index[0], index[1], np.empty_like(y),
+    none = np.zeros(len(y))
+    _project(y, y, none, side, none, surface.radius, surface.tree, gap, index[0], index[1], np.empty_like(y),
              np.empty_like(y))
     return gap
 
@@ -109,12 +111,14 @@ def commit(corners, place, touch):
 
 
 @njit(cache=True, parallel=True)
-def _project(y, side, pressure, radius, tree, gap, triangle, feature, foot, weights):
+def _project(y, start, clearance, side, pressure, radius, tree, gap, triangle, feature, foot, weights):
     """A corner with a side to stay with, or pressed across a gap by its multiplier, is looked at wherever it is."""
     for n in prange(len(y)):
         s = side[n, 0], side[n, 1], side[n, 2]
         loose = pressure[n] == 0.0 and s[0] == 0.0 and s[1] == 0.0 and s[2] == 0.0
-        if loose and clear(y[n, 0], y[n, 1], y[n, 2], radius, tree):
+        x0, x1, x2 = y[n, 0] - start[n, 0], y[n, 1] - start[n, 1], y[n, 2] - start[n, 2]
+        short = x0 * x0 + x1 * x1 + x2 * x2 < max(clearance[n], 0.0) ** 2
+        if loose and (short or clear(y[n, 0], y[n, 1], y[n, 2], radius, tree)):
             gap[n] = np.inf
             continue
         t, f, x, w, g = closest((y[n, 0], y[n, 1], y[n, 2]), np.inf, tree, s)

@@ -23,25 +23,26 @@ HALVINGS = 12      # of the path: 10 μm at 40 mm
 ON_SURFACE = 1e-9  # of the body's radius: a body laid on the soil touches it to round-off, and enters from there
 
 
-def meeting_points(start, end, body, pose, surface):
+def meeting_points(start, end, body, pose, surface, clearance):
     """Meeting points (m, 3) [m] and outward normals there (m, 3), 0 where nothing is met, in the body frame.
 
     Corners are expected to go from `start` to `end` (m, 3) [m] in space while the body goes from `body` (a
-    BodyState) to `pose` (position, rotation).
+    BodyState) to `pose` (position, rotation). clearance: (m,) [m] as in corners.Corners.
     """
     out = (start - body.position) @ body.rotation
     turn, side = log_so3(pose[1] @ body.rotation.T), np.zeros_like(out)
     _meet(start - body.position, end - start - (pose[0] - body.position), turn, body.rotation, surface.radius,
-          surface.tree, out, side)
+          surface.tree, clearance, out, side)
     return out, side
 
 
 @njit(cache=True)
-def _meet(arm, way, turn, rotation, radius, tree, out, side):
+def _meet(arm, way, turn, rotation, radius, tree, clearance, out, side):
     """arm: (m, 3) from the centre at the start; way: (m, 3) relative to the centre; out: places before."""
     for n in range(len(arm)):
         last = _seen(arm[n], way[n], turn, rotation, 1.0)
-        if clear(last[0], last[1], last[2], radius, tree) or _gap(last, tree) >= 0.0:
+        short = np.sum((last - out[n]) ** 2) < max(clearance[n], 0.0) ** 2
+        if short or clear(last[0], last[1], last[2], radius, tree) or _gap(last, tree) >= 0.0:
             out[n] = last
         elif _gap(out[n], tree) >= -ON_SURFACE * radius:
             outside, inside = 0.0, 1.0

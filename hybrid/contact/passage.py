@@ -29,7 +29,8 @@ def passed_through(corners, touch, place, centre, rotation, surface, depth, widt
     """
     end = (place - centre) @ rotation
     way = end - corners.start
-    free = ~corners.touching & (gaps(corners.start, surface) >= 0.0)
+    far = np.einsum("ci,ci->c", way, way) >= corners.clearance**2    # the others cannot have come to the surface
+    free = ~corners.touching & (corners.clearance >= 0.0) & far
     ends = np.full(len(corners), np.inf)
     ends[free] = gaps(end[free], surface, corners.side[free])
     wrong = np.zeros(len(corners), bool)

@@ -17,9 +17,8 @@ import numpy as np
 from numba import njit, prange
 
 from hybrid.soil.basis import find_cell
-from hybrid.soil.kinematics import eigen_symmetric
+from hybrid.soil.eigen import principal
 
-UPDATES = {"none": 0, "stretch": 1, "diagonal": 2}     # those that scale each axis by itself
 THINNEST = 1e-3  # of the initial half-width: keeps the basis well defined for a squashed point
 
 
@@ -29,10 +28,7 @@ def updated_half(rule, initial_half, deformation, position, axes):
         half, deforms = np.empty_like(initial_half), np.array([len(nodes) > 1 for nodes in axes])
         _moments(initial_half, deformation, deforms, int(deforms.sum()), half)
     else:
-        half = np.ones_like(initial_half)
-        if rule != "none":
-            _stretches(UPDATES[rule], deformation, half)
-        half *= initial_half
+        half = initial_half * _stretch(rule, deformation)
     np.maximum(half, THINNEST * initial_half, out=half)
     for axis, nodes in enumerate(axes):
         if len(nodes) > 1:
@@ -42,24 +38,14 @@ def updated_half(rule, initial_half, deformation, position, axes):
     return half
 
 
-@njit(cache=True, parallel=True)
-def _stretches(rule, deformation, out):
-    chunk = 256
-    for block in prange((len(deformation) + chunk - 1) // chunk):
-        c, n = np.empty((3, 3)), np.empty((3, 3))
-        for p in range(block * chunk, min(len(deformation), (block + 1) * chunk)):
-            F = deformation[p]
-            if rule == 2:
-                for i in range(3):
-                    out[p, i] = abs(F[i, i])
-                continue
-            for i in range(3):
-                for j in range(3):
-                    c[i, j] = F[0, i] * F[0, j] + F[1, i] * F[1, j] + F[2, i] * F[2, j]
-            eigen_symmetric(c, n)
-            for i in range(3):
-                out[p, i] = (np.sqrt(max(c[0, 0], 0.0)) * n[i, 0] ** 2 + np.sqrt(max(c[1, 1], 0.0)) * n[i, 1] ** 2
-                             + np.sqrt(max(c[2, 2], 0.0)) * n[i, 2] ** 2)
+def _stretch(rule, deformation):
+    """Factors (n, 3) on the half-widths, of rules that scale each axis by itself."""
+    if rule == "diagonal":
+        return np.abs(np.einsum("nii->ni", deformation))
+    if rule == "stretch":
+        values, n = principal(deformation.swapaxes(1, 2) @ deformation)
+        return np.einsum("nij,nj->ni", n**2, np.sqrt(np.maximum(values, 0.0)))
+    return np.ones((len(deformation), 3))
 
 
 @njit(cache=True, parallel=True)

@@ -2,7 +2,7 @@
 
 With τ the Kirchhoff stress, g_v = ΔF^-T ∇_n S_v the current gradient and V0 the initial volume,
 
-    f_v,i = Σ_p V0 τ_ij g_v,j
+    f_v,i = Σ_p V0 τ_ij g_v,j = Σ_p P_ij ∂_n,j S_v       P = V0 τ ΔF^-T
 
 (formulation section 3; there with σ = τ/J and V = J V0). Its derivative is in `hybrid.soil.stiffness`.
 """
@@ -50,12 +50,29 @@ def _internal_force(order, start, first, count, value, slope, ny, nz, inverse, s
     slabs = len(start) - 1
     for colour in range(2):
         for pair in prange((slabs - colour + 1) // 2):
-            slab = 2 * pair + colour
-            node, g = np.empty(27, np.int64), np.empty((27, 3))
+            slab, P = 2 * pair + colour, np.empty((3, 3))
             for n in range(start[slab], start[slab + 1]):
                 p = order[n]
-                m = gradients(p, first, count, value, slope, ny, nz, inverse, node, g)
-                for a in range(m):
-                    for i in range(3):
-                        force[node[a], i] += volume[p] * (stress[p, i, 0] * g[a, 0] + stress[p, i, 1] * g[a, 1]
-                                                          + stress[p, i, 2] * g[a, 2])
+                for i in range(3):
+                    for j in range(3):
+                        P[i, j] = volume[p] * (stress[p, i, 0] * inverse[p, j, 0] + stress[p, i, 1] * inverse[p, j, 1]
+                                               + stress[p, i, 2] * inverse[p, j, 2])
+                _add_force(p, first, count, value, slope, ny, nz, P, force)
+
+
+@njit(cache=True, fastmath={"contract"})
+def _add_force(p, first, count, value, slope, ny, nz, P, force):
+    """Add P_ij ∂_n,j S_v of one point; what nodes that differ in z only share is formed once."""
+    for a in range(count[p, 0]):
+        for b in range(count[p, 1]):
+            along_x, along_y = slope[p, 0, a] * value[p, 1, b], value[p, 0, a] * slope[p, 1, b]
+            along_z = value[p, 0, a] * value[p, 1, b]
+            fx, gx = P[0, 0] * along_x + P[0, 1] * along_y, P[0, 2] * along_z
+            fy, gy = P[1, 0] * along_x + P[1, 1] * along_y, P[1, 2] * along_z
+            fz, gz = P[2, 0] * along_x + P[2, 1] * along_y, P[2, 2] * along_z
+            v = ((first[p, 0] + a) * ny + first[p, 1] + b) * nz + first[p, 2]
+            for c in range(count[p, 2]):
+                s, d = value[p, 2, c], slope[p, 2, c]
+                force[v + c, 0] += fx * s + gx * d
+                force[v + c, 1] += fy * s + gy * d
+                force[v + c, 2] += fz * s + gz * d

@@ -3,8 +3,6 @@
     ΔF = I + Σ_v Δu_v ⊗ ∇_n S_v      b_trial = ΔF b_e ΔF^T      ε = ½ ln b_trial = Σ ε_i n_i ⊗ n_i
 
 F-bar (`hybrid.soil.fbar`) scales ΔF before b_trial is formed, so that its determinant is that of ΔF_0.
-
-Principal values are found by Jacobi rotations: exact for repeated values, where closed formulas lose digits.
 """
 
 from dataclasses import dataclass
@@ -12,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit, prange
 
-IDENTITY = np.eye(3)
+from hybrid.soil.eigen import LANES, diagonalise, lanes, principal, put_in, take_out
 
 
 @dataclass(frozen=True)
@@ -73,40 +71,6 @@ def invert(a, out):
     return det
 
 
-@njit(cache=True)
-def eigen_symmetric(a, vectors):
-    """Eigenvalues of a symmetric 3x3 matrix, left on the diagonal of `a`; eigenvectors as columns of `vectors`."""
-    vectors[:] = 0.0
-    for i in range(3):
-        vectors[i, i] = 1.0
-    for _sweep in range(30):
-        off = abs(a[0, 1]) + abs(a[0, 2]) + abs(a[1, 2])
-        if off <= 1e-16 * (abs(a[0, 0]) + abs(a[1, 1]) + abs(a[2, 2])):
-            return
-        for p in range(2):
-            for q in range(p + 1, 3):
-                if a[p, q] != 0.0:
-                    _rotate(a, vectors, p, q)
-
-
-@njit(cache=True)
-def _rotate(a, vectors, p, q):
-    theta = 0.5 * (a[q, q] - a[p, p]) / a[p, q]
-    t = (1.0 if theta >= 0 else -1.0) / (abs(theta) + np.sqrt(theta * theta + 1.0))
-    c = 1.0 / np.sqrt(t * t + 1.0)
-    s = t * c
-    r = 3 - p - q
-    apq, arp, arq = a[p, q], a[r, p], a[r, q]
-    a[p, p] -= t * apq
-    a[q, q] += t * apq
-    a[p, q] = a[q, p] = 0.0
-    a[r, p] = a[p, r] = c * arp - s * arq
-    a[r, q] = a[q, r] = s * arp + c * arq
-    for i in range(3):
-        vip, viq = vectors[i, p], vectors[i, q]
-        vectors[i, p], vectors[i, q] = c * vip - s * viq, s * vip + c * viq
-
-
 @njit(cache=True, parallel=True)
 def _volumes(first, count, value, slope, ny, nz, u, inverse, volume):
     chunk = 256
@@ -122,32 +86,33 @@ def _volumes(first, count, value, slope, ny, nz, u, inverse, volume):
 @njit(cache=True, parallel=True)
 def _trial_strain(first, count, value, slope, ny, nz, u, elastic, mean_volume, deforms, axes, increment, inverse,
                   strain, directions, inverted):
-    n = len(first)
-    chunk = 256
-    for block in prange((n + chunk - 1) // chunk):
+    for block in prange((len(first) + LANES - 1) // LANES):
         b, half, scaled = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
-        for p in range(block * chunk, min(n, (block + 1) * chunk)):
+        (a, v), begin = lanes(), block * LANES
+        m = min(LANES, len(first) - begin)
+        for n in range(m):
+            p = begin + n
             F = increment[p]
             _gradient(p, first, count, value, slope, ny, nz, u, F)
             for i in range(3):
                 F[i, i] += 1.0
             volume = invert(F, inverse[p])
             inverted[p] = not volume > 0.0
-            for i in range(3):
-                for j in range(3):
-                    scaled[i, j] = F[i, j]
+            scaled[...] = F
             if len(mean_volume) > 0:
                 inverted[p] |= not mean_volume[p] > 0.0
                 s = (abs(mean_volume[p] / volume)) ** (1.0 / axes)
                 for i in range(3):
                     if deforms[i]:
-                        for j in range(3):
-                            scaled[i, j] *= s
+                        scaled[i] *= s
             _product(scaled, elastic[p], half)
             _product_transposed(half, scaled, b)
-            eigen_symmetric(b, directions[p])
+            put_in(a, n, b)
+        diagonalise(a, v, m)
+        for n in range(m):
+            take_out(a, v, n, strain[begin + n], directions[begin + n])
             for i in range(3):
-                strain[p, i] = 0.5 * np.log(max(b[i, i], 1e-300))
+                strain[begin + n, i] = 0.5 * np.log(max(strain[begin + n, i], 1e-300))
 
 
 @njit(cache=True)
@@ -196,23 +161,6 @@ def _product_transposed(a, b, out):
             out[i, j] = a[i, 0] * b[j, 0] + a[i, 1] * b[j, 1] + a[i, 2] * b[j, 2]
 
 
-def from_principal(values, directions):
-    """Tensors Σ values_i n_i ⊗ n_i, (n, 3) and (n, 3, 3) to (n, 3, 3)."""
-    out = np.empty_like(directions)
-    _from_principal(values, directions, out)
-    return out
-
-
-@njit(cache=True, parallel=True)
-def _from_principal(values, directions, out):
-    for p in prange(len(values)):
-        n = directions[p]
-        for i in range(3):
-            for j in range(3):
-                out[p, i, j] = (values[p, 0] * n[i, 0] * n[j, 0] + values[p, 1] * n[i, 1] * n[j, 1]
-                                + values[p, 2] * n[i, 2] * n[j, 2])
-
-
 def moved_on(increment, deformation):
     """F = ΔF F_n (n, 3, 3) and its determinant (n,)."""
     out, volume = np.empty_like(deformation), np.empty(len(deformation))
@@ -222,9 +170,7 @@ def moved_on(increment, deformation):
 
 def logarithmic(b):
     """Principal logarithmic strains ½ ln b_i (n, 3) of b (n, 3, 3)."""
-    out = np.empty((len(b), 3))
-    _logarithmic(b, out)
-    return out
+    return 0.5 * np.log(principal(b)[0])
 
 
 @njit(cache=True, parallel=True)
@@ -234,17 +180,3 @@ def _moved_on(increment, deformation, out, volume):
         _product(increment[p], deformation[p], F)
         volume[p] = (F[0, 0] * (F[1, 1] * F[2, 2] - F[1, 2] * F[2, 1]) - F[0, 1] * (F[1, 0] * F[2, 2] - F[1, 2] * F[2, 0])
                      + F[0, 2] * (F[1, 0] * F[2, 1] - F[1, 1] * F[2, 0]))
-
-
-@njit(cache=True, parallel=True)
-def _logarithmic(b, out):
-    chunk = 256
-    for block in prange((len(b) + chunk - 1) // chunk):
-        a, vectors = np.empty((3, 3)), np.empty((3, 3))
-        for p in range(block * chunk, min(len(b), (block + 1) * chunk)):
-            for i in range(3):
-                for j in range(3):
-                    a[i, j] = b[p, i, j]
-            eigen_symmetric(a, vectors)
-            for i in range(3):
-                out[p, i] = 0.5 * np.log(a[i, i])

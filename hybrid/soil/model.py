@@ -21,10 +21,11 @@ from hybrid.reductions import total
 from hybrid.soil import fbar, ghost, stray, transfer
 from hybrid.soil.basis import Basis, evaluate_basis
 from hybrid.soil.domains import updated_half
+from hybrid.soil.eigen import from_principal
 from hybrid.soil.ghost import Ghost
 from hybrid.soil.forces import internal_force
 from hybrid.soil.grid import Grid
-from hybrid.soil.kinematics import Kinematics, TrialStrain, from_principal, logarithmic, moved_on
+from hybrid.soil.kinematics import Kinematics, TrialStrain, logarithmic, moved_on
 from hybrid.soil.points import PointConstants
 from hybrid.soil.slabs import Slabs, make_slabs
 from hybrid.soil.stiffness import KeptStiffness, add_stiffness

@@ -18,7 +18,7 @@ import dataclasses
 
 import numpy as np
 
-from hybrid.soil.kinematics import from_principal
+from hybrid.soil.eigen import from_principal
 from hybrid.state import PointConstants, Points, Population
 
 NEITHER = 1e-12  # [-] rise of stress within a point, relative to the stress, that is none

@@ -82,14 +82,16 @@ def _project(order, start, first, count, value, ny, nz, mass, fields, m, nodal):
 @njit(cache=True, parallel=True)
 def _interpolate(first, count, value, ny, nz, nodal, out):
     for p in prange(len(first)):
-        for i in range(nodal.shape[1]):
-            total = 0.0
-            for a in range(count[p, 0]):
-                for b in range(count[p, 1]):
-                    for c in range(count[p, 2]):
-                        v = ((first[p, 0] + a) * ny + first[p, 1] + b) * nz + first[p, 2] + c
-                        total += value[p, 0, a] * value[p, 1, b] * value[p, 2, c] * nodal[v, i]
-            out[p, i] = total
+        at = out[p]
+        for i in range(len(at)):
+            at[i] = 0.0
+        for a in range(count[p, 0]):
+            for b in range(count[p, 1]):
+                along = value[p, 0, a] * value[p, 1, b]
+                for c in range(count[p, 2]):
+                    v, w = ((first[p, 0] + a) * ny + first[p, 1] + b) * nz + first[p, 2] + c, along * value[p, 2, c]
+                    for i in range(len(at)):
+                        at[i] += w * nodal[v, i]
 
 
 @njit(cache=True, parallel=True)

@@ -7,7 +7,7 @@ from hybrid.system.equations import Evaluation, Step
 from hybrid.timing import phase
 
 SHORTEST = 1 / 16  # of a Newton update, tried by the line search
-ENOUGH = 0.5        # of the residual, left by an update that is taken as it is
+ENOUGH = 0.8        # of the residual, left by an update that is taken as it is
 GOOD = 0.15        # an update that leaves less than this of the residual earns its tangent another use
 
 

@@ -29,10 +29,12 @@ class Near:
 
     def __init__(self, indptr, indices, chosen, own=None, component=None):
         self._from, n = indptr, len(indptr) - 1
-        self.indptr = np.concatenate([[0], np.cumsum(chosen)[indptr[1:] - 1]]).astype(np.int32)
+        self.indptr = np.zeros(n + 1, np.int32)
+        np.cumsum(np.add.reduceat(chosen, indptr[:-1], dtype=np.int32), out=self.indptr[1:])
         self.indices, self.values = indices[chosen], np.zeros(np.count_nonzero(chosen))
         self._place = np.full((n, 3), -1, np.int32)
-        self._kind = np.where(chosen, -1, 3 if own is None else component[indices]).astype(np.int8)
+        self._kind = np.full(len(indices), 3, np.int8) if own is None else component.astype(np.int8)[indices]
+        self._kind[chosen] = -1
         if own is not None:
             _find(self.indptr, self.indices, own.astype(np.int32), self._place)
 

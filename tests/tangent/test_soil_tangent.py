@@ -12,9 +12,9 @@ from hybrid.laws.drucker_prager import DruckerPrager
 from hybrid.laws.hencky import Hencky
 from hybrid.laws.von_mises import VonMises
 from hybrid.laws.willam_warnke import WillamWarnke
+from hybrid.soil.eigen import from_principal, principal
 from hybrid.soil.stiffness import KeptStiffness, add_stiffness, spatial_tangent
 from hybrid.soil.grid import graded_nodes, make_grid
-from hybrid.soil.kinematics import eigen_symmetric, from_principal
 from hybrid.soil.model import Soil
 from hybrid.soil.points import at_rest, tile
 from hybrid.system.pattern import make_pattern
@@ -46,9 +46,8 @@ STRAINS = {
 
 def kirchhoff(law, b):
     """Kirchhoff stress (3, 3) of one point from its trial b (3, 3), and what led to it."""
-    values, vectors = b.copy(), np.empty((3, 3))
-    eigen_symmetric(values, vectors)
-    strain = 0.5 * np.log(np.diag(values))[None]
+    values, (vectors,) = principal(b[None])
+    strain = 0.5 * np.log(values)
     response = law.respond(strain)
     return from_principal(response.stress, vectors[None])[0], strain[0], vectors, response
 

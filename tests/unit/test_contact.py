@@ -74,7 +74,7 @@ def test_anchor_is_where_the_expected_path_meets_the_surface():
     surface, body = box(), body_at((0.0, 0.0, 0.51))        # 10 mm above the bed z = 0
     start = np.array([[0.1, 0.2, 0.0], [0.3, -0.1, -0.012]])
     pose = np.array([0.04, 0.0, 0.49]), np.eye(3)           # 20 mm down, 40 mm along x
-    anchor, side = meeting_points(start, start, body, pose, surface)
+    anchor, side = meeting_points(start, start, body, pose, surface, np.zeros(2))
     np.testing.assert_array_equal(side, [[0.0, 0.0, -1.0], [0.0, 0.0, 0.0]])
     np.testing.assert_allclose(anchor[0], [0.08, 0.2, -0.5], atol=2e-5)     # half way
     np.testing.assert_allclose(anchor[1], [0.26, -0.1, -0.502], atol=1e-12)  # not met: the end of the path
@@ -89,7 +89,7 @@ def test_rolling_without_sliding_winds_up_no_friction():
     pose = np.array([way, 0.0, lowest - depth]), exp_so3(np.array([0.0, way / r, 0.0]))
     corner = np.array([[way + 0.002, 0.0, 0.0]])
     start = (corner - body.position) @ body.rotation
-    anchor, _ = meeting_points(corner, corner, body, pose, surface)
+    anchor, _ = meeting_points(corner, corner, body, pose, surface, np.zeros(1))
     end = (corner - pose[0]) @ pose[1]
     normal = end / np.linalg.norm(end)
 
@@ -161,3 +161,37 @@ def test_without_friction_the_force_is_normal():
     touch = touch_of(corners_in(box(), [[0.2, 0.1, -0.49]], [0.5, 0.5, -0.4]), box(), mu=0.0)
     np.testing.assert_allclose(touch.force, [[0.0, 0.0, 200.0]], atol=1e-9)
     assert not touch.slip.any()
+
+
+# ---------------------------------------------------------------- clearance
+
+
+def touched(clearance):
+    """Ids and forces of corners about a ball that everything moves towards, with their clearance scaled."""
+    surface, body = ball(), body_at((0.4, 0.4, 0.2))
+    _, corners = found_in_bed(surface, body)
+    corners = replace(corners, clearance=corners.clearance * clearance, side=np.zeros_like(corners.side))
+    found = []
+    for seed, way in enumerate((0.0, 0.005, 0.02, 0.08)):
+        motion = way * np.random.default_rng(seed).standard_normal((len(corners), 3))
+        touch = touch_of(corners, surface, (body.position - [0.0, 0.0, way], body.rotation), corners.position + motion)
+        found.append((touch.active, touch.force))
+    return found
+
+
+def test_corners_that_go_less_than_their_clearance_are_rightly_passed_over():
+    for (active, force), (all_active, all_force) in zip(touched(1.0), touched(0.0)):
+        np.testing.assert_array_equal(active, all_active)
+        np.testing.assert_array_equal(force, all_force)
+
+
+def test_too_much_clearance_is_found_out():
+    assert any(len(active) < len(wanted) for (active, _), (wanted, _) in zip(touched(1.5), touched(0.0)))
+
+
+def test_clearance_is_the_distance_at_the_start():
+    surface, body = ball(), body_at((0.4, 0.4, 0.2))
+    _, corners = found_in_bed(surface, body)
+    wanted = [closest(tuple(y), np.inf, surface.tree)[4] for y in corners.start]
+    np.testing.assert_allclose(corners.clearance, wanted, atol=1e-15)
+    assert corners.clearance.min() < 0.0 < corners.clearance.max()

@@ -7,7 +7,7 @@ import pytest
 
 from hybrid.laws.drucker_prager import DruckerPrager
 from hybrid.soil import population as pop
-from hybrid.soil.kinematics import from_principal
+from hybrid.soil.eigen import from_principal
 from hybrid.state import PointConstants, Points, Population
 
 COUNT = 50

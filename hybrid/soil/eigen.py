@@ -1,0 +1,111 @@
+"""Principal values and directions of symmetric 3x3 matrices, and back, by Jacobi rotations: exact for repeated values,
+where closed formulas lose digits.
+
+Matrices are turned LANES at a time. They lie side by side, entry by entry, so that every operation runs along them in
+the processor's vector registers, and all take as many sweeps as the slowest needs: nearly always four.
+"""
+
+import numpy as np
+from numba import njit, prange
+
+LANES = 32
+SWEEPS = 30
+
+
+def principal(matrices):
+    """Eigenvalues (n, 3) and eigenvectors as columns (n, 3, 3) of symmetric matrices (n, 3, 3)."""
+    values, directions = np.empty((len(matrices), 3)), np.empty((len(matrices), 3, 3))
+    _principal(matrices, values, directions)
+    return values, directions
+
+
+def from_principal(values, directions):
+    """Tensors Σ values_i n_i ⊗ n_i, (n, 3) and (n, 3, 3) to (n, 3, 3)."""
+    out = np.empty_like(directions)
+    _from_principal(values, directions, out)
+    return out
+
+
+@njit(cache=True)
+def lanes():
+    """Room for a block: entries 00 11 22 01 02 12 (6, LANES) of its matrices, eigenvectors (3, 3, LANES)."""
+    return np.empty((6, LANES)), np.empty((3, 3, LANES))
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
+def diagonalise(a, v, m):
+    """Eigenvalues of the first m matrices into a[:3]; component i of their eigenvector j into v[j, i]."""
+    for i in range(3):
+        for j in range(3):
+            for n in range(m):
+                v[j, i, n] = 1.0 if i == j else 0.0
+    for _sweep in range(SWEEPS):
+        left = 0.0
+        for n in range(m):
+            left = max(left, abs(a[3, n]) + abs(a[4, n]) + abs(a[5, n])
+                       - 1e-16 * (abs(a[0, n]) + abs(a[1, n]) + abs(a[2, n])))
+        if left <= 0.0:
+            return
+        _rotate(a[0], a[1], a[3], a[4], a[5], v[0], v[1], m)
+        _rotate(a[0], a[2], a[4], a[3], a[5], v[0], v[2], m)
+        _rotate(a[1], a[2], a[5], a[3], a[4], v[1], v[2], m)
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
+def _rotate(app, aqq, apq, arp, arq, vp, vq, m):
+    """Turn entry pq of m matrices to zero; the tangent of the angle without a branch."""
+    for n in range(m):
+        apart = aqq[n] - app[n]
+        size = abs(apart) + np.sqrt(apart * apart + 4.0 * apq[n] * apq[n]) + 1e-300
+        t = 2.0 * apq[n] / size
+        t = t if apart >= 0.0 else -t
+        c = 1.0 / np.sqrt(t * t + 1.0)
+        s = t * c
+        app[n] -= t * apq[n]
+        aqq[n] += t * apq[n]
+        apq[n] = 0.0
+        x, y = arp[n], arq[n]
+        arp[n], arq[n] = c * x - s * y, s * x + c * y
+        for i in range(3):
+            x, y = vp[i, n], vq[i, n]
+            vp[i, n], vq[i, n] = c * x - s * y, s * x + c * y
+
+
+@njit(cache=True, parallel=True)
+def _principal(matrices, values, directions):
+    for block in prange((len(matrices) + LANES - 1) // LANES):
+        a, v = lanes()
+        begin = block * LANES
+        m = min(LANES, len(matrices) - begin)
+        for n in range(m):
+            put_in(a, n, matrices[begin + n])
+        diagonalise(a, v, m)
+        for n in range(m):
+            take_out(a, v, n, values[begin + n], directions[begin + n])
+
+
+@njit(cache=True)
+def put_in(a, n, matrix):
+    """Entries of a matrix (3, 3) into place n of a block."""
+    for i in range(3):
+        a[i, n] = matrix[i, i]
+    a[3, n], a[4, n], a[5, n] = matrix[0, 1], matrix[0, 2], matrix[1, 2]
+
+
+@njit(cache=True)
+def take_out(a, v, n, values, directions):
+    """Eigenvalues (3,) and directions (3, 3) of the matrix in place n of a block."""
+    for j in range(3):
+        values[j] = a[j, n]
+        for i in range(3):
+            directions[i, j] = v[j, i, n]
+
+
+@njit(cache=True, parallel=True)
+def _from_principal(values, directions, out):
+    for p in prange(len(values)):
+        n = directions[p]
+        for i in range(3):
+            for j in range(3):
+                out[p, i, j] = (values[p, 0] * n[i, 0] * n[j, 0] + values[p, 1] * n[i, 1] * n[j, 1]
+                                + values[p, 2] * n[i, 2] * n[j, 2])
