@@ -1,0 +1,39 @@
+"""Runs the curves of problems and records what comes out, failures too.
+
+A problem is a module of `hybrid.study.problems` with
+
+    TITLE, ERRORS             its name in words; {error: what it is, with unit}
+    curves(quick)             {curve: [(setting, values), ...]}, values as JSON knows them
+    solve(**values)           Found of one run; raises HybridError where it fails
+"""
+
+from importlib import import_module
+
+from hybrid.errors import HybridError
+from hybrid.study.record import Record
+
+LONG = 5.0  # [s] a run that takes longer is not repeated
+
+
+def problem(name):
+    """Module of a problem."""
+    return import_module(f"hybrid.study.problems.{name}")
+
+
+def runs(names, quick=False):
+    """(problem, curve, setting, values) of all runs, in order."""
+    return [(name, curve, setting, values) for name in names
+            for curve, settings in problem(name).curves(quick).items() for setting, values in settings]
+
+
+def measure(name, curve, setting, values, repeats):
+    """Record of a run, repeated unless it is long."""
+    solve, found = problem(name).solve, []
+    try:
+        while len(found) < (1 if found and found[0].seconds > LONG else repeats):
+            found.append(solve(**values))
+    except HybridError as error:
+        return Record(name, curve, setting, values, reason=str(error))
+    first = found[0]
+    return Record(name, curve, setting, values, first.errors, tuple(f.seconds for f in found), first.newton,
+                  first.unknowns)
