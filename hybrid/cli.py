@@ -1,4 +1,5 @@
-"""The `hybrid` command: run a scene, check it without running, measure speed, mesh a geometry.
+"""The `hybrid` command: run a scene, check it without running, measure speed, chart it against accuracy,
+mesh a geometry.
 
 Each command imports what it needs when it runs, so that help and mistakes in the arguments answer at once.
 Exit codes: 0 done, 2 wrong arguments or an error the user can act on, 130 interrupted.
@@ -51,6 +52,15 @@ def parser():
     sub.add_argument("--quick", action="store_true", help="the smallest size of each case")
     sub.add_argument("--out", type=Path, metavar="FILE.json", help="write what is measured, with machine and versions")
     sub.add_argument("--peer", type=Path, metavar="PYTHON", help="a Python with Kratos MPM, to run beside in `block`")
+
+    sub = _command(commands, "study", study, "chart speed against accuracy over known answers")
+    sub.add_argument("study", choices=["precision"], metavar="STUDY", help="precision: error against cost")
+    sub.add_argument("problems", nargs="*", metavar="PROBLEM", default=[], help="some of its problems (default: all)")
+    sub.add_argument("--quick", action="store_true", help="a few settings of each problem, once")
+    sub.add_argument("--out", type=Path, metavar="DIR", default=Path("out/precision"),
+                     help="folder of records and figures (default: out/precision)")
+    sub.add_argument("--resume", action="store_true", help="keep the records of the folder and measure the others")
+    sub.add_argument("--draw", action="store_true", help="draw the figures from the folder's records, run nothing")
 
     sub = _command(commands, "mesh", mesh, "mesh a geometry and print its mass properties")
     sub.add_argument("geometry", type=Path, metavar="FILE.geo", help="gmsh geometry")
@@ -142,6 +152,25 @@ def bench(options):
 
     with announced():
         benchmarks.run(options.cases, benchmarks.Options(options.quick, options.peer), options.out)
+
+
+def study(options):
+    """`hybrid study`: records of every problem, figures, and the place of every curve behind the front."""
+    from hybrid.bench.table import table
+    from hybrid.kernels import announced
+    from hybrid.study import precision
+
+    path = options.out / "records.json"
+    if options.draw and not path.is_file():
+        raise SceneError(f"--draw: there is no {path}; run the study first, or name its folder by --out")
+    with announced():
+        if options.draw:
+            records = precision.record.load(path)[1]
+            print(*precision.draw(path, options.out), sep="\n")
+        else:
+            records = precision.run(options.problems, options.quick, options.out, options.resume,
+                                    lambda text: print(text, flush=True))
+    print(table(precision.table(records)))
 
 
 def mesh(options):

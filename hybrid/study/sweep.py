@@ -26,6 +26,14 @@ def runs(names, quick=False):
             for curve, settings in problem(name).curves(quick).items() for setting, values in settings]
 
 
+def warm(module, values):
+    """Compile what a problem needs, so that no record measures that. What fails here will be told by its record."""
+    try:
+        module.solve(**values)
+    except HybridError:
+        pass
+
+
 def measure(name, curve, setting, values, repeats):
     """Record of a run, repeated unless it is long."""
     solve, found = problem(name).solve, []

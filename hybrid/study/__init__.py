@@ -1,0 +1,1 @@
+"""Studies of the methods over problems with known answers: speed against accuracy."""

@@ -1,0 +1,102 @@
+"""Speed against accuracy: error against wall time, and against Newton iterations times unknowns, of every problem.
+
+The records are all there is to the figures: `draw` needs no run, only their file. RECORDED is the file that ships with
+the program; its fronts are what a scene's `accuracy` is read from.
+"""
+
+from pathlib import Path
+
+from hybrid.bench.stamp import stamp
+from hybrid.errors import SceneError
+from hybrid.output.charts import Panel, Series, work_precision
+from hybrid.study import front, record, sweep
+
+PROBLEMS = ("column", "manufactured", "cantilever", "sphere", "platen", "tumbling", "footing", "anchor")
+RECORDED = Path(__file__).with_name("precision.json")
+COSTS = {"time": "wall time of the steps [s]", "work": "Newton iterations × unknowns"}
+REPEATS = 3
+
+
+def run(names=(), quick=False, out=Path("out/precision"), resume=False, tell=print):
+    """Run the problems of these names (all if none), write records and figures to the folder `out`; returns records.
+
+    resume: leave out what the folder's records have already. Raises SceneError for an unknown name.
+    """
+    names = list(names) or list(PROBLEMS)
+    if unknown := [name for name in names if name not in PROBLEMS]:
+        raise SceneError(f"study precision {unknown[0]}: no such problem; there are {', '.join(PROBLEMS)}")
+    path, marks = Path(out) / "records.json", {"quick": quick, **stamp()}
+    records = record.load(path)[1] if resume and path.is_file() else []
+    known = {r.key for r in records}
+    for name in names:
+        module, begun = sweep.problem(name), False
+        for peer in getattr(module, "peers", list)():
+            records += [peer] * (peer.key not in known)
+        for run in sweep.runs([name], quick):
+            if run[:3] in known:
+                continue
+            if not begun:
+                sweep.warm(module, run[3])
+                begun = True
+            records.append(sweep.measure(*run, repeats=1 if quick else REPEATS))
+            record.save(path, marks, records)
+            tell(_told(records[-1]))
+    record.save(path, marks, records)
+    for told in draw(path, out):
+        tell(told)
+    return records
+
+
+def draw(path, out):
+    """Figures of a file of records in the folder `out`, one for each cost; returns their paths."""
+    marks, records = record.load(path)
+    return [work_precision(Path(out) / f"{cost}.png", panels(records, cost), text, _mark(marks))
+            for cost, text in COSTS.items()]
+
+
+def panels(records, cost):
+    """Panel of each problem's first error."""
+    found = []
+    for name in dict.fromkeys(r.problem for r in records):
+        module, own = sweep.problem(name), [r for r in records if r.problem == name]
+        error, text = next(iter(module.ERRORS.items()))
+        series = [_series(label, [r for r in own if r.curve == label], error, cost)
+                  for label in dict.fromkeys(r.curve for r in own)]
+        best = [(getattr(r, cost), r.errors[error]) for r in front.front(own, error, cost)]
+        found.append(Panel(module.TITLE, f"{error}: {text}", series, best))
+    return found
+
+
+def _series(label, records, error, cost):
+    done = [r for r in records if not r.failed]
+    return Series(label, [getattr(r, cost) for r in done], [r.errors[error] for r in done],
+                  [r.spread if cost == "time" else 0.0 for r in done], len(records) - len(done),
+                  foreign=any(r.source for r in records))
+
+
+def table(records, cost="time"):
+    """Rows of {problem, error, curve, its place}: how far each curve's nearest setting is from the front."""
+    rows = []
+    for name in dict.fromkeys(r.problem for r in records):
+        own = [r for r in records if r.problem == name and not r.source]
+        for error in sweep.problem(name).ERRORS:
+            for label in dict.fromkeys(r.curve for r in own):
+                placed = [(front.excess(r, own, error, cost), r) for r in own if r.curve == label]
+                times, nearest = min(placed, key=lambda pair: pair[0])
+                rows.append({"problem": name, "error of": error, "curve": label, "nearest": nearest.setting,
+                             "times the front": times, "failed": sum(r.failed for _, r in placed)})
+    return rows
+
+
+def _told(r):
+    what = f"{r.problem}, {r.curve}, {r.setting}: "
+    if r.failed:
+        return what + f"failed: {r.reason}"
+    return what + ", ".join(f"{name} {value:.2e}" for name, value in r.errors.items()) + (
+        f"; {r.time:.3g} s ± {100 * r.spread:.0f} %, {r.newton} iterations of {r.unknowns} unknowns")
+
+
+def _mark(marks):
+    machine = marks["machine"]
+    return f"{machine.get('cpu')}, {marks['numba_threads']} threads, commit {str(marks['commit'])[:8]}, hybrid " + str(
+        marks["versions"].get("hybrid"))

@@ -1,0 +1,73 @@
+"""Records, fronts and figures of a study, by a problem whose errors and costs are known."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from hybrid.errors import SceneError, StepError
+from hybrid.study import front, precision, record, sweep
+from hybrid.study.record import Found, Record
+
+
+def solve(size, order=2, fails=False):
+    if fails:
+        raise StepError("too long a step")
+    return Found({"force": size**order, "moment": 2 * size}, 3, round(1 / size), 1e-3 / size**3)
+
+
+TOY = SimpleNamespace(
+    TITLE="toy", ERRORS={"force": "|F/F0 - 1|", "moment": "|M/M0 - 1|"}, solve=solve,
+    curves=lambda quick: {
+        "default": [(f"h = {h} m", {"size": h}) for h in (0.5, 0.25, 0.125)[:2 if quick else 3]],
+        "first order": [(f"h = {h} m", {"size": h, "order": 1}) for h in (0.5, 0.25)],
+        "brittle": [("h = 0.1 m", {"size": 0.1, "fails": True})]},
+    peers=lambda: [Record("column", "peer", "h = 0.5 m", {}, {"force": 0.2}, (9.0,), 2, 2, source="another program")])
+
+
+@pytest.fixture
+def toy(monkeypatch):
+    monkeypatch.setattr(sweep, "problem", lambda name: TOY)
+
+
+def test_a_study_keeps_every_run_and_every_failure(toy, tmp_path):
+    told = []
+    records = precision.run(["column"], out=tmp_path, tell=told.append)
+    assert [r.curve for r in records] == ["peer", *["default"] * 3, *["first order"] * 2, "brittle"]
+    assert records[-1].failed and "too long a step" in records[-1].reason and "too long a step" in told[-3]
+    assert len(records[1].seconds) == precision.REPEATS and records[1].work == 6
+    marks, read = record.load(tmp_path / "records.json")
+    assert read == records and {"commit", "machine", "versions"} <= set(marks)
+    assert all((tmp_path / f"{cost}.png").stat().st_size > 10_000 for cost in precision.COSTS)
+
+
+def test_what_was_measured_is_not_measured_again(toy, tmp_path, monkeypatch):
+    precision.run(["column"], quick=True, out=tmp_path, tell=lambda _: None)
+    calls = []
+    monkeypatch.setattr(TOY, "solve", lambda **values: calls.append(values) or solve(**values))
+    records = precision.run(["column"], out=tmp_path, resume=True, tell=lambda _: None)
+    assert calls[1:] == [{"size": 0.125}] * precision.REPEATS and len(records) == 7
+
+
+def test_figures_need_records_only(toy, tmp_path, monkeypatch):
+    precision.run(["column"], quick=True, out=tmp_path, tell=lambda _: None)
+    monkeypatch.setattr(TOY, "solve", None)
+    assert len(precision.draw(tmp_path / "records.json", tmp_path)) == 2
+
+
+def records():
+    return [Record("p", "a", "1", {}, {"e": 0.1}, (1.0,), 1, 1), Record("p", "a", "2", {}, {"e": 0.01}, (4.0,), 1, 2),
+            Record("p", "b", "1", {}, {"e": 0.05}, (8.0,), 1, 9), Record("p", "b", "2", {}, {"e": 0.001}, (9.0,), 1, 10),
+            Record("p", "c", "1", {}, reason="no"), Record("p", "d", "1", {}, {"e": float("nan")}, (0.1,), 1, 1)]
+
+
+def test_front_and_the_way_to_it():
+    found = front.front(records(), "e")
+    assert [(r.curve, r.setting) for r in found] == [("a", "1"), ("a", "2"), ("b", "2")]
+    assert front.excess(records()[2], records(), "e") == 2.0 and front.excess(records()[1], records(), "e") == 1.0
+    assert front.excess(records()[4], records(), "e") == float("inf")
+    assert front.cheapest(records(), "e", 0.02).setting == "2" and front.cheapest(records(), "e", 1e-9) is None
+
+
+def test_unknown_problem():
+    with pytest.raises(SceneError, match="study precision colum: no such problem; there are column"):
+        precision.run(["colum"])
