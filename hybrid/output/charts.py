@@ -52,7 +52,7 @@ def _draw(axes, panel):
     if panel.front:
         x, y = np.array(panel.front).T
         axes.step(x, y, where="post", color="#cccccc", linewidth=4, solid_capstyle="round", zorder=1)
-    others = 0
+    others = failed = 0
     for series in panel.series:
         own = series.label == "default"
         label = series.label + f" ({series.failed} failed)" * bool(series.failed)
@@ -66,6 +66,7 @@ def _draw(axes, panel):
         order = np.argsort(x, kind="stable")
         axes.errorbar(x[order], y[order], xerr=(x * np.array(series.spread))[order], label=label, markersize=3,
                       elinewidth=0.6, **look)
-    for n, series in enumerate(s for s in panel.series if s.failed):
-        axes.plot([0.97 - 0.03 * n], [0.96], "x", transform=axes.transAxes, color="#a3132a", markersize=4)
-    axes.legend(fontsize=5, loc="best", handlelength=1.2, labelspacing=0.2)
+        if series.failed:
+            failed += 1
+            axes.plot([1 - 0.035 * failed], [0.96], "x", transform=axes.transAxes, color=look["color"], markersize=4)
+    axes.legend(fontsize=5, loc="upper left", bbox_to_anchor=(1.0, 1.03), handlelength=1.2, labelspacing=0.3)
