@@ -13,6 +13,7 @@ from hybrid.body.surface import build_surface
 from hybrid.contact.corners import overlap
 from hybrid.errors import SceneError
 from hybrid.ground import build_ground
+from hybrid.levels import settled
 from hybrid.scene_file import validate
 from hybrid.scheme import Scheme
 from hybrid.simulation import Simulation
@@ -33,7 +34,9 @@ def build(scene, *, body_force=None, law=None):
     [m/s²] to act on them besides gravity. law: function that makes the law of a scene whose soil.material.law is "user"
     (`hybrid.laws.user`).
     """
-    scene = validate(scene)
+    scene, level = settled(validate(scene))
+    if level:
+        scene = validate(scene)     # what was changed too
     gravity = np.array(scene.gravity, float)
     loads = Loads(gravity, body_force).during(0.0, 0.0, (scene.stages[0].gravity[0],) * 2)
     meshes = [mesh_of(described) for described in scene.bodies]
@@ -50,7 +53,7 @@ def build(scene, *, body_force=None, law=None):
     if travel is not None:
         travel.lay_out = lambda grid: lay_out(scene, grid, gravity)
         state.ground = travel.start(layouts, soil)
-    return Simulation(scene, model, state, meshes, travel)
+    return Simulation(scene, model, state, meshes, travel, level)
 
 
 def build_scheme(time):

@@ -180,7 +180,10 @@ class Output:
 
 @dataclass(frozen=True, kw_only=True)
 class Scene:
-    """Everything a run needs; `gravity` in [m/s²]. In a file `bodies` is [[body]] and `stages` [[stage]]."""
+    """Everything a run needs; `gravity` in [m/s²]. In a file `bodies` is [[body]] and `stages` [[stage]].
+
+    accuracy   cells, steps and tolerances of a draft or of a reference instead of those given (`hybrid.levels`)
+    """
 
     name: str
     grid: Grid
@@ -189,5 +192,6 @@ class Scene:
     time: Time
     stages: tuple[Stage, ...] = field(metadata={"key": "stage"})
     gravity: Vector = (0.0, 0.0, -9.81)
+    accuracy: Literal["draft", "standard", "reference"] | None = None
     solver: Solver = Solver()
     output: Output = Output()

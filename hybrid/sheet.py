@@ -14,9 +14,9 @@ BYTES_PER_ENTRY = 34    # of the soil block: value and index, what makes the inc
 BYTES_OF_FILL = 1200    # of a direct factor, times n^(4/3) as nested dissection of n unknowns in space; as measured
 
 
-def model_sheet(scene, model, imbalance=None):
+def model_sheet(scene, model, imbalance=None, level=""):
     """Sections {title: {label: value}} for `hybrid check` and summary.json; imbalance: of the initial state, where the
-    soil has a weight to carry."""
+    soil has a weight to carry; level: what the scene's `accuracy` stands for."""
     soil = model.soil
     pattern = _pattern(soil)
     body_unknowns = int(np.count_nonzero(model.body_free))
@@ -24,6 +24,7 @@ def model_sheet(scene, model, imbalance=None):
     memory = LIBRARIES + PICTURES * bool(scene.output.pictures) + bytes_of(soil, pattern, scene.solver.linear)
     cells = [max(1, n - 1) for n in soil.grid.shape]
     modelled = {
+        **({"accuracy": level} if level else {}),
         "grid cells": " x ".join(map(str, cells)),
         **_travelling(scene),
         "smallest cell [m]": soil.grid.smallest_cell,

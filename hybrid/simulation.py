@@ -23,8 +23,9 @@ from hybrid.system.equations import Step
 class Simulation:
     """Scene, model and committed state, with what observers ask for; made by `hybrid.build.build`."""
 
-    def __init__(self, scene, model, state, meshes, travel=None):
+    def __init__(self, scene, model, state, meshes, travel=None, level=""):
         self.scene, self.model, self.state, self.meshes = scene, model, state, meshes
+        self.level = level      # what the scene's `accuracy` has changed in it
         self.travel = travel    # None: the grid stays
         self.initial_bodies = list(state.bodies)
         self.surfaces = [b.surface for b in model.bodies]
@@ -57,7 +58,7 @@ class Simulation:
 
     def sheet(self):
         """What is modelled and what is left out, with sizes: {section: {label: value}}."""
-        return model_sheet(self.scene, self.model, self.imbalance)
+        return model_sheet(self.scene, self.model, self.imbalance, self.level)
 
     def contact_forces(self, b):
         """Force of the soil on each surface vertex of body b at the last accepted step, (V, 3) [N]."""
