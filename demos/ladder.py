@@ -19,7 +19,6 @@ import sys
 from pathlib import Path
 
 import ladder_cantilever as cantilever
-import ladder_columns as columns
 import ladder_figures as figures
 import ladder_footing as footing
 import ladder_manufactured as manufactured
@@ -27,6 +26,7 @@ import ladder_wave as wave
 import numpy as np
 
 from hybrid.errors import StepError
+from hybrid.study.problems import column as columns
 
 OUT = Path("out/ladder")
 STANDARD = {"basis": "mpm", "domain": "none", "transfer": "increments"}
