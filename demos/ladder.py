@@ -21,12 +21,12 @@ from pathlib import Path
 import ladder_cantilever as cantilever
 import ladder_figures as figures
 import ladder_footing as footing
-import ladder_manufactured as manufactured
 import ladder_wave as wave
 import numpy as np
 
 from hybrid.errors import StepError
 from hybrid.study.problems import column as columns
+from hybrid.study.problems import manufactured
 
 OUT = Path("out/ladder")
 STANDARD = {"basis": "mpm", "domain": "none", "transfer": "increments"}
@@ -110,8 +110,8 @@ def run_manufactured(fine):
                          *(f"{e:.1e} ({order(errors[:, i], sizes)})" for i, e in enumerate(errors[-1])),
                          found[-1].unknowns, f"{found[-1].seconds:.1f} s"])
     for method in ("GIMP", "standard MPM"):
-        found = [manufactured.vibrate(manufactured.Swirl(0.1), n, 2 * n, tolerance=1e-7, linear="krylov",
-                                      **METHODS[method]) for n in (4, 8, 12)[:2 + fine]]
+        found = [manufactured.vibrate(manufactured.Swirl(0.1), n, 2 * n, solver={"tolerance": 1e-7}, **METHODS[method])
+                 for n in (4, 8, 12)[:2 + fine]]
         errors, sizes = np.array([(o.displacement, o.stress) for o in found]), 1 / np.array([4, 8, 12])[:2 + fine]
         space["swirl", method] = sizes, errors
         rows.append(["swirl, 3-D", method, f"{found[-1].crossed:.1f}",

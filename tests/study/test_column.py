@@ -1,32 +1,24 @@
 """The column of 50 m as a problem of a study."""
 
-import json
-
-import numpy as np
+import problem_checks
 import pytest
 
 from hybrid.errors import HybridError
 from hybrid.study.problems import column
 
 
-def solved(curve, count=None, quick=True):
-    return [column.solve(**values) for _, values in column.curves(quick)[curve][:count]]
-
-
-def orders(found, error):
-    """Observed, over successive halvings of the cells."""
-    errors = np.array([f.errors[error] for f in found])
-    return np.log2(errors[:-1] / errors[1:])
+def solved(curve):
+    return problem_checks.solved(column, curve)
 
 
 def test_default_converges():
     found = solved("default")
-    assert (orders(found, "stress") > 1.5).all() and set(found[0].errors) == set(column.ERRORS)
+    assert (problem_checks.orders(found, "stress") > 1.5).all() and set(found[0].errors) == set(column.ERRORS)
     assert all(f.newton >= 40 and f.unknowns > 0 and f.seconds > 0 for f in found)
 
 
 def test_standard_points_do_not():
-    assert orders(solved("standard MPM"), "stress").max() < 0.2
+    assert problem_checks.orders(solved("standard MPM"), "stress").max() < 0.2
 
 
 def test_a_wrong_answer_is_seen(monkeypatch):
@@ -34,7 +26,7 @@ def test_a_wrong_answer_is_seen(monkeypatch):
     stiffer = column.Column(50.0, 1.01e4, 80.0, 10.0, 40).height()
     monkeypatch.setattr(column.Column, "height", lambda self: stiffer)
     found = solved("default")
-    assert orders(found, "height")[-1] < 0.5 and found[-1].errors["height"] > 1e-3
+    assert problem_checks.orders(found, "height")[-1] < 0.5 and found[-1].errors["height"] > 1e-3
 
 
 def test_no_iterations_fail():
@@ -43,10 +35,7 @@ def test_no_iterations_fail():
 
 
 def test_labels_and_values():
-    full = column.curves(False)
-    for curve, settings in column.curves(True).items():
-        assert dict(settings).items() <= dict(full[curve]).items()
-    assert json.loads(json.dumps(full)) == {c: [list(s) for s in settings] for c, settings in full.items()}
+    problem_checks.labels_and_values(column)
 
 
 def test_the_peer_agrees():

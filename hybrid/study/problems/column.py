@@ -125,7 +125,8 @@ def curves(quick=False):
         "direct solver": over(solver={"linear": "direct"}),
         "h and load steps": [(f"{size(n)}, {k} steps", {"cells": n, "steps": k})
                              for n, k in ((16, 10), (32, 20), (64, 40), (128, 80), (256, 160))],
-        "load steps": [(f"{k} step" + "s" * (k > 1), {"cells": FIXED, "steps": k}) for k in (1, 2, 5, 10, 20, 40, 80, 160)],
+        "load steps": [(f"{k} step" + "s" * (k > 1), {"cells": FIXED, "steps": k})
+                       for k in (1, 2, 5, 10, 20, 40, 80, 160)],
         "Newton tolerance": newton_tolerances(cells=FIXED),
         "Krylov tolerance": krylov_tolerances(cells=FIXED),
     }
