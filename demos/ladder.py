@@ -18,7 +18,6 @@ rates in tests/analytic/test_{column,compaction,cantilever,manufactured,wave,foo
 import sys
 from pathlib import Path
 
-import ladder_cantilever as cantilever
 import ladder_figures as figures
 import ladder_footing as footing
 import ladder_wave as wave
@@ -26,7 +25,7 @@ import numpy as np
 
 from hybrid.errors import StepError
 from hybrid.study.problems import column as columns
-from hybrid.study.problems import manufactured
+from hybrid.study.problems import cantilever, manufactured
 
 OUT = Path("out/ladder")
 STANDARD = {"basis": "mpm", "domain": "none", "transfer": "increments"}
@@ -73,8 +72,8 @@ def run_cantilever(fine):
     """Tip against cell size for two heights; the bent shape."""
     sizes, rows, curves = (1.0, 0.5, 0.25, 0.125, 0.0625)[:4 + fine], [], {}
     elastica = np.array(cantilever.elastica())
-    cases = {"2 points an axis": {}, "3 points an axis": {"per_axis": 3},
-             "standard MPM, 3 points": {"per_axis": 3, **STANDARD},
+    cases = {"2 points an axis": {}, "3 points an axis": {"points_per_axis": 3},
+             "standard MPM, 3 points": {"points_per_axis": 3, **STANDARD},
              "2 points, half the height": {"height": 0.5}}
     shown = None
     for case, options in cases.items():

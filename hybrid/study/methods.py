@@ -19,14 +19,19 @@ TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-6, 1e-9)         # of Newton's method
 LINEAR_TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-5, 1e-8)  # of the Krylov method, everywhere
 
 
+def with_solver(values, **more):
+    """`values` of a run with `more` values of its table [solver]."""
+    return {**values, "solver": {**values.get("solver", {}), **more}}
+
+
 def newton_tolerances(**values):
     """Settings of a curve over Newton's tolerance, the rest of a run being `values`."""
-    return [(f"{t:.0e}", {**values, "solver": {"tolerance": t}}) for t in TOLERANCES]
+    return [(f"{t:.0e}", with_solver(values, tolerance=t)) for t in TOLERANCES]
 
 
 def krylov_tolerances(**values):
     """Settings of a curve over the Krylov method's tolerance, which is then as strict far from the solution."""
-    return [(f"{t:.0e}", {**values, "solver": {"linear_tolerance": t, "loosest_tolerance": t}})
+    return [(f"{t:.0e}", with_solver(values, linear_tolerance=t, loosest_tolerance=t))
             for t in LINEAR_TOLERANCES]
 
 
