@@ -18,15 +18,14 @@ rates in tests/analytic/test_{column,compaction,cantilever,manufactured,wave,foo
 import sys
 from pathlib import Path
 
-import ladder_cantilever as cantilever
-import ladder_columns as columns
 import ladder_figures as figures
 import ladder_footing as footing
-import ladder_manufactured as manufactured
 import ladder_wave as wave
 import numpy as np
 
 from hybrid.errors import StepError
+from hybrid.study.problems import column as columns
+from hybrid.study.problems import cantilever, manufactured
 
 OUT = Path("out/ladder")
 STANDARD = {"basis": "mpm", "domain": "none", "transfer": "increments"}
@@ -73,8 +72,8 @@ def run_cantilever(fine):
     """Tip against cell size for two heights; the bent shape."""
     sizes, rows, curves = (1.0, 0.5, 0.25, 0.125, 0.0625)[:4 + fine], [], {}
     elastica = np.array(cantilever.elastica())
-    cases = {"2 points an axis": {}, "3 points an axis": {"per_axis": 3},
-             "standard MPM, 3 points": {"per_axis": 3, **STANDARD},
+    cases = {"2 points an axis": {}, "3 points an axis": {"points_per_axis": 3},
+             "standard MPM, 3 points": {"points_per_axis": 3, **STANDARD},
              "2 points, half the height": {"height": 0.5}}
     shown = None
     for case, options in cases.items():
@@ -110,8 +109,8 @@ def run_manufactured(fine):
                          *(f"{e:.1e} ({order(errors[:, i], sizes)})" for i, e in enumerate(errors[-1])),
                          found[-1].unknowns, f"{found[-1].seconds:.1f} s"])
     for method in ("GIMP", "standard MPM"):
-        found = [manufactured.vibrate(manufactured.Swirl(0.1), n, 2 * n, tolerance=1e-7, linear="krylov",
-                                      **METHODS[method]) for n in (4, 8, 12)[:2 + fine]]
+        found = [manufactured.vibrate(manufactured.Swirl(0.1), n, 2 * n, solver={"tolerance": 1e-7}, **METHODS[method])
+                 for n in (4, 8, 12)[:2 + fine]]
         errors, sizes = np.array([(o.displacement, o.stress) for o in found]), 1 / np.array([4, 8, 12])[:2 + fine]
         space["swirl", method] = sizes, errors
         rows.append(["swirl, 3-D", method, f"{found[-1].crossed:.1f}",

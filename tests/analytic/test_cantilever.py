@@ -1,25 +1,24 @@
 """A cantilever bent right down, in plane strain, against the elastica and a beam of Hencky fibres
-(demos/ladder_cantilever.py)."""
+(hybrid/study/problems/cantilever.py)."""
 
 import functools
 
 import numpy as np
 import pytest
-from demo_scripts import demo
 
 from hybrid.errors import StepError
+from hybrid.study.problems import cantilever as ladder
 
-DEMO = demo("ladder_cantilever")
 
 
 @functools.cache
 def bend(size, *per_axis, **options):
-    return DEMO.bend(size, *per_axis, **options)
+    return ladder.bend(size, *per_axis, **options)
 
 
 @functools.cache
 def beam(height=1.0):
-    return np.array(DEMO.hencky_beam(height))
+    return np.array(ladder.hencky_beam(height))
 
 
 def missed(bent, wanted):
@@ -29,7 +28,7 @@ def missed(bent, wanted):
 
 def test_reference_figures():
     """Those of the elastica, and a thin beam of Hencky fibres is one: the difference goes with the height squared."""
-    elastica = np.array(DEMO.elastica())
+    elastica = np.array(ladder.elastica())
     assert elastica == pytest.approx([8.062, 5.461], abs=5e-4)
     thick, thin = beam(1.0) / elastica - 1, beam(0.5) / elastica - 1
     assert thick == pytest.approx([0.0221, 0.0092], abs=1e-4) and thin == pytest.approx(thick / 4, rel=0.02)
@@ -56,7 +55,7 @@ def test_three_points_an_axis():
 
 def test_a_slender_cantilever_comes_near_the_elastica():
     """At half the height, cells of 0.125 m and three points an axis, both within 0.6 %; at 1 m it is off by 2.4 %."""
-    elastica = np.array(DEMO.elastica())
+    elastica = np.array(ladder.elastica())
     slender = bend(0.125, 3, height=0.5)
     assert (np.abs(missed(slender, elastica)) < 0.006).all()
     assert (np.abs(missed(slender, beam(0.5))) < (0.001, 0.004)).all()

@@ -8,26 +8,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.integrate import quad
-from scipy.special import lambertw
 
 from hybrid.build import build
 from hybrid.scene import Axis, Faces, Grid, Material, Scene, Soil, Solver, Stage, Time
 from hybrid.stepping.energy import balance_error, energies
+from hybrid.study.problems.column import SELF_WEIGHT
 from hybrid.system.cache import Systems
 from hybrid.system.equations import Step
 from hybrid.system.loads import Loads
 
-YOUNG, DENSITY, GRAVITY, LENGTH = 283.0, 50.0, 9.81, 0.8
-WEIGHT = DENSITY * GRAVITY * LENGTH
-
-
-def exact_height():
-    def stretch(depth):
-        s = DENSITY * GRAVITY * depth / YOUNG
-        return (lambertw(s) / s).real if s > 0 else 1.0
-
-    return quad(stretch, 0.0, LENGTH)[0]
+YOUNG, DENSITY, GRAVITY, LENGTH = SELF_WEIGHT.young, SELF_WEIGHT.density, SELF_WEIGHT.gravity, SELF_WEIGHT.length
+WEIGHT = SELF_WEIGHT.weight
 
 
 def column(cells, steps=50, full=False, basis="gimp", domain="stretch"):
@@ -53,7 +44,7 @@ def errors(cells, **options):
     """Mean error of the stress relative to that at the bottom, and error of the height [m]."""
     points, Z, height = column(cells, **options)
     wanted = -DENSITY * GRAVITY * (LENGTH - Z)
-    return np.abs(points.stress[:, 2, 2] - wanted).mean() / WEIGHT, abs(height - exact_height())
+    return np.abs(points.stress[:, 2, 2] - wanted).mean() / WEIGHT, abs(height - SELF_WEIGHT.height())
 
 
 def rates(cells, **options):
@@ -63,7 +54,7 @@ def rates(cells, **options):
 
 
 def test_reference_height():
-    assert exact_height() == pytest.approx(0.538602, abs=5e-7)
+    assert SELF_WEIGHT.height() == pytest.approx(0.538602, abs=5e-7)
 
 
 def test_column_of_the_benchmark():

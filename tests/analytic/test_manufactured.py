@@ -1,19 +1,21 @@
-"""Manufactured solutions in one and three dimensions: orders in space and time (demos/ladder_manufactured.py)."""
+"""Manufactured solutions in one and three dimensions: orders in space and time (hybrid/study/problems/manufactured.py)."""
 
 import functools
 
 import numpy as np
 import pytest
-from demo_scripts import demo
 
-DEMO = demo("ladder_manufactured")
-QUIET, LARGE, DRIFTING = DEMO.Wave(1e-4), DEMO.Wave(0.05), DEMO.Wave(0.05, 5.0)
+from hybrid.study.problems import manufactured as ladder
+
+QUIET, LARGE, DRIFTING = ladder.Wave(1e-4), ladder.Wave(0.05), ladder.Wave(0.05, 5.0)
 STANDARD = {"basis": "mpm", "domain": "none", "transfer": "increments"}
 
 
 @functools.cache
 def vibrate(wave, cells, **options):
-    return DEMO.vibrate(wave, cells, 2 * cells, **options)
+    found = ladder.vibrate(wave, cells, 2 * cells, **options)
+    assert found.increments == 2 * cells    # none was halved
+    return found
 
 
 def orders(wave, cells=(16, 32, 64), **options):
@@ -22,21 +24,21 @@ def orders(wave, cells=(16, 32, 64), **options):
     return np.log2([coarse.displacement / fine.displacement, coarse.stress / fine.stress]), fine
 
 
-@pytest.mark.parametrize("solution", [DEMO.Wave(0.05), DEMO.Wave(0.05, 3.0)])
+@pytest.mark.parametrize("solution", [ladder.Wave(0.05), ladder.Wave(0.05, 3.0)])
 def test_body_force_in_closed_form(solution):
     """It is the divergence of the stress by differences."""
     X = np.random.default_rng(1).random((20, 3))
     exact = solution.divergence(0.01, X)
-    np.testing.assert_allclose(DEMO.Solution.divergence(solution, 0.01, X), exact, atol=1e-7 * np.abs(exact).max())
+    np.testing.assert_allclose(ladder.Solution.divergence(solution, 0.01, X), exact, atol=1e-7 * np.abs(exact).max())
 
 
 def test_swirl_has_no_traction_on_rollers():
     X = np.random.default_rng(2).random((20, 3))
-    swirl = DEMO.Swirl(0.1)
+    swirl = ladder.Swirl(0.1)
     for axis in range(3):
         X[:, axis], others = axis % 2, [i for i in range(3) if i != axis]
         assert np.abs(swirl.shape(X)[0][:, axis]).max() < 1e-15
-        assert np.abs(swirl.stress(0.0, X)[:, axis, others]).max() < 1e-10 * DEMO.YOUNG
+        assert np.abs(swirl.stress(0.0, X)[:, axis, others]).max() < 1e-10 * ladder.YOUNG
         X = np.random.default_rng(axis).random((20, 3))
 
 
@@ -73,7 +75,7 @@ def test_a_wrong_law_is_seen():
     def neo_hookean(t, X):
         _, slope, bend = LARGE._along(X[:, 2]) * np.cos(LARGE.frequency * t)
         force = LARGE.motion(t, X)[2]
-        force[:, 2] -= DEMO.YOUNG / DEMO.DENSITY * 0.5 * (1 + (1 + slope) ** -2) * bend
+        force[:, 2] -= ladder.YOUNG / ladder.DENSITY * 0.5 * (1 + (1 + slope) ** -2) * bend
         return force
 
     observed, fine = orders(LARGE, force=neo_hookean)
@@ -85,7 +87,7 @@ def test_a_wrong_law_is_seen():
     ({"beta": 0.5625, "gamma": 1.0}, 1, (12, 24, 48), 384)], ids=["newmark", "alpha", "pair"])
 def test_order_in_time(scheme, wanted, counts, reference):
     """Against a fine step on the same grid of 64 cells, so that only the step is seen."""
-    errors = DEMO.in_time(QUIET, 64, counts, reference, tuple(scheme.items()))
+    errors = ladder.in_time(QUIET, 64, counts, reference, tuple(scheme.items()))
     assert np.log2(errors[:-1] / errors[1:])[-1] == pytest.approx(wanted, abs=0.2)
 
 
@@ -93,7 +95,7 @@ def test_order_in_time(scheme, wanted, counts, reference):
 def test_order_in_time_on_coarse_grids(transfer, low, high):
     """Without their gradients accelerations are smoothed on the way there and back: an error of Δt (kh)², the larger
     part at 16 cells."""
-    errors = DEMO.in_time(QUIET, 16, (48, 96), 384, transfer=transfer)
+    errors = ladder.in_time(QUIET, 16, (48, 96), 384, transfer=transfer)
     assert low < np.log2(errors[0] / errors[1]) < high and errors[1] < 1.5e-3
 
 
@@ -105,7 +107,7 @@ def test_swirl_in_three_dimensions():
 
 @functools.cache
 def swirl(cells, **options):
-    return DEMO.vibrate(DEMO.Swirl(0.1), cells, 2 * cells, tolerance=1e-7, linear="krylov", **options)
+    return ladder.vibrate(ladder.Swirl(0.1), cells, 2 * cells, solver={"tolerance": 1e-7, "iterations": 25}, **options)
 
 
 def swirl_orders(*cells, **options):

@@ -21,9 +21,15 @@ import numpy as np
 from hybrid.build import build
 from hybrid.scene import Axis, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
 from hybrid.soil.domains import updated_half
+from hybrid.study.methods import SCHEMES, SOILS, few, krylov_tolerances, newton_tolerances
+from hybrid.study.record import Found
+
+TITLE = "Hencky manufactured solution"
+ERRORS = {"displacement": "root mean square of |u - exact| / A", "stress": "root mean square of |σ - exact| / (E k A)"}
 
 YOUNG, DENSITY, LENGTH = 1e5, 1000.0, 1.0
 DIFFERENCE = 1e-5 * LENGTH
+TIGHT = {"linear": "direct", "tolerance": 1e-9, "iterations": 25}   # so that what is seen is the method alone
 
 
 def kirchhoff(F, poisson):
@@ -131,20 +137,22 @@ class Swirl(Solution):
 @dataclass(frozen=True)
 class Outcome:
     """Points' displacement (n, 3) at the end; errors [-] of displacement and stress; nodes that a point has crossed;
-    unknowns; seconds of the run."""
+    increments, Newton iterations, unknowns, seconds of the run."""
 
     moved: np.ndarray
     displacement: float
     stress: float
     crossed: float
+    increments: int
+    iterations: int
     unknowns: int
     seconds: float
 
 
-def vibrate(solution, cells, steps, scheme=(), force=None, tolerance=1e-9, linear="direct", **soil):
+def vibrate(solution, cells, steps, scheme=(), force=None, solver=TIGHT, **soil):
     """Outcome of a run in `steps` steps on cells of LENGTH / cells along the axes that move.
 
-    scheme: values of the time table; force: instead of the solution's, to show what a wrong one does.
+    scheme, solver, soil: values of the tables; force: instead of the solution's, to show what a wrong one does.
     """
     size, free = LENGTH / cells, bool(solution.drift)
     below = np.ceil(2 * solution.amplitude / size) * size * free
@@ -157,14 +165,14 @@ def vibrate(solution, cells, steps, scheme=(), force=None, tolerance=1e-9, linea
         name="manufactured", grid=Grid(*axes, Faces(z_min=ends, z_max=ends)),
         soil=Soil(material, geostatic=False, lower=(0.0, 0.0, 0.0), upper=(LENGTH,) * 3, **soil),
         gravity=(0.0, 0.0, 0.0), time=Time(step=solution.duration / steps, **dict(scheme)),
-        stages=(Stage("vibrate", steps),), solver=Solver(linear=linear, tolerance=tolerance, iterations=25),
+        stages=(Stage("vibrate", steps),), solver=Solver(**solver),
         output=Output(every=0, checkpoint=0))
     simulation = build(scene, body_force=force or solution.force)
     X = simulation.model.soil.constants.position
     start(simulation, solution, X)
-    begun, crossed, points = time.perf_counter(), 0, simulation.state.points
+    begun, crossed, points, count = time.perf_counter(), 0, simulation.state.points, np.zeros(2, int)
     for record in simulation.steps():
-        assert record.increments == 1
+        count += record.increments, record.iterations
         before, points = points, simulation.state.points
         crossed += np.count_nonzero(np.floor(points.position / size) != np.floor(before.position / size))
     seconds = time.perf_counter() - begun
@@ -172,7 +180,7 @@ def vibrate(solution, cells, steps, scheme=(), force=None, tolerance=1e-9, linea
     wrong = points.stress - solution.stress(solution.duration, X)
     wrong = wrong[:, solution.axes][:, :, solution.axes] / (YOUNG * solution.wave * solution.amplitude)
     return Outcome(points.position - X, np.sqrt(np.mean(missed**2)), np.sqrt(np.mean(wrong**2)), crossed / len(X),
-                   len(simulation.evaluation.soil), seconds)
+                   int(count[0]), int(count[1]), len(simulation.evaluation.soil), seconds)
 
 
 def start(simulation, solution, X):
@@ -191,3 +199,34 @@ def in_time(solution, cells, counts, reference, scheme=(), **soil):
     exact = vibrate(solution, cells, reference, scheme, **soil).moved
     apart = [(vibrate(solution, cells, n, scheme, **soil).moved - exact)[:, solution.axes] for n in counts]
     return np.sqrt(np.mean(np.square(apart), axis=(1, 2))) / solution.amplitude
+
+
+CELLS, FIXED, STEPS = (8, 16, 32, 64, 128, 256), 64, (16, 32, 64, 128, 256, 512)
+
+
+def curves(quick=False):
+    """{curve: [(setting, values of `solve`), ...]}; in steps of half a cell's share of the time where cells change."""
+    def over(cells=CELLS[:-1], ratio=2, **values):
+        return [(f"h = {LENGTH / n:.3g} m", {"cells": n, "steps": round(ratio * n), **values}) for n in cells]
+
+    def in_steps(**values):
+        return [(f"Δt = {Wave().duration / k:.2g} s", {"cells": 2 * FIXED, "steps": k, **values}) for k in STEPS]
+
+    all_curves = {
+        "default": over(CELLS),
+        **{name: over(soil=soil) for name, soil in SOILS.items()},
+        **{f"{name} transfer": over(soil={"transfer": name}) for name in ("increments", "blended")},
+        "direct solver": over(solver={"linear": "direct"}),
+        "Δt four times as long": over(CELLS[1:], 1 / 2),
+        **{name: in_steps(scheme=scheme) for name, scheme in SCHEMES.items()},
+        "Newton tolerance": newton_tolerances(cells=FIXED, steps=2 * FIXED),
+        "Krylov tolerance": krylov_tolerances(cells=FIXED, steps=2 * FIXED),
+    }
+    return few(all_curves, {"default": 3, "standard MPM": 3, "Newton tolerance": 1}) if quick else all_curves
+
+
+def solve(cells, steps, scheme=None, soil=None, solver=None):
+    """Found of the shaken wave; scheme, soil, solver: values of the tables that are not the default's."""
+    found = vibrate(Wave(0.05), cells, steps, scheme or {}, solver=solver or {}, **(soil or {}))
+    return Found({"displacement": float(found.displacement), "stress": float(found.stress)}, found.iterations,
+                 found.unknowns, found.seconds)

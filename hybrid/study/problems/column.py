@@ -1,0 +1,157 @@
+"""Columns under their own weight, in closed form by Lambert's W; studied is that of 50 m and 10 kPa.
+
+      z |  soil of length L between smooth walls, ν = 0: the area of a section stays,
+        |
+       ===      τ = E ln λ,  σ_zz = E ln λ / λ = -ρ g (L - Z)    ->    λ = W(s)/s,  s = ρ g (L - Z)/E
+
+Gravity is turned on in equal quasi-static steps. Errors: Σ |σ_zz - exact| V / (ρ g L Σ V), and the height's over L.
+
+AMPLE 1.1 (Coombs, Augarde, AMPLE: a material point learning environment, 2020) is measured on the same column in plane
+strain, one cell wide, with the same error. Its seconds are CPU time of the whole run in GNU Octave, on another machine.
+Its unknowns are the vertical displacements of two columns of nodes; rollers hold all others.
+"""
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.integrate import quad
+from scipy.special import lambertw
+
+from hybrid.build import build
+from hybrid.scene import Axis, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
+from hybrid.study.methods import SOILS, few, krylov_tolerances, newton_tolerances
+from hybrid.study.record import Found, Record
+
+TITLE = "self-weight column"
+ERRORS = {"stress": "Σ |σ - exact| V / (ρ g L Σ V)", "height": "|height - exact| / L"}
+
+
+@dataclass(frozen=True)
+class Column:
+    """length [m], young [Pa], density [kg/m³], gravity [m/s²], steps it is loaded in."""
+
+    length: float
+    young: float
+    density: float
+    gravity: float
+    steps: int
+
+    @property
+    def weight(self):
+        """Pressure at the bottom [Pa]."""
+        return self.density * self.gravity * self.length
+
+    def stretch(self, Z):
+        """λ at initial heights Z [m]."""
+        s = np.maximum(self.density * self.gravity * (self.length - np.asarray(Z, float)) / self.young, 1e-300)
+        return (lambertw(s) / s).real
+
+    def height(self):
+        """Exact, deformed [m]."""
+        return quad(self.stretch, 0.0, self.length, epsabs=1e-13, epsrel=1e-13)[0]
+
+
+SELF_WEIGHT = Column(0.8, 283.0, 50.0, 9.81, 50)
+STIFF = Column(50.0, 1e6, 80.0, 10.0, 20)
+SOFT = Column(50.0, 1e4, 80.0, 10.0, 40)
+TIGHT = {"linear": "direct", "tolerance": 1e-9, "iterations": 25}   # so that what is seen is the method alone
+
+
+@dataclass(frozen=True)
+class Settled:
+    """Z, stress (n,) of the points; height [m]; errors [-] of stress and height; increments, Newton iterations,
+    unknowns, seconds of the run."""
+
+    Z: np.ndarray
+    stress: np.ndarray
+    height: float
+    stress_error: float
+    height_error: float
+    increments: int
+    iterations: int
+    unknowns: int
+    seconds: float
+
+
+def settle(column, cells, steps=None, domain="stretch", full=False, solver=TIGHT, **soil):
+    """Settled column on `cells` cells; full: four cells of a three-dimensional grid at each height, else one axis.
+
+    solver, soil: values of these tables.
+    """
+    size = column.length / cells
+    side = Axis(start=0.0, end=2 * size, size=size, collapsed=not full)
+    scene = Scene(
+        name="column", grid=Grid(side, side, Axis(start=0.0, end=column.length, size=size)),
+        soil=Soil(Material(law="hencky", young=column.young, poisson=0.0, density=column.density), geostatic=False,
+                  domain=domain, **soil),
+        gravity=(0.0, 0.0, -column.gravity), time=Time(step=1.0, inertia=False),
+        stages=(Stage("load", steps or column.steps, gravity=(0.0, 1.0)),),
+        solver=Solver(**solver), output=Output(every=0, checkpoint=0))
+    simulation, begun = build(scene), time.perf_counter()
+    increments, iterations = np.sum([(r.increments, r.iterations) for r in simulation.steps()], axis=0)
+    seconds = time.perf_counter() - begun
+    points, constants = simulation.state.points, simulation.model.soil.constants
+    Z, found = constants.position[:, 2], points.stress[:, 2, 2]
+    top = np.argmax(points.position[:, 2])
+    height = points.position[top, 2] + constants.half[top, 2] * points.deformation[top, 2, 2]
+    wrong = np.abs(found + column.density * column.gravity * (column.length - Z))
+    return Settled(Z, found, height, np.average(wrong, weights=constants.volume) / column.weight,
+                   abs(height - column.height()) / column.length, int(increments), int(iterations),
+                   len(simulation.evaluation.soil), seconds)
+
+
+def rates(cells, errors):
+    """Observed order of `errors` (list) in the cell size over all `cells`."""
+    return -np.polyfit(np.log(cells), np.log(errors), 1)[0]
+
+
+CELLS, FIXED = (4, 8, 16, 32, 64, 128, 256), 64
+
+
+def size(cells):
+    """Label of a number of cells."""
+    return f"h = {SOFT.length / cells:.3g} m"
+
+
+def curves(quick=False):
+    """{curve: [(setting, values of `solve`), ...]}."""
+    def over(cells=CELLS, **values):
+        return [(size(n), {"cells": n, **values}) for n in cells]
+
+    all_curves = {
+        "default": over(),
+        **{name: over(soil=soil) for name, soil in SOILS.items()},
+        "direct solver": over(solver={"linear": "direct"}),
+        "h and load steps": [(f"{size(n)}, {k} steps", {"cells": n, "steps": k})
+                             for n, k in ((16, 10), (32, 20), (64, 40), (128, 80), (256, 160))],
+        "load steps": [(f"{k} step" + "s" * (k > 1), {"cells": FIXED, "steps": k})
+                       for k in (1, 2, 5, 10, 20, 40, 80, 160)],
+        "Newton tolerance": newton_tolerances(cells=FIXED),
+        "Krylov tolerance": krylov_tolerances(cells=FIXED),
+    }
+    return few(all_curves, {"default": 4, "standard MPM": 3, "load steps": 2}) if quick else all_curves
+
+
+def solve(cells, steps=SOFT.steps, soil=None, solver=None):
+    """Found of the column of 50 m and 10 kPa; soil, solver: values of these tables that are not the default's."""
+    found = settle(SOFT, cells, steps, **{"domain": "moments", **(soil or {})}, solver=solver or {})
+    return Found({"stress": float(found.stress_error), "height": float(found.height_error)}, found.iterations,
+                 found.unknowns, found.seconds)
+
+
+AMPLE = {   # cells, error of stress, Newton iterations of 40 steps, CPU time [s]
+    "AMPLE, GIMP": (
+        (4, 0.041333252226, 165, 2.032), (8, 0.012940820605, 166, 4.059), (16, 0.0036589060221, 166, 8.105),
+        (32, 0.0010487058112, 166, 15.346), (64, 0.00043572372449, 166, 31.41), (128, 0.00020276242984, 166, 65.12)),
+    "AMPLE, standard MPM": (
+        (4, 0.063252187793, 174, 2.065), (8, 0.097003529777, 189, 4.177), (16, 0.086696486473, 195, 8.452),
+        (32, 0.080055981334, 200, 17.451), (64, 0.082886984732, 204, 37.33)),
+}
+
+
+def peers():
+    """Records of AMPLE on the same column."""
+    return [Record("column", curve, size(n), {"cells": n}, {"stress": error}, (seconds,), iterations,
+                   2 * int(np.ceil(n * SOFT.height() / SOFT.length)), source="AMPLE 1.1 (GNU Octave)")
+            for curve, rows in AMPLE.items() for n, error, iterations, seconds in rows]
