@@ -31,32 +31,11 @@ import numpy as np
 import hybrid
 from hybrid.output.figures import Curve, comparison
 from hybrid.output.history import read_history
+from hybrid.study.problems.sphere import SAMPLES, law, missed, overrides
 
 SCENE, OUT = Path(__file__).with_suffix(".toml"), Path("out/rolling_sphere")
 FRICTION = (0.0, 0.1, 0.2, 0.4, 1.0)
-GRAVITY, RADIUS, SLOPE = 9.81, 0.25, np.pi / 4
 LIMITS = {1: (2.3, 6.5), 2: (0.7, 2.5), 4: (0.5, 1.5)}  # [%] of distance and spin, by refinement
-SAMPLES = ["body.0.second_pass=1.0", "body.0.penalty=400.0"]  # instead of the corners; smooth, it may be stiff
-
-
-def law(mu, time, radius=RADIUS):
-    """Distance [m] and spin [rad/s] of a smooth sphere from rest."""
-    down, across = GRAVITY * np.sin(SLOPE), GRAVITY * np.cos(SLOPE)
-    if np.tan(SLOPE) > 3.5 * mu:
-        return 0.5 * (down - mu * across) * time**2, 2.5 * mu * across * time / radius
-    return 5 / 14 * down * time**2, 5 / 7 * down * time / radius
-
-
-def overrides(mu, refinement=1):
-    """Changes to rolling_sphere.toml: friction, and what shrinks with the spacing of the corners."""
-    n, fine = refinement, [f"body.0.friction={mu}"]
-    if n > 1:
-        fine += [f"grid.{axis}.size={0.25 / n}" for axis in "xyz"]
-        fine += [f"grid.z.start={-0.25 / n}", "grid.x.end=4.5", "grid.y.start=2.25", "grid.y.end=2.75"]
-        fine += [f"body.0.position=[0.6, {2.5 + 0.0625 / n}, 0.0]"]
-        fine += [f"body.0.parameters.size={0.05 / n}", "body.0.parameters.growth=0.5"]  # coarser inside
-        fine += [f"body.0.penalty={20.0 * n**3}"]
-    return fine
 
 
 def motion(folder):
@@ -69,9 +48,8 @@ def motion(folder):
 
 
 def errors(mu, time, distance, spin):
-    """Errors [%] of distance and spin at the end; of the spin relative to rolling when the law has none."""
-    exact, rolling = law(mu, time[-1]), law(1.0, time[-1])
-    return 100 * (distance[-1] / exact[0] - 1), 100 * (spin[-1] - exact[1]) / (exact[1] or rolling[1])
+    """Errors [%] of distance and spin at the end."""
+    return tuple(100 * error for error in missed(mu, time[-1], distance[-1], spin[-1]))
 
 
 def rides(name, refinement, changes, limits):
@@ -82,10 +60,10 @@ def rides(name, refinement, changes, limits):
         hybrid.run(SCENE, folder, overrides(mu, refinement) + changes)
         time, *found = motion(folder)
         curves.append(Curve(f"$\\mu$ = {mu}", time, found, law(mu, time)))
-        missed = errors(mu, time, *found)
-        print(f"{name:10}  mu = {mu}  distance {found[0][-1]:.4f} m ({missed[0]:+.2f} %)  "
-              f"spin {found[1][-1]:.3f} rad/s ({missed[1]:+.2f} %)")
-        assert np.all(np.abs(missed) < limits), "too far from the law"
+        percent = errors(mu, time, *found)
+        print(f"{name:10}  mu = {mu}  distance {found[0][-1]:.4f} m ({percent[0]:+.2f} %)  "
+              f"spin {found[1][-1]:.3f} rad/s ({percent[1]:+.2f} %)")
+        assert np.all(np.abs(percent) < limits), "too far from the law"
     print(comparison(OUT / f"{name}.png", curves))
 
 

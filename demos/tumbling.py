@@ -39,114 +39,15 @@ accuracy at ρ∞ = 0.8. The dissipative pair of Newmark's is for settling only:
     .venv/bin/python demos/tumbling.py
 """
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from scipy.integrate import solve_ivp
-from scipy.special import ellipk
 
-from hybrid.body.attitude import exp_so3, log_so3, skew
-from hybrid.body.motion import inertia_residual, updated
 from hybrid.output.figures import convergence
-from hybrid.scheme import Scheme
-from hybrid.state import BodyState
+from hybrid.study.problems.tumbling import HEAVY, SCHEMES, TUMBLING, advance, errors, period
 
 OUT = Path("out/tumbling")
-SCHEMES = {
-    "Newmark (1/4, 1/2)": Scheme.newmark(),
-    "Newmark (0.5625, 1)": Scheme.newmark(0.5625, 1.0),
-    "generalised α, ρ∞ = 0.8": Scheme.generalised_alpha(0.8),
-    "generalised α, ρ∞ = 0.5": Scheme.generalised_alpha(0.5),
-    "energy-momentum": Scheme.energy_momentum(),
-}
 ORDERS = (2, 1, 2, 2, 2)
-
-
-@dataclass(frozen=True)
-class Top:
-    """A body that turns about a fixed point: inertia (3, 3) [kg m²] about it, force (3,) [N] constant in space at the
-    end of an arm (3,) [m] of the body, and how it starts: spin (3,) [rad/s], rotation (3, 3)."""
-
-    inertia: np.ndarray
-    spin: np.ndarray
-    rotation: np.ndarray
-    arm: np.ndarray
-    force: np.ndarray
-
-    def moment(self, rotation):
-        """(3,) [N m] in space."""
-        return skew(rotation @ self.arm) @ self.force
-
-    def spin_rate(self, spin, rotation):
-        """(3,) [rad/s²] in the body frame."""
-        return np.linalg.solve(
-            self.inertia, rotation.T @ self.moment(rotation) - skew(spin) @ self.inertia @ spin)
-
-    def start(self):
-        """BodyState in equilibrium; its centre is the fixed point."""
-        zero = np.zeros(3)
-        return BodyState(zero, self.rotation, zero, zero, self.spin, self.spin_rate(self.spin, self.rotation))
-
-    def energy(self, state):
-        """Kinetic and potential [J]."""
-        return 0.5 * state.spin @ self.inertia @ state.spin - self.force @ state.rotation @ self.arm
-
-    def momentum(self, state):
-        """Angular momentum [N m s] in space; of a top under a force its component along that."""
-        whole = state.rotation @ self.inertia @ state.spin
-        return whole @ self.force / np.linalg.norm(self.force) if self.force.any() else whole
-
-
-TUMBLING = Top(np.diag([1.0, 2.0, 3.0]), np.array([0.01, 1.0, 0.0]), np.eye(3), np.zeros(3), np.zeros(3))
-HEAVY = Top(np.diag([2.0, 2.0, 1.0]), np.array([0.0, 0.0, 10.0]), exp_so3([0.3, 0.0, 0.0]),
-            np.array([0.0, 0.0, 1.0]), np.array([0.0, 0.0, -8.0]))
-
-
-def period(top):
-    """Of the spin of a free body [s], for L² = |J W|² < 2T J2: W1 then never changes its sign."""
-    (j1, j2, j3), spin = np.diag(top.inertia), top.spin
-    momentum, energy = np.sum((top.inertia @ spin) ** 2), spin @ top.inertia @ spin
-    assert j1 * energy < momentum < j2 * energy
-    below, above = (j2 - j1) * (j3 * energy - momentum), (j3 - j2) * (momentum - j1 * energy)
-    return 4 * ellipk(above / below) / np.sqrt(below / (j1 * j2 * j3))
-
-
-def reference(top, duration):
-    """Spin (3,) and rotation (3, 3) after `duration` [s], integrated to round-off."""
-    def rates(_, x):
-        spin, rotation = x[:3], x[3:].reshape(3, 3)
-        return np.concatenate((top.spin_rate(spin, rotation), (rotation @ skew(spin)).ravel()))
-
-    begin = np.concatenate((top.spin, top.rotation.ravel()))
-    x = solve_ivp(rates, (0, duration), begin, method="DOP853", rtol=1e-13, atol=1e-14).y[:, -1]
-    return x[:3], x[3:].reshape(3, 3)
-
-
-def advance(top, state, dt, scheme, inertia_of=inertia_residual):
-    """State after a step `dt` [s]. Newton's method is quadratic: after an update below 1e-8 only round-off is left."""
-    arm, force = top.arm, skew(top.force)
-    rotation = state.rotation @ exp_so3(dt * state.spin + 0.5 * dt**2 * state.spin_rate)
-    for _ in range(20):
-        residual, tangent = inertia_of(1.0, top.inertia, state, state.position, rotation, dt, scheme)
-        tangent = tangent[3:, 3:] - force @ skew(rotation @ arm)
-        update = np.linalg.solve(tangent, top.moment(rotation) - residual[3:])
-        rotation = exp_so3(update) @ rotation
-        if np.linalg.norm(update) < 1e-8:
-            return updated(top.inertia, state, state.position, rotation, dt, scheme)
-    raise AssertionError(f"no convergence: last update {np.linalg.norm(update):g} rad")
-
-
-def errors(top, duration, counts, scheme, inertia_of=inertia_residual):
-    """Errors of attitude [rad] and spin [rad/s] after `duration` [s], a row for each number of steps."""
-    spin, rotation = reference(top, duration)
-    rows = []
-    for count in counts:
-        state = top.start()
-        for _ in range(count):
-            state = advance(top, state, duration / count, scheme, inertia_of)
-        rows.append((np.linalg.norm(log_so3(rotation.T @ state.rotation)), np.linalg.norm(state.spin - spin)))
-    return np.array(rows)
 
 
 def drift(top, dt, steps, scheme):

@@ -10,7 +10,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from demo_scripts import demo
 
 from hybrid.body.attitude import log_so3
 from hybrid.build import build
@@ -20,6 +19,7 @@ from hybrid.scheme import Scheme
 from hybrid.soil.transfer import interpolate
 from hybrid.stepping import accuracy, loop, newton
 from hybrid.stepping.accuracy import leading_factor, turn_error
+from hybrid.study.problems import tumbling
 from hybrid.system.cache import Systems
 from hybrid.system.equations import Step
 from scenes import SCHEMES, box, elastic, plane, scene, sphere
@@ -68,15 +68,14 @@ def test_without_the_shift_the_estimate_of_generalised_alpha_is_wrong():
     assert (scheme.beta - 1 / 6) * 0.025**2 * abs(change) > 2 * abs(missed)
 
 
-DEMO = demo("tumbling")
-TOP = replace(DEMO.TUMBLING, spin=np.array([0.9, 1.0, -0.4]))
+TOP = replace(tumbling.TUMBLING, spin=np.array([0.9, 1.0, -0.4]))
 
 
 def one_turn(scheme, dt):
     """Error (3,) [rad] of the turn of a free body in a step, in the body frame, and its estimate."""
     state = TOP.start()
-    new = DEMO.advance(TOP, state, dt, scheme)
-    return log_so3(DEMO.reference(TOP, dt)[1].T @ new.rotation), turn_error(state, new, scheme, dt)
+    new = tumbling.advance(TOP, state, dt, scheme)
+    return log_so3(tumbling.reference(TOP, dt)[1].T @ new.rotation), turn_error(state, new, scheme, dt)
 
 
 @pytest.mark.parametrize("scheme", [Scheme.newmark(), Scheme.energy_momentum()], ids=["newmark", "energy-momentum"])

@@ -7,7 +7,7 @@ With L² = |J W|² < 2T J2, 2T = W·J W, W1 never changes sign and
     λ² = (J2 - J1)(2T J3 - L²)/(J1 J2 J3)        m = (J3 - J2)(L² - 2T J1) / [(J2 - J1)(2T J3 - L²)]
 
 (Landau and Lifshitz, Mechanics, sec. 37, with axes 1 and 3 exchanged). For ε = 1e-2 this is 41.5092195 s, for 1e-3
-57.4628489 s. The driver is that of demos/tumbling.py.
+57.4628489 s. The driver is that of hybrid/study/problems/tumbling.py.
 """
 
 from dataclasses import replace
@@ -17,10 +17,12 @@ import pytest
 from demo_scripts import demo
 
 from hybrid.body.motion import inertia_residual, updated
+from hybrid.study.problems import tumbling
 
 DEMO = demo("tumbling")
-FREE = DEMO.TUMBLING
-CASES = [pytest.param(name, scheme, order, id=name) for (name, scheme), order in zip(DEMO.SCHEMES.items(), DEMO.ORDERS)]
+FREE = tumbling.TUMBLING
+CASES = [pytest.param(name, scheme, order, id=name)
+         for (name, scheme), order in zip(tumbling.SCHEMES.items(), DEMO.ORDERS)]
 every_scheme = pytest.mark.parametrize("name, scheme, order", CASES)
 
 
@@ -28,7 +30,7 @@ def tumbling_period(top, dt, scheme):
     """Twice the time between the first two zeros of W2, where the body turns over fastest."""
     state, time, zeros = top.start(), 0.0, []
     while len(zeros) < 2:
-        new = DEMO.advance(top, state, dt, scheme)
+        new = tumbling.advance(top, state, dt, scheme)
         before, after = state.spin[1], new.spin[1]
         if before * after <= 0.0:
             zeros.append(time + dt * before / (before - after))
@@ -37,15 +39,15 @@ def tumbling_period(top, dt, scheme):
 
 
 def test_closed_form_of_the_period():
-    assert DEMO.period(FREE) == pytest.approx(41.5092195, abs=5e-8)
-    assert DEMO.period(replace(FREE, spin=np.array([1e-3, 1.0, 0.0]))) == pytest.approx(57.4628489, abs=5e-8)
-    spin, _ = DEMO.reference(FREE, DEMO.period(FREE) / 4)
+    assert tumbling.period(FREE) == pytest.approx(41.5092195, abs=5e-8)
+    assert tumbling.period(replace(FREE, spin=np.array([1e-3, 1.0, 0.0]))) == pytest.approx(57.4628489, abs=5e-8)
+    spin, _ = tumbling.reference(FREE, tumbling.period(FREE) / 4)
     assert abs(spin[1]) < 1e-11                                 # the integrated reference agrees
 
 
 @every_scheme
 def test_intermediate_axis_period(name, scheme, order):
-    reference = DEMO.period(FREE)
+    reference = tumbling.period(FREE)
     coarse, fine = (tumbling_period(FREE, dt, scheme) for dt in (0.2, 0.1))
     assert fine == pytest.approx(reference, abs=8e-3)
     if order == 2:
@@ -56,12 +58,12 @@ def test_intermediate_axis_period(name, scheme, order):
 def test_period_close_to_the_axis(name, scheme, order):
     """Ten times closer the body waits longer before it turns over."""
     top = replace(FREE, spin=np.array([1e-3, 1.0, 0.0]))
-    assert tumbling_period(top, 0.2, scheme) == pytest.approx(DEMO.period(top), abs=0.05)
+    assert tumbling_period(top, 0.2, scheme) == pytest.approx(tumbling.period(top), abs=0.05)
 
 
 def observed(scheme, top=FREE, counts=(80, 160), **broken):
     """Orders of attitude and spin a quarter of a period after the start, and the last errors."""
-    error = DEMO.errors(top, DEMO.period(FREE) / 4, counts, scheme, **broken)
+    error = tumbling.errors(top, tumbling.period(FREE) / 4, counts, scheme, **broken)
     return np.array([DEMO.order(counts, error[:, i]) for i in (0, 1)]), error[-1]
 
 
@@ -89,16 +91,16 @@ def test_convergence_is_lost_without_the_gyroscopic_term(name, scheme, order):
 @pytest.mark.parametrize("name", ["Newmark (1/4, 1/2)", "generalised α, ρ∞ = 0.8"])
 def test_an_order_is_lost_by_a_spin_rate_out_of_balance_at_the_start(name, monkeypatch):
     """Why a body that is built spinning is given the rate of free rotation."""
-    top, start = replace(FREE, spin=np.array([0.3, 1.0, 0.2])), DEMO.Top.start
-    monkeypatch.setattr(DEMO.Top, "start", lambda self: replace(start(self), spin_rate=np.zeros(3)))
-    rates, _ = observed(DEMO.SCHEMES[name], top)
+    top, start = replace(FREE, spin=np.array([0.3, 1.0, 0.2])), tumbling.Top.start
+    monkeypatch.setattr(tumbling.Top, "start", lambda self: replace(start(self), spin_rate=np.zeros(3)))
+    rates, _ = observed(tumbling.SCHEMES[name], top)
     assert (rates < 1.6).all() and rates[1] < 1.1
 
 
 @pytest.mark.parametrize("rho", [0.8, 0.5])
 def test_an_order_is_lost_when_the_algorithmic_acceleration_is_forgotten(rho, monkeypatch):
-    monkeypatch.setattr(DEMO, "updated", lambda *step: replace(updated(*step), algorithmic=None))
-    rates, _ = observed(DEMO.Scheme.generalised_alpha(rho))
+    monkeypatch.setattr(tumbling, "updated", lambda *step: replace(updated(*step), algorithmic=None))
+    rates, _ = observed(tumbling.Scheme.generalised_alpha(rho))
     assert (rates < 1.5).all()
 
 
@@ -121,11 +123,11 @@ def check_drift(name, scheme, steps):
 
 @pytest.mark.parametrize("name", ["Newmark (1/4, 1/2)", "energy-momentum"])
 def test_drift_over_a_tumble(name):
-    check_drift(name, DEMO.SCHEMES[name], 1000)
+    check_drift(name, tumbling.SCHEMES[name], 1000)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", DRIFT)
 def test_drift_over_ten_thousand_steps(name):
-    check_drift(name, DEMO.SCHEMES[name], 10_000)
+    check_drift(name, tumbling.SCHEMES[name], 10_000)
 

@@ -4,7 +4,7 @@
 
 so that u = cosθ goes between two roots of a cubic, u'² = f(u) (Landau and Lifshitz, Mechanics, sec. 35): from rest of
 the axis at u0 the top nods to u1 and back in the time 2 ∫ du/√f. P is weight times arm; inertia, moment and driver
-are about the fixed point (demos/tumbling.py).
+are about the fixed point (hybrid/study/problems/tumbling.py).
 """
 
 from dataclasses import replace
@@ -17,11 +17,13 @@ from scipy.integrate import quad
 from hybrid.body import motion
 from hybrid.body.attitude import log_so3, right_tangent
 from hybrid.body.motion import inertia_residual, momentum_rate
+from hybrid.study.problems import tumbling
 
 DEMO = demo("tumbling")
-TOP, DURATION = DEMO.HEAVY, 1.2
-ENERGY_MOMENTUM = DEMO.SCHEMES["energy-momentum"]
-CASES = [pytest.param(scheme, order, id=name) for (name, scheme), order in zip(DEMO.SCHEMES.items(), DEMO.ORDERS)]
+TOP, DURATION = tumbling.HEAVY, 1.2
+ENERGY_MOMENTUM = tumbling.SCHEMES["energy-momentum"]
+CASES = [pytest.param(scheme, order, id=name)
+         for (name, scheme), order in zip(tumbling.SCHEMES.items(), DEMO.ORDERS)]
 
 
 def nodding(top):
@@ -43,16 +45,16 @@ def nodding(top):
 
 def test_reference_nods_as_the_closed_form():
     lowest, time = nodding(TOP)
-    spin, rotation = DEMO.reference(TOP, time)
+    spin, rotation = tumbling.reference(TOP, time)
     assert rotation[2, 2] == pytest.approx(lowest, abs=1e-11) and lowest < TOP.rotation[2, 2] - 0.02
-    spin, rotation = DEMO.reference(TOP, 2 * time)
+    spin, rotation = tumbling.reference(TOP, 2 * time)
     assert rotation[2, 2] == pytest.approx(TOP.rotation[2, 2], abs=1e-11)
     assert np.abs(rotation @ [spin[0], spin[1], 0.0]).max() < 1e-9 and spin[2] == pytest.approx(10.0, abs=1e-11)
     assert time < DURATION                                     # orders are seen beyond the lowest point
 
 
 def observed(scheme, counts=(100, 200), **broken):
-    error = DEMO.errors(TOP, DURATION, counts, scheme, **broken)
+    error = tumbling.errors(TOP, DURATION, counts, scheme, **broken)
     return np.array([DEMO.order(counts, error[:, i]) for i in (0, 1)])
 
 
@@ -92,7 +94,7 @@ def test_energy_momentum_keeps_them_over_ten_thousand_steps():
     ("Newmark (1/4, 1/2)", 2e-5, 2e-4), ("generalised α, ρ∞ = 0.8", 3e-5, 2e-4),
     ("generalised α, ρ∞ = 0.5", 3e-4, 2e-3)])
 def test_drift_of_the_other_schemes(name, energy, momentum):
-    largest, _ = DEMO.drift(TOP, 0.01, 10_000, DEMO.SCHEMES[name])
+    largest, _ = DEMO.drift(TOP, 0.01, 10_000, tumbling.SCHEMES[name])
     assert energy / 10 < largest[0] < energy and momentum / 10 < largest[1] < momentum
 
 

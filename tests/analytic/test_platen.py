@@ -13,49 +13,28 @@ import functools
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
 
-from hybrid.build import build
-from hybrid.scene import Axis, Faces, Grid, Stage
-from scenes import box, elastic, scene
-
-YOUNG, LENGTH, PRESSED, AREA = 1e6, 0.8, 0.6, 0.64
-IDEAL = AREA * YOUNG * np.log(LENGTH / PRESSED) * LENGTH / PRESSED
+from hybrid.study.problems import platen
+from hybrid.study.problems.platen import AREA, IDEAL, YOUNG, in_series
 
 
 class Press:
     """The platen after its last step. pressed: area [m²] that the springs in touch stand for."""
 
     def __init__(self, penalty, **body):
-        axis = Axis(start=0.0, end=LENGTH, size=0.4)
-        body = box(1.2, 1.2, 0.4, position=(0.4, 0.4, 0.0), rest_on=LENGTH, velocity=(0.0, 0.0, -0.01), driven=("z",),
-                   held=("x", "y", "rx", "ry", "rz"), penalty=penalty, **body)
-        simulation = build(scene(
-            "platen", Grid(axis, axis, axis, Faces()), elastic(YOUNG), [body], 1.0, [Stage("press", 20)],
-            time={"inertia": False}, solver={"tolerance": 1e-8, "linear": "direct"}))
-        records = list(simulation.steps())
-        points, corners = simulation.state.points, simulation.state.contacts[0]
-        self.force = records[-1].bodies[0].contact_force[2]
-        self.height = corners.position[:, 2].max()
-        self.stress = points.stress[:, 2, 2].mean()
-        self.iterations = [r.iterations for r in records]
+        found = platen.press(penalty=penalty, solver={"tolerance": 1e-8, "linear": "direct"}, **body)
+        self.force, self.height, simulation = found.force, found.height, found.simulation
+        self.stress = simulation.state.points.stress[:, 2, 2].mean()
+        self.iterations = [r.iterations for r in found.records]
         contact = simulation.evaluation.contacts[0]
         self.gaps = contact.corners.gap
         self.pressed = sum(np.sum(part.force[:, 2] / -part.gap) for part in contact.parts) / (penalty * YOUNG)
-        self.error = records[-1].energies["error"] / records[-1].energies["drive"]
+        self.error = found.records[-1].energies["error"] / found.records[-1].energies["drive"]
 
 
 @functools.cache
 def press(penalty, **body):
     return Press(penalty, **body)
-
-
-def in_series(penalty, pressed=AREA):
-    """Force [N] and height [m] of soil and of contact springs over an area `pressed` in series."""
-    def force(height):
-        return AREA * YOUNG * np.log(LENGTH / height) * LENGTH / height
-    height = brentq(lambda l: penalty * YOUNG * pressed * (l - PRESSED) - force(l), PRESSED, LENGTH, xtol=1e-14)
-    return force(height), height
 
 
 @pytest.mark.parametrize("penalty", [50.0, 100.0, 1000.0, 10000.0])

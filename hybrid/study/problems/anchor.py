@@ -1,0 +1,111 @@
+"""A drag anchor is lowered onto loose sand, settles for a second and is dragged for 0.6 s, until its fluke digs in.
+
+The scene is demos/anchor.toml with a shorter drag; its solver's values count as default. No exact solution is known:
+errors are differences from a fine run, cells of 0.2 m, Δt = 0.02 s, tight tolerances, whose way of the centre of mass
+and line tension are kept in anchor_reference.json (`write_reference`). Errors much below what is left between that run
+and a finer one say only that two runs of this program agree.
+"""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from hybrid.build import build
+from hybrid.scene_file import load_scene
+from hybrid.study.record import Found
+from hybrid.study.steps import DEMOS, iterations, stepped, unknowns
+
+TITLE = "short anchor drag"
+ERRORS = {"trajectory": "rms distance of the anchor from the reference over the way of the line's far end [-]",
+          "tension": "|T/T_ref - 1| of the mean line tension over the drag [-]"}
+REFERENCE = Path(__file__).with_name("anchor_reference.json")
+SETTLE, DRAG, SPEED = 1.0, 0.6, 0.5     # [s], [s], [m/s] of the far end
+FINE = {    # [m] around the path, by size of the cells; all hold z = 0
+    0.4: ((-0.8, 3.6), (0.0, 1.6), (-1.2, 0.8)), 0.3: ((-0.6, 3.9), (0.0, 1.5), (-1.5, 0.9)),
+    0.25: ((-0.75, 3.75), (0.0, 1.5), (-1.5, 0.75)), 0.2: ((-0.6, 3.8), (0.0, 1.4), (-1.4, 0.8))}
+UNIFORM = {0.4: ((-2.4, 6.0), (0.0, 2.8), (-2.8, 1.6)), 0.3: ((-2.4, 6.0), (0.0, 2.7), (-2.7, 1.5))}
+TIGHT = {"tolerance": 1e-5, "linear_tolerance": 1e-4, "tangent_tolerance": 0.0}
+
+
+def curves(quick):
+    """Cells, and at 0.4 m what else the time goes into; quick: none, a run takes too long."""
+    if quick:
+        return {}
+    return {
+        "default": _cells((0.4, 0.3, 0.25, 0.2)),
+        "time step": [(f"Δt = {step:g} s", {"step": step}) for step in (0.1, 0.05, 0.02)],
+        "Newton tolerance": _solvers("tolerance", (1e-1, 1e-2, 1e-4)),
+        "tangent tolerance": _solvers("tangent_tolerance", (0.0, 0.5)),
+        "Krylov tolerance": [(f"{t:g}", {"solver": {"linear_tolerance": t, "loosest_tolerance": t}})
+                             for t in (1e-1, 1e-4)],
+        "direct solver": _cells((0.4,), solver={"linear": "direct"}),
+        "consistent tangent": _cells((0.4,), solver={"elastic_share": 0.0}),
+        "standard MPM": _cells((0.4, 0.3), soil={"basis": "mpm"}),
+        "GIMP, ghost": _cells((0.4, 0.3), soil={"ghost": 0.033}),
+        "penalty factor": [(f"p_f = {p:g} /m", {"body": {"penalty": p}}) for p in (10.0, 200.0)],
+        "augmented Lagrangian": _cells((0.4,), body={"enforcement": "augmented"}),
+        "uniform grid": _cells((0.4, 0.3), uniform=True)}
+
+
+def _cells(sizes, **values):
+    return [(f"h = {h:g} m", {"h": h, **values}) for h in sizes]
+
+
+def _solvers(name, values):
+    return [(f"{value:g}", {"solver": {name: value}}) for value in values]
+
+
+def scene(h=0.4, step=0.04, drag=DRAG, uniform=False, solver=(), soil=(), body=()):
+    """Scene with cells of `h` [m], steps of `step` [s] and a drag of `drag` [s]; uniform: no larger cells away from the
+    path; solver, soil, body: values of these tables that differ."""
+    given = load_scene(DEMOS / "anchor.toml")
+    if uniform:
+        axes = {name: replace(getattr(given.grid, name), start=start, end=end, size=h, fine=None)
+                for name, (start, end) in zip("xyz", UNIFORM[h])}
+    else:
+        axes = {name: replace(getattr(given.grid, name), size=h, fine=fine) for name, fine in zip("xyz", FINE[h])}
+    stages = [replace(stage, steps=round(time / step)) for stage, time in zip(given.stages, (SETTLE, drag))]
+    return replace(given, grid=replace(given.grid, **axes), soil=replace(given.soil, **dict(soil)),
+                   bodies=(replace(given.bodies[0], **dict(body)),), time=replace(given.time, step=step),
+                   stages=tuple(stages), solver=replace(given.solver, **dict(solver)))
+
+
+def dragged(**values):
+    """(simulation, records, wall time [s]) of a `scene`; raises StepError where a step fails."""
+    simulation = build(scene(**values))
+    return simulation, *stepped(simulation)
+
+
+def course(records):
+    """Time [s] since the pull began, place (n, 3) [m] of the centre of mass and line tension [N] (n,) of the drag."""
+    pulled = [record for record in records if record.stage == "drag"]
+    begun = max(record.time for record in records if record.stage == "settle")
+    bodies = [record.bodies[0] for record in pulled]
+    return (np.array([record.time - begun for record in pulled]), np.array([body.position for body in bodies]),
+            np.array([body.line_tension for body in bodies]))
+
+
+def write_reference():
+    """Run the reference and keep it: a quarter of an hour at the most."""
+    time, place, tension = course(dragged(h=0.2, step=0.02, solver=TIGHT)[1])
+    kept = {"time [s]": np.round(time, 6).tolist(), "place [m]": np.round(place, 6).tolist(),
+            "tension [N]": np.round(tension, 2).tolist()}
+    REFERENCE.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
+
+
+def missed(time, place, tension, reference):
+    """ERRORS of a course against the `reference` as it was written; its line lies between the times it has."""
+    known, way, pull = (np.array(reference[key]) for key in ("time [s]", "place [m]", "tension [N]"))
+    exact = np.stack([np.interp(time, known, along) for along in way.T], axis=1)
+    distance = np.sqrt(np.mean(np.sum((place - exact) ** 2, axis=1)))
+    mean = np.mean(pull[known <= time[-1] + 1e-9])
+    return {"trajectory": float(distance / (SPEED * time[-1])), "tension": float(abs(np.mean(tension) / mean - 1))}
+
+
+def solve(**values):
+    """Found of a drag; `values` are those of `scene`. Raises StepError where a step fails."""
+    simulation, records, seconds = dragged(**values)
+    reference = json.loads(REFERENCE.read_text(encoding="utf-8"))
+    return Found(missed(*course(records), reference), iterations(records), unknowns(simulation), seconds)

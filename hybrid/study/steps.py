@@ -1,0 +1,25 @@
+"""Steps of a built simulation with what a study counts of them; and where the scenes of the demos are."""
+
+from pathlib import Path
+from time import perf_counter
+
+ROOT = Path(__file__).parents[2]
+DEMOS, GEOMETRY = ROOT / "demos", ROOT / "geometry"
+
+
+def stepped(simulation):
+    """(Records of all its steps, wall time [s] of them). Raises StepError where one fails."""
+    begin = perf_counter()
+    records = list(simulation.steps())
+    return records, perf_counter() - begin
+
+
+def unknowns(simulation):
+    """Of soil and bodies together."""
+    modelled = simulation.sheet()["modelled"]
+    return modelled["soil unknowns"] + modelled["body unknowns"]
+
+
+def iterations(records):
+    """Newton iterations of all steps."""
+    return sum(record.iterations for record in records)

@@ -1,0 +1,19 @@
+"""What every problem of a study has to keep (hybrid.study.sweep), whatever it computes."""
+
+import json
+from inspect import signature
+
+
+def check(problem, takes=None):
+    """Curves have settings, quick ones are among them with the same values, which survive JSON and which solve, or
+    what it hands them to, takes."""
+    full, quick = problem.curves(False), problem.curves(True)
+    assert isinstance(problem.TITLE, str) and problem.ERRORS and "default" in full
+    for curve, settings in quick.items():
+        assert set(map(str, settings)) <= set(map(str, full[curve]))
+    for settings in full.values():
+        labels = [label for label, _ in settings]
+        assert labels and len(set(labels)) == len(labels)
+        for _, values in settings:
+            assert json.loads(json.dumps(values)) == values
+            signature(takes or problem.solve).bind(**values)
