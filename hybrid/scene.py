@@ -147,7 +147,7 @@ class Solver:
     tangent_tolerance  [-] change of a point's tangent within an increment, relative to Young's modulus times the root
                        of the residual, up to which it is not assembled again; 0: always. F-bar assembles all points
                        whatever it says
-    line_search        shorten a Newton update that does not halve the residual, where that lowers it further
+    line_search        shorten a Newton update that leaves more than 0.8 of the residual, where that lowers it further
     elastic_share      [-] of the elastic stiffness mixed into the plastic tangent. 0 is Newton's method; 0.1 saves
                        a tenth of the iterations of the anchor of 0.2 m cells and costs a tenth at 0.4 m
     """

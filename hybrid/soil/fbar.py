@@ -26,7 +26,8 @@ from numba import njit, prange
 
 from hybrid.soil.basis import Basis, support
 from hybrid.soil.forces import gradients
-from hybrid.soil.stiffness import find_stacks, free_components, scratch, spatial_tangent
+from hybrid.soil.stiffness import find_stacks, free_components, scratch
+from hybrid.soil.tangent import spatial_tangent
 
 
 def mean_basis(position, half, axes, basis):

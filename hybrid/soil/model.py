@@ -99,7 +99,7 @@ class Soil:
         self._kinematics = Kinematics(0 if held else n, fbar)
         self.tangent_tolerance = tangent_tolerance
         keeps = tangent_tolerance > 0.0 and not held and not fbar     # the tangent of F-bar is not linear in Â
-        self._kept = KeptStiffness(tangent_tolerance * law.young) if keeps else None
+        self._kept = KeptStiffness(tangent_tolerance, law.young) if keeps else None
 
     def on(self, grid, constants, law):
         """The same model of other points on another grid."""
@@ -148,8 +148,6 @@ class Soil:
         if len(failed):
             self.refusal = f"leaves the soil's law without a stress at {stray.listed(failed)}"
             return None
-        if self._share:
-            response.tangent[...] += self._share * (self._elastic - response.tangent)
         stress = from_principal(response.stress, strain.directions)
         volume = _of_those_in(step.points, self.constants.volume)
         force = internal_force(step.basis, step.slabs, self.grid.shape, strain, stress, volume)
@@ -168,7 +166,7 @@ class Soil:
             self.add_stiffness(step, trial, pattern, values)
             return
         volume = _of_those_in(step.points, self.constants.volume)
-        self._kept.update(step, self.grid.shape, trial.strain, trial.response.stress, trial.response.tangent, volume,
+        self._kept.update(step, self.grid.shape, trial.strain, trial.response.stress, self._tangent(trial), volume,
                           pattern, np.sqrt(min(error, 1.0)))
         values[...] = self._kept.values
         if step.cuts:
@@ -176,14 +174,19 @@ class Soil:
 
     def add_stiffness(self, step, trial, pattern, values):
         """Add the consistent tangent of `trial` to the soil block."""
-        volume = _of_those_in(step.points, self.constants.volume)
-        add_stiffness(step.basis, step.slabs, self.grid.shape, trial.strain, trial.response.stress,
-                      trial.response.tangent, volume, pattern, values)
+        volume, tangent = _of_those_in(step.points, self.constants.volume), self._tangent(trial)
+        add_stiffness(step.basis, step.slabs, self.grid.shape, trial.strain, trial.response.stress, tangent, volume,
+                      pattern, values)
         if self.fbar:
             fbar.add_stiffness(step, self.grid.shape, self.grid.collapsed, trial.strain, trial.response.stress,
-                               trial.response.tangent, volume, pattern, values)
+                               tangent, volume, pattern, values)
         if step.cuts:
             ghost.add_stiffness(step.cuts, self.grid, pattern, values)
+
+    def _tangent(self, trial):
+        """The law's D (n, 3, 3), with a share of the elastic one where it is not that."""
+        tangent = trial.response.tangent
+        return tangent + self._share * (self._elastic - tangent) if self._share else tangent
 
     def accept(self, step, trial, displacement, velocity_gain, acceleration, algorithmic=None):
         """New Points from nodal increments of displacement and velocity and from the new accelerations, all (N, 3)."""

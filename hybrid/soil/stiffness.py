@@ -2,12 +2,7 @@
 
     K_vw,ik   = Σ_p V0 g_v,j A_ijkl g_w,l           A_ijkl = ∂τ_ij/∂l_kl - τ_il δ_jk
 
-(formulation section 3; g, τ and V0 as in `hybrid.soil.forces`). In the principal frame of b_trial, with D = ∂τ_i/∂ε_j,
-
-    ∂τ_ii/∂l_kk = D_ik      ∂τ_ij/∂l_ij = b_j κ_ij      ∂τ_ij/∂l_ji = b_i κ_ij      κ_ij = (τ_i - τ_j)/(b_i - b_j)
-
-and κ_ij -> (D_ii - D_ij)/(2 b_i) where two principal values meet. These are all its entries, and it is symmetric in ij:
-that leaves 54 numbers to turn into the frame of the grid, one index at a time.
+(formulation section 3; g, τ and V0 as in `hybrid.soil.forces`, A in `hybrid.soil.tangent`).
 
 The nodes of a point that differ in z only are a *stack*: their free components are neighbours in every row of the
 matrix. So B_ij,q = V0 A_ijkl g_w,l is formed once for the free components q = (w, k) of a point, and a row takes
@@ -18,13 +13,16 @@ Within an increment ∇_n S is fixed, so a point's part of K is linear in the 81
     Â_imkn = ΔF^-1_mj A_ijkl ΔF^-1_nl        K_vw,ik = Σ_p V0 ∂_m S_v Â_imkn ∂_n S_w
 
 From one Newton iteration to the next these hardly change but in the few points that yield, so what has been assembled
-is kept, and only points whose Â has changed by more than a tolerance add the difference.
+is kept, and only points whose Â has changed by more than a tolerance add the difference. Where D is the same to the
+last bit, as in elastic soil, Â is a smooth function of ΔF alone and changes by no more than about 16 E times the change
+of ΔF^-1: most points are passed over for that, before their Â is formed.
 """
 
 import numpy as np
 from numba import njit, prange
 
 from hybrid.soil.forces import reference_gradients
+from hybrid.soil.tangent import pull_back, spatial_tangent
 
 CENTRE = 62  # place of a node itself in its 5x5x5 stencil
 # Unsigned indices: numba looks for a negative one at every access otherwise, which costs more than the addition.
@@ -32,7 +30,8 @@ ONE, TWO, THREE, FOUR, FIVE, SIX = (np.uintp(i) for i in range(1, 7))
 WIDTH = np.uintp(81)
 
 
-NOTHING = np.zeros((0, 9, 9)), np.zeros(0)
+SLOPE = 16.0     # of Â over ΔF^-1 in units of Young's modulus, at most
+NOTHING = np.zeros((0, 9, 9)), np.zeros((0, 2, 3, 3)), np.zeros(0), 0.0
 
 
 def add_stiffness(basis, slabs, shape, trial, principal_stress, tangent, volume, pattern, values):
@@ -41,13 +40,15 @@ def add_stiffness(basis, slabs, shape, trial, principal_stress, tangent, volume,
 
 
 class KeptStiffness:
-    """Tangent of one increment after another, brought up to date where it changes; limit: (n,) of Â [Pa].
+    """Tangent of one increment after another, brought up to date where Â changes by more than `tolerance` times Young's
+    modulus (n,) [Pa].
 
     values: its entries, of the pattern last used.
     """
 
-    def __init__(self, limit):
-        self._limit, self._tensors = limit, np.empty((len(limit), 9, 9))
+    def __init__(self, tolerance, young):
+        self._tolerance, self._limit = tolerance, tolerance * young
+        self._tensors, self._made_of = np.empty((len(young), 9, 9)), np.empty((len(young), 2, 3, 3))
         self._increment, self._pattern, self.values = None, None, np.zeros(0)
 
     def update(self, increment, shape, trial, principal_stress, tangent, volume, pattern, share=1.0):
@@ -60,18 +61,19 @@ class KeptStiffness:
             self._increment, self._pattern = increment, pattern
             self.values[...] = 0.0
         _add(increment.basis, increment.slabs, shape, trial, principal_stress, tangent, volume, pattern, self.values,
-             self._tensors, share * self._limit, fresh)
+             self._tensors, self._made_of, share * self._limit, share * self._tolerance / SLOPE, fresh)
 
 
-def _add(basis, slabs, shape, trial, principal_stress, tangent, volume, pattern, values, kept, limit, fresh):
+def _add(basis, slabs, shape, trial, principal_stress, tangent, volume, pattern, values, kept, made_of, limit, near,
+         fresh):
     _add_stiffness(slabs.order, slabs.start, basis.first, basis.count, basis.value, basis.slope, shape[1], shape[2],
                    trial.inverse, trial.strain, trial.directions, principal_stress, tangent, volume,
-                   pattern.dof, pattern.row, pattern.slot, pattern.indptr, values, kept, limit, fresh)
+                   pattern.dof, pattern.row, pattern.slot, pattern.indptr, values, kept, made_of, limit, near, fresh)
 
 
 @njit(cache=True, parallel=True)
 def _add_stiffness(order, start, first, count, value, slope, ny, nz, inverse, strain, directions, stress, tangent,
-                   volume, dof, row, slot, indptr, values, kept, limit, fresh):
+                   volume, dof, row, slot, indptr, values, kept, made_of, limit, near, fresh):
     slabs = len(start) - 1
     for colour in range(2):
         for pair in prange((slabs - colour + 1) // 2):
@@ -80,10 +82,14 @@ def _add_stiffness(order, start, first, count, value, slope, ny, nz, inverse, st
             A, work, B = np.empty((9, 9)), np.empty((2, 9, 9)), np.empty(9 * 81)
             for n in range(start[slab], start[slab + 1]):
                 p = order[n]
-                spatial_tangent(strain[p], directions[p], stress[p], tangent[p], A, work)
-                _pull_back(A, inverse[p], work[0])
-                if len(kept) > 0 and not _replace(kept[p], A, limit[p], fresh):
+                if not fresh and _unmoved(made_of[p], tangent[p], inverse[p], near):
                     continue
+                spatial_tangent(strain[p], directions[p], stress[p], tangent[p], A, work)
+                pull_back(A, inverse[p], work[0])
+                if len(kept) > 0:
+                    if not _replace(kept[p], A, limit[p], fresh):
+                        continue
+                    made_of[p, 0], made_of[p, 1] = tangent[p], inverse[p]
                 m = reference_gradients(p, first, count, value, slope, ny, nz, node, g)
                 stacks = free_components(count[p], node, dof, code, unknown, stack)
                 _contract(A, g, volume[p], unknown, stack[1, stacks], B)
@@ -95,19 +101,14 @@ def _add_stiffness(order, start, first, count, value, slope, ny, nz, inverse, st
                                          np.uintp(3 * i) * WIDTH, g[a, 0], g[a, 1], g[a, 2])
 
 
-@njit(cache=True, fastmath={"contract"})
-def _pull_back(A, inverse, work):
-    """Â of a point in place of its A."""
+@njit(cache=True)
+def _unmoved(made_of, tangent, inverse, near):
+    """Whether D of a point is that of its kept Â, and ΔF^-1 near it: made_of (2, 3, 3) has both."""
     for i in range(3):
-        for m in range(3):
-            for kl in range(9):
-                work[3 * i + m, kl] = (inverse[m, 0] * A[3 * i, kl] + inverse[m, 1] * A[3 * i + 1, kl]
-                                       + inverse[m, 2] * A[3 * i + 2, kl])
-    for im in range(9):
-        for k in range(3):
-            for n in range(3):
-                A[im, 3 * k + n] = (work[im, 3 * k] * inverse[n, 0] + work[im, 3 * k + 1] * inverse[n, 1]
-                                    + work[im, 3 * k + 2] * inverse[n, 2])
+        for j in range(3):
+            if tangent[i, j] != made_of[0, i, j] or abs(inverse[i, j] - made_of[1, i, j]) > near:
+                return False
+    return True
 
 
 @njit(cache=True)
@@ -170,70 +171,6 @@ def find_stacks(row, code, stack, stacks, slot, place):
         for s in range(stacks):
             place[s] = slot[row, stack[0, s] - code + CENTRE]
     return row >= 0
-
-
-@njit(cache=True, fastmath={"contract"})
-def spatial_tangent(strain, directions, stress, tangent, A, work):
-    """A_ijkl (9, 9) of one point, row 3i + j, column 3k + l; `work` is (2, 9, 9) scratch.
-
-    M holds ∂τ_ij/∂l_cd with ij in the frame of the grid, in the order xx yy zz xy xz yz, and cd in the principal one.
-    """
-    n, M, N = directions, work[0], work[1]
-    b = (np.exp(2 * strain[0]), np.exp(2 * strain[1]), np.exp(2 * strain[2]))
-    for c in range(3):
-        for s in range(3):
-            N[c, s] = n[s, c] * n[s, c]
-        N[c, 3], N[c, 4], N[c, 5] = n[0, c] * n[1, c], n[0, c] * n[2, c], n[1, c] * n[2, c]
-    for c in range(3):
-        for s in range(6):
-            M[4 * c, s] = tangent[0, c] * N[0, s] + tangent[1, c] * N[1, s] + tangent[2, c] * N[2, s]
-    tau = (stress[0] * N[0, 0] + stress[1] * N[1, 0] + stress[2] * N[2, 0],
-           stress[0] * N[0, 1] + stress[1] * N[1, 1] + stress[2] * N[2, 1],
-           stress[0] * N[0, 2] + stress[1] * N[1, 2] + stress[2] * N[2, 2],
-           stress[0] * N[0, 3] + stress[1] * N[1, 3] + stress[2] * N[2, 3],
-           stress[0] * N[0, 4] + stress[1] * N[1, 4] + stress[2] * N[2, 4],
-           stress[0] * N[0, 5] + stress[1] * N[1, 5] + stress[2] * N[2, 5])
-    for c in range(2):
-        for d in range(c + 1, 3):
-            if abs(strain[c] - strain[d]) > 1e-7:
-                kappa = (stress[c] - stress[d]) / (b[c] - b[d])
-            else:
-                kappa = 0.5 * (tangent[c, c] - tangent[c, d] + tangent[d, d] - tangent[d, c]) / (b[c] + b[d])
-            pair = (2 * n[0, c] * n[0, d], 2 * n[1, c] * n[1, d], 2 * n[2, c] * n[2, d],
-                    n[0, c] * n[1, d] + n[0, d] * n[1, c], n[0, c] * n[2, d] + n[0, d] * n[2, c],
-                    n[1, c] * n[2, d] + n[1, d] * n[2, c])
-            for s in range(6):
-                M[3 * c + d, s], M[3 * d + c, s] = b[d] * kappa * pair[s], b[c] * kappa * pair[s]
-    for c in range(3):
-        for l in range(3):
-            for s in range(6):
-                N[3 * c + l, s] = n[l, 0] * M[3 * c, s] + n[l, 1] * M[3 * c + 1, s] + n[l, 2] * M[3 * c + 2, s]
-    for k in range(3):
-        for l in range(3):
-            for s in range(6):
-                M[3 * k + l, s] = n[k, 0] * N[l, s] + n[k, 1] * N[3 + l, s] + n[k, 2] * N[6 + l, s]
-    _spread(M, tau, A)
-
-
-@njit(cache=True)
-def _spread(M, tau, A):
-    """All of A from what is symmetric in ij, less τ_il δ_jk."""
-    for kl in range(9):
-        A[0, kl], A[4, kl], A[8, kl] = M[kl, 0], M[kl, 1], M[kl, 2]
-        A[1, kl] = A[3, kl] = M[kl, 3]
-        A[2, kl] = A[6, kl] = M[kl, 4]
-        A[5, kl] = A[7, kl] = M[kl, 5]
-    xx, yy, zz, xy, xz, yz = tau
-    for j in range(3):
-        A[j, 3 * j] -= xx
-        A[j, 3 * j + 1] -= xy
-        A[j, 3 * j + 2] -= xz
-        A[3 + j, 3 * j] -= xy
-        A[3 + j, 3 * j + 1] -= yy
-        A[3 + j, 3 * j + 2] -= yz
-        A[6 + j, 3 * j] -= xz
-        A[6 + j, 3 * j + 1] -= yz
-        A[6 + j, 3 * j + 2] -= zz
 
 
 @njit(cache=True, fastmath={"contract"})
