@@ -15,8 +15,8 @@ def front(records, error, cost="time"):
 
 
 def excess(record, records, error, cost="time"):
-    """How many times the cost of the front a record takes for its error, 1 on it; inf where it failed."""
-    if record.failed:
+    """How many times the cost of the front a record takes for its error, 1 on it; inf where it failed or has none."""
+    if record.failed or not math.isfinite(record.errors.get(error, math.nan)):
         return math.inf
     reached = [r for r in front(records, error, cost) if r.errors[error] <= record.errors[error]]
     return getattr(record, cost) / min(getattr(r, cost) for r in reached)
