@@ -19,13 +19,12 @@ import sys
 from pathlib import Path
 
 import ladder_figures as figures
-import ladder_footing as footing
 import ladder_wave as wave
 import numpy as np
 
 from hybrid.errors import StepError
 from hybrid.study.problems import column as columns
-from hybrid.study.problems import cantilever, manufactured
+from hybrid.study.problems import cantilever, footing, manufactured
 
 OUT = Path("out/ladder")
 STANDARD = {"basis": "mpm", "domain": "none", "transfer": "increments"}

@@ -1,4 +1,4 @@
-"""A smooth rigid strip footing on weightless soil in plane strain against Prandtl's Nc (demos/ladder_footing.py).
+"""A smooth rigid strip footing on weightless soil in plane strain against Prandtl's Nc (hybrid/study/problems/footing.py).
 
 On 2, 4, 8 cells under half the footing, 20 steps:
 
@@ -12,20 +12,20 @@ Neither: still rising for φ = 0.
 import functools
 
 import pytest
-from demo_scripts import demo
 
-DEMO = demo("ladder_footing")
+from hybrid.study.problems import footing as ladder
+
 CURED, PLAIN = {"fbar": True}, {}      # options of the soil
 
 
 @functools.cache
 def press(angle, across, **options):
-    return DEMO.press(angle, across, **options)
+    return ladder.press(angle, across, **options)
 
 
 def excess(angle, across, **options):
     """Of the bearing capacity over Prandtl's, relative to that."""
-    return press(angle, across, **options).factor[-1] / DEMO.prandtl(angle) - 1
+    return press(angle, across, **options).factor[-1] / ladder.prandtl(angle) - 1
 
 
 def rise(angle, across, **options):
@@ -35,8 +35,8 @@ def rise(angle, across, **options):
 
 
 def test_reference_figures():
-    assert [DEMO.prandtl(a) for a in (0, 20, 30)] == pytest.approx([5.14159, 14.8347, 30.1396], rel=1e-5)
-    assert DEMO.prandtl(1e-4) == pytest.approx(DEMO.prandtl(0), rel=1e-5)
+    assert [ladder.prandtl(a) for a in (0, 20, 30)] == pytest.approx([5.14159, 14.8347, 30.1396], rel=1e-5)
+    assert ladder.prandtl(1e-4) == pytest.approx(ladder.prandtl(0), rel=1e-5)
 
 
 def test_elastic_stiffness_does_not_lock():
@@ -64,7 +64,7 @@ def test_the_ghost_penalty_steadies_it():
     """Soil that heaves beside the footing just reaches into empty cells: in wide and deep domains some runs stop there
     (four cells at φ = 0, step 14 of 20). A tenth of the usual penalty is enough for all."""
     found = press(0, 2, width=6.0, depth=3.0, ghost=0.0033, **CURED)
-    assert found.iterations < 110 and abs(found.factor[-1] / DEMO.prandtl(0) - 1) < 0.03
+    assert found.iterations < 110 and abs(found.factor[-1] / ladder.prandtl(0) - 1) < 0.03
 
 
 @pytest.mark.slow
