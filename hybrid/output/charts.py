@@ -22,7 +22,7 @@ class Series:
 
 @dataclass(frozen=True)
 class Panel:
-    """A problem: its name, what the error is, its curves and the front [(cost, error)]."""
+    """A problem: its name, which error, its curves and the front [(cost, error)]."""
 
     title: str
     error: str
@@ -39,7 +39,7 @@ def work_precision(path, panels, cost, mark):
             axes.set_title(f"({letter}) {panel.title}", loc="left", fontsize=9)
             axes.set_xlabel(cost, fontsize=7)
             axes.set_ylabel(panel.error, fontsize=7)
-            axes.tick_params(labelsize=6)
+            axes.tick_params(labelsize=6, which="both")
             _draw(axes, panel)
         for axes in drawing.axes[len(panels):]:
             axes.set_axis_off()

@@ -55,15 +55,15 @@ def draw(path, out):
 
 
 def panels(records, cost):
-    """Panel of each problem's first error."""
+    """Panel of the first error of each problem."""
     found = []
     for name in dict.fromkeys(r.problem for r in records):
         module, own = sweep.problem(name), [r for r in records if r.problem == name]
-        error, text = next(iter(module.ERRORS.items()))
+        error = next(iter(module.ERRORS))
         series = [_series(label, [r for r in own if r.curve == label], error, cost)
                   for label in dict.fromkeys(r.curve for r in own)]
         best = [(getattr(r, cost), r.errors[error]) for r in front.front(own, error, cost)]
-        found.append(Panel(module.TITLE, f"{error}: {text}", series, best))
+        found.append(Panel(module.TITLE, f"error of {error} [-]", series, best))
     return found
 
 
