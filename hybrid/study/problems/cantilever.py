@@ -18,10 +18,10 @@ dz/dZ = λ^-n. It drops 8.240 m, shortens 5.511 m. The difference goes with (H/L
 
 The load is shared by the last two columns of points, 3/2 and -1/2 of it, so that its line is the end face.
 
-Studied is the tip against the beam of Hencky fibres. That is a model itself: the finest grids settle 0.4 % away from it,
-and an error below that is chance. With a scene's defaults no run gets to its end: corners that just reach into a cell
-leave its nodes without stiffness, and a line search wants a residual to fall that has to rise first. So all curves but
-"default" have the ghost penalty, and no line search where they do not say so.
+Studied is the tip against the beam of Hencky fibres. That is a model itself: the finest grids settle 0.4 % away from
+it, and an error below that is chance. With a scene's defaults no run gets to its end: corners that just reach into a
+cell leave its nodes without stiffness, and a line search wants a residual to fall that has to rise first. So all curves
+but "default" have the ghost penalty, and no line search where they do not say so.
 """
 
 import functools

@@ -205,7 +205,7 @@ CELLS, FIXED, STEPS = (8, 16, 32, 64, 128, 256), 64, (16, 32, 64, 128, 256, 512)
 
 
 def curves(quick=False):
-    """{curve: [(setting, values of `solve`), ...]}; in steps of half a cell's share of the time where cells change."""
+    """{curve: [(setting, values of `solve`), ...]}; two steps to a cell unless a curve says else."""
     def over(cells=CELLS[:-1], ratio=2, **values):
         return [(f"h = {LENGTH / n:.3g} m", {"cells": n, "steps": round(ratio * n), **values}) for n in cells]
 
