@@ -7,7 +7,7 @@ from inspect import signature
 def check(problem, takes=None):
     """Curves have settings, quick ones are among them with the same values, which survive JSON and which solve, or
     what it hands them to, takes."""
-    full, quick = problem.curves(False), problem.curves(True)
+    full, quick = problem.curves(False), problem.curves(True)   # quick may be empty
     assert isinstance(problem.TITLE, str) and problem.ERRORS and "default" in full
     for curve, settings in quick.items():
         assert set(map(str, settings)) <= set(map(str, full[curve]))
