@@ -1,20 +1,24 @@
-"""What every problem of a study has to fulfil."""
+"""What every problem of a study has to keep (hybrid.study.sweep), whatever it computes."""
 
 import json
+from inspect import signature
 
 import numpy as np
 
 
-def labels_and_values(problem):
-    """Labels of quick settings are those of the full ones; values are what JSON gives back."""
-    full = problem.curves(False)
-    assert "default" in full and problem.TITLE and problem.ERRORS
-    for curve, settings in problem.curves(True).items():
-        assert dict(settings).items() <= dict(full[curve]).items()
+def check(problem, takes=None):
+    """Curves have settings, quick ones are among them with the same values, which survive JSON and which solve, or
+    what it hands them to, takes."""
+    full, quick = problem.curves(False), problem.curves(True)   # quick may be empty
+    assert isinstance(problem.TITLE, str) and problem.ERRORS and "default" in full
+    for curve, settings in quick.items():
+        assert set(map(str, settings)) <= set(map(str, full[curve]))
     for settings in full.values():
-        assert len(dict(settings)) == len(settings)
+        labels = [label for label, _ in settings]
+        assert labels and len(set(labels)) == len(labels)
         for _, values in settings:
             assert json.loads(json.dumps(values)) == values
+            signature(takes or problem.solve).bind(**values)
 
 
 def solved(problem, curve):

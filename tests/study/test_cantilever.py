@@ -38,4 +38,4 @@ def test_a_wrong_answer_is_seen(monkeypatch):
 
 
 def test_labels_and_values():
-    problem_checks.labels_and_values(cantilever)
+    problem_checks.check(cantilever)

@@ -35,7 +35,7 @@ def test_no_iterations_fail():
 
 
 def test_labels_and_values():
-    problem_checks.labels_and_values(column)
+    problem_checks.check(column)
 
 
 def test_the_peer_agrees():

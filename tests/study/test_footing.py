@@ -44,4 +44,4 @@ def test_a_graded_grid_has_fewer_unknowns():
 
 
 def test_labels_and_values():
-    problem_checks.labels_and_values(footing)
+    problem_checks.check(footing)

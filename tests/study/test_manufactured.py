@@ -45,4 +45,4 @@ def test_no_iterations_fail():
 
 
 def test_labels_and_values():
-    problem_checks.labels_and_values(manufactured)
+    problem_checks.check(manufactured)

@@ -5,7 +5,7 @@ import pytest
 
 from hybrid.errors import StepError
 from hybrid.study.problems import platen
-from study_contract import check
+from problem_checks import check
 
 
 def errors(error, *penalties, **values):

@@ -7,7 +7,7 @@ import pytest
 
 from hybrid.errors import StepError
 from hybrid.study.problems import sphere
-from study_contract import check
+from problem_checks import check
 
 
 @functools.cache

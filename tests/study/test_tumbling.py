@@ -8,7 +8,7 @@ import pytest
 from hybrid.body.motion import inertia_residual
 from hybrid.errors import StepError
 from hybrid.study.problems import tumbling
-from study_contract import check
+from problem_checks import check
 
 CURVES = tumbling.curves(False)
 
