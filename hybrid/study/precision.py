@@ -4,6 +4,7 @@ The records are all there is to the figures: `draw` needs no run, only their fil
 the program; its fronts are what a scene's `accuracy` is read from.
 """
 
+import math
 from pathlib import Path
 
 from hybrid.bench.stamp import stamp
@@ -60,8 +61,9 @@ def panels(records, cost):
     for name in dict.fromkeys(r.problem for r in records):
         module, own = sweep.problem(name), [r for r in records if r.problem == name]
         error = next(iter(module.ERRORS))
-        series = [_series(label, [r for r in own if r.curve == label], error, cost)
-                  for label in dict.fromkeys(r.curve for r in own)]
+        measured = [r for r in own if r.failed or math.isfinite(r.errors[error])]   # of other errors: not here
+        series = [_series(label, [r for r in measured if r.curve == label], error, cost)
+                  for label in dict.fromkeys(r.curve for r in measured)]
         best = [(getattr(r, cost), r.errors[error]) for r in front.front(own, error, cost)]
         found.append(Panel(module.TITLE, f"error of {error} [-]", series, best))
     return found

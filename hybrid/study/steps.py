@@ -1,10 +1,6 @@
-"""Steps of a built simulation with what a study counts of them; and where the scenes of the demos are."""
+"""Steps of a built simulation with what a study counts of them."""
 
-from pathlib import Path
 from time import perf_counter
-
-ROOT = Path(__file__).parents[2]
-DEMOS, GEOMETRY = ROOT / "demos", ROOT / "geometry"
 
 
 def stepped(simulation):

@@ -217,3 +217,16 @@ hybrid.cli.parser().format_help()
 print([name for name in {heavy} if name in sys.modules])
 """
     assert python("-c", code) == "[]\n"
+
+
+def test_study_runs_a_problem_draws_it_again_and_names_what_there_is(tmp_path, capsys):
+    assert cli.main(["study", "precision", "platen", "--quick", "--out", str(tmp_path)]) == 0
+    told = capsys.readouterr().out
+    assert "platen, augmented Lagrangian" in told and "times the front" in told
+    assert {"records.json", "time.png", "work.png"} <= {path.name for path in tmp_path.iterdir()}
+    (tmp_path / "time.png").unlink()
+    assert cli.main(["study", "precision", "--draw", "--out", str(tmp_path)]) == 0
+    assert (tmp_path / "time.png").exists()
+    assert cli.main(["study", "precision", "platform"]) == 2
+    assert "no such problem; there are column" in capsys.readouterr().err
+    assert cli.main(["study", "precision", "--draw", "--out", str(tmp_path / "none")]) == 2

@@ -12,10 +12,11 @@ from pathlib import Path
 
 import numpy as np
 
+from hybrid.bench.soils import DEMOS
 from hybrid.build import build
 from hybrid.scene_file import load_scene
 from hybrid.study.record import Found
-from hybrid.study.steps import DEMOS, iterations, stepped, unknowns
+from hybrid.study.steps import iterations, stepped, unknowns
 
 TITLE = "short anchor drag"
 ERRORS = {"trajectory": "rms distance of the anchor from the reference over the way of the line's far end [-]",

@@ -17,10 +17,10 @@ with F-bar, the ghost penalty and the direct solver, because the Krylov method b
 
 import time
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
+from hybrid.bench.soils import GEOMETRY
 from hybrid.build import build
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
 from hybrid.study.methods import few, krylov_tolerances, newton_tolerances
@@ -29,7 +29,6 @@ from hybrid.study.record import Found
 TITLE = "strip footing"
 ERRORS = {"Nc, φ = 20°": "|F / (B c) / Prandtl's Nc - 1|", "Nc, φ = 0": "|F / (B c) / Prandtl's Nc - 1|"}
 
-BOX = Path(__file__).parents[3] / "geometry" / "box.geo"
 COHESION, STIFFNESS, WIDTH = 1e3, 1e4, 2.0      # c [Pa], E/c, B [m]
 CURES = {"F-bar": {"fbar": True}, "F-bar, ghost": {"fbar": True, "ghost": 0.0033}, "plain": {}}
 
@@ -87,7 +86,7 @@ def press(angle, across, depth=2.0, width=4.0, settlement=None, steps=20, law=No
     grid = Grid(Axis(nodes=tuple(along)), Axis(start=0.0, end=thickness, collapsed=True),
                 Axis(nodes=(*-down[::-1], size)), Faces(**{"z_min": "fixed", **dict(faces)}))
     footing = Body(
-        name="footing", geometry=BOX, density=1000.0,
+        name="footing", geometry=GEOMETRY / "box.geo", density=1000.0,
         parameters={"length": WIDTH, "width": 3 * thickness, "height": 0.5 * WIDTH, "size": 10 * WIDTH},
         position=(0.0, 0.5 * thickness, 0.0), rest_on=0.0, driven=("z",), held=("x", "y", "rx", "ry", "rz"),
         velocity=(0.0, 0.0, -settlement * WIDTH / steps), **{"penalty": 100.0, **dict(body)})

@@ -12,10 +12,11 @@ from math import log, nan
 
 from scipy.optimize import brentq
 
+from hybrid.bench.soils import GEOMETRY
 from hybrid.build import build
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
 from hybrid.study.record import Found
-from hybrid.study.steps import GEOMETRY, iterations, stepped, unknowns
+from hybrid.study.steps import iterations, stepped, unknowns
 
 TITLE = "platen on a cube"
 ERRORS = {"force": "|F/F_ideal - 1| on the platen at its lowest, F_ideal without overlap [-]",

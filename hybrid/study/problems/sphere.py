@@ -13,11 +13,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from hybrid.bench.soils import DEMOS
 from hybrid.build import build
 from hybrid.scene_file import load_scene
 from hybrid.simulation import Simulation
 from hybrid.study.record import Found
-from hybrid.study.steps import DEMOS, iterations, stepped, unknowns
+from hybrid.study.steps import iterations, stepped, unknowns
 
 TITLE = "rolling sphere"
 ERRORS = {"distance": "|d/d_exact - 1| after 1 s, rms over μ = 0.2, 0.4 and two starts [-]",
