@@ -280,10 +280,12 @@ def _stage_starts(history):
 
 
 def _mark_stages(axes, history):
-    starts = _stage_starts(history)
+    starts, last, line = _stage_starts(history), 0.0, 0
     for i in starts if len(starts) > 1 else []:
         begin = history["time_s"][i - 1] if i else 0.0
+        line = line + 1 if 0.0 < begin - last < 0.15 * history["time_s"][-1] else 0   # no room beside the last name
+        last = begin
         if i:
             axes.axvline(begin, color="#888888", linewidth=0.7, linestyle=(0, (4, 3)))
-        axes.annotate(history["stage"][i], (begin, 1), (3, -3), xycoords=("data", "axes fraction"),
+        axes.annotate(history["stage"][i], (begin, 1), (3, -3 - 9 * line), xycoords=("data", "axes fraction"),
                       textcoords="offset points", ha="left", va="top", fontsize=8, color="#555555")
