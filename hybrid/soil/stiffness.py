@@ -13,9 +13,7 @@ Within an increment ∇_n S is fixed, so a point's part of K is linear in the 81
     Â_imkn = ΔF^-1_mj A_ijkl ΔF^-1_nl        K_vw,ik = Σ_p V0 ∂_m S_v Â_imkn ∂_n S_w
 
 From one Newton iteration to the next these hardly change but in the few points that yield, so what has been assembled
-is kept, and only points whose Â has changed by more than a tolerance add the difference. Where D is the same to the
-last bit, as in elastic soil, Â is a smooth function of ΔF alone and changes by no more than about 16 E times the change
-of ΔF^-1: most points are passed over for that, before their Â is formed.
+is kept, and only points whose Â has changed by more than a tolerance add the difference.
 """
 
 import numpy as np
@@ -30,8 +28,7 @@ ONE, TWO, THREE, FOUR, FIVE, SIX = (np.uintp(i) for i in range(1, 7))
 WIDTH = np.uintp(81)
 
 
-SLOPE = 16.0     # of Â over ΔF^-1 in units of Young's modulus, at most
-NOTHING = np.zeros((0, 9, 9)), np.zeros((0, 2, 3, 3)), np.zeros(0), 0.0
+NOTHING = np.zeros((0, 9, 9)), np.zeros(0)
 
 
 def add_stiffness(basis, slabs, shape, trial, principal_stress, tangent, volume, pattern, values):
@@ -47,8 +44,7 @@ class KeptStiffness:
     """
 
     def __init__(self, tolerance, young):
-        self._tolerance, self._limit = tolerance, tolerance * young
-        self._tensors, self._made_of = np.empty((len(young), 9, 9)), np.empty((len(young), 2, 3, 3))
+        self._limit, self._tensors = tolerance * young, np.empty((len(young), 9, 9))
         self._increment, self._pattern, self.values = None, None, np.zeros(0)
 
     def update(self, increment, shape, trial, principal_stress, tangent, volume, pattern, share=1.0):
@@ -61,19 +57,18 @@ class KeptStiffness:
             self._increment, self._pattern = increment, pattern
             self.values[...] = 0.0
         _add(increment.basis, increment.slabs, shape, trial, principal_stress, tangent, volume, pattern, self.values,
-             self._tensors, self._made_of, share * self._limit, share * self._tolerance / SLOPE, fresh)
+             self._tensors, share * self._limit, fresh)
 
 
-def _add(basis, slabs, shape, trial, principal_stress, tangent, volume, pattern, values, kept, made_of, limit, near,
-         fresh):
+def _add(basis, slabs, shape, trial, principal_stress, tangent, volume, pattern, values, kept, limit, fresh):
     _add_stiffness(slabs.order, slabs.start, basis.first, basis.count, basis.value, basis.slope, shape[1], shape[2],
                    trial.inverse, trial.strain, trial.directions, principal_stress, tangent, volume,
-                   pattern.dof, pattern.row, pattern.slot, pattern.indptr, values, kept, made_of, limit, near, fresh)
+                   pattern.dof, pattern.row, pattern.slot, pattern.indptr, values, kept, limit, fresh)
 
 
 @njit(cache=True, parallel=True)
 def _add_stiffness(order, start, first, count, value, slope, ny, nz, inverse, strain, directions, stress, tangent,
-                   volume, dof, row, slot, indptr, values, kept, made_of, limit, near, fresh):
+                   volume, dof, row, slot, indptr, values, kept, limit, fresh):
     slabs = len(start) - 1
     for colour in range(2):
         for pair in prange((slabs - colour + 1) // 2):
@@ -82,14 +77,10 @@ def _add_stiffness(order, start, first, count, value, slope, ny, nz, inverse, st
             A, work, B = np.empty((9, 9)), np.empty((2, 9, 9)), np.empty(9 * 81)
             for n in range(start[slab], start[slab + 1]):
                 p = order[n]
-                if not fresh and _unmoved(made_of[p], tangent[p], inverse[p], near):
-                    continue
                 spatial_tangent(strain[p], directions[p], stress[p], tangent[p], A, work)
                 pull_back(A, inverse[p], work[0])
-                if len(kept) > 0:
-                    if not _replace(kept[p], A, limit[p], fresh):
-                        continue
-                    made_of[p, 0], made_of[p, 1] = tangent[p], inverse[p]
+                if len(kept) > 0 and not _replace(kept[p], A, limit[p], fresh):
+                    continue
                 m = reference_gradients(p, first, count, value, slope, ny, nz, node, g)
                 stacks = free_components(count[p], node, dof, code, unknown, stack)
                 _contract(A, g, volume[p], unknown, stack[1, stacks], B)
@@ -99,16 +90,6 @@ def _add_stiffness(order, start, first, count, value, slope, ny, nz, inverse, st
                             if dof[node[a], i] >= 0:
                                 _add_row(values, indptr[dof[node[a], i]], place, stack, stacks, B,
                                          np.uintp(3 * i) * WIDTH, g[a, 0], g[a, 1], g[a, 2])
-
-
-@njit(cache=True)
-def _unmoved(made_of, tangent, inverse, near):
-    """Whether D of a point is that of its kept Â, and ΔF^-1 near it: made_of (2, 3, 3) has both."""
-    for i in range(3):
-        for j in range(3):
-            if tangent[i, j] != made_of[0, i, j] or abs(inverse[i, j] - made_of[1, i, j]) > near:
-                return False
-    return True
 
 
 @njit(cache=True)

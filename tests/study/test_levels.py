@@ -12,6 +12,7 @@ from hybrid.build import build
 from hybrid.errors import SceneError
 from hybrid.scene import Axis, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
 from hybrid.study import levels as found
+from hybrid.study import precision, record
 from hybrid.study.record import Record
 
 HEIGHT, YOUNG, DENSITY = 10.0, 1e4, 80.0
@@ -99,6 +100,12 @@ def test_a_failure_ends_what_is_allowed():
     failed = Record("a", "Newton tolerance", "1e-4", {}, reason="no")
     kept = [r for r in records() if r.key != failed.key] + [failed]
     assert found.loosest(kept, "Newton tolerance", 0.05) == 1e-6
+    too_tight = Record("a", "Newton tolerance", "1e-16", {}, reason="no")
+    assert found.loosest([*records(), too_tight], "Newton tolerance", 0.05) == 1e-3
+
+
+def test_the_levels_that_ship_are_those_of_the_records_that_ship():
+    assert levels.levels() == found.made(record.load(precision.RECORDED)[1])
 
 
 def test_levels_are_written_as_they_are_read(tmp_path, monkeypatch):
