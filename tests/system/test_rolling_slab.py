@@ -20,7 +20,7 @@ def missed(mu, changes):
     return np.abs(DEMO.errors(mu, simulation, simulation.initial_bodies[0].position[0]))
 
 
-@pytest.mark.parametrize("mu", [0.2, 0.4])
+@pytest.mark.parametrize("mu", [pytest.param(0.2, marks=pytest.mark.slow), 0.4])
 def test_the_first_tenths_of_a_second_on_coarse_facets(mu):
     """40 steps, on facets of 0.1 m (of 0.025 m in the demo): where a sphere of facets is put down it rocks."""
     distance, spin = missed(mu, ["stage.1.steps=40", "stage.0.steps=15", "body.0.parameters.size=0.1", "grid.x.end=4",

@@ -91,12 +91,13 @@ def test_the_floor_of_the_first_pass_is_its_lattice_of_corners():
     assert (spread(True) < 0.3 * spread(False)).all()
 
 
-@pytest.mark.parametrize("mu", FRICTION)
+@pytest.mark.parametrize("mu", [pytest.param(mu, marks=pytest.mark.slow) if mu < 0.4 else mu for mu in FRICTION])
 def test_quarter_of_the_spacing(mu):
     distance, spin = ride(4, mu).errors
     assert distance < 0.5 and spin < 1.5
 
 
+@pytest.mark.slow   # tests/study/test_sphere.py has it over the first halving
 def test_errors_fall_with_spacing_and_facets():
     assert (scatter(4, shifts=(0.0,)) < scatter(1) / 3).all()
 
