@@ -39,6 +39,7 @@ def test_shape_comes_back_upside_down():
     assert missed[1] < missed[0] and missed[1] < 0.25
 
 
+@pytest.mark.slow
 def test_energy_is_lost_in_the_transfer_alone():
     """Newmark's (1/4, 1/2) damps nothing. What the transfer loses falls faster than h²; it is never a gain. Affine
     transfer loses a third of what increments do at half the Courant number, whatever the step; theirs goes with Δt."""

@@ -82,6 +82,7 @@ def test_paper_resolution_with_the_second_pass(mu):
     assert found.air == 0
 
 
+@pytest.mark.slow
 def test_the_floor_of_the_first_pass_is_its_lattice_of_corners():
     """Where the ride starts within the lattice changes the outcome by percents; of the second pass hardly anything."""
     def spread(samples):
