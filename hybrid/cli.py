@@ -7,6 +7,7 @@ Exit codes: 0 done, 2 wrong arguments or an error the user can act on, 130 inter
 
 import argparse
 import sys
+from importlib import import_module
 from pathlib import Path
 
 from hybrid.bench import CASES
@@ -53,12 +54,12 @@ def parser():
     sub.add_argument("--out", type=Path, metavar="FILE.json", help="write what is measured, with machine and versions")
     sub.add_argument("--peer", type=Path, metavar="PYTHON", help="a Python with Kratos MPM, to run beside in `block`")
 
-    sub = _command(commands, "study", study, "chart speed against accuracy over known answers")
-    sub.add_argument("study", choices=["precision"], metavar="STUDY", help="precision: error against cost")
+    sub = _command(commands, "study", study, "chart speed against accuracy, or where methods fail")
+    sub.add_argument("study", choices=["precision", "failure"], metavar="STUDY",
+                     help="precision: error against cost; failure: known ways to fail, with plain method and remedy")
     sub.add_argument("problems", nargs="*", metavar="PROBLEM", default=[], help="some of its problems (default: all)")
     sub.add_argument("--quick", action="store_true", help="a few settings of each problem, once")
-    sub.add_argument("--out", type=Path, metavar="DIR", default=Path("out/precision"),
-                     help="folder of records and figures (default: out/precision)")
+    sub.add_argument("--out", type=Path, metavar="DIR", help="folder of records and figures (default: out/STUDY)")
     sub.add_argument("--resume", action="store_true", help="keep the records of the folder and measure the others")
     sub.add_argument("--draw", action="store_true", help="draw the figures from the folder's records, run nothing")
 
@@ -155,22 +156,23 @@ def bench(options):
 
 
 def study(options):
-    """`hybrid study`: records of every problem, figures, and the place of every curve behind the front."""
+    """`hybrid study`: records of every problem, figures, and a table: of precision, each curve's place behind the
+    front; of failure, how often each method does what."""
     from hybrid.bench.table import table
     from hybrid.kernels import announced
-    from hybrid.study import precision
 
-    path = options.out / "records.json"
+    chosen, out = import_module(f"hybrid.study.{options.study}"), options.out or Path("out") / options.study
+    path = out / "records.json"
     if options.draw and not path.is_file():
         raise SceneError(f"--draw: there is no {path}; run the study first, or name its folder by --out")
     with announced():
         if options.draw:
-            records = precision.record.load(path)[1]
-            print(*precision.draw(path, options.out), sep="\n")
+            records = chosen.load(path)[1]
+            print(*chosen.draw(path, out), sep="\n")
         else:
-            records = precision.run(options.problems, options.quick, options.out, options.resume,
-                                    lambda text: print(text, flush=True))
-    print(table(precision.table(records)))
+            records = chosen.run(options.problems, options.quick, out, options.resume,
+                                 lambda text: print(text, flush=True))
+    print(table(chosen.table(records)))
 
 
 def mesh(options):

@@ -8,6 +8,7 @@ from hybrid import timing
 from hybrid.body import rigid
 from hybrid.body.attitude import quaternion
 from hybrid.errors import HybridError
+from hybrid.limits import near
 from hybrid.output.record import BodyRecord, Record
 from hybrid.sheet import model_sheet
 from hybrid.stepping import newton
@@ -58,7 +59,9 @@ class Simulation:
 
     def sheet(self):
         """What is modelled and what is left out, with sizes: {section: {label: value}}."""
-        return model_sheet(self.scene, self.model, self.imbalance, self.level)
+        warned = near(self.scene, self.model)
+        return {**model_sheet(self.scene, self.model, self.imbalance, self.level),
+                **({"near a limit": list(warned)} if warned else {})}
 
     def contact_forces(self, b):
         """Force of the soil on each surface vertex of body b at the last accepted step, (V, 3) [N]."""
@@ -163,7 +166,9 @@ class Simulation:
 
     def _initial_notes(self):
         """What is told once, with the first step of all."""
-        if self.imbalance is None or self.state.step != 1:
+        if self.state.step != 1:
             return ()
-        stage = self.scene.stages[0]
-        return self.imbalance.notes(stage, self.model.scheme.with_pair(stage.beta, stage.gamma))
+        warned, stage = near(self.scene, self.model), self.scene.stages[0]
+        if self.imbalance is None:
+            return warned
+        return warned + self.imbalance.notes(stage, self.model.scheme.with_pair(stage.beta, stage.gamma))

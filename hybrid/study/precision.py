@@ -11,6 +11,7 @@ from hybrid.bench.stamp import stamp
 from hybrid.errors import SceneError
 from hybrid.output.charts import Panel, Series, work_precision
 from hybrid.study import front, record, sweep
+from hybrid.study.record import load
 
 PROBLEMS = ("column", "manufactured", "cantilever", "sphere", "platen", "tumbling", "footing", "anchor")
 RECORDED = Path(__file__).with_name("precision.json")
@@ -27,7 +28,7 @@ def run(names=(), quick=False, out=Path("out/precision"), resume=False, tell=pri
     if unknown := [name for name in names if name not in PROBLEMS]:
         raise SceneError(f"study precision {unknown[0]}: no such problem; there are {', '.join(PROBLEMS)}")
     path, marks = Path(out) / "records.json", {"quick": quick, **stamp()}
-    records = record.load(path)[1] if resume and path.is_file() else []
+    records = load(path)[1] if resume and path.is_file() else []
     known = {r.key for r in records}
     for name in names:
         module, begun = sweep.problem(name), False
@@ -50,7 +51,7 @@ def run(names=(), quick=False, out=Path("out/precision"), resume=False, tell=pri
 
 def draw(path, out):
     """Figures of a file of records in the folder `out`, one for each cost; returns their paths."""
-    marks, records = record.load(path)
+    marks, records = load(path)
     return [work_precision(Path(out) / f"{cost}.png", panels(records, cost), text, _mark(marks))
             for cost, text in COSTS.items()]
 

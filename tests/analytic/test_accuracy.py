@@ -22,7 +22,7 @@ from hybrid.stepping.accuracy import leading_factor, turn_error
 from hybrid.study.problems import tumbling
 from hybrid.system.cache import Systems
 from hybrid.system.equations import Step
-from scenes import SCHEMES, box, elastic, plane, scene, sphere
+from hybrid.study.scenes import SCHEMES, box, elastic, plane, scene, sphere
 
 RULES = {"newmark": Scheme.newmark(), "stiffer": Scheme.newmark(0.4, 0.5), "alpha 0.8": Scheme.generalised_alpha(0.8),
          "alpha 0": Scheme.generalised_alpha(0.0)}

@@ -11,7 +11,7 @@ import pytest
 
 from hybrid.build import build
 from hybrid.scene import Pull
-from scenes import box, plane, sphere
+from hybrid.study.scenes import box, plane, sphere
 
 G, MU, SETTLE = 9.81, 0.3, 30
 BOTH = [pytest.param(0.0, id="first pass"), pytest.param(1.0, id="second pass")]

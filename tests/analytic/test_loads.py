@@ -7,7 +7,7 @@ from hybrid.build import build
 from hybrid.errors import SceneError
 from hybrid.scene import Axis, Grid, Stage
 from hybrid.stepping.energy import balance_error, energies
-from scenes import FREE, elastic, scene, steel
+from hybrid.study.scenes import FREE, elastic, scene, steel
 
 AXIS = Axis(start=-1.0, end=1.2, size=0.2)
 GRAVITY = np.array([1.0, 0.5, -9.81])

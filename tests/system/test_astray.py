@@ -12,7 +12,7 @@ from hybrid.soil import stray
 from hybrid.soil.basis import evaluate_basis
 from hybrid.soil.grid import FACES, make_grid
 from hybrid.state import Points
-from scenes import FREE, elastic, scene
+from hybrid.study.scenes import FREE, elastic, scene
 
 AXIS = Axis(start=0.0, end=2.0, size=0.2)
 CASES = ["freeze", "remove"]

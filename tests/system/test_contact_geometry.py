@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scenes import steel, driven, soil_scene
+from hybrid.study.scenes import steel, driven, soil_scene
 from scipy.optimize import brentq
 
 from hybrid.build import build

@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 
 from hybrid.build import build
 from hybrid.scene import Axis, Faces, Grid, Pull, Stage
-from scenes import SCHEMES, box, elastic, plane, scene
+from hybrid.study.scenes import SCHEMES, box, elastic, plane, scene
 
 STEP, STEPS = 0.01, 12
 every_scheme = pytest.mark.parametrize("options", SCHEMES.values(), ids=SCHEMES)

@@ -1,7 +1,7 @@
 """An impact within one step of undamped Newmark makes energy out of nothing: it is said once, with remedies."""
 
 import pytest
-from scenes import box, plane, soil_scene, steel
+from hybrid.study.scenes import box, plane, soil_scene, steel
 
 from hybrid.build import build
 from hybrid.scene import Solver, Time

@@ -4,7 +4,7 @@ import io
 import json
 
 import pytest
-from scenes import steel, driven, soil_scene
+from hybrid.study.scenes import steel, driven, soil_scene
 
 from hybrid.build import build
 from hybrid.output.progress import Progress

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scenes import soil_scene
+from hybrid.study.scenes import soil_scene
 
 from hybrid.body import mass, mesh
 from hybrid.body.closest import closest, gap_geometry

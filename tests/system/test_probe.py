@@ -17,7 +17,7 @@ from hybrid.build import build
 from hybrid.probe import PARTS, probe
 from hybrid.scene import Solver
 from hybrid.scene_file import load_scene
-from scenes import plane, soil_scene, sphere
+from hybrid.study.scenes import plane, soil_scene, sphere
 
 ROOT = Path(__file__).parents[2]
 COARSE = [f"grid.{axis}.{key}" for axis, fine in (("x", "[-0.8, 3.6]"), ("y", "[0.0, 1.6]"), ("z", "[-1.2, 0.8]"))
@@ -76,7 +76,7 @@ from hybrid.build import build
 from hybrid.probe import peak_memory, probe
 from hybrid.scene import Solver
 from hybrid.sheet import LIBRARIES
-from scenes import soil_scene
+from hybrid.study.scenes import soil_scene
 
 def block(cells, linear):
     width = 0.1 * cells

@@ -3,7 +3,7 @@
 from types import SimpleNamespace
 
 import pytest
-from scenes import GEOMETRY, scene
+from hybrid.study.scenes import GEOMETRY, scene
 
 from hybrid.build import build
 from hybrid.scene import Axis, Body, Faces, Grid, Stage

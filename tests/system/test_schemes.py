@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import hybrid
-import scenes
+from hybrid.study import scenes
 from hybrid.body.attitude import exp_so3
 from hybrid.build import build
 from hybrid.errors import StepError

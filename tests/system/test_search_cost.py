@@ -8,7 +8,7 @@ from time import perf_counter
 
 import numpy as np
 import pytest
-from scenes import steel, soil_scene
+from hybrid.study.scenes import steel, soil_scene
 
 from hybrid.build import build
 from hybrid.contact.pair import Pair

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scenes import FREE, steel, soil_scene
+from hybrid.study.scenes import FREE, steel, soil_scene
 
 from hybrid.build import build
 from hybrid.scene import Axis, Body, Solver, Time

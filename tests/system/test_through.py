@@ -5,7 +5,7 @@ At 5 m/s a step of 0.03 s goes 150 mm; the plates are 40 and 5 mm thick, and sta
 
 import numpy as np
 import pytest
-from scenes import steel, soil_scene
+from hybrid.study.scenes import steel, soil_scene
 
 from hybrid.build import build
 from hybrid.contact import passage

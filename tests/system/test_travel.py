@@ -12,7 +12,7 @@ from hybrid.running import run
 from hybrid.scene import Axis, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
 from hybrid.scene_file import validate
 from hybrid.state import ContactHistory
-from scenes import box
+from hybrid.study.scenes import box
 
 SAND = Material(law="drucker-prager", relative_density=38.0)
 ELASTIC = Material(law="hencky", young=2e6, poisson=0.3, density=1800.0)

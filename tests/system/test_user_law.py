@@ -11,7 +11,7 @@ from hybrid.build import build
 from hybrid.errors import LawError, SceneError, StepError
 from hybrid.laws.hencky import Hencky
 from hybrid.scene import Material
-from scenes import elastic, soil_scene
+from hybrid.study.scenes import elastic, soil_scene
 
 DEMO = demo("user_law")
 

@@ -11,7 +11,7 @@ from hybrid.system.cache import Systems
 from hybrid.system.equations import Step
 from hybrid.system.near import SHARE, Near
 from hybrid.system.petsc import BlockSystem
-from scenes import soil_scene
+from hybrid.study.scenes import soil_scene
 
 
 def filled(n, m, linear, tolerance=1e-12, seed=0):

@@ -12,7 +12,7 @@ from hybrid.scene import Axis, Material, Time
 from hybrid.scene_file import load_scene
 from hybrid.system.cache import Systems
 from hybrid.system.equations import Step
-from scenes import plane, soil_scene, sphere
+from hybrid.study.scenes import plane, soil_scene, sphere
 
 DEMOS = Path(__file__).parents[2] / "demos"
 

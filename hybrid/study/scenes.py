@@ -1,10 +1,8 @@
-"""Scenes that several tests start from."""
+"""Small scenes that studies and tests start from."""
 
-from pathlib import Path
-
+from hybrid.bench.soils import GEOMETRY
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
 
-GEOMETRY = Path(__file__).parents[1] / "geometry"
 ROLLERS = Faces(z_min="fixed")
 FREE = Faces(*["free"] * 6)
 SCHEMES = {    # values of the time table

@@ -1,0 +1,3 @@
+"""Limits of bodies and of their contact with soil."""
+
+LIMITS = ()

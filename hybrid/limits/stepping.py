@@ -1,0 +1,3 @@
+"""Limits of time steps, schemes and loads."""
+
+LIMITS = ()

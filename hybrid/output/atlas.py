@@ -1,0 +1,102 @@
+"""Maps of outcomes: which method holds where, over one parameter or two."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hybrid.output.figures import PAGE, figure
+
+# Told apart in grey too: the worse, the darker; what fails silently is crossed besides.
+LOOKS = {"right": "#cfe8d5", "degraded": "#f2d479", "said": "#6f9fc8", "silent": "#9c2a1c"}
+WORDS = {"right": "right", "degraded": "degraded", "said": "failed and said so", "silent": "failed silently"}
+MISSING = "#ffffff"
+
+
+@dataclass(frozen=True)
+class Map:
+    """A case: its title, its one or two parameters, {method: {setting: kind}}, and which method is the default."""
+
+    title: str
+    parameters: tuple
+    kinds: dict
+    default: str
+
+
+def draw_atlas(path, maps, mark):
+    """A panel a case over one parameter, a row a method in it, two panels abreast; `mark` in the corner."""
+    rows = (len(maps) + 1) // 2
+    pairs = [maps[i:i + 2] for i in range(0, len(maps), 2)]
+    heights = [max(len(m.kinds) for m in pair) + 2.6 for pair in pairs]
+    with figure(path, PAGE, 0.135 * sum(heights) + 0.35) as drawing:
+        panels = drawing.subplots(rows, 2, squeeze=False, gridspec_kw={"height_ratios": heights})
+        for number, (axes, case) in enumerate(zip(panels.ravel(), maps)):
+            settings = list(dict.fromkeys(s for kinds in case.kinds.values() for s in kinds))
+            _paint(axes, [[kinds.get(s) for s in settings] for kinds in case.kinds.values()])
+            _title(axes, number, case.title)
+            axes.set_xticks(range(len(settings)), [_label(s[0]) for s in settings], fontsize=5.5)
+            axes.set_xlabel(case.parameters[0], fontsize=6, labelpad=1)
+            _methods(axes, case)
+        _finish(drawing, panels.ravel()[len(maps):], mark)
+    return path
+
+
+def draw_maps(path, maps, mark):
+    """A row a case over two parameters, a panel a method in it."""
+    columns = max(len(m.kinds) for m in maps)
+    with figure(path, PAGE, 1.9 * len(maps) + 0.35) as drawing:
+        panels = drawing.subplots(len(maps), columns, squeeze=False)
+        unused = []
+        for number, (row, case) in enumerate(zip(panels, maps)):
+            first, second = (list(dict.fromkeys(s[i] for kinds in case.kinds.values() for s in kinds)) for i in (0, 1))
+            for axes, (method, kinds) in zip(row, case.kinds.items()):
+                _paint(axes, [[kinds.get((a, b)) for a in first] for b in second])
+                _title(axes, number, f"{case.title}: {method}" + " (default)" * (method == case.default))
+                axes.set_xticks(range(len(first)), [_label(a) for a in first], fontsize=5.5)
+                axes.set_yticks(range(len(second)), [_label(b) for b in second], fontsize=5.5)
+                axes.set_xlabel(case.parameters[0], fontsize=6, labelpad=1)
+                axes.set_ylabel(case.parameters[1], fontsize=6, labelpad=1)
+            unused += list(row[len(case.kinds):])
+        _finish(drawing, unused, mark)
+    return path
+
+
+def _paint(axes, kinds):
+    """Squares of the kinds, a list of rows; None where nothing was tried."""
+    shown = np.array([[_colour(LOOKS.get(kind, MISSING)) for kind in row] for row in kinds], np.uint8)
+    axes.imshow(shown, aspect="auto", interpolation="nearest")
+    y, x = np.nonzero([[kind == "silent" for kind in row] for row in kinds])
+    axes.plot(x, y, "x", color="white", markersize=3, markeredgewidth=0.8)
+    for at in np.arange(shown.shape[1] - 1) + 0.5:
+        axes.axvline(at, color="white", linewidth=1.2)
+    for at in np.arange(shown.shape[0] - 1) + 0.5:
+        axes.axhline(at, color="white", linewidth=1.2)
+    axes.grid(False)
+    axes.tick_params(length=0, pad=2)
+
+
+def _colour(code):
+    """(red, green, blue) of "#rrggbb"."""
+    return [int(code[i:i + 2], 16) for i in (1, 3, 5)]
+
+
+def _methods(axes, case):
+    axes.set_yticks(range(len(case.kinds)), list(case.kinds), fontsize=6)
+    for label in axes.get_yticklabels():
+        label.set_fontweight("bold" if label.get_text() == case.default else "normal")
+
+
+def _title(axes, number, text):
+    axes.set_title(f"({'abcdefghijklmnopqrstuvwxyz'[number]}) {text}", loc="left", fontsize=7, pad=3)
+
+
+def _label(value):
+    return f"{value:g}" if isinstance(value, (int, float)) else str(value)
+
+
+def _finish(drawing, unused, mark):
+    for axes in unused:
+        axes.set_axis_off()
+    drawing.suptitle(" ", fontsize=7)   # keeps room for the legend
+    squares = [drawing.axes[0].plot([], [], "s", color=LOOKS[kind], label=WORDS[kind])[0] for kind in LOOKS]
+    drawing.legend(handles=squares, loc="upper center", ncol=len(LOOKS), fontsize=6.5)
+    drawing.supxlabel(mark, fontsize=5, x=0.99, ha="right", color="#777777")
