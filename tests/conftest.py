@@ -1,6 +1,14 @@
+import os
 from pathlib import Path
 
+import numba
 import pytest
+
+
+def pytest_configure():
+    """Processes of tests side by side share the processors, instead of each taking all of them."""
+    workers = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", 1))
+    numba.set_num_threads(max(1, numba.config.NUMBA_NUM_THREADS // workers))
 
 
 @pytest.fixture(scope="session")
