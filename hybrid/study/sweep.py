@@ -5,6 +5,10 @@ A problem is a module of `hybrid.study.problems` with
     TITLE, ERRORS             its name in words; {error: what it is, with unit}
     curves(quick)             {curve: [(setting, values), ...]}, values as JSON knows them
     solve(**values)           Found of one run; raises HybridError where it fails
+    LIKE, like(values)        where scenes may resemble it: a length of it in words, and what a scene takes over from a
+                              run of these values (`hybrid.study.methods.alike`), None where that is not to be had
+    SURE                      of such a problem, an error of its first kind below which differences are chance
+    peers()                   records of other programs, if there are any
 """
 
 from importlib import import_module

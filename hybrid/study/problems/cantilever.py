@@ -33,13 +33,14 @@ from scipy.integrate import solve_bvp
 
 from hybrid.build import build
 from hybrid.scene import Axis, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
-from hybrid.study.methods import SOILS, few, krylov_tolerances, newton_tolerances
+from hybrid.study.methods import SOILS, alike, few, krylov_tolerances, newton_tolerances
 from hybrid.study.record import Found
 
 TITLE = "cantilever bent right down"
 ERRORS = {"tip": "distance of the tip from the exact one / exact displacement", "drop": "|drop / exact - 1|",
           "shortening": "|shortening / exact - 1|"}
 
+LIKE, SURE = "depth", 0.004     # what a scene alike has its cells across; an error below it is chance
 LENGTH, YOUNG, POISSON, LOAD, DENSITY, STEPS = 10.0, 12e6, 0.2, 1e5, 1000.0, 50
 GHOST = 0.033
 # A beam turns more than it strains: the residual rises before it falls.
@@ -182,6 +183,11 @@ def curves(quick=False):
         "Krylov tolerance": krylov_tolerances(**fixed),
     }
     return few(all_curves, {"default": 2, "GIMP, ghost": 3, "standard MPM": 2}) if quick else all_curves
+
+
+def like(values):
+    """What a scene alike takes over from a run in the default's steps, else None."""
+    return alike(values, 1.0 / values["size"], "size")
 
 
 def solve(size, steps=STEPS, soil=None, solver=None):

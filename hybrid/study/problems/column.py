@@ -20,11 +20,12 @@ from scipy.special import lambertw
 
 from hybrid.build import build
 from hybrid.scene import Axis, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
-from hybrid.study.methods import SOILS, few, krylov_tolerances, newton_tolerances
+from hybrid.study.methods import SOILS, alike, few, krylov_tolerances, newton_tolerances
 from hybrid.study.record import Found, Record
 
 TITLE = "self-weight column"
 ERRORS = {"stress": "Σ |σ - exact| V / (ρ g L Σ V)", "height": "|height - exact| / L"}
+LIKE = "height"     # what a scene alike has its cells across
 
 
 @dataclass(frozen=True)
@@ -131,6 +132,11 @@ def curves(quick=False):
         "Krylov tolerance": krylov_tolerances(cells=FIXED),
     }
     return few(all_curves, {"default": 4, "standard MPM": 3, "load steps": 2}) if quick else all_curves
+
+
+def like(values):
+    """What a scene alike takes over from a run in the default's steps, else None."""
+    return alike(values, values["cells"], "cells")
 
 
 def solve(cells, steps=SOFT.steps, soil=None, solver=None):

@@ -23,12 +23,13 @@ import numpy as np
 from hybrid.bench.soils import GEOMETRY
 from hybrid.build import build
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
-from hybrid.study.methods import few, krylov_tolerances, newton_tolerances
+from hybrid.study.methods import alike, few, krylov_tolerances, newton_tolerances
 from hybrid.study.record import Found
 
 TITLE = "strip footing"
 ERRORS = {"Nc, φ = 20°": "|F / (B c) / Prandtl's Nc - 1|", "Nc, φ = 0": "|F / (B c) / Prandtl's Nc - 1|"}
 
+LIKE, SURE = "half of the width", 0.015     # what a scene alike has its cells across; an error below it is chance
 COHESION, STIFFNESS, WIDTH = 1e3, 1e4, 2.0      # c [Pa], E/c, B [m]
 CURES = {"F-bar": {"fbar": True}, "F-bar, ghost": {"fbar": True, "ghost": 0.0033}, "plain": {}}
 
@@ -137,6 +138,13 @@ def curves(quick=False):
         "GIMP, F-bar, ghost, direct solver, φ = 0": over(angle=0, **cured),
     }
     return few(all_curves, {"default": 3, "GIMP, F-bar, ghost, direct solver": 2}) if quick else all_curves
+
+
+def like(values):
+    """What a scene alike takes over from a run on equal cells in the default's steps, else None."""
+    body = {"penalty": Body.penalty, **values.get("body", {})}
+    found = alike(values, values["across"] + 0.25, "across")
+    return found and {**found, "body": {**body, "penalty": 0.5 * WIDTH * body["penalty"]}}
 
 
 def solve(across, angle=20, steps=20, growth=None, soil=None, solver=None, body=None):
