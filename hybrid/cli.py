@@ -60,6 +60,7 @@ def parser():
     sub.add_argument("--out", type=Path, metavar="DIR", default=Path("out/precision"),
                      help="folder of records and figures (default: out/precision)")
     sub.add_argument("--resume", action="store_true", help="keep the records of the folder and measure the others")
+    sub.add_argument("--peer", type=Path, metavar="PYTHON", help="a Python with Kratos MPM, to run beside in `column`")
     sub.add_argument("--draw", action="store_true", help="draw the figures from the folder's records, run nothing")
 
     sub = _command(commands, "mesh", mesh, "mesh a geometry and print its mass properties")
@@ -146,19 +147,23 @@ def bench(options):
     unknown = [name for name in options.cases if name not in CASES]
     if unknown:
         raise SceneError(f"bench {unknown[0]}: no such case; there are {', '.join(CASES)}")
-    if options.peer is not None and not options.peer.is_file():
-        raise SceneError(f"--peer {options.peer}: no such file; give the python of an environment with Kratos MPM")
+    from hybrid.bench.peer import checked
+
+    peer = checked(options.peer)
     from hybrid.kernels import announced  # late: a mistake in the arguments is told at once
 
     with announced():
-        benchmarks.run(options.cases, benchmarks.Options(options.quick, options.peer), options.out)
+        benchmarks.run(options.cases, benchmarks.Options(options.quick, peer), options.out)
 
 
 def study(options):
     """`hybrid study`: records of every problem, figures, and the place of every curve behind the front."""
+    from hybrid.bench.peer import checked
     from hybrid.bench.table import table
     from hybrid.kernels import announced
     from hybrid.study import precision
+
+    peer = checked(options.peer)
 
     path = options.out / "records.json"
     if options.draw and not path.is_file():
@@ -169,7 +174,7 @@ def study(options):
             print(*precision.draw(path, options.out), sep="\n")
         else:
             records = precision.run(options.problems, options.quick, options.out, options.resume,
-                                    lambda text: print(text, flush=True))
+                                    lambda text: print(text, flush=True), peer)
     print(table(precision.table(records)))
 
 

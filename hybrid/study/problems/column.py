@@ -8,7 +8,9 @@ Gravity is turned on in equal quasi-static steps. Errors: Σ |σ_zz - exact| V /
 
 AMPLE 1.1 (Coombs, Augarde, AMPLE: a material point learning environment, 2020) is measured on the same column in plane
 strain, one cell wide, with the same error. Its seconds are CPU time of the whole run in GNU Octave, on another machine.
-Its unknowns are the vertical displacements of two columns of nodes; rollers hold all others.
+Its unknowns are the vertical displacements of two columns of nodes; rollers hold all others. Kratos's MPM application,
+standard points, is run beside where there is one. σ_zz asks nothing of the law, as ν = 0 leaves the area as it is: it is
+run with a neo-Hookean law too, τ = E/2 (λ² - 1), under which the column becomes shorter.
 """
 
 import time
@@ -18,7 +20,9 @@ import numpy as np
 from scipy.integrate import quad
 from scipy.special import lambertw
 
+from hybrid.bench.peer import ask
 from hybrid.build import build
+from hybrid.errors import StepError
 from hybrid.scene import Axis, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
 from hybrid.study.methods import SOILS, alike, few, krylov_tolerances, newton_tolerances
 from hybrid.study.record import Found, Record
@@ -161,3 +165,20 @@ def peers():
     return [Record("column", curve, size(n), {"cells": n}, {"stress": error}, (seconds,), iterations,
                    2 * int(np.ceil(n * SOFT.height() / SOFT.length)), source="AMPLE 1.1 (GNU Octave)")
             for curve, rows in AMPLE.items() for n, error, iterations, seconds in rows]
+
+
+def peer_curves(quick=False):
+    """As `curves`, of what the peer is run for."""
+    return {f"Kratos, standard MPM, {law}": [(size(n), {"cells": n, "law": law}) for n in CELLS[:2 if quick else 5]]
+            for law in ("Hencky", "neo-Hooke")}
+
+
+def peer_solve(python, cells, law):
+    """Found of the peer's run. Raises StepError where one of its steps fails, HybridError where all does."""
+    asked = {name: getattr(SOFT, name) for name in ("length", "young", "density", "gravity", "steps")}
+    told = ask(python, "kratos_column.py", {**asked, "cells": cells, "law": law, "tolerance": 1e-6}, 1)
+    if told["failed"]:
+        raise StepError(told["failed"])
+    exact = -SOFT.density * SOFT.gravity * (SOFT.length - np.array(told["heights"]))
+    wrong = np.mean(np.abs(told["stress"] - exact)) / SOFT.weight   # of points that are all as large
+    return Found({"stress": float(wrong)}, sum(told["newton"]), told["unknowns"], sum(told["seconds"]))
