@@ -13,7 +13,6 @@ standard points, is run beside where there is one. σ_zz asks nothing of the law
 run with a neo-Hookean law too, τ = E/2 (λ² - 1), under which the column becomes shorter.
 """
 
-import time
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,6 +25,7 @@ from hybrid.errors import StepError
 from hybrid.scene import Axis, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
 from hybrid.study.methods import SOILS, alike, few, krylov_tolerances, newton_tolerances
 from hybrid.study.record import Found, Record
+from hybrid.study.steps import iterations, stepped
 
 TITLE = "self-weight column"
 ERRORS = {"stress": "Σ |σ - exact| V / (ρ g L Σ V)", "height": "|height - exact| / L"}
@@ -93,17 +93,16 @@ def settle(column, cells, steps=None, domain="stretch", full=False, solver=TIGHT
         gravity=(0.0, 0.0, -column.gravity), time=Time(step=1.0, inertia=False),
         stages=(Stage("load", steps or column.steps, gravity=(0.0, 1.0)),),
         solver=Solver(**solver), output=Output(every=0, checkpoint=0))
-    simulation, begun = build(scene), time.perf_counter()
-    increments, iterations = np.sum([(r.increments, r.iterations) for r in simulation.steps()], axis=0)
-    seconds = time.perf_counter() - begun
+    simulation = build(scene)
+    records, seconds = stepped(simulation)
     points, constants = simulation.state.points, simulation.model.soil.constants
     Z, found = constants.position[:, 2], points.stress[:, 2, 2]
     top = np.argmax(points.position[:, 2])
     height = points.position[top, 2] + constants.half[top, 2] * points.deformation[top, 2, 2]
     wrong = np.abs(found + column.density * column.gravity * (column.length - Z))
     return Settled(Z, found, height, np.average(wrong, weights=constants.volume) / column.weight,
-                   abs(height - column.height()) / column.length, int(increments), int(iterations),
-                   len(simulation.evaluation.soil), seconds)
+                   abs(height - column.height()) / column.length, sum(r.increments for r in records),
+                   iterations(records), len(simulation.evaluation.soil), seconds)
 
 
 def rates(cells, errors):
@@ -162,9 +161,9 @@ AMPLE = {   # cells, error of stress, Newton iterations of 40 steps, CPU time [s
 
 def peers():
     """Records of AMPLE on the same column."""
-    return [Record("column", curve, size(n), {"cells": n}, {"stress": error}, (seconds,), iterations,
+    return [Record("column", curve, size(n), {"cells": n}, {"stress": error}, (seconds,), newton,
                    2 * int(np.ceil(n * SOFT.height() / SOFT.length)), source="AMPLE 1.1 (GNU Octave)")
-            for curve, rows in AMPLE.items() for n, error, iterations, seconds in rows]
+            for curve, rows in AMPLE.items() for n, error, newton, seconds in rows]
 
 
 def peer_curves(quick=False):
