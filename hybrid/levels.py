@@ -4,8 +4,9 @@
     standard    cells and steps as they are given
     reference   cells and steps half as large, tolerances that leave no trace
 
-A Target takes cells and options that reached an error in a problem alike (`hybrid.targets`). levels.json has the numbers
-of both, made from the records of the study by `hybrid.study.levels`. Values of the solver that a scene gives itself stay.
+A Target takes cells and options that reached an error in a problem alike (`hybrid.targets`). levels.json has the
+numbers of both, made from the records of the study by `hybrid.study.levels`. Values of the solver that a scene gives
+itself stay.
 """
 
 import json

@@ -1,9 +1,8 @@
 """A target error as a scene's `accuracy`: the cheapest settings of a problem alike that were recorded to reach it.
 
-    size = L / n,  p_f = (p_f L)* / L       n cells across the length L of the scene that plays the part of the problem's
+    size = L / n,  p_f = (p_f L)* / L       n cells across the length L of the scene that stands for the problem's
 
-(p_f L)* is the problem's: springs of ε_N = p_f E A under a pressure p overlap by p / (p_f E), over L that is p / (E p_f L).
-What is set besides are options of soil, solver and bodies, and only those that a scene leaves at their defaults. Steps
+(p_f L)* is the problem's: springs of ε_N = p_f E A overlap by p / (p_f E) under a pressure p, p / (E p_f L) of L. What is set besides are options of soil, solver and bodies, and only those that a scene leaves at their defaults. Steps
 stay the scene's own. The size becomes the next smaller one whose cells fill an axis and end where the soil does.
 """
 
@@ -45,8 +44,8 @@ def reached(scene, problems):
     size = target.length / found.cells
     grid = replace(scene.grid, **{name: _fitted(scene, name, size) for name in "xyz"})
     soil, solver = taken("soil", scene.soil, found.soil), taken("solver", scene.solver, found.solver)
-    scaled = {**found.body, **{"penalty": p / target.length for p in (found.body.get("penalty"),) if p}}
-    bodies = [taken(f"body.{i}", body, scaled) for i, body in enumerate(scene.bodies)]
+    springs = {name: value / target.length if name == "penalty" else value for name, value in found.body.items()}
+    bodies = [taken(f"body.{i}", body, springs) for i, body in enumerate(scene.bodies)]
     changed = replace(scene, accuracy=None, grid=grid, soil=soil[0], solver=solver[0],
                       bodies=tuple(body for body, _ in bodies))
     told = [f"error {found.error:.2g} of {target.like} ({found.setting}): {found.cells:g} cells in its "

@@ -2,7 +2,7 @@
 
     PYTHON kratos_column.py '{"cells": 16, "length": 50.0, "steps": 40, "young": 1e4, "law": "Hencky", ...}'
 
-in an empty folder, which meshes and settings are written to; PYTHON as for kratos_block.py. Plane strain, one cell wide,
+in an empty folder, which meshes and settings are written to; PYTHON as for kratos_block.py. Plane strain, a cell wide,
 2 x 2 points a cell at Gauss's places, static. A line RESULT ends in JSON: seconds and Newton iterations of each step,
 why it failed or "", initial heights [m] and vertical stress [Pa] of the points, and its unknowns at the end, the
 vertical displacements of the two columns of nodes of cells with points in them.

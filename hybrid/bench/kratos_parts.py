@@ -1,4 +1,4 @@
-"""What the scripts that run in Kratos Multiphysics share: meshes of boxes, supports, and the steps of its MPM application.
+"""What scripts for the MPM application of Kratos Multiphysics share: meshes of boxes, supports, and the steps.
 
 For the peer's own Python, which has this folder on its path and knows nothing of this package.
 """
@@ -55,8 +55,8 @@ class Lattice:
 
 
 def write_meshes(cells, size, above=0):
-    """A box of soil of `cells`, two or three numbers, and its grid, which has some layers more `above`; parts x, y, z of
-    the grid are the nodes of its sides and of its bottom."""
+    """A box of soil of `cells`, two or three numbers, and its grid, which has some layers more `above`; parts x, y, z
+    of the grid are the nodes of its sides and of its bottom."""
     cells, (element, material_point) = list(cells), KINDS[len(cells)]
     grid = Lattice([*cells[:-1], cells[-1] + above], size)
     ends = [(0, n) for n in cells[:-1]] + [(0,)]
@@ -92,8 +92,8 @@ def settings(step, steps, dimensions, rollers, tolerance, **solver):
             "problem_name": "soil", "parallel_type": "OpenMP", "echo_level": 0, "start_time": 0.0,
             "end_time": (steps - 0.5) * step},
         "solver_settings": {
-            "analysis_type": "non_linear", "model_part_name": "MPM_Material", "domain_size": dimensions, "echo_level": 0,
-            "time_stepping": {"time_step": step}, "max_iteration": 20, "pressure_dofs": False,
+            "analysis_type": "non_linear", "model_part_name": "MPM_Material", "domain_size": dimensions,
+            "echo_level": 0, "time_stepping": {"time_step": step}, "max_iteration": 20, "pressure_dofs": False,
             "model_import_settings": {"input_type": "mdpa", "input_filename": "soil"},
             "grid_model_import_settings": {"input_type": "mdpa", "input_filename": "grid"},
             "material_import_settings": {"materials_filename": "material.json"},

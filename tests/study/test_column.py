@@ -76,7 +76,7 @@ def test_a_peer_runs_beside(peer, tmp_path, monkeypatch):
     monkeypatch.setattr(column, "curves", lambda quick: {})
     monkeypatch.setattr(precision, "draw", lambda path, out: [])
     records = precision.run(["column"], True, tmp_path / "out", tell=lambda _: None, peer=peer)
-    failed, done = ([r for r in records if r.curve == f"Kratos, standard MPM, {law}"] for law in ("Hencky", "neo-Hooke"))
+    failed, done = ([r for r in records if r.curve.endswith(law)] for law in ("Hencky", "neo-Hooke"))
     assert len(failed) == len(done) == 2 and all(r.source == "Kratos MPM 10.4.4" for r in failed + done)
     assert all(r.failed and "step 3" in r.reason for r in failed)
     assert done[0].errors == pytest.approx({"stress": 0.01}) and done[0].work == 7 * 6 and done[0].seconds == (3.0,)

@@ -1,5 +1,6 @@
 """Records, fronts and figures of a study, by a problem whose errors and costs are known."""
 
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -7,6 +8,8 @@ import pytest
 from hybrid.errors import SceneError, StepError
 from hybrid.study import front, precision, record, sweep
 from hybrid.study.record import Found, Record
+
+PAGE = Path(__file__).parents[2] / "demos/precision/README.md"
 
 
 def solve(size, order=2, fails=False):
@@ -94,3 +97,18 @@ def test_the_quick_study_of_every_problem(quick):
         nearest.setdefault((row["problem"], row["error of"]), []).append(row["times the front"])
     del nearest["footing", "Nc, φ = 0"]      # not among its quick settings
     assert {min(times) for times in nearest.values()} == {1.0}
+
+
+def test_the_page_says_where_the_defaults_stand():
+    """Its table has how many times the cost of the front the default settings take, from the best to the worst one."""
+    all_records = record.load(precision.RECORDED)[1]
+    told = PAGE.read_text(encoding="utf-8").splitlines()
+    for letter, name in zip("abcdefgh", precision.PROBLEMS):
+        own = [r for r in all_records if r.problem == name and not r.source]
+        for error in sweep.problem(name).ERRORS:
+            spans = []
+            for cost in precision.COSTS:
+                times = [front.excess(r, own, error, cost) for r in own if r.curve.partition(",")[0] == "default"]
+                done = [f"{float(f'{x:.2g}'):g}" for x in times if x < float("inf")]
+                spans.append(" to ".join(dict.fromkeys((min(done, key=float), max(done, key=float)))) if done else "no run")
+            assert any(line.startswith(f"| ({letter}) {error} | {' | '.join(spans)} |") for line in told), (error, spans)

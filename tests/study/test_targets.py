@@ -1,6 +1,7 @@
-"""A target error as `accuracy`: what is taken from the records, how it is scaled, and that a scene alike keeps to it."""
+"""A target error as `accuracy`: what is taken from the records and how it is scaled; a scene alike keeps to it."""
 
 import dataclasses
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -166,3 +167,10 @@ def test_problems_are_told_what_their_penalty_is_by_length():
     cube = found.reached([Record("platen", "a", "x", {"cell": 0.2, "enforcement": "augmented"}, {"force": 0.1}, (1.0,),
                                  1, 4)])["platen"].settings
     assert cube == (Settings(0.1, "a, x", 4.0, body={"penalty": 40.0, "enforcement": "augmented"}),)
+
+
+def test_the_page_has_what_they_reach():
+    page = (Path(__file__).parents[2] / "demos/precision/README.md").read_text(encoding="utf-8")
+    for name, likeness in levels.problems().items():
+        errors = [settings.error for settings in likeness.settings]
+        assert f"| {name} | {likeness.length} | {max(errors):.2g} to {min(errors):.2g} |" in page
