@@ -23,8 +23,9 @@ REPEATS = 3
 def run(names=(), quick=False, out=Path("out/precision"), resume=False, tell=print, peer=None):
     """Run the problems of these names (all if none), write records and figures to the folder `out`; returns records.
 
-    resume: leave out what the folder's records have already; peer: a Python with Kratos MPM, to run beside. Raises
-    SceneError for an unknown name, HybridError where the peer has no Kratos MPM.
+    quick: a few settings, once, with what loading compiled code takes; resume: leave out what the folder's records have
+    already; peer: a Python with Kratos MPM, to run beside. Raises SceneError for an unknown name, HybridError where the
+    peer has no Kratos MPM.
     """
     names = list(names) or list(PROBLEMS)
     if unknown := [name for name in names if name not in PROBLEMS]:

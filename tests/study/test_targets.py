@@ -161,9 +161,12 @@ def test_records_that_differ_in_steps_or_name_a_peer_do_not_count():
 
 
 def test_problems_are_told_what_their_penalty_is_by_length():
-    half = found.reached([Record("footing", "a", "x", {"across": 1, "body": {"penalty": 10.0}},
-                                 {"Nc, φ = 20°": 0.001}, (1.0,), 1, 4)])["footing"].settings
-    assert half == (Settings(0.015, "a, x", 1.25, body={"penalty": 10.0}),)     # surer than that the answer is not
+    def pressed(penalty):
+        return Record("footing", "a", f"{penalty}", {"across": 1, "body": {"penalty": penalty}},
+                      {"Nc, φ = 20°": 0.001}, (1.0,), 1, 4)
+
+    half = found.reached([pressed(2.0), pressed(100.0)])["footing"].settings        # soft springs by chance
+    assert half == (Settings(0.015, "a, 100.0", 1.25, body={"penalty": 100.0}),)    # surer the answer is not
     cube = found.reached([Record("platen", "a", "x", {"cell": 0.2, "enforcement": "augmented"}, {"force": 0.1}, (1.0,),
                                  1, 4)])["platen"].settings
     assert cube == (Settings(0.1, "a, x", 4.0, body={"penalty": 40.0, "enforcement": "augmented"}),)

@@ -139,10 +139,13 @@ def curves(quick=False):
 
 
 def like(values):
-    """What a scene alike takes over from a run on equal cells in the default's steps, else None."""
+    """What a scene alike takes over from a run on equal cells in the default's steps, else None; also None where softer
+    springs than the default's take away some of the force that is too large."""
     body = {"penalty": Body.penalty, **values.get("body", {})}
     found = alike(values, values["across"] + 0.25, "across")
-    return found and {**found, "body": {**body, "penalty": 0.5 * WIDTH * body["penalty"]}}
+    if found is None or body["penalty"] < Body.penalty:
+        return None
+    return {**found, "body": {**body, "penalty": 0.5 * WIDTH * body["penalty"]}}
 
 
 def solve(across, angle=20, steps=20, growth=None, soil=None, solver=None, body=None):
