@@ -61,6 +61,7 @@ def parser():
     sub.add_argument("--quick", action="store_true", help="a few settings of each problem, once")
     sub.add_argument("--out", type=Path, metavar="DIR", help="folder of records and figures (default: out/STUDY)")
     sub.add_argument("--resume", action="store_true", help="keep the records of the folder and measure the others")
+    sub.add_argument("--peer", type=Path, metavar="PYTHON", help="a Python with Kratos MPM, to run beside in `column`")
     sub.add_argument("--draw", action="store_true", help="draw the figures from the folder's records, run nothing")
 
     sub = _command(commands, "mesh", mesh, "mesh a geometry and print its mass properties")
@@ -147,21 +148,26 @@ def bench(options):
     unknown = [name for name in options.cases if name not in CASES]
     if unknown:
         raise SceneError(f"bench {unknown[0]}: no such case; there are {', '.join(CASES)}")
-    if options.peer is not None and not options.peer.is_file():
-        raise SceneError(f"--peer {options.peer}: no such file; give the python of an environment with Kratos MPM")
+    from hybrid.bench.peer import checked
+
+    peer = checked(options.peer)
     from hybrid.kernels import announced  # late: a mistake in the arguments is told at once
 
     with announced():
-        benchmarks.run(options.cases, benchmarks.Options(options.quick, options.peer), options.out)
+        benchmarks.run(options.cases, benchmarks.Options(options.quick, peer), options.out)
 
 
 def study(options):
     """`hybrid study`: records of every problem, figures, and a table: of precision, each curve's place behind the
     front; of failure, how often each method does what."""
+    from hybrid.bench.peer import checked
     from hybrid.bench.table import table
     from hybrid.kernels import announced
 
     chosen, out = import_module(f"hybrid.study.{options.study}"), options.out or Path("out") / options.study
+    if options.peer is not None and options.study != "precision":
+        raise SceneError(f"--peer: study {options.study} has no peer; precision has one, in `column`")
+    more = {"peer": checked(options.peer)} if options.study == "precision" else {}
     path = out / "records.json"
     if options.draw and not path.is_file():
         raise SceneError(f"--draw: there is no {path}; run the study first, or name its folder by --out")
@@ -171,7 +177,7 @@ def study(options):
             print(*chosen.draw(path, out), sep="\n")
         else:
             records = chosen.run(options.problems, options.quick, out, options.resume,
-                                 lambda text: print(text, flush=True))
+                                 lambda text: print(text, flush=True), **more)
     print(table(chosen.table(records)))
 
 

@@ -4,8 +4,9 @@
     standard    cells and steps as they are given
     reference   cells and steps half as large, tolerances that leave no trace
 
-levels.json has the numbers, made from the records of the study by `hybrid.study.levels`. Values of the solver that a
-scene gives itself stay.
+A Target takes cells and options that reached an error in a problem alike (`hybrid.targets`). levels.json has the
+numbers of both, made from the records of the study by `hybrid.study.levels`. Values of the solver that a scene gives
+itself stay.
 """
 
 import json
@@ -14,7 +15,8 @@ from math import ceil
 from pathlib import Path
 
 from hybrid.errors import SceneError
-from hybrid.scene import Solver
+from hybrid.scene import Solver, Target
+from hybrid.targets import Likeness, Settings, reached
 
 WRITTEN = Path(__file__).with_name("levels.json")
 
@@ -35,16 +37,29 @@ class Level:
 
 def levels():
     """{name: Level} as recorded."""
-    return {name: Level(**values) for name, values in json.loads(WRITTEN.read_text(encoding="utf-8")).items()}
+    return {name: Level(**values) for name, values in _written()["levels"].items()}
+
+
+def problems():
+    """{name: Likeness} of the problems that a Target may name, as recorded."""
+    return {name: Likeness(values["length"], tuple(Settings(**row) for row in values["settings"]))
+            for name, values in _written()["problems"].items()}
+
+
+def _written():
+    return json.loads(WRITTEN.read_text(encoding="utf-8"))
 
 
 def settled(scene):
-    """(Scene without `accuracy`, text of what that stood for): as it was where the scene asks for none.
+    """(Scene without `accuracy`, text or texts of what that stood for): as it was where the scene asks for none.
 
-    Raises SceneError where a level has no say: cells that are given one by one.
+    Raises SceneError where a level has no say, cells that are given one by one, and for a Target that nothing recorded
+    reaches.
     """
     if scene.accuracy is None:
         return scene, ""
+    if isinstance(scene.accuracy, Target):
+        return reached(scene, problems())
     level = levels()[scene.accuracy]
     axes = {name: _resized(f"grid.{name}", getattr(scene.grid, name), level.size) for name in "xyz"}
     stages = tuple(replace(stage, steps=ceil(stage.steps / level.step), step=stage.step and stage.step * level.step)

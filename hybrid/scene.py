@@ -2,7 +2,7 @@
 
 A scene file (TOML) and these classes map one to one: the tables are [grid.x], [grid.y], [grid.z],
 [grid.faces], [soil], [soil.material], [[soil.layer]], [soil.layer.material], [[body]], [body.parameters], [body.pull],
-[time], [[stage]], [solver] and [output].
+[time], [[stage]], [accuracy], [solver] and [output].
 Reading and checking is done in `hybrid.scene_file`; nothing here computes.
 """
 
@@ -13,7 +13,7 @@ from typing import Literal
 from hybrid.scene_ground import Axis, Condition, Faces, Grid, Law, Layer, Material, Soil, Vector
 
 __all__ = ["Axis", "Body", "Condition", "Faces", "Freedom", "Grid", "Law", "Layer", "Material", "Output", "Pull",
-           "Scene", "Soil", "Solver", "Stage", "Time", "Vector"]
+           "Scene", "Soil", "Solver", "Stage", "Target", "Time", "Vector"]
 
 Freedom = Literal["x", "y", "z", "rx", "ry", "rz"]
 
@@ -178,11 +178,27 @@ class Output:
     checkpoint: int = 10
 
 
+@dataclass(frozen=True)
+class Target:
+    """An error that a scene wants to keep to, judged by a problem of the study that it resembles.
+
+    like     name of that problem: column, manufactured, cantilever, platen or footing
+    error    [-] that its cheapest settings may have had (`hybrid.levels`)
+    length   [m] of this scene that plays the part of that problem's: height of a column, wave length, depth of a
+             beam, edge of a pressed cube, half the width of a footing
+    """
+
+    like: str
+    error: float
+    length: float
+
+
 @dataclass(frozen=True, kw_only=True)
 class Scene:
     """Everything a run needs; `gravity` in [m/s²]. In a file `bodies` is [[body]] and `stages` [[stage]].
 
-    accuracy   cells, steps and tolerances of a draft or of a reference instead of those given (`hybrid.levels`)
+    accuracy   cells, steps and tolerances of a draft or of a reference instead of those given, or those that reached a
+               Target, as accuracy = { like = "footing", error = 0.02, length = 1.0 } (`hybrid.levels`)
     """
 
     name: str
@@ -192,6 +208,6 @@ class Scene:
     time: Time
     stages: tuple[Stage, ...] = field(metadata={"key": "stage"})
     gravity: Vector = (0.0, 0.0, -9.81)
-    accuracy: Literal["draft", "standard", "reference"] | None = None
+    accuracy: Literal["draft", "standard", "reference"] | Target | None = None
     solver: Solver = Solver()
     output: Output = Output()

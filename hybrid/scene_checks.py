@@ -4,6 +4,7 @@ from math import cos, hypot, prod, radians, sin
 
 from hybrid.grid_checks import grid_faults, need, shown
 from hybrid.material import material_faults
+from hybrid.scene import Target
 from hybrid.scheme import Scheme
 
 
@@ -26,6 +27,8 @@ def faults(scene):
     first = scene.stages[0].gravity[0] if scene.stages else 1.0
     yield from need(not scene.soil.geostatic or scene.soil.held or first == 1.0, "stage.0.gravity", first,
                     "1 at the start of soil in geostatic stress", "set soil.geostatic = false to turn gravity on")
+    if isinstance(scene.accuracy, Target):
+        yield from _target("accuracy", scene.accuracy)
     yield from _distinct("soil.layer", scene.soil.layers)
     yield from _distinct("body", scene.bodies)
     yield from _distinct("stage", scene.stages)
@@ -183,6 +186,12 @@ def _stage(key, stage, time):
         yield from need(stage.step > 0 and stage.step >= smallest, f"{key}.step", stage.step,
                         f"positive and at least time.smallest = {shown(smallest)}",
                         "leave it out for time.step")
+
+
+def _target(key, target):
+    yield from need(0 < target.error < 1, f"{key}.error", target.error, "above 0 and below 1", "0.02 is 2 %")
+    yield from need(target.length > 0, f"{key}.length", target.length, "positive",
+                    f"in m: the length of this scene that {target.like!r} has its cells across")
 
 
 def _solver(key, solver):

@@ -198,6 +198,9 @@ def _one_of(value, hint, key, base):
     if isinstance(value, (list, tuple)):  # the option that is a list gives the more precise message
         options = [option for option in options if get_origin(option) is tuple] or options
         return _convert(value, options[0], key, base)
+    for option in options:  # and so does a table, or one of some names
+        if is_dataclass(option) and isinstance(value, dict) or get_origin(option) is Literal and isinstance(value, str):
+            return _convert(value, option, key, base)
     for option in options:
         try:
             return _convert(value, option, key, base)

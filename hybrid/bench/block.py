@@ -5,18 +5,12 @@ rollers at base and sides, Newmark, 5 steps of 0.01 s. Where a Python with Krato
 many threads, and the last rows tell the peer's times over ours.
 """
 
-import json
-import os
-import subprocess
-import tempfile
-from pathlib import Path
-
 import numba
 import numpy as np
 
+from hybrid.bench.peer import ask
 from hybrid.bench.soils import SAND, block, sizes, stepped, warm
 from hybrid.build import build
-from hybrid.errors import HybridError
 
 ROUNDS, THREADS, STEPS, STEP = 3, 2, 5, 0.01
 PEER_TOLERANCE = 1e-4   # of the peer's residual relative to its first; ours is relative to the forces acting
@@ -52,19 +46,8 @@ def ours(cells):
 
 def peers(cells, python, threads):
     """Row of a run of the peer. Raises HybridError with its last words where it fails."""
-    described = {"cells": cells, "size": 1 / cells[0], "steps": STEPS, "step": STEP, "tolerance": PEER_TOLERANCE,
-                 "material": SAND}
-    script = Path(__file__).with_name("kratos_block.py")
-    with tempfile.TemporaryDirectory() as folder:
-        done = subprocess.run(
-            [str(python), str(script), json.dumps(described)], cwd=folder, capture_output=True, text=True,
-            env={**_plain_environment(), "OMP_NUM_THREADS": str(threads)})
-    told = [line for line in done.stdout.splitlines() if line.startswith("RESULT")]
-    if done.returncode or not told:
-        raise HybridError(f"the peer failed: {(done.stderr or done.stdout).strip()[-500:]}; "
-                          "--peer wants a python with KratosMultiphysics, KratosMPMApplication and "
-                          "KratosLinearSolversApplication")
-    told = json.loads(told[-1].removeprefix("RESULT"))
+    told = ask(python, "kratos_block.py", {"cells": cells, "size": 1 / cells[0], "steps": STEPS, "step": STEP,
+                                           "tolerance": PEER_TOLERANCE, "material": SAND}, threads)
     size = {"points": told["points"], "unknowns": None, "entries": None}
     return row(f"kratos {told['version'].partition('-')[0]}", told["seconds"], told["newton"], PEER_TOLERANCE, size,
                told["lowest [m]"])
@@ -85,8 +68,3 @@ def ratios(rows):
     for name in ("s a step", "s a later step", "s a Newton iteration", "Newton", "lowest [mm]"):
         ratio[name] = float(np.median([r[name] for r in other]) / np.median([r[name] for r in own]))
     return {**ratio, "program": "peer over hybrid"}
-
-
-def _plain_environment():
-    """Ours without what would lead another Python astray."""
-    return {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "VIRTUAL_ENV"))}

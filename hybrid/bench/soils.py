@@ -45,12 +45,14 @@ def warm():
         list(build(block((3, 3, 2), 0.1, material, (0.1, 50.0), steps=1)).steps())
 
 
-def stepped(simulation, most=None):
-    """Records of its steps, `most` at the most, and the wall time [s] of each."""
+def stepped(simulation, most=None, after=lambda record: None):
+    """Records of its steps, `most` at the most, and the wall time [s] of each; `after` is called with every record, off
+    the clock. Raises StepError where one fails."""
     records, seconds, begin = [], [], perf_counter()
     for record in simulation.steps():
         seconds.append(perf_counter() - begin)
         records.append(record)
+        after(record)
         if len(records) == most:
             break
         begin = perf_counter()

@@ -10,7 +10,7 @@ from hybrid.output.figures import COLOURS, MARKERS, PAGE, figure
 @dataclass(frozen=True)
 class Series:
     """A curve: costs and errors of what was done, relative spread of the costs, how many settings failed; foreign: of
-    another program on another machine."""
+    another program."""
 
     label: str
     cost: list

@@ -1,18 +1,28 @@
-"""The levels of a scene's `accuracy` from the records of the study of precision.
+"""The levels and targets of a scene's `accuracy` from the records of the study of precision.
 
 A tolerance may change the error of any problem by no more than the share that its level allows, compared with the
 tightest one that got to the end; the loosest that keeps to this everywhere is taken. Cells and steps go by halves: what
 a halving costs and gains is in the records' default curves.
+
+A target is reached by the cheapest record of a problem that differs in cells and options only, for its steps are not
+those of another scene. Cost is work, Newton iterations times unknowns: seconds of runs this small are overhead. Errors
+are rounded up to two digits, and to what a problem's own answer is sure of.
 """
 
 import json
+import math
+from dataclasses import asdict, replace
 
 from hybrid.levels import WRITTEN, Level
+from hybrid.study import sweep
+from hybrid.study.front import front
+from hybrid.targets import Likeness, Settings
 
 SIZES = {"draft": 2.0, "standard": 1.0, "reference": 0.5}
 SHARES = {"draft": 0.5, "standard": 0.05, "reference": 0.005}   # of the error, by which a tolerance may change it
 FLOOR = 5e-5    # of an error: a change below this is none
 CHAOTIC = ("anchor",)   # two runs there differ by more than a tolerance makes
+ALIKE = ("column", "manufactured", "cantilever", "platen", "footing")  # problems that a scene can resemble
 CURVES = {"tolerance": "Newton tolerance", "linear_tolerance": "Krylov tolerance"}
 
 
@@ -42,7 +52,32 @@ def made(records):
             for name, size in SIZES.items()}
 
 
+def reached(records):
+    """{name: Likeness} of the problems ALIKE that were recorded: the front of each one's first error over work."""
+    found = {}
+    for name in ALIKE:
+        module = sweep.problem(name)
+        error, sure = next(iter(module.ERRORS)), getattr(module, "SURE", 0.0)
+        taken = {r.key: module.like(r.values) for r in records if r.problem == name}
+        rounded = [replace(r, errors={error: _upwards(max(r.errors.get(error, math.nan), sure))})
+                   for r in records if taken.get(r.key)]
+        if rounded:
+            found[name] = Likeness(module.LIKE, tuple(
+                Settings(r.errors[error], f"{r.curve}, {r.setting}", **taken[r.key])
+                for r in front(rounded, error, "work")))
+    return found
+
+
+def _upwards(error):
+    """The next number of two digits that is not smaller; nan and 0 stay."""
+    if not error > 0:
+        return error
+    digit = 10.0 ** (math.floor(math.log10(error)) - 1)
+    return float(f"{math.ceil(error / digit - 1e-9) * digit:.1e}")
+
+
 def write(records, path=WRITTEN):
-    """Write the levels that the records give."""
-    text = json.dumps({name: vars(level) for name, level in made(records).items()}, indent=1)
-    path.write_text(text + "\n", encoding="utf-8")
+    """Write the levels and targets that the records give."""
+    written = {"levels": {name: asdict(level) for name, level in made(records).items()},
+               "problems": {name: asdict(found) for name, found in reached(records).items()}}
+    path.write_text(json.dumps(written, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")

@@ -1,5 +1,7 @@
 """Names of methods as figures give them, and the values of a scene's tables that they stand for."""
 
+TABLES = ("soil", "solver", "body")     # of a run's values, what a scene can have too
+
 # Tables [soil] and [time]; what is not named here is the default.
 SOILS = {
     "standard MPM": {"basis": "mpm", "domain": "none", "transfer": "increments"},
@@ -38,3 +40,11 @@ def krylov_tolerances(**values):
 def few(curves, counts):
     """The first settings of some curves: {curve: how many}."""
     return {curve: curves[curve][:count] for curve, count in counts.items()}
+
+
+def alike(values, cells, *own):
+    """What a scene can take over from a run with so many `cells` in the length that its problem names LIKE, as JSON;
+    None where the run's values have others besides TABLES and its `own`."""
+    if set(values) - {*TABLES, *own}:
+        return None
+    return {"cells": cells, **{name: values.get(name, {}) for name in TABLES}}

@@ -5,8 +5,10 @@ the program; its fronts are what a scene's `accuracy` is read from.
 """
 
 import math
+from functools import partial
 from pathlib import Path
 
+from hybrid.bench.peer import version
 from hybrid.bench.stamp import stamp
 from hybrid.errors import SceneError
 from hybrid.output.charts import Panel, Series, work_precision
@@ -19,30 +21,37 @@ COSTS = {"time": "wall time of the steps [s]", "work": "Newton iterations × unk
 REPEATS = 3
 
 
-def run(names=(), quick=False, out=Path("out/precision"), resume=False, tell=print):
+def run(names=(), quick=False, out=Path("out/precision"), resume=False, tell=print, peer=None):
     """Run the problems of these names (all if none), write records and figures to the folder `out`; returns records.
 
-    resume: leave out what the folder's records have already. Raises SceneError for an unknown name.
+    quick: a few settings, once, with what loading compiled code takes; resume: leave out what the folder's records have
+    already; peer: a Python with Kratos MPM, to run beside. Raises SceneError for an unknown name, HybridError where the
+    peer has no Kratos MPM.
     """
     names = list(names) or list(PROBLEMS)
     if unknown := [name for name in names if name not in PROBLEMS]:
         raise SceneError(f"study precision {unknown[0]}: no such problem; there are {', '.join(PROBLEMS)}")
+    source = peer and f"Kratos MPM {version(peer)}"
     path, marks = Path(out) / "records.json", {"quick": quick, **stamp()}
     records = load(path)[1] if resume and path.is_file() else []
-    known = {r.key for r in records}
+    known, repeats = {r.key for r in records}, 1 if quick else REPEATS
+
+    def measure(run, **how):
+        records.append(sweep.measure(*run, repeats, **how))
+        record.save(path, marks, records)
+        tell(_told(records[-1]))
+
     for name in names:
-        module, begun = sweep.problem(name), False
-        for peer in getattr(module, "peers", list)():
-            records += [peer] * (peer.key not in known)
-        for run in sweep.runs([name], quick):
-            if run[:3] in known:
-                continue
-            if not begun:
-                sweep.warm(module, run[3])
-                begun = True
-            records.append(sweep.measure(*run, repeats=1 if quick else REPEATS))
-            record.save(path, marks, records)
-            tell(_told(records[-1]))
+        module = sweep.problem(name)
+        records += [known_peer for known_peer in getattr(module, "peers", list)() if known_peer.key not in known]
+        for run in sweep.peer_runs([name], quick) if peer else ():
+            if run[:3] not in known:
+                measure(run, solve=partial(module.peer_solve, peer), source=source)
+        todo = [run for run in sweep.runs([name], quick) if run[:3] not in known]
+        if todo and not quick:      # whose seconds nobody compares
+            sweep.warm(module, todo[0][3])
+        for run in todo:
+            measure(run)
     record.save(path, marks, records)
     for told in draw(path, out):
         tell(told)

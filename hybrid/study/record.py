@@ -23,7 +23,7 @@ class Record:
 
     values: what the setting stands for, as given to the problem; errors: by name, empty where it failed; seconds: wall
     time of the steps of every repeat, without start-up; reason: why it failed, empty where it did not. A peer's record
-    names its `source`, which had another machine.
+    names its `source`: AMPLE had another machine, Kratos had this one.
     """
 
     problem: str

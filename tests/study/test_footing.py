@@ -14,20 +14,20 @@ ERROR = "Nc, φ = 20°"
 CURED = "GIMP, F-bar, ghost, direct solver"
 
 
-def test_default_comes_down_slowly():
+def test_default_comes_down_slowly(recorded):
     """Soil that locks: 26, 17, 11 %, order 0.7 in the cell size."""
-    found = problem_checks.solved(footing, "default")
+    found = recorded(footing, "default")
     assert (problem_checks.orders(found, ERROR) > 0.5).all() and 0.05 < found[-1].errors[ERROR] < 0.15
     assert set(found[0].errors) == set(footing.ERRORS) and math.isnan(found[0].errors["Nc, φ = 0"])
 
 
-def test_a_wrong_answer_is_seen(monkeypatch):
+def test_a_wrong_answer_is_seen(monkeypatch, recorded):
     """With F-bar it is right to 5 %; a cone matched to compression instead of plane strain is far too strong."""
-    _, values = footing.curves(True)[CURED][1]
-    assert footing.solve(**values).errors[ERROR] < 0.06
+    right = recorded(footing, CURED)[1]
+    assert right.errors[ERROR] < 0.06
     material = footing.material
     monkeypatch.setattr(footing, "material", lambda angle: replace(material(angle), cone="compression"))
-    assert footing.solve(**values).errors[ERROR] > 0.2
+    assert footing.solve(**right.values).errors[ERROR] > 0.2
 
 
 def test_clay_without_a_cure():

@@ -111,7 +111,7 @@ def test_the_levels_that_ship_are_those_of_the_records_that_ship():
 def test_levels_are_written_as_they_are_read(tmp_path, monkeypatch):
     path = tmp_path / "levels.json"
     found.write(records(), path)
-    assert set(json.loads(path.read_text())) == {"draft", "standard", "reference"}
+    assert set(json.loads(path.read_text())["levels"]) == {"draft", "standard", "reference"}
     monkeypatch.setattr(levels, "WRITTEN", path)
     assert levels.levels() == found.made(records())
     assert SimpleNamespace(**vars(levels.levels()["draft"])).size == 2.0

@@ -1,5 +1,6 @@
 """Records, fronts and figures of a study, by a problem whose errors and costs are known."""
 
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -7,6 +8,8 @@ import pytest
 from hybrid.errors import SceneError, StepError
 from hybrid.study import front, precision, record, sweep
 from hybrid.study.record import Found, Record
+
+PAGE = Path(__file__).parents[2] / "demos/precision/README.md"
 
 
 def solve(size, order=2, fails=False):
@@ -29,18 +32,25 @@ def toy(monkeypatch):
     monkeypatch.setattr(sweep, "problem", lambda name: TOY)
 
 
-def test_a_study_keeps_every_run_and_every_failure(toy, tmp_path):
+@pytest.fixture
+def undrawn(monkeypatch):
+    """A study without figures, for tests of all else; gives what draws them."""
+    draw = precision.draw
+    monkeypatch.setattr(precision, "draw", lambda path, out: [])
+    return draw
+
+
+def test_a_study_keeps_every_run_and_every_failure(toy, undrawn, tmp_path):
     told = []
     records = precision.run(["column"], out=tmp_path, tell=told.append)
     assert [r.curve for r in records] == ["peer", *["default"] * 3, *["first order"] * 2, "brittle"]
-    assert records[-1].failed and "too long a step" in records[-1].reason and "too long a step" in told[-3]
+    assert records[-1].failed and "too long a step" in records[-1].reason and "too long a step" in told[-1]
     assert len(records[1].seconds) == precision.REPEATS and records[1].work == 6
     marks, read = record.load(tmp_path / "records.json")
     assert read == records and {"commit", "machine", "versions"} <= set(marks)
-    assert all((tmp_path / f"{cost}.png").stat().st_size > 10_000 for cost in precision.COSTS)
 
 
-def test_what_was_measured_is_not_measured_again(toy, tmp_path, monkeypatch):
+def test_what_was_measured_is_not_measured_again(toy, undrawn, tmp_path, monkeypatch):
     precision.run(["column"], quick=True, out=tmp_path, tell=lambda _: None)
     calls = []
     monkeypatch.setattr(TOY, "solve", lambda **values: calls.append(values) or solve(**values))
@@ -48,10 +58,11 @@ def test_what_was_measured_is_not_measured_again(toy, tmp_path, monkeypatch):
     assert calls[1:] == [{"size": 0.125}] * precision.REPEATS and len(records) == 7
 
 
-def test_figures_need_records_only(toy, tmp_path, monkeypatch):
+def test_figures_need_records_only(toy, undrawn, tmp_path, monkeypatch):
     precision.run(["column"], quick=True, out=tmp_path, tell=lambda _: None)
     monkeypatch.setattr(TOY, "solve", None)
-    assert len(precision.draw(tmp_path / "records.json", tmp_path)) == 2
+    drawn = undrawn(tmp_path / "records.json", tmp_path)
+    assert len(drawn) == 2 and all(path.stat().st_size > 10_000 for path in drawn)
 
 
 def records():
@@ -71,3 +82,33 @@ def test_front_and_the_way_to_it():
 def test_unknown_problem():
     with pytest.raises(SceneError, match="study precision colum: no such problem; there are column"):
         precision.run(["colum"])
+
+
+def test_the_quick_study_of_every_problem(quick):
+    """All that have a quick form get through, but for what fails on purpose, and have a panel for each cost."""
+    records = [r for name in precision.PROBLEMS if sweep.runs([name], True) for r in quick.records(name)]
+    assert set(precision.PROBLEMS) - {r.problem for r in records} == {"anchor"}     # takes too long
+    assert {(r.problem, r.curve) for r in records if r.failed} == {("cantilever", "default")}
+    for cost in precision.COSTS:
+        panels = precision.panels(records, cost)
+        assert len(panels) == 7 and all(panel.front for panel in panels)
+    nearest = {}
+    for row in precision.table(records):
+        nearest.setdefault((row["problem"], row["error of"]), []).append(row["times the front"])
+    del nearest["footing", "Nc, φ = 0"]      # not among its quick settings
+    assert {min(times) for times in nearest.values()} == {1.0}
+
+
+def test_the_page_says_where_the_defaults_stand():
+    """Its table has how many times the cost of the front the default settings take, from the best to the worst one."""
+    all_records = record.load(precision.RECORDED)[1]
+    told = PAGE.read_text(encoding="utf-8").splitlines()
+    for letter, name in zip("abcdefgh", precision.PROBLEMS):
+        own = [r for r in all_records if r.problem == name and not r.source]
+        for error in sweep.problem(name).ERRORS:
+            spans = []
+            for cost in precision.COSTS:
+                times = [front.excess(r, own, error, cost) for r in own if r.curve.partition(",")[0] == "default"]
+                done = [f"{float(f'{x:.2g}'):g}" for x in times if x < float("inf")]
+                spans.append(" to ".join(dict.fromkeys((min(done, key=float), max(done, key=float)))) if done else "no run")
+            assert any(line.startswith(f"| ({letter}) {error} | {' | '.join(spans)} |") for line in told), (error, spans)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hybrid import bench, cli
-from hybrid.bench import block, kratos_block, soils, stamp
+from hybrid.bench import block, kratos_parts, soils, stamp
 from hybrid.bench.table import table
 from hybrid.build import build
 from hybrid.errors import HybridError
@@ -132,7 +132,7 @@ def test_a_peer_that_fails_is_told(peer):
 
 def test_meshes_for_the_peer(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    kratos_block.write_meshes([2, 3, 1], 0.5)
+    kratos_parts.write_meshes([2, 3, 1], 0.5, above=1)
     grid, soil = ((tmp_path / f"{name}.mdpa").read_text().splitlines() for name in ("grid", "soil"))
 
     def section(lines, name):

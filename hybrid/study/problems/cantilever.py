@@ -25,7 +25,6 @@ but "default" have the ghost penalty, and no line search where they do not say s
 """
 
 import functools
-import time
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,13 +32,15 @@ from scipy.integrate import solve_bvp
 
 from hybrid.build import build
 from hybrid.scene import Axis, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
-from hybrid.study.methods import SOILS, few, krylov_tolerances, newton_tolerances
+from hybrid.study.methods import SOILS, alike, few, krylov_tolerances, newton_tolerances
 from hybrid.study.record import Found
+from hybrid.study.steps import iterations, stepped
 
 TITLE = "cantilever bent right down"
 ERRORS = {"tip": "distance of the tip from the exact one / exact displacement", "drop": "|drop / exact - 1|",
           "shortening": "|shortening / exact - 1|"}
 
+LIKE, SURE = "depth", 0.004     # what a scene alike has its cells across; an error below it is chance
 LENGTH, YOUNG, POISSON, LOAD, DENSITY, STEPS = 10.0, 12e6, 0.2, 1e5, 1000.0, 50
 GHOST = 0.033
 # A beam turns more than it strains: the residual rises before it falls.
@@ -141,16 +142,19 @@ def bend(size, points_per_axis=2, height=1.0, steps=STEPS, full=False, ghost=GHO
         out[:, 2] = -LOAD * width * t / steps / mass * np.select([columns == 0, columns == 1], [1.5, -0.5], 0.0)
         return out
 
-    simulation, tips, iterations = build(scene, body_force=force), [], 0
+    simulation, tips = build(scene, body_force=force), []
     constants = simulation.model.soil.constants
-    last, begun = constants.position[:, 0] > LENGTH - size / points_per_axis, time.perf_counter()
-    for record in simulation.steps():
-        points, iterations = simulation.state.points, iterations + record.iterations
+    last = constants.position[:, 0] > LENGTH - size / points_per_axis
+
+    def see_tip(_):
+        points = simulation.state.points
         face = points.position[last] + points.deformation[last, :, 0] * constants.half[last, :1]
         tips.append(face.mean(axis=0) - (LENGTH, 0.0, 0.5 * height))
-    seconds, tips, points = time.perf_counter() - begun, np.array(tips), simulation.state.points
-    return Bent(-tips[:, 2], -tips[:, 0], constants.position, points.position, points.stress, iterations,
-                len(simulation.evaluation.soil), seconds)
+
+    records, seconds = stepped(simulation, see_tip)
+    tips, points = np.array(tips), simulation.state.points
+    return Bent(-tips[:, 2], -tips[:, 0], constants.position, points.position, points.stress,
+                iterations(records), len(simulation.evaluation.soil), seconds)
 
 
 SIZES, FIXED = (1.0, 0.5, 0.25, 0.125), 0.25
@@ -182,6 +186,11 @@ def curves(quick=False):
         "Krylov tolerance": krylov_tolerances(**fixed),
     }
     return few(all_curves, {"default": 2, "GIMP, ghost": 3, "standard MPM": 2}) if quick else all_curves
+
+
+def like(values):
+    """What a scene alike takes over from a run in the default's steps, else None."""
+    return alike(values, 1.0 / values["size"], "size")
 
 
 def solve(size, steps=STEPS, soil=None, solver=None):

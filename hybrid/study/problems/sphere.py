@@ -58,7 +58,7 @@ def overrides(mu, refinement=1):
 def curves(quick):
     """Refinements of spacing, facets and penalty together, and other parameters at one of them."""
     if quick:
-        return {"default": _refined((1, 2)), "time step": _lasting((0.04,))}
+        return {"default": _refined((1, 2))}
     return {
         "default": _refined((1, 2, 4)),
         "second pass": _facets((0.1, 0.05, 0.035)),
