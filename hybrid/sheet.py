@@ -3,7 +3,6 @@
 import numpy as np
 
 from hybrid.body.rigid import FREEDOMS
-from hybrid.laws.sand import sand
 from hybrid.material import USES, of_layer, span
 from hybrid.system.pattern import make_pattern
 
@@ -35,7 +34,7 @@ def model_sheet(scene, model, imbalance=None, level=""):
         "bodies": [_body(*pair) for pair in zip(scene.bodies, model.bodies)] or "none",
         "soil law": _law(scene.soil.material, soil.law) if not soil.held else "none, the soil is held",
         "basis": scene.soil.basis if not soil.held else "none, the soil is held",
-        "soil tangent": _tangent(scene.soil) if not soil.held else "none, the soil is held",
+        "soil tangent": _tangent(scene.soil, soil.law) if not soil.held else "none, the soil is held",
         "steps": " + ".join(f"{s.steps} {s.name}" for s in scene.stages),
         "time integration": _schemes(scene, model.scheme),
         "increments": _increments(scene, soil.grid.smallest_cell),
@@ -62,22 +61,11 @@ def bytes_of(soil, pattern, linear):
     return memory + BYTES_OF_FILL * pattern.size ** (4 / 3) * fill
 
 
-def _tangent(soil):
-    """Whether the soil's block of the tangent is symmetric, by the laws of soil.material and the layers."""
-    materials = [of_layer(soil.material, layer) for layer in soil.layers] or [soil.material]
-    if "user" in {m.law for m in materials}:
+def _tangent(described, law):
+    """Whether the soil's block of the tangent is symmetric."""
+    if "user" in {of_layer(described.material, layer).law for layer in described.layers} | {described.material.law}:
         return "as the user's law has it"
-    return "symmetric" if all(map(_associated, materials)) else "unsymmetric"
-
-
-def _associated(material):
-    """Whether plastic flow, if there is any, has a symmetric tangent: at the apex of a cone hardening spoils it."""
-    if "friction_angle" not in USES[material.law]:
-        return True
-    preset = {} if material.relative_density is None else sand(material.relative_density, material.buoyant)
-    friction, dilation = (preset.get(name) if getattr(material, name) is None else getattr(material, name)
-                          for name in ("friction_angle", "dilation_angle"))
-    return material.law == "drucker-prager" and friction == dilation and not material.hardening
+    return "symmetric" if law.symmetric else "unsymmetric"
 
 
 def _increments(scene, cell):

@@ -2,6 +2,7 @@
 
     young                                          (n,) [Pa] Young's modulus, which contact stiffness follows
     plastic                                        False when the strain never flows
+    symmetric                                      whether all tangents are; of a user's law nobody asks
     respond(strain, plastic_strain) -> Response    strain (n, 3) trial principal logarithmic strain,
                                                    plastic_strain (n,) accumulated up to the committed state
     energy(elastic) -> (n,)                        [J/m³ of initial volume] stored by principal elastic strain (n, 3)

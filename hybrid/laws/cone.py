@@ -66,6 +66,13 @@ class Cone(Hencky):
                              f"than √3 (G + K η η̄) = {-slope[p] + np.sqrt(3) * steepest[p]:.3g} Pa, beyond which a "
                              f"point snaps back; use a hardening nearer to 0")
 
+    @property
+    def symmetric(self):
+        """Whether flow is associated, on a circular cone; at an apex hardening spoils it."""
+        eta, eta_bar, _, ratio, slope, _, dilation_ratio = self.parameters[:, 2:].T
+        apex = eta * slope != 0.0
+        return bool(np.all((eta == eta_bar) & (ratio == 1.0) & (dilation_ratio == 1.0) & ~apex))
+
     def respond(self, strain, plastic_strain=None):
         """Response to trial principal strains (n, 3) after accumulated plastic strain (n,), none when left out."""
         history = NO_HISTORY

@@ -15,6 +15,7 @@ class Hencky:
     """Elastic law with Young's modulus [Pa] and Poisson's ratio per point, scalars or (n,) arrays."""
 
     plastic = False
+    symmetric = True
 
     def __init__(self, young, poisson):
         young, poisson = np.broadcast_arrays(np.atleast_1d(np.asarray(young, float)), poisson)

@@ -19,7 +19,10 @@ MEMBERS = ("young", "plastic", "respond", "energy", "strain")
 
 
 class Guarded:
-    """A user's law, each of whose answers is checked: `n` points."""
+    """A user's law, each of whose answers is checked: `n` points. Its tangents are taken for unsymmetric, as a law
+    derived from another inherits what that says of its own."""
+
+    symmetric = False
 
     def __init__(self, law, n):
         self.law, self.n = law, n

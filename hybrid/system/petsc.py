@@ -4,11 +4,15 @@
     | K_wu  K_ww | |δw| = - |R_w|
 
 K_uu is sparse (AIJ) over the free soil unknowns, the others are dense and as thin as the bodies' free unknowns. The
-preconditioner is the upper block factorisation: an incomplete (or, for checks, a direct) factor of K_uu and the exact
-Schur complement K_ww - K_wu M^-1 K_uw, formed with one application of that factor M^-1 per body unknown.
+preconditioner is the upper block factorisation: an approximate inverse M^-1 of K_uu and the exact Schur complement
+K_ww - K_wu M^-1 K_uw, formed with one application of M^-1 per body unknown. M^-1 is a symmetric Gauss-Seidel sweep where
+the soil's tangent is symmetric, an incomplete factor where it is not, the other one where GMRES gets nowhere with that;
+or, for checks, a direct factor. Sweeps need no factor, keep a positive matrix positive, and stay at ten iterations where
+cells grow away from a body and the incomplete factor takes thirty to sixty. Unsymmetric tangents take them a third more
+iterations, which is what a factor costs, and some have a negative diagonal, where sweeps diverge.
 
-The incomplete factor is made from the entries between nodes of one cell (`hybrid.system.near`): without the others a
-factor of 15 600 unknowns takes 0.04 s instead of 0.35 s, and GMRES 8 iterations instead of 4 to 1e-3, in the same time.
+Either is made from the entries between nodes of one cell (`hybrid.system.near`): without the others a factor of 15 600
+unknowns takes 0.04 s instead of 0.35 s, and GMRES 8 iterations instead of 4 to 1e-3, in the same time.
 
 All matrices stay allocated while the pattern is the same; values are edited in place. Options prefix: "hybrid_".
 """
@@ -24,6 +28,10 @@ DIRECT = {"ksp_type": "preonly", "pc_type": "lu", "pc_factor_mat_solver_type": "
 # A node that a domain barely overlaps has a tiny row and a far tinier pivot; elimination without pivoting does not
 # depend on the scale of rows and columns, so only an exact zero is refused.
 INCOMPLETE = {"ksp_type": "preonly", "pc_type": "ilu", "pc_factor_zeropivot": 0.0}
+SWEEPS = {"ksp_type": "preonly", "pc_type": "sor",     # forward and back, PETSc's default
+          "pc_sor_diagonal_shift": 1e-300}              # a zero diverges instead of ending in an error
+LABOURED = 60   # iterations after which one way gives way to the other
+MOST = 300
 COMM = PETSc.COMM_SELF
 CHOSEN_BY_USER = set(PETSc.Options().getAll())  # PETSC_OPTIONS of the environment override ours
 
@@ -31,18 +39,19 @@ CHOSEN_BY_USER = set(PETSc.Options().getAll())  # PETSC_OPTIONS of the environme
 class BlockSystem:
     """Storage and solution of the block system for one sparsity pattern.
 
-    near: Near, what the incomplete factor is made from, None for all of K_uu.
+    near: Near, what sweeps and the incomplete factor are made from, None for all of K_uu; symmetric: whether that is,
+    but for friction.
     values: entries of K_uu in the order of the pattern; uw (n, m), wu (m, n), ww (m, m): dense blocks.
     """
 
-    def __init__(self, indptr, indices, body_unknowns, linear, tolerance, near=None):
+    def __init__(self, indptr, indices, body_unknowns, linear, tolerance, near=None, symmetric=False):
         n, m = len(indptr) - 1, body_unknowns
         self.values = np.zeros(len(indices))
         self.uw, self.wu = np.zeros((n, m), order="F"), np.zeros((m, n), order="F")
         self.ww, self._schur = np.zeros((m, m), order="F"), np.zeros((m, m), order="F")
         self.soil_unknowns, self.body_unknowns = n, m
         self._tolerance = tolerance
-        self._coupled, self._blocks, self._near = bool(n and m), [], None
+        self._coupled, self._blocks, self._near, self._prepared = bool(n and m), [], None, set()
         if n:
             self._uu = PETSc.Mat().createAIJWithArrays((n, n), (indptr, indices, self.values), comm=COMM)
             self._blocks.append(self._uu)
@@ -55,7 +64,10 @@ class BlockSystem:
             self._blocks.append(self._ww)
         if self._blocks:
             self._join()
-            self._ksp = self._krylov(DIRECT if linear == "direct" else INCOMPLETE, tolerance)
+            first, last = (SWEEPS, INCOMPLETE) if symmetric else (INCOMPLETE, SWEEPS)
+            exact = linear == "direct" or not n
+            ways = [(DIRECT, MOST)] if exact else [(first, LABOURED), (last, MOST)]
+            self._ways, self._way = [self._krylov(*way) for way in ways], 0
             self._x, self._b = self._matrix.createVecs()
 
     def _join(self):
@@ -74,14 +86,15 @@ class BlockSystem:
             self._matrix = PETSc.Mat().createNest([[self._uu, uw], [wu, self._ww]], comm=COMM)
             self._preconditioner = PETSc.Mat().createNest([[soil, uw], [wu, self._ww]], comm=COMM)
 
-    def _krylov(self, factor, tolerance):
+    def _krylov(self, inverse, most):
+        """(KSP of at most so many iterations, its options); inverse: options of what stands for that of K_uu."""
         ksp = PETSc.KSP().create(COMM)
         ksp.setOptionsPrefix("hybrid_")
         ksp.setOperators(self._matrix, self._preconditioner)
         ksp.setType("gmres")
         ksp.setGMRESRestart(100)
         ksp.setPCSide(PETSc.PC.Side.RIGHT)
-        ksp.setTolerances(rtol=tolerance, atol=0.0, max_it=300)
+        ksp.setTolerances(rtol=self._tolerance, atol=0.0, max_it=most)
         pc = ksp.getPC()
         if self._coupled:
             pc.setType("fieldsplit")
@@ -90,23 +103,25 @@ class BlockSystem:
             pc.setFieldSplitType(PETSc.PC.CompositeType.SCHUR)
             pc.setFieldSplitSchurFactType(PETSc.PC.SchurFactType.UPPER)
             pc.setFieldSplitSchurPreType(PETSc.PC.SchurPreType.USER, self._sp)
-            self._options = {f"fieldsplit_u_{key}": value for key, value in factor.items()}
-            self._options |= {"fieldsplit_w_ksp_type": "preonly", "fieldsplit_w_pc_type": "lu"}
+            options = {f"fieldsplit_u_{key}": value for key, value in inverse.items()}
+            options |= {"fieldsplit_w_ksp_type": "preonly", "fieldsplit_w_pc_type": "lu"}
         elif self.soil_unknowns:
-            self._options = {**factor, "ksp_type": "gmres"}
+            options = {**inverse, "ksp_type": "gmres"}
         else:
-            self._options = {"ksp_type": "preonly", "pc_type": "lu"}
-        with _entered(self._options):
+            options = {"ksp_type": "preonly", "pc_type": "lu"}
+        with _entered(options):
             ksp.setFromOptions()
-        return ksp
+        return ksp, options
 
     def destroy(self):
         """Release the memory of matrices and factors at once, rather than when Python gets to it."""
         if self._blocks:
-            if self._coupled:  # PETSc keeps the inner solvers of a Schur field split alive, factor and all
-                self._ksp.getPC().getFieldSplitSubKSP()[0].getPC().reset()
-            self._ksp.reset()
-            things = [self._ksp, self._preconditioner, self._matrix, *self._blocks, self._x, self._b]
+            for ksp in (self._ways[way][0] for way in self._prepared):
+                if self._coupled:  # PETSc keeps the inner solvers of a Schur field split alive, factor and all
+                    ksp.getPC().getFieldSplitSubKSP()[0].getPC().reset()
+                ksp.reset()
+            things = [ksp for ksp, _ in self._ways]
+            things += [self._preconditioner, self._matrix, *self._blocks, self._x, self._b]
             things += [self._uu_near] if self._near is not None else []
             for thing in things:
                 thing.destroy()
@@ -120,25 +135,34 @@ class BlockSystem:
         """Prepare the preconditioner after assembly."""
         if self._near is not None:
             self._near.take(self.values)
-            self._uu_near.stateIncrease()
-        for block in (*self._blocks, self._matrix, self._preconditioner):
-            block.stateIncrease()
-        self._ksp.setOperators(self._matrix, self._preconditioner)
-        with _entered(self._options):  # the parts of a field split read theirs at the first set-up
-            self._ksp.setUp()
-        if self._coupled:
-            self._form_schur()
+            self._uu_near.assemble()
+        for block in self._blocks:
+            block.assemble()    # which forgets the inverse of the diagonal that sweeps keep
+        for matrix in (self._matrix, self._preconditioner):
+            matrix.stateIncrease()
+        self._prepare(0)
 
-    def _form_schur(self):
+    def _prepare(self, way):
+        """Take this one of the ways from now on, with the present values."""
+        (ksp, options), self._way = self._ways[way], way
+        ksp.setOperators(self._matrix, self._preconditioner)
+        with _entered(options):  # the parts of a field split read theirs at the first set-up
+            ksp.setUp()
+        self._prepared.add(way)
+        if self._coupled:
+            self._form_schur(ksp)
+
+    def _form_schur(self, ksp):
         """S = K_ww - K_wu M^-1 K_uw; coupling only exists where corners touch, so zero columns cost nothing."""
-        soil = self._ksp.getPC().getFieldSplitSubKSP()[0]
+        soil = ksp.getPC().getFieldSplitSubKSP()[0]
         x, b = self._uu.createVecs()
         self._schur[...] = self.ww
         for a in range(self.body_unknowns):
             if np.any(self.uw[:, a]):
                 b.array = self.uw[:, a]
                 soil.solve(b, x)
-                self._schur[:, a] -= self.wu @ x.array
+                with np.errstate(invalid="ignore"):     # sweeps over a singular row: the next way is taken
+                    self._schur[:, a] -= self.wu @ x.array
         self._sp.stateIncrease()
 
     def solve(self, soil, body, tolerance=None):
@@ -149,19 +173,31 @@ class BlockSystem:
         """
         if not self._blocks:
             return np.zeros(0), np.zeros(0), 0
-        if "hybrid_ksp_rtol" not in CHOSEN_BY_USER:
-            _, *others = self._ksp.getTolerances()
-            self._ksp.setTolerances(self._tolerance if tolerance is None else tolerance, *others)
         self._b.array = -np.concatenate([soil, body])
+        total = 0
+        while True:
+            why, count = self._tried(self._ways[self._way][0], tolerance)
+            total += count
+            if not why:
+                solution = self._x.array
+                return solution[:len(soil)].copy(), solution[len(soil):].copy(), total
+            if self._way + 1 == len(self._ways):
+                raise StepError(_advice(why))
+            self._prepare(self._way + 1)
+
+    def _tried(self, ksp, tolerance):
+        """(Why there is no solution, "" where there is; Krylov iterations)."""
+        if "hybrid_ksp_rtol" not in CHOSEN_BY_USER:
+            _, *others = ksp.getTolerances()
+            ksp.setTolerances(self._tolerance if tolerance is None else tolerance, *others)
         try:
-            self._ksp.solve(self._b, self._x)
-        except PETSc.Error as error:
-            raise StepError(_advice("a diagonal block is singular")) from error
-        reason, count = self._ksp.getConvergedReason(), self._ksp.getIterationNumber()
-        solution = self._x.array
-        if reason < 0 or not np.isfinite(solution).all():
-            raise StepError(_advice(f"no convergence in {count} iterations, PETSc reason {reason}"))
-        return solution[:len(soil)].copy(), solution[len(soil):].copy(), count
+            ksp.solve(self._b, self._x)
+        except PETSc.Error:
+            return "a diagonal block is singular", 0
+        reason, count = ksp.getConvergedReason(), ksp.getIterationNumber()
+        if reason < 0 or not np.isfinite(self._x.array).all():
+            return f"no convergence in {count} iterations, PETSc reason {reason}", count
+        return "", count
 
 
 def _advice(what):

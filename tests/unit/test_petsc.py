@@ -62,6 +62,39 @@ def test_a_factor_of_the_near_entries_gives_the_same_solution():
         assert count > 1
 
 
+@pytest.mark.parametrize("m", [0, 3])
+def test_sweeps_follow_the_values_that_are_edited_in_place(m):
+    """Sweeps keep the inverse of the diagonal, which must not outlive the values it came from."""
+    uu = random(300, 300, 0.03, random_state=5)
+    uu = csr_matrix(uu + uu.T + diags(np.full(300, 8.0)))
+    scale = diags(10.0 ** np.random.default_rng(3).uniform(-1, 1, 300))
+    others = [uu, csr_matrix(scale @ uu @ scale)]
+    for matrix in others:
+        matrix.sort_indices()
+    system, fresh = (BlockSystem(uu.indptr, uu.indices, m, "krylov", 1e-6, symmetric=True) for _ in range(2))
+    counts = [pushed(system, matrix) for matrix in others]
+    assert pushed(fresh, others[1]) == counts[1] < 20
+
+
+def test_where_sweeps_divide_by_zero_the_factor_takes_over():
+    """The incomplete factor of three diagonals is exact."""
+    middle = np.where(np.arange(300) % 3 == 1, 0.0, 2.0)
+    uu = csr_matrix(diags([np.ones(299), np.ones(300), np.ones(299)], [-1, 0, 1]))
+    uu.setdiag(middle)      # zeros are kept as entries
+    system = BlockSystem(uu.indptr, uu.indices, 3, "krylov", 1e-10, symmetric=True)
+    assert pushed(system, uu) <= 3
+
+
+def pushed(system, uu):
+    """Krylov iterations of a push on all of the soil, whose solution is checked."""
+    m = system.body_unknowns
+    system.values[:], system.ww[:] = uu.data, np.eye(m)
+    system.factor()
+    soil, _, count = system.solve(np.ones(uu.shape[0]), np.ones(m))
+    np.testing.assert_allclose(uu @ soil, -1.0, atol=1e-4)
+    return count
+
+
 def test_a_singular_system_is_reported_with_advice():
     system, _ = filled(50, 3, "krylov")
     system.clear()
