@@ -125,7 +125,7 @@ class Simulation:
                 self.state, report = outer_step(
                     model, systems, self.state, length, stage.pull, control, settings)
                 self.evaluation, self.increment = report.evaluation, control.dt
-                yield self._record(stage.name, stage_step, report)
+                yield self._record(stage.name, stage_step, report, model.scheme)
             first, starts = first + stage.steps, starts + stage.steps * length
 
     def stage_model(self, stage, starts):
@@ -140,7 +140,7 @@ class Simulation:
         return Control(begun and self.increment or length, time.smallest or length / (4096 if time.accuracy else 64),
                        time.accuracy and time.accuracy * cell)
 
-    def _record(self, stage, stage_step, report):
+    def _record(self, stage, stage_step, report, scheme):
         state, evaluation = self.state, report.evaluation
         with timing.phase("energy"):
             energy = energies(self.model, state, evaluation)
@@ -156,13 +156,13 @@ class Simulation:
             increments=report.increments, iterations=report.iterations, rejections=report.rejections,
             residual=evaluation.error, contacts=sum(len(c) for c in evaluation.contacts), seconds=timing.collect(),
             energies=energy, bodies=bodies, time_error=report.error, krylov=report.krylov,
-            notes=self._notes(energy))
+            notes=self._notes(energy, scheme))
 
-    def _notes(self, energy):
+    def _notes(self, energy, scheme):
         state = self.state
         astray = self._astray.notes(self.model, state) if self._astray else ()
         return (self._initial_notes() + self._leaving.notes(self.model, state) + astray
-                + self._gain.notes(state.time, energy))
+                + self._gain.notes(state.time, energy, scheme.damps or not scheme.inertia))
 
     def _initial_notes(self):
         """What is told once, with the first step of all."""

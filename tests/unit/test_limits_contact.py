@@ -1,0 +1,33 @@
+"""Limits of contact and of stepping: each warns where the atlas saw failure, and is silent just on the safe side."""
+
+import pytest
+
+from hybrid.build import build
+from hybrid.limits import stepping
+from hybrid.study.scenes import SCHEMES, box, plane
+
+
+def texts(limit, body, step=0.01, **rest):
+    """What a limit says of a body on a held plane."""
+    simulation = build(plane(body, 10, step, **rest))
+    return list(limit(simulation.scene, simulation.model))
+
+
+def tumbling(step, scheme="newmark", **time):
+    """Of a box that turns by 1 rad/s about two axes."""
+    body = box(1.0, 0.7, 0.3, position=(0.0, 0.0, 2.0), spin=(0.6, 0.8, 0.0))
+    return texts(stepping.turning, body, step, time={**SCHEMES[scheme], **time})
+
+
+@pytest.mark.parametrize("scheme, limit", [("newmark", 0.4), ("alpha", 0.4), ("energy-momentum", 0.2),
+                                           ("dissipative", 0.03)])
+def test_large_turns_of_a_tumbling_body(scheme, limit):
+    assert not tumbling(0.99 * limit, scheme)
+    text, = tumbling(1.5 * limit, scheme)
+    assert f"turns by {1.5 * limit:.3g} rad a step" in text and f"limit {limit:g} rad" in text
+    assert "time.accuracy = 1e-3" in text
+    assert not tumbling(1.5 * limit, scheme, accuracy=1e-3)
+
+
+def test_turns_about_one_axis_lose_nothing():
+    assert not texts(stepping.turning, box(1.0, 0.7, 0.3, position=(0.0, 0.0, 2.0), spin=(0.0, 1.0, 0.0)), 1.0)
