@@ -1,3 +1,36 @@
 """Limits of bodies and of their contact with soil."""
 
-LIMITS = ()
+import numpy as np
+
+from hybrid.body.attitude import rotation_from_axis_angle
+
+SOFT = 10.0     # p_f times the depth that a body presses: below it contact takes a tenth of the way (failure, penalty)
+
+
+def soft(scene, model):
+    """Penalties so low that contact gives way instead of the soil: springs in series, 1/p_f against their depth."""
+    if model.soil.held:
+        return
+    soil, across = model.soil.constants, ~model.soil.grid.collapsed[:2]
+    deep = float((soil.position + soil.half)[:, 2].max() - (soil.position - soil.half)[:, 2].min())
+    for described, body in zip(scene.bodies, model.bodies):
+        depth = min([deep, *np.ptp(started(described, body), axis=0)[:2][across]])
+        stiff = described.penalty * depth
+        if stiff < SOFT and not body.augmented:
+            yield (f"{body.name}: penalty {described.penalty:g} /m over a depth of {depth:.3g} m makes {stiff:.3g}, limit "
+                   f"{SOFT:g}: contact takes {1 / (1 + stiff):.0%} of what the soil should give. Set body.penalty to "
+                   f'{SOFT / depth:.3g} or more, or body.enforcement = "augmented"')
+
+
+def started(described, body):
+    """Vertices (V, 3) [m] of a body's surface where it starts."""
+    rotation = np.eye(3)
+    if described.rotation:
+        rotation = rotation_from_axis_angle(described.rotation[:3], np.radians(described.rotation[3]))
+    place = np.array(described.position or (0.0, 0.0, 0.0)) + (body.surface.vertices + body.mass.centre) @ rotation.T
+    if described.rest_on is not None:
+        place[:, 2] += described.rest_on - place[:, 2].min()
+    return place
+
+
+LIMITS = (soft,)

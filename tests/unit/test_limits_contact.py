@@ -3,7 +3,8 @@
 import pytest
 
 from hybrid.build import build
-from hybrid.limits import stepping
+from hybrid.limits import contact, stepping
+from hybrid.study.problems import platen
 from hybrid.study.scenes import SCHEMES, box, plane
 
 
@@ -31,3 +32,12 @@ def test_large_turns_of_a_tumbling_body(scheme, limit):
 
 def test_turns_about_one_axis_lose_nothing():
     assert not texts(stepping.turning, box(1.0, 0.7, 0.3, position=(0.0, 0.0, 2.0), spin=(0.0, 1.0, 0.0)), 1.0)
+
+
+@pytest.mark.parametrize("penalty, more, count", [(12.6, {}, 0), (12.4, {}, 1), (1.0, {"enforcement": "augmented"}, 0)])
+def test_contact_softer_than_the_soil(penalty, more, count):
+    """A platen 1.2 m wide on a cube of 0.8 m."""
+    simulation = build(platen.scene(penalty=penalty, **more))
+    said = list(contact.soft(simulation.scene, simulation.model))
+    assert len(said) == count
+    assert all("penalty 12.4 /m" in text and "limit 10" in text and "body.penalty to 12.5" in text for text in said)
