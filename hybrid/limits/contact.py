@@ -5,6 +5,7 @@ import numpy as np
 from hybrid.body.attitude import rotation_from_axis_angle
 
 SOFT = 10.0     # p_f times the depth that a body presses: below it contact takes a tenth of the way (failure, penalty)
+STUCK = 0.3     # ε_T/ε_N: below it a rolling sphere creeps by 5 % and more (failure, stick)
 
 
 def soft(scene, model):
@@ -22,6 +23,14 @@ def soft(scene, model):
                    f'{SOFT / depth:.3g} or more, or body.enforcement = "augmented"')
 
 
+def creeping(scene, model):
+    """Springs of stuck friction so soft that what rolls or sticks creeps."""
+    for body in model.bodies:
+        if body.friction > 0 and body.tangential < STUCK:
+            yield (f"{body.name}: tangential {body.tangential:g} of the normal stiffness, limit {STUCK:g}: what sticks "
+                   "creeps, a rolling sphere by 5 % of its way and more. Set body.tangential to 1")
+
+
 def started(described, body):
     """Vertices (V, 3) [m] of a body's surface where it starts."""
     rotation = np.eye(3)
@@ -33,4 +42,4 @@ def started(described, body):
     return place
 
 
-LIMITS = (soft,)
+LIMITS = (soft, creeping)

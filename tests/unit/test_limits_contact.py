@@ -41,3 +41,10 @@ def test_contact_softer_than_the_soil(penalty, more, count):
     said = list(contact.soft(simulation.scene, simulation.model))
     assert len(said) == count
     assert all("penalty 12.4 /m" in text and "limit 10" in text and "body.penalty to 12.5" in text for text in said)
+
+
+@pytest.mark.parametrize("tangential, friction, count", [(0.3, 0.4, 0), (0.29, 0.4, 1), (0.29, 0.0, 0)])
+def test_soft_springs_of_stuck_friction(tangential, friction, count):
+    said = texts(contact.creeping, box(0.5, 0.5, 0.5, rest_on=0.0, tangential=tangential, friction=friction))
+    assert len(said) == count
+    assert all("tangential 0.29" in text and "limit 0.3" in text and "body.tangential to 1" in text for text in said)
