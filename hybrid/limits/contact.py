@@ -7,6 +7,8 @@ from hybrid.body.attitude import rotation_from_axis_angle
 SOFT = 10.0     # p_f times the depth that a body presses: below it contact takes a tenth of the way (failure, penalty)
 STUCK = 0.3     # ε_T/ε_N: below it a rolling sphere creeps by 5 % and more (failure, stick)
 
+NARROW = 2.0    # spacings of corners: below it rows of them under a body come and go by chance (failure, thin, nails)
+
 
 def soft(scene, model):
     """Penalties so low that contact gives way instead of the soil: springs in series, 1/p_f against their depth."""
@@ -31,6 +33,29 @@ def creeping(scene, model):
                    "creeps, a rolling sphere by 5 % of its way and more. Set body.tangential to 1")
 
 
+def narrow(scene, model):
+    """Bodies that the corners of the soil see more or less of by chance."""
+    half, across = model.soil.constants.half, ~model.soil.grid.collapsed[:2]
+    if model.soil.basis != "gimp" or not across.any():
+        return
+    spacing, cell = 2 * float(half[:, :2][:, across].min()), model.soil.grid.smallest_cell
+    for described, body in zip(scene.bodies, model.bodies):
+        if body.second_pass == 1.0:
+            continue
+        width = _width(started(described, body)[:, :2] * across)
+        if width < NARROW * spacing:
+            yield (f"{body.name} is {width:.3g} m narrow, {width / spacing:.2g} spacings of corners, limit {NARROW:g}: "
+                   "the first pass of contact sees more or less of it by chance, or nothing. Set body.second_pass = 1, "
+                   f"or cells of at most {cell * width / (NARROW * spacing):.2g} m")
+
+
+def _width(place):
+    """Smallest width [m] of places (V, 2) between parallel lines; an axis along which all are 0 does not count."""
+    turn = np.linspace(0.0, np.pi, 37)[:-1]
+    widths = np.ptp(place @ np.array([np.cos(turn), np.sin(turn)]), axis=0)
+    return float(widths.min() if np.ptp(place, axis=0).all() else widths.max())
+
+
 def started(described, body):
     """Vertices (V, 3) [m] of a body's surface where it starts."""
     rotation = np.eye(3)
@@ -42,4 +67,4 @@ def started(described, body):
     return place
 
 
-LIMITS = (soft, creeping)
+LIMITS = (soft, creeping, narrow)

@@ -48,3 +48,13 @@ def test_soft_springs_of_stuck_friction(tangential, friction, count):
     said = texts(contact.creeping, box(0.5, 0.5, 0.5, rest_on=0.0, tangential=tangential, friction=friction))
     assert len(said) == count
     assert all("tangential 0.29" in text and "limit 0.3" in text and "body.tangential to 1" in text for text in said)
+
+
+@pytest.mark.parametrize("width, more, count", [
+    (0.26, {}, 0), (0.24, {}, 1), (0.24, {"second_pass": 1.0}, 0), (0.24, {"rotation": (0.0, 0.0, 1.0, 30.0)}, 1)])
+def test_bodies_narrower_than_two_spacings_of_corners(width, more, count):
+    """Corners lie 0.125 m apart."""
+    said = texts(contact.narrow, box(1.0, width, 0.5, rest_on=0.0, **more), cells=(6, 6))
+    assert len(said) == count
+    assert all("0.24 m narrow" in text and "1.9 spacings" in text and "limit 2" in text and "second_pass = 1" in text
+               and "cells of at most 0.24 m" in text for text in said)
