@@ -49,6 +49,33 @@ def narrow(scene, model):
                    f"or cells of at most {cell * width / (NARROW * spacing):.2g} m")
 
 
+def beyond(scene, model):
+    """Bodies that are driven or pulled past the end of the grid."""
+    for described, body in zip(scene.bodies, model.bodies):
+        place = started(described, body)
+        for axis, name in enumerate("xyz"):
+            way, grid = _way(scene, described, name), getattr(scene.grid, name)
+            side, end = ("end", grid.end) if way > 0 else ("start", grid.start)
+            at = (place.max(axis=0) if way > 0 else place.min(axis=0))[axis]
+            if grid.collapsed or way == 0.0 or (name == "z" and way > 0) or not (at - end) * way < 0 < (at + way - end) * way:
+                continue
+            yield (f"{body.name} will have come to {name} = {at + way:.3g} m when the stages end, limit {name} = {end:g} m, "
+                   f"where the grid does: there is no soil beyond. Move grid.{name}.{side} outwards (with "
+                   f"grid.{name}.window a long grid costs no more than a short one), or take fewer stage.steps")
+
+
+def _way(scene, described, name):
+    """Way [m] that a body is driven, or its line pulled, along an axis in all stages."""
+    axis, way = "xyz".index(name), 0.0
+    for stage in scene.stages:
+        length = stage.steps * (stage.step or scene.time.step)
+        if name in described.driven and name not in stage.held:
+            way += described.velocity[axis] * length
+        elif described.pull and stage.pull and name not in {*stage.held, *described.held, *described.driven}:
+            way += described.pull.velocity[axis] * length
+    return way
+
+
 def _width(place):
     """Smallest width [m] of places (V, 2) between parallel lines; an axis along which all are 0 does not count."""
     turn = np.linspace(0.0, np.pi, 37)[:-1]
@@ -67,4 +94,4 @@ def started(described, body):
     return place
 
 
-LIMITS = (soft, creeping, narrow)
+LIMITS = (soft, creeping, narrow, beyond)

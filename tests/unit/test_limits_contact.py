@@ -1,9 +1,12 @@
 """Limits of contact and of stepping: each warns where the atlas saw failure, and is silent just on the safe side."""
 
+from dataclasses import replace
+
 import pytest
 
 from hybrid.build import build
 from hybrid.limits import contact, stepping
+from hybrid.scene import Pull
 from hybrid.study.problems import platen
 from hybrid.study.scenes import SCHEMES, box, plane
 
@@ -58,3 +61,22 @@ def test_bodies_narrower_than_two_spacings_of_corners(width, more, count):
     assert len(said) == count
     assert all("0.24 m narrow" in text and "1.9 spacings" in text and "limit 2" in text and "second_pass = 1" in text
                and "cells of at most 0.24 m" in text for text in said)
+
+
+@pytest.mark.parametrize("velocity, count", [
+    ((2.4, 0.0, 0.0), 0), ((2.6, 0.0, 0.0), 1), ((0.0, -2.6, 0.0), 1), ((0.0, 0.0, 9.0), 0)])
+def test_bodies_driven_over_the_end_of_the_grid(velocity, count):
+    """A box of 0.5 m in the middle of 1 m, driven for 0.1 s."""
+    body = box(0.5, 0.5, 0.5, rest_on=0.1, velocity=velocity, driven=("x", "y", "z"))
+    said = texts(contact.beyond, body)
+    assert len(said) == count
+    assert all("= 0.51 m" in text.replace("-", "") and "limit" in text and "outwards" in text for text in said)
+
+
+@pytest.mark.parametrize("pulling, count", [(True, 1), (False, 0)])
+def test_bodies_pulled_over_the_end_of_the_grid(pulling, count):
+    pull = Pull((0.0, 0.0, 0.0), (0.5, 0.0, 0.0), 1e6, 1.0)
+    described = plane(box(0.5, 0.5, 0.5, rest_on=0.1, pull=pull), 100, 0.01)
+    described = replace(described, stages=tuple(replace(stage, pull=pulling) for stage in described.stages))
+    simulation = build(described)
+    assert len(list(contact.beyond(simulation.scene, simulation.model))) == count
