@@ -14,6 +14,7 @@ from hybrid.sheet import model_sheet
 from hybrid.stepping import newton
 from hybrid.stepping.astray import Astray
 from hybrid.stepping.between import Between
+from hybrid.stepping.deep import Deep
 from hybrid.stepping.energy import Gain, balance_error, energies
 from hybrid.stepping.imbalance import measure
 from hybrid.stepping.leaving import Leaving
@@ -39,7 +40,8 @@ class Simulation:
         evaluation = start.evaluate(start.still())
         self._start_energy = energies(model, state, evaluation)     # a body may start in the soil a little
         self.imbalance = measure(start, evaluation)
-        self._leaving, self._gain, self._between = Leaving(model, state.bodies), Gain(), Between()
+        self._leaving, self._gain = Leaving(model, state.bodies), Gain()
+        self._contact = Between(), Deep()
         self._astray = None if model.soil.held else Astray(model, state.points)
 
     @property
@@ -163,7 +165,7 @@ class Simulation:
         state = self.state
         astray = self._astray.notes(self.model, state) if self._astray else ()
         return (self._initial_notes() + self._leaving.notes(self.model, state) + astray
-                + self._between.notes(self.model, state, self.evaluation.contacts)
+                + tuple(note for kind in self._contact for note in kind.notes(self.model, state, self.evaluation.contacts))
                 + self._gain.notes(state.time, energy, scheme.damps or not scheme.inertia))
 
     def _initial_notes(self):
