@@ -19,6 +19,7 @@ from hybrid.stepping.energy import Gain, balance_error, energies
 from hybrid.stepping.imbalance import measure
 from hybrid.stepping.leaving import Leaving
 from hybrid.stepping.loop import Control, outer_step
+from hybrid.stepping.ringing import Ringing
 from hybrid.system.cache import Systems
 from hybrid.system.equations import Step
 
@@ -41,7 +42,7 @@ class Simulation:
         self._start_energy = energies(model, state, evaluation)     # a body may start in the soil a little
         self.imbalance = measure(start, evaluation)
         self._leaving, self._gain = Leaving(model, state.bodies), Gain()
-        self._contact = Between(), Deep()
+        self._contact = Between(), Deep(), Ringing()
         self._astray = None if model.soil.held else Astray(model, state.points)
 
     @property
@@ -165,7 +166,8 @@ class Simulation:
         state = self.state
         astray = self._astray.notes(self.model, state) if self._astray else ()
         return (self._initial_notes() + self._leaving.notes(self.model, state) + astray
-                + tuple(note for kind in self._contact for note in kind.notes(self.model, state, self.evaluation.contacts))
+                + tuple(note for kind in self._contact
+                        for note in kind.notes(self.model, state, self.evaluation.contacts, scheme))
                 + self._gain.notes(state.time, energy, scheme.damps or not scheme.inertia))
 
     def _initial_notes(self):

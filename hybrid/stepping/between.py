@@ -18,7 +18,7 @@ class Between:
     def __init__(self):
         self._said = set()
 
-    def notes(self, model, state, contacts):
+    def notes(self, model, state, contacts, scheme=None):
         """Texts about bodies that have, by the Contacts that led to `state`."""
         texts = []
         for b, (body, motion, contact) in enumerate(zip(model.bodies, state.bodies, contacts)):

@@ -17,7 +17,7 @@ class Deep:
     def __init__(self):
         self._said = set()
 
-    def notes(self, model, state, contacts):
+    def notes(self, model, state, contacts, scheme=None):
         """Texts about bodies, by the Contacts that led to `state`."""
         texts = []
         for b, (body, contact) in enumerate(zip(model.bodies, contacts)):
