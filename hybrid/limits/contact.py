@@ -9,6 +9,8 @@ STUCK = 0.3     # ε_T/ε_N: below it a rolling sphere creeps by 5 % and more (f
 
 NARROW = 2.0    # spacings of corners: below it rows of them under a body come and go by chance (failure, thin, nails)
 
+LIGHT = 1.5     # rows of cells under a body: lighter ones are thrown back by the nodes they hit (failure, light)
+
 
 def soft(scene, model):
     """Penalties so low that contact gives way instead of the soil: springs in series, 1/p_f against their depth."""
@@ -47,6 +49,21 @@ def narrow(scene, model):
             yield (f"{body.name} is {width:.3g} m narrow, {width / spacing:.2g} spacings of corners, limit {NARROW:g}: "
                    "the first pass of contact sees more or less of it by chance, or nothing. Set body.second_pass = 1, "
                    f"or cells of at most {cell * width / (NARROW * spacing):.2g} m")
+
+
+def light(scene, model):
+    """Free bodies lighter than the soil that an impact sets in motion first."""
+    soil, grid = model.soil, model.soil.grid
+    if soil.held or not model.scheme.inertia:
+        return
+    density = float(soil.constants.mass.sum() / soil.constants.volume.sum())
+    for described, body in zip(scene.bodies, model.bodies):
+        across = np.minimum(np.ptp(started(described, body), axis=0), np.ptp(grid.extent, axis=1))[:2]
+        rows = body.mass.mass / (density * across.prod() * grid.smallest_cell)
+        if rows < LIGHT and body.free[:3].any():
+            yield (f"{body.name} has the mass of {rows:.2g} rows of cells under it, limit {LIGHT:g}: where it falls on the "
+                   f"soil it is thrown back. Use cells of a size of {grid.smallest_cell * rows / LIGHT:.2g} m at most, drive "
+                   "it, or set time.inertia = false")
 
 
 def beyond(scene, model):
@@ -94,4 +111,4 @@ def started(described, body):
     return place
 
 
-LIMITS = (soft, creeping, narrow, beyond)
+LIMITS = (soft, creeping, narrow, light, beyond)

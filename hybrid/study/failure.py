@@ -13,7 +13,7 @@ from hybrid.study import cases, outcome
 from hybrid.study.outcome import load
 
 CASES = ("crossing", "turns", "bounce_step", "bounce_map", "penalty", "chatter", "stick", "thin", "edge",
-         "nails", "window", "impact", "squeezed", "ringing")
+         "nails", "window", "impact", "squeezed", "ringing", "light")
 RECORDED = Path(__file__).with_name("failure.json")
 
 

@@ -80,3 +80,15 @@ def test_bodies_pulled_over_the_end_of_the_grid(pulling, count):
     described = replace(described, stages=tuple(replace(stage, pull=pulling) for stage in described.stages))
     simulation = build(described)
     assert len(list(contact.beyond(simulation.scene, simulation.model))) == count
+
+
+@pytest.mark.parametrize("density, more, count", [
+    (760.0, {}, 0), (740.0, {}, 1), (740.0, {"held": ("x", "y", "z")}, 0)])
+def test_bodies_lighter_than_the_soil_under_them(density, more, count):
+    """A box 0.4 m high on soil of 1000 kg/m³ in cells of 0.2 m."""
+    described = plane(box(0.5, 0.5, 0.4, rest_on=0.0, density=density, **more), 1, 0.01, cell=0.2,
+                      soil={"held": False})
+    simulation = build(described)
+    said = list(contact.light(simulation.scene, simulation.model))
+    assert len(said) == count
+    assert all("1.5 rows of cells" in text and "limit 1.5" in text and "0.2 m at most" in text for text in said)
