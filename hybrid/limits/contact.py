@@ -22,9 +22,9 @@ def soft(scene, model):
         depth = min([deep, *np.ptp(started(described, body), axis=0)[:2][across]])
         stiff = described.penalty * depth
         if stiff < SOFT and not body.augmented:
-            yield (f"{body.name}: penalty {described.penalty:g} /m over a depth of {depth:.3g} m makes {stiff:.3g}, limit "
-                   f"{SOFT:g}: contact takes {1 / (1 + stiff):.0%} of what the soil should give. Set body.penalty to "
-                   f'{SOFT / depth:.3g} or more, or body.enforcement = "augmented"')
+            yield (f"{body.name}: penalty {described.penalty:g} /m over a depth of {depth:.3g} m makes {stiff:.3g}, "
+                   f"limit {SOFT:g}: contact takes {1 / (1 + stiff):.0%} of what the soil should give. Set body.penalty "
+                   f'to {SOFT / depth:.3g} or more, or body.enforcement = "augmented"')
 
 
 def creeping(scene, model):
@@ -61,9 +61,9 @@ def light(scene, model):
         across = np.minimum(np.ptp(started(described, body), axis=0), np.ptp(grid.extent, axis=1))[:2]
         rows = body.mass.mass / (density * across.prod() * grid.smallest_cell)
         if rows < LIGHT and body.free[:3].any():
-            yield (f"{body.name} has the mass of {rows:.2g} rows of cells under it, limit {LIGHT:g}: where it falls on the "
-                   f"soil it is thrown back. Use cells of a size of {grid.smallest_cell * rows / LIGHT:.2g} m at most, drive "
-                   "it, or set time.inertia = false")
+            yield (f"{body.name} has the mass of {rows:.2g} rows of cells under it, limit {LIGHT:g}: where it falls on "
+                   "the soil it is thrown back. Use cells of a size of "
+                   f"{grid.smallest_cell * rows / LIGHT:.2g} m at most, drive it, or set time.inertia = false")
 
 
 def beyond(scene, model):
@@ -74,10 +74,11 @@ def beyond(scene, model):
             way, grid = _way(scene, described, name), getattr(scene.grid, name)
             side, end = ("end", grid.end) if way > 0 else ("start", grid.start)
             at = (place.max(axis=0) if way > 0 else place.min(axis=0))[axis]
-            if grid.collapsed or way == 0.0 or (name == "z" and way > 0) or not (at - end) * way < 0 < (at + way - end) * way:
+            passes = (at - end) * way < 0 < (at + way - end) * way
+            if not passes or grid.collapsed or (name == "z" and way > 0):
                 continue
-            yield (f"{body.name} will have come to {name} = {at + way:.3g} m when the stages end, limit {name} = {end:g} m, "
-                   f"where the grid does: there is no soil beyond. Move grid.{name}.{side} outwards (with "
+            yield (f"{body.name} will have come to {name} = {at + way:.3g} m when the stages end, limit {name} = "
+                   f"{end:g} m, where the grid does: there is no soil beyond. Move grid.{name}.{side} outwards (with "
                    f"grid.{name}.window a long grid costs no more than a short one), or take fewer stage.steps")
 
 

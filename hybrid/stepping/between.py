@@ -2,7 +2,8 @@
 
 The first pass of contact sees the soil at the corners of its points' domains only. A vertex of a body that touches
 nothing, and is deeper in a domain than DEPTH of its height, has come between them. That matters where it is as much as
-PART of the body's radius: the tip of a large anchor comes between corners wherever it lands, until its flukes meet some.
+PART of the body's radius: the tip of a large anchor comes between corners wherever it lands, until its flukes meet
+some.
 """
 
 import numpy as np
@@ -29,13 +30,13 @@ class Between:
                 self._said.add(b)
                 texts.append(
                     f"{body.name} is between the corners of the soil: at t = {state.time:.4g} s it is {deep:.2g} of a "
-                    f"point's domain deep and touches nothing, limit {DEPTH:g}. Where it is sharp or small the soil does "
-                    "not resist; set body.second_pass = 1, or use smaller cells")
+                    f"point's domain deep and touches nothing, limit {DEPTH:g}. Where it is sharp or small the soil "
+                    "does not resist; set body.second_pass = 1, or use smaller cells")
         return tuple(texts)
 
 
 def _deepest(body, motion, points, across):
-    """How deep the deepest vertex of a body is in the domain it is in, from above [-] and [m]; 0 where none is in one."""
+    """How deep the deepest vertex of a body is in its domain, from above, [-] and [m]; 0 where none is in one."""
     place = motion.position + body.surface.vertices @ motion.rotation.T
     lower, upper = place.min(axis=0), place.max(axis=0)
     near = ((points.position + points.half > lower) & (points.position - points.half < upper) | ~across).all(axis=1)

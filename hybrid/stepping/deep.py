@@ -43,5 +43,6 @@ def _text(body, time, deepest, limit, share):
     text = (f"{body.name} is deep in the soil: at t = {time:.4g} s corners overlap it by up to {deepest:.2g} of their "
             f"point's domain, limit {limit:g}, and such carry {share:.0%} of the force. ")
     if body.augmented:
-        return text + "Its multipliers are not settled; raise solver.augmentations or body.penalty, or take shorter steps"
+        return text + ("Its multipliers are not settled; raise solver.augmentations or body.penalty, or take shorter "
+                       "steps")
     return text + "From 1 on a second row of corners touches and counts the pressure twice; raise body.penalty"

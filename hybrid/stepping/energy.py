@@ -75,5 +75,5 @@ class Gain:
         return ()
 
 
-_REMEDY = ("Contact comes and goes faster than the step resolves; use a smaller time.step, time.accuracy = 1e-3, a lower "
-           "body.penalty, or a scheme that damps")
+_REMEDY = ("Contact comes and goes faster than the step resolves; use a smaller time.step, time.accuracy = 1e-3, a "
+           "lower body.penalty, or a scheme that damps")

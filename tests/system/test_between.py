@@ -1,4 +1,4 @@
-"""A body that goes between the corners of the soil is told of once; one that touches, or whose samples carry it, is not."""
+"""A body that goes between the corners of the soil is told of once; one that touches is not."""
 
 import pytest
 
@@ -9,8 +9,8 @@ from hybrid.study.scenes import driven, soil_scene
 
 def notes(place, height=0.3, **body):
     """Of a box driven on its edge, 10 mm a step, with the edge at x = `place`; corners lie 0.1 m apart."""
-    cube = driven(0.3, 0.3, height, velocity=(0.0, 0.0, -1.0), position=(place, 0.4, 0.0), rotation=(0.0, 1.0, 0.0, 45.0),
-                  rest_on=0.0, size=0.05, **body)
+    cube = driven(0.3, 0.3, height, velocity=(0.0, 0.0, -1.0), position=(place, 0.4, 0.0), rest_on=0.0, size=0.05,
+                  rotation=(0.0, 1.0, 0.0, 45.0), **body)
     records = build(soil_scene([cube], held=True, steps=4, time=Time(step=0.01))).steps()
     return [(record.step, note) for record in records for note in record.notes if "between" in note]
 

@@ -7,7 +7,8 @@ from hybrid.stepping import ringing
 from hybrid.study.failures import ringing as case
 
 
-@pytest.mark.parametrize("method, count", [("Newmark", 1), ("generalised-alpha, ρ∞ = 0", 0), ("Newmark (0.5625, 1)", 0)])
+@pytest.mark.parametrize("method, count", [
+    ("Newmark", 1), ("generalised-alpha, ρ∞ = 0", 0), ("Newmark (0.5625, 1)", 0)])
 def test_a_plate_on_a_column(method, count):
     found = case.solve(2.0, **case.METHODS[method])
     assert len(found.told) == count and (found.error > 0.25) == bool(count)

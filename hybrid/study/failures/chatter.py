@@ -36,7 +36,8 @@ def solve(ratio, tangential=1.0, parts=1):
                 tangential=tangential)
     gravity = G * np.array([np.sin(SLOPE), 0.0, -np.cos(SLOPE)])
     simulation, _, told = watched(plane(
-        block, parts * STEPS, STEP / parts, stiffness=1e7, settle=5, gravity=tuple(gravity), solver={"tolerance": 1e-8}))
+        block, parts * STEPS, STEP / parts, stiffness=1e7, settle=5, gravity=tuple(gravity),
+        solver={"tolerance": 1e-8}))
     way = simulation.state.bodies[0].position[0]
     time = STEPS * STEP
     free, exact = 0.5 * gravity[0] * time**2, 0.5 * max(0.0, gravity[0] * (1 - ratio)) * time**2

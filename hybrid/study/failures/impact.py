@@ -1,4 +1,4 @@
-"""Impacts that go farther in a step than a body is thick: Newton's method finds the plate on the other side of the soil.
+"""Impacts that go farther in a step than a body is thick: Newton's method finds the plate on the soil's other side.
 
 A plate of 40 mm is thrown at elastic soil at 5 m/s, over corners s = 0.1 m apart, from 10 mm above it. Of the two
 equilibria at the end of a long step, the plate stopped by the soil and the plate beyond it, the second is nearer to the

@@ -4,8 +4,8 @@ A wall 0.3 m long is driven edge-down, 20 mm deep, into held soil whose corners 
 
     F = p_f E t L d         of a wall of thickness t and length L, pressed down by d
 
-Corners under the edge carry s L p_f E d a row, and there are t/s rows of them rounded up or down, as the wall happens to
-stand: the larger error of two places is taken. Samples of the body stand for the area that they show to the soil.
+Corners under the edge carry s L p_f E d a row, and there are t/s rows of them, rounded up or down as the wall happens
+to stand: the larger error of two places is taken. Samples of the body stand for the area that they show to the soil.
 """
 
 from hybrid.scene import Time

@@ -43,4 +43,5 @@ def solve(turn, **time):
     simulation, _, told = watched(described)
     top = tumbling.Top(simulation.masses[0].inertia, SPIN, np.eye(3), np.zeros(3), np.zeros(3))
     exact = tumbling.reference(top, steps * step)
-    return Seen(tumbling.apart(simulation.state.bodies[0], exact)[0], tuple(text for text in told if "rad a step" in text))
+    angle, _ = tumbling.apart(simulation.state.bodies[0], exact)
+    return Seen(angle, tuple(text for text in told if "rad a step" in text))
