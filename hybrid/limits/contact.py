@@ -23,8 +23,8 @@ def soft(scene, model):
         stiff = described.penalty * depth
         if stiff < SOFT and not body.augmented:
             yield (f"{body.name}: penalty {described.penalty:g} /m over a depth of {depth:.3g} m makes {stiff:.3g}, "
-                   f"limit {SOFT:g}: contact takes {1 / (1 + stiff):.0%} of what the soil should give. Set body.penalty "
-                   f'to {SOFT / depth:.3g} or more, or body.enforcement = "augmented"')
+                   f"limit {SOFT:g}: contact takes {1 / (1 + stiff):.0%} of what the soil should give. Set "
+                   f'body.penalty to {SOFT / depth:.3g} or more, or body.enforcement = "augmented"')
 
 
 def creeping(scene, model):

@@ -31,8 +31,8 @@ class Ringing:
                 texts.append(
                     f"the contact force on {body.name} rings: in the last {STEPS} steps to t = {state.time:.4g} s "
                     f"it swings by {swing:.0%} about its mean, limit {LIMIT:.0%}, and turns {turns} times. Only its "
-                    "mean is to be trusted; use a scheme that damps, such as time.beta = 0.5625 and time.gamma = 1, or generalised-"
-                    "alpha with time.spectral_radius = 0, or a lower body.penalty")
+                    "mean is to be trusted; use a scheme that damps, such as time.beta = 0.5625 and time.gamma = 1, or "
+                    "generalised-alpha with time.spectral_radius = 0, or a lower body.penalty")
         return tuple(texts)
 
 

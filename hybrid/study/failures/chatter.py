@@ -26,7 +26,7 @@ G, SLOPE, STEP, STEPS = 9.81, np.arctan(0.5), 0.01, 40
 
 
 def settings(quick=False):
-    ratios = (1.0, 1.5) if quick else (0.5, 0.9, 0.99, 1.0, 1.01, 1.1, 1.5)
+    ratios = (1.0,) if quick else (0.5, 0.9, 0.99, 1.0, 1.01, 1.1, 1.5)
     return [(ratio,) for ratio in ratios]
 
 

@@ -27,7 +27,7 @@ LENGTH, CELLS, YOUNG, DENSITY, SPEED, COURANT = 8.0, 32, 1e6, 1000.0, 0.1, 1.0
 
 
 def settings(quick=False):
-    return [(ratio,) for ratio in ((10.0, 0.03) if quick else (1e5, 1e3, 100.0, 10.0, 3.0, 1.0, 0.3, 0.1, 0.03, 0.01))]
+    return [(ratio,) for ratio in ((0.03,) if quick else (1e5, 1e3, 100.0, 10.0, 3.0, 1.0, 0.3, 0.1, 0.03, 0.01))]
 
 
 def solve(ratio, **time):

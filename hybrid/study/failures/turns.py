@@ -30,7 +30,7 @@ SPIN, TURNED = np.array([0.3, 1.0, 0.3]), 10.0     # [rad/s], [rad]
 
 
 def settings(quick=False):
-    return [(turn,) for turn in ((0.3, 1.0) if quick else (0.03, 0.1, 0.3, 0.5, 1.0, 3.0))]
+    return [(turn,) for turn in ((1.0,) if quick else (0.03, 0.1, 0.3, 0.5, 1.0, 3.0))]
 
 
 def solve(turn, **time):
