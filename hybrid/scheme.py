@@ -74,6 +74,11 @@ class Scheme:
         """Whether a is history of its own besides v̇."""
         return self.inertia and (self.alpha_m != 0.0 or self.alpha_f != 0.0)
 
+    @property
+    def damps(self):
+        """Whether it is of first order, and takes energy from all that swings within some steps."""
+        return self.inertia and self.gamma > 0.5 and not self.auxiliary
+
     def mass_factor(self, dt):
         """∂v̇/∂Δu [1/s²] at the end of the step."""
         return (1 - self.alpha_m) / ((1 - self.alpha_f) * self.beta * dt**2) if self.inertia else 0.0

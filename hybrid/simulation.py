@@ -13,10 +13,13 @@ from hybrid.output.record import BodyRecord, Record
 from hybrid.sheet import model_sheet
 from hybrid.stepping import newton
 from hybrid.stepping.astray import Astray
+from hybrid.stepping.between import Between
+from hybrid.stepping.deep import Deep
 from hybrid.stepping.energy import Gain, balance_error, energies
 from hybrid.stepping.imbalance import measure
 from hybrid.stepping.leaving import Leaving
 from hybrid.stepping.loop import Control, outer_step
+from hybrid.stepping.ringing import Ringing
 from hybrid.system.cache import Systems
 from hybrid.system.equations import Step
 
@@ -39,6 +42,7 @@ class Simulation:
         self._start_energy = energies(model, state, evaluation)     # a body may start in the soil a little
         self.imbalance = measure(start, evaluation)
         self._leaving, self._gain = Leaving(model, state.bodies), Gain()
+        self._contact = Between(), Deep(), Ringing()
         self._astray = None if model.soil.held else Astray(model, state.points)
 
     @property
@@ -125,7 +129,7 @@ class Simulation:
                 self.state, report = outer_step(
                     model, systems, self.state, length, stage.pull, control, settings)
                 self.evaluation, self.increment = report.evaluation, control.dt
-                yield self._record(stage.name, stage_step, report)
+                yield self._record(stage.name, stage_step, report, model.scheme)
             first, starts = first + stage.steps, starts + stage.steps * length
 
     def stage_model(self, stage, starts):
@@ -140,7 +144,7 @@ class Simulation:
         return Control(begun and self.increment or length, time.smallest or length / (4096 if time.accuracy else 64),
                        time.accuracy and time.accuracy * cell)
 
-    def _record(self, stage, stage_step, report):
+    def _record(self, stage, stage_step, report, scheme):
         state, evaluation = self.state, report.evaluation
         with timing.phase("energy"):
             energy = energies(self.model, state, evaluation)
@@ -156,13 +160,15 @@ class Simulation:
             increments=report.increments, iterations=report.iterations, rejections=report.rejections,
             residual=evaluation.error, contacts=sum(len(c) for c in evaluation.contacts), seconds=timing.collect(),
             energies=energy, bodies=bodies, time_error=report.error, krylov=report.krylov,
-            notes=self._notes(energy))
+            notes=self._notes(energy, scheme))
 
-    def _notes(self, energy):
+    def _notes(self, energy, scheme):
         state = self.state
         astray = self._astray.notes(self.model, state) if self._astray else ()
         return (self._initial_notes() + self._leaving.notes(self.model, state) + astray
-                + self._gain.notes(state.time, energy))
+                + tuple(note for kind in self._contact
+                        for note in kind.notes(self.model, state, self.evaluation.contacts, scheme))
+                + self._gain.notes(state.time, energy, scheme.damps or not scheme.inertia))
 
     def _initial_notes(self):
         """What is told once, with the first step of all."""

@@ -1,3 +1,39 @@
 """Limits of time steps, schemes and loads."""
 
-LIMITS = ()
+import numpy as np
+
+# [rad] a step: from here on a free body's attitude is off by 0.05 rad after a turn of 10 rad (study failure, turns)
+TURNS = {"first order": 0.03, "energy-momentum": 0.2, "second order": 0.4}
+WOBBLE = 0.02   # sine between spin and angular momentum, below which a body turns about one axis and nothing is missed
+
+
+def turning(scene, model):
+    """Bodies that tumble: steps of large turns lose the attitude."""
+    if scene.time.accuracy or not model.scheme.inertia:
+        return
+    for described, body in zip(scene.bodies, model.bodies):
+        spin = np.array(described.spin)
+        momentum = body.mass.inertia @ spin
+        wobble = np.linalg.norm(np.cross(spin, momentum)) / max(np.linalg.norm(spin) * np.linalg.norm(momentum), 1e-300)
+        if wobble < WOBBLE or not body.free[3:].all():
+            continue
+        turns = [(np.linalg.norm(spin) * (stage.step or scene.time.step), *_limit(model.scheme, stage))
+                 for stage in scene.stages]
+        turn, limit, of = max(turns, key=lambda found: found[0] / found[1])
+        if turn > limit:
+            yield (f"{body.name} turns by {turn:.3g} rad a step by its spin, limit {limit:g} rad for a scheme of {of}: "
+                   "its attitude is off by 0.05 rad or more after 10 rad. Use a smaller time.step, or set "
+                   "time.accuracy = 1e-3")
+
+
+def _limit(scheme, stage):
+    """(limit [rad], which of TURNS) of the scheme that a stage has."""
+    scheme = scheme.with_pair(stage.beta, stage.gamma)
+    if scheme.rotation == "cayley":
+        of = "energy-momentum"
+    else:
+        of = "first order" if scheme.damps else "second order"
+    return TURNS[of], of
+
+
+LIMITS = (turning,)

@@ -61,7 +61,7 @@ def _remedy(stage, scheme):
     """What is done about it in the first stage, or what to do."""
     if not scheme.inertia:
         return f"Stage {stage.name!r} has no inertia, so its first step takes it up."
-    if scheme.gamma > 0.5 and not scheme.auxiliary:
+    if scheme.damps:
         return f"Stage {stage.name!r} damps the motion that follows; give it the steps to settle."
     return ("Let it settle in a first stage that damps (stage.beta = 0.5625, stage.gamma = 1) or without inertia, or "
             "set soil.geostatic = false and turn gravity on by stage.gravity = [0.0, 1.0].")

@@ -12,7 +12,8 @@ from hybrid.output.atlas import Map, draw_atlas, draw_maps
 from hybrid.study import cases, outcome
 from hybrid.study.outcome import load
 
-CASES = ("crossing",)
+CASES = ("crossing", "turns", "bounce_step", "bounce_map", "penalty", "chatter", "stick", "thin", "edge",
+         "nails", "window", "impact", "squeezed", "ringing", "light")
 RECORDED = Path(__file__).with_name("failure.json")
 
 
