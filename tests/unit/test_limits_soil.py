@@ -1,0 +1,29 @@
+"""Limits of soil: each warns where the atlas of failures saw the default fail, and not on the safe side of it."""
+
+import re
+
+import pytest
+
+from hybrid.build import build
+from hybrid.limits import soil
+from hybrid.scene import Axis, Grid, Layer, Material, Scene, Soil, Stage, Time
+from hybrid.study import cases
+
+
+def warned(limit, material=(), time=(), **values):
+    """Texts of one limit about a small block of soil."""
+    side = Axis(start=0.0, end=2.0, size=1.0)
+    m = Material(**{"law": "hencky", "young": 1e6, "poisson": 0.3, "density": 1800.0, **dict(material)})
+    scene = Scene(name="block", grid=Grid(side, side, side), soil=Soil(m, **values),
+                  time=Time(**{"step": 0.1, **dict(time)}), stages=(Stage("go", 1),))
+    return list(limit(scene, build(scene).model))
+
+
+def test_soil_that_locks_is_told_of():
+    """At 0.45 it locks by 12 % and more, at 0.44 by less; held soil and F-bar do not."""
+    (text,) = warned(soil.locking, {"poisson": 0.45})
+    assert re.search(cases.case("locking").SAYS, text)
+    assert warned(soil.locking, layers=(Layer("clay", top=1.0, material={"poisson": 0.49}),))
+    assert not warned(soil.locking, {"poisson": 0.44})
+    assert not warned(soil.locking, {"poisson": 0.49}, fbar=True)
+    assert not warned(soil.locking, {"poisson": 0.49}, held=True)
