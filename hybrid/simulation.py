@@ -7,12 +7,13 @@ import numpy as np
 from hybrid import timing
 from hybrid.body import rigid
 from hybrid.body.attitude import quaternion
-from hybrid.errors import HybridError
+from hybrid.errors import HybridError, StepError
 from hybrid.limits import near
 from hybrid.output.record import BodyRecord, Record
 from hybrid.sheet import model_sheet
 from hybrid.stepping import newton
 from hybrid.stepping.astray import Astray
+from hybrid.stepping.causes import drawn_out
 from hybrid.stepping.energy import Gain, balance_error, energies
 from hybrid.stepping.imbalance import measure
 from hybrid.stepping.leaving import Leaving
@@ -122,8 +123,12 @@ class Simulation:
                     if moved:
                         model = model.on(self.model.soil)
                         systems.renew(model)
-                self.state, report = outer_step(
-                    model, systems, self.state, length, stage.pull, control, settings)
+                try:
+                    self.state, report = outer_step(
+                        model, systems, self.state, length, stage.pull, control, settings)
+                except StepError as failure:
+                    raise StepError(". ".join(
+                        [str(failure), *near(scene, self.model), *drawn_out(self.model, self.state.points)])) from None
                 self.evaluation, self.increment = report.evaluation, control.dt
                 yield self._record(stage.name, stage_step, report)
             first, starts = first + stage.steps, starts + stage.steps * length

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from hybrid.errors import StepError
 from hybrid.stepping import newton
 from hybrid.stepping.accuracy import even, following, local_error, shorter
+from hybrid.stepping.causes import likely
 from hybrid.system.equations import Evaluation, Step
 
-CUT = 1e-4   # of the mass of a full node, below which nodes without inertia have stopped runs (study failure, cuts)
 EASY = 6  # Newton iterations up to which the next increment may be twice as long
 
 
@@ -80,7 +80,7 @@ def outer_step(model, systems, state, length, pulling, control, settings):
             rejections += 1
             control.rejected(dt / 2)
             if control.dt < control.smallest:
-                raise StepError(_failure(model, reached, dt, control, outcome) + _remedies(step))
+                raise StepError(_failure(model, reached, dt, control, outcome) + likely(step))
             continue
         if control.accuracy:
             error = local_error(step, outcome.evaluation)
@@ -105,18 +105,6 @@ def _failure(model, state, dt, control, outcome):
             f"half of it is below the floor of {control.smallest:.3g} s (time.smallest). "
             f"Last relative residuals: {history}. All accepted steps are kept. Try a smaller time.step, "
             "a lower body.penalty, more solver.iterations, or a looser solver.tolerance")
-
-
-def _remedies(step):
-    """What a failure without inertia may come from besides, and what helps."""
-    soil = step.soil
-    if step.model.scheme.inertia or soil is None:
-        return ""
-    ghost, mass = step.model.soil.ghost_factor, soil.mass[step.pattern.free.any(axis=1)]
-    cut = mass.min() / mass.max() if mass.size else 1.0
-    return (f". A node of a cell hardly filled carries {cut:.1g} of the mass of a full one, limit {CUT:g} without "
-            "inertia: set soil.ghost = 0.033" if cut < CUT and not ghost else "") + (
-        ". Without inertia, this is also how soil ends that cannot carry its load")
 
 
 def _inaccurate(state, dt, control, error, length):

@@ -1,0 +1,33 @@
+"""What a step without inertia may have failed from, when the soil itself is not to blame, and what helps.
+
+The numbers are those at which `hybrid.study.failure` has seen runs fail: cases cuts and stretch.
+"""
+
+from hybrid.soil.domains import cells_wide
+
+CUT = 1e-4      # of the mass of a full node: nodes that carry less have stopped runs
+DRAWN = 0.9     # cells that a domain is wide, next to which soil parts
+
+
+def likely(step):
+    """Text to add to what is told of a failed `step`, empty with inertia."""
+    if step.model.scheme.inertia or step.soil is None:
+        return ""
+    text, mass = "", step.soil.mass[step.pattern.free.any(axis=1)]
+    least = mass.min() / mass.max() if mass.size else 1.0
+    if least < CUT and not step.model.soil.ghost_factor:
+        text = (f". A node of a cell hardly filled carries {least:.1g} of the mass of a full one, limit {CUT:g} "
+                "without inertia: set soil.ghost = 0.033")
+    return text + ". Without inertia, this is also how soil ends that cannot carry its load"
+
+
+def drawn_out(model, points):
+    """Texts (none or one) about `points` that are stretched until they may part."""
+    soil = model.soil
+    if model.scheme.inertia or soil.held:
+        return ()
+    widest = cells_wide(soil.constants.half, points.deformation, points.position, soil.grid.axes).max()
+    if widest < DRAWN:
+        return ()
+    return (f"Soil is stretched so far that a point would be {widest:.2g} cells wide, limit {DRAWN:g}, and may part: "
+            "give it a larger soil.points_per_axis",)
