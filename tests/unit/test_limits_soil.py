@@ -27,3 +27,11 @@ def test_soil_that_locks_is_told_of():
     assert not warned(soil.locking, {"poisson": 0.44})
     assert not warned(soil.locking, {"poisson": 0.49}, fbar=True)
     assert not warned(soil.locking, {"poisson": 0.49}, held=True)
+
+
+@pytest.mark.parametrize("rule, name", [("none", "stretch"), ("stretch", "turning"), ("diagonal", "turning")])
+def test_domains_that_do_not_follow_the_soil_are_told_of(rule, name):
+    (text,) = warned(soil.domains, domain=rule)
+    assert re.search(cases.case(name).SAYS, text)
+    assert not warned(soil.domains) and not warned(soil.domains, domain=rule, held=True)
+    assert not warned(soil.domains, domain=rule, basis="mpm")      # has none
