@@ -1,5 +1,9 @@
 """Limits of the soil's points, cells and laws."""
 
+import numpy as np
+
+from hybrid.material import of_layer
+
 POISSON = 0.45      # from which soil without F-bar locks: locking, locking_cells
 
 
@@ -30,6 +34,25 @@ def locking(scene, model):
                "with a little soil.ghost = 0.0033 where it flows")
 
 
+def softening(scene, model):
+    """Softening gathers in one row of cells."""
+    law = model.soil.law
+    if model.soil.held or not getattr(law, "hardens", False) or law.parameters[:, 6].min() >= 0.0:
+        return
+    at = int(np.argmin(law.parameters[:, 6]))
+    strength, slope, residual = law.parameters[at, [4, 6, 7]]
+    cell = model.soil.grid.smallest_cell
+    modulus = min(m.hardening or 0.0 for m in materials(scene.soil))
+    yield (f"soil.material.hardening = {modulus:g} Pa: softening, limit 0, gathers in bands one cell wide; strength is "
+           f"gone after a slip of {(strength - residual) / -slope * cell:.2g} m in cells of {cell:g} m, and of half as "
+           "much in cells half as large. Choose hardening for this size of cells, and change it in proportion to them")
+
+
+def materials(soil):
+    """soil.material and those of the layers of a described soil."""
+    return [soil.material, *(of_layer(soil.material, layer) for layer in soil.layers)]
+
+
 def _poisson(law):
     """Largest Poisson's ratio of a law's points; 0 of a user's law, which does not tell."""
     parameters = getattr(law, "parameters", None)
@@ -39,4 +62,4 @@ def _poisson(law):
     return float(((3 * bulk - 2 * shear) / (6 * bulk + 2 * shear)).max())
 
 
-LIMITS = (crossing, domains, locking)
+LIMITS = (crossing, domains, locking, softening)

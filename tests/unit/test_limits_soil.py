@@ -35,3 +35,14 @@ def test_domains_that_do_not_follow_the_soil_are_told_of(rule, name):
     assert re.search(cases.case(name).SAYS, text)
     assert not warned(soil.domains) and not warned(soil.domains, domain=rule, held=True)
     assert not warned(soil.domains, domain=rule, basis="mpm")      # has none
+
+
+def test_softening_is_told_of():
+    """With the slip over which strength is lost: (c - c_r)/H times a cell of 1 m."""
+    clay = {"law": "von-mises", "strength": 2e4}
+    (text,) = warned(soil.softening, {**clay, "hardening": -1e5, "residual_strength": 1e4}, geostatic=False)
+    assert re.search(cases.case("softening").SAYS, text) and "slip of 0.1 m in cells of 1 m" in text
+    assert not warned(soil.softening, {**clay, "hardening": 1e5}, geostatic=False)
+    assert not warned(soil.softening, clay, geostatic=False) and not warned(soil.softening)
+    layer = Layer("peat", top=1.0, material={"hardening": -1e4, "residual_strength": 1e3})
+    assert warned(soil.softening, clay, geostatic=False, layers=(layer,))
