@@ -15,6 +15,7 @@ from hybrid.stepping import newton
 from hybrid.stepping.astray import Astray
 from hybrid.stepping.causes import drawn_out
 from hybrid.stepping.energy import Gain, balance_error, energies
+from hybrid.stepping.flow import Flow
 from hybrid.stepping.imbalance import measure
 from hybrid.stepping.leaving import Leaving
 from hybrid.stepping.loop import Control, outer_step
@@ -39,7 +40,7 @@ class Simulation:
         evaluation = start.evaluate(start.still())
         self._start_energy = energies(model, state, evaluation)     # a body may start in the soil a little
         self.imbalance = measure(start, evaluation)
-        self._leaving, self._gain = Leaving(model, state.bodies), Gain()
+        self._leaving, self._gain, self._flow = Leaving(model, state.bodies), Gain(), Flow()
         self._astray = None if model.soil.held else Astray(model, state.points)
 
     @property
@@ -161,13 +162,13 @@ class Simulation:
             increments=report.increments, iterations=report.iterations, rejections=report.rejections,
             residual=evaluation.error, contacts=sum(len(c) for c in evaluation.contacts), seconds=timing.collect(),
             energies=energy, bodies=bodies, time_error=report.error, krylov=report.krylov,
-            notes=self._notes(energy))
+            notes=self._notes(energy, report.flow))
 
-    def _notes(self, energy):
+    def _notes(self, energy, flow):
         state = self.state
         astray = self._astray.notes(self.model, state) if self._astray else ()
         return (self._initial_notes() + self._leaving.notes(self.model, state) + astray
-                + self._gain.notes(state.time, energy))
+                + self._gain.notes(state.time, energy) + self._flow.notes(state.time, flow))
 
     def _initial_notes(self):
         """What is told once, with the first step of all."""
