@@ -3,10 +3,13 @@
 The numbers are those at which `hybrid.study.failure` has seen runs fail: cases cuts and stretch.
 """
 
+import numpy as np
+
 from hybrid.soil.domains import cells_wide
 
 CUT = 1e-4      # of the mass of a full node: nodes that carry less have stopped runs
-DRAWN = 0.9     # cells that a domain is wide, next to which soil parts
+DRAWN = 0.9     # cells that a domain is wide, next to which soil parts,
+STRETCHED = 1.05    # if it is stretched at all
 
 
 def likely(step):
@@ -26,7 +29,8 @@ def drawn_out(model, points):
     soil = model.soil
     if model.scheme.inertia or soil.held:
         return ()
-    widest = cells_wide(soil.constants.half, points.deformation, points.position, soil.grid.axes).max()
+    wide = cells_wide(soil.constants.half, points.deformation, points.position, soil.grid.axes)
+    widest = np.where(np.linalg.norm(points.deformation, axis=2) > STRETCHED, wide, 0.0).max()
     if widest < DRAWN:
         return ()
     return (f"Soil is stretched so far that a point would be {widest:.2g} cells wide, limit {DRAWN:g}, and may part: "

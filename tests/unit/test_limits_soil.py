@@ -5,16 +5,16 @@ import re
 import pytest
 
 from hybrid.build import build
-from hybrid.limits import soil
-from hybrid.scene import Axis, Grid, Layer, Material, Scene, Soil, Stage, Time
+from hybrid.limits import soil, stepping
+from hybrid.scene import Axis, Faces, Grid, Layer, Material, Scene, Soil, Stage, Time
 from hybrid.study import cases
 
 
-def warned(limit, material=(), time=(), **values):
+def warned(limit, material=(), time=(), faces=Faces(), **values):
     """Texts of one limit about a small block of soil."""
     side = Axis(start=0.0, end=2.0, size=1.0)
     m = Material(**{"law": "hencky", "young": 1e6, "poisson": 0.3, "density": 1800.0, **dict(material)})
-    scene = Scene(name="block", grid=Grid(side, side, side), soil=Soil(m, **values),
+    scene = Scene(name="block", grid=Grid(side, side, side, faces), soil=Soil(m, **values),
                   time=Time(**{"step": 0.1, **dict(time)}), stages=(Stage("go", 1),))
     return list(limit(scene, build(scene).model))
 
@@ -46,3 +46,21 @@ def test_softening_is_told_of():
     assert not warned(soil.softening, clay, geostatic=False) and not warned(soil.softening)
     layer = Layer("peat", top=1.0, material={"hardening": -1e4, "residual_strength": 1e3})
     assert warned(soil.softening, clay, geostatic=False, layers=(layer,))
+
+
+STATIC = {"inertia": False}
+
+
+def test_one_point_along_a_cell_is_told_of_without_inertia():
+    (text,) = warned(stepping.singular, time=STATIC, points_per_axis=(2, 1, 2))
+    assert re.search(cases.case("singular").SAYS, text)
+    assert not warned(stepping.singular, time=STATIC) and not warned(stepping.singular, points_per_axis=1)
+
+
+def test_soil_that_nothing_holds_is_told_of_without_inertia():
+    """By faces of the grid that it does not reach either."""
+    free = Faces("free", "free", "free", "roller", "roller")
+    (text,) = warned(stepping.singular, time=STATIC, faces=free, upper=(2.0, 1.0, 2.0), geostatic=False)
+    assert re.search(cases.case("singular").SAYS, text) and "along x, y:" in text
+    assert not warned(stepping.singular, time=STATIC, faces=Faces("free", "free", "free", "free", "fixed"))
+    assert not warned(stepping.singular, faces=free)

@@ -25,7 +25,7 @@ MEASURE, RIGHT, WRONG = "error of the stress over the largest", 0.01, 0.05
 METHODS = {"standard MPM": {"basis": "mpm", "domain": "none"}, "domains as at the start": {"domain": "none"},
            "1 point a cell": {"points": 1}, "domains that follow": {}, "3 points a cell": {"points": 3}, "4 points a cell": {"points": 4}}
 DEFAULT = "domains that follow"
-SAYS = r"cells wide, limit .*soil\.points_per_axis|soil\.(basis|domain) = .*Set soil\."
+SAYS = r"cells wide, limit .*soil\.points_per_axis|points_per_axis = .*limit 2|soil\.(basis|domain) = .*Set soil\."
 LENGTH, CELLS, DENSITY, GRAVITY, STEPS = 8.0, 16, 1000.0, 10.0, 20
 
 
