@@ -83,7 +83,7 @@ def outer_step(model, systems, state, length, pulling, control, settings):
             rejections += 1
             control.rejected(dt / 2)
             if control.dt < control.smallest:
-                raise StepError(_failure(model, reached, dt, control, outcome) + likely(step))
+                raise StepError(_failure(model, reached, dt, control, outcome) + likely(step, outcome.evaluation))
             continue
         if control.accuracy:
             error = local_error(step, outcome.evaluation)

@@ -13,7 +13,8 @@ from hybrid.study import cases, outcome
 from hybrid.study.outcome import load
 
 CASES = ("crossing", "cuts", "cut_ghost", "locking", "locking_cells", "stretch", "turning", "apex", "dilatancy",
-         "softening", "plastic_step", "singular")
+         "softening", "plastic_step", "singular",
+         "weightless")
 RECORDED = Path(__file__).with_name("failure.json")
 
 
