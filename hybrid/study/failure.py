@@ -14,7 +14,7 @@ from hybrid.study.outcome import load
 
 CASES = ("crossing", "cuts", "cut_ghost", "locking", "locking_cells", "stretch", "turning", "apex", "dilatancy",
          "softening", "plastic_step", "singular",
-         "weightless")
+         "weightless", "resting")
 RECORDED = Path(__file__).with_name("failure.json")
 
 
