@@ -24,7 +24,7 @@ from hybrid.study.outcome import Seen
 TITLE = "softening"
 PARAMETERS = ("cells over the bed's depth; softening is chosen for 8",)
 MEASURE, RIGHT, WRONG = "error of the speed after the break", 0.05, 0.25
-METHODS = {"softening as given": {}, "softening in proportion to the cells": {"scaled": True}}
+METHODS = {"softening as given": {}, "scaled with the cells": {"scaled": True}}
 DEFAULT = "softening as given"
 SAYS = r"hardening = -\S+ Pa.*limit 0.*in proportion"
 LENGTH, CHOSEN, DENSITY, SPEED, DURATION, STEPS = 8.0, 1.0, 1000.0, 1.0, 0.15, 60
