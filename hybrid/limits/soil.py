@@ -17,10 +17,12 @@ def crossing(scene, model):
 def domains(scene, model):
     """Domains of points that do not follow the soil when it is stretched, or when it has turned."""
     meaning = {
-        "none": "they overlap where soil is squeezed and part where it is drawn out: stresses wrong by 4 % at a stretch "
-                "of 1.5, and no equilibrium at 2.5",
-        "stretch": "they widen the wrong way once soil has turned: stresses wrong by 1 % of the weight from 60 degrees on",
-        "diagonal": "they collapse as soil turns: stresses wrong by 1 % of the weight after 30 degrees, 9 % after 90"}.get(scene.soil.domain)
+        "none": "they overlap where soil is squeezed and part where it is drawn out: stresses wrong by 4 % at a "
+                "stretch of 1.5, and no equilibrium at 2.5",
+        "stretch": "they widen the wrong way once soil has turned: stresses wrong by 1 % of the weight from 60 "
+                   "degrees on",
+        "diagonal": "they collapse as soil turns: stresses wrong by 1 % of the weight after 30 degrees, 9 % after "
+                    "90"}.get(scene.soil.domain)
     if meaning and scene.soil.basis == "gimp" and not model.soil.held:
         yield f'soil.domain = "{scene.soil.domain}": {meaning}. Set soil.domain = "moments"'
 

@@ -19,8 +19,8 @@ def likely(step, evaluation):
     soil, text = step.model.soil, ""
     left, noise = evaluation and evaluation.norms.get("soil [N]"), rounding(soil, step.pattern.size)
     if left and left < noise:
-        text = (f". What is left, {left:.2g} N, is rounding of the stiffness, limit {noise:.2g} N: the forces acting are "
-                "too small beside it. Set a looser solver.tolerance, or a lower modulus")
+        text = (f". What is left, {left:.2g} N, is rounding of the stiffness, limit {noise:.2g} N: the forces acting "
+                "are too small beside it. Set a looser solver.tolerance, or a lower modulus")
     if step.model.scheme.inertia:
         return text
     mass = step.soil.mass[step.pattern.free.any(axis=1)]

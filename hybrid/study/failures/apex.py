@@ -49,7 +49,8 @@ def solve(share, law="drucker-prager"):
     weight, size = DENSITY * GRAVITY * LENGTH, LENGTH / CELLS
     tension = share * weight / tan(radians(ANGLE))
     own = law == "flank"
-    values = {"young": YOUNG, "poisson": 0.25, "friction_angle": ANGLE, "dilation_angle": 0.0, "cohesion": share * weight}
+    values = {"young": YOUNG, "poisson": 0.25, "friction_angle": ANGLE, "dilation_angle": 0.0,
+              "cohesion": share * weight}
     material = Material(law="user", density=DENSITY) if own else Material(law=law, density=DENSITY, **values)
     scene = Scene(
         name="bed", soil=Soil(material, geostatic=False, top=LENGTH), gravity=(0.0, 0.0, GRAVITY),

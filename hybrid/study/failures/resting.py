@@ -1,13 +1,14 @@
 """Resting: soil should stay where it is for as long as one looks, and come back when it is nudged.
 
-    | . . . |   column of 2 m, 4 cells, E = 10 MPa, ν = 0.3, own weight, full steps of 0.02 s of undamped Newmark; all of
-    | . . . |   it has an upward speed at the start, at the top 1 µm/s
+    | . . . |   column of 2 m, 4 cells, E = 10 MPa, ν = 0.3, own weight, steps of 0.02 s of undamped Newmark; all of it
+    | . . . |   has an upward speed at the start, at the top 1 µm/s
     |_______|
 
 Soil that starts without stress swings by its own sag for ever: nothing damps it. With the stress of its weight it is at
 rest to round-off; without the nudge no bit of it changes in 10 000 steps. Nudged, the surface leaves the face of cells
 that it lay on, and a new node above it carries next to nothing: that takes the stress off the uppermost point, ρ g h/4,
-once. The top moves by 1 % of the sag on 4 cells, by 0.1 % on 16, and after 10 000 steps by no more. Known: half the largest way of the top after the start, over the sag ρ g L²/2M, M = E (1 - ν)/(1 + ν)(1 - 2ν).
+once. The top moves by 1 % of the sag on 4 cells, by 0.1 % on 16, and after 10 000 steps by no more. Known: half the
+largest way of the top after the start, over the sag ρ g L²/2M, M = E (1 - ν)/(1 + ν)(1 - 2ν), is 0 but for the nudge.
 """
 
 import numpy as np
@@ -20,7 +21,8 @@ from hybrid.study.outcome import Seen
 TITLE = "soil at rest"
 PARAMETERS = ("steps of 0.02 s",)
 MEASURE, RIGHT, WRONG = "half the way of the top over the sag", 0.05, 0.25
-METHODS = {"no stress at the start": {"geostatic": False}, "no stress, damped before": {"geostatic": False, "settle": 100},
+METHODS = {"no stress at the start": {"geostatic": False},
+           "no stress, damped before": {"geostatic": False, "settle": 100},
            "stress of its weight": {}, "stress, increments of velocity": {"transfer": "increments"}}
 DEFAULT = "stress of its weight"
 SAYS = r"initial imbalance: .*(damps|settle|soil\.geostatic)"

@@ -5,10 +5,11 @@
     one point    in one cell, 8 nodes                   sparse      a pillar, 1 point a cell
     unheld       a cube that no face holds, heavy all the same
 
-A point that sees its cell from the centre resists no hourglass, and soil without inertia that nothing holds has no place
-to be. The stiffness is singular to round-off, so whether a factor of it exists is chance. Either the load is carried, or
-it is said what is missing; nothing may crash or give numbers that mean nothing. ν = 0 and own weight, 2 quasi-static
-steps. Exact: the mean of σ_zz is -ρ g L/2 by equilibrium alone, where nodes are free; 0 where all are held.
+A point that sees its cell from the centre resists no hourglass, and soil without inertia that nothing holds has no
+place to be. The stiffness is singular to round-off, so whether a factor of it exists is chance. Either the load is
+carried, or it is said what is missing; nothing may crash or give numbers that mean nothing. ν = 0 and own weight, 2
+quasi-static steps. Exact: the mean of σ_zz is -ρ g L/2 by equilibrium alone, where nodes are free; 0 where all are
+held.
 """
 
 from hybrid.scene import Axis, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time

@@ -6,9 +6,9 @@
       |__|      law  τ = E/2 (λ² - 1), so P = τ/λ = E/2 (λ - 1/λ) grows for ever: the bar itself never tears
 
 Domains of n points a cell tile the bar until one is as wide as a cell, λ = n, and are cut off there, since wider ones
-would reach nodes that the sparsity does not know. Points without domains leave cells empty from λ = n on at some places,
-domains that do not follow overlap no more at once. Exact: Cauchy's stress is that of dead load, σ = ρ g (height above
-the lower end at the start).
+would reach nodes that the sparsity does not know. Points without domains may leave cells empty from λ = n on; domains
+that do not follow leave gaps at once. Exact: Cauchy's stress is that of dead load, σ = ρ g (height above the lower end
+at the start).
 """
 
 import numpy as np
@@ -23,7 +23,8 @@ TITLE = "soil drawn out"
 PARAMETERS = ("largest stretch",)
 MEASURE, RIGHT, WRONG = "error of the stress over the largest", 0.01, 0.05
 METHODS = {"standard MPM": {"basis": "mpm", "domain": "none"}, "domains as at the start": {"domain": "none"},
-           "1 point a cell": {"points": 1}, "domains that follow": {}, "3 points a cell": {"points": 3}, "4 points a cell": {"points": 4}}
+           "1 point a cell": {"points": 1}, "domains that follow": {}, "3 points a cell": {"points": 3},
+           "4 points a cell": {"points": 4}}
 DEFAULT = "domains that follow"
 SAYS = r"cells wide, limit .*soil\.points_per_axis|points_per_axis = .*limit 2|soil\.(basis|domain) = .*Set soil\."
 LENGTH, CELLS, DENSITY, GRAVITY, STEPS = 8.0, 16, 1000.0, 10.0, 20

@@ -1,7 +1,7 @@
 """Turning: domains that follow the wrong part of the deformation are right until the soil turns.
 
-The column of `hybrid.study.failures.crossing`, as soft as its weight, ρ g L / E = 1, of soil that has turned by an angle
-before and carries no strain: F = R at the start, then F = U R as the column is squeezed by U along z.
+The column of `hybrid.study.failures.crossing`, as soft as its weight, ρ g L / E = 1, of soil that has turned by an
+angle before and carries no strain: F = R at the start, then F = U R as the column is squeezed by U along z.
 
     diagonal of F    F_zz = U_zz cos θ: domains shrink to nothing at 90 degrees, which is standard MPM
     right stretch    √(Fᵀ F) = Rᵀ U R: at 90 degrees they are squeezed along x instead of z, and overlap
