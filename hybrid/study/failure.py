@@ -12,9 +12,8 @@ from hybrid.output.atlas import Map, draw_atlas, draw_maps
 from hybrid.study import cases, outcome
 from hybrid.study.outcome import load
 
-CASES = ("crossing", "cuts", "cut_ghost", "locking", "locking_cells", "stretch", "turning", "apex", "dilatancy",
-         "softening", "plastic_step", "singular",
-         "weightless", "resting")
+CASES = ("crossing", "cuts", "cut_ghost", "locking", "locking_cells", "flow_locking", "stretch", "turning", "apex",
+         "dilatancy", "softening", "plastic_step", "singular", "weightless", "resting")
 RECORDED = Path(__file__).with_name("failure.json")
 
 

@@ -37,6 +37,16 @@ def test_domains_that_do_not_follow_the_soil_are_told_of(rule, name):
     assert not warned(soil.domains, domain=rule, basis="mpm")      # has none
 
 
+def test_flow_that_locks_is_told_of():
+    clay = {"law": "von-mises", "strength": 2e4}
+    (text,) = warned(soil.flow, clay, geostatic=False)
+    assert re.search(cases.case("flow_locking").SAYS, text)
+    assert not warned(soil.flow, clay, geostatic=False, fbar=True) and not warned(soil.flow)
+    sand = {"law": "drucker-prager", "friction_angle": 30.0, "dilation_angle": 0.0, "cohesion": 300.0}
+    assert not warned(soil.flow, sand)
+    assert not warned(soil.flow, sand, layers=(Layer("rock", top=1.0, law="hencky"),))
+
+
 def test_softening_is_told_of():
     """With the slip over which strength is lost: (c - c_r)/H times a cell of 1 m."""
     clay = {"law": "von-mises", "strength": 2e4}

@@ -53,7 +53,7 @@ def material(angle):
 @dataclass(frozen=True)
 class Press:
     """settlement / B and F / (B c) after each step; end of it all: positions, plastic strain of the points; unknowns;
-    Newton iterations; seconds of the run."""
+    Newton iterations; seconds of the run; what it told."""
 
     settlement: np.ndarray
     factor: np.ndarray
@@ -62,6 +62,7 @@ class Press:
     unknowns: int
     iterations: int
     seconds: float
+    notes: tuple = ()
 
 
 def nodes(size, end, growth=None):
@@ -94,15 +95,16 @@ def press(angle, across, depth=2.0, width=4.0, settlement=None, steps=20, law=No
         name="footing", grid=grid, soil=Soil(law or material(angle), geostatic=False, top=0.0, **soil),
         bodies=(footing,), gravity=(0.0, 0.0, 0.0), time=Time(step=1.0, inertia=False), stages=(Stage("press", steps),),
         solver=Solver(**solver), output=Output(every=0, checkpoint=0))
-    simulation, begun, rows = build(scene), time.perf_counter(), []
+    simulation, begun, rows, notes = build(scene), time.perf_counter(), [], ()
     for record in simulation.steps():
         rows.append((record.bodies[0].contact_force[2], record.iterations))
+        notes += record.notes
     seconds = time.perf_counter() - begun
     force, iterations = np.array(rows).T
     points = simulation.state.points
     return Press(settlement * np.arange(1, steps + 1) / steps, force / (0.5 * WIDTH * thickness * COHESION),
                  points.position, points.plastic_strain, len(simulation.evaluation.soil),
-                 int(iterations.sum()), seconds)
+                 int(iterations.sum()), seconds, notes)
 
 
 ACROSS, FIXED, CURED = (1, 2, 4, 8), 2, {"fbar": True, "ghost": 0.0033}
