@@ -94,7 +94,8 @@ def _law(material, law):
 def _layer(layer, scene, soil):
     """Range, law and own values of a layer."""
     bottom, top = span(layer, scene.soil, scene.grid)
-    own = [f"{name} = {value:g}" for name, value in layer.material.items()] + [f"k0 = {layer.k0:g}"] * bool(layer.k0)
+    values = layer.material if layer.k0 is None else {**layer.material, "k0": layer.k0}
+    own = [f"{name} = {value:g}" for name, value in values.items()]
     parts = [f"{layer.name}: z = {bottom:g} to {top:g} m", _law(of_layer(scene.soil.material, layer), soil.law), *own]
     return ", ".join(parts)
 

@@ -7,19 +7,16 @@ import numpy as np
 from hybrid import timing
 from hybrid.body import rigid
 from hybrid.body.attitude import quaternion
-from hybrid.errors import HybridError
+from hybrid.errors import HybridError, StepError
 from hybrid.limits import near
 from hybrid.output.record import BodyRecord, Record
 from hybrid.sheet import model_sheet
 from hybrid.stepping import newton
-from hybrid.stepping.astray import Astray
-from hybrid.stepping.between import Between
-from hybrid.stepping.deep import Deep
-from hybrid.stepping.energy import Gain, balance_error, energies
+from hybrid.stepping.causes import drawn_out
+from hybrid.stepping.energy import balance_error, energies
 from hybrid.stepping.imbalance import measure
-from hybrid.stepping.leaving import Leaving
 from hybrid.stepping.loop import Control, outer_step
-from hybrid.stepping.ringing import Ringing
+from hybrid.stepping.watch import Watch
 from hybrid.system.cache import Systems
 from hybrid.system.equations import Step
 
@@ -41,9 +38,7 @@ class Simulation:
         evaluation = start.evaluate(start.still())
         self._start_energy = energies(model, state, evaluation)     # a body may start in the soil a little
         self.imbalance = measure(start, evaluation)
-        self._leaving, self._gain = Leaving(model, state.bodies), Gain()
-        self._contact = Between(), Deep(), Ringing()
-        self._astray = None if model.soil.held else Astray(model, state.points)
+        self._watch = Watch(model, state)
 
     @property
     def initial_position(self):
@@ -126,8 +121,12 @@ class Simulation:
                     if moved:
                         model = model.on(self.model.soil)
                         systems.renew(model)
-                self.state, report = outer_step(
-                    model, systems, self.state, length, stage.pull, control, settings)
+                try:
+                    self.state, report = outer_step(
+                        model, systems, self.state, length, stage.pull, control, settings)
+                except StepError as failure:
+                    raise StepError(". ".join(
+                        [str(failure), *near(scene, self.model), *drawn_out(self.model, self.state.points)])) from None
                 self.evaluation, self.increment = report.evaluation, control.dt
                 yield self._record(stage.name, stage_step, report, model.scheme)
             first, starts = first + stage.steps, starts + stage.steps * length
@@ -160,15 +159,7 @@ class Simulation:
             increments=report.increments, iterations=report.iterations, rejections=report.rejections,
             residual=evaluation.error, contacts=sum(len(c) for c in evaluation.contacts), seconds=timing.collect(),
             energies=energy, bodies=bodies, time_error=report.error, krylov=report.krylov,
-            notes=self._notes(energy, scheme))
-
-    def _notes(self, energy, scheme):
-        state = self.state
-        astray = self._astray.notes(self.model, state) if self._astray else ()
-        return (self._initial_notes() + self._leaving.notes(self.model, state) + astray
-                + tuple(note for kind in self._contact
-                        for note in kind.notes(self.model, state, self.evaluation.contacts, scheme))
-                + self._gain.notes(state.time, energy, scheme.damps or not scheme.inertia))
+            notes=self._initial_notes() + self._watch.notes(self.model, state, scheme, report, energy))
 
     def _initial_notes(self):
         """What is told once, with the first step of all."""

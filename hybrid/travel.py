@@ -18,7 +18,6 @@ import numpy as np
 
 from hybrid.body import rigid
 from hybrid.errors import StepError
-from hybrid.errors import StepError
 from hybrid.soil.domains import updated_half
 from hybrid.soil.grid import FACES, make_grid
 from hybrid.soil.lattice import Layout

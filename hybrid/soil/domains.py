@@ -38,6 +38,19 @@ def updated_half(rule, initial_half, deformation, position, axes):
     return half
 
 
+def cells_wide(initial_half, deformation, position, axes):
+    """Extents (n, 3) along the axes of the deformed domains of points at `position`, over the widths of their cells;
+    0 along a collapsed axis. Beyond 1 a domain is cut off."""
+    wide = 2 * initial_half * np.linalg.norm(deformation, axis=2)
+    for axis, nodes in enumerate(axes):
+        if len(nodes) == 1:
+            wide[:, axis] = 0.0
+            continue
+        cell = np.clip(np.searchsorted(nodes, position[:, axis]) - 1, 0, len(nodes) - 2)
+        wide[:, axis] /= np.diff(nodes)[cell]
+    return wide
+
+
 def _stretch(rule, deformation):
     """Factors (n, 3) on the half-widths, of rules that scale each axis by itself."""
     if rule == "diagonal":

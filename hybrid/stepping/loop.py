@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from hybrid.errors import StepError
 from hybrid.stepping import newton
 from hybrid.stepping.accuracy import even, following, local_error, shorter
+from hybrid.stepping.causes import likely
+from hybrid.stepping.flow import flowed
 from hybrid.system.equations import Evaluation, Step
 
 EASY = 6  # Newton iterations up to which the next increment may be twice as long
@@ -50,7 +52,8 @@ class Control:
 @dataclass(frozen=True)
 class Report:
     """What an outer step took. dt: its smallest increment [s]; evaluation: the last converged one; error: sum of the
-    local errors of its increments [m], None where nobody asked."""
+    local errors of its increments [m], None where nobody asked; flow: the most that an increment added to the plastic
+    strain of a point, 0 with inertia."""
 
     dt: float
     increments: int
@@ -59,6 +62,7 @@ class Report:
     rejections: int
     evaluation: Evaluation
     error: float | None = None
+    flow: float = 0.0
 
 
 def outer_step(model, systems, state, length, pulling, control, settings):
@@ -69,7 +73,7 @@ def outer_step(model, systems, state, length, pulling, control, settings):
     end, reached = state.time + length, state
     control.dt = min(control.dt, length)
     smallest, increments, iterations, krylov, rejections = length, 0, 0, 0, 0
-    ratio, added = None, 0.0 if control.accuracy else None
+    ratio, added, flow = None, 0.0 if control.accuracy else None, 0.0
     while end - reached.time > 1e-9 * length:
         dt = control.increment(end - reached.time)
         step = Step(model, reached, dt, pulling, systems)
@@ -79,7 +83,7 @@ def outer_step(model, systems, state, length, pulling, control, settings):
             rejections += 1
             control.rejected(dt / 2)
             if control.dt < control.smallest:
-                raise StepError(_failure(model, reached, dt, control, outcome))
+                raise StepError(_failure(model, reached, dt, control, outcome) + likely(step, outcome.evaluation))
             continue
         if control.accuracy:
             error = local_error(step, outcome.evaluation)
@@ -91,11 +95,14 @@ def outer_step(model, systems, state, length, pulling, control, settings):
                 control.rejected(max(shorter(dt, ratio), control.smallest))
                 continue
             added += error.length
-        reached = step.accept(outcome.evaluation)
+        before, reached = reached, step.accept(outcome.evaluation)
+        if not model.scheme.inertia:
+            flow = max(flow, flowed(before.points, reached.points))
         increments, smallest = increments + 1, min(smallest, dt)
         control.accepted(dt, ratio, outcome.iterations <= EASY, length)
     reached.time, reached.step = end, state.step + 1
-    return reached, Report(smallest, increments, iterations, krylov, rejections, outcome.evaluation, added)
+    return reached, Report(smallest, increments, iterations, krylov, rejections, outcome.evaluation, added,
+                           flow)
 
 
 def _failure(model, state, dt, control, outcome):
@@ -103,9 +110,7 @@ def _failure(model, state, dt, control, outcome):
     return (f"step {state.step + 1} failed at t = {state.time:.6g} s with increment {dt:.3g} s: {outcome.reason}; "
             f"half of it is below the floor of {control.smallest:.3g} s (time.smallest). "
             f"Last relative residuals: {history}. All accepted steps are kept. Try a smaller time.step, "
-            "a lower body.penalty, more solver.iterations, or a looser solver.tolerance"
-            + (". Without inertia, this is also how soil ends that cannot carry its load" if not model.scheme.inertia
-               else ""))
+            "a lower body.penalty, more solver.iterations, or a looser solver.tolerance")
 
 
 def _inaccurate(state, dt, control, error, length):

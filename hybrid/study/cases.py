@@ -44,9 +44,12 @@ def observe(name, method, setting):
     return Outcome(name, method, setting, kind, error, message, round(perf_counter() - begun, 2))
 
 
-def watched(scene):
-    """(Simulation after all its steps, its records, what it told: warnings of its sheet and notes of its steps)."""
-    simulation = build(scene)
+def watched(scene, **given):
+    """(Simulation after all its steps, its records, what it told: warnings of its sheet and notes of its steps).
+
+    given: what `build` takes besides.
+    """
+    simulation = build(scene, **given)
     records = list(simulation.steps())
     return simulation, records, told(simulation, records)
 

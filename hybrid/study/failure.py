@@ -12,8 +12,13 @@ from hybrid.output.atlas import Map, draw_atlas, draw_maps
 from hybrid.study import cases, outcome
 from hybrid.study.outcome import load
 
-CASES = ("crossing", "turns", "bounce_step", "bounce_map", "penalty", "chatter", "stick", "thin", "edge",
-         "nails", "window", "impact", "squeezed", "ringing", "light")
+CASES = (
+    # soil
+    "crossing", "cuts", "cut_ghost", "locking", "locking_cells", "flow_locking", "stretch", "turning", "apex",
+    "dilatancy", "softening", "plastic_step", "singular", "weightless", "resting",
+    # bodies and contact
+    "turns", "bounce_step", "bounce_map", "ringing", "penalty", "light", "squeezed", "chatter", "stick", "thin", "edge",
+    "nails", "impact", "window")
 RECORDED = Path(__file__).with_name("failure.json")
 
 

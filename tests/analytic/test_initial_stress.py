@@ -43,8 +43,9 @@ def level(x=SIDE, y=FLAT, material=STIFF, steps=5, time=(), **soil):
 def stays(simulation):
     """Largest velocity [m/s] of any point in a run that must need no step halved."""
     before, fastest = simulation.state.points.stress, 0.0
+    warned = simulation.sheet().get("near a limit", [])     # of methods that some variants try on purpose
     for record in simulation.steps():
-        assert record.rejections == 0 and record.notes == ()
+        assert record.rejections == 0 and not set(record.notes) - set(warned)
         fastest = max(fastest, np.abs(simulation.state.points.velocity).max())
     assert np.abs(simulation.state.points.stress - before).max() < 1e-11 * np.abs(before).max()
     return fastest

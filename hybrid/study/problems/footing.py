@@ -54,7 +54,7 @@ def material(angle):
 @dataclass(frozen=True)
 class Press:
     """settlement / B and F / (B c) after each step; end of it all: positions, plastic strain of the points; unknowns;
-    Newton iterations; seconds of the run."""
+    Newton iterations; seconds of the run; what it told."""
 
     settlement: np.ndarray
     factor: np.ndarray
@@ -63,6 +63,7 @@ class Press:
     unknowns: int
     iterations: int
     seconds: float
+    notes: tuple = ()
 
 
 def nodes(size, end, growth=None):
@@ -101,7 +102,7 @@ def press(angle, across, depth=2.0, width=4.0, settlement=None, steps=20, law=No
     points = simulation.state.points
     return Press(settlement * np.arange(1, steps + 1) / steps, force / (0.5 * WIDTH * thickness * COHESION),
                  points.position, points.plastic_strain, len(simulation.evaluation.soil),
-                 iterations(records), seconds)
+                 iterations(records), seconds, tuple(note for record in records for note in record.notes))
 
 
 ACROSS, FIXED, CURED = (1, 2, 4, 8), 2, {"fbar": True, "ghost": 0.0033}

@@ -1,0 +1,76 @@
+"""Limits of soil: each warns where the atlas of failures saw the default fail, and not on the safe side of it."""
+
+import re
+
+import pytest
+
+from hybrid.build import build
+from hybrid.limits import soil, stepping
+from hybrid.scene import Axis, Faces, Grid, Layer, Material, Scene, Soil, Stage, Time
+from hybrid.study import cases
+
+
+def warned(limit, material=(), time=(), faces=Faces(), **values):
+    """Texts of one limit about a small block of soil."""
+    side = Axis(start=0.0, end=2.0, size=1.0)
+    m = Material(**{"law": "hencky", "young": 1e6, "poisson": 0.3, "density": 1800.0, **dict(material)})
+    scene = Scene(name="block", grid=Grid(side, side, side, faces), soil=Soil(m, **values),
+                  time=Time(**{"step": 0.1, **dict(time)}), stages=(Stage("go", 1),))
+    return list(limit(scene, build(scene).model))
+
+
+def test_soil_that_locks_is_told_of():
+    """At 0.45 it locks by 12 % and more, at 0.44 by less; held soil and F-bar do not."""
+    (text,) = warned(soil.locking, {"poisson": 0.45})
+    assert re.search(cases.case("locking").SAYS, text)
+    assert warned(soil.locking, layers=(Layer("clay", top=1.0, material={"poisson": 0.49}),))
+    assert not warned(soil.locking, {"poisson": 0.44})
+    assert not warned(soil.locking, {"poisson": 0.49}, fbar=True)
+    assert not warned(soil.locking, {"poisson": 0.49}, held=True)
+
+
+@pytest.mark.parametrize("rule, name", [("none", "stretch"), ("stretch", "turning"), ("diagonal", "turning")])
+def test_domains_that_do_not_follow_the_soil_are_told_of(rule, name):
+    (text,) = warned(soil.domains, domain=rule)
+    assert re.search(cases.case(name).SAYS, text)
+    assert not warned(soil.domains) and not warned(soil.domains, domain=rule, held=True)
+    assert not warned(soil.domains, domain=rule, basis="mpm")      # has none
+
+
+def test_flow_that_locks_is_told_of():
+    clay = {"law": "von-mises", "strength": 2e4}
+    (text,) = warned(soil.flow, clay, geostatic=False)
+    assert re.search(cases.case("flow_locking").SAYS, text)
+    assert not warned(soil.flow, clay, geostatic=False, fbar=True) and not warned(soil.flow)
+    sand = {"law": "drucker-prager", "friction_angle": 30.0, "dilation_angle": 0.0, "cohesion": 300.0}
+    assert not warned(soil.flow, sand)
+    assert not warned(soil.flow, sand, layers=(Layer("rock", top=1.0, law="hencky"),))
+
+
+def test_softening_is_told_of():
+    """With the slip over which strength is lost: (c - c_r)/H times a cell of 1 m."""
+    clay = {"law": "von-mises", "strength": 2e4}
+    (text,) = warned(soil.softening, {**clay, "hardening": -1e5, "residual_strength": 1e4}, geostatic=False)
+    assert re.search(cases.case("softening").SAYS, text) and "slip of 0.1 m in cells of 1 m" in text
+    assert not warned(soil.softening, {**clay, "hardening": 1e5}, geostatic=False)
+    assert not warned(soil.softening, clay, geostatic=False) and not warned(soil.softening)
+    layer = Layer("peat", top=1.0, material={"hardening": -1e4, "residual_strength": 1e3})
+    assert warned(soil.softening, clay, geostatic=False, layers=(layer,))
+
+
+STATIC = {"inertia": False}
+
+
+def test_one_point_along_a_cell_is_told_of_without_inertia():
+    (text,) = warned(stepping.singular, time=STATIC, points_per_axis=(2, 1, 2))
+    assert re.search(cases.case("singular").SAYS, text)
+    assert not warned(stepping.singular, time=STATIC) and not warned(stepping.singular, points_per_axis=1)
+
+
+def test_soil_that_nothing_holds_is_told_of_without_inertia():
+    """By faces of the grid that it does not reach either."""
+    free = Faces("free", "free", "free", "roller", "roller")
+    (text,) = warned(stepping.singular, time=STATIC, faces=free, upper=(2.0, 1.0, 2.0), geostatic=False)
+    assert re.search(cases.case("singular").SAYS, text) and "along x, y:" in text
+    assert not warned(stepping.singular, time=STATIC, faces=Faces("free", "free", "free", "free", "fixed"))
+    assert not warned(stepping.singular, faces=free)
