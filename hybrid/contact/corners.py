@@ -74,16 +74,8 @@ def find_corners(position, half, grid, active, body, surface, reach, stiffness, 
     expected: nodal increments (N, 3) [m] (None: held soil) and pose of the body that the step starts to iterate from;
     taking_part: (n,) bool, points that have not gone astray.
     """
-    born = _born(position, half, taking_part, body, surface, reach, history.id)
-    distance = gaps((history.position - body.position) @ body.rotation, surface, reach)
-    kept = np.isfinite(distance) & np.broadcast_to(taking_part, len(position))[history.id // 8]
-    id = np.concatenate([history.id[kept], born])
-    place = np.concatenate([history.position[kept], position[born // 8] + SIGNS[born % 8] * half[born // 8]])
-    touching, anchor, side, pressure = (
-        np.concatenate([old[kept], np.zeros((len(born), *old.shape[1:]), old.dtype)])
-        for old in (history.touching, history.anchor, history.side, history.pressure))
-    born = (place[np.count_nonzero(kept):] - body.position) @ body.rotation
-    clearance = np.concatenate([distance[kept], gaps(born, surface)])
+    id, place, touching, anchor, side, pressure, clearance = _near_the_body(
+        position, half, body, surface, reach, history, np.broadcast_to(taking_part, len(position)))
     node, weight = _interpolation(place, grid.axes, active)
     use = np.flatnonzero(weight.any(axis=1))
     use = use[np.argsort(id[use], kind="stable")]
@@ -98,10 +90,24 @@ def find_corners(position, half, grid, active, body, surface, reach, stiffness, 
     return corners
 
 
-def gaps(places, surface, reach=np.inf):
+def _near_the_body(position, half, body, surface, reach, history, taking_part):
+    """Numbers, places, history (touching, anchor, side, pressure) and distances from the surface of the corners within
+    reach: those that are followed, where the grid has carried them, and those that come near now."""
+    distance = distances((history.position - body.position) @ body.rotation, surface, reach)
+    kept = np.isfinite(distance) & taking_part[history.id // 8]
+    born = _born(position, half, taking_part, body, surface, reach, history.id)
+    place = position[born // 8] + SIGNS[born % 8] * half[born // 8]
+    new = distances((place - body.position) @ body.rotation, surface)
+    return (np.concatenate([history.id[kept], born]), np.concatenate([history.position[kept], place]),
+            *(np.concatenate([old[kept], np.zeros((len(born), *old.shape[1:]), old.dtype)])
+              for old in (history.touching, history.anchor, history.side, history.pressure)),
+            np.concatenate([distance[kept], new]))
+
+
+def distances(places, surface, reach=np.inf):
     """Signed distances (m,) [m] of places (m, 3) in the body frame from the surface, inf beyond `reach` [m]."""
     out = np.empty(len(places))
-    _gaps(places, reach, surface.tree, out)
+    _distances(places, reach, surface.tree, out)
     return out
 
 
@@ -142,8 +148,8 @@ def overlap(position, half, body, surface):
     """Depth [m] of the deepest corner inside a body at its committed pose, and the number of corners inside."""
     y = ((position[:, None] + SIGNS * half[:, None]).reshape(-1, 3) - body.position) @ body.rotation
     y = y[np.all((y > surface.lower) & (y < surface.upper), axis=1)]
-    gaps = np.array([closest(tuple(point), np.inf, surface.tree)[4] for point in y])
-    inside = gaps[gaps < 0.0]
+    deep = distances(np.ascontiguousarray(y), surface)
+    inside = deep[deep < 0.0]
     return (float(-inside.min()), len(inside)) if len(inside) else (0.0, 0)
 
 
@@ -177,7 +183,7 @@ def _near(position, half, close, centre, rotation, lower, upper, reach, tree, ne
 
 
 @njit(cache=True, parallel=True)
-def _gaps(y, reach, tree, out):
+def _distances(y, reach, tree, out):
     for n in prange(len(y)):
         out[n] = closest((y[n, 0], y[n, 1], y[n, 2]), reach, tree)[4]
 

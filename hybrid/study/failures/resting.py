@@ -30,7 +30,7 @@ LENGTH, CELLS, DENSITY, GRAVITY, YOUNG, POISSON, NUDGE = 2.0, 4, 1800.0, 9.81, 1
 
 
 def settings(quick=False):
-    return [(steps,) for steps in ((10, 100) if quick else (10, 100, 1000))]
+    return [(steps,) for steps in ((10, 100) if quick else (10, 100, 1000, 10000))]
 
 
 def solve(steps, settle=0, **soil):
