@@ -8,6 +8,8 @@ from hybrid.timing import phase
 
 SHORTEST = 1 / 16  # of a Newton update, tried by the line search
 ENOUGH = 0.8        # of the residual, left by an update that is taken as it is
+STIFF = 20.0        # contact over cells, from which on linear systems are solved as much more tightly: springs that stiff
+FINEST = 1e-12      # hide what is left in the soil, and a corner that a poor solution lifts off is found wrong next time
 GOOD = 0.15        # an update that leaves less than this of the residual earns its tangent another use
 
 
@@ -63,6 +65,7 @@ def solve(step: Step, settings: Settings):
 
 def _newton(step, settings, unknowns):
     errors, krylov, current, forcing = [], 0, False, settings.loosest_tolerance
+    finer = max(1.0, step.contrast() / STIFF)
     evaluation = step.evaluate(unknowns)
     if evaluation is None:
         return Outcome(None, 0, 0, (), f"the first guess {step.model.soil.refusal}")
@@ -77,7 +80,8 @@ def _newton(step, settings, unknowns):
                 step.assemble(evaluation)
             forcing = _forcing(settings, errors, forcing)
             with phase("solve"):
-                soil, body, count = step.system.solve(evaluation.soil, evaluation.body, forcing)
+                soil, body, count = step.system.solve(
+                    evaluation.soil, evaluation.body, max(forcing / finer, FINEST))
         except StepError as failure:
             return Outcome(evaluation, iteration, krylov, tuple(errors), str(failure))
         krylov += count

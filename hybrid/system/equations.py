@@ -92,6 +92,13 @@ class Step:
         speed = np.linalg.norm(state.velocity) + np.linalg.norm(state.spin) * body.radius + fastest
         return max(self.model.soil.grid.smallest_cell, 2 * self.dt * speed)
 
+    def contrast(self):
+        """Stiffness of contact on a point over that of a cell, E h [-]; 0 without contact or soil."""
+        if self.soil is None:
+            return 0.0
+        cell = self.model.soil.law.young * self.model.soil.grid.smallest_cell
+        return max((float(np.max(b.contact_stiffness / cell)) for b in self.model.bodies), default=0.0)
+
     def start(self):
         """First guess: everything keeps its velocity."""
         displacement = None

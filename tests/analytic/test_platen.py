@@ -14,8 +14,11 @@ import functools
 import numpy as np
 import pytest
 
+from hybrid.errors import StepError
+from hybrid.stepping import newton
 from hybrid.study.problems import platen
 from hybrid.study.problems.platen import AREA, IDEAL, YOUNG, in_series
+from hybrid.study.steps import iterations
 
 
 class Press:
@@ -108,3 +111,12 @@ def test_a_quarter_of_a_point_per_corner_presses_evenly(monkeypatch):
 def test_energy_of_the_drive():
     """Work of the drive is stored in soil and springs; what is missed falls with the square of the step."""
     assert abs(press(50.0).error) < 5e-3
+
+
+def test_stiff_springs_cost_no_iterations(monkeypatch):
+    """Linear systems are solved the more tightly the stiffer contact is; else Newton's method gets nowhere."""
+    soft, stiff = (iterations(platen.press(penalty=penalty, steps=4).records) for penalty in (50.0, 1e7))
+    assert stiff < 2 * soft
+    monkeypatch.setattr(newton, "STIFF", float("inf"))
+    with pytest.raises(StepError, match="after 15 iterations"):
+        platen.press(penalty=1e7, steps=4)
