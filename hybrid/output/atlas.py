@@ -1,6 +1,7 @@
 """Maps of outcomes: which method holds where, over one parameter or two."""
 
 from dataclasses import dataclass
+from string import ascii_lowercase
 
 import numpy as np
 
@@ -86,7 +87,8 @@ def _methods(axes, case):
 
 
 def _title(axes, number, text):
-    axes.set_title(f"({'abcdefghijklmnopqrstuvwxyz'[number]}) {text}", loc="left", fontsize=7, pad=3)
+    letter = ascii_lowercase[number % 26] * (1 + number // 26)
+    axes.set_title(f"({letter}) {text}", loc="left", fontsize=7, pad=3)
 
 
 def _label(value):

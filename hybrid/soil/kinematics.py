@@ -54,9 +54,9 @@ class Kinematics:
                            self._mean_inverse)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def invert(a, out):
-    """Inverse of a 3x3 matrix into `out`; returns the determinant."""
+    """Inverse of a 3x3 matrix into `out`, not finite where it has none; returns the determinant."""
     c00 = a[1, 1] * a[2, 2] - a[1, 2] * a[2, 1]
     c01 = a[1, 2] * a[2, 0] - a[1, 0] * a[2, 2]
     c02 = a[1, 0] * a[2, 1] - a[1, 1] * a[2, 0]
@@ -83,7 +83,7 @@ def _volumes(first, count, value, slope, ny, nz, u, inverse, volume):
             volume[p] = invert(F, inverse[p])
 
 
-@njit(cache=True, parallel=True)
+@njit(cache=True, parallel=True, error_model="numpy")
 def _trial_strain(first, count, value, slope, ny, nz, u, elastic, mean_volume, deforms, axes, increment, inverse,
                   strain, directions, inverted):
     for block in prange((len(first) + LANES - 1) // LANES):

@@ -46,7 +46,7 @@ def run(names=(), quick=False, out=Path("out/failure"), resume=False, tell=print
 def draw(path, out):
     """Figures of a file of outcomes in the folder `out`: cases of one parameter, and maps over two; returns paths."""
     marks, found = load(path)
-    panels = [panel(name, [o for o in found if o.case == name]) for name in dict.fromkeys(o.case for o in found)]
+    panels = [panel(name, own) for name in CASES if (own := [o for o in found if o.case == name])]
     mark = f"commit {str(marks['commit'])[:8]}, numpy {marks['versions']['numpy']}"
     rows, maps = ([p for p in panels if len(p.parameters) == n] for n in (1, 2))
     return ([draw_atlas(Path(out) / "atlas.png", rows, mark)] if rows else []) + (

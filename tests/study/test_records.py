@@ -79,6 +79,11 @@ def test_front_and_the_way_to_it():
     assert front.cheapest(records(), "e", 0.02).setting == "2" and front.cheapest(records(), "e", 1e-9) is None
 
 
+def test_time_is_the_median_and_spread_half_the_range_over_it():
+    r = Record("p", "a", "1", {}, {"e": 0.1}, (1.0, 4.0, 2.0), 1, 1)
+    assert (r.time, r.spread) == (2.0, 0.75) and records()[0].spread == 0.0
+
+
 def test_unknown_problem():
     with pytest.raises(SceneError, match="study precision colum: no such problem; there are column"):
         precision.run(["colum"])

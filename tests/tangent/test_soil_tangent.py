@@ -1,6 +1,7 @@
 """Tangent of the soil: of a point against differences of the stress, assembled against the internal force."""
 
 import itertools
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -8,16 +9,21 @@ import pytest
 from scipy.sparse import csr_matrix
 
 from hybrid.body.attitude import exp_so3
+from hybrid.build import build
 from hybrid.laws.drucker_prager import DruckerPrager
 from hybrid.laws.hencky import Hencky
 from hybrid.laws.von_mises import VonMises
 from hybrid.laws.willam_warnke import WillamWarnke
+from hybrid.scene import Material, Solver
 from hybrid.soil.eigen import from_principal, principal
 from hybrid.soil.stiffness import KeptStiffness, add_stiffness
 from hybrid.soil.grid import graded_nodes, make_grid
 from hybrid.soil.model import Soil
 from hybrid.soil.points import at_rest, tile
 from hybrid.soil.tangent import spatial_tangent
+from hybrid.study.scenes import soil_scene
+from hybrid.system.cache import Systems
+from hybrid.system.equations import Step
 from hybrid.system.pattern import make_pattern
 
 YOUNG = 1e6
@@ -257,3 +263,21 @@ def test_translation_of_free_soil_meets_no_resistance():
             shift[:, k] = 1.0
             force[pattern.free] = K @ shift[pattern.free]
             assert np.abs(force[away.ravel()]).max() < 1e-12 * abs(K).max() < np.abs(force).max()
+
+
+def test_a_share_of_the_elastic_stiffness_is_mixed_in():
+    """K(s) = (1 - s) K + s K_elastic, where points flow."""
+    def stiffness(share, **law):
+        material = Material(young=YOUNG, poisson=0.3, density=1800.0, **law)
+        described = soil_scene(gravity=(0.0, 0.0, -9.81), solver=Solver(elastic_share=share, tangent_tolerance=0.0))
+        simulation = build(replace(described, soil=replace(described.soil, material=material)))
+        step = Step(simulation.model, simulation.state, 0.01, False, Systems(simulation.model))
+        shaken = 0.004 * np.random.default_rng(0).normal(size=step.start().displacement.shape)
+        evaluation = step.evaluate(replace(step.start(), displacement=shaken))
+        step.assemble(evaluation)
+        return step.system.values.copy()
+
+    sand = {"law": "drucker-prager", "friction_angle": 30.0, "dilation_angle": 5.0, "cohesion": 1e3}
+    none, some, more = (stiffness(share, **sand) for share in (0.0, 0.3, 0.9))
+    np.testing.assert_allclose(some - none, (more - none) / 3, atol=1e-9 * np.abs(none).max())
+    assert np.abs(more - none).max() > 0.01 * np.abs(none).max()

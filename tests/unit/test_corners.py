@@ -10,6 +10,7 @@ from hybrid.body.closest import closest
 from hybrid.build import build
 from hybrid.contact import friction
 from hybrid.contact.corners import SIGNS
+from hybrid.contact.meeting import meeting_points
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Scene, Soil, Stage, Time
 from hybrid.state import ContactHistory
 from hybrid.system.cache import Systems
@@ -107,3 +108,14 @@ def test_history_is_followed_until_it_leaves_the_reach():
     np.testing.assert_array_equal(second.anchor[common][carried], history.anchor[at][carried])
     _, far = found_in_bed(surface, body_at((0.4, 0.4, 2.0)), history)
     assert len(far) == 0
+
+
+def test_corners_that_go_beyond_their_clearance_are_met():
+    """Two corners over a box, as far away as they may go unseen: one stops just short of the box, one goes into it."""
+    surface = box()     # its top is at z = 0.5
+    start = np.array([[0.1, 0.2, 0.6], [0.1, 0.2, 0.6]])
+    end = start - [[0.0, 0.0, 0.099], [0.0, 0.0, 0.25]]
+    body = body_at(np.zeros(3), np.eye(3))
+    place, side = meeting_points(start, end, body, (body.position, body.rotation), surface, np.array([0.1, 0.1]))
+    np.testing.assert_allclose(place[:, 2], [0.501, 0.5], atol=1e-4)
+    np.testing.assert_allclose(side, [[0, 0, 0], [0, 0, 1]], atol=1e-12)

@@ -9,7 +9,7 @@ from hybrid.scene import Axis, Faces, Grid, Material, Scene, Soil, Solver, Stage
 from hybrid.soil.basis import evaluate_basis
 from hybrid.soil.fbar import mean_basis
 from hybrid.soil.grid import FACES, make_grid
-from hybrid.soil.kinematics import Kinematics
+from hybrid.soil.kinematics import Kinematics, invert
 from hybrid.soil.model import Soil as SoilModel
 from hybrid.soil.points import at_rest, tile
 from scattered import GRIDS, clear_of_nodes, scattered
@@ -116,3 +116,9 @@ def test_plane_strain_agrees_with_three_dimensions_as_cells_shrink():
     """Between rollers all three axes are scaled, in plane strain two: 2 % apart with 2 cells in the beam's depth."""
     apart = [abs(sagging(0.45, True, True, cells) / sagging(0.45, True, False, cells) - 1) for cells in (2, 4)]
     assert apart[1] < 0.4 * apart[0] < 0.01
+
+
+def test_a_matrix_without_inverse_is_no_error():
+    """An update may flatten soil altogether, which is to be refused and not to end the run."""
+    out = np.empty((3, 3))
+    assert invert(np.zeros((3, 3)), out) == 0.0 and not np.isfinite(out).any()
