@@ -110,6 +110,16 @@ def test_history_is_followed_until_it_leaves_the_reach():
     assert len(far) == 0
 
 
+def test_points_that_have_gone_astray_take_their_corners_with_them():
+    surface, body = ball(), body_at((0.4, 0.4, 0.24))
+    _, first = found_in_bed(surface, body)
+    history = friction.commit(first, first.position, touch_of(first, surface, (body.position, body.rotation)))
+    point = first.id[0] // 8
+    stays = np.arange(len(bed()[1])) != point
+    _, second = found_in_bed(surface, body, history, taking_part=stays)
+    np.testing.assert_array_equal(second.id, first.id[first.id // 8 != point])
+
+
 def test_corners_that_go_beyond_their_clearance_are_met():
     """Two corners over a box, as far away as they may go unseen: one stops just short of the box, one goes into it."""
     surface = box()     # its top is at z = 0.5
