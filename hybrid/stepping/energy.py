@@ -64,11 +64,11 @@ class Gain:
         gain, loss = energy["error"], self._before - energy["error"]
         self._before = gain
         self._held = held = max(self._held, energy["kinetic"] + energy["elastic"] + energy["contact"])
-        if not self._said and gain > self.LIMIT * held:
+        if not self._said and gain > self.LIMIT * held > 0:
             self._said = True
             return (f"energy out of nothing: at t = {time:.4g} s there are {gain:.3g} J too many, {gain / held:.0%} of "
                     f"what moves, soil and contact hold (limit {self.LIMIT:.0%}). {_REMEDY}",)
-        if not self._lost and not damped and loss > self.LOSS * held:
+        if not self._lost and not damped and loss > self.LOSS * held > 0:
             self._lost = True
             return (f"energy into nothing: in the step to t = {time:.4g} s {loss:.3g} J are lost, {loss / held:.0%} of "
                     f"what moves, soil and contact hold (limit {self.LOSS:.0%}). {_REMEDY}",)
