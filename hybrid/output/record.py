@@ -64,10 +64,11 @@ class Record:
 
     step counts from 1 over all stages, stage_step from 1 in its stage. dt [s] is the smallest increment used,
     `increments` how many there were, `iterations` the Newton iterations of all of them, `krylov` those of the linear
-    solver in them, `rejections` the trials thrown away, `residual` the last relative residual, `contacts` the corners that touch, `time_error` what
-    the length of the increments adds to the error of positions [m], None where no accuracy is asked for. `seconds`
-    holds the wall time of each phase [s] and `energies` the balance [J]; both become columns of history.csv.
-    `notes` are texts for the user that are said once in a run, such as a body that leaves the grid.
+    solver in them, `rejections` the trials thrown away, `residual` the last relative residual, `contacts` the corners
+    that touch, `time_error` what the length of the increments adds to the error of positions [m], None where no
+    accuracy is asked for. `seconds` holds the wall time of each phase [s] and `energies` the balance [J]; both become
+    columns of history.csv. `notes` are texts for the user that are said once in a run, such as a body that leaves the
+    grid.
     """
 
     step: int

@@ -8,8 +8,9 @@ from hybrid.timing import phase
 
 SHORTEST = 1 / 16  # of a Newton update, tried by the line search
 ENOUGH = 0.8        # of the residual, left by an update that is taken as it is
-STIFF = 20.0        # contact over cells, from which on linear systems are solved as much more tightly: springs that stiff
-FINEST = 1e-12      # hide what is left in the soil, and a corner that a poor solution lifts off is found wrong next time
+# Springs far stiffer than cells hide what is left in the soil, and a corner that a poor solution lifts off is found
+# wrong next time: linear systems are solved as much more tightly as contact is stiffer than STIFF cells, E h.
+STIFF, FINEST = 20.0, 1e-12
 GOOD = 0.15        # an update that leaves less than this of the residual earns its tangent another use
 
 
