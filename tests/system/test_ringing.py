@@ -1,9 +1,12 @@
 """A contact force that rings is told of once; damped by the scheme it is not, nor where time is the order of events."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from hybrid.stepping import ringing
+from hybrid.stepping.ringing import Ringing
 from hybrid.study.failures import ringing as case
 
 
@@ -21,3 +24,13 @@ def test_a_plate_on_a_column(method, count):
 def test_what_ringing_is(force, rings):
     swing, turns = ringing._swing(list(force))
     assert (swing > ringing.LIMIT and turns >= ringing.TURNS) == rings
+
+
+def test_a_force_that_comes_and_goes_once_does_not_ring():
+    """As large a swing about a straight line, but it turns no more than twice."""
+    model = SimpleNamespace(bodies=[SimpleNamespace(name="box")])
+    scheme, watched = SimpleNamespace(damps=False, inertia=True), Ringing()
+    for step in range(24):
+        force = np.array([0.0, 0.0, 1e3 * (8 <= step < 10)])
+        told = watched.notes(model, SimpleNamespace(time=step), [SimpleNamespace(force=force)], scheme)
+        assert told == ()
