@@ -27,7 +27,7 @@ from numba import njit, prange
 from hybrid.soil.basis import Basis, support
 from hybrid.soil.forces import gradients
 from hybrid.soil.stiffness import find_stacks, free_components, scratch
-from hybrid.soil.tangent import spatial_tangent
+from hybrid.soil.tangent import point_tangent
 
 
 def mean_basis(position, half, axes, basis):
@@ -103,8 +103,8 @@ def _projections(A, directions, stress, deforms, c, e):
             e[i, j] = tau if deforms[i] else 0.0
             for k in range(3):
                 if deforms[k]:
-                    c[i, j] += A[3 * i + j, 4 * k]
-                    e[i, j] += A[4 * k, 3 * i + j]
+                    c[i, j] += A[27 * i + 9 * j + 4 * k]
+                    e[i, j] += A[36 * k + 3 * i + j]
             c[i, j] /= axes
             e[i, j] /= axes
             if i == j and deforms[i]:
@@ -131,13 +131,13 @@ def _add_stiffness(order, start, first, count, value, mean, slope, ny, nz, inver
             slab = 2 * pair + colour
             node, g, code, unknown, stack, place = scratch()
             h, H, cg, eg = np.empty((27, 3)), np.empty((27, 3)), np.empty((27, 3)), np.empty((27, 3))
-            A, work, c, e = np.empty((9, 9)), np.empty((2, 9, 9)), np.empty((3, 3)), np.empty((3, 3))
+            A, work, c, e = np.empty(81), np.empty((3, 81)), np.empty((3, 3)), np.empty((3, 3))
             for n in range(start[slab], start[slab + 1]):
                 p = order[n]
                 m = gradients(p, first, count, value, slope, ny, nz, inverse, node, g)
                 gradients(p, first, count, mean, slope, ny, nz, mean_inverse, node, h)
                 stacks = free_components(count[p], node, dof, code, unknown, stack)
-                spatial_tangent(strain[p], directions[p], stress[p], tangent[p], A, work)
+                point_tangent(directions[p], directions[p], strain[p], stress[p], tangent[p], A, work)
                 q, kappa = _projections(A, directions[p], stress[p], deforms, c, e)
                 for a in range(m):
                     for i in range(3):

@@ -20,15 +20,13 @@ import numpy as np
 from numba import njit, prange
 
 from hybrid.soil.forces import reference_gradients
-from hybrid.soil.tangent import pull_back, spatial_tangent
+from hybrid.soil.tangent import FIVE, FOUR, NINE, ONE, SIX, THREE, TWO, point_tangent, pulled_back
 
 CENTRE = 62  # place of a node itself in its 5x5x5 stencil
-# Unsigned indices: numba looks for a negative one at every access otherwise, which costs more than the addition.
-ONE, TWO, THREE, FOUR, FIVE, SIX = (np.uintp(i) for i in range(1, 7))
 WIDTH = np.uintp(81)
 
 
-NOTHING = np.zeros((0, 9, 9)), np.zeros(0)
+NOTHING = np.zeros((0, 81)), np.zeros(0)
 
 
 def add_stiffness(basis, slabs, shape, trial, principal_stress, tangent, volume, pattern, values):
@@ -44,7 +42,7 @@ class KeptStiffness:
     """
 
     def __init__(self, tolerance, young):
-        self._limit, self._tensors = tolerance * young, np.empty((len(young), 9, 9))
+        self._limit, self._tensors = tolerance * young, np.empty((len(young), 81))
         self._increment, self._pattern, self.values = None, None, np.zeros(0)
 
     def update(self, increment, shape, trial, principal_stress, tangent, volume, pattern, share=1.0):
@@ -74,11 +72,11 @@ def _add_stiffness(order, start, first, count, value, slope, ny, nz, inverse, st
         for pair in prange((slabs - colour + 1) // 2):
             slab = 2 * pair + colour
             node, g, code, unknown, stack, place = scratch()
-            A, work, B = np.empty((9, 9)), np.empty((2, 9, 9)), np.empty(9 * 81)
+            A, work, second, B = np.empty(81), np.empty((3, 81)), np.empty((3, 3)), np.empty(9 * 81)
             for n in range(start[slab], start[slab + 1]):
                 p = order[n]
-                spatial_tangent(strain[p], directions[p], stress[p], tangent[p], A, work)
-                pull_back(A, inverse[p], work[0])
+                pulled_back(inverse[p], directions[p], second)
+                point_tangent(directions[p], second, strain[p], stress[p], tangent[p], A, work)
                 if len(kept) > 0 and not _replace(kept[p], A, limit[p], fresh):
                     continue
                 m = reference_gradients(p, first, count, value, slope, ny, nz, node, g)
@@ -96,17 +94,15 @@ def _add_stiffness(order, start, first, count, value, slope, ny, nz, inverse, st
 def _replace(kept, A, limit, fresh):
     """Keep A of a point and leave in it what has to be added; False when it has not changed by more than `limit`."""
     change = 0.0
-    for ij in range(9):
-        for kl in range(9):
-            change = max(change, abs(A[ij, kl] - kept[ij, kl]))
+    for n in range(81):
+        change = max(change, abs(A[n] - kept[n]))
     if not fresh and change <= limit:
         return False
-    for ij in range(9):
-        for kl in range(9):
-            new = A[ij, kl]
-            if not fresh:
-                A[ij, kl] = new - kept[ij, kl]
-            kept[ij, kl] = new
+    for n in range(81):
+        new = A[n]
+        if not fresh:
+            A[n] = new - kept[n]
+        kept[n] = new
     return True
 
 
@@ -158,12 +154,12 @@ def find_stacks(row, code, stack, stacks, slot, place):
 def _contract(A, g, volume, unknown, size, B):
     """B_ij,q = V0 A_ijkl g_w,l of the free components q = (w, k), in nine rows of WIDTH."""
     for q in range(size):
-        w, kx = np.uintp(unknown[0, q]), np.uintp(3 * unknown[1, q])
-        ky, kz = kx + ONE, kx + TWO
-        x, y, z, at = volume * g[w, 0], volume * g[w, 1], volume * g[w, 2], np.uintp(q)
-        for ij in range(9):
-            B[at] = A[ij, kx] * x + A[ij, ky] * y + A[ij, kz] * z
+        w, k, at = np.uintp(unknown[0, q]), np.uintp(3 * unknown[1, q]), np.uintp(q)
+        x, y, z = volume * g[w, 0], volume * g[w, 1], volume * g[w, 2]
+        for _ in range(9):
+            B[at] = A[k] * x + A[k + ONE] * y + A[k + TWO] * z
             at += WIDTH
+            k += NINE
 
 
 @njit(cache=True, fastmath={"contract"})

@@ -20,7 +20,7 @@ from hybrid.soil.stiffness import KeptStiffness, add_stiffness
 from hybrid.soil.grid import graded_nodes, make_grid
 from hybrid.soil.model import Soil
 from hybrid.soil.points import at_rest, tile
-from hybrid.soil.tangent import spatial_tangent
+from hybrid.soil.tangent import point_tangent, pulled_back
 from hybrid.study.scenes import soil_scene
 from hybrid.system.cache import Systems
 from hybrid.system.equations import Step
@@ -71,17 +71,34 @@ def difference(law, b, h=1e-6):
     return np.array(columns).T
 
 
+def point_tangent_of(law, b, inverse=np.eye(3)):
+    """A (9, 9) of one point; pulled back where an increment's `inverse` is given."""
+    _, strain, directions, response = kirchhoff(law, b)
+    A, work, second = np.empty(81), np.empty((3, 81)), np.empty((3, 3))
+    pulled_back(inverse, directions, second)
+    point_tangent(directions, second, strain, response.stress[0], response.tangent[0], A, work)
+    return A.reshape(9, 9)
+
+
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("name", STRAINS)
 def test_tangent_of_a_point(law, name):
     """A_ijkl + τ_il δ_jk is the derivative of the Kirchhoff stress, also where principal values meet."""
     law = LAWS[law](1)
     b = ROTATION @ np.diag(np.exp(2 * np.array(STRAINS[name]))) @ ROTATION.T
-    stress, strain, directions, response = kirchhoff(law, b)
-    A, work = np.empty((9, 9)), np.empty((2, 9, 9))
-    spatial_tangent(strain, directions, response.stress[0], response.tangent[0], A, work)
+    stress = kirchhoff(law, b)[0]
+    A = point_tangent_of(law, b)
     geometric = np.einsum("il,jk->ijkl", stress, np.eye(3)).reshape(9, 9)
     assert np.abs(A + geometric - difference(law, b)).max() < 2e-9 * YOUNG
+
+
+def test_tangent_of_a_point_pulled_back():
+    """Â_imkn = ΔF^-1_mj A_ijkl ΔF^-1_nl."""
+    law, inverse = LAWS["drucker-prager"](1), np.eye(3) + 0.2 * np.random.default_rng(1).standard_normal((3, 3))
+    b = ROTATION @ np.diag(np.exp(2 * np.array(STRAINS["distinct"]))) @ ROTATION.T
+    A = point_tangent_of(law, b).reshape(3, 3, 3, 3)
+    expected = np.einsum("mj,ijkl,nl->imkn", inverse, A, inverse).reshape(9, 9)
+    np.testing.assert_allclose(point_tangent_of(law, b, inverse), expected, atol=1e-12 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize("law", ["drucker-prager", "von-mises", "willam-warnke"])
