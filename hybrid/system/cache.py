@@ -28,8 +28,7 @@ class Systems:
             unknowns = int(np.count_nonzero(model.body_free))
             near = pattern.near_part(model.soil.ghost_factor > 0) if model.linear == "krylov" else None
             self._current = pattern, BlockSystem(
-                pattern.indptr, pattern.indices, unknowns, model.linear, model.linear_tolerance, near,
-                model.soil.law.symmetric)
+                pattern.indptr, pattern.indices, unknowns, model.linear, model.linear_tolerance, near)
             self._active = active.copy()
             self.rebuilt += 1
         return self._current

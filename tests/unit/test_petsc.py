@@ -71,7 +71,7 @@ def test_sweeps_follow_the_values_that_are_edited_in_place(m):
     others = [uu, csr_matrix(scale @ uu @ scale)]
     for matrix in others:
         matrix.sort_indices()
-    system, fresh = (BlockSystem(uu.indptr, uu.indices, m, "krylov", 1e-6, symmetric=True) for _ in range(2))
+    system, fresh = (BlockSystem(uu.indptr, uu.indices, m, "krylov", 1e-6) for _ in range(2))
     counts = [pushed(system, matrix) for matrix in others]
     assert pushed(fresh, others[1]) == counts[1] < 20
 
@@ -81,7 +81,7 @@ def test_where_sweeps_divide_by_zero_the_factor_takes_over():
     middle = np.where(np.arange(300) % 3 == 1, 0.0, 2.0)
     uu = csr_matrix(diags([np.ones(299), np.ones(300), np.ones(299)], [-1, 0, 1]))
     uu.setdiag(middle)      # zeros are kept as entries
-    system = BlockSystem(uu.indptr, uu.indices, 3, "krylov", 1e-10, symmetric=True)
+    system = BlockSystem(uu.indptr, uu.indices, 3, "krylov", 1e-10)
     assert pushed(system, uu) <= 3
 
 
