@@ -5,6 +5,11 @@ import numpy as np
 from hybrid.system.pattern import make_pattern
 from hybrid.system.petsc import BlockSystem
 
+# Sand dragged through cells that double: the factor takes 34 iterations a solution, sweeps 9 (19 600 unknowns, 20 steps,
+# to 1e-2), for the entries it lacks are those that keep its pivots sound; sweeps look no farther than a node. With
+# cells of one size or growing by half it is the factor that takes fewer, 4 to 14 against 6 to 29.
+COARSER = 1.6
+
 
 class Systems:
     """Pattern and BlockSystem for the active nodes asked for last."""
@@ -28,7 +33,16 @@ class Systems:
             unknowns = int(np.count_nonzero(model.body_free))
             near = pattern.near_part(model.soil.ghost_factor > 0) if model.linear == "krylov" else None
             self._current = pattern, BlockSystem(
-                pattern.indptr, pattern.indices, unknowns, model.linear, model.linear_tolerance, near)
+                pattern.indptr, pattern.indices, unknowns, model.linear, model.linear_tolerance, near,
+                _sweeps_first(model.soil))
             self._active = active.copy()
             self.rebuilt += 1
         return self._current
+
+
+def _sweeps_first(soil):
+    """Whether sweeps are to stand for the inverse of the soil block rather than an incomplete factor: where its tangent
+    is symmetric, or where neighbouring cells differ by more than COARSER."""
+    cells = [np.diff(axis) for axis in soil.grid.axes]
+    return soil.law.symmetric or any(
+        (np.maximum(a[1:] / a[:-1], a[:-1] / a[1:]) > COARSER).any() for a in cells)
