@@ -7,7 +7,7 @@ from hybrid.system.petsc import BlockSystem
 
 # An anchor dragged through cells that double: late, in sand that has flowed, the factor takes 34 iterations a solution
 # and sweeps 9 (19 600 unknowns, to 1e-2); in the first 45 steps 5 and 7. The near entries alone are a poor stand-in
-# there, even with an exact factor (82 iterations at 103 000 unknowns); sweeps look no farther than a node. With cells of
+# there, even with an exact factor (82 iterations, 103 000 unknowns); sweeps look no farther than a node. With cells of
 # one size it is the factor that takes fewer: 9 to 14 against 15 to 29 (sand, 20 000 unknowns, to 1e-3).
 COARSER = 1.6
 
