@@ -1,13 +1,16 @@
 """The block system against a dense solution, whatever its preconditioner; memory given back."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
-from scipy.sparse import csr_matrix, diags, random
+from scipy.sparse import block_diag, csr_matrix, diags, identity, kron, random
 
 from hybrid.build import build
 from hybrid.errors import StepError
 from hybrid.scene import Solver, Time
-from hybrid.system.cache import Systems
+from hybrid.system import petsc
+from hybrid.system.cache import Systems, _sweeps_first
 from hybrid.system.equations import Step
 from hybrid.system.near import SHARE, Near
 from hybrid.system.petsc import BlockSystem
@@ -71,7 +74,7 @@ def test_sweeps_follow_the_values_that_are_edited_in_place(m):
     others = [uu, csr_matrix(scale @ uu @ scale)]
     for matrix in others:
         matrix.sort_indices()
-    system, fresh = (BlockSystem(uu.indptr, uu.indices, m, "krylov", 1e-6, symmetric=True) for _ in range(2))
+    system, fresh = (BlockSystem(uu.indptr, uu.indices, m, "krylov", 1e-6, sweeps=True) for _ in range(2))
     counts = [pushed(system, matrix) for matrix in others]
     assert pushed(fresh, others[1]) == counts[1] < 20
 
@@ -81,8 +84,52 @@ def test_where_sweeps_divide_by_zero_the_factor_takes_over():
     middle = np.where(np.arange(300) % 3 == 1, 0.0, 2.0)
     uu = csr_matrix(diags([np.ones(299), np.ones(300), np.ones(299)], [-1, 0, 1]))
     uu.setdiag(middle)      # zeros are kept as entries
-    system = BlockSystem(uu.indptr, uu.indices, 3, "krylov", 1e-10, symmetric=True)
+    system = BlockSystem(uu.indptr, uu.indices, 3, "krylov", 1e-10, sweeps=True)
     assert pushed(system, uu) <= 3
+
+
+def nodes(count, block):
+    """Rows of `count` nodes in line: `block` (k, k) of each with itself, a little of its neighbours'."""
+    line = diags([np.ones(count - 1), np.ones(count - 1)], [-1, 1])
+    matrix = csr_matrix(kron(line, np.ones(block.shape)) * 0.1 + kron(identity(count), block))
+    matrix.sort_indices()
+    return matrix
+
+
+@pytest.mark.parametrize("m", [0, 3])
+def test_sweeps_take_the_unknowns_of_a_node_together(monkeypatch, m):
+    """Shear that outweighs the diagonal, as where sand flows, is nothing to the inverse of a block."""
+    uu, counts = nodes(200, np.array([[1.0, 3.0, 2.0], [-3.0, 1.0, 3.0], [-2.0, -3.0, 1.0]])), []
+    for shift in ({}, {"pc_sor_diagonal_shift": 1e-300}):   # with which PETSc takes every row by itself
+        monkeypatch.setattr(petsc, "SWEEPS", {**petsc.SWEEPS, **shift})
+        system = BlockSystem(uu.indptr, uu.indices, m, "krylov", 1e-8, sweeps=True)
+        counts.append(pushed(system, uu))
+    assert counts[0] < 15 and counts[1] > 2 * counts[0]
+
+
+@pytest.mark.parametrize("least, way", [(petsc.LEAST, 0), (0.0, 1)])
+def test_a_node_that_weighs_nothing_does_not_stop_the_sweeps(monkeypatch, least, way):
+    """A lone component of 1e-17 N/m, among nodes whose blocks PETSc inverts."""
+    monkeypatch.setattr(petsc, "LEAST", least)
+    uu = csr_matrix(block_diag([nodes(100, 4 * np.eye(3)), [[1e-17]]]))
+    system = BlockSystem(uu.indptr, uu.indices, 3, "krylov", 1e-10, sweeps=True)
+    system.values[:], system.ww[:], system.uw[:300], system.wu[:] = uu.data, 9 * np.eye(3), 0.01, 0.01
+    system.wu[:, 300] = 0.0
+    system.factor()
+    residual = np.ones(300)
+    soil, body, _ = system.solve(np.append(residual, 0.0), np.ones(3))
+    assert system._way == way
+    np.testing.assert_allclose(uu[:300, :300] @ soil[:300] + system.uw[:300] @ body, -1.0, atol=1e-8)
+    system.destroy()
+
+
+def test_sweeps_come_first_where_the_tangent_is_symmetric_or_cells_double():
+    def first(law, ratio):
+        axes = [np.array([0.0, 1.0, 2.0, 2.0 + ratio])] * 3
+        return _sweeps_first(SimpleNamespace(law=SimpleNamespace(symmetric=law), grid=SimpleNamespace(axes=axes)))
+
+    assert [first(True, 1.0), first(False, 1.0), first(False, 1.5), first(False, 2.0), first(False, 0.5)] == [
+        True, False, False, True, True]
 
 
 def pushed(system, uu):
