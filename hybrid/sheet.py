@@ -16,13 +16,14 @@ BYTES_OF_FILL = 1200    # of a direct factor, times n^(4/3) as nested dissection
 
 def model_sheet(scene, model, imbalance=None, level="", most_points=0):
     """Sections {title: {label: value}} for `hybrid check` and summary.json; imbalance: of the initial state, where the
-    soil has a weight to carry; level: what the scene's `accuracy` stands for; most_points: solved at once, of a grid that travels."""
+    soil has a weight to carry; level: what the scene's `accuracy` stands for; most_points: of a grid that travels."""
     soil = model.soil
     pattern = _pattern(soil)
     body_unknowns = int(np.count_nonzero(model.body_free))
     entries = len(pattern.indices)
     growth = max(1.0, most_points / max(1, len(soil.constants)))
-    memory = LIBRARIES + PICTURES * bool(scene.output.pictures) + growth * growing_memory(soil, pattern, scene.solver.linear)
+    memory = (LIBRARIES + PICTURES * bool(scene.output.pictures)
+              + growth * growing_memory(soil, pattern, scene.solver.linear))
     cells = [max(1, n - 1) for n in soil.grid.shape]
     modelled = {
         **({"accuracy": level} if level else {}),
