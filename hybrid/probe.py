@@ -32,7 +32,8 @@ The first state is disturbed a little. Points are drawn together by a thousandth
 domain lies in one cell and its point couples 8 nodes, but once it moves up to 27. Bodies are put a twentieth of a cell
 lower, where what rests on the soil touches it. Every part is done once before it is timed, so that compiling and first
 allocations do not count. The writing of files is left out; its memory is small, as files are written piece by piece.
-Memory is what the process held at most until then, this step's factor included, and what points that come in add.
+Memory is what the process held at most until then, this step's factor included, and what points that come in and the
+drawing of pictures add.
 """
 
 from dataclasses import dataclass, replace
@@ -43,7 +44,7 @@ import numpy as np
 from hybrid import timing
 from hybrid.body import rigid
 from hybrid.memory import peak_memory
-from hybrid.sheet import growing_memory
+from hybrid.sheet import PICTURES, growing_memory
 from hybrid.stepping.energy import energies
 from hybrid.system.cache import Systems
 from hybrid.system.equations import Step
@@ -140,6 +141,7 @@ def probe(simulation):
         parts.time("end", lambda: _end(step, evaluation))
     growth = simulation.most_points / max(1, len(state.points))
     more = (growth - 1) * growing_memory(model.soil, step.pattern, model.linear)
+    more += PICTURES * bool(simulation.scene.output.pictures)
     step.system.destroy()
     timing.collect()
     return Probe(parts.median(), krylov, effort, simulation.total_steps, peak_memory() + round(more), growth)
