@@ -1,30 +1,50 @@
 """What a step of a scene will cost: the parts of one, timed on its first state, times how often a step needs them.
 
-    step = begin + (n + 1) evaluations + m tangents + n solutions + end        n Newton iterations, m with a new tangent
+    step = Σ seconds of a part x how often
 
-| part       | what it is                                                                                |
-|------------|-------------------------------------------------------------------------------------------|
-| begin      | basis, projection, numbering, search of contact                                           |
-| evaluation | strains, law, internal forces, contact: the residual                                      |
-| tangent    | assembly and factor                                                                       |
-| solution   | of the linear system, for a right-hand side without any order: the first state's may be 0 |
-| end        | new points and bodies, energies                                                           |
+| part       | what it is                                                                                | how often |
+|------------|-------------------------------------------------------------------------------------------|-----------|
+| begin      | basis, projection, numbering, search of contact                                           | 1         |
+| evaluation | strains, law, internal forces, contact: the residual                                      | n + 1     |
+| tangent    | assembly and factor                                                                       | m         |
+| solution   | of the linear system, for a right-hand side without any order: the first state's may be 0 | n         |
+| end        | new points and bodies, energies                                                           | 1         |
+
+n Newton iterations and m of them with a new tangent are what soil of the kind has been seen to take, `ITERATIONS`. A
+body in plastic soil takes more of all: increments are rejected, updates shortened, and each increment numbers the
+unknowns anew. Yielding soil needs more Krylov iterations than the first state, the more the longer the body has been
+dragged. Measured, by the cells along the body, with tangents counted in full ones:
+
+| scene                                   | cells | n   | evaluations / n | tangents / n | Krylov iterations / probe's |
+|-----------------------------------------|-------|-----|-----------------|--------------|-----------------------------|
+| anchor with cells of 0.4 m, 16 steps    | 9     | 4.9 | 1.5             | 0.5          | 0.6                         |
+| drag, 0.4 m, 975 steps                  | 9     | 6.0 | 1.3             | 0.85         | 0.7                         |
+| the same in a grid with all of the soil | 9     | 6.7 | 1.6             | 0.7          | 0.9                         |
+| anchor, 0.2 m, 125 steps                | 18    | 8.1 | 2.0             | 0.7          | 0.7, 1.6 at the end         |
+| drag, 0.2 m, 975 steps                  | 18    | 11  | 2.0             | 0.65         | 2.7, 4.5 at the end         |
+| drag, 0.1 m, 73 steps                   | 36    | 15  | -               | -            | 2.3, 5 at the end           |
+
+Hence `_in_plastic_soil`: n = 1.4 cells^(2/3), Krylov iterations that grow as n beyond 6, and 1.2 increments. A grid
+that travels takes in more points when the body sinks: all is multiplied by what they may grow. Scenes differ by up to
+a factor of two from that.
 
 The first state is disturbed a little. Points are drawn together by a thousandth: on the lattice that they start from, a
 domain lies in one cell and its point couples 8 nodes, but once it moves up to 27. Bodies are put a twentieth of a cell
 lower, where what rests on the soil touches it. Every part is done once before it is timed, so that compiling and first
-allocations do not count. n and m are what scenes of the kind have been seen to take, `ITERATIONS`; rejected increments,
-contact that comes later and the writing of files are left out. Memory is what the process held at most until then, this
-step's factor included.
+allocations do not count. The writing of files is left out; its memory is small, as files are written piece by piece.
+Memory is what the process held at most until then, this step's factor included, and what points that come in and the
+drawing of pictures add.
 """
 
-import resource
 from dataclasses import dataclass, replace
 from time import perf_counter
 
 import numpy as np
 
 from hybrid import timing
+from hybrid.body import rigid
+from hybrid.memory import peak_memory
+from hybrid.sheet import PICTURES, growing_memory
 from hybrid.stepping.energy import energies
 from hybrid.system.cache import Systems
 from hybrid.system.equations import Step
@@ -34,17 +54,29 @@ PARTS = ("begin", "evaluation", "tangent", "solution", "end")
 DRAWN = 1e-3    # of the soil's size
 LOWERED = 0.05  # of the smallest cell
 ENOUGH = 1.0    # [s] of timing; a part that is quick is timed again
+FACTOR = 2.0    # by which scenes differ from what is predicted
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How often a step needs each of PARTS, and what that assumes."""
+
+    often: dict[str, float]
+    assumed: str
+    renumbers: bool = False     # with each increment
 
 
 @dataclass(frozen=True)
 class Probe:
-    """seconds: of each of PARTS; krylov: iterations of the solution; kind: of ITERATIONS; peak: [bytes] of memory."""
+    """seconds: of each of PARTS; krylov: iterations of the solution; effort: of a step; steps: of all stages; growth: of
+    the points, as a travelling grid takes them in; peak: [bytes] of memory."""
 
     seconds: dict[str, float]
     krylov: int
-    kind: str
+    effort: Effort
     steps: int
     peak: int
+    growth: float = 1.0
 
     @property
     def iteration(self):
@@ -53,28 +85,23 @@ class Probe:
 
     @property
     def step(self):
-        """One outer step of one increment [s]."""
-        n, m = ITERATIONS[self.kind]
-        often = {"begin": 1, "evaluation": n + 1, "tangent": m, "solution": n, "end": 1}
-        return sum(count * self.seconds[part] for part, count in often.items())
+        """One outer step [s]."""
+        return self.growth * sum(self.effort.often[part] * self.seconds[part] for part in PARTS)
 
     def sheet(self):
         """Section {title: {label: value}} for `hybrid check`."""
-        n, m = ITERATIONS[self.kind]
         rows = {f"{part} [ms]": 1e3 * self.seconds[part] for part in PARTS}
+        all_steps = self.steps * self.step
+        grown = [f"{self.growth:.3g} times the points, once the body has sunk"] if self.growth > 1 else []
         return {"predicted": {
             **rows,
             "Newton iteration [ms]": 1e3 * self.iteration,
             "step [s]": self.step,
-            "all steps": f"{_duration(self.steps * self.step)} for {self.steps}",
+            "all steps": f"{_duration(all_steps)} for {self.steps}",
+            "as scenes differ": f"{_duration(all_steps / FACTOR)} to {_duration(all_steps * FACTOR)}",
             "peak memory [MiB]": round(self.peak / 2**20),
-            "assumed": [f"{n} Newton iterations a step, {m:g} with a new tangent, as {_soils(self.kind)} takes",
-                        "one increment a step, contact with what is touched at the start, files apart"],
+            "assumed": [self.effort.assumed, *grown, "contact with what is touched at the start, files apart"],
         }}
-
-
-def _soils(kind):
-    return f"{kind} soil" if kind != "held" else "a body on held soil"
 
 
 def _duration(seconds):
@@ -93,27 +120,53 @@ def probe(simulation):
     stage = simulation.scene.stages[0]
     model, length = simulation.stage_model(stage, 0.0), stage.step or simulation.scene.time.step
     state, systems = _disturbed(model.begin(simulation.state), model.soil.grid.smallest_cell), Systems(model)
+    effort = _effort(model, state)
+
+    def begin():
+        return Step(model, state, length, False, systems)
+
     parts, random = _Timed(), np.random.default_rng(1)
     while parts.again():
-        step = parts.time("begin", lambda: Step(model, state, length, False, systems))
+        if effort.renumbers:
+            systems.renew(model)
+        step = parts.time("begin", begin)
+        if effort.renumbers:    # the first tangent of a numbering costs more, the others are most
+            step.assemble(step.evaluate(step.still()))
+            step = begin()
         guess = step.start() if step.evaluate(step.start()) else step.still()
         evaluation = parts.time("evaluation", lambda: step.evaluate(guess))
         parts.time("tangent", lambda: step.assemble(evaluation))
         right = random.normal(size=len(evaluation.soil)), random.normal(size=len(evaluation.body))
         krylov = parts.time("solution", lambda: step.system.solve(*right))[2]
         parts.time("end", lambda: _end(step, evaluation))
+    growth = simulation.most_points / max(1, len(state.points))
+    more = (growth - 1) * growing_memory(model.soil, step.pattern, model.linear)
+    more += PICTURES * bool(simulation.scene.output.pictures)
     step.system.destroy()
     timing.collect()
-    return Probe(parts.median(), krylov, _kind(model), simulation.total_steps, peak_memory())
+    return Probe(parts.median(), krylov, effort, simulation.total_steps, peak_memory() + round(more), growth)
 
 
-def peak_memory():
-    """Most memory [bytes] that this process has held; what a parent held does not count where Linux tells."""
-    try:
-        with open("/proc/self/status", encoding="ascii") as file:
-            return 1024 * next(int(line.split()[1]) for line in file if line.startswith("VmHWM"))
-    except (OSError, StopIteration):
-        return 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+def _effort(model, state):
+    """Effort of a step of `model`, from a `state` like the first one."""
+    soil = model.soil
+    if not soil.held and soil.law.plastic and model.bodies:
+        largest = max(np.ptp(rigid.box(body, motion), axis=0).max() for body, motion in zip(model.bodies, state.bodies))
+        return _in_plastic_soil(largest / soil.grid.smallest_cell)
+    kind = "held" if soil.held else "plastic" if soil.law.plastic else "elastic"
+    n, m = ITERATIONS[kind]
+    named = "a body on held soil" if soil.held else f"{kind} soil"
+    often = {"begin": 1, "evaluation": n + 1, "tangent": m, "solution": n, "end": 1}
+    return Effort(often, f"{n} Newton iterations a step, {m} with a new tangent, as {named} takes")
+
+
+def _in_plastic_soil(cells):
+    """Effort of a step of a body so many `cells` long, by the module's table."""
+    n = 1.4 * max(cells, 1.0) ** (2 / 3)
+    krylov = max(1.0, n / 6)
+    often = {"begin": 1.2, "evaluation": 1.7 * n, "tangent": 0.65 * n, "solution": krylov * n, "end": 1}
+    return Effort(often, f"{n:.1f} Newton iterations a step, as a body {cells:.0f} cells long in plastic soil takes, "
+                         f"with {krylov:.2g} times the Krylov iterations of the first state", True)
 
 
 def _disturbed(state, cell):
@@ -131,10 +184,6 @@ def _end(step, evaluation):
     step.overreach(evaluation.unknowns)
     step.passed_through(evaluation)
     energies(step.model, step.accept(evaluation), evaluation)
-
-
-def _kind(model):
-    return "held" if model.soil.held else "plastic" if model.soil.law.plastic else "elastic"
 
 
 class _Timed:

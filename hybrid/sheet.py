@@ -10,17 +10,20 @@ LIBRARIES = 320e6       # bytes of the interpreter with dolfinx, PETSc, gmsh and
 PICTURES = 95e6         # of what draws, as measured
 BYTES_PER_POINT = 1600  # history, constants, trial buffers and temporaries of one point, as measured
 BYTES_PER_ENTRY = 34    # of the soil block: value and index, what makes the incomplete factor, and that; as measured
+KEPT_PER_POINT, KEPT_PER_ENTRY = 648, 8     # of tangents that are kept: 81 numbers and one
 BYTES_OF_FILL = 1200    # of a direct factor, times n^(4/3) as nested dissection of n unknowns in space; as measured
 
 
-def model_sheet(scene, model, imbalance=None, level=""):
+def model_sheet(scene, model, imbalance=None, level="", most_points=0):
     """Sections {title: {label: value}} for `hybrid check` and summary.json; imbalance: of the initial state, where the
-    soil has a weight to carry; level: what the scene's `accuracy` stands for."""
+    soil has a weight to carry; level: what the scene's `accuracy` stands for; most_points: of a grid that travels."""
     soil = model.soil
     pattern = _pattern(soil)
     body_unknowns = int(np.count_nonzero(model.body_free))
     entries = len(pattern.indices)
-    memory = LIBRARIES + PICTURES * bool(scene.output.pictures) + bytes_of(soil, pattern, scene.solver.linear)
+    growth = max(1.0, most_points / max(1, len(soil.constants)))
+    memory = (LIBRARIES + PICTURES * bool(scene.output.pictures)
+              + growth * growing_memory(soil, pattern, scene.solver.linear))
     cells = [max(1, n - 1) for n in soil.grid.shape]
     modelled = {
         **({"accuracy": level} if level else {}),
@@ -28,6 +31,7 @@ def model_sheet(scene, model, imbalance=None, level=""):
         **_travelling(scene),
         "smallest cell [m]": soil.grid.smallest_cell,
         "material points": len(soil.constants),
+        **({"at most": f"{most_points} material points, once the body has sunk"} if growth > 1 else {}),
         "soil unknowns": pattern.size,
         "body unknowns": body_unknowns,
         "entries of the soil block": entries,
@@ -54,9 +58,11 @@ def _travelling(scene):
     return {"the grid goes with": f"{followed}, along {', '.join(axes)}"} if axes else {}
 
 
-def bytes_of(soil, pattern, linear):
+def growing_memory(soil, pattern, linear):
     """Memory [bytes] that points, matrix and factor take at the most."""
-    memory = BYTES_PER_POINT * len(soil.constants) + BYTES_PER_ENTRY * len(pattern.indices)
+    kept = soil.keeps_tangents
+    memory = ((BYTES_PER_POINT + KEPT_PER_POINT * kept) * len(soil.constants)
+              + (BYTES_PER_ENTRY + KEPT_PER_ENTRY * kept) * len(pattern.indices))
     fill = linear == "direct" and not soil.grid.collapsed.any()
     return memory + BYTES_OF_FILL * pattern.size ** (4 / 3) * fill
 
@@ -133,11 +139,12 @@ def _pattern(soil):
 
 
 def _at_or_below(nodes, x):
-    return nodes[np.searchsorted(nodes, x + 1e-9, side="right") - 1]
+    """The node below `x` [m], or the first one: soil that was dragged along may have started outside the grid."""
+    return nodes[max(np.searchsorted(nodes, x + 1e-9, side="right") - 1, 0)]
 
 
 def _at_or_above(nodes, x):
-    return nodes[np.searchsorted(nodes, x - 1e-9, side="left")]
+    return nodes[min(np.searchsorted(nodes, x - 1e-9, side="left"), len(nodes) - 1)]
 
 
 def left_out(scene, model, pattern):

@@ -1,6 +1,7 @@
 """A run: stages of outer steps over a model and its state, told to observers."""
 
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 
@@ -9,6 +10,7 @@ from hybrid.body import rigid
 from hybrid.body.attitude import quaternion
 from hybrid.errors import HybridError, StepError
 from hybrid.limits import near
+from hybrid.memory import map_large_arrays
 from hybrid.output.record import BodyRecord, Record
 from hybrid.sheet import model_sheet
 from hybrid.stepping import newton
@@ -25,6 +27,7 @@ class Simulation:
     """Scene, model and committed state, with what observers ask for; made by `hybrid.build.build`."""
 
     def __init__(self, scene, model, state, meshes, travel=None, level=""):
+        map_large_arrays()      # PETSc is loaded by now
         self.scene, self.model, self.state, self.meshes = scene, model, state, meshes
         self.level = level      # what the scene's `accuracy` has changed in it
         self.travel = travel    # None: the grid stays
@@ -38,6 +41,7 @@ class Simulation:
         evaluation = start.evaluate(start.still())
         self._start_energy = energies(model, state, evaluation)     # a body may start in the soil a little
         self.imbalance = measure(start, evaluation)
+        start.system.destroy()
         self._watch = Watch(model, state)
 
     @property
@@ -58,9 +62,20 @@ class Simulation:
 
     def sheet(self):
         """What is modelled and what is left out, with sizes: {section: {label: value}}."""
-        warned = near(self.scene, self.model)
-        return {**model_sheet(self.scene, self.model, self.imbalance, self.level),
-                **({"near a limit": list(warned)} if warned else {})}
+        return {**model_sheet(self.scene, self.model, self.imbalance, self.level, self.most_points),
+                **({"near a limit": list(self.warned)} if self.warned else {})}
+
+    @cached_property
+    def warned(self):
+        """Texts about the limits that the scene comes near, which look at nothing that changes in a run."""
+        return near(self.scene, self.model)
+
+    @property
+    def most_points(self):
+        """Points that are solved at once, those included that the grid takes in when the body that it goes with has
+        sunk."""
+        now = len(self.state.points)
+        return max(now, self.travel.points_when_sunk(self.model, self.state)) if self.travel else now
 
     def contact_forces(self, b):
         """Force of the soil on each surface vertex of body b at the last accepted step, (V, 3) [N]."""
@@ -103,13 +118,15 @@ class Simulation:
         settings = newton.Settings(
             scene.solver.tolerance, scene.solver.iterations, scene.solver.line_search, scene.solver.augmentations,
             scene.solver.augmentation_tolerance, scene.solver.linear_tolerance, scene.solver.loosest_tolerance)
-        first, starts = 0, 0.0
+        first, starts, systems = 0, 0.0, None
         for stage in scene.stages:
             length = stage.step or scene.time.step
             begun = self.state.step > first
             control = self._control(length, begun)
             model = self.stage_model(stage, starts)
-            systems = Systems(model)
+            if systems is None:
+                systems = Systems(model)
+            systems.renew(model)    # and lets go of the matrices of the stage before
             if not begun:
                 self.state = model.begin(self.state)
             if stage.pull:
@@ -125,8 +142,9 @@ class Simulation:
                     self.state, report = outer_step(
                         model, systems, self.state, length, stage.pull, control, settings)
                 except StepError as failure:
-                    raise StepError(". ".join(
-                        [str(failure), *near(scene, self.model), *drawn_out(self.model, self.state.points)])) from None
+                    failure.args = ". ".join(
+                        [str(failure), *self.warned, *drawn_out(self.model, self.state.points)]),
+                    raise
                 self.evaluation, self.increment = report.evaluation, control.dt
                 yield self._record(stage.name, stage_step, report, model.scheme)
             first, starts = first + stage.steps, starts + stage.steps * length
@@ -165,7 +183,7 @@ class Simulation:
         """What is told once, with the first step of all."""
         if self.state.step != 1:
             return ()
-        warned, stage = near(self.scene, self.model), self.scene.stages[0]
+        stage = self.scene.stages[0]
         if self.imbalance is None:
-            return warned
-        return warned + self.imbalance.notes(stage, self.model.scheme.with_pair(stage.beta, stage.gamma))
+            return self.warned
+        return self.warned + self.imbalance.notes(stage, self.model.scheme.with_pair(stage.beta, stage.gamma))

@@ -112,6 +112,16 @@ class Travel:
         contacts = [_renumbered(contact, origin, len(state.points)) for contact in state.contacts]
         return new, replace(state, points=points, contacts=contacts, work=work, ground=ground), True
 
+    def points_when_sunk(self, model, state):
+        """Points in the grid when the body has sunk under the surface of the soil: there fine cells are full of them.
+        Those of now where it neither sinks nor is driven down, or is there already."""
+        body, points = model.bodies[self.body], state.points
+        box = rigid.box(body, state.bodies[self.body])
+        depth = box[1, 2] - (points.position[:, 2] + points.half[:, 2]).max()
+        if depth <= 0.0 or not (body.free[2] or body.drive[2]):
+            return len(points)
+        return len(self.lay_out(self.grid(self.fit(box - (0.0, 0.0, depth))))[0])
+
     def model(self, model, ground):
         """`model` of the points and the grid of a Ground."""
         soil = model.soil.on(self.grid(_layouts(ground, self.lattices)), ground.constants,

@@ -135,7 +135,7 @@ def drawn(simulation):
     those that the scene removes when they stray."""
     points, initial = simulation.state.points, simulation.initial_position
     ground = getattr(simulation.state, "ground", None)
-    if ground is not None and ground.behind is not None:
+    if ground is not None and ground.behind is not None and len(ground.behind):
         all_of_it = together(Population(points, ground.constants, ground.rows), ground.behind)
         points, initial = all_of_it.points, all_of_it.constants.position
     if points.out is None or simulation.scene.soil.stray != "remove":

@@ -101,6 +101,11 @@ class Soil:
         keeps = tangent_tolerance > 0.0 and not held and not fbar     # the tangent of F-bar is not linear in Â
         self._kept = KeptStiffness(tangent_tolerance, law.young) if keeps else None
 
+    @property
+    def keeps_tangents(self):
+        """Whether points keep their tangents within an increment (`hybrid.soil.stiffness`)."""
+        return self._kept is not None
+
     def on(self, grid, constants, law):
         """The same model of other points on another grid."""
         return Soil(grid, constants, law, self.basis, self.domain, self.held, self.elastic_share, self.fbar,

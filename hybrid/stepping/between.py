@@ -39,10 +39,8 @@ def _deepest(body, motion, points, across):
     """How deep the deepest vertex of a body is in its domain, from above, [-] and [m]; 0 where none is in one."""
     place = motion.position + body.surface.vertices @ motion.rotation.T
     lower, upper = place.min(axis=0), place.max(axis=0)
-    near = ((points.position + points.half > lower) & (points.position - points.half < upper) | ~across).all(axis=1)
-    if points.out is not None:
-        near &= ~points.out
-    if not near.any():
+    near = _within(points, lower, upper, across)
+    if len(near) == 0:
         return 0.0, 0.0
     position, half = points.position[near], points.half[near]
     scale = half.mean(axis=0)
@@ -52,3 +50,13 @@ def _deepest(body, motion, points, across):
     deep = np.where(inside, 0.5 * (1.0 - away[:, 2] / half[at, 2]), 0.0)
     vertex = deep.argmax()
     return float(deep[vertex]), float(deep[vertex] * 2 * half[at[vertex], 2])
+
+
+def _within(points, lower, upper, across):
+    """Numbers of the points whose domains meet the box from `lower` to `upper` (3,) [m] along the axes `across`; from
+    above, as a body in the air is above all of them."""
+    near = np.arange(len(points)) if points.out is None else np.flatnonzero(~points.out)
+    for axis in np.flatnonzero(across)[::-1]:
+        x, half = points.position[near, axis], points.half[near, axis]
+        near = near[(x + half > lower[axis]) & (x - half < upper[axis])]
+    return near

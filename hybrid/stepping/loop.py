@@ -76,6 +76,7 @@ def outer_step(model, systems, state, length, pulling, control, settings):
     ratio, added, flow = None, 0.0 if control.accuracy else None, 0.0
     while end - reached.time > 1e-9 * length:
         dt = control.increment(end - reached.time)
+        step = outcome = None   # the last one's arrays go before the next one's come
         step = Step(model, reached, dt, pulling, systems)
         outcome = newton.solve(step, settings)
         iterations, krylov = iterations + outcome.iterations, krylov + outcome.krylov

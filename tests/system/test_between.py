@@ -1,15 +1,18 @@
 """A body that goes between the corners of the soil is told of once; one that touches is not."""
 
+import numpy as np
 import pytest
 
 from hybrid.build import build
 from hybrid.scene import Time
+from hybrid.stepping import between
 from hybrid.study.scenes import driven, soil_scene
 
 
 def notes(place, height=0.3, **body):
     """Of a box driven on its edge, 10 mm a step, with the edge at x = `place`; corners lie 0.1 m apart."""
-    cube = driven(0.3, 0.3, height, velocity=(0.0, 0.0, -1.0), position=(place, 0.4, 0.0), rest_on=0.0, size=0.05,
+    centre = place + np.sin(np.pi / 4) * (height - 0.3) / 2     # the edge is below the centre where the box is a cube
+    cube = driven(0.3, 0.3, height, velocity=(0.0, 0.0, -1.0), position=(centre, 0.4, 0.0), rest_on=0.0, size=0.05,
                   rotation=(0.0, 1.0, 0.0, 45.0), **body)
     records = build(soil_scene([cube], held=True, steps=4, time=Time(step=0.01))).steps()
     return [(record.step, note) for record in records for note in record.notes if "between" in note]
@@ -25,6 +28,8 @@ def test_an_edge_that_touches(place, body):
     assert not notes(place, **body)
 
 
-def test_the_edge_of_a_large_body():
-    """30 mm are a little of 2 m."""
+def test_the_edge_of_a_large_body(monkeypatch):
+    """30 mm are a little of 2 m, and would be told of otherwise."""
     assert not notes(0.45, height=2.4)
+    monkeypatch.setattr(between, "PART", 0.0)
+    assert len(notes(0.45, height=2.4)) == 1

@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 
 from hybrid.body import rigid
+from hybrid import simulation as simulation_module
 from hybrid.build import build
 from hybrid.errors import StepError
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Pull, Scene, Soil, Solver, Stage, Time
 from hybrid.stepping import newton
 from hybrid.stepping.loop import Control, outer_step
+from hybrid.system import cache as cache_module
 from hybrid.system.cache import Systems
 from hybrid.system.equations import Step
 
@@ -193,3 +195,41 @@ def test_runs_of_every_kind_side_by_side(geometry):
             found.setdefault(name, []).append(simulation.state.points.position.sum() + np.sum(body))
     for name, values in found.items():
         np.testing.assert_allclose(values, values[0], rtol=1e-9, err_msg=name)
+
+
+def test_a_failure_keeps_its_kind_and_limits_are_looked_at_once(geometry, monkeypatch):
+    class Special(StepError):
+        """One that its catcher knows."""
+
+    def fail(*_):
+        raise Special("it failed")
+
+    asked = []
+    monkeypatch.setattr(simulation_module, "near", lambda *_: asked.append(1) or ("near something",))
+    monkeypatch.setattr(simulation_module, "outer_step", fail)
+    simulation = build(scene(geometry))
+    for _ in range(2):
+        assert simulation.sheet()["near a limit"] == ["near something"]
+        with pytest.raises(Special, match=r"^it failed\. near something$"):
+            list(simulation.steps())
+    assert len(asked) == 1
+
+
+def test_matrices_of_a_stage_go_before_those_of_the_next_come(geometry, monkeypatch):
+    """PETSc keeps what Python has let go of until it is destroyed."""
+    alive, most = [], []
+
+    class Counted(cache_module.BlockSystem):
+        def __init__(self, *given):
+            alive.append(self)
+            most.append(len(alive))
+            super().__init__(*given)
+
+        def destroy(self):
+            alive.remove(self)
+            super().destroy()
+
+    monkeypatch.setattr(cache_module, "BlockSystem", Counted)
+    stages = tuple(Stage(name, 1) for name in "abc")
+    assert len(list(build(replace(scene(geometry), stages=stages)).steps())) == 3
+    assert len(most) >= 4 and max(most) == 1

@@ -15,9 +15,9 @@ import pytest
 from hybrid import probe as probe_module
 from hybrid.build import build
 from hybrid.probe import PARTS, probe
-from hybrid.scene import Solver
+from hybrid.scene import Axis, Faces, Grid, Material, Scene, Soil, Solver, Stage, Time
 from hybrid.scene_file import load_scene
-from hybrid.study.scenes import plane, soil_scene, sphere
+from hybrid.study.scenes import box, plane, soil_scene, sphere
 
 ROOT = Path(__file__).parents[2]
 COARSE = [f"grid.{axis}.{key}" for axis, fine in (("x", "[-0.8, 3.6]"), ("y", "[0.0, 1.6]"), ("z", "[-1.2, 0.8]"))
@@ -27,7 +27,7 @@ SCENES = {
                           0.01, cells=(16, 8), gravity=(1.0, 0.0, -9.81)),
     "elastic": lambda: soil_scene(x=(0.0, 1.6), y=(0.0, 1.6), z=(-0.8, 0.2), steps=12, gravity=(0.0, 0.0, -9.81),
                                   solver=Solver()),
-    "anchor": lambda: load_scene(ROOT / "demos/anchor.toml", [*COARSE, "stage.0.steps=8", "stage.1.steps=3"]),
+    "anchor": lambda: load_scene(ROOT / "demos/anchor.toml", [*COARSE, "stage.0.steps=8", "stage.1.steps=8"]),
 }
 
 
@@ -38,7 +38,7 @@ def processor_time(monkeypatch):
 
 @pytest.mark.parametrize("kind", SCENES)
 def test_time_of_a_step(kind):
-    """Ratios found: 0.7 to 0.8, 0.9 to 1.3 and 1.0 to 1.4."""
+    """Ratios found: 0.7 to 0.9, 0.9 to 1.3 and 1.1 to 1.6."""
     simulation, taken = build(SCENES[kind]()), []
     first = probe(simulation)
     begin = time.process_time()
@@ -47,8 +47,9 @@ def test_time_of_a_step(kind):
         begin = time.process_time()
     again = probe(build(SCENES[kind]()))
     predicted = np.mean([first.step, again.step])
+    taken = taken[-simulation.scene.stages[-1].steps:]  # the anchor falls through the air first
     assert 0.5 < predicted / np.median(taken) < 2     # the mean would tell of what is compiled meanwhile
-    assert first.steps == len(taken) and set(first.seconds) == set(PARTS)
+    assert first.steps == simulation.state.step and set(first.seconds) == set(PARTS)
 
 
 def test_the_probe_leaves_the_simulation_as_it_is():
@@ -73,7 +74,8 @@ MEMORY = """
 import sys
 sys.path.insert(0, "tests")
 from hybrid.build import build
-from hybrid.probe import peak_memory, probe
+from hybrid.memory import peak_memory
+from hybrid.probe import probe
 from hybrid.scene import Solver
 from hybrid.sheet import LIBRARIES
 from hybrid.study.scenes import soil_scene
@@ -98,3 +100,44 @@ def test_memory_of_a_run():
     told = subprocess.run([sys.executable, "-c", MEMORY], cwd=ROOT, capture_output=True, text=True, check=True).stdout
     for estimated, probed, run in np.array([line.split() for line in told.splitlines()], float):
         assert 0.5 < estimated / run < 2 and 0.5 < probed / run < 1.02
+
+
+TRAVELS = """
+import sys
+sys.path.insert(0, "tests/system")
+from test_probe import pressed
+from hybrid.build import build
+from hybrid.memory import peak_memory
+from hybrid.probe import probe
+from hybrid.sheet import LIBRARIES
+
+list(build(pressed(0.2, 2)).steps())    # compiles
+probe(build(pressed(0.2, 2)))
+base, simulation = peak_memory(), build(pressed(0.1, 3))
+estimated = 2**20 * simulation.sheet()["modelled"]["memory, estimated [MiB]"] - LIBRARIES
+most, told = simulation.most_points, probe(simulation)
+probed = peak_memory() - base
+list(simulation.steps())
+print(estimated, told.peak - base, probed, peak_memory() - base, most, len(simulation.state.points), told.growth)
+"""
+
+
+def pressed(size, steps):
+    """A plate driven into clay by its thickness of 0.4 m and more, in a grid whose fine cells of `size` [m] go with
+    it."""
+    plate = box(0.8, 0.8, 0.4, position=(0.8, 0.8, 0.21), velocity=(0.0, 0.0, -3.0), driven=("x", "y", "z"),
+                held=("rx", "ry", "rz"))
+    axes = [Axis(start, end, size, growth=2.0, doublings=2, around=(0.2, 0.2))
+            for start, end in ((0.0, 1.6), (0.0, 1.6), (-1.6, 0.8))]
+    clay = Material(law="von-mises", young=1e6, poisson=0.3, density=1800.0, strength=2e4)
+    return Scene(name="pressed", grid=Grid(*axes, Faces(z_min="fixed")), soil=Soil(clay, top=0.0), bodies=(plate,),
+                 time=Time(step=0.02), stages=(Stage("go", steps),), solver=Solver(tangent_tolerance=0.1))
+
+
+def test_memory_of_a_grid_that_travels():
+    """The peak grows by what is predicted, points included that come in: the probe alone has met too little."""
+    told = subprocess.run([sys.executable, "-c", TRAVELS], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    estimated, predicted, probed, run, most, points, growth = map(float, told.split())
+    assert 0.5 < estimated / run < 2 and 0.5 < predicted / run < 2
+    assert probed < 0.5 * run
+    assert growth > 1.3 and 0.8 * most < points < 1.1 * most

@@ -149,6 +149,19 @@ def test_a_run_goes_on_where_its_grid_was(tmp_path):
     np.testing.assert_array_equal(halves.ground.behind.points.stress, straight.ground.behind.points.stress)
 
 
+def test_points_that_come_in_when_the_body_sinks():
+    """As many as fill the grid of a body below the surface; none where the body stays up."""
+    scene = plough(x=GRADED, z=GRADED)
+    body, simulation = scene.bodies[0], build(scene)
+    now, most = len(simulation.state.points), simulation.most_points
+    sunk = replace(scene, bodies=(replace(body, position=(1.6, 0.0, -0.3)),), soil=replace(scene.soil, top=-0.8))
+    assert most == len(simulation.travel.lay_out(build(sunk).model.soil.grid)[0]) > 1.2 * now
+    assert simulation.sheet()["modelled"]["at most"].startswith(f"{most} material points")
+    stays = build(replace(scene, bodies=(replace(body, driven=("x",), velocity=(1.0, 0.0, 0.0),
+                                                 held=("y", "z", *body.held)),)))
+    assert stays.most_points == now and "at most" not in stays.sheet()["modelled"]
+
+
 def test_a_face_where_the_window_ends_holds_the_soil_back():
     scene = flown_over()
     free = replace(scene, grid=replace(scene.grid, faces=Faces(*["free"] * 6)))

@@ -102,3 +102,16 @@ def test_what_sets_the_increments_and_what_stands_for_the_far_soil():
     assert "soil beyond the grid: roller at x_min x_max, fixed at z_min, free at z_max" in sheet["left out"]
     plain = build(replace(described, time=Time(0.01))).sheet()
     assert plain["modelled"]["increments"] == "as long as a step where they converge"
+
+
+def test_soil_that_was_dragged_along_does_not_hide_the_grid():
+    """Points whose place at the start lies beyond the grid of now: all nodes are seen, as in the grid of the start."""
+    simulation = build(soil_scene(x=(0.0, 1.6)))
+    soil, before = simulation.model.soil, simulation.sheet()["modelled"]["soil unknowns"]
+    away = soil.constants.position - (1.0, 0.0, 0.0)
+    dragged = soil.on(soil.grid, replace(soil.constants, position=away), soil.law)
+    simulation.model = simulation.model.on(dragged)
+    assert simulation.sheet()["modelled"]["soil unknowns"] < before     # of the nodes that are seen from there
+    both = np.where(np.arange(len(away))[:, None] % 2 == 0, away, soil.constants.position)
+    simulation.model = simulation.model.on(soil.on(soil.grid, replace(soil.constants, position=both), soil.law))
+    assert simulation.sheet()["modelled"]["soil unknowns"] == before
