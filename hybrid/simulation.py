@@ -114,19 +114,24 @@ class Simulation:
 
     def steps(self):
         """Generator of a Record per accepted outer step, from the present state to the end of the last stage."""
+        systems = Systems(self.model)
+        try:
+            yield from self._steps(systems)
+        finally:
+            systems.destroy()
+
+    def _steps(self, systems):
         scene = self.scene
         settings = newton.Settings(
             scene.solver.tolerance, scene.solver.iterations, scene.solver.line_search, scene.solver.augmentations,
             scene.solver.augmentation_tolerance, scene.solver.linear_tolerance, scene.solver.loosest_tolerance)
-        first, starts, systems = 0, 0.0, None
+        first, starts = 0, 0.0
         for stage in scene.stages:
             length = stage.step or scene.time.step
             begun = self.state.step > first
             control = self._control(length, begun)
             model = self.stage_model(stage, starts)
-            if systems is None:
-                systems = Systems(model)
-            systems.renew(model)    # and lets go of the matrices of the stage before
+            systems.renew(model)
             if not begun:
                 self.state = model.begin(self.state)
             if stage.pull:

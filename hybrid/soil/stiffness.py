@@ -50,6 +50,7 @@ class KeptStiffness:
         `share` of the limit."""
         fresh = increment is not self._increment or pattern is not self._pattern
         if pattern is not self._pattern:
+            self._pattern = self.values = None      # not to hold two at once
             self.values = np.empty(len(pattern.indices))
         if fresh:
             self._increment, self._pattern = increment, pattern

@@ -24,12 +24,17 @@ class Systems:
         """Go on with another model."""
         self._model, self._active = model, None
 
+    def destroy(self):
+        """Release the matrices: PETSc keeps what Python lets go of."""
+        if self._current:
+            self._current[1].destroy()
+        self._active, self._current = None, None
+
     def get(self, active):
         """(Pattern, BlockSystem) for active nodes (N,) bool."""
         if self._active is None or not np.array_equal(active, self._active):
+            self.destroy()      # not to hold two at once
             grid, model = self._model.soil.grid, self._model
-            if self._current:
-                self._current[1].destroy()
             pattern = make_pattern(active, grid.fixed, grid.shape)
             unknowns = int(np.count_nonzero(model.body_free))
             near = pattern.near_part(model.soil.ghost_factor > 0) if model.linear == "krylov" else None
