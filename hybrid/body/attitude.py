@@ -39,13 +39,17 @@ def skew(v):
 
 def _coefficients(angle):
     """sinθ/θ, (1 - cosθ)/θ² and (θ - sinθ)/θ³, accurate for any θ >= 0 including zero."""
-    half = np.sinc(0.5 * angle / math.pi)
-    s = angle * angle
+    half, s = _sinc(0.5 * angle), angle * angle
     if angle < SERIES_ANGLE:
         cubic = 1 / 6 - s / 120 * (1 - s / 42 * (1 - s / 72 * (1 - s / 110)))
     else:
         cubic = (angle - math.sin(angle)) / (s * angle)
-    return np.sinc(angle / math.pi), 0.5 * half * half, cubic
+    return _sinc(angle), 0.5 * half * half, cubic
+
+
+def _sinc(angle):
+    """sinθ/θ."""
+    return math.sin(angle) / angle if angle > 0.0 else 1.0
 
 
 def exp_so3(theta):
@@ -68,20 +72,20 @@ def quaternion(rotation):
     The largest of the four components is found first and the others are divided by it (Shepperd), so nothing
     cancels. At half a turn, where w = 0 leaves the sign open, the first nonzero component is made positive.
     """
-    r = np.asarray(rotation, dtype=float)
-    trace = np.trace(r)
-    k = int(np.argmax([trace, r[0, 0], r[1, 1], r[2, 2]]))
-    q = np.empty(4)
-    if k == 0:
-        q[:] = 1.0 + trace, r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]
+    r = np.asarray(rotation, dtype=float).tolist()      # plain numbers: arrays of four are slower than the arithmetic
+    diagonal = r[0][0], r[1][1], r[2][2]
+    trace = sum(diagonal)
+    if trace >= max(diagonal):
+        q = [1.0 + trace, r[2][1] - r[1][2], r[0][2] - r[2][0], r[1][0] - r[0][1]]
     else:
-        i, j, m = k - 1, k % 3, (k + 1) % 3
-        q[0] = r[m, j] - r[j, m]
-        q[1 + i] = 1.0 + r[i, i] - r[j, j] - r[m, m]
-        q[1 + j] = r[i, j] + r[j, i]
-        q[1 + m] = r[i, m] + r[m, i]
-    q /= np.linalg.norm(q)
-    return q if q[np.flatnonzero(q)[0]] > 0.0 else -q
+        i = diagonal.index(max(diagonal))
+        j, m = (i + 1) % 3, (i + 2) % 3
+        q = [r[m][j] - r[j][m], 0.0, 0.0, 0.0]
+        q[1 + i] = 1.0 + r[i][i] - r[j][j] - r[m][m]
+        q[1 + j] = r[i][j] + r[j][i]
+        q[1 + m] = r[i][m] + r[m][i]
+    first = next((part for part in q if part), 1.0)
+    return np.array(q) / math.copysign(math.hypot(*q), first)
 
 
 def log_so3(rotation):

@@ -20,9 +20,9 @@ coincide and share its stiffness.
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit, prange
+from numba import njit
 
-from hybrid.body.closest import closest
+from hybrid.body.closest import NO_SIDE, closest
 from hybrid.contact.meeting import meeting_points
 from hybrid.soil.basis import find_cell, hat
 
@@ -95,9 +95,7 @@ def _near_the_body(position, half, body, surface, reach, history, taking_part):
     reach: those that are followed, where the grid has carried them, and those that come near now."""
     distance = distances((history.position - body.position) @ body.rotation, surface, reach)
     kept = np.isfinite(distance) & taking_part[history.id // 8]
-    born = _born(position, half, taking_part, body, surface, reach, history.id)
-    place = position[born // 8] + SIGNS[born % 8] * half[born // 8]
-    new = distances((place - body.position) @ body.rotation, surface)
+    born, place, new = _born(position, half, taking_part, body, surface, reach, history.id)
     return (np.concatenate([history.id[kept], born]), np.concatenate([history.position[kept], place]),
             *(np.concatenate([old[kept], np.zeros((len(born), *old.shape[1:]), old.dtype)])
               for old in (history.touching, history.anchor, history.side, history.pressure)),
@@ -117,18 +115,18 @@ def shared_stiffness(id, place, stiffness):
 
 
 def _born(position, half, taking_part, body, surface, reach, followed):
-    """Numbers of the corners within reach that are not followed yet. Only points near the body's box are searched."""
-    close = np.flatnonzero(_close(position, half, body.position, surface.radius + reach) & taking_part)
-    near = np.zeros((len(close), 8), np.bool_)
-    where = np.searchsorted(close, followed // 8)
-    known = where < len(close)
-    known[known] = close[where[known]] == followed[known] // 8
-    near[where[known], followed[known] % 8] = True  # not to be looked at: they are where the grid has carried them
-    skip = near.copy()
-    _near(position, half, close, body.position, body.rotation, surface.lower - reach, surface.upper + reach, reach,
-          surface.tree, near)
-    point, corner = np.nonzero(near & ~skip)
-    return 8 * close[point] + corner
+    """Numbers, places and distances from the surface of the corners within reach that are not followed yet. Only those
+    in the body's box, grown by the reach, are searched."""
+    near = np.zeros((len(position), 8), np.bool_)
+    _mark(position, half, body.position, body.rotation, surface.lower - reach, surface.upper + reach,
+          surface.radius + reach, near)
+    near.reshape(-1)[followed] = False      # they are where the grid has carried them
+    id = np.flatnonzero(near)
+    id = id[taking_part[id // 8]]
+    place = position[id // 8] + SIGNS[id % 8] * half[id // 8]
+    distance = distances((place - body.position) @ body.rotation, surface, reach)
+    found = np.isfinite(distance)
+    return id[found], place[found], distance[found]
 
 
 def _interpolation(place, axes, active):
@@ -153,39 +151,29 @@ def overlap(position, half, body, surface):
     return (float(-inside.min()), len(inside)) if len(inside) else (0.0, 0)
 
 
-@njit(cache=True, parallel=True)
-def _close(position, half, centre, radius):
-    """(n,) bool, points whose domain may come within `radius` of the body's centre."""
-    close = np.empty(len(position), np.bool_)
-    for p in prange(len(position)):
-        x, y, z = position[p, 0] - centre[0], position[p, 1] - centre[1], position[p, 2] - centre[2]
-        a = radius + half[p, 0] + half[p, 1] + half[p, 2]
-        close[p] = x * x + y * y + z * z < a * a
-    return close
-
-
-@njit(cache=True, parallel=True)
-def _near(position, half, close, centre, rotation, lower, upper, reach, tree, near):
-    for n in prange(len(close)):
-        p = close[n]
+@njit(cache=True)
+def _mark(position, half, centre, rotation, lower, upper, radius, near):
+    """Mark the corners in the box from `lower` to `upper` of the body frame, which the ball of `radius` [m] holds."""
+    for p in range(len(position)):
         d0, d1, d2 = position[p, 0] - centre[0], position[p, 1] - centre[1], position[p, 2] - centre[2]
+        a = radius + half[p, 0] + half[p, 1] + half[p, 2]
+        if not d0 * d0 + d1 * d1 + d2 * d2 < a * a:
+            continue
         for corner in range(8):
-            if near[n, corner]:
-                continue
             x0 = d0 + (half[p, 0] if corner & 4 else -half[p, 0])
             x1 = d1 + (half[p, 1] if corner & 2 else -half[p, 1])
             x2 = d2 + (half[p, 2] if corner & 1 else -half[p, 2])
             y0 = rotation[0, 0] * x0 + rotation[1, 0] * x1 + rotation[2, 0] * x2
             y1 = rotation[0, 1] * x0 + rotation[1, 1] * x1 + rotation[2, 1] * x2
             y2 = rotation[0, 2] * x0 + rotation[1, 2] * x1 + rotation[2, 2] * x2
-            if (lower[0] <= y0 <= upper[0] and lower[1] <= y1 <= upper[1] and lower[2] <= y2 <= upper[2]):
-                near[n, corner] = closest((y0, y1, y2), reach, tree)[0] >= 0
+            near[p, corner] = (lower[0] <= y0 <= upper[0] and lower[1] <= y1 <= upper[1]
+                               and lower[2] <= y2 <= upper[2])
 
 
-@njit(cache=True, parallel=True)
+@njit(cache=True)
 def _distances(y, reach, tree, out):
-    for n in prange(len(y)):
-        out[n] = closest((y[n, 0], y[n, 1], y[n, 2]), reach, tree)[4]
+    for n in range(len(y)):
+        out[n] = closest((y[n, 0], y[n, 1], y[n, 2]), reach, tree, NO_SIDE)[4]
 
 
 @njit(cache=True)

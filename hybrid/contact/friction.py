@@ -21,10 +21,11 @@ The force of a step acts from the step's start, also on a corner that touches on
 that slips is therefore counted along its way since the start.
 """
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numba import njit, prange
+from numba import njit
 
 from hybrid.body.closest import clear, closest, gap_geometry
 from hybrid.reductions import total
@@ -110,10 +111,10 @@ def commit(corners, place, touch):
                    pressure=np.where(touching, corners.pressure, 0.0))
 
 
-@njit(cache=True, parallel=True)
+@njit(cache=True)
 def _project(y, start, clearance, side, pressure, radius, tree, gap, triangle, feature, foot, weights):
     """A corner with a side to stay with, or pressed across a gap by its multiplier, is looked at wherever it is."""
-    for n in prange(len(y)):
+    for n in range(len(y)):
         s = side[n, 0], side[n, 1], side[n, 2]
         loose = pressure[n] == 0.0 and s[0] == 0.0 and s[1] == 0.0 and s[2] == 0.0
         x0, x1, x2 = y[n, 0] - start[n, 0], y[n, 1] - start[n, 1], y[n, 2] - start[n, 2]
@@ -131,36 +132,55 @@ def _project(y, start, clearance, side, pressure, radius, tree, gap, triangle, f
 def _law(y, gap, triangle, feature, foot, old, origin, stiffness, multiplier, friction, ratio, tree, force, tangent,
          slip, anchor, side, energy, dissipated):
     """old: (m, 3) anchors before; origin: (m, 3) where the way starts along which friction works."""
-    N, A = np.empty(3), np.empty((3, 3))
+    G, work = np.empty((3, 3)), (np.empty(3), np.empty(3), np.empty((3, 3)))
     for n in range(len(y)):
         g, eps_n = gap[n], stiffness[n]
         p = multiplier[n] - eps_n * g
-        normal, rate = gap_geometry(y[n], foot[n], triangle[n], feature[n], tree)
+        N, A = gap_geometry(y[n], foot[n], triangle[n], feature[n], tree)
         for i in range(3):
-            N[i] = normal[i]
-            side[n, i] = N[i]
-            force[n, i] = -p * N[i]
+            side[n, i], anchor[n, i], force[n, i] = N[i], old[n, i], -p * N[i]
             for j in range(3):
-                A[i, j] = rate[i][j]
-        NN = np.outer(N, N)
-        G = (A - NN) / g if g != 0.0 else 0.0 * A
-        tangent[n] = eps_n * NN - p * G
-        anchor[n] = old[n]
+                G[i, j] = (A[i][j] - N[i] * N[j]) / g if g != 0.0 else 0.0
+                tangent[n, i, j] = eps_n * N[i] * N[j] - p * G[i, j]
         energy[n] = 0.5 * (p * p - multiplier[n] ** 2) / eps_n
         if friction > 0.0:
-            z, P = y[n] - old[n], np.eye(3) - NN
-            gt = P @ z
-            M = P - np.dot(N, z) * G - np.outer(N, G @ z)
-            eps_t, limit, size = ratio * eps_n, friction * p, np.sqrt(np.sum(gt * gt))
-            if eps_t * size <= limit:
-                force[n] += eps_t * gt
-                tangent[n] += eps_t * M
-                energy[n] += 0.5 * eps_t * size * size
-            else:
-                s = gt / size
-                force[n] += limit * s
-                tangent[n] += limit / size * (M - np.outer(s, s @ M)) - friction * eps_n * np.outer(s, N)
-                slip[n] = True
-                anchor[n] = y[n] - s * (limit / eps_t)
-                energy[n] += 0.5 * limit * limit / eps_t
-                dissipated[n] = limit * (np.dot(s, y[n] - origin[n]) - limit / eps_t)
+            _add_friction(n, N, G, y, old, origin, p, eps_n, friction, ratio * eps_n, force, tangent, slip, anchor,
+                          energy, dissipated, work)
+
+
+@njit(cache=True)
+def _add_friction(n, N, G, y, old, origin, p, eps_n, friction, eps_t, force, tangent, slip, anchor, energy, dissipated,
+                  work):
+    """What friction adds at one corner; work: room for g_t, which becomes s, for G z, and for M."""
+    s, Gz, M = work
+    z0, z1, z2 = y[n, 0] - old[n, 0], y[n, 1] - old[n, 1], y[n, 2] - old[n, 2]
+    along = N[0] * z0 + N[1] * z1 + N[2] * z2
+    s[0], s[1], s[2] = z0 - along * N[0], z1 - along * N[1], z2 - along * N[2]
+    for i in range(3):
+        Gz[i] = G[i, 0] * z0 + G[i, 1] * z1 + G[i, 2] * z2
+        for j in range(3):
+            M[i, j] = (1.0 if i == j else 0.0) - N[i] * N[j] - along * G[i, j]
+    for i in range(3):
+        for j in range(3):
+            M[i, j] -= N[i] * Gz[j]
+    limit, size = friction * p, math.sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2])
+    slip[n] = not eps_t * size <= limit
+    if not slip[n]:
+        energy[n] += 0.5 * eps_t * size * size
+        for i in range(3):
+            force[n, i] += eps_t * s[i]
+            for j in range(3):
+                tangent[n, i, j] += eps_t * M[i, j]
+        return
+    energy[n] += 0.5 * limit * limit / eps_t
+    way = -limit / eps_t
+    for i in range(3):
+        s[i] /= size
+        way += s[i] * (y[n, i] - origin[n, i])
+    dissipated[n] = limit * way
+    for i in range(3):
+        force[n, i] += limit * s[i]
+        anchor[n, i] = y[n, i] - s[i] * (limit / eps_t)
+        for j in range(3):
+            sM = s[0] * M[0, j] + s[1] * M[1, j] + s[2] * M[2, j]
+            tangent[n, i, j] += limit / size * (M[i, j] - s[i] * sM) - friction * eps_n * s[i] * N[j]

@@ -10,10 +10,12 @@ Only corners that were outside when the step began are asked. Seen from the body
 The path is walked with steps as long as the distance to the surface, so it skips no facet, however thin the body is.
 """
 
+import math
+
 import numpy as np
 from numba import njit
 
-from hybrid.body.closest import OPPOSITE, closest
+from hybrid.body.closest import NO_SIDE, OPPOSITE, closest
 from hybrid.contact.friction import gaps
 from hybrid.reductions import total
 
@@ -31,6 +33,8 @@ def passed_through(corners, touch, place, centre, rotation, surface, depth, widt
     way = end - corners.start
     far = np.einsum("ci,ci->c", way, way) >= corners.clearance**2    # the others cannot have come to the surface
     free = ~corners.touching & (corners.clearance >= 0.0) & far
+    if not free.any():
+        return 0
     ends = np.full(len(corners), np.inf)
     ends[free] = gaps(end[free], surface, corners.side[free])
     wrong = np.zeros(len(corners), bool)
@@ -50,16 +54,18 @@ def _pierced(start, way, radius, finest, tree):
     """(m,) bool, paths that enter on one side and leave on the other one."""
     out = np.zeros(len(start), np.bool_)
     for n in range(len(start)):
-        length, gone = np.sqrt(np.sum(way[n] * way[n])), 0.0
-        within, entry = False, np.zeros(3)
+        length, gone = math.sqrt(way[n, 0] ** 2 + way[n, 1] ** 2 + way[n, 2] ** 2), 0.0
+        within, entry = False, (0.0, 0.0, 0.0)
         while gone <= length and length > 0.0:
-            y = start[n] + (gone / length) * way[n]
-            triangle, feature, _, _, gap = closest((y[0], y[1], y[2]), np.inf, tree)
-            normal = tree.normals[triangle, feature]
+            share = gone / length
+            y = start[n, 0] + share * way[n, 0], start[n, 1] + share * way[n, 1], start[n, 2] + share * way[n, 2]
+            triangle, feature, _, _, gap = closest(y, np.inf, tree, NO_SIDE)
+            n0, n1, n2 = (tree.normals[triangle, feature, 0], tree.normals[triangle, feature, 1],
+                          tree.normals[triangle, feature, 2])
             if not within and gap < finest:
-                within, entry = True, normal
+                within, entry = True, (n0, n1, n2)
             elif within and gap >= finest:
-                if np.dot(entry, normal) < OPPOSITE:
+                if entry[0] * n0 + entry[1] * n1 + entry[2] * n2 < OPPOSITE:
                     out[n] = True
                     break
                 within = False

@@ -58,11 +58,26 @@ def evaluate_basis(position, half, axes):
     return basis
 
 
+def with_margin(nodal, shape):
+    """Nodal values (N, k) with zeros behind them, so that kernels may read three nodes along every axis from the first
+    one of any point: loops of fixed length are several times as fast, and nodes beyond a point's count have no weight.
+    """
+    nodes, margin = len(nodal), 2 * (shape[1] * shape[2] + shape[2] + 1)
+    out = np.zeros((nodes + margin, *nodal.shape[1:]))
+    out[:nodes] = nodal
+    return out
+
+
 @njit(cache=True)
 def find_cell(x, nodes):
     """Index of the cell of `nodes` that holds x, clipped to the grid."""
-    cell = np.searchsorted(nodes, x, side="right") - 1
-    return min(max(cell, 0), len(nodes) - 2)
+    last = len(nodes) - 2
+    cell = min(max(int((x - nodes[0]) / (nodes[-1] - nodes[0]) * (last + 1)), 0), last)   # were they all equal
+    while cell > 0 and x < nodes[cell]:
+        cell -= 1
+    while cell < last and x >= nodes[cell + 1]:
+        cell += 1
+    return cell
 
 
 @njit(cache=True)
@@ -94,7 +109,9 @@ def hat(x, v, nodes):
 def support(x, half, nodes):
     """Nodes and ends of a domain: (first node, last node, lower end, upper end), the ends snapped to the grid."""
     low, high = x - half, x + half
-    i, j = find_cell(low, nodes), find_cell(high, nodes)
+    i = j = find_cell(low, nodes)
+    while j < len(nodes) - 2 and high >= nodes[j + 1]:
+        j += 1
     if j > i:
         snap = SNAP * (nodes[i + 1] - nodes[i])
         if low > nodes[i + 1] - snap:

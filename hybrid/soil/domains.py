@@ -18,6 +18,7 @@ from numba import njit, prange
 
 from hybrid.soil.basis import find_cell
 from hybrid.soil.eigen import principal
+from hybrid.soil.kinematics import determinant
 
 THINNEST = 1e-3  # of the initial half-width: keeps the basis well defined for a squashed point
 
@@ -29,12 +30,7 @@ def updated_half(rule, initial_half, deformation, position, axes):
         _moments(initial_half, deformation, deforms, int(deforms.sum()), half)
     else:
         half = initial_half * _stretch(rule, deformation)
-    np.maximum(half, THINNEST * initial_half, out=half)
-    for axis, nodes in enumerate(axes):
-        if len(nodes) > 1:
-            _cap(position[:, axis], nodes, half, axis)
-        else:
-            half[:, axis] = initial_half[:, axis]
+    _limit(initial_half, position, *axes, half)
     return half
 
 
@@ -61,7 +57,7 @@ def _stretch(rule, deformation):
     return np.ones((len(deformation), 3))
 
 
-@njit(cache=True, parallel=True)
+@njit(cache=True, parallel=True, fastmath={"contract"})
 def _moments(initial_half, deformation, deforms, count, out):
     for p in prange(len(deformation)):
         F, ratio = deformation[p], 1.0
@@ -72,16 +68,23 @@ def _moments(initial_half, deformation, deforms, count, out):
             out[p, i] = np.sqrt(square)
             if deforms[i]:
                 ratio *= out[p, i] / initial_half[p, i]
-        volume = (F[0, 0] * (F[1, 1] * F[2, 2] - F[1, 2] * F[2, 1]) - F[0, 1] * (F[1, 0] * F[2, 2] - F[1, 2] * F[2, 0])
-                  + F[0, 2] * (F[1, 0] * F[2, 1] - F[1, 1] * F[2, 0]))
-        scale = (volume / ratio) ** (1.0 / count)
+        scale = (determinant(F) / ratio) ** (1.0 / count)
         for i in range(3):
             out[p, i] *= scale
 
 
 @njit(cache=True, parallel=True)
-def _cap(x, nodes, half, axis):
-    for p in prange(len(x)):
-        cell = find_cell(x[p], nodes)
-        room = min(x[p] - nodes[0], nodes[-1] - x[p])
-        half[p, axis] = min(half[p, axis], 0.5 * (nodes[cell + 1] - nodes[cell]), max(room, 0.0))
+def _limit(initial, position, x, y, z, half):
+    for p in prange(len(half)):
+        half[p, 0] = _limited(half[p, 0], initial[p, 0], position[p, 0], x)
+        half[p, 1] = _limited(half[p, 1], initial[p, 1], position[p, 1], y)
+        half[p, 2] = _limited(half[p, 2], initial[p, 2], position[p, 2], z)
+
+
+@njit(cache=True)
+def _limited(half, initial, x, nodes):
+    """Half-width of a domain at x: not too thin, no wider than its cell and inside the grid."""
+    if len(nodes) == 1:
+        return initial
+    cell, room = find_cell(x, nodes), min(x - nodes[0], nodes[-1] - x)
+    return min(max(half, THINNEST * initial), 0.5 * (nodes[cell + 1] - nodes[cell]), max(room, 0.0))

@@ -15,7 +15,7 @@ SWEEPS = 30
 def principal(matrices):
     """Eigenvalues (n, 3) and eigenvectors as columns (n, 3, 3) of symmetric matrices (n, 3, 3)."""
     values, directions = np.empty((len(matrices), 3)), np.empty((len(matrices), 3, 3))
-    _principal(matrices, values, directions)
+    put_principal(matrices, values, directions)
     return values, directions
 
 
@@ -26,14 +26,8 @@ def from_principal(values, directions):
     return out
 
 
-@njit(cache=True)
-def lanes():
-    """Room for a block: entries 00 11 22 01 02 12 (6, LANES) of its matrices, eigenvectors (3, 3, LANES)."""
-    return np.empty((6, LANES)), np.empty((3, 3, LANES))
-
-
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
-def diagonalise(a, v, m):
+def _diagonalise(a, v, m):
     """Eigenvalues of the first m matrices into a[:3]; component i of their eigenvector j into v[j, i]."""
     for i in range(3):
         for j in range(3):
@@ -72,40 +66,37 @@ def _rotate(app, aqq, apq, arp, arq, vp, vq, m):
 
 
 @njit(cache=True, parallel=True)
-def _principal(matrices, values, directions):
+def put_principal(matrices, values, directions):
+    """As `principal`, into arrays.
+
+    A block has entries 00 11 22 01 02 12 of its matrices in a (6, LANES), eigenvectors in v (3, 3, LANES).
+    """
     for block in prange((len(matrices) + LANES - 1) // LANES):
-        a, v = lanes()
-        begin = block * LANES
+        a, v, begin = np.empty((6, LANES)), np.empty((3, 3, LANES)), block * LANES
         m = min(LANES, len(matrices) - begin)
         for n in range(m):
-            put_in(a, n, matrices[begin + n])
-        diagonalise(a, v, m)
+            p = begin + n
+            a[0, n], a[1, n], a[2, n] = matrices[p, 0, 0], matrices[p, 1, 1], matrices[p, 2, 2]
+            a[3, n], a[4, n], a[5, n] = matrices[p, 0, 1], matrices[p, 0, 2], matrices[p, 1, 2]
+        _diagonalise(a, v, m)
         for n in range(m):
-            take_out(a, v, n, values[begin + n], directions[begin + n])
-
-
-@njit(cache=True)
-def put_in(a, n, matrix):
-    """Entries of a matrix (3, 3) into place n of a block."""
-    for i in range(3):
-        a[i, n] = matrix[i, i]
-    a[3, n], a[4, n], a[5, n] = matrix[0, 1], matrix[0, 2], matrix[1, 2]
-
-
-@njit(cache=True)
-def take_out(a, v, n, values, directions):
-    """Eigenvalues (3,) and directions (3, 3) of the matrix in place n of a block."""
-    for j in range(3):
-        values[j] = a[j, n]
-        for i in range(3):
-            directions[i, j] = v[j, i, n]
+            p = begin + n
+            for j in range(3):
+                values[p, j] = a[j, n]
+                for i in range(3):
+                    directions[p, i, j] = v[j, i, n]
 
 
 @njit(cache=True, parallel=True)
 def _from_principal(values, directions, out):
     for p in prange(len(values)):
-        n = directions[p]
-        for i in range(3):
-            for j in range(3):
-                out[p, i, j] = (values[p, 0] * n[i, 0] * n[j, 0] + values[p, 1] * n[i, 1] * n[j, 1]
-                                + values[p, 2] * n[i, 2] * n[j, 2])
+        compose(values[p, 0], values[p, 1], values[p, 2], directions[p], out[p])
+
+
+@njit(cache=True, fastmath={"contract"})
+def compose(first, second, third, n, out):
+    """Put a tensor of three principal values and directions n_i, the columns of n (3, 3), into `out` (3, 3)."""
+    for i in range(3):
+        x, y, z = first * n[i, 0], second * n[i, 1], third * n[i, 2]
+        for j in range(3):
+            out[i, j] = x * n[j, 0] + y * n[j, 1] + z * n[j, 2]

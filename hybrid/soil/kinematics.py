@@ -10,7 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit, prange
 
-from hybrid.soil.eigen import LANES, diagonalise, lanes, principal, put_in, take_out
+from hybrid.soil.basis import with_margin
+from hybrid.soil.eigen import compose, principal, put_principal
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,7 @@ class Kinematics:
     """Evaluates trial strains into buffers it keeps, so that no memory is touched for the first time in a step."""
 
     def __init__(self, n, fbar=False):
-        self._increment, self._inverse, self._directions = (np.empty((n, 3, 3)) for _ in range(3))
+        self._increment, self._inverse, self._squares, self._directions = (np.empty((n, 3, 3)) for _ in range(4))
         self._strain = np.empty((n, 3))
         self._inverted = np.zeros(n, bool)
         self._mean_inverse, self._mean_volume = (np.empty((n, 3, 3)), np.empty(n)) if fbar else (None, np.empty(0))
@@ -42,13 +43,14 @@ class Kinematics:
     def __call__(self, basis, shape, displacement, elastic, mean=None, out=None):
         """TrialStrain from nodal increments (N, 3) [m] and committed b_e (n, 3, 3); mean: the basis of F-bar; out: (n,)
         bool, points that may be inverted, taking no part."""
-        deforms = np.array(shape) > 1
+        deforms, nodal = np.array(shape) > 1, with_margin(displacement, shape)
         if mean is not None:
-            _volumes(mean.first, mean.count, mean.value, mean.slope, shape[1], shape[2], displacement,
+            _volumes(mean.first, mean.value, mean.slope, shape[1], shape[2], nodal,
                      self._mean_inverse, self._mean_volume)
-        _trial_strain(basis.first, basis.count, basis.value, basis.slope, shape[1], shape[2], displacement, elastic,
-                      self._mean_volume, deforms, int(deforms.sum()), self._increment, self._inverse, self._strain,
-                      self._directions, self._inverted)
+        _trial_squares(basis.first, basis.value, basis.slope, shape[1], shape[2], nodal, elastic, self._mean_volume,
+                       deforms, int(deforms.sum()), self._increment, self._inverse, self._squares, self._inverted)
+        put_principal(self._squares, self._strain, self._directions)
+        _logarithms(self._strain)
         return TrialStrain(self._increment, self._inverse, self._strain, self._directions,
                            np.flatnonzero(self._inverted if out is None else self._inverted & ~out),
                            self._mean_inverse)
@@ -72,28 +74,27 @@ def invert(a, out):
 
 
 @njit(cache=True, parallel=True)
-def _volumes(first, count, value, slope, ny, nz, u, inverse, volume):
+def _volumes(first, value, slope, ny, nz, u, inverse, volume):
     chunk = 256
     for block in prange((len(first) + chunk - 1) // chunk):
         F = np.empty((3, 3))
         for p in range(block * chunk, min(len(first), (block + 1) * chunk)):
-            _gradient(p, first, count, value, slope, ny, nz, u, F)
+            _gradient(p, first, value, slope, ny, nz, u, F)
             for i in range(3):
                 F[i, i] += 1.0
             volume[p] = invert(F, inverse[p])
 
 
 @njit(cache=True, parallel=True, error_model="numpy")
-def _trial_strain(first, count, value, slope, ny, nz, u, elastic, mean_volume, deforms, axes, increment, inverse,
-                  strain, directions, inverted):
-    for block in prange((len(first) + LANES - 1) // LANES):
-        b, half, scaled = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
-        (a, v), begin = lanes(), block * LANES
-        m = min(LANES, len(first) - begin)
-        for n in range(m):
-            p = begin + n
+def _trial_squares(first, value, slope, ny, nz, u, elastic, mean_volume, deforms, axes, increment, inverse, squares,
+                   inverted):
+    """ΔF, its inverse, and b_trial; what F-bar scales with where there is a mean volume."""
+    chunk = 256
+    for block in prange((len(first) + chunk - 1) // chunk):
+        half, scaled = np.empty((3, 3)), np.empty((3, 3))
+        for p in range(block * chunk, min(len(first), (block + 1) * chunk)):
             F = increment[p]
-            _gradient(p, first, count, value, slope, ny, nz, u, F)
+            _gradient(p, first, value, slope, ny, nz, u, F)
             for i in range(3):
                 F[i, i] += 1.0
             volume = invert(F, inverse[p])
@@ -106,66 +107,71 @@ def _trial_strain(first, count, value, slope, ny, nz, u, elastic, mean_volume, d
                     if deforms[i]:
                         scaled[i] *= s
             _product(scaled, elastic[p], half)
-            _product_transposed(half, scaled, b)
-            put_in(a, n, b)
-        diagonalise(a, v, m)
-        for n in range(m):
-            take_out(a, v, n, strain[begin + n], directions[begin + n])
-            for i in range(3):
-                strain[begin + n, i] = 0.5 * np.log(max(strain[begin + n, i], 1e-300))
+            _product_transposed(half, scaled, squares[p])
 
 
-@njit(cache=True)
-def _gradient(p, first, count, value, slope, ny, nz, u, out):
+def _logarithms(values):
+    """½ ln of principal values (n, 3) of b, in their place."""
+    np.maximum(values, 1e-300, out=values)
+    np.log(values, out=values)
+    values *= 0.5
+
+
+@njit(cache=True, fastmath={"contract"})
+def _gradient(p, first, value, slope, ny, nz, u, out):
     """Σ_v u_v ⊗ ∇S_v at one point, summed along z first: the products of the other axes are the same for a column."""
     xx, xy, xz, yx, yy, yz, zx, zy, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for a in range(count[p, 0]):
-        for b in range(count[p, 1]):
+    s0, s1, s2 = value[p, 2, 0], value[p, 2, 1], value[p, 2, 2]
+    d0, d1, d2 = slope[p, 2, 0], slope[p, 2, 1], slope[p, 2, 2]
+    for a in range(3):
+        for b in range(3):
             v = ((first[p, 0] + a) * ny + first[p, 1] + b) * nz + first[p, 2]
-            sx, sy, sz, dx, dy, dz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-            for c in range(count[p, 2]):
-                s, d = value[p, 2, c], slope[p, 2, c]
-                sx += u[v + c, 0] * s
-                sy += u[v + c, 1] * s
-                sz += u[v + c, 2] * s
-                dx += u[v + c, 0] * d
-                dy += u[v + c, 1] * d
-                dz += u[v + c, 2] * d
             along_x, along_y = slope[p, 0, a] * value[p, 1, b], value[p, 0, a] * slope[p, 1, b]
             along_z = value[p, 0, a] * value[p, 1, b]
+            sx = u[v, 0] * s0 + u[v + 1, 0] * s1 + u[v + 2, 0] * s2
+            sy = u[v, 1] * s0 + u[v + 1, 1] * s1 + u[v + 2, 1] * s2
+            sz = u[v, 2] * s0 + u[v + 1, 2] * s1 + u[v + 2, 2] * s2
             xx += sx * along_x
             yx += sy * along_x
             zx += sz * along_x
             xy += sx * along_y
             yy += sy * along_y
             zy += sz * along_y
-            xz += dx * along_z
-            yz += dy * along_z
-            zz += dz * along_z
+            xz += (u[v, 0] * d0 + u[v + 1, 0] * d1 + u[v + 2, 0] * d2) * along_z
+            yz += (u[v, 1] * d0 + u[v + 1, 1] * d1 + u[v + 2, 1] * d2) * along_z
+            zz += (u[v, 2] * d0 + u[v + 1, 2] * d1 + u[v + 2, 2] * d2) * along_z
     out[0, 0], out[0, 1], out[0, 2] = xx, xy, xz
     out[1, 0], out[1, 1], out[1, 2] = yx, yy, yz
     out[2, 0], out[2, 1], out[2, 2] = zx, zy, zz
 
 
-@njit(cache=True)
+@njit(cache=True, fastmath={"contract"})
+def determinant(a):
+    """Of a 3x3 matrix."""
+    return (a[0, 0] * (a[1, 1] * a[2, 2] - a[1, 2] * a[2, 1]) - a[0, 1] * (a[1, 0] * a[2, 2] - a[1, 2] * a[2, 0])
+            + a[0, 2] * (a[1, 0] * a[2, 1] - a[1, 1] * a[2, 0]))
+
+
+@njit(cache=True, fastmath={"contract"})
 def _product(a, b, out):
     for i in range(3):
         for j in range(3):
             out[i, j] = a[i, 0] * b[0, j] + a[i, 1] * b[1, j] + a[i, 2] * b[2, j]
 
 
-@njit(cache=True)
+@njit(cache=True, fastmath={"contract"})
 def _product_transposed(a, b, out):
     for i in range(3):
         for j in range(3):
             out[i, j] = a[i, 0] * b[j, 0] + a[i, 1] * b[j, 1] + a[i, 2] * b[j, 2]
 
 
-def moved_on(increment, deformation):
-    """F = ΔF F_n (n, 3, 3) and its determinant (n,)."""
-    out, volume = np.empty_like(deformation), np.empty(len(deformation))
-    _moved_on(increment, deformation, out, volume)
-    return out, volume
+def carried_on(trial, elastic, stress, old):
+    """F = ΔF F_n, b_e = Σ exp(2 ε_i) n_i ⊗ n_i of the elastic strains ε (n, 3) after the return, and Cauchy stress
+    σ = τ / det F of the Kirchhoff stress τ (n, 3, 3) [Pa]; each (n, 3, 3)."""
+    deformation, squares, cauchy = (np.empty_like(old.deformation) for _ in range(3))
+    _carry_on(trial.increment, old.deformation, elastic, trial.directions, stress, deformation, squares, cauchy)
+    return deformation, squares, cauchy
 
 
 def logarithmic(b):
@@ -173,10 +179,13 @@ def logarithmic(b):
     return 0.5 * np.log(principal(b)[0])
 
 
-@njit(cache=True, parallel=True)
-def _moved_on(increment, deformation, out, volume):
-    for p in prange(len(out)):
-        F = out[p]
-        _product(increment[p], deformation[p], F)
-        volume[p] = (F[0, 0] * (F[1, 1] * F[2, 2] - F[1, 2] * F[2, 1]) - F[0, 1] * (F[1, 0] * F[2, 2] - F[1, 2] * F[2, 0])
-                     + F[0, 2] * (F[1, 0] * F[2, 1] - F[1, 1] * F[2, 0]))
+@njit(cache=True, parallel=True, error_model="numpy", fastmath={"contract"})
+def _carry_on(increment, old, strain, directions, stress, deformation, squares, cauchy):
+    for p in prange(len(old)):
+        F = deformation[p]
+        _product(increment[p], old[p], F)
+        share = 1.0 / determinant(F)
+        compose(np.exp(2 * strain[p, 0]), np.exp(2 * strain[p, 1]), np.exp(2 * strain[p, 2]), directions[p], squares[p])
+        for i in range(3):
+            for j in range(3):
+                cauchy[p, i, j] = stress[p, i, j] * share

@@ -25,7 +25,7 @@ from hybrid.soil.eigen import from_principal
 from hybrid.soil.ghost import Ghost
 from hybrid.soil.forces import internal_force
 from hybrid.soil.grid import Grid
-from hybrid.soil.kinematics import Kinematics, TrialStrain, logarithmic, moved_on
+from hybrid.soil.kinematics import Kinematics, TrialStrain, carried_on, logarithmic
 from hybrid.soil.points import PointConstants
 from hybrid.soil.slabs import Slabs, make_slabs
 from hybrid.soil.stiffness import KeptStiffness, add_stiffness
@@ -123,15 +123,10 @@ class Soil:
         slabs = make_slabs(basis.first, self.grid.shape)
         carried = [field for field in (points.velocity, points.acceleration, points.algorithmic) if field is not None]
         carried += [load] if load.ndim > 1 else []
-        mass, *nodal = transfer.project(
-            basis, slabs, self.grid.shape, _of_those_in(points, self.constants.mass), *carried)
+        mass, *nodal = transfer.project(basis, slabs, self.grid.axes, points.position,
+                                        _of_those_in(points, self.constants.mass), *carried, affine=points.affine)
         if load.ndim > 1:
             load = nodal.pop()
-        if points.affine is not None:
-            own = _of_those_in(points, self.constants.mass)
-            parts = transfer.affine_part(basis, slabs, self.grid.axes, points.position, own, points.affine, mass)
-            for field, part in zip(nodal, parts.swapaxes(0, 1)):
-                field += part
         for field in nodal:
             field[self.grid.fixed] = 0.0
         velocity, acceleration, *algorithmic = nodal
@@ -195,41 +190,42 @@ class Soil:
 
     def accept(self, step, trial, displacement, velocity_gain, acceleration, algorithmic=None):
         """New Points from nodal increments of displacement and velocity and from the new accelerations, all (N, 3)."""
-        old, shape = step.points, self.grid.shape
-        nodal = [displacement, velocity_gain, acceleration] + ([] if algorithmic is None else [algorithmic])
-        moved = transfer.interpolate(step.basis, shape, np.hstack(nodal))
-        position = old.position + moved[:, :3]
+        old = step.points
+        position = old.position + transfer.interpolate(step.basis, self.grid.shape, displacement)
         left = stray.outside(position, self.grid)
         left = left if old.out is None else left & ~old.out
         if self.stray == "stop":
             stray.refuse_outside(left, position, self.grid)
-        deformation, volume_ratio = moved_on(trial.strain.increment, old.deformation)
-        response, directions = trial.response, trial.strain.directions
-        rate, affine = self._taken_up(step, old, nodal[1:], moved[:, 3:6])
+        elastic = trial.response.elastic
+        deformation, squares, stress = carried_on(trial.strain, elastic, trial.stress, old)
+        history = acceleration, *([] if algorithmic is None else [algorithmic])
+        (rate, *history), affine = self._taken_up(step, old, velocity_gain, history)
         new = Points(
             position=position,
             velocity=rate,
-            acceleration=moved[:, 6:9].copy(),
+            acceleration=history[0],
             half=updated_half(self.domain, self.constants.half, deformation, position, self.grid.axes),
             deformation=deformation,
-            elastic=from_principal(np.exp(2 * response.elastic), directions),
-            stress=trial.stress / volume_ratio[:, None, None],
-            plastic_strain=old.plastic_strain + plastic_increment(trial.strain.strain, response.elastic),
-            algorithmic=None if algorithmic is None else moved[:, 9:].copy(),
+            elastic=squares,
+            stress=stress,
+            plastic_strain=old.plastic_strain + plastic_increment(trial.strain.strain, elastic),
+            algorithmic=None if algorithmic is None else history[1],
             affine=affine,
         )
         return stray.kept_back(old, new, left)
 
-    def _taken_up(self, step, old, nodal, moved):
-        """Velocities (n, 3) and, with affine transfer, the gradients (n, k, 3, 3) of all that is carried, from `nodal`
-        gain of velocity and accelerations (N, 3); the gain is `moved` (n, 3) at the points."""
-        if self.transfer == "increments":
-            return old.velocity + moved, None
-        rates = [step.velocity + nodal[0], *nodal[1:]]
-        seen = transfer.interpolate(step.basis, self.grid.shape, rates[0])
+    def _taken_up(self, step, old, gain, accelerations):
+        """Velocities and accelerations (n, 3) and, with affine transfer, the gradients (n, k, 3, 3) of all of them,
+        from the nodes' `gain` of velocity and accelerations (N, 3)."""
+        if self.transfer == "affine":
+            return transfer.take_up(
+                step.basis, self.grid.axes, old.position, [step.velocity + gain, *accelerations])
+        gain_seen, *seen = (transfer.interpolate(step.basis, self.grid.shape, a) for a in (gain, *accelerations))
+        velocity = old.velocity + gain_seen
         if self.transfer == "blended":
-            return (1 - self.blend) * (old.velocity + moved) + self.blend * seen, None
-        return seen, transfer.gradient(step.basis, self.grid.axes, old.position, np.stack(rates, axis=1))
+            all_of_it = transfer.interpolate(step.basis, self.grid.shape, step.velocity + gain)
+            velocity = (1 - self.blend) * velocity + self.blend * all_of_it
+        return (velocity, *seen), None
 
     def _without_adrift(self, points, basis):
         """`points` without those that nothing carries. Raises StepError if the run is to stop for them."""

@@ -23,8 +23,11 @@ LIMIT = 10.0  # [-] principal stretch or its inverse of F, that says more about 
 
 def outside(position, grid):
     """(n,) bool, points at `position` (n, 3) [m] beyond the grid."""
-    beyond = (position < grid.extent[:, 0]) | (position > grid.extent[:, 1])
-    return np.any(beyond & ~grid.collapsed, axis=1)
+    beyond = np.zeros(len(position), bool)
+    for axis in np.flatnonzero(~grid.collapsed):
+        lower, upper = grid.extent[axis]
+        beyond |= (position[:, axis] < lower) | (position[:, axis] > upper)
+    return beyond
 
 
 def adrift(basis, grid, taking_part=None):

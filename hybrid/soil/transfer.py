@@ -23,45 +23,41 @@ Chai, Teran & Selle, ibid. 32 (2013) 102.
 import numpy as np
 from numba import njit, prange
 
+from hybrid.soil.basis import with_margin
 
-def project(basis, slabs, shape, mass, *fields):
-    """Nodal mass (N,) [kg] and fields (N, 3) from those of the points, each (n, 3); zero where no point reaches."""
-    nodes = int(np.prod(shape))
+
+def project(basis, slabs, axes, position, mass, *fields, affine=None):
+    """Nodal mass (N,) [kg] and fields (N, 3) from those of the points at `position` (n, 3) [m], each (n, 3), the first
+    k of them with C_p `affine` (n, k, 3, 3) if there are any; zero where no point reaches."""
+    affine = np.empty((len(position), 0, 3, 3)) if affine is None else np.ascontiguousarray(affine)
+    nodes = int(np.prod([len(a) for a in axes]))
     m, nodal = np.zeros(nodes), np.zeros((len(fields), nodes, 3))
-    _project(slabs.order, slabs.start, basis.first, basis.count, basis.value, shape[1], shape[2],
-             mass, np.stack(fields), m, nodal)
+    _project(slabs.order, slabs.start, basis.first, basis.count, basis.value, *axes, position, mass, np.stack(fields),
+             affine, m, nodal)
     filled = m > 0
     nodal[:, filled] /= m[filled, None]
     return m, *nodal
 
 
-def affine_part(basis, slabs, axes, position, mass, affine, nodal_mass):
-    """What gradients C_p (n, k, 3, 3) of points at `position` (n, 3) [m] add to the projection of k fields,
-    (N, k, 3)."""
-    out = np.zeros((len(nodal_mass), affine.shape[1], 3))
-    _affine_part(slabs.order, slabs.start, basis.first, basis.count, basis.value, *axes, position, mass,
-                 np.ascontiguousarray(affine), out)
-    filled = nodal_mass > 0
-    out[filled] /= nodal_mass[filled, None, None]
-    return out
-
-
-def gradient(basis, axes, position, nodal):
-    """C_p (n, k, 3, 3) of nodal fields (N, k, 3) at points of `position` (n, 3) [m]."""
-    out = np.zeros((len(position), *nodal.shape[1:], 3))
-    _gradient(basis.first, basis.count, basis.value, *axes, position, nodal, out)
-    return out
-
-
 def interpolate(basis, shape, nodal):
-    """Values (n, k) at the points of nodal fields (N, k)."""
-    out = np.empty((len(basis.first), nodal.shape[1]))
-    _interpolate(basis.first, basis.count, basis.value, shape[1], shape[2], nodal, out)
+    """Values (n, 3) at the points of a nodal field (N, 3)."""
+    out = np.empty((len(basis.first), 3))
+    _interpolate(basis.first, basis.value, shape[1], shape[2], with_margin(nodal, shape), out)
     return out
 
 
-@njit(cache=True, parallel=True)
-def _project(order, start, first, count, value, ny, nz, mass, fields, m, nodal):
+def take_up(basis, axes, position, fields):
+    """Values (n, 3) and C_p of k nodal fields, each (N, 3), at points of `position` (n, 3) [m]: a list of the values, and
+    (n, k, 3, 3)."""
+    seen, affine = [np.empty((len(position), 3)) for _ in fields], np.empty((len(position), len(fields), 3, 3))
+    shape = [len(nodes) for nodes in axes]
+    for f, nodal in enumerate(fields):
+        _take_up(basis.first, basis.value, *axes, position, with_margin(nodal, shape), seen[f], affine[:, f])
+    return seen, affine
+
+
+@njit(cache=True, parallel=True, fastmath={"contract"})
+def _project(order, start, first, count, value, x, y, z, position, mass, fields, affine, m, nodal):
     slabs = len(start) - 1
     for colour in range(2):
         for half in prange((slabs - colour + 1) // 2):
@@ -70,75 +66,78 @@ def _project(order, start, first, count, value, ny, nz, mass, fields, m, nodal):
                 p = order[n]
                 for a in range(count[p, 0]):
                     for b in range(count[p, 1]):
+                        v = ((first[p, 0] + a) * len(y) + first[p, 1] + b) * len(z) + first[p, 2]
+                        along = mass[p] * value[p, 0, a] * value[p, 1, b]
                         for c in range(count[p, 2]):
-                            v = ((first[p, 0] + a) * ny + first[p, 1] + b) * nz + first[p, 2] + c
-                            w = value[p, 0, a] * value[p, 1, b] * value[p, 2, c] * mass[p]
-                            m[v] += w
-                            for f in range(len(fields)):
-                                for i in range(3):
-                                    nodal[f, v, i] += w * fields[f, p, i]
+                            m[v + c] += along * value[p, 2, c]
+                        for f in range(len(fields)):
+                            q0, q1, q2, g0, g1, g2 = fields[f, p, 0], fields[f, p, 1], fields[f, p, 2], 0.0, 0.0, 0.0
+                            if f < affine.shape[1]:
+                                r0, r1 = x[first[p, 0] + a] - position[p, 0], y[first[p, 1] + b] - position[p, 1]
+                                q0 += affine[p, f, 0, 0] * r0 + affine[p, f, 0, 1] * r1
+                                q1 += affine[p, f, 1, 0] * r0 + affine[p, f, 1, 1] * r1
+                                q2 += affine[p, f, 2, 0] * r0 + affine[p, f, 2, 1] * r1
+                                g0, g1, g2 = affine[p, f, 0, 2], affine[p, f, 1, 2], affine[p, f, 2, 2]
+                            for c in range(count[p, 2]):
+                                w, r2 = along * value[p, 2, c], z[first[p, 2] + c] - position[p, 2]
+                                nodal[f, v + c, 0] += w * (q0 + g0 * r2)
+                                nodal[f, v + c, 1] += w * (q1 + g1 * r2)
+                                nodal[f, v + c, 2] += w * (q2 + g2 * r2)
 
 
-@njit(cache=True, parallel=True)
-def _interpolate(first, count, value, ny, nz, nodal, out):
+@njit(cache=True, parallel=True, fastmath={"contract"})
+def _interpolate(first, value, ny, nz, nodal, out):
     for p in prange(len(first)):
-        at = out[p]
-        for i in range(len(at)):
-            at[i] = 0.0
-        for a in range(count[p, 0]):
-            for b in range(count[p, 1]):
-                along = value[p, 0, a] * value[p, 1, b]
-                for c in range(count[p, 2]):
-                    v, w = ((first[p, 0] + a) * ny + first[p, 1] + b) * nz + first[p, 2] + c, along * value[p, 2, c]
-                    for i in range(len(at)):
-                        at[i] += w * nodal[v, i]
+        q0, q1, q2, w0, w1, w2 = 0.0, 0.0, 0.0, value[p, 2, 0], value[p, 2, 1], value[p, 2, 2]
+        for a in range(3):
+            for b in range(3):
+                v, w = ((first[p, 0] + a) * ny + first[p, 1] + b) * nz + first[p, 2], value[p, 0, a] * value[p, 1, b]
+                q0 += w * (nodal[v, 0] * w0 + nodal[v + 1, 0] * w1 + nodal[v + 2, 0] * w2)
+                q1 += w * (nodal[v, 1] * w0 + nodal[v + 1, 1] * w1 + nodal[v + 2, 1] * w2)
+                q2 += w * (nodal[v, 2] * w0 + nodal[v + 1, 2] * w1 + nodal[v + 2, 2] * w2)
+        out[p, 0], out[p, 1], out[p, 2] = q0, q1, q2
 
 
-@njit(cache=True, parallel=True)
-def _affine_part(order, start, first, count, value, x, y, z, position, mass, affine, out):
-    slabs = len(start) - 1
-    for colour in range(2):
-        for half in prange((slabs - colour + 1) // 2):
-            slab = 2 * half + colour
-            for n in range(start[slab], start[slab + 1]):
-                p = order[n]
-                C = affine[p]
-                for a in range(count[p, 0]):
-                    for b in range(count[p, 1]):
-                        for c in range(count[p, 2]):
-                            i, j, k = first[p, 0] + a, first[p, 1] + b, first[p, 2] + c
-                            w = value[p, 0, a] * value[p, 1, b] * value[p, 2, c] * mass[p]
-                            r0, r1, r2 = x[i] - position[p, 0], y[j] - position[p, 1], z[k] - position[p, 2]
-                            v = (i * len(y) + j) * len(z) + k
-                            for f in range(len(C)):
-                                for q in range(3):
-                                    out[v, f, q] += w * (C[f, q, 0] * r0 + C[f, q, 1] * r1 + C[f, q, 2] * r2)
-
-
-@njit(cache=True, parallel=True)
-def _gradient(first, count, value, x, y, z, position, nodal, out):
+@njit(cache=True, parallel=True, fastmath={"contract"})
+def _take_up(first, value, x, y, z, position, nodal, seen, affine):
+    """Values q and C_p of one field, summed along z first; weight times arm stands for the slope of the basis. Beyond
+    the last node of the grid there is no weight, and any arm will do."""
     for p in prange(len(first)):
-        d0, d1, d2 = 0.0, 0.0, 0.0
-        for a in range(count[p, 0]):
-            d0 += value[p, 0, a] * (x[first[p, 0] + a] - position[p, 0]) ** 2
-        for b in range(count[p, 1]):
-            d1 += value[p, 1, b] * (y[first[p, 1] + b] - position[p, 1]) ** 2
-        for c in range(count[p, 2]):
-            d2 += value[p, 2, c] * (z[first[p, 2] + c] - position[p, 2]) ** 2
-        for a in range(count[p, 0]):
-            for b in range(count[p, 1]):
-                for c in range(count[p, 2]):
-                    i, j, k = first[p, 0] + a, first[p, 1] + b, first[p, 2] + c
-                    w = value[p, 0, a] * value[p, 1, b] * value[p, 2, c]
-                    v = (i * len(y) + j) * len(z) + k
-                    r0, r1, r2 = w * (x[i] - position[p, 0]), w * (y[j] - position[p, 1]), w * (z[k] - position[p, 2])
-                    for f in range(nodal.shape[1]):
-                        for q in range(3):
-                            out[p, f, q, 0] += nodal[v, f, q] * r0
-                            out[p, f, q, 1] += nodal[v, f, q] * r1
-                            out[p, f, q, 2] += nodal[v, f, q] * r2
-        for f in range(nodal.shape[1]):
-            for q in range(3):   # a point that sits on a node line of standard MPM has no arm, and no gradient
-                out[p, f, q, 0] = out[p, f, q, 0] / d0 if d0 > 0.0 and len(x) > 1 else 0.0
-                out[p, f, q, 1] = out[p, f, q, 1] / d1 if d1 > 0.0 and len(y) > 1 else 0.0
-                out[p, f, q, 2] = out[p, f, q, 2] / d2 if d2 > 0.0 and len(z) > 1 else 0.0
+        k, top, w0, w1, w2 = first[p, 2], len(z) - 1, value[p, 2, 0], value[p, 2, 1], value[p, 2, 2]
+        r0, r1, r2 = z[k] - position[p, 2], z[min(k + 1, top)] - position[p, 2], z[min(k + 2, top)] - position[p, 2]
+        arm0, arm1, arm2 = w0 * r0, w1 * r1, w2 * r2
+        dx, dy, dz = 0.0, 0.0, arm0 * r0 + arm1 * r1 + arm2 * r2
+        q0, q1, q2 = 0.0, 0.0, 0.0
+        xx, xy, xz, yx, yy, yz, zx, zy, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        for a in range(3):
+            r0 = x[min(first[p, 0] + a, len(x) - 1)] - position[p, 0]
+            for b in range(3):
+                r1 = y[min(first[p, 1] + b, len(y) - 1)] - position[p, 1]
+                v = ((first[p, 0] + a) * len(y) + first[p, 1] + b) * len(z) + k
+                s0 = nodal[v, 0] * w0 + nodal[v + 1, 0] * w1 + nodal[v + 2, 0] * w2
+                s1 = nodal[v, 1] * w0 + nodal[v + 1, 1] * w1 + nodal[v + 2, 1] * w2
+                s2 = nodal[v, 2] * w0 + nodal[v + 1, 2] * w1 + nodal[v + 2, 2] * w2
+                w = value[p, 0, a] * value[p, 1, b]
+                along_x, along_y = w * r0, w * r1
+                dx += along_x * r0
+                dy += along_y * r1
+                q0 += s0 * w
+                q1 += s1 * w
+                q2 += s2 * w
+                xx += s0 * along_x
+                yx += s1 * along_x
+                zx += s2 * along_x
+                xy += s0 * along_y
+                yy += s1 * along_y
+                zy += s2 * along_y
+                xz += w * (nodal[v, 0] * arm0 + nodal[v + 1, 0] * arm1 + nodal[v + 2, 0] * arm2)
+                yz += w * (nodal[v, 1] * arm0 + nodal[v + 1, 1] * arm1 + nodal[v + 2, 1] * arm2)
+                zz += w * (nodal[v, 2] * arm0 + nodal[v + 1, 2] * arm1 + nodal[v + 2, 2] * arm2)
+        seen[p, 0], seen[p, 1], seen[p, 2] = q0, q1, q2
+        # no gradient along a collapsed axis, nor for a point of standard MPM that sits on a node: it has no arm
+        dx = 1.0 / dx if dx > 0.0 and len(x) > 1 else 0.0
+        dy = 1.0 / dy if dy > 0.0 and len(y) > 1 else 0.0
+        dz = 1.0 / dz if dz > 0.0 and len(z) > 1 else 0.0
+        affine[p, 0, 0], affine[p, 0, 1], affine[p, 0, 2] = xx * dx, xy * dy, xz * dz
+        affine[p, 1, 0], affine[p, 1, 1], affine[p, 1, 2] = yx * dx, yy * dy, yz * dz
+        affine[p, 2, 0], affine[p, 2, 1], affine[p, 2, 2] = zx * dx, zy * dy, zz * dz

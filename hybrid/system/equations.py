@@ -77,8 +77,8 @@ class Step:
                 for b, s, history, reach, pose in zip(
                     model.bodies, state.bodies, state.contacts, self.reach, guess.poses)]
         self.line_before = [
-            rigid.evaluate(b, s, (s.position, s.rotation), None if t is None else s.target, self.gravity,
-                           model.scheme, dt).line[:3]
+            np.zeros(3) if t is None else
+            rigid.evaluate(b, s, (s.position, s.rotation), s.target, self.gravity, model.scheme, dt).line[:3]
             for b, s, t in zip(model.bodies, state.bodies, self.targets)]
         self._free = model.body_free
 

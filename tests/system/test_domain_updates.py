@@ -110,7 +110,7 @@ def test_domains_cut_off_at_their_cell_are_a_basis(name, rule):
     rng = np.random.default_rng(5)
     mass, velocity = rng.uniform(1.0, 2.0, len(position)), rng.normal(size=position.shape)
     shape = tuple(len(nodes) for nodes in axes)
-    nodal, v = transfer.project(basis, make_slabs(basis.first, shape), shape, mass, velocity)
+    nodal, v = transfer.project(basis, make_slabs(basis.first, shape), axes, position, mass, velocity)
     assert nodal.sum() == pytest.approx(mass.sum(), rel=1e-13)
     np.testing.assert_allclose(nodal @ v, mass @ velocity, rtol=1e-11)
 
