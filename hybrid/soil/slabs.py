@@ -4,7 +4,7 @@ Points are grouped by slabs of two cells along the longest axis. A point reaches
 one, so slabs of the same parity never share a node. All even slabs run at once, then all odd ones; the order of
 additions at a node does not depend on the number of threads, so results are bitwise reproducible.
 
-Within a slab points go cell by cell, so that what they add to is still in the processor's cache when the next one comes.
+Within a slab points go cell by cell: what one adds to is still in the processor's cache when the next one comes.
 """
 
 from dataclasses import dataclass

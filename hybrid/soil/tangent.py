@@ -4,11 +4,11 @@
 
 In the principal frame of b_trial A has 21 entries. With D = ∂τ_i/∂ε_j and a ≠ b,
 
-    A_aacc = D_ac - τ_a δ_ac        A_abab = b_b κ_ab        A_abba = b_a κ_ab - τ_a        κ_ab = (τ_a - τ_b)/(b_a - b_b)
+    A_aacc = D_ac - τ_a δ_ac       A_abab = b_b κ_ab       A_abba = b_a κ_ab - τ_a       κ_ab = (τ_a - τ_b)/(b_a - b_b)
 
 and κ_ab -> (D_aa - D_ab)/(2 b_a) where two principal values meet. So in the frame of the grid A is a sum of nine dyads,
 
-    A = Σ_ab P_ab ⊗ Q_ab         P_ab = n_a ⊗ n_b         Q_aa = Σ_c A_aacc P_cc         Q_ab = A_abab P_ab + A_abba P_ba
+    A = Σ_ab P_ab ⊗ Q_ab        P_ab = n_a ⊗ n_b        Q_aa = Σ_c A_aacc P_cc        Q_ab = A_abab P_ab + A_abba P_ba
 
 summed over a first and then over b; and Â is the same with P_ab = n_a ⊗ ΔF^-1 n_b.
 """

@@ -47,7 +47,7 @@ def interpolate(basis, shape, nodal):
 
 
 def take_up(basis, axes, position, fields):
-    """Values (n, 3) and C_p of k nodal fields, each (N, 3), at points of `position` (n, 3) [m]: a list of the values, and
+    """Values (n, 3) and C_p of k nodal fields, each (N, 3), at points of `position` (n, 3) [m]: a list of values, and
     (n, k, 3, 3)."""
     seen, affine = [np.empty((len(position), 3)) for _ in fields], np.empty((len(position), len(fields), 3, 3))
     shape = [len(nodes) for nodes in axes]

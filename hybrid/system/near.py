@@ -21,7 +21,7 @@ SHARE = 0.25
 
 
 class Near:
-    """Entries of a matrix of sparsity (indptr, indices) that `chosen` (entries,) bool marks, and what is left of others.
+    """Entries of a matrix of sparsity (indptr, indices) that `chosen` (entries,) bool marks, and what others leave.
 
     indptr, indices, values: compressed rows. own: (n, 3) unknowns of the node of each unknown, or -1, and component:
     (n,) which of them it is; without these the other entries are left out altogether.
