@@ -31,7 +31,7 @@ class Near:
         self._from, n = indptr, len(indptr) - 1
         self.indptr = np.zeros(n + 1, np.int32)
         np.cumsum(np.add.reduceat(chosen, indptr[:-1], dtype=np.int32), out=self.indptr[1:])
-        self.indices, self.values = indices[chosen], np.zeros(np.count_nonzero(chosen))
+        self.indices, self.values = indices[chosen], np.empty(np.count_nonzero(chosen))
         self._place = np.full((n, 3), -1, np.int32)
         self._kind = np.full(len(indices), 3, np.int8) if own is None else component.astype(np.int8)[indices]
         self._kind[chosen] = -1

@@ -57,7 +57,7 @@ def make_pattern(active, fixed, shape):
     indptr = np.zeros(np.count_nonzero(free) + 1, np.int32)
     width = _fill_slots(nodes, free, shape[0], shape[1], shape[2], slot)
     indptr[1:] = np.cumsum(np.repeat(width, free[nodes].sum(axis=1)))
-    indices, near = np.empty(indptr[-1], np.int32), np.zeros(indptr[-1], np.bool_)
+    indices, near = np.empty(indptr[-1], np.int32), np.empty(indptr[-1], np.bool_)
     _fill_indices(nodes, dof, shape[1], shape[2], slot, indptr, indices, near)
     rank = np.cumsum(free, axis=1) - 1
     node = np.nonzero(free)[0]

@@ -50,7 +50,7 @@ class BlockSystem:
 
     def __init__(self, indptr, indices, body_unknowns, linear, tolerance, near=None, sweeps=False):
         n, m = len(indptr) - 1, body_unknowns
-        self.values = np.zeros(len(indices))
+        self.values = np.empty(len(indices))    # filled by the first assembly
         self.uw, self.wu = np.zeros((n, m), order="F"), np.zeros((m, n), order="F")
         self.ww, self._schur = np.zeros((m, m), order="F"), np.zeros((m, m), order="F")
         self.soil_unknowns, self.body_unknowns = n, m
