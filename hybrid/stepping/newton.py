@@ -7,7 +7,9 @@ from hybrid.system.equations import Evaluation, Step
 from hybrid.timing import phase
 
 SHORTEST = 1 / 16  # of a Newton update, tried by the line search
-ENOUGH = 0.8        # of the residual, left by an update that is taken as it is
+# Of the residual, left by an update that is taken as it is. With 0.8 a block of sand that is thrown up by its own weight
+# stays where it is (28 000 unknowns); with 0.5 the anchor takes a fifth more evaluations than with 0.7.
+ENOUGH = 0.7
 # Springs far stiffer than cells hide what is left in the soil, and a corner that a poor solution lifts off is found
 # wrong next time: linear systems are solved as much more tightly as contact is stiffer than STIFF cells, E h.
 STIFF, FINEST = 20.0, 1e-12
