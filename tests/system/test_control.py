@@ -7,8 +7,9 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from hybrid.body import rigid
 from hybrid import simulation as simulation_module
+from hybrid.bench.soils import block
+from hybrid.body import rigid
 from hybrid.build import build
 from hybrid.errors import StepError
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Pull, Scene, Soil, Solver, Stage, Time
@@ -233,3 +234,13 @@ def test_matrices_of_a_stage_go_before_those_of_the_next_come(geometry, monkeypa
     stages = tuple(Stage(name, 1) for name in "abc")
     assert len(list(build(replace(scene(geometry), stages=stages)).steps())) == 3
     assert len(most) >= 4 and max(most) == 1
+
+
+def test_updates_that_gain_little_are_shortened(monkeypatch):
+    """A block of sand that its own weight throws up, in the third step; larger blocks find no solution otherwise."""
+    def iterations():
+        return [record.iterations for record in build(block((4, 4, 13), 0.5 / 13, steps=3)).steps()][-1]
+
+    assert iterations() <= 6
+    monkeypatch.setattr(newton, "ENOUGH", 0.8)
+    assert iterations() >= 8
