@@ -34,9 +34,9 @@ def collapse(strength=YIELD, **soil):
 
 @pytest.mark.parametrize("soil", [{}, {"fbar": True}, {"basis": "mpm"}], ids=["gimp", "f-bar", "mpm"])
 def test_survives_only_with_the_ghost_penalty(soil):
-    """Without it the run ends at 30 to 55 % of the weight, and says why; what was accepted stays."""
+    """Without it the run ends at 30 to 75 % of the weight, and says why; what was accepted stays."""
     bare, reason = collapse(**soil)
-    assert 5 <= bare.state.step < 15 and ("inside out" in reason or "residual" in reason)
+    assert 5 <= bare.state.step <= 15 and ("inside out" in reason or "residual" in reason)
     tied, reason = collapse(ghost=1 / 30, **soil)
     assert not reason and tied.state.step == 20
     points, volume = tied.state.points, tied.model.soil.constants.volume
