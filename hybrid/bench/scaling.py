@@ -24,7 +24,7 @@ def run(options):
                      "Newton a step": newton / STEPS, "Krylov a Newton": krylov / newton, **phases})
     for last in range(len(rows)):
         own = rows[:last + 1]
-        for name in ("s a Newton iteration", "Krylov a Newton"):
+        for name in ("s a step", "s a Newton iteration", "Krylov a Newton"):
             fitted = exponent([r["unknowns"] for r in own], [r[name] for r in own]) if last else None
             rows[last][f"power of {name}"] = fitted
     return rows

@@ -32,6 +32,9 @@ from hybrid.soil.stiffness import KeptStiffness, add_stiffness
 from hybrid.state import Points
 
 
+NOTHING = 1e-3  # of Young's modulus, the largest entry of a tangent that is none
+
+
 @dataclass(frozen=True)
 class SoilTrial:
     """Soil at trial displacements: strains, law's response and internal force (N, 3) [N]."""
@@ -187,6 +190,13 @@ class Soil:
         """The law's D (n, 3, 3), with a share of the elastic one where it is not that."""
         tangent = trial.response.tangent
         return tangent + self._share * (self._elastic - tangent) if self._share else tangent
+
+    def opened(self, trial):
+        """Share of the points that flow at the apex of their cone: they carry nothing and have no tangent."""
+        if not self.law.plastic:
+            return 0.0
+        nothing = np.abs(trial.response.tangent).max(axis=(1, 2)) < NOTHING * self.law.young
+        return float(total(nothing) / total(np.ones(len(nothing))))
 
     def accept(self, step, trial, displacement, velocity_gain, acceleration, algorithmic=None):
         """New Points from nodal increments of displacement and velocity and from the new accelerations, all (N, 3)."""

@@ -113,6 +113,10 @@ class Step:
         return Unknowns(None if self.soil is None else np.zeros_like(self.soil.velocity),
                         tuple((s.position, s.rotation) for s in self.state.bodies))
 
+    def opened(self, evaluation):
+        """Share of the soil that has no stiffness left at an evaluation."""
+        return 0.0 if self.soil is None else self.model.soil.opened(evaluation.soil_trial)
+
     def overreach(self, unknowns):
         """Largest ratio of the way soil and body went towards each other to the reach of the corner search."""
         ratio = 0.0
