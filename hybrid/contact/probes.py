@@ -210,25 +210,52 @@ def add_tangent(touch, probes, corners, pattern, shape, values, free, uw, wu):
 @njit(cache=True)
 def _add_tangent(node, weight, K, Q, rows, ny, nz, dof, row, slot, indptr, values, uw, wu):
     """node, weight: (m, 32), eight nodes of each of four corners; K (m, 12, 12), Q (m, 12, q), rows (m, q, 12)."""
+    nodes, place, W, M = np.empty(32, np.int64), np.empty((32, 3), np.int64), np.empty((32, 4)), np.empty((3, 12))
     for n in range(len(node)):
-        for a in range(32):
-            v, f = node[n, a], 3 * (a // 8)
-            if weight[n, a] == 0.0:
+        count = _merged(node[n], weight[n], ny, nz, nodes, place, W)
+        for u in range(count):
+            v = nodes[u]
+            if row[v] < 0:
                 continue
             for i in range(3):
-                if dof[v, i] < 0:
+                for j in range(12):
+                    M[i, j] = (W[u, 0] * K[n, i, j] + W[u, 1] * K[n, 3 + i, j]
+                               + W[u, 2] * K[n, 6 + i, j] + W[u, 3] * K[n, 9 + i, j])
+                if dof[v, i] >= 0:
+                    for f in range(4):
+                        for q in range(len(wu)):
+                            uw[dof[v, i], q] += W[u, f] * Q[n, 3 * f + i, q]
+                            wu[q, dof[v, i]] += W[u, f] * rows[n, q, 3 * f + i]
+            for t in range(count):
+                w, di, dj, dk = nodes[t], place[t, 0] - place[u, 0], place[t, 1] - place[u, 1], place[t, 2] - place[u, 2]
+                # corners that have drifted more than a cell apart have no place in the matrix for each other
+                if row[w] < 0 or abs(di) > 2 or abs(dj) > 2 or abs(dk) > 2:
                     continue
-                for q in range(len(wu)):
-                    uw[dof[v, i], q] += weight[n, a] * Q[n, f + i, q]
-                    wu[q, dof[v, i]] += weight[n, a] * rows[n, q, f + i]
-                for b in range(32):
-                    w, g = node[n, b], 3 * (b // 8)
-                    di, dj, dk = w // (ny * nz) - v // (ny * nz), w // nz % ny - v // nz % ny, w % nz - v % nz
-                    # corners that have drifted more than a cell apart have no place in the matrix for each other
-                    if weight[n, b] == 0.0 or abs(di) > 2 or abs(dj) > 2 or abs(dk) > 2:
-                        continue
-                    at = indptr[dof[v, i]] + slot[row[v], (di * 5 + dj) * 5 + dk + CENTRE]
-                    for k in range(3):
-                        if dof[w, k] >= 0:
-                            values[at] += weight[n, a] * weight[n, b] * K[n, f + i, g + k]
-                            at += 1
+                offset = slot[row[v], (di * 5 + dj) * 5 + dk + CENTRE]
+                for i in range(3):
+                    if dof[v, i] >= 0:
+                        at = indptr[dof[v, i]] + offset
+                        for k in range(3):
+                            if dof[w, k] >= 0:
+                                values[at] += (W[t, 0] * M[i, k] + W[t, 1] * M[i, 3 + k]
+                                               + W[t, 2] * M[i, 6 + k] + W[t, 3] * M[i, 9 + k])
+                                at += 1
+
+
+@njit(cache=True)
+def _merged(node, weight, ny, nz, nodes, place, W):
+    """Different `nodes` among those (32,) of four corners, their `place` in the grid, and their weights W (., 4) in each
+    corner; returns how many they are."""
+    count = 0
+    for a in range(32):
+        if weight[a] == 0.0:
+            continue
+        u = 0
+        while u < count and nodes[u] != node[a]:
+            u += 1
+        if u == count:
+            nodes[u], W[u] = node[a], 0.0
+            place[u, 0], place[u, 1], place[u, 2] = node[a] // (ny * nz), node[a] // nz % ny, node[a] % nz
+            count += 1
+        W[u, a // 8] += weight[a]
+    return count

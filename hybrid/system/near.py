@@ -28,19 +28,24 @@ class Near:
     """
 
     def __init__(self, indptr, indices, chosen, own=None, component=None):
-        self._from, n = indptr, len(indptr) - 1
+        n = len(indptr) - 1
+        self._from, self._chosen = indptr, np.flatnonzero(chosen)
+        if len(chosen) < np.iinfo(np.int32).max:
+            self._chosen = self._chosen.astype(np.int32)    # half of what is read besides the values
         self.indptr = np.zeros(n + 1, np.int32)
         np.cumsum(np.add.reduceat(chosen, indptr[:-1], dtype=np.int32), out=self.indptr[1:])
-        self.indices, self.values = indices[chosen], np.empty(np.count_nonzero(chosen))
-        self._place = np.full((n, 3), -1, np.int32)
-        self._kind = np.full(len(indices), 3, np.int8) if own is None else component.astype(np.int8)[indices]
-        self._kind[chosen] = -1
+        self.indices, self.values = indices[chosen], np.empty(len(self._chosen))
+        self._place = None
         if own is not None:
+            self._place, self._kind = np.full((n, 3), -1, np.int32), component.astype(np.int8)[indices]
+            self._kind[chosen] = -1
             _find(self.indptr, self.indices, own.astype(np.int32), self._place)
 
     def take(self, values):
         """Fill `values` of this from the entries of the whole matrix."""
-        _take(self._from, self.indptr, self._kind, self._place, values, self.values)
+        _take(values, self._chosen, self.values)
+        if self._place is not None:
+            _share(self._from, self._kind, self._place, values, self.values)
 
 
 @njit(cache=True)
@@ -54,15 +59,19 @@ def _find(indptr, indices, own, place):
 
 
 @njit(cache=True, parallel=True)
-def _take(whole, indptr, kind, place, values, near):
-    for r in prange(len(indptr) - 1):
-        at, x, y, z = indptr[r], 0.0, 0.0, 0.0
+def _take(values, chosen, near):
+    for n in prange(len(chosen)):
+        near[n] = values[chosen[n]]
+
+
+@njit(cache=True, parallel=True)
+def _share(whole, kind, place, values, near):
+    """Add a share of the entries left out to those that a row has with its own node."""
+    for r in prange(len(whole) - 1):
+        x, y, z = 0.0, 0.0, 0.0
         for entry in range(whole[r], whole[r + 1]):
             k = kind[entry]
-            if k < 0:
-                near[at] = values[entry]
-                at += 1
-            elif k == 0:
+            if k == 0:
                 x += values[entry]
             elif k == 1:
                 y += values[entry]
