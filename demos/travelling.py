@@ -24,8 +24,8 @@ LAWS = {
     "clay": Material(law="von-mises", young=2e6, poisson=0.3, density=1800.0, strength=2e4),
 }
 SOILS = {"elastic": {}, "clay": {"fbar": True, "ghost": 0.0033}}     # clay locks as it flows
-AROUND = ((0.3, 0.4), (0.3, 0.3), (0.5, 0.3))   # [m] of fine cells beyond the body's box, below and above it
-WINDOW = (1.6, 1.6)                             # [m] of soil behind and ahead of it
+AROUND = ((2, 3), (2, 2), (3, 2))   # fine cells beyond the body's box, below and above it
+WINDOW = (1.6, 1.6)                 # [m] of soil behind and ahead of it
 KINDS = {"uniform": (False, False), "window": (False, True), "graded": (True, False), "both": (True, True)}
 
 
@@ -34,7 +34,7 @@ def scene(kind, law, size, steps=40):
     graded, window = KINDS[kind]
     ends = ((0.0, 6.4), (0.0, 1.6), (-1.6, 0.8))
     axes = [Axis(*end, size, growth=1.5, doublings=int(np.log2(0.8 / size) + 0.5),
-                 around=around if graded else None, window=WINDOW if window and axis == 0 else None)
+                 around=tuple(n * size for n in around) if graded else None, window=WINDOW if window and axis == 0 else None)
             for axis, (end, around) in enumerate(zip(ends, AROUND))]
     plough = Body(
         GEOMETRY / "box.geo", 1000.0, "plough", {"length": 0.8, "width": 0.8, "height": 0.6, "size": 10.0},
