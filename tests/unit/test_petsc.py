@@ -172,11 +172,13 @@ def test_memory_is_given_back():
     assert used[-1] - used[1] < 40  # one factor and matrix are 40 MiB; leaking them would be 160
 
 
-def test_what_the_factor_leaves_out_goes_by_a_share_to_the_node_of_its_row():
-    """Two unknowns a node, of components 0 and 2; the far entries of a row are of the nodes that are not its own."""
+@pytest.mark.parametrize("free", [(0, 1), (0, 2), (1, 2)])
+def test_what_the_factor_leaves_out_goes_by_a_share_to_the_node_of_its_row(free):
+    """Two unknowns a node, of the `free` components; the far entries of a row are of the nodes that are not its own."""
     uu = csr_matrix(np.arange(1.0, 37.0).reshape(6, 6))
-    node, component = np.repeat(np.arange(3), 2), np.tile([0, 2], 3)
-    own = np.stack([2 * node, np.full(6, -1), 2 * node + 1], axis=1)
+    node, component = np.repeat(np.arange(3), 2), np.tile(free, 3)
+    own = np.full((6, 3), -1)
+    own[:, free[0]], own[:, free[1]] = 2 * node, 2 * node + 1
     chosen = node[np.repeat(np.arange(6), 6)] == node[uu.indices]
     near = Near(uu.indptr, uu.indices, chosen, own, component)
     near.take(uu.data)
