@@ -234,7 +234,10 @@ def test_matrices_of_a_stage_go_before_those_of_the_next_come(geometry, monkeypa
     monkeypatch.setattr(cache_module, "BlockSystem", Counted)
     stages = tuple(Stage(name, 1) for name in "abc")
     assert len(list(build(replace(scene(geometry), stages=stages)).steps())) == 3
-    assert len(most) >= 4 and max(most) == 1
+    assert len(most) >= 4 and max(most) == 1 and not alive
+    next(steps := build(scene(geometry)).steps())
+    steps.close()       # as where the caller has seen enough, or a step fails
+    assert not alive
 
 
 def test_soil_that_would_open_starts_from_rest(monkeypatch):
