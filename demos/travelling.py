@@ -34,7 +34,8 @@ def scene(kind, law, size, steps=40):
     graded, window = KINDS[kind]
     ends = ((0.0, 6.4), (0.0, 1.6), (-1.6, 0.8))
     axes = [Axis(*end, size, growth=1.5, doublings=int(np.log2(0.8 / size) + 0.5),
-                 around=tuple(n * size for n in around) if graded else None, window=WINDOW if window and axis == 0 else None)
+                 around=tuple(n * size for n in around) if graded else None,
+                 window=WINDOW if window and axis == 0 else None)
             for axis, (end, around) in enumerate(zip(ends, AROUND))]
     plough = Body(
         GEOMETRY / "box.geo", 1000.0, "plough", {"length": 0.8, "width": 0.8, "height": 0.6, "size": 10.0},
