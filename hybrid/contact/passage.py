@@ -2,10 +2,14 @@
 
 Only corners that were outside when the step began are asked. Seen from the body they go straight from `start` to `end`.
 
-    pushed on   inside at the end, where the nearest side would push them on along their way
-    pierced     outside at the end, in by one side and out by the other one, or deeper than `depth` on the way
+    pierced     outside at the end, in by one side and out by the opposite one, or deeper than `depth` on the way
+    pushed on   inside at the end, where the nearest side would push them on along their way: the opposite one of that
+                by which they came in, or any other one after they have been deeper than `depth`
     buried      deeper than their own domain at the end, where no sample of the body is given to their face any more;
                 asked only of a second pass
+
+Soil that flows round an edge cuts it: it comes in by one side of the edge and is pushed out by the other one, a
+millimetre deep. That is no passage, and a shorter step does not do away with it.
 
 The path is walked with steps as long as the distance to the surface, so it skips no facet, however thin the body is.
 """
@@ -37,21 +41,24 @@ def passed_through(corners, touch, place, centre, rotation, surface, depth, widt
         return 0
     ends = np.full(len(corners), np.inf)
     ends[free] = gaps(end[free], surface, corners.side[free])
-    wrong = np.zeros(len(corners), bool)
     outward = np.einsum("ci,ci->c", way[touch.active], touch.side)
-    wrong[touch.active] = outward > ALONG * np.linalg.norm(way[touch.active], axis=1)
-    out = free & (ends >= 0.0)
-    wrong[out] = _pierced(corners.start[out], way[out], surface.radius, FINEST * depth, surface.tree)
+    pushed = outward > ALONG * np.linalg.norm(way[touch.active], axis=1)
+    last = np.zeros_like(way)   # side where a corner stays, 0 for those that come out again
+    last[touch.active[pushed]] = touch.side[pushed]
+    asked = free & (ends >= 0.0)
+    asked[touch.active[pushed]] = free[touch.active[pushed]]
+    wrong = np.zeros(len(corners), bool)
+    wrong[asked] = _pierced(corners.start[asked], way[asked], last[asked], FINEST * depth, surface.tree)
     for fraction in FRACTIONS:
-        wrong[out] |= gaps(corners.start[out] + fraction * way[out], surface) < -depth
+        wrong[asked] |= gaps(corners.start[asked] + fraction * way[asked], surface) < -depth
     if width is not None:
         wrong |= ends < -width
     return int(total(free & wrong))
 
 
 @njit(cache=True)
-def _pierced(start, way, radius, finest, tree):
-    """(m,) bool, paths that enter on one side and leave on the other one."""
+def _pierced(start, way, last, finest, tree):
+    """(m,) bool, paths that enter on one side and leave, or stay at their `last`, on the opposite one."""
     out = np.zeros(len(start), np.bool_)
     for n in range(len(start)):
         length, gone = math.sqrt(way[n, 0] ** 2 + way[n, 1] ** 2 + way[n, 2] ** 2), 0.0
@@ -70,4 +77,6 @@ def _pierced(start, way, radius, finest, tree):
                     break
                 within = False
             gone += max(abs(gap), finest)
+        if within and entry[0] * last[n, 0] + entry[1] * last[n, 1] + entry[2] * last[n, 2] < OPPOSITE:
+            out[n] = True
     return out
