@@ -43,7 +43,7 @@ def passed_through(corners, touch, place, centre, rotation, surface, depth, widt
     ends[free] = gaps(end[free], surface, corners.side[free])
     outward = np.einsum("ci,ci->c", way[touch.active], touch.side)
     pushed = outward > ALONG * np.linalg.norm(way[touch.active], axis=1)
-    last = np.zeros_like(way)   # side where a corner stays, 0 for those that come out again
+    last = np.zeros_like(way)   # side that a corner ends at, 0 for those that come out again
     last[touch.active[pushed]] = touch.side[pushed]
     asked = free & (ends >= 0.0)
     asked[touch.active[pushed]] = free[touch.active[pushed]]
@@ -58,25 +58,35 @@ def passed_through(corners, touch, place, centre, rotation, surface, depth, widt
 
 @njit(cache=True)
 def _pierced(start, way, last, finest, tree):
-    """(m,) bool, paths that enter on one side and leave, or stay at their `last`, on the opposite one."""
+    """(m,) bool, paths that enter on one side and leave, or end nearest to, the opposite one: their `last` (m, 3),
+    where it is not 0."""
     out = np.zeros(len(start), np.bool_)
     for n in range(len(start)):
         length, gone = math.sqrt(way[n, 0] ** 2 + way[n, 1] ** 2 + way[n, 2] ** 2), 0.0
-        within, entry = False, (0.0, 0.0, 0.0)
-        while gone <= length and length > 0.0:
+        within, side = False, (0.0, 0.0, 0.0)
+        entry = side
+        while length > 0.0:
             share = gone / length
             y = start[n, 0] + share * way[n, 0], start[n, 1] + share * way[n, 1], start[n, 2] + share * way[n, 2]
             triangle, feature, _, _, gap = closest(y, np.inf, tree, NO_SIDE)
-            n0, n1, n2 = (tree.normals[triangle, feature, 0], tree.normals[triangle, feature, 1],
-                          tree.normals[triangle, feature, 2])
+            side = (tree.normals[triangle, feature, 0], tree.normals[triangle, feature, 1],
+                    tree.normals[triangle, feature, 2])
             if not within and gap < finest:
-                within, entry = True, (n0, n1, n2)
+                within, entry = True, side
             elif within and gap >= finest:
-                if entry[0] * n0 + entry[1] * n1 + entry[2] * n2 < OPPOSITE:
+                if _opposite(entry, side):
                     out[n] = True
                     break
                 within = False
-            gone += max(abs(gap), finest)
-        if within and entry[0] * last[n, 0] + entry[1] * last[n, 1] + entry[2] * last[n, 2] < OPPOSITE:
-            out[n] = True
+            if gone == length:
+                break
+            gone = min(gone + max(abs(gap), finest), length)
+        if within:
+            known = last[n, 0], last[n, 1], last[n, 2]
+            out[n] |= _opposite(entry, side if known == NO_SIDE else known)
     return out
+
+
+@njit(cache=True)
+def _opposite(a, b):
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] < OPPOSITE
