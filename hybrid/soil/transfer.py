@@ -100,8 +100,8 @@ def _interpolate(first, value, ny, nz, nodal, out):
 
 @njit(cache=True, parallel=True, fastmath={"contract"})
 def _take_up(first, value, x, y, z, position, nodal, seen, affine):
-    """Values q and C_p of one field, summed along z first; weight times arm stands for the slope of the basis. Beyond
-    the last node of the grid there is no weight, and any arm will do."""
+    """Values q and C_p of one field, summed along z, then y, then x; weight times arm stands for the slope of the
+    basis. Beyond the last node of the grid there is no weight, and any arm will do."""
     for p in prange(len(first)):
         k, top, w0, w1, w2 = first[p, 2], len(z) - 1, value[p, 2, 0], value[p, 2, 1], value[p, 2, 2]
         r0, r1, r2 = z[k] - position[p, 2], z[min(k + 1, top)] - position[p, 2], z[min(k + 2, top)] - position[p, 2]
@@ -110,29 +110,40 @@ def _take_up(first, value, x, y, z, position, nodal, seen, affine):
         q0, q1, q2 = 0.0, 0.0, 0.0
         xx, xy, xz, yx, yy, yz, zx, zy, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         for a in range(3):
-            r0 = x[min(first[p, 0] + a, len(x) - 1)] - position[p, 0]
+            t0, t1, t2, tx, ty, tz, ux, uy, uz, squares = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
             for b in range(3):
                 r1 = y[min(first[p, 1] + b, len(y) - 1)] - position[p, 1]
                 v = ((first[p, 0] + a) * len(y) + first[p, 1] + b) * len(z) + k
                 s0 = nodal[v, 0] * w0 + nodal[v + 1, 0] * w1 + nodal[v + 2, 0] * w2
                 s1 = nodal[v, 1] * w0 + nodal[v + 1, 1] * w1 + nodal[v + 2, 1] * w2
                 s2 = nodal[v, 2] * w0 + nodal[v + 1, 2] * w1 + nodal[v + 2, 2] * w2
-                w = value[p, 0, a] * value[p, 1, b]
-                along_x, along_y = w * r0, w * r1
-                dx += along_x * r0
-                dy += along_y * r1
-                q0 += s0 * w
-                q1 += s1 * w
-                q2 += s2 * w
-                xx += s0 * along_x
-                yx += s1 * along_x
-                zx += s2 * along_x
-                xy += s0 * along_y
-                yy += s1 * along_y
-                zy += s2 * along_y
-                xz += w * (nodal[v, 0] * arm0 + nodal[v + 1, 0] * arm1 + nodal[v + 2, 0] * arm2)
-                yz += w * (nodal[v, 1] * arm0 + nodal[v + 1, 1] * arm1 + nodal[v + 2, 1] * arm2)
-                zz += w * (nodal[v, 2] * arm0 + nodal[v + 1, 2] * arm1 + nodal[v + 2, 2] * arm2)
+                w, along = value[p, 1, b], value[p, 1, b] * r1
+                squares += along * r1
+                t0 += s0 * w
+                t1 += s1 * w
+                t2 += s2 * w
+                tx += s0 * along
+                ty += s1 * along
+                tz += s2 * along
+                ux += w * (nodal[v, 0] * arm0 + nodal[v + 1, 0] * arm1 + nodal[v + 2, 0] * arm2)
+                uy += w * (nodal[v, 1] * arm0 + nodal[v + 1, 1] * arm1 + nodal[v + 2, 1] * arm2)
+                uz += w * (nodal[v, 2] * arm0 + nodal[v + 1, 2] * arm1 + nodal[v + 2, 2] * arm2)
+            r0, w = x[min(first[p, 0] + a, len(x) - 1)] - position[p, 0], value[p, 0, a]
+            along = w * r0
+            dx += along * r0
+            dy += w * squares
+            q0 += t0 * w
+            q1 += t1 * w
+            q2 += t2 * w
+            xx += t0 * along
+            yx += t1 * along
+            zx += t2 * along
+            xy += tx * w
+            yy += ty * w
+            zy += tz * w
+            xz += ux * w
+            yz += uy * w
+            zz += uz * w
         seen[p, 0], seen[p, 1], seen[p, 2] = q0, q1, q2
         # no gradient along a collapsed axis, nor for a point of standard MPM that sits on a node: it has no arm
         dx = 1.0 / dx if dx > 0.0 and len(x) > 1 else 0.0
