@@ -13,7 +13,11 @@ energy gives the internal force, so energy and both momenta stay what they are a
     f_v = Σ_p V0 [τ g_v + q H_v]        g_v = ΔF^-T ∇_n S_v,  h_v = ΔF_0^-T ∇_n M_v,  H_v = h_v - g_v,  q = P:τ / n
     K_vw = Σ_p V0 [g_v A g_w + (c g_v) H_w + H_v (e g_w) + κ H_v H_w + q (w-transposed g_v g_w - h_v h_w)]
 
-P the identity on the axes that deform, C_ijkl = ∂τ_ij/∂l_kl, c = C:P/n, e = P:C/n, κ = P:C:P/n².
+P the identity on the axes that deform, C_ijkl = ∂τ_ij/∂l_kl, c = C:P/n, e = P:C/n, κ = P:C:P/n². A row takes two forms
+in the free components (w, k) of a point, in runs as in `hybrid.soil.stiffness`:
+
+    K_vw,ik = Σ_p g_v,j B_ij + H_v,j S_ij        B_ij = V0 [A_ijkl g_w,l + c_ij H_w,k - q δ_jk H_w,i]
+                                                 S_ij = V0 [δ_ij (κ H_w,k + e_kl g_w,l) - q δ_jk h_w,i]
 
 The replacement at the element's centre is that of de Souza Neto, Perić, Dutko & Owen, Int. J. Solids Struct. 33 (1996)
 3277-3296, for material points Coombs et al., Comput. Methods Appl. Mech. Eng. 333 (2018) 1-21. Their force keeps the
@@ -26,7 +30,7 @@ from numba import njit, prange
 
 from hybrid.soil.basis import Basis, support
 from hybrid.soil.forces import gradients
-from hybrid.soil.stiffness import find_stacks, free_components, scratch
+from hybrid.soil.stiffness import WIDTH, add_row, contract, find_stacks, free_components, scratch
 from hybrid.soil.tangent import point_tangent
 
 
@@ -62,7 +66,7 @@ def add_force(step, shape, collapsed, trial, stress, volume, force):
 
 
 def add_stiffness(step, shape, collapsed, trial, principal_stress, tangent, volume, pattern, values):
-    """Add what F-bar adds to the consistent tangent to the entries `values` of a matrix of sparsity `pattern`."""
+    """Add the consistent tangent with F-bar to the entries `values` of a matrix of sparsity `pattern`."""
     basis, mean, slabs = step.basis, step.mean, step.slabs
     _add_stiffness(slabs.order, slabs.start, basis.first, basis.count, basis.value, mean.value, basis.slope, shape[1],
                    shape[2], trial.inverse, trial.mean_inverse, ~collapsed, trial.strain, trial.directions,
@@ -116,10 +120,24 @@ def _projections(A, directions, stress, deforms, c, e):
 
 
 @njit(cache=True, fastmath={"contract"})
-def _products(matrix, vectors, m, out):
-    for a in range(m):
+def _forms(unknown, size, volume, g, h, c, e, kappa, q, H, B, S):
+    """Fill H_v of the nodes of a point and S_ij of its free components, in nine rows of WIDTH, and add to B_ij, which is
+    V0 A_ijkl g_w,l, what H makes of it."""
+    for a in range(len(H)):
         for i in range(3):
-            out[a, i] = matrix[i, 0] * vectors[a, 0] + matrix[i, 1] * vectors[a, 1] + matrix[i, 2] * vectors[a, 2]
+            H[a, i] = h[a, i] - g[a, i]
+    for n in range(size):
+        w, k = unknown[0, n], unknown[1, n]
+        own = volume * H[w, k]
+        both = kappa * own + volume * (e[k, 0] * g[w, 0] + e[k, 1] * g[w, 1] + e[k, 2] * g[w, 2])
+        for i in range(3):
+            for j in range(3):
+                at = (3 * i + j) * WIDTH + np.uintp(n)
+                B[at] += c[i, j] * own
+                S[at] = both if i == j else 0.0
+            at = (3 * i + k) * WIDTH + np.uintp(n)
+            B[at] -= volume * q * H[w, i]
+            S[at] -= volume * q * h[w, i]
 
 
 @njit(cache=True, parallel=True)
@@ -130,7 +148,7 @@ def _add_stiffness(order, start, first, count, value, mean, slope, ny, nz, inver
         for pair in prange((slabs - colour + 1) // 2):
             slab = 2 * pair + colour
             node, g, code, unknown, stack, place = scratch()
-            h, H, cg, eg = np.empty((27, 3)), np.empty((27, 3)), np.empty((27, 3)), np.empty((27, 3))
+            h, H, B, S = np.empty((27, 3)), np.empty((27, 3)), np.empty(9 * 81), np.empty(9 * 81)
             A, work, c, e = np.empty(81), np.empty((3, 81)), np.empty((3, 3)), np.empty((3, 3))
             for n in range(start[slab], start[slab + 1]):
                 p = order[n]
@@ -139,26 +157,12 @@ def _add_stiffness(order, start, first, count, value, mean, slope, ny, nz, inver
                 stacks = free_components(count[p], node, dof, code, unknown, stack)
                 point_tangent(directions[p], directions[p], strain[p], stress[p], tangent[p], A, work)
                 q, kappa = _projections(A, directions[p], stress[p], deforms, c, e)
-                for a in range(m):
-                    for i in range(3):
-                        H[a, i] = h[a, i] - g[a, i]
-                _products(c, g, m, cg)
-                _products(e, g, m, eg)
+                contract(A, g, volume[p], unknown, stack[1, stacks], B)
+                _forms(unknown, stack[1, stacks], volume[p], g[:m], h[:m], c, e, kappa, q, H[:m], B, S)
                 for a in range(m):
                     if find_stacks(row[node[a]], code[a], stack, stacks, slot, place):
                         for i in range(3):
                             if dof[node[a], i] >= 0:
-                                _add_row(values, indptr[dof[node[a], i]], place, stack, stacks, unknown, a, i,
-                                         volume[p], g, h, H, cg, eg, kappa, q)
-
-
-@njit(cache=True, fastmath={"contract"})
-def _add_row(values, begin, place, stack, stacks, unknown, a, i, volume, g, h, H, cg, eg, kappa, q):
-    """Add what component i of node a feels of every node b of the point to the row that begins at `begin`."""
-    of_h, of_e = volume * (cg[a, i] + kappa * H[a, i]), volume * H[a, i]
-    for s in range(stacks):
-        at = begin + place[s] - stack[1, s]
-        for n in range(stack[1, s], stack[1, s + 1]):
-            b, k = unknown[0, n], unknown[1, n]
-            values[at + n] += (of_h * H[b, k] + of_e * eg[b, k]
-                               + volume * q * (g[a, k] * g[b, i] - h[a, k] * h[b, i]))
+                                begin, x = indptr[dof[node[a], i]], np.uintp(3 * i) * WIDTH
+                                add_row(values, begin, place, stack, stacks, B, x, g[a, 0], g[a, 1], g[a, 2])
+                                add_row(values, begin, place, stack, stacks, S, x, H[a, 0], H[a, 1], H[a, 2])

@@ -178,11 +178,12 @@ class Soil:
     def add_stiffness(self, step, trial, pattern, values):
         """Add the consistent tangent of `trial` to the soil block."""
         volume, tangent = _of_those_in(step.points, self.constants.volume), self._tangent(trial)
-        add_stiffness(step.basis, step.slabs, self.grid.shape, trial.strain, trial.response.stress, tangent, volume,
-                      pattern, values)
         if self.fbar:
             fbar.add_stiffness(step, self.grid.shape, self.grid.collapsed, trial.strain, trial.response.stress,
                                tangent, volume, pattern, values)
+        else:
+            add_stiffness(step.basis, step.slabs, self.grid.shape, trial.strain, trial.response.stress, tangent, volume,
+                          pattern, values)
         if step.cuts:
             ghost.add_stiffness(step.cuts, self.grid, pattern, values)
 

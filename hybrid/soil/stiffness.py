@@ -82,13 +82,13 @@ def _add_stiffness(order, start, first, count, value, slope, ny, nz, inverse, st
                     continue
                 m = reference_gradients(p, first, count, value, slope, ny, nz, node, g)
                 stacks = free_components(count[p], node, dof, code, unknown, stack)
-                _contract(A, g, volume[p], unknown, stack[1, stacks], B)
+                contract(A, g, volume[p], unknown, stack[1, stacks], B)
                 for a in range(m):
                     if find_stacks(row[node[a]], code[a], stack, stacks, slot, place):
                         for i in range(3):
                             if dof[node[a], i] >= 0:
-                                _add_row(values, indptr[dof[node[a], i]], place, stack, stacks, B,
-                                         np.uintp(3 * i) * WIDTH, g[a, 0], g[a, 1], g[a, 2])
+                                add_row(values, indptr[dof[node[a], i]], place, stack, stacks, B,
+                                        np.uintp(3 * i) * WIDTH, g[a, 0], g[a, 1], g[a, 2])
 
 
 @njit(cache=True)
@@ -152,7 +152,7 @@ def find_stacks(row, code, stack, stacks, slot, place):
 
 
 @njit(cache=True, fastmath={"contract"})
-def _contract(A, g, volume, unknown, size, B):
+def contract(A, g, volume, unknown, size, B):
     """B_ij,q = V0 A_ijkl g_w,l of the free components q = (w, k), in nine rows of WIDTH."""
     for q in range(size):
         w, k, at = np.uintp(unknown[0, q]), np.uintp(3 * unknown[1, q]), np.uintp(q)
@@ -164,7 +164,7 @@ def _contract(A, g, volume, unknown, size, B):
 
 
 @njit(cache=True, fastmath={"contract"})
-def _add_row(values, begin, place, stack, stacks, B, x, gx, gy, gz):
+def add_row(values, begin, place, stack, stacks, B, x, gx, gy, gz):
     """Add g_j B_ij,q to the row that begins at `begin`; x is where B_i0 begins."""
     for s in range(stacks):
         at, q, length = np.uintp(begin + place[s]), x + np.uintp(stack[1, s]), stack[1, s + 1] - stack[1, s]
