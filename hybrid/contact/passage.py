@@ -43,12 +43,10 @@ def passed_through(corners, touch, place, centre, rotation, surface, depth, widt
     ends[free] = gaps(end[free], surface, corners.side[free])
     outward = np.einsum("ci,ci->c", way[touch.active], touch.side)
     pushed = outward > ALONG * np.linalg.norm(way[touch.active], axis=1)
-    last = np.zeros_like(way)   # side that a corner ends at, 0 for those that come out again
-    last[touch.active[pushed]] = touch.side[pushed]
     asked = free & (ends >= 0.0)
     asked[touch.active[pushed]] = free[touch.active[pushed]]
     wrong = np.zeros(len(corners), bool)
-    wrong[asked] = _pierced(corners.start[asked], way[asked], last[asked], FINEST * depth, surface.tree)
+    wrong[asked] = _pierced(corners.start[asked], way[asked], FINEST * depth, surface.tree)
     for fraction in FRACTIONS:
         wrong[asked] |= gaps(corners.start[asked] + fraction * way[asked], surface) < -depth
     if width is not None:
@@ -57,9 +55,8 @@ def passed_through(corners, touch, place, centre, rotation, surface, depth, widt
 
 
 @njit(cache=True)
-def _pierced(start, way, last, finest, tree):
-    """(m,) bool, paths that enter on one side and leave, or end nearest to, the opposite one: their `last` (m, 3),
-    where it is not 0."""
+def _pierced(start, way, finest, tree):
+    """(m,) bool, paths that enter on one side and leave, or end nearest to, the opposite one."""
     out = np.zeros(len(start), np.bool_)
     for n in range(len(start)):
         length, gone = math.sqrt(way[n, 0] ** 2 + way[n, 1] ** 2 + way[n, 2] ** 2), 0.0
@@ -81,9 +78,8 @@ def _pierced(start, way, last, finest, tree):
             if gone == length:
                 break
             gone = min(gone + max(abs(gap), finest), length)
-        if within:
-            known = last[n, 0], last[n, 1], last[n, 2]
-            out[n] |= _opposite(entry, side if known == NO_SIDE else known)
+        if within and _opposite(entry, side):
+            out[n] = True
     return out
 
 
