@@ -108,9 +108,19 @@ class Simulation:
             summary.update(outcome="failed", reason=f"{type(error).__name__}: {error}")
             raise
         finally:
-            for observer in observers:
-                observer.finish(summary, self)
+            self._finish(observers, summary)
         return summary
+
+    def _finish(self, observers, summary):
+        """Tell every observer of the end, also when one of them fails; that is raised unless the run itself failed."""
+        failure = None
+        for observer in observers:
+            try:
+                observer.finish(summary, self)
+            except Exception as error:
+                failure = failure or error
+        if failure and summary["outcome"] == "completed":
+            raise failure
 
     def steps(self):
         """Generator of a Record per accepted outer step, from the present state to the end of the last stage."""

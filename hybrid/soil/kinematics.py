@@ -13,6 +13,10 @@ from numba import njit, prange
 from hybrid.soil.basis import with_margin
 from hybrid.soil.eigen import compose, principal, put_principal
 
+# Entries of F beyond which it tells nothing of a domain, which is no wider than its cell; and the most that soil has
+# expanded along every axis where F is begun anew.
+WORN, MOST = 100.0, 10.0
+
 
 @dataclass(frozen=True)
 class TrialStrain:
@@ -166,11 +170,15 @@ def _product_transposed(a, b, out):
             out[i, j] = a[i, 0] * b[j, 0] + a[i, 1] * b[j, 1] + a[i, 2] * b[j, 2]
 
 
-def carried_on(trial, elastic, stress, old):
+def carried_on(trial, elastic, stress, old, deforms):
     """F = ΔF F_n, b_e = Σ exp(2 ε_i) n_i ⊗ n_i of the elastic strains ε (n, 3) after the return, and Cauchy stress
-    σ = τ / det F of the Kirchhoff stress τ (n, 3, 3) [Pa]; each (n, 3, 3)."""
+    σ = τ / det F of the Kirchhoff stress τ (n, 3, 3) [Pa]; each (n, 3, 3). deforms: (3,) bool, axes that deform.
+
+    F beyond WORN is begun anew: loose sand that the grid carries apart would otherwise grow until det F is round-off,
+    and then less than nothing.
+    """
     deformation, squares, cauchy = (np.empty_like(old.deformation) for _ in range(3))
-    _carry_on(trial.increment, old.deformation, elastic, trial.directions, stress, deformation, squares, cauchy)
+    _carry_on(trial.increment, old.deformation, elastic, trial.directions, stress, deforms, deformation, squares, cauchy)
     return deformation, squares, cauchy
 
 
@@ -180,12 +188,32 @@ def logarithmic(b):
 
 
 @njit(cache=True, parallel=True, error_model="numpy", fastmath={"contract"})
-def _carry_on(increment, old, strain, directions, stress, deformation, squares, cauchy):
+def _carry_on(increment, old, strain, directions, stress, deforms, deformation, squares, cauchy):
     for p in prange(len(old)):
         F = deformation[p]
         _product(increment[p], old[p], F)
+        if _largest(F) > WORN:
+            _begin_anew(F, deforms)
         share = 1.0 / determinant(F)
         compose(np.exp(2 * strain[p, 0]), np.exp(2 * strain[p, 1]), np.exp(2 * strain[p, 2]), directions[p], squares[p])
         for i in range(3):
             for j in range(3):
                 cauchy[p, i, j] = stress[p, i, j] * share
+
+
+@njit(cache=True)
+def _largest(F):
+    most = 0.0
+    for i in range(3):
+        for j in range(3):
+            most = max(most, abs(F[i, j]))
+    return most
+
+
+@njit(cache=True)
+def _begin_anew(F, deforms):
+    """The same stretch along all axes that deform, with the volume of F where that is not beyond reason."""
+    stretch = min(abs(determinant(F)) ** (1.0 / np.sum(deforms)), MOST)
+    for i in range(3):
+        for j in range(3):
+            F[i, j] = (stretch if deforms[i] else 1.0) if i == j else 0.0

@@ -209,7 +209,7 @@ class Soil:
         if self.stray == "stop":
             stray.refuse_outside(left, position, self.grid)
         elastic = trial.response.elastic
-        deformation, squares, stress = carried_on(trial.strain, elastic, trial.stress, old)
+        deformation, squares, stress = carried_on(trial.strain, elastic, trial.stress, old, ~self.grid.collapsed)
         history = acceleration, *([] if algorithmic is None else [algorithmic])
         (rate, *history), affine = self._taken_up(step, old, velocity_gain, history)
         new = Points(

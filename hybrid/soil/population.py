@@ -21,6 +21,7 @@ import numpy as np
 from hybrid.soil.eigen import from_principal
 from hybrid.state import PointConstants, Points, Population
 
+FLAT = 1e-2      # [-] of the volume of two halves, that their mean F leaves
 NEITHER = 1e-12  # [-] rise of stress within a point, relative to the stress, that is none
 
 
@@ -121,11 +122,15 @@ def joined(first, second, axis, law):
 
 
 def _with_volume(deformation, ratio):
-    """F (n, 3, 3) scaled to det F = `ratio` (n,) along the axes that deform anywhere."""
+    """F (n, 3, 3) scaled to det F = `ratio` (n,) along the axes that deform anywhere; where F is all but flat, as the
+    mean of two that have turned against each other, the same stretch along all of these."""
     deforms = np.any(deformation != np.eye(3), axis=(0, 1)) | np.any(deformation != np.eye(3), axis=(0, 2))
     if not deforms.any():
         return deformation
-    scale = (ratio / np.linalg.det(deformation)) ** (1 / np.count_nonzero(deforms))
+    volume = np.linalg.det(deformation)
+    flat = volume < FLAT * ratio
+    deformation, volume = np.where(flat[:, None, None], np.eye(3), deformation), np.where(flat, 1.0, volume)
+    scale = (ratio / volume) ** (1 / np.count_nonzero(deforms))
     return deformation * np.where(deforms, scale[:, None], 1.0)[:, :, None]
 
 

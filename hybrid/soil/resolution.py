@@ -7,9 +7,10 @@ n_i points gives a point at the start times
 
 It is halved along its material axis j = argmax |F_ij| l_j where r_i >= COARSE, and joined with the other half along j
 where both and the whole have 2 r_i <= FINE, i being the direction of F e_j. Between the two limits points are left as
-they are, so nothing flickers. Halves are neighbours that at the start shared the box of one point of twice their
-width; they are joined only while they still lie side by side. No point gets narrower than those of the finest cells or
-wider than those of the widest.
+they are, so nothing flickers, and so are points that F stretches by more than LIMIT along j: their halves would be
+thrown far apart. Halves are neighbours that at the start shared the box of one point of twice their width; they are
+joined only while they still lie side by side. No point gets narrower than those of the finest cells or wider than those
+of the widest.
 """
 
 from dataclasses import dataclass
@@ -17,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hybrid.soil.population import halved, joined, taken, together
+from hybrid.soil.stray import LIMIT
 
 COARSE = 1.9  # a point of a cell twice as large, at rest, has r = 2
 FINE = 1.5    # the point two halves make, at rest in a cell that is twice as large, has r = 1
@@ -57,6 +59,7 @@ class Resolution:
         wide = _ratio(share, self.per_axis, grid, population.points.position) >= COARSE
         wide &= share.argmax(axis=2) == j
         mask = wide[:, self.axes].any(axis=1) & free & (2 * population.constants.half[:, j] > 1.5 * self.width[j])
+        mask &= np.linalg.norm(population.points.deformation[:, :, j], axis=1) <= LIMIT     # else thrown far apart
         return mask, halved(taken(population, mask), j, law)
 
     def _join(self, j, population, grid, law, free):

@@ -114,3 +114,16 @@ def test_momentum_is_lost_where_the_mean_forgets_the_masses(population):
     broken = replace(whole, points=replace(whole.points, velocity=0.5 * (first.points.velocity + second.points.velocity)))
     with pytest.raises(AssertionError, match="momentum"):
         assert_same(broken, pop.together(first, second), but=["first centre"])
+
+
+def test_halves_that_turned_against_each_other_make_a_point_with_their_volume(population):
+    """A quarter turn one way and the other: the mean of their F is flat, and no power of it is a volume."""
+    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    parts = pop.halved(population, 0, LAW)
+    first, second = (pop.taken(parts, ids) for ids in (slice(None, COUNT), slice(COUNT, None)))
+    first = replace(first, points=replace(first.points, deformation=np.tile(1.1 * turn, (COUNT, 1, 1))))
+    second = replace(second, points=replace(second.points, deformation=np.tile(1.1 * turn.T, (COUNT, 1, 1))))
+    whole = pop.joined(first, second, 0, LAW)
+    np.testing.assert_allclose(np.linalg.det(whole.points.deformation), 1.1**3)
+    assert np.isfinite(whole.points.stress).all()
+    assert_same(whole, pop.together(first, second))

@@ -1,0 +1,53 @@
+"""Deformation gradients that have grown beyond any meaning are begun anew, before their volume is round-off."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from hybrid.soil import kinematics
+from hybrid.soil.kinematics import MOST, WORN, carried_on
+
+ALL = np.ones(3, bool)
+STEP = np.eye(3) + np.array([[0.05, 0.3, 0.1], [0.0, 0.02, -0.2], [0.1, 0.0, 0.05]])   # shears and loosens
+
+
+def carried(F, step=STEP, deforms=ALL):
+    """F, b_e and Cauchy stress after a step ΔF from `F` (3, 3), under a Kirchhoff pressure of 6 Pa."""
+    trial = SimpleNamespace(increment=step[None], directions=np.eye(3)[None])
+    old = SimpleNamespace(deformation=np.asarray(F, float)[None])
+    return [a[0] for a in carried_on(trial, np.zeros((1, 3)), -6.0 * np.eye(3)[None], old, deforms)]
+
+
+def test_what_is_not_worn_is_multiplied():
+    F = np.array([[3.0, 90.0, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 1.0]])
+    small = carried(F, np.eye(3) * 1.01)[0]
+    np.testing.assert_allclose(small, 1.01 * F, rtol=1e-15)
+
+
+def test_what_is_worn_keeps_its_volume_and_the_force_of_its_stress():
+    F = np.array([[2.0, 2 * WORN, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 3.0]])
+    new, _, cauchy = carried(F)
+    volume = np.linalg.det(STEP @ F)
+    np.testing.assert_allclose(new, volume ** (1 / 3) * np.eye(3), rtol=1e-12)
+    np.testing.assert_allclose(cauchy * volume, -6.0 * np.eye(3), rtol=1e-12)
+
+
+def test_a_collapsed_axis_stays_as_it_is():
+    F = np.array([[2.0, 2 * WORN, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 1.0]])
+    new = carried(F, np.eye(3), np.array([True, True, False]))[0]
+    np.testing.assert_allclose(new, np.eye(3), rtol=1e-12)
+
+
+@pytest.mark.parametrize("limit", [WORN, np.inf])
+def test_soil_that_is_carried_apart_for_long(monkeypatch, limit):
+    """2000 steps: the volume stays that of one who expands by MOST along every axis, or is lost where F may grow."""
+    plain = kinematics._carry_on.py_func
+    monkeypatch.setitem(plain.__globals__, "WORN", limit)
+    monkeypatch.setattr(kinematics, "_carry_on", plain)
+    F = np.eye(3)
+    with np.errstate(all="ignore"):
+        for _ in range(2000):
+            F = carried(F)[0]
+        volume = np.linalg.det(F)
+    assert (0.0 < volume <= (MOST * WORN) ** 3) == (limit == WORN)
