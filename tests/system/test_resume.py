@@ -145,3 +145,32 @@ def test_direct_and_krylov_agree(geometry):
         list(simulation.steps())
         ends.append(simulation.state.bodies[0].position)
     assert np.allclose(*ends, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("fails", [False, True])
+def test_an_observer_that_fails_at_the_end_keeps_no_other_from_it(geometry, fails):
+    """Nor does it hide why the run failed."""
+    told = []
+
+    class Observer:
+        def __init__(self, fails):
+            self.fails = fails
+
+        def start(self, simulation):
+            """Nothing to prepare."""
+
+        def accepted(self, record, simulation):
+            """Nothing to note."""
+
+        def finish(self, summary, simulation):
+            if self.fails:
+                raise ValueError("no room left")
+            told.append(summary["outcome"])
+
+    described = scene(geometry, steps=1, body={"velocity": (0.4, 0.1, -3.0)})
+    if fails:
+        described = replace(described, time=Time(step=0.01, smallest=0.01), solver=Solver(tolerance=1e-9, iterations=1))
+    simulation = build(described)
+    with pytest.raises(StepError if fails else ValueError, match="step 1 failed" if fails else "no room left"):
+        simulation.run([Observer(True), Observer(False)])
+    assert told == ["failed" if fails else "completed"]

@@ -1,0 +1,34 @@
+"""Which points a grid with finer cells halves, and which it leaves as they are."""
+
+import numpy as np
+import pytest
+
+from contact_bed import bed
+from hybrid.laws.hencky import Hencky
+from hybrid.soil.resolution import Resolution
+from hybrid.state import PointConstants, Points, Population
+
+
+def soil_of_coarse_points(stretch):
+    """Cells of 0.1 m, points of cells twice as wide that F has stretched along x, and the Resolution of the cells."""
+    grid, _, _ = bed()
+    position = np.array([[0.3, 0.4, -0.1], [0.5, 0.4, -0.1]])
+    half, n = np.full((2, 3), 0.05), 2
+    F = np.tile(np.diag([stretch, 1.0, 1.0]), (n, 1, 1))
+    points = Points(position=position, velocity=np.zeros((n, 3)), acceleration=np.zeros((n, 3)), half=half.copy(),
+                    deformation=F, elastic=np.tile(np.eye(3), (n, 1, 1)), stress=np.zeros((n, 3, 3)),
+                    plastic_strain=np.zeros(n))
+    constants = PointConstants(position, half, np.full(n, 1e-3), np.full(n, 1.8))
+    law = Hencky(np.full(n, 1e6), 0.3)
+    width = np.full(3, 0.05)
+    return Population(points, constants, law.rows), grid, law, Resolution((0, 1, 2), np.zeros(3), width, np.full(3, 2), 1)
+
+
+@pytest.mark.parametrize(("stretch", "count"), [(1.0, 16), (9.0, 16), (11.0, 8)])
+def test_points_that_are_drawn_out_are_not_thrown_apart(stretch, count):
+    """Two points become eight each, but not along an axis that F stretches by more than ten."""
+    population, grid, law, resolution = soil_of_coarse_points(stretch)
+    adapted, _ = resolution.adapt(population, grid, law, np.ones(2, bool))
+    assert len(adapted) == count
+    assert adapted.constants.mass.sum() == pytest.approx(3.6)
+    assert np.abs(adapted.points.position[:, 0] - 0.4).max() <= 0.1 + 0.025 * min(stretch, 10.0) + 1e-12
