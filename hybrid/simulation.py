@@ -1,5 +1,6 @@
 """A run: stages of outer steps over a model and its state, told to observers."""
 
+import logging
 from dataclasses import replace
 from functools import cached_property
 
@@ -21,6 +22,8 @@ from hybrid.stepping.loop import Control, outer_step
 from hybrid.stepping.watch import Watch
 from hybrid.system.cache import Systems
 from hybrid.system.equations import Step
+
+log = logging.getLogger("hybrid")
 
 
 class Simulation:
@@ -118,6 +121,7 @@ class Simulation:
             try:
                 observer.finish(summary, self)
             except Exception as error:
+                log.warning("%s failed at the end of the run: %s", type(observer).__name__, error)
                 failure = failure or error
         if failure and summary["outcome"] == "completed":
             raise failure

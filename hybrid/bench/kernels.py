@@ -1,5 +1,6 @@
 """Each part of a step by itself, on soil that yields under a cube of steel, off the lattice that it starts from."""
 
+from dataclasses import replace
 from time import perf_counter
 
 import numpy as np
@@ -18,7 +19,8 @@ def run(options):
     """Rows of the parts: median time, also for each point and each entry of the soil block."""
     warm()
     cells = (6, 6, 4) if options.quick else (20, 20, 15)
-    simulation = build(block(cells, 0.05, body=(0.2, 50.0)))
+    described = block(cells, 0.05, body=(0.2, 50.0))
+    simulation = build(described)
     model, state = simulation.model, off_the_lattice(simulation.state)
     soil, systems = model.soil, Systems(model)
     step = Step(model, state, 0.01, False, systems)
@@ -27,6 +29,9 @@ def run(options):
     step.assemble(found)
     law = soil.law
     strain, plastic = found.soil_trial.strain.strain.copy(), state.points.plastic_strain
+    fbar = build(replace(described, soil=replace(described.soil, fbar=True))).model.soil
+    begun = fbar.begin(state.points, model.gravity)
+    trial = fbar.evaluate(begun, unknowns.displacement)
     parts = {
         "basis": lambda: evaluate_basis(state.points.position, state.points.half, soil.grid.axes),
         "begin: basis and projection": lambda: soil.begin(state.points, model.gravity),
@@ -34,6 +39,7 @@ def run(options):
         "strain, law, internal force": lambda: soil.evaluate(step.soil, unknowns.displacement),
         "tangent into the block matrix": lambda: soil.add_stiffness(
             step.soil, found.soil_trial, step.pattern, step.system.values),
+        "the same with F-bar": lambda: fbar.add_stiffness(begun, trial, step.pattern, step.system.values),
         "state update": lambda: soil.accept(
             step.soil, found.soil_trial, unknowns.displacement, *found.rates),
         "search of contact": lambda: _pair(step),

@@ -178,7 +178,8 @@ def carried_on(trial, elastic, stress, old, deforms):
     and then less than nothing.
     """
     deformation, squares, cauchy = (np.empty_like(old.deformation) for _ in range(3))
-    _carry_on(trial.increment, old.deformation, elastic, trial.directions, stress, deforms, deformation, squares, cauchy)
+    _carry_on(trial.increment, old.deformation, elastic, trial.directions, stress, deforms, deformation, squares,
+              cauchy)
     return deformation, squares, cauchy
 
 

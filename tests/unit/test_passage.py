@@ -11,14 +11,14 @@ DEPTH = 0.005            # [m] that a corner may cut in
 CENTRE = np.zeros(3), np.eye(3)
 
 
-def passed(start, end, half=HALF, width=None):
+def passed(start, end, half=HALF):
     """Number of corners found to pass that go from `start` to `end` [m], given as seen from the body."""
     surface = box(half=half)
     outside = touch_of(corners_in(surface, start, start), surface).gap
     assert not len(outside), "starts within the body"
     corners = corners_in(surface, start, start, touching=False)
     place = np.atleast_2d(np.array(end, float))
-    return passed_through(corners, touch_of(corners, surface, place=place), place, *CENTRE, surface, DEPTH, width)
+    return passed_through(corners, touch_of(corners, surface, place=place), place, *CENTRE, surface, DEPTH)
 
 
 def test_soil_that_flows_round_an_edge_does_not_pass():

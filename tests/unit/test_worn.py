@@ -33,6 +33,10 @@ def test_what_is_worn_keeps_its_volume_and_the_force_of_its_stress():
     np.testing.assert_allclose(cauchy * volume, -6.0 * np.eye(3), rtol=1e-12)
 
 
+def test_what_has_come_apart_keeps_a_volume_within_reason():
+    np.testing.assert_allclose(carried(2 * WORN * np.eye(3), np.eye(3))[0], MOST * np.eye(3))
+
+
 def test_a_collapsed_axis_stays_as_it_is():
     F = np.array([[2.0, 2 * WORN, 0.0], [0.0, 1.5, 0.0], [0.0, 0.0, 1.0]])
     new = carried(F, np.eye(3), np.array([True, True, False]))[0]
@@ -41,13 +45,13 @@ def test_a_collapsed_axis_stays_as_it_is():
 
 @pytest.mark.parametrize("limit", [WORN, np.inf])
 def test_soil_that_is_carried_apart_for_long(monkeypatch, limit):
-    """2000 steps: the volume stays that of one who expands by MOST along every axis, or is lost where F may grow."""
+    """2000 steps: volumes of 1.1 to 5 200 times the first, or none that is a number where F may grow."""
     plain = kinematics._carry_on.py_func
     monkeypatch.setitem(plain.__globals__, "WORN", limit)
     monkeypatch.setattr(kinematics, "_carry_on", plain)
-    F = np.eye(3)
+    F, volumes = np.eye(3), []
     with np.errstate(all="ignore"):
         for _ in range(2000):
             F = carried(F)[0]
-        volume = np.linalg.det(F)
-    assert (0.0 < volume <= (MOST * WORN) ** 3) == (limit == WORN)
+            volumes.append(np.linalg.det(F))
+    assert (1.0 < min(volumes) and max(volumes) < 1e4) == (limit == WORN)
