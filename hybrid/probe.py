@@ -24,8 +24,7 @@ dragged. Measured, by the cells along the body, with tangents counted in full on
 | drag, 0.2 m, 975 steps                  | 18    | 11  | 2.0             | 0.65         | 2.7, 4.5 at the end         |
 | drag, 0.1 m, 73 steps                   | 36    | 15  | -               | -            | 2.3, 5 at the end           |
 
-The last column is of the incomplete factor; sweeps, which come first where cells double, take about as many late in the
-drag as at its start. Hence `_in_plastic_soil`: n = 1.4 cells^(2/3), Krylov iterations that grow as n beyond 6, and 1.2
+Hence `_in_plastic_soil`: n = 1.4 cells^(2/3), Krylov iterations that grow as n beyond 6, and 1.2
 increments. A grid that travels takes in more points when the body sinks: all is multiplied by what they may grow.
 Scenes differ by up to a factor of two from that.
 

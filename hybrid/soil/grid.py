@@ -78,6 +78,13 @@ class Grid:
         return np.array([len(a) == 1 for a in self.axes])
 
     @cached_property
+    def volumes(self):
+        """(N,) [m³] of the box around each node, half of the way to its neighbours."""
+        widths = [np.ptp(e) * np.ones(1) if len(a) == 1 else 0.5 * (np.diff(a, prepend=a[0]) + np.diff(a, append=a[-1]))
+                  for a, e in zip(self.axes, self.extent)]
+        return np.einsum("i,j,k->ijk", *widths).ravel()
+
+    @cached_property
     def smallest_cell(self):
         """Edge [m] of the smallest cell."""
         return min(np.diff(a).min() for a in self.axes if len(a) > 1)

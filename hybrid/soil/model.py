@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hybrid.laws import plastic_increment
-from hybrid.reductions import total
+from hybrid.reductions import largest, total
 from hybrid.soil import fbar, ghost, stray, transfer
 from hybrid.soil.basis import Basis, evaluate_basis
 from hybrid.soil.domains import updated_half
@@ -32,6 +32,7 @@ from hybrid.soil.stiffness import KeptStiffness, add_stiffness
 from hybrid.state import Points
 
 
+LIGHT = 0.1     # of the mass that a node has in whole soil: how `hybrid.system.near` uses it
 NOTHING = 1e-3  # of Young's modulus, the largest diagonal entry of a tangent that is none
 
 
@@ -137,6 +138,11 @@ class Soil:
             points, basis, slabs, mass, velocity, acceleration, mass[:, None] * load, *algorithmic,
             mean=fbar.mean_basis(points.position, half, self.grid.axes, basis) if self.fbar else None,
             cuts=ghost.find_faces(basis, self.grid, self.ghost_factor * self.law.young) if self.ghost_factor else None)
+
+    def light(self, step):
+        """(N,) bool, nodes with less than LIGHT of the mass that the heaviest soil all around would give them."""
+        densest = largest(self.constants.mass / self.constants.volume)
+        return step.mass < LIGHT * densest * self.grid.volumes
 
     def evaluate(self, step, displacement):
         """SoilTrial at nodal increments (N, 3) [m], or None with the reason in `refusal`: a point would turn inside

@@ -65,7 +65,8 @@ class Step:
             self.soil: SoilStep | None = None if soil.held else soil.begin(
                 state.points, model.loads.on_points(state.time + dt, soil.constants.position))
             active = np.ones(soil.grid.node_count, bool) if soil.held else self.soil.active
-            self.pattern, self.system = systems.get(active & ~soil.grid.fixed.all(axis=1))
+            self.pattern, self.system = systems.get(
+                active & ~soil.grid.fixed.all(axis=1), None if soil.held else soil.light(self.soil))
         self.targets = tuple(
             s.target + dt * b.line.velocity if pulling and b.line else None for b, s in zip(model.bodies, state.bodies))
         with phase("contact search"):

@@ -1,7 +1,13 @@
-"""The part of the soil block that its incomplete factor is made of.
+"""The part of the soil block that its incomplete factor, or sweeps, are made of.
 
 A point near a cell's face couples nodes two cells apart, which makes three quarters of the entries but carries little,
-so they are left out. The ghost penalty couples them too, and with it they carry much: then a share of what is left out
+so they are left out. Not so those of light nodes, which a few points barely reach (`hybrid.soil.model.LIGHT`): what
+such a node has with far ones is as large as what it has with its neighbours. They are a twentieth of the nodes. Krylov
+iterations with an incomplete factor in sand before an anchor, 120 000 unknowns, to 1e-2, without the columns of light
+nodes, with those of less than a hundredth, a tenth and a half of the mass of a node in whole soil: 150 and more, 61, 9,
+6, for 9.0, 9.7, 10.3 and 12 of 40 million entries. The rows of light nodes do as well as their columns.
+
+The ghost penalty couples them too, and with it they carry much: then a share of what is left out
 is added to the block that its row's node has with itself, component by component. Krylov iterations to 1e-3 of blocks
 of 10 700 to 12 000 unknowns whose last cells are filled to a part:
 

@@ -21,7 +21,8 @@ from hybrid.system.near import Near
 class Pattern:
     """dof: (N, 3) unknown number or -1; row: (N,) number among active nodes or -1; slot: (active, 125) offset in the
     row or -1; indptr, indices: compressed rows; free: (N, 3) bool, the unknowns in the order of their numbers;
-    diagonal: (size,) place of each unknown's diagonal entry; near: (entries,) bool, between nodes of one cell."""
+    diagonal: (size,) place of each unknown's diagonal entry; near: (entries,) bool, between nodes of one cell, and in
+    the columns of light nodes."""
 
     dof: np.ndarray
     row: np.ndarray
@@ -38,15 +39,16 @@ class Pattern:
         return len(self.indptr) - 1
 
     def near_part(self, shared):
-        """Near of the entries between nodes of one cell; whether a share of the others counts too."""
+        """Near of the entries so marked; whether a share of the others counts too."""
         if not shared:
             return Near(self.indptr, self.indices, self.near)
         node, component = np.nonzero(self.free)
         return Near(self.indptr, self.indices, self.near, self.dof[node], component)
 
 
-def make_pattern(active, fixed, shape):
-    """Pattern for active nodes (N,) bool and held components (N, 3) bool on a grid of `shape` nodes."""
+def make_pattern(active, fixed, shape, light=None):
+    """Pattern for active nodes (N,) bool and held components (N, 3) bool on a grid of `shape` nodes, some of them light,
+    (N,) bool."""
     free = active[:, None] & ~fixed
     dof = np.full(free.shape, -1, np.int32)
     dof[free] = np.arange(np.count_nonzero(free))
@@ -58,7 +60,8 @@ def make_pattern(active, fixed, shape):
     width = _fill_slots(nodes, free, shape[0], shape[1], shape[2], slot)
     indptr[1:] = np.cumsum(np.repeat(width, free[nodes].sum(axis=1)))
     indices, near = np.empty(indptr[-1], np.int32), np.empty(indptr[-1], np.bool_)
-    _fill_indices(nodes, dof, shape[1], shape[2], slot, indptr, indices, near)
+    light = np.zeros(len(active), np.bool_) if light is None else light
+    _fill_indices(nodes, light, dof, shape[1], shape[2], slot, indptr, indices, near)
     rank = np.cumsum(free, axis=1) - 1
     node = np.nonzero(free)[0]
     diagonal = indptr[:-1] + slot[row[node], CENTRE] + rank[free]
@@ -87,7 +90,7 @@ def _fill_slots(nodes, free, nx, ny, nz, slot):
 
 
 @njit(cache=True, parallel=True)
-def _fill_indices(nodes, dof, ny, nz, slot, indptr, indices, near):
+def _fill_indices(nodes, light, dof, ny, nz, slot, indptr, indices, near):
     for r in prange(len(nodes)):
         v = nodes[r]
         for i in range(3):
@@ -99,7 +102,8 @@ def _fill_indices(nodes, dof, ny, nz, slot, indptr, indices, near):
                     continue
                 w = v + ((s // 25 - 2) * ny + s // 5 % 5 - 2) * nz + s % 5 - 2
                 neighbour = abs(s // 25 - 2) <= 1 and abs(s // 5 % 5 - 2) <= 1 and abs(s % 5 - 2) <= 1
+                kept = neighbour or light[w]
                 for k in range(3):
                     if dof[w, k] >= 0:
-                        indices[at], near[at] = dof[w, k], neighbour
+                        indices[at], near[at] = dof[w, k], kept
                         at += 1

@@ -7,13 +7,12 @@ K_uu is sparse (AIJ) over the free soil unknowns, the others are dense and as th
 preconditioner is the upper block factorisation: an approximate inverse M^-1 of K_uu and the exact Schur complement
 K_ww - K_wu M^-1 K_uw, formed with one application of M^-1 per body unknown. M^-1 is a symmetric Gauss-Seidel sweep over
 the blocks of nodes, or an incomplete factor, the other one where GMRES gets nowhere with that; or, for checks, a direct
-factor. Sweeps need no factor, keep a positive matrix positive, and stay at ten iterations where cells grow away from a
-body and the incomplete factor takes thirty to sixty; `hybrid.system.cache` tells which comes first. By blocks rather
-than by rows they take sand 13 iterations instead of 14 (19 600 unknowns) and 15 to 25 instead of 25 to 28 (103 000), to
-1e-2.
+factor. Sweeps need no factor, keep a positive matrix positive and do not mind stiff contact: they come first where the
+soil's tangent is symmetric. By blocks rather than by rows they take sand 13 iterations instead of 14 (19 600 unknowns)
+and 15 to 25 instead of 25 to 28 (103 000), to 1e-2.
 
-Either is made from the entries between nodes of one cell (`hybrid.system.near`): without the others a factor of 15 600
-unknowns takes 0.04 s instead of 0.35 s, and GMRES 8 iterations instead of 4 to 1e-3, in the same time.
+Either is made from a part of the entries (`hybrid.system.near`): with those between nodes of one cell a factor of
+15 600 unknowns takes 0.04 s instead of 0.35 s, and GMRES 8 iterations instead of 4 to 1e-3, in the same time.
 
 All matrices stay allocated while the pattern is the same; values are edited in place. Options prefix: "hybrid_".
 """

@@ -74,6 +74,21 @@ def test_diagonal_and_entries_are_where_they_are_said_to_be(name):
                 assert np.array_equal(pattern.indices[entries], pattern.dof[w][pattern.free[w]])
 
 
+@pytest.mark.parametrize("name", CASES)
+def test_near_entries_are_of_one_cell_or_in_columns_of_light_nodes(name):
+    active, fixed, shape = case(name)
+    light = np.random.default_rng(3).random(len(active)) < 0.2
+    node = np.nonzero(active[:, None] & ~fixed)[0]
+    place = np.array(np.unravel_index(node, shape)).T
+    for light in (None, light):
+        pattern = make_pattern(active, fixed, shape, light)
+        row = np.repeat(np.arange(pattern.size), np.diff(pattern.indptr))
+        expected = np.abs(place[row] - place[pattern.indices]).max(axis=1, initial=0) <= 1
+        if light is not None:
+            expected |= light[node[pattern.indices]]
+        assert np.array_equal(pattern.near, expected)
+
+
 def test_nothing_active():
     pattern = make_pattern(np.zeros(8, bool), np.zeros((8, 3), bool), (2, 2, 2))
     assert pattern.size == 0 and len(pattern.indices) == 0 and len(pattern.diagonal) == 0

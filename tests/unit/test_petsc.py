@@ -1,6 +1,6 @@
 """The block system against a dense solution, whatever its preconditioner; memory given back."""
 
-from types import SimpleNamespace
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,8 +9,9 @@ from scipy.sparse import block_diag, csr_matrix, diags, identity, kron, random
 from hybrid.build import build
 from hybrid.errors import StepError
 from hybrid.scene import Solver, Time
+from hybrid.soil import model
 from hybrid.system import petsc
-from hybrid.system.cache import Systems, _sweeps_first
+from hybrid.system.cache import Systems
 from hybrid.system.equations import Step
 from hybrid.system.near import SHARE, Near
 from hybrid.system.petsc import BlockSystem
@@ -123,15 +124,6 @@ def test_a_node_that_weighs_nothing_does_not_stop_the_sweeps(monkeypatch, least,
     system.destroy()
 
 
-def test_sweeps_come_first_where_the_tangent_is_symmetric_or_cells_double():
-    def first(law, ratio):
-        axes = [np.array([0.0, 1.0, 2.0, 2.0 + ratio])] * 3
-        return _sweeps_first(SimpleNamespace(law=SimpleNamespace(symmetric=law), grid=SimpleNamespace(axes=axes)))
-
-    assert [first(True, 1.0), first(False, 1.0), first(False, 1.5), first(False, 2.0), first(False, 0.5)] == [
-        True, False, False, True, True]
-
-
 def pushed(system, uu):
     """Krylov iterations of a push on all of the soil, whose solution is checked."""
     m = system.body_unknowns
@@ -192,16 +184,28 @@ def test_what_the_factor_leaves_out_goes_by_a_share_to_the_node_of_its_row(free)
     np.testing.assert_allclose(csr_matrix((near.values, near.indices, near.indptr), (6, 6)).toarray(), expected)
 
 
+def hardly_filled(filled, material=(), **soil):
+    """Krylov iterations for a push everywhere on a block that reaches into the next layer of cells by a share of it."""
+    scene = soil_scene(size=0.1, time=Time(step=1.0, inertia=False),
+                       solver=Solver(linear="krylov", linear_tolerance=1e-3), **soil)
+    material = replace(scene.soil.material, **dict(material))
+    simulation = build(replace(scene, soil=replace(scene.soil, material=material)))
+    points = simulation.state.points
+    points.position[:, 2] -= (1 - filled) * 0.1 * (1 + points.position[:, 2] / 0.4)     # the base stays
+    points.half[:, 2] *= 1 - (1 - filled) * 0.25
+    step = Step(simulation.model, simulation.state, 1.0, False, Systems(simulation.model))
+    step.assemble(step.evaluate(step.start()))
+    return step.system.solve(np.random.default_rng(1).normal(size=step.pattern.size), np.zeros(0))[2]
+
+
 def test_cells_hardly_filled_cost_no_iterations_with_the_ghost_penalty():
-    """A block that reaches into the next layer of cells by less and less of it, pushed everywhere."""
-    counts = {}
-    for filled in (1.0, 1e-2, 1e-4):
-        simulation = build(soil_scene(size=0.1, ghost=0.033, time=Time(step=1.0, inertia=False),
-                                      solver=Solver(linear="krylov", linear_tolerance=1e-3)))
-        points = simulation.state.points
-        points.position[:, 2] -= (1 - filled) * 0.1 * (1 + points.position[:, 2] / 0.4)     # the base stays
-        points.half[:, 2] *= 1 - (1 - filled) * 0.25
-        step = Step(simulation.model, simulation.state, 1.0, False, Systems(simulation.model))
-        step.assemble(step.evaluate(step.start()))
-        counts[filled] = step.system.solve(np.random.default_rng(1).normal(size=step.pattern.size), np.zeros(0))[2]
+    counts = {filled: hardly_filled(filled, ghost=0.033) for filled in (1.0, 1e-2, 1e-4)}
     assert max(counts.values()) <= counts[1.0] + 2
+
+
+def test_light_nodes_cost_few_iterations_as_their_far_entries_are_kept(monkeypatch):
+    sand = {"law": "drucker-prager", "friction_angle": 33.0, "dilation_angle": 5.0, "cohesion": 1e5, "poisson": 0.3}
+    whole, light = (hardly_filled(filled, material=sand) for filled in (1.0, 0.03))
+    assert light <= whole + 1
+    monkeypatch.setattr(model, "LIGHT", 0.0)
+    assert hardly_filled(0.03, material=sand) > 1.5 * light

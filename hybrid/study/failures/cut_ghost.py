@@ -19,8 +19,8 @@ RATIO = 0.2
 
 def settings(quick=False):
     if quick:
-        return [(0.2, 0.0), (0.2, 0.033), (0.3, 0.033)]
-    return [(share, ghost) for share in (0.7, 0.6, 0.5, 0.45, 0.4, 0.3, 0.2, 0.1, 0.03, 0.001)
+        return [(0.9, 0.0), (0.9, 0.033), (0.3, 0.033)]
+    return [(share, ghost) for share in (0.9, 0.7, 0.6, 0.5, 0.45, 0.4, 0.3, 0.2, 0.1, 0.03, 0.001)
             for ghost in (0.0, 1e-4, 1e-3, 0.0033, 0.033, 0.33, 1.0)]
 
 
