@@ -32,7 +32,7 @@ class Systems:
             grid, model = self._model.soil.grid, self._model
             pattern = make_pattern(active, grid.fixed, grid.shape, light)
             unknowns = int(np.count_nonzero(model.body_free))
-            near = pattern.near_part(model.soil.ghost_factor > 0) if model.linear == "krylov" else None
+            near = pattern.near_part() if model.linear == "krylov" else None
             self._current = pattern, BlockSystem(
                 pattern.indptr, pattern.indices, unknowns, model.linear, model.linear_tolerance, near,
                 model.soil.law.symmetric)

@@ -38,12 +38,9 @@ class Pattern:
         """Number of soil unknowns."""
         return len(self.indptr) - 1
 
-    def near_part(self, shared):
-        """Near of the entries so marked; whether a share of the others counts too."""
-        if not shared:
-            return Near(self.indptr, self.indices, self.near)
-        node, component = np.nonzero(self.free)
-        return Near(self.indptr, self.indices, self.near, self.dof[node], component)
+    def near_part(self):
+        """Near of the entries so marked."""
+        return Near(self.indptr, self.indices, self.near)
 
 
 def make_pattern(active, fixed, shape, light=None):

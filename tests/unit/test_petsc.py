@@ -13,7 +13,7 @@ from hybrid.soil import model
 from hybrid.system import petsc
 from hybrid.system.cache import Systems
 from hybrid.system.equations import Step
-from hybrid.system.near import SHARE, Near
+from hybrid.system.near import Near
 from hybrid.system.petsc import BlockSystem
 from hybrid.study.scenes import soil_scene
 
@@ -162,26 +162,6 @@ def test_memory_is_given_back():
         system.destroy()
         used.append(resident())
     assert used[-1] - used[1] < 40  # one factor and matrix are 40 MiB; leaking them would be 160
-
-
-@pytest.mark.parametrize("free", [(0, 1), (0, 2), (1, 2)])
-def test_what_the_factor_leaves_out_goes_by_a_share_to_the_node_of_its_row(free):
-    """Two unknowns a node, of the `free` components; the far entries of a row are of the nodes that are not its own."""
-    uu = csr_matrix(np.arange(1.0, 37.0).reshape(6, 6))
-    node, component = np.repeat(np.arange(3), 2), np.tile(free, 3)
-    own = np.full((6, 3), -1)
-    own[:, free[0]], own[:, free[1]] = 2 * node, 2 * node + 1
-    chosen = node[np.repeat(np.arange(6), 6)] == node[uu.indices]
-    near = Near(uu.indptr, uu.indices, chosen, own, component)
-    near.take(uu.data)
-    dense = uu.toarray()
-    expected = np.zeros((6, 6))
-    for r in range(6):
-        for c in range(6):
-            if node[c] == node[r]:
-                far = [dense[r, q] for q in range(6) if node[q] != node[r] and component[q] == component[c]]
-                expected[r, c] = dense[r, c] + SHARE * sum(far)
-    np.testing.assert_allclose(csr_matrix((near.values, near.indices, near.indptr), (6, 6)).toarray(), expected)
 
 
 def hardly_filled(filled, material=(), **soil):
