@@ -8,7 +8,7 @@ n_i points gives a point at the start times
 It is halved along its material axis j = argmax |F_ij| l_j where r_i >= COARSE, and joined with the other half along j
 where both and the whole have 2 r_i <= FINE, i being the direction of F e_j. Between the two limits points are left as
 they are, so nothing flickers, and so are points that F stretches by more than LIMIT along j: their halves would be
-thrown far apart. Halves are neighbours that at the start shared the box of one point of twice their width; they are
+thrown far apart, and those at the end of the grid of which a half would leave it. Halves are neighbours that at the start shared the box of one point of twice their width; they are
 joined only while they still lie side by side. No point gets narrower than those of the finest cells or wider than those
 of the widest.
 """
@@ -60,6 +60,7 @@ class Resolution:
         wide &= share.argmax(axis=2) == j
         mask = wide[:, self.axes].any(axis=1) & free & (2 * population.constants.half[:, j] > 1.5 * self.width[j])
         mask &= np.linalg.norm(population.points.deformation[:, :, j], axis=1) <= LIMIT     # else thrown far apart
+        mask &= _halves_within(j, population, grid)
         return mask, halved(taken(population, mask), j, law)
 
     def _join(self, j, population, grid, law, free):
@@ -104,6 +105,17 @@ class Resolution:
         share[:, :, j] *= 2
         ratio = _ratio(share, self.per_axis, grid, 0.5 * (points.position[a] + points.position[b]))
         return touch & (np.take_along_axis(ratio, toward[:, None], 1)[:, 0] <= FINE)
+
+
+def _halves_within(j, population, grid):
+    """(n,) bool, points whose halves along j the grid holds: at the end of a window one would be put beyond it."""
+    position = population.points.position
+    away = np.abs(0.5 * population.constants.half[:, j, None] * population.points.deformation[:, :, j])
+    within = np.ones(len(position), bool)
+    for axis, nodes in enumerate(grid.axes):
+        if len(nodes) > 1:
+            within &= (position[:, axis] - away[:, axis] >= nodes[0]) & (position[:, axis] + away[:, axis] <= nodes[-1])
+    return within
 
 
 def cell_sizes(grid, position):

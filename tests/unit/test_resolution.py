@@ -12,7 +12,7 @@ from hybrid.state import PointConstants, Points, Population
 def soil_of_coarse_points(stretch):
     """Cells of 0.1 m, points of cells twice as wide that F has stretched along x, and the Resolution of the cells."""
     grid, _, _ = bed()
-    position = np.array([[0.3, 0.4, -0.1], [0.5, 0.4, -0.1]])
+    position = np.array([[0.3, 0.4, 0.0], [0.5, 0.4, 0.0]])
     half, n = np.full((2, 3), 0.05), 2
     F = np.tile(np.diag([stretch, 1.0, 1.0]), (n, 1, 1))
     points = Points(position=position, velocity=np.zeros((n, 3)), acceleration=np.zeros((n, 3)), half=half.copy(),
@@ -34,3 +34,14 @@ def test_points_that_are_drawn_out_are_not_thrown_apart(stretch, count):
     assert adapted.constants.mass.sum() == pytest.approx(3.6)
     moved = 0.025 * stretch if count == 16 else 0.0
     assert np.abs(adapted.points.position[:, 0] - 0.4).max() == pytest.approx(0.1 + moved)
+
+
+def test_no_half_is_put_beyond_the_grid():
+    """A point near the end of the grid, drawn out so far that a half of it would not lie in it any more."""
+    population, grid, law, resolution = soil_of_coarse_points(5.0)
+    end = grid.axes[0][0]
+    for place in (0.1, 0.124, 0.126, 0.13):
+        population.points.position[0, 0] = end + place
+        adapted, _ = resolution.adapt(population, grid, law, np.ones(2, bool))
+        assert adapted.points.position[:, 0].min() >= end
+        assert (len(adapted) == 16) == (place > 0.125)
