@@ -95,8 +95,8 @@ def build_grid(scene, placed=()):
 def build_lattice(axis, upwards):
     """Lattice of a travelling axis; `upwards` its window leaves nothing out."""
     window = axis.window and (axis.window[0], np.inf if upwards else axis.window[1])
-    return Lattice(axis.start, axis.end, round((axis.end - axis.start) / axis.size), axis.around, window, axis.doublings,
-                   max(1, round(np.log(2) / np.log(axis.growth))))
+    cells, per = round((axis.end - axis.start) / axis.size), max(1, round(np.log(2) / np.log(axis.growth)))
+    return Lattice(axis.start, axis.end, cells, axis.around, window, axis.doublings, per)
 
 
 def lay_out(scene, grid, gravity, law=None):

@@ -56,7 +56,8 @@ def _travel(scene):
                         "or give an axis `around` or `window` [m] to travel with")
         return
     yield from need(names and grid.follow in (None, *names), "grid.follow", grid.follow,
-                    f"a body of the scene: {', '.join(names) or 'it has none'}", "name one, or let the axes stand still")
+                    f"a body of the scene: {', '.join(names) or 'it has none'}",
+                    "name one, or let the axes stand still")
     yield from need(not soil.held, "soil.held", soil.held, "false where the grid travels",
                     "held soil has no unknowns to save: leave `around` and `window` out")
     yield from need(soil.material.law != "user", "soil.material.law", soil.material.law,

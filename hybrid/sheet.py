@@ -184,7 +184,8 @@ def _left_out_by_travelling(grid, soil):
     windows = [name for name, axis in axes.items() if axis.window]
     whole = 1
     for name, nodes in zip("xyz", soil.grid.axes):
-        whole *= round((axes[name].end - axes[name].start) / axes[name].size) if name in axes else max(1, len(nodes) - 1)
+        axis = axes.get(name)
+        whole *= round((axis.end - axis.start) / axis.size) if axis else max(1, len(nodes) - 1)
     if axes:
         cells = np.prod([max(1, n - 1) for n in soil.grid.shape])
         yield f"{whole - cells} of {whole} cells of the finest size: coarser, or not there, away from the body"

@@ -86,7 +86,7 @@ class Ground:
     """What a scene cannot tell of its soil any more once the grid travels.
 
     fine, window: (3, 2) lattice numbers of the layout; made: (a, b, c) bool, blocks whose soil has been laid out;
-    constants, rows: of the points that are solved; behind: all of those that the window has left, None if none are kept.
+    constants, rows: of the points that are solved; behind: all of those that the window has left, None if none is kept.
     """
 
     fine: np.ndarray

@@ -64,7 +64,8 @@ class Travel:
 
     def start(self, layouts, soil):
         """Ground of a Soil that fills the grid of `layouts`."""
-        made = np.zeros([self.lattices[a].cells // self.lattices[a].block if a in layouts else 1 for a in range(3)], bool)
+        blocks = [self.lattices[a].cells // self.lattices[a].block if a in layouts else 1 for a in range(3)]
+        made = np.zeros(blocks, bool)
         made[self._blocks(layouts)] = True
         return Ground(_array(layouts, "fine"), _array(layouts, "window"), made, soil.constants, soil.law.rows)
 
@@ -104,8 +105,8 @@ class Travel:
         origin = np.where(number >= 0, origin[number], -1)
         ground = Ground(_array(layouts, "fine"), _array(layouts, "window"), made, here.constants, here.rows, behind)
         new = self.model(model, ground)
-        half = updated_half(new.soil.domain, here.constants.half, here.points.deformation, here.points.position, grid.axes)
-        points = replace(here.points, half=half)
+        points = replace(here.points, half=updated_half(
+            new.soil.domain, here.constants.half, here.points.deformation, here.points.position, grid.axes))
         work = dict(state.work)
         gone = sum(of_soil(model, state.points).values()) - sum(of_soil(new, points).values())
         work["left"] = work.get("left", 0.0) + gone

@@ -227,7 +227,8 @@ def _add_tangent(node, weight, K, Q, rows, ny, nz, dof, row, slot, indptr, value
                             uw[dof[v, i], q] += W[u, f] * Q[n, 3 * f + i, q]
                             wu[q, dof[v, i]] += W[u, f] * rows[n, q, 3 * f + i]
             for t in range(count):
-                w, di, dj, dk = nodes[t], place[t, 0] - place[u, 0], place[t, 1] - place[u, 1], place[t, 2] - place[u, 2]
+                w = nodes[t]
+                di, dj, dk = place[t, 0] - place[u, 0], place[t, 1] - place[u, 1], place[t, 2] - place[u, 2]
                 # corners that have drifted more than a cell apart have no place in the matrix for each other
                 if row[w] < 0 or abs(di) > 2 or abs(dj) > 2 or abs(dk) > 2:
                     continue
@@ -244,8 +245,8 @@ def _add_tangent(node, weight, K, Q, rows, ny, nz, dof, row, slot, indptr, value
 
 @njit(cache=True)
 def _merged(node, weight, ny, nz, nodes, place, W):
-    """Different `nodes` among those (32,) of four corners, their `place` in the grid, and their weights W (., 4) in each
-    corner; returns how many they are."""
+    """Different `nodes` among those (32,) of four corners, their `place` in the grid, and their weights W (., 4) in
+    each corner; returns how many they are."""
     count = 0
     for a in range(32):
         if weight[a] == 0.0:

@@ -121,8 +121,8 @@ def _projections(A, directions, stress, deforms, c, e):
 
 @njit(cache=True, fastmath={"contract"})
 def _forms(unknown, size, volume, g, h, c, e, kappa, q, H, B, S):
-    """Fill H_v of the nodes of a point and S_ij of its free components, in nine rows of WIDTH, and add to B_ij, which is
-    V0 A_ijkl g_w,l, what H makes of it."""
+    """Fill H_v of the nodes of a point and S_ij of its free components, in nine rows of WIDTH, and add to B_ij, which
+    is V0 A_ijkl g_w,l, what H makes of it."""
     for a in range(len(H)):
         for i in range(3):
             H[a, i] = h[a, i] - g[a, i]

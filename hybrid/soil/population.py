@@ -109,7 +109,8 @@ def joined(first, second, axis, law):
     p, q = first.points, second.points
     double = np.ones(3)
     double[axis] = 2.0
-    constants = PointConstants(0.5 * (a.position + b.position), a.half * double, volume, mass, by_volume(a.rise, b.rise))
+    constants = PointConstants(
+        0.5 * (a.position + b.position), a.half * double, volume, mass, by_volume(a.rise, b.rise))
     deformation = by_volume(p.deformation, q.deformation)
     deformation = _with_volume(deformation, by_volume(np.linalg.det(p.deformation), np.linalg.det(q.deformation)))
     points = Points(

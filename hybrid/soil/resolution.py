@@ -8,9 +8,9 @@ n_i points gives a point at the start times
 It is halved along its material axis j = argmax |F_ij| l_j where r_i >= COARSE, and joined with the other half along j
 where both and the whole have 2 r_i <= FINE, i being the direction of F e_j. Between the two limits points are left as
 they are, so nothing flickers, and so are points that F stretches by more than LIMIT along j: their halves would be
-thrown far apart, and those at the end of the grid of which a half would leave it. Halves are neighbours that at the start shared the box of one point of twice their width; they are
-joined only while they still lie side by side. No point gets narrower than those of the finest cells or wider than those
-of the widest.
+thrown far apart, and those at the end of the grid of which a half would leave it. Halves are neighbours that at the
+start shared the box of one point of twice their width; they are joined only while they still lie side by side. No point
+gets narrower than those of the finest cells or wider than those of the widest.
 """
 
 from dataclasses import dataclass

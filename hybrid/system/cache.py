@@ -1,7 +1,9 @@
-"""Keeps the numbering, pattern and matrices for as long as the sets of active and of light nodes stay the same."""
+"""Keeps numbering and pattern for as long as the set of active nodes stays the same, matrices while that of light ones
+does too."""
 
 import numpy as np
 
+from hybrid.system.near import Near, near_entries
 from hybrid.system.pattern import make_pattern
 from hybrid.system.petsc import BlockSystem
 
@@ -11,8 +13,7 @@ class Systems:
 
     def __init__(self, model):
         self._model = model
-        self._active, self._light, self._current = None, None, None
-        self.rebuilt = 0
+        self._active, self._light, self._pattern, self._system = None, None, None, None
 
     def renew(self, model):
         """Go on with another model."""
@@ -20,22 +21,28 @@ class Systems:
 
     def destroy(self):
         """Release the matrices: PETSc keeps what Python lets go of."""
-        if self._current:
-            self._current[1].destroy()
-        self._active, self._current = None, None
+        if self._system:
+            self._system.destroy()
+        self._active, self._pattern, self._system = None, None, None
 
     def get(self, active, light=None):
-        """(Pattern, BlockSystem) for active nodes (N,) bool, some of them light."""
+        """(Pattern, BlockSystem) for active nodes (N,) bool, some of them light (N,) bool."""
         light = np.zeros_like(active) if light is None else light
-        if self._active is None or not (np.array_equal(active, self._active) and np.array_equal(light, self._light)):
+        known = self._active is not None and np.array_equal(active, self._active)
+        krylov = self._model.linear == "krylov"
+        if not known or krylov and not np.array_equal(light, self._light):
+            pattern = self._pattern if known else None
             self.destroy()      # not to hold two at once
-            grid, model = self._model.soil.grid, self._model
-            pattern = make_pattern(active, grid.fixed, grid.shape, light)
-            unknowns = int(np.count_nonzero(model.body_free))
-            near = pattern.near_part() if model.linear == "krylov" else None
-            self._current = pattern, BlockSystem(
-                pattern.indptr, pattern.indices, unknowns, model.linear, model.linear_tolerance, near,
-                model.soil.law.symmetric)
+            grid = self._model.soil.grid
+            self._pattern = pattern or make_pattern(active, grid.fixed, grid.shape)
+            self._system = self._made(light)
             self._active, self._light = active.copy(), light.copy()
-            self.rebuilt += 1
-        return self._current
+        return self._pattern, self._system
+
+    def _made(self, light):
+        model, pattern = self._model, self._pattern
+        near = None
+        if model.linear == "krylov":
+            near = Near(pattern.indptr, pattern.indices, near_entries(pattern, model.soil.grid.shape, light))
+        return BlockSystem(pattern.indptr, pattern.indices, int(np.count_nonzero(model.body_free)), model.linear,
+                           model.linear_tolerance, near, model.soil.law.symmetric)

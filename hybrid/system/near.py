@@ -22,6 +22,15 @@ import numpy as np
 from numba import njit, prange
 
 
+def near_entries(pattern, shape, light):
+    """Entries (entries,) bool of `pattern`, on a grid of `shape` nodes of which some are `light` (N,) bool, that are
+    between nodes of one cell or in the columns of light nodes."""
+    chosen = np.empty(len(pattern.indices), np.bool_)
+    nodes = np.flatnonzero(pattern.row >= 0)
+    _choose(nodes, light, pattern.free, pattern.dof, shape[1], shape[2], pattern.slot, pattern.indptr, chosen)
+    return chosen
+
+
 class Near:
     """Entries of a matrix of sparsity (indptr, indices) that `chosen` (entries,) bool marks.
 
@@ -45,3 +54,22 @@ class Near:
 def _take(values, chosen, near):
     for n in prange(len(chosen)):
         near[n] = values[chosen[n]]
+
+
+@njit(cache=True, parallel=True)
+def _choose(nodes, light, free, dof, ny, nz, slot, indptr, chosen):
+    for r in prange(len(nodes)):
+        v = nodes[r]
+        for s in range(125):
+            if slot[r, s] < 0:
+                continue
+            a, b, c = s // 25 - 2, s // 5 % 5 - 2, s % 5 - 2
+            w = v + (a * ny + b) * nz + c
+            is_near = light[w] or max(abs(a), abs(b), abs(c)) <= 1
+            width = 0
+            for k in range(3):
+                width += free[w, k]
+            for i in range(3):
+                if free[v, i]:
+                    at = indptr[dof[v, i]] + slot[r, s]
+                    chosen[at:at + width] = is_near

@@ -14,15 +14,13 @@ import numpy as np
 from numba import njit, prange
 
 from hybrid.soil.stiffness import CENTRE
-from hybrid.system.near import Near
 
 
 @dataclass(frozen=True)
 class Pattern:
     """dof: (N, 3) unknown number or -1; row: (N,) number among active nodes or -1; slot: (active, 125) offset in the
     row or -1; indptr, indices: compressed rows; free: (N, 3) bool, the unknowns in the order of their numbers;
-    diagonal: (size,) place of each unknown's diagonal entry; near: (entries,) bool, between nodes of one cell, and in
-    the columns of light nodes."""
+    diagonal: (size,) place of each unknown's diagonal entry."""
 
     dof: np.ndarray
     row: np.ndarray
@@ -31,21 +29,15 @@ class Pattern:
     indices: np.ndarray
     free: np.ndarray
     diagonal: np.ndarray
-    near: np.ndarray
 
     @property
     def size(self):
         """Number of soil unknowns."""
         return len(self.indptr) - 1
 
-    def near_part(self):
-        """Near of the entries so marked."""
-        return Near(self.indptr, self.indices, self.near)
 
-
-def make_pattern(active, fixed, shape, light=None):
-    """Pattern for active nodes (N,) bool and held components (N, 3) bool on a grid of `shape` nodes, some of them light,
-    (N,) bool."""
+def make_pattern(active, fixed, shape):
+    """Pattern for active nodes (N,) bool and held components (N, 3) bool on a grid of `shape` nodes."""
     free = active[:, None] & ~fixed
     dof = np.full(free.shape, -1, np.int32)
     dof[free] = np.arange(np.count_nonzero(free))
@@ -56,13 +48,12 @@ def make_pattern(active, fixed, shape, light=None):
     indptr = np.zeros(np.count_nonzero(free) + 1, np.int32)
     width = _fill_slots(nodes, free, shape[0], shape[1], shape[2], slot)
     indptr[1:] = np.cumsum(np.repeat(width, free[nodes].sum(axis=1)))
-    indices, near = np.empty(indptr[-1], np.int32), np.empty(indptr[-1], np.bool_)
-    light = np.zeros(len(active), np.bool_) if light is None else light
-    _fill_indices(nodes, light, dof, shape[1], shape[2], slot, indptr, indices, near)
+    indices = np.empty(indptr[-1], np.int32)
+    _fill_indices(nodes, dof, shape[1], shape[2], slot, indptr, indices)
     rank = np.cumsum(free, axis=1) - 1
     node = np.nonzero(free)[0]
     diagonal = indptr[:-1] + slot[row[node], CENTRE] + rank[free]
-    return Pattern(dof, row, slot, indptr, indices, free, diagonal, near)
+    return Pattern(dof, row, slot, indptr, indices, free, diagonal)
 
 
 @njit(cache=True, parallel=True)
@@ -87,7 +78,7 @@ def _fill_slots(nodes, free, nx, ny, nz, slot):
 
 
 @njit(cache=True, parallel=True)
-def _fill_indices(nodes, light, dof, ny, nz, slot, indptr, indices, near):
+def _fill_indices(nodes, dof, ny, nz, slot, indptr, indices):
     for r in prange(len(nodes)):
         v = nodes[r]
         for i in range(3):
@@ -98,9 +89,7 @@ def _fill_indices(nodes, light, dof, ny, nz, slot, indptr, indices, near):
                 if slot[r, s] < 0:
                     continue
                 w = v + ((s // 25 - 2) * ny + s // 5 % 5 - 2) * nz + s % 5 - 2
-                neighbour = abs(s // 25 - 2) <= 1 and abs(s // 5 % 5 - 2) <= 1 and abs(s % 5 - 2) <= 1
-                kept = neighbour or light[w]
                 for k in range(3):
                     if dof[w, k] >= 0:
-                        indices[at], near[at] = dof[w, k], kept
+                        indices[at] = dof[w, k]
                         at += 1

@@ -5,9 +5,9 @@
     |_____|    by a width that goes with h, and the others unload
 
 Only an energy of fracture G_f a unit of area is a property of the soil. With w(H) = ∫ σ dλ of a point drawn out with
-its sides held, G_f = h w(H): the softening H is chosen for cells of h0 = 1 m. For others it has to be H h/h0 (crack band:
-Z. P. Bažant and B. H. Oh, Matériaux et Constructions 16 (1983) 155-177). Known: the bed flies on at √(v² - 2 G_f/ρL),
-less what its waves keep.
+its sides held, G_f = h w(H): the softening H is chosen for cells of h0 = 1 m. For others it has to be H h/h0 (crack
+band: Z. P. Bažant and B. H. Oh, Matériaux et Constructions 16 (1983) 155-177). Known: the bed flies on at
+√(v² - 2 G_f/ρL), less what its waves keep.
 """
 
 import functools

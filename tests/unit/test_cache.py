@@ -1,0 +1,32 @@
+"""What is kept from one set of nodes to the next."""
+
+import numpy as np
+
+from hybrid.build import build
+from hybrid.scene import Solver
+from hybrid.study.scenes import soil_scene
+from hybrid.system.cache import Systems
+
+
+def made(linear):
+    model = build(soil_scene(size=0.1, solver=Solver(linear=linear))).model
+    active = ~model.soil.grid.fixed.all(axis=1)
+    return Systems(model), active, np.zeros_like(active)
+
+
+def test_other_light_nodes_keep_the_pattern_other_active_ones_keep_nothing():
+    systems, active, light = made("krylov")
+    first = systems.get(active, light)
+    assert systems.get(active.copy(), light.copy()) == first
+    light[np.flatnonzero(active)[7]] = True
+    pattern, system = systems.get(active, light)
+    assert pattern is first[0] and system is not first[1]
+    active[np.flatnonzero(active)[3]] = False
+    third = systems.get(active, light)
+    assert third[0] is not pattern and third[1] is not system
+    assert third[0].size < pattern.size
+
+
+def test_light_nodes_do_not_matter_to_a_direct_factor():
+    systems, active, light = made("direct")
+    assert systems.get(active, ~light) == systems.get(active, light)
