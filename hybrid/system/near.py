@@ -31,6 +31,17 @@ def near_entries(pattern, shape, light):
     return chosen
 
 
+@njit(cache=True, parallel=True)
+def diagonal_places(indptr, indices):
+    """Places (n,) of the diagonal among the entries of compressed rows that all have one."""
+    places = np.empty(len(indptr) - 1, np.int64)
+    for i in prange(len(places)):
+        for at in range(indptr[i], indptr[i + 1]):
+            if indices[at] == i:
+                places[i] = at
+    return places
+
+
 class Near:
     """Entries of a matrix of sparsity (indptr, indices) that `chosen` (entries,) bool marks.
 
@@ -39,11 +50,10 @@ class Near:
 
     def __init__(self, indptr, indices, chosen):
         self._chosen = np.flatnonzero(chosen)
+        self.indptr = np.searchsorted(self._chosen, indptr).astype(np.int32)
         if len(chosen) < np.iinfo(np.int32).max:
             self._chosen = self._chosen.astype(np.int32)    # half of what is read besides the values
-        self.indptr = np.zeros(len(indptr), np.int32)
-        np.cumsum(np.add.reduceat(chosen, indptr[:-1], dtype=np.int32), out=self.indptr[1:])
-        self.indices, self.values = indices[chosen], np.empty(len(self._chosen))
+        self.indices, self.values = indices[self._chosen], np.empty(len(self._chosen))
 
     def take(self, values):
         """Fill `values` of this from the entries of the whole matrix."""
@@ -72,4 +82,5 @@ def _choose(nodes, light, free, dof, ny, nz, slot, indptr, chosen):
             for i in range(3):
                 if free[v, i]:
                     at = indptr[dof[v, i]] + slot[r, s]
-                    chosen[at:at + width] = is_near
+                    for k in range(width):
+                        chosen[at + k] = is_near

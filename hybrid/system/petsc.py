@@ -23,6 +23,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from hybrid.errors import StepError
+from hybrid.system.near import diagonal_places
 
 DIRECT = {"ksp_type": "preonly", "pc_type": "lu", "pc_factor_mat_solver_type": "mumps"}
 # A node that a domain barely overlaps has a tiny row and a far tinier pivot; elimination without pivoting does not
@@ -74,6 +75,8 @@ class BlockSystem:
             ways = [(DIRECT, MOST)] if exact else [(first, LABOURED), (last, MOST)]
             self._ways, self._way = [self._krylov(*way) for way in ways], 0
             self._x, self._b = self._matrix.createVecs()
+            given = (indptr, indices) if self._near is None else (near.indptr, near.indices)
+            self._diagonal = diagonal_places(*given) if len(ways) > 1 else np.zeros(0, int)
 
     def _join(self):
         """The matrix, and what the preconditioner is made from; alone or as nests with the coupling blocks."""
@@ -140,9 +143,10 @@ class BlockSystem:
         """Prepare the preconditioner after assembly."""
         if self._near is not None:
             self._near.take(self.values)
+            _lift(self._near.values, self._diagonal)
             self._uu_near.assemble()
-        if len(self._ways) > 1:
-            _lift(self._uu if self._near is None else self._uu_near)
+        else:
+            _lift(self.values, self._diagonal)
         for block in self._blocks:
             block.assemble()    # which forgets the inverse of the diagonal that sweeps keep
         for matrix in (self._matrix, self._preconditioner):
@@ -207,14 +211,11 @@ class BlockSystem:
         return "", count
 
 
-def _lift(matrix):
-    """Keep the diagonal off what sweeps take for zero."""
-    vector = matrix.getDiagonal()
-    diagonal = vector.array
+def _lift(values, places):
+    """Keep the diagonal, at these places of the values, off what sweeps take for zero."""
+    diagonal = values[places]
     if (small := np.abs(diagonal) < LEAST).any():
-        diagonal[small] = np.where(diagonal[small] == 0.0, ZERO, np.copysign(LEAST, diagonal[small]))
-        matrix.setDiagonal(vector)
-    vector.destroy()
+        values[places[small]] = np.where(diagonal[small] == 0.0, ZERO, np.copysign(LEAST, diagonal[small]))
 
 
 def _advice(what):
