@@ -108,12 +108,14 @@ def test_sweeps_take_the_unknowns_of_a_node_together(monkeypatch, m):
     assert counts[0] < 15 and counts[1] > 2 * counts[0]
 
 
+@pytest.mark.parametrize("part", [False, True])
 @pytest.mark.parametrize("least, way", [(petsc.LEAST, 0), (0.0, 1)])
-def test_a_node_that_weighs_nothing_does_not_stop_the_sweeps(monkeypatch, least, way):
+def test_a_node_that_weighs_nothing_does_not_stop_the_sweeps(monkeypatch, least, way, part):
     """A lone component of 1e-17 N/m, among nodes whose blocks PETSc inverts."""
     monkeypatch.setattr(petsc, "LEAST", least)
     uu = csr_matrix(block_diag([nodes(100, 4 * np.eye(3)), [[1e-17]]]))
-    system = BlockSystem(uu.indptr, uu.indices, 3, "krylov", 1e-10, sweeps=True)
+    near = Near(uu.indptr, uu.indices, np.ones(uu.nnz, bool)) if part else None
+    system = BlockSystem(uu.indptr, uu.indices, 3, "krylov", 1e-10, near, sweeps=True)
     system.values[:], system.ww[:], system.uw[:300], system.wu[:] = uu.data, 9 * np.eye(3), 0.01, 0.01
     system.wu[:, 300] = 0.0
     system.factor()
