@@ -1,6 +1,9 @@
 import os
 from pathlib import Path
 
+# Before numba reads it: two threads are compared even on a machine of one processor.
+os.environ.setdefault("NUMBA_NUM_THREADS", str(max(2, os.cpu_count() or 1)))
+
 import numba
 import pytest
 

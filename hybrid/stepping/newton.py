@@ -11,8 +11,8 @@ SHORTEST = 1 / 16  # of a Newton update, tried by the line search
 # 571 and a tenth more iterations).
 ENOUGH = 0.8
 # Of the soil, that may lose its stiffness if everything keeps its velocity. Sand that opens everywhere has no tangent
-# to find the way with: a block that its own weight throws up takes 3 iterations from rest and 5 to 15 from there, or finds
-# nothing (at 0.15 to 0.92). Before an anchor it is 0.02, and 60 steps from rest take a third more iterations.
+# to find the way with: a block that its own weight throws up takes 3 iterations from rest and 5 to 15 from there, or
+# finds nothing (at 0.15 to 0.92). Before an anchor it is 0.02, and 60 steps from rest take a third more iterations.
 OPENED = 0.1
 # Springs far stiffer than cells hide what is left in the soil, and a corner that a poor solution lifts off is found
 # wrong next time: linear systems are solved as much more tightly as contact is stiffer than STIFF cells, E h.

@@ -31,17 +31,6 @@ def near_entries(pattern, shape, light):
     return chosen
 
 
-@njit(cache=True, parallel=True)
-def diagonal_places(indptr, indices):
-    """Places (n,) of the diagonal among the entries of compressed rows that all have one."""
-    places = np.empty(len(indptr) - 1, np.int64)
-    for i in prange(len(places)):
-        for at in range(indptr[i], indptr[i + 1]):
-            if indices[at] == i:
-                places[i] = at
-    return places
-
-
 class Near:
     """Entries of a matrix of sparsity (indptr, indices) that `chosen` (entries,) bool marks.
 

@@ -13,8 +13,6 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit, prange
 
-from hybrid.soil.stiffness import CENTRE
-
 
 @dataclass(frozen=True)
 class Pattern:
@@ -50,10 +48,16 @@ def make_pattern(active, fixed, shape):
     indptr[1:] = np.cumsum(np.repeat(width, free[nodes].sum(axis=1)))
     indices = np.empty(indptr[-1], np.int32)
     _fill_indices(nodes, dof, shape[1], shape[2], slot, indptr, indices)
-    rank = np.cumsum(free, axis=1) - 1
-    node = np.nonzero(free)[0]
-    diagonal = indptr[:-1] + slot[row[node], CENTRE] + rank[free]
-    return Pattern(dof, row, slot, indptr, indices, free, diagonal)
+    return Pattern(dof, row, slot, indptr, indices, free, diagonal_places(indptr, indices))
+
+
+@njit(cache=True, parallel=True)
+def diagonal_places(indptr, indices):
+    """Places (n,) of the diagonal among the entries of compressed rows that are in order and all have one."""
+    places = np.empty(len(indptr) - 1, np.int64)
+    for i in prange(len(places)):
+        places[i] = indptr[i] + np.searchsorted(indices[indptr[i]:indptr[i + 1]], i)
+    return places
 
 
 @njit(cache=True, parallel=True)

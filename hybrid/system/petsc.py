@@ -23,7 +23,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from hybrid.errors import StepError
-from hybrid.system.near import diagonal_places
+from hybrid.system.pattern import diagonal_places
 
 DIRECT = {"ksp_type": "preonly", "pc_type": "lu", "pc_factor_mat_solver_type": "mumps"}
 # A node that a domain barely overlaps has a tiny row and a far tinier pivot; elimination without pivoting does not

@@ -113,8 +113,6 @@ def computed(soil, points, displacement):
 
 @pytest.mark.parametrize("name", NODES)
 def test_results_do_not_depend_on_the_number_of_threads(name):
-    if numba.config.NUMBA_NUM_THREADS < 2:
-        pytest.skip("numba has one thread here")
     soil, points = soil_on(NODES[name])
     displacement = 0.01 * np.random.default_rng(3).standard_normal((soil.grid.node_count, 3))
     displacement[soil.grid.fixed] = 0.0
