@@ -24,16 +24,16 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from hybrid.build import build
+from hybrid.grid.axes import FACES, make_grid
+from hybrid.grid.colouring import make_slabs
+from hybrid.linalg.system_cache import Systems
 from hybrid.scene import Axis, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
+from hybrid.setup.build import build
 from hybrid.soil.basis import evaluate_basis
 from hybrid.soil.domains import updated_half
 from hybrid.soil.forces import internal_force
-from hybrid.soil.grid import FACES, make_grid
 from hybrid.soil.points import tile
-from hybrid.soil.slabs import make_slabs
-from hybrid.system.cache import Systems
-from hybrid.system.equations import Step, Unknowns
+from hybrid.step.equations import Step, Unknowns
 
 RULES = ("none", "stretch", "diagonal", "moments", "mpm")
 SIZE, CELLS = 0.1, 16
@@ -89,7 +89,7 @@ def moved(rule, F, centre, grid, constants):
     position = centre + constants.position @ F.T
     if rule == "mpm":
         return position, np.zeros_like(position)
-    return position, updated_half(rule, constants.half, np.tile(F, (len(constants), 1, 1)), position, grid.axes)
+    return position, updated_half(rule, constants.half_width, np.tile(F, (len(constants), 1, 1)), position, grid.axes)
 
 
 def inside(place, F, centre, margin):
@@ -251,7 +251,7 @@ def balanced(step, unknowns, tolerance, iterations=30):
 
 def empty_cells(points, nodes, rule):
     """Number of cells between the first and the last point that no domain reaches."""
-    x, half = points.position[:, 0], points.half[:, 0] * (rule != "mpm")
+    x, half = points.position[:, 0], points.half_width[:, 0] * (rule != "mpm")
     low, high = nodes[:-1, None], nodes[1:, None]
     full = np.flatnonzero(np.any((x + half >= low + 1e-9) & (x - half <= high - 1e-9), axis=1))
     return int(full[-1] - full[0] + 1 - len(full))
@@ -267,7 +267,7 @@ def parts(per_cell, rule="stretch", cells=12):
             F = np.tile(stretched(stretch), (len(start), 1, 1))
             axes = nodes, np.zeros(1), np.zeros(1)
             wide = updated_half("none" if rule == "mpm" else rule, half, F, position, axes)
-            if empty_cells(SimpleNamespace(position=position, half=wide), nodes, rule):
+            if empty_cells(SimpleNamespace(position=position, half_width=wide), nodes, rule):
                 return stretch
     return np.inf
 

@@ -22,9 +22,9 @@ import ladder_figures as figures
 import ladder_wave as wave
 import numpy as np
 
-from hybrid.errors import StepError
-from hybrid.study.problems import column as columns
+from hybrid.runtime.errors import StepError
 from hybrid.study.problems import cantilever, footing, manufactured
+from hybrid.study.problems import column as columns
 
 OUT = Path("out/ladder")
 STANDARD = {"basis": "mpm", "domain": "none", "transfer": "increments"}

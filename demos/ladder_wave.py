@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hybrid.build import build
 from hybrid.scene import Axis, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
-from hybrid.stepping.energy import energies
+from hybrid.setup.build import build
+from hybrid.step.energy import energies
 
 YOUNG, DENSITY, LENGTH = 1e5, 1000.0, 1.0
 SPEED = np.sqrt(YOUNG / DENSITY)
@@ -80,7 +80,7 @@ def ride(cells, passes=2, courant=0.5, scheme=(), full=False, **soil):
     u, slope, bend = pulse(Z)
     points.position[:, 2] += u
     points.velocity[:, 2], points.acceleration[:, 2] = -SPEED * slope, SPEED**2 * bend
-    points.deformation[:, 2, 2], points.elastic[:, 2, 2] = 1 + slope, (1 + slope) ** 2
+    points.deformation[:, 2, 2], points.b_elastic[:, 2, 2] = 1 + slope, (1 + slope) ** 2
     points.stress[:, 2, 2] = YOUNG * np.log1p(slope) / (1 + slope)
     line = np.flatnonzero(np.all(points.position[:, :2] == points.position[0, :2], axis=1))
     first = energies(simulation.model, simulation.state)

@@ -14,8 +14,8 @@ from pathlib import Path
 
 import numpy as np
 
-from hybrid.build import build
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
+from hybrid.setup.build import build
 
 TRANSFERS = ("increments", "blended", "affine")
 BOX = Path(__file__).parents[1] / "geometry" / "box.geo"

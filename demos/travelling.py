@@ -15,8 +15,8 @@ from pathlib import Path
 
 import numpy as np
 
-from hybrid.build import build
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
+from hybrid.setup.build import build
 
 GEOMETRY = Path(__file__).parents[1] / "geometry"
 LAWS = {

@@ -16,9 +16,9 @@ from scipy.optimize import brentq
 
 import hybrid
 from hybrid import Axis, Body, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
-from hybrid.build import build
 from hybrid.laws import Response
 from hybrid.laws.hencky import Hencky
+from hybrid.setup.build import build
 
 YOUNG, POISSON, FIRST, LAST, HALF, SIDE = 2e6, 0.3, 20e3, 80e3, 0.02, 0.8
 BOX = Path(__file__).parents[1] / "geometry" / "box.geo"

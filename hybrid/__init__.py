@@ -4,7 +4,7 @@
     simulation = hybrid.run("demos/anchor.toml", out="out/anchor")     # or hybrid.run(hybrid.Scene(...))
 
 Names are imported when first used, so that `import hybrid` costs nothing. To build without running:
-`from hybrid.build import build`.
+`hybrid.build(scene)`.
 """
 
 import os
@@ -14,13 +14,16 @@ from importlib import import_module
 # faster for the many short loops of a step. It must be chosen before numba is imported.
 os.environ.setdefault("NUMBA_THREADING_LAYER", "workqueue")
 
-_SCENE = "Axis Body Faces Grid Material Output Pull Scene Soil Solver Stage Time".split()
+_SCENE = "Axis Body Faces Grid Layer Material Output Pull Scene Soil Solver Stage Target Time".split()
 _HOMES = {
     **dict.fromkeys(_SCENE, "hybrid.scene"),
-    **dict.fromkeys(("load_scene", "validate"), "hybrid.scene_file"),
-    **dict.fromkeys(("HybridError", "SceneError", "GeometryError", "LawError", "StepError"), "hybrid.errors"),
+    **dict.fromkeys(("load_scene", "validate"), "hybrid.scene.file"),
+    **dict.fromkeys(("HybridError", "SceneError", "GeometryError", "LawError", "StepError"), "hybrid.runtime.errors"),
     "check_law": "hybrid.laws.check",
-    "run": "hybrid.running",
+    "run": "hybrid.api",
+    "build": "hybrid.setup.build",
+    "Simulation": "hybrid.simulation",
+    "Record": "hybrid.output.record",
 }
 __all__ = [*_HOMES, "__version__"]
 

@@ -11,7 +11,7 @@ from importlib import import_module
 from pathlib import Path
 
 from hybrid.bench import CASES
-from hybrid.errors import HybridError, SceneError, StepError
+from hybrid.runtime.errors import HybridError, SceneError, StepError
 
 INTERRUPTED = 130  # 128 + SIGINT, as shells report it
 
@@ -104,11 +104,11 @@ class _Version(argparse.Action):
 
 def run(options):
     """`hybrid run`: the results go to --out, or out/<scene name> in the working folder."""
-    from hybrid.scene_file import load_scene
+    from hybrid.scene.file import load_scene
 
     scene = load_scene(options.scene, options.overrides)
-    from hybrid.kernels import announced  # late: a mistake in the scene is told at once
-    from hybrid.running import run as run_scene
+    from hybrid.api import run as run_scene
+    from hybrid.runtime.jit_notice import announced  # late: a mistake in the scene is told at once
 
     out = options.out or Path("out") / scene.name
     with announced():
@@ -117,11 +117,11 @@ def run(options):
 
 def check(options):
     """`hybrid check`: everything short of the first step, and what the steps would take."""
-    from hybrid.scene_file import load_scene
+    from hybrid.scene.file import load_scene
 
     scene = load_scene(options.scene, options.overrides)
-    from hybrid.build import build  # late: a mistake in the scene is told at once
-    from hybrid.kernels import announced
+    from hybrid.runtime.jit_notice import announced
+    from hybrid.setup.build import build  # late: a mistake in the scene is told at once
 
     with announced():
         simulation = build(scene)
@@ -133,7 +133,7 @@ def check(options):
 
 def _predicted(simulation):
     """Section of what the steps would take, or why nothing can be said of it."""
-    from hybrid.probe import probe
+    from hybrid.cost import probe
 
     try:
         return probe(simulation).sheet()
@@ -151,7 +151,7 @@ def bench(options):
     from hybrid.bench.peer import checked
 
     peer = checked(options.peer)
-    from hybrid.kernels import announced  # late: a mistake in the arguments is told at once
+    from hybrid.runtime.jit_notice import announced  # late: a mistake in the arguments is told at once
 
     with announced():
         benchmarks.run(options.cases, benchmarks.Options(options.quick, peer), options.out)
@@ -162,7 +162,7 @@ def study(options):
     front; of failure, how often each method does what."""
     from hybrid.bench.peer import checked
     from hybrid.bench.table import table
-    from hybrid.kernels import announced
+    from hybrid.runtime.jit_notice import announced
 
     chosen, out = import_module(f"hybrid.study.{options.study}"), options.out or Path("out") / options.study
     if options.peer is not None and options.study != "precision":
@@ -201,7 +201,7 @@ def mesh(options):
 
 def geometry_parameters(overrides):
     """Dict of the numbers in "name=value" texts; SceneError for anything else."""
-    from hybrid.scene_file import toml_value
+    from hybrid.scene.file import toml_value
 
     parameters = {}
     for override in overrides:

@@ -6,28 +6,28 @@ from functools import cached_property
 
 import numpy as np
 
-from hybrid import timing
 from hybrid.body import rigid
 from hybrid.body.attitude import quaternion
-from hybrid.errors import HybridError, StepError
-from hybrid.limits import near
-from hybrid.memory import map_large_arrays
+from hybrid.linalg.system_cache import Systems
+from hybrid.monitors import Watch
+from hybrid.monitors.failure_hints import drawn_out
+from hybrid.monitors.initial_equilibrium import measure
+from hybrid.monitors.limits import near
+from hybrid.output.model_sheet import model_sheet
 from hybrid.output.record import BodyRecord, Record
-from hybrid.sheet import model_sheet
-from hybrid.stepping import newton
-from hybrid.stepping.causes import drawn_out
-from hybrid.stepping.energy import balance_error, energies
-from hybrid.stepping.imbalance import measure
-from hybrid.stepping.loop import Control, outer_step
-from hybrid.stepping.watch import Watch
-from hybrid.system.cache import Systems
-from hybrid.system.equations import Step
+from hybrid.runtime import timing
+from hybrid.runtime.errors import HybridError, StepError
+from hybrid.runtime.memory import map_large_arrays
+from hybrid.step import newton
+from hybrid.step.energy import balance_error, energies
+from hybrid.step.equations import Step
+from hybrid.step.increments import Control, outer_step
 
 log = logging.getLogger("hybrid")
 
 
 class Simulation:
-    """Scene, model and committed state, with what observers ask for; made by `hybrid.build.build`."""
+    """Scene, model and committed state, with what observers ask for; made by `hybrid.setup.build.build`."""
 
     def __init__(self, scene, model, state, meshes, travel=None, level=""):
         map_large_arrays()      # PETSc is loaded by now
@@ -41,7 +41,7 @@ class Simulation:
         self.evaluation = None
         self.increment = None   # [s] that the next step of this stage tries first; None: all of it
         start = Step(model, state, scene.time.step, False, Systems(model))
-        evaluation = start.evaluate(start.still())
+        evaluation = start.evaluate(start.at_rest())
         self._start_energy = energies(model, state, evaluation)     # a body may start in the soil a little
         self.imbalance = measure(start, evaluation)
         start.system.destroy()

@@ -6,20 +6,20 @@
 | v_p    | Points.velocity          | (n, 3)    | m/s    |
 | a_p    | Points.acceleration      | (n, 3)    | m/s²   |
 | -      | Points.algorithmic       | (n, 3)    | m/s²   |
-| l_p    | Points.half              | (n, 3)    | m      |
+| l_p    | Points.half_width              | (n, 3)    | m      |
 | F      | Points.deformation       | (n, 3, 3) | -      |
-| b_e    | Points.elastic           | (n, 3, 3) | -      |
+| b_e    | Points.b_elastic           | (n, 3, 3) | -      |
 | σ      | Points.stress (Cauchy)   | (n, 3, 3) | Pa     |
 | α      | Points.plastic_strain    | (n,)      | -      |
 | C      | Points.affine            | (n, k, 3, 3) | 1/s, 1/s² |
-| -      | Points.out               | (n,) bool | -      |
+| -      | Points.inactive               | (n,) bool | -      |
 | c      | BodyState.position       | (3,)      | m      |
 | R      | BodyState.rotation       | (3, 3)    | -      |
 | ċ, c̈  | velocity, acceleration   | (3,)      | m/s, m/s² |
 | W, A   | spin, spin_rate (body frame) | (3,)  | rad/s, rad/s² |
 | -      | algorithmic (space, body frame) | (6,) | m/s², rad/s² |
 
-C, the gradients of v, a and the algorithmic acceleration, is there with affine transfer only. Points that are out have
+C, the gradients of v, a and the algorithmic acceleration, is there with affine transfer only. Inactive points have
 gone astray and take no part any more; None where none has. The algorithmic acceleration a of `hybrid.scheme` is None
 where it is no history of its own.
 
@@ -38,14 +38,14 @@ class Points:
     position: np.ndarray
     velocity: np.ndarray
     acceleration: np.ndarray
-    half: np.ndarray
+    half_width: np.ndarray
     deformation: np.ndarray
-    elastic: np.ndarray
+    b_elastic: np.ndarray
     stress: np.ndarray
     plastic_strain: np.ndarray
     algorithmic: np.ndarray | None = None
     affine: np.ndarray | None = None
-    out: np.ndarray | None = None
+    inactive: np.ndarray | None = None
 
     def __len__(self):
         return len(self.position)
@@ -55,15 +55,15 @@ class Points:
 class PointConstants:
     """What a point keeps for as long as it is neither split nor merged.
 
-    position: (n, 3) [m] and half: (n, 3) [m] at the start; volume: (n,) [m³]; mass: (n,) [kg]; rise: (n, 3) [Pa/m],
+    position: (n, 3) [m] and half_width: (n, 3) [m] at the start; volume: (n,) [m³]; mass: (n,) [kg]; geostatic_gradient: (n, 3) [Pa/m],
     growth with height of the principal stress at rest, None without geostatic stress.
     """
 
     position: np.ndarray
-    half: np.ndarray
+    half_width: np.ndarray
     volume: np.ndarray
     mass: np.ndarray
-    rise: np.ndarray | None = None
+    geostatic_gradient: np.ndarray | None = None
 
     def __len__(self):
         return len(self.mass)

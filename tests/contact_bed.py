@@ -6,9 +6,9 @@ import numpy as np
 
 from hybrid.body.attitude import exp_so3
 from hybrid.body.surface import build_surface
-from hybrid.contact import friction
+from hybrid.contact import soil_to_body
 from hybrid.contact.corners import Corners, find_corners
-from hybrid.soil.grid import FACES, make_grid, uniform_nodes
+from hybrid.grid.axes import FACES, make_grid, uniform_nodes
 from hybrid.state import ContactHistory
 
 MU, RATIO = 0.3, 0.5
@@ -68,7 +68,7 @@ def corners_in(surface, y, anchor, pose=(np.zeros(3), np.eye(3)), touching=True)
 
 
 def touch_of(corners, surface, pose=(np.zeros(3), np.eye(3)), place=None, mu=MU):
-    return friction.evaluate(
+    return soil_to_body.evaluate(
         corners, corners.position if place is None else place, *pose, surface, mu, RATIO)
 
 

@@ -74,9 +74,9 @@ class FakeSimulation:
         stress = self.random.normal(size=(n, 3, 3))
         points = Points(
             position=x + rise[:, None] * [0, 0, 1], velocity=rise[:, None] * [0, 0, 1.0],
-            acceleration=np.zeros((n, 3)), half=self.initial_half * 0.98,
+            acceleration=np.zeros((n, 3)), half_width=self.initial_half * 0.98,
             deformation=np.tile(np.eye(3), (n, 1, 1)),
-            elastic=np.tile(np.eye(3), (n, 1, 1)), stress=1e3 * (stress + stress.transpose(0, 2, 1)),
+            b_elastic=np.tile(np.eye(3), (n, 1, 1)), stress=1e3 * (stress + stress.transpose(0, 2, 1)),
             plastic_strain=np.abs(rise),
         )
         body = BodyState(

@@ -2,8 +2,8 @@
 
 import pytest
 
-from hybrid.errors import SceneError
-from hybrid.scene_file import load_scene
+from hybrid.runtime.errors import SceneError
+from hybrid.scene.file import load_scene
 
 SCENE = """
 [grid.x]

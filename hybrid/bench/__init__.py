@@ -55,7 +55,7 @@ def run(names=(), options=Options(), out=None, tell=print):
 def measured(work, options):
     """Rows of a case, with its wall time and the most memory that was held meanwhile."""
     from hybrid.bench.stamp import forget_peak
-    from hybrid.memory import peak_memory
+    from hybrid.runtime.memory import peak_memory
 
     forget_peak()
     begin = perf_counter()

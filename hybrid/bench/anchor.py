@@ -1,8 +1,8 @@
 """The drag anchor of demos/anchor.toml: steps, iterations, and where the time goes."""
 
 from hybrid.bench.soils import DEMOS, sizes, stepped, warm
-from hybrid.build import build
-from hybrid.scene_file import load_scene
+from hybrid.scene.file import load_scene
+from hybrid.setup.build import build
 
 COARSE = [f"grid.{axis}.{key}" for axis, fine in (("x", "[-0.8, 3.6]"), ("y", "[0.0, 1.6]"), ("z", "[-1.2, 0.8]"))
           for key in ("size=0.4", f"fine={fine}")]

@@ -10,7 +10,7 @@ import numpy as np
 
 from hybrid.bench.peer import ask
 from hybrid.bench.soils import SAND, block, sizes, stepped, warm
-from hybrid.build import build
+from hybrid.setup.build import build
 
 ROUNDS, THREADS, STEPS, STEP = 3, 2, 5, 0.01
 PEER_TOLERANCE = 1e-4   # of the peer's residual relative to its first; ours is relative to the forces acting

@@ -6,11 +6,11 @@ from time import perf_counter
 import numpy as np
 
 from hybrid.bench.soils import block, off_the_lattice, sizes, warm
-from hybrid.build import build
-from hybrid.contact.pair import Pair
+from hybrid.contact.contact_pair import Pair
+from hybrid.linalg.system_cache import Systems
+from hybrid.setup.build import build
 from hybrid.soil.basis import evaluate_basis
-from hybrid.system.cache import Systems
-from hybrid.system.equations import Step, Unknowns
+from hybrid.step.equations import Step, Unknowns
 
 REPEAT = 7
 
@@ -33,7 +33,7 @@ def run(options):
     begun = fbar.begin(state.points, model.gravity)
     trial = fbar.evaluate(begun, unknowns.displacement)
     parts = {
-        "basis": lambda: evaluate_basis(state.points.position, state.points.half, soil.grid.axes),
+        "basis": lambda: evaluate_basis(state.points.position, state.points.half_width, soil.grid.axes),
         "begin: basis and projection": lambda: soil.begin(state.points, model.gravity),
         "return mapping": lambda: law.respond(strain, plastic),
         "strain, law, internal force": lambda: soil.evaluate(step.soil, unknowns.displacement),
@@ -62,7 +62,7 @@ def run(options):
 def pressed(step, share=0.02):
     """Unknowns in which the cube goes down by `share` of a cell and the soil follows less the deeper and the farther
     it is: enough for it to yield."""
-    grid, (pose,) = step.model.soil.grid, step.still().poses
+    grid, (pose,) = step.model.soil.grid, step.at_rest().poses
     nodes = np.stack([a.ravel() for a in np.meshgrid(*grid.axes, indexing="ij")], axis=1)
     surface = step.state.points.position[:, 2].max()
     depth = share * grid.smallest_cell
@@ -75,8 +75,8 @@ def pressed(step, share=0.02):
 
 def _pair(step):
     """The pair of cube and soil made anew: the search of contact."""
-    guess, (body,), (state,) = step.start(), step.model.bodies, step.state.bodies
-    return Pair(body, state, step.state.contacts[0], step.soil.points, step.soil.points.half, step.model.soil.grid,
+    guess, (body,), (state,) = step.predictor(), step.model.bodies, step.state.bodies
+    return Pair(body, state, step.state.contacts[0], step.soil.points, step.soil.points.half_width, step.model.soil.grid,
                 step.soil.active, step.model.soil.grid.smallest_cell, (guess.displacement, guess.poses[0]))
 
 

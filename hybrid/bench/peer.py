@@ -6,7 +6,7 @@ import subprocess
 import tempfile
 from pathlib import Path
 
-from hybrid.errors import HybridError, SceneError
+from hybrid.runtime.errors import HybridError, SceneError
 
 NEEDED = "KratosMultiphysics, KratosMPMApplication and KratosLinearSolversApplication"
 

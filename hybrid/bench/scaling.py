@@ -3,7 +3,7 @@
 import numpy as np
 
 from hybrid.bench.soils import block, exponent, sizes, stepped, warm
-from hybrid.build import build
+from hybrid.setup.build import build
 
 HEIGHTS = (9, 13, 19, 29)      # cells, twice as many along x and y: 9 700 to 302 000 unknowns
 STEPS = 3

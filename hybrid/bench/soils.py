@@ -6,8 +6,8 @@ from time import perf_counter
 
 import numpy as np
 
-from hybrid.build import build
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
+from hybrid.setup.build import build
 
 ROOT = Path(__file__).parents[2]
 DEMOS, GEOMETRY = ROOT / "demos", ROOT / "geometry"

@@ -12,11 +12,11 @@ import numpy as np
 
 from hybrid.bench.kernels import pressed
 from hybrid.bench.soils import ELASTIC, SAND, block, off_the_lattice, warm
-from hybrid.build import build
-from hybrid.errors import StepError
+from hybrid.linalg.system_cache import Systems
+from hybrid.runtime.errors import StepError
 from hybrid.scene import Solver
-from hybrid.system.cache import Systems
-from hybrid.system.equations import Step, Unknowns
+from hybrid.setup.build import build
+from hybrid.step.equations import Step, Unknowns
 
 SMALL, LARGE = (26, 26, 9), (36, 36, 14)    # 20 000 and 60 000 unknowns
 CUBE = 0.3  # [m]
@@ -58,7 +58,7 @@ def _lifted(simulation, filled):
     """State of a block that reaches into the next layer of cells by a share `filled` of it."""
     state, cell = simulation.state, simulation.model.soil.grid.smallest_cell
     up = state.points.position + (0.0, 0.0, filled * cell)
-    low = up[:, 2].min() - state.points.half[0, 2]
+    low = up[:, 2].min() - state.points.half_width[0, 2]
     up[:, 2] -= low * np.clip(1 - up[:, 2] / up[:, 2].max(), 0, 1)     # the base stays
     return replace(state, points=replace(state.points, position=up))
 

@@ -3,8 +3,8 @@
 import numpy as np
 
 from hybrid.bench.soils import DEMOS, sizes, stepped, warm
-from hybrid.build import build
-from hybrid.scene_file import load_scene
+from hybrid.scene.file import load_scene
+from hybrid.setup.build import build
 
 
 def run(options):

@@ -26,7 +26,7 @@ import math
 
 import numpy as np
 
-from hybrid.errors import SceneError
+from hybrid.runtime.errors import SceneError
 
 # Below this angle (θ - sinθ)/θ³ loses digits; five terms of its series are then exact to round-off.
 SERIES_ANGLE = 0.3

@@ -9,7 +9,6 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-
 NO_SIDE = (0.0, 0.0, 0.0)
 OPPOSITE = -0.5  # cosine: triangles turned farther than 120 degrees from the side of contact belong to the other one
 SAME = 0.5       # cosine: triangles turned less than 60 degrees from the side of contact belong to it

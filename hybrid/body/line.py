@@ -19,7 +19,7 @@ import math
 import numpy as np
 
 from hybrid.body.attitude import skew
-from hybrid.errors import SceneError, StepError
+from hybrid.runtime.errors import SceneError, StepError
 
 
 def _check(length, stiffness):

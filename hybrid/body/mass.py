@@ -33,7 +33,7 @@ from mpi4py import MPI
 from scipy.sparse import csr_matrix
 
 from hybrid.body.condense import condensation
-from hybrid.errors import GeometryError
+from hybrid.runtime.errors import GeometryError
 
 
 @dataclass(frozen=True)

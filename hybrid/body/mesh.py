@@ -16,7 +16,7 @@ import gmsh
 import numpy as np
 
 from hybrid.body.solid import TetMesh, oriented, validate
-from hybrid.errors import GeometryError
+from hybrid.runtime.errors import GeometryError
 
 PREFIX = "Parameters/"
 TRIANGLE, TETRAHEDRON = 2, 4  # gmsh's numbers of the linear element types

@@ -17,7 +17,7 @@ from hybrid.body.surface import ContactSurface
 from hybrid.state import BodyState
 
 if TYPE_CHECKING:
-    from hybrid.body.mass import MassProperties   # loads dolfinx
+    from hybrid.body.mass import MassProperties  # loads dolfinx
 
 FREEDOMS = ("x", "y", "z", "rx", "ry", "rz")
 
@@ -41,7 +41,7 @@ class RigidBody:
 
     free: (6,) bool, the unknowns; drive: (6,) [m/s, rad/s] spatial rates of the others, zero for what is held
     penalty: p_f [1/m]; contact_pressure: (n,) p_f E [N/m³] and contact_stiffness: (n,) whole-point ε_N [N/m] against
-        each soil point, given by `against`
+        each soil point, given by `with_stiffness`
     samples: of the second pass, which carries the share `second_pass` of the contact, None without it
     augmented: multipliers take the overlap away
     """
@@ -67,7 +67,7 @@ class RigidBody:
         return self.surface.radius
 
 
-def against(body, young, volume):
+def with_stiffness(body, young, volume):
     """The body as it meets points of Young's modulus `young` (n,) [Pa] and initial volume (n,) [m³]."""
     pressure = body.penalty * young
     return replace(body, contact_pressure=pressure, contact_stiffness=pressure * volume ** (2 / 3))

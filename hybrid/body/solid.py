@@ -15,7 +15,7 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from hybrid.errors import GeometryError
+from hybrid.runtime.errors import GeometryError
 
 FLAT = 1e-12  # volume over cubed longest edge below which a tetrahedron counts as flat
 # Faces of a positively oriented tetrahedron, counter-clockwise from outside; face k is opposite corner k.

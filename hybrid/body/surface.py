@@ -31,7 +31,7 @@ from functools import cached_property
 import numpy as np
 
 from hybrid.body.closest import Tree
-from hybrid.errors import GeometryError
+from hybrid.runtime.errors import GeometryError
 
 LEAF = 4               # triangles in a leaf of the tree, at most
 FLAT = 1e-6            # two directions closer than this [rad] are the same

@@ -12,7 +12,7 @@ corner gives, the body takes: the columns of B cancel, so force and moment vanis
 import numpy as np
 from numba import njit
 
-from hybrid.reductions import total
+from hybrid.runtime.comm import total
 from hybrid.soil.stiffness import CENTRE
 
 STENCIL = np.array([((a >> 2) * 5 + (a >> 1 & 1)) * 5 + (a & 1) for a in range(8)])  # of a cell's nodes, in 5x5x5

@@ -23,7 +23,7 @@ import numpy as np
 from numba import njit
 
 from hybrid.body.closest import NO_SIDE, closest
-from hybrid.contact.meeting import meeting_points
+from hybrid.contact.first_contact import meeting_points
 from hybrid.soil.basis import find_cell, hat
 
 SHARE = 0.25  # of a point's contact stiffness, per corner
@@ -39,7 +39,7 @@ class Corners:
     node, weight: (m, 8) grid nodes and hat functions there
     stiffness: (m,) ε_N [N/m]; touching: (m,) bool, in contact at the start of the step
     anchor: (m, 3) [m] body frame, where friction is zero: history while touching, else where the corner would meet
-        the surface (contact/meeting.py); side: (m, 3) body frame, the side of the body it touches, 0 if unknown
+        the surface (contact/first_contact.py); side: (m, 3) body frame, the side of the body it touches, 0 if unknown
     pressure: (m,) [N] multiplier of the augmented Lagrangian
     clearance: (m,) [m] signed distance from the surface at the start: a corner outside that goes no farther than this
         cannot touch, which spares most of them the search

@@ -8,9 +8,9 @@ of yielding, an apex); the tangent is not unique there and is not compared.
 
 import numpy as np
 
-from hybrid.errors import LawError
 from hybrid.laws import plastic_increment
 from hybrid.laws.user import answer
+from hybrid.runtime.errors import LawError
 
 KINK = 1e-2  # of the stiffness, jump of a one-sided difference
 

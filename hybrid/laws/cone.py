@@ -31,9 +31,9 @@ plane towards larger θ and D the denominator of Δγ,
 import numpy as np
 from numba import njit, prange
 
-from hybrid.errors import LawError
 from hybrid.laws import Response
 from hybrid.laws.hencky import Hencky, stored
+from hybrid.runtime.errors import LawError
 
 UNLIMITED = 1e300  # [Pa] strength of points that never yield
 NO_HISTORY = np.zeros(0)

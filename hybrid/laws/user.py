@@ -3,7 +3,7 @@
     def clay(points, stress):
         return MyLaw(...)          # an object that keeps the contract of `hybrid.laws`
 
-    hybrid.run(scene, law=clay)    # or hybrid.build.build(scene, law=clay)
+    hybrid.run(scene, law=clay)    # or hybrid.setup.build.build(scene, law=clay)
 
 It is asked once for a law of all points: `points` are PointConstants (position, half, volume, mass), `stress` (n, 3)
 [Pa] is the initial stress along x, y and z. The law's answers are checked for shape at every call; a point with an
@@ -12,8 +12,8 @@ answer that is no finite number counts as failed, so that the increment is halve
 
 import numpy as np
 
-from hybrid.errors import LawError
 from hybrid.laws import Response
+from hybrid.runtime.errors import LawError
 
 MEMBERS = ("young", "plastic", "respond", "energy", "strain")
 

@@ -36,8 +36,8 @@ def standard(folder, progress=True, announce=False):
     """
     from hybrid.output.checkpoint import Checkpoints
     from hybrid.output.history import History
+    from hybrid.output.pictures import Pictures
     from hybrid.output.progress import Progress
-    from hybrid.output.render import Pictures
     from hybrid.output.summary import Summary
     from hybrid.output.vtk import Frames
 

@@ -14,8 +14,8 @@ from pathlib import Path
 
 import numpy as np
 
-from hybrid.errors import HybridError
 from hybrid.output import atomic
+from hybrid.runtime.errors import HybridError
 from hybrid.state import BodyState, ContactHistory, Ground, PointConstants, Points, Population, State
 
 NESTED = {"points": Points, "constants": PointConstants, "behind": Population}  # fields that are dataclasses themselves

@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from hybrid.soil.population import together
+from hybrid.soil.split_merge import concatenate
 from hybrid.state import Points, Population
 
 
@@ -136,9 +136,9 @@ def drawn(simulation):
     points, initial = simulation.state.points, simulation.initial_position
     ground = getattr(simulation.state, "ground", None)
     if ground is not None and ground.behind is not None and len(ground.behind):
-        all_of_it = together(Population(points, ground.constants, ground.rows), ground.behind)
+        all_of_it = concatenate(Population(points, ground.constants, ground.rows), ground.behind)
         points, initial = all_of_it.points, all_of_it.constants.position
-    if points.out is None or simulation.scene.soil.stray != "remove":
+    if points.inactive is None or simulation.scene.soil.stray != "remove":
         return points, initial
-    kept = {name: None if value is None else value[~points.out] for name, value in vars(points).items()}
-    return Points(**kept), initial[~points.out]
+    kept = {name: None if value is None else value[~points.inactive] for name, value in vars(points).items()}
+    return Points(**kept), initial[~points.inactive]

@@ -124,7 +124,7 @@ def soil_mesh(points, initial_position):
         "mean_stress": mean,
         "deviatoric_stress": np.sqrt(1.5 * np.sum(deviator**2, axis=(1, 2))),
         "plastic_strain": points.plastic_strain,
-        "half_widths": points.half,
+        "half_widths": points.half_width,
     }
     vertices = np.arange(len(points))[:, None]
     return meshio.Mesh(points.position, [("vertex", vertices)], point_data=_single(fields))

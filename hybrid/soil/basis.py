@@ -12,7 +12,7 @@ wider than its cell, at most three nodes an axis carry a point.
 | first node | first   | (n, 3)    | -    |
 | how many   | count   | (n, 3)    | -    |
 | S_v        | value   | (n, 3, 3) | -    |
-| dS_v/dx    | slope   | (n, 3, 3) | 1/m  |
+| dS_v/dx    | gradient | (n, 3, 3) | 1/m  |
 
 The second index is the axis, the third the node counted from `first`. Fixed during a step.
 """
@@ -22,7 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit, prange
 
-from hybrid.errors import StepError
+from hybrid.runtime.errors import StepError
 
 SNAP = 1e-8  # a domain end this close to a node (as a fraction of the cell) is moved onto it: no hair-thin overlaps
 
@@ -34,7 +34,7 @@ class Basis:
     first: np.ndarray
     count: np.ndarray
     value: np.ndarray
-    slope: np.ndarray
+    gradient: np.ndarray
 
 
 def evaluate_basis(position, half, axes):
@@ -49,7 +49,7 @@ def evaluate_basis(position, half, axes):
         if len(nodes) == 1:
             basis.value[:, axis, 0] = 1.0
             continue
-        _axis_basis(position, half, nodes, axis, basis.first, basis.count, basis.value, basis.slope, astray)
+        _axis_basis(position, half, nodes, axis, basis.first, basis.count, basis.value, basis.gradient, astray)
         if astray.any():
             outside = np.flatnonzero(astray)[-1]
             raise StepError(

@@ -17,8 +17,8 @@ import numpy as np
 from numba import njit, prange
 
 from hybrid.soil.basis import find_cell
-from hybrid.soil.eigen import principal
 from hybrid.soil.kinematics import determinant
+from hybrid.soil.principal import principal
 
 THINNEST = 1e-3  # of the initial half-width: keeps the basis well defined for a squashed point
 

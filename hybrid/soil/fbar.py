@@ -39,7 +39,7 @@ def mean_basis(position, half, axes, basis):
     value = np.zeros_like(basis.value)
     for axis, nodes in enumerate(axes):
         _mean_values(position[:, axis], half[:, axis], nodes, axis, value)
-    return Basis(basis.first, basis.count, value, basis.slope)
+    return Basis(basis.first, basis.count, value, basis.gradient)
 
 
 @njit(cache=True, parallel=True)
@@ -60,7 +60,7 @@ def _mean_values(x, half, nodes, axis, value):
 def add_force(step, shape, collapsed, trial, stress, volume, force):
     """Add V0 q H_v to nodal forces (N, 3) [N]; stress: (n, 3, 3) Kirchhoff [Pa]; volume: (n,) initial [m³]."""
     basis, mean, slabs = step.basis, step.mean, step.slabs
-    _add_force(slabs.order, slabs.start, basis.first, basis.count, basis.value, mean.value, basis.slope, shape[1],
+    _add_force(slabs.order, slabs.start, basis.first, basis.count, basis.value, mean.value, basis.gradient, shape[1],
                shape[2], trial.inverse, trial.mean_inverse, ~collapsed, np.count_nonzero(~collapsed), stress, volume,
                force)
 
@@ -68,7 +68,7 @@ def add_force(step, shape, collapsed, trial, stress, volume, force):
 def add_stiffness(step, shape, collapsed, trial, principal_stress, tangent, volume, pattern, values):
     """Add the consistent tangent with F-bar to the entries `values` of a matrix of sparsity `pattern`."""
     basis, mean, slabs = step.basis, step.mean, step.slabs
-    _add_stiffness(slabs.order, slabs.start, basis.first, basis.count, basis.value, mean.value, basis.slope, shape[1],
+    _add_stiffness(slabs.order, slabs.start, basis.first, basis.count, basis.value, mean.value, basis.gradient, shape[1],
                    shape[2], trial.inverse, trial.mean_inverse, ~collapsed, trial.strain, trial.directions,
                    principal_stress, tangent, volume, pattern.dof, pattern.row, pattern.slot, pattern.indptr, values)
 

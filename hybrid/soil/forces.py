@@ -14,7 +14,7 @@ from numba import njit, prange
 def internal_force(basis, slabs, shape, trial, stress, volume):
     """Nodal internal force (N, 3) [N] from Kirchhoff stress (n, 3, 3) [Pa] and initial volumes (n,) [m³]."""
     force = np.zeros((int(np.prod(shape)), 3))
-    _internal_force(slabs.order, slabs.start, basis.first, basis.count, basis.value, basis.slope, shape[1], shape[2],
+    _internal_force(slabs.order, slabs.start, basis.first, basis.count, basis.value, basis.gradient, shape[1], shape[2],
                     trial.inverse, stress, volume, force)
     return force
 

@@ -11,11 +11,11 @@ import numpy as np
 from numba import njit, prange
 
 from hybrid.soil.basis import with_margin
-from hybrid.soil.eigen import compose, principal, put_principal
+from hybrid.soil.principal import compose, principal, put_principal
 
 # Entries of F beyond which it tells nothing of a domain, which is no wider than its cell; and the most that soil has
 # expanded along every axis where F is begun anew.
-WORN, MOST = 100.0, 10.0
+F_LIMIT, STRETCH_LIMIT = 100.0, 10.0
 
 
 @dataclass(frozen=True)
@@ -49,9 +49,9 @@ class Kinematics:
         bool, points that may be inverted, taking no part."""
         deforms, nodal = np.array(shape) > 1, with_margin(displacement, shape)
         if mean is not None:
-            _volumes(mean.first, mean.value, mean.slope, shape[1], shape[2], nodal,
+            _volumes(mean.first, mean.value, mean.gradient, shape[1], shape[2], nodal,
                      self._mean_inverse, self._mean_volume)
-        _trial_squares(basis.first, basis.value, basis.slope, shape[1], shape[2], nodal, elastic, self._mean_volume,
+        _trial_squares(basis.first, basis.value, basis.gradient, shape[1], shape[2], nodal, elastic, self._mean_volume,
                        deforms, int(deforms.sum()), self._increment, self._inverse, self._squares, self._inverted)
         put_principal(self._squares, self._strain, self._directions)
         _logarithms(self._strain)
@@ -170,7 +170,7 @@ def _product_transposed(a, b, out):
             out[i, j] = a[i, 0] * b[j, 0] + a[i, 1] * b[j, 1] + a[i, 2] * b[j, 2]
 
 
-def carried_on(trial, elastic, stress, old, deforms):
+def update_strains(trial, elastic, stress, old, deforms):
     """F = ΔF F_n, b_e = Σ exp(2 ε_i) n_i ⊗ n_i of the elastic strains ε (n, 3) after the return, and Cauchy stress
     σ = τ / det F of the Kirchhoff stress τ (n, 3, 3) [Pa]; each (n, 3, 3). deforms: (3,) bool, axes that deform.
 
@@ -193,7 +193,7 @@ def _carry_on(increment, old, strain, directions, stress, deforms, deformation, 
     for p in prange(len(old)):
         F = deformation[p]
         _product(increment[p], old[p], F)
-        if _largest(F) > WORN:
+        if _largest(F) > F_LIMIT:
             _begin_anew(F, deforms)
         share = 1.0 / determinant(F)
         compose(np.exp(2 * strain[p, 0]), np.exp(2 * strain[p, 1]), np.exp(2 * strain[p, 2]), directions[p], squares[p])
@@ -214,7 +214,7 @@ def _largest(F):
 @njit(cache=True)
 def _begin_anew(F, deforms):
     """The same stretch along all axes that deform, with the volume of F where that is not beyond reason."""
-    stretch = min(abs(determinant(F)) ** (1.0 / np.sum(deforms)), MOST)
+    stretch = min(abs(determinant(F)) ** (1.0 / np.sum(deforms)), STRETCH_LIMIT)
     for i in range(3):
         for j in range(3):
             F[i, j] = (stretch if deforms[i] else 1.0) if i == j else 0.0

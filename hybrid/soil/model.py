@@ -16,23 +16,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hybrid.grid.axes import Grid
+from hybrid.grid.colouring import Slabs, make_slabs
 from hybrid.laws import plastic_increment
-from hybrid.reductions import largest, total
-from hybrid.soil import fbar, ghost, stray, transfer
+from hybrid.runtime.comm import largest, total
+from hybrid.soil import fbar, ghost, lost_points, transfer
 from hybrid.soil.basis import Basis, evaluate_basis
 from hybrid.soil.domains import updated_half
-from hybrid.soil.eigen import from_principal
-from hybrid.soil.ghost import Ghost
 from hybrid.soil.forces import internal_force
-from hybrid.soil.grid import Grid
-from hybrid.soil.kinematics import Kinematics, TrialStrain, carried_on, logarithmic
+from hybrid.soil.ghost import Ghost
+from hybrid.soil.kinematics import Kinematics, TrialStrain, logarithmic, update_strains
 from hybrid.soil.points import PointConstants
-from hybrid.soil.slabs import Slabs, make_slabs
+from hybrid.soil.principal import from_principal
 from hybrid.soil.stiffness import KeptStiffness, add_stiffness
 from hybrid.state import Points
 
-
-LIGHT = 0.1     # of the mass that a node has in whole soil: how `hybrid.system.near` uses it
+SMALL_SUPPORT = 0.1     # of the mass that a node has in whole soil: how `hybrid.linalg.precond_pattern` uses it
 NOTHING = 1e-3  # of Young's modulus, the largest diagonal entry of a tangent that is none
 
 
@@ -82,7 +81,7 @@ class Soil:
     elastic_share  of the elastic stiffness in the tangent of plastic points
     fbar           with the cure for locking (`hybrid.soil.fbar`)
     ghost_factor   on Young's modulus in the cure for small cuts (`hybrid.soil.ghost`), 0 without
-    stray, adrift  what becomes of points that leave, and whether soil may be held by nothing (`hybrid.soil.stray`)
+    stray, adrift  what becomes of points that leave, and whether soil may be held by nothing (`hybrid.soil.lost_points`)
     tangent_tolerance  change of a point's tangent within an increment, relative to Young's modulus, that is left out
     transfer, blend  how points take up the motion of the nodes (`hybrid.soil.transfer`)
     """
@@ -120,14 +119,14 @@ class Soil:
 
         Raises StepError when a point left the grid.
         """
-        half = points.half if self.basis == "gimp" else np.zeros_like(points.half)
+        half = points.half_width if self.basis == "gimp" else np.zeros_like(points.half_width)
         basis = evaluate_basis(points.position, half, self.grid.axes)
         if not self.adrift:
             points = self._without_adrift(points, basis)
         slabs = make_slabs(basis.first, self.grid.shape)
         carried = [field for field in (points.velocity, points.acceleration, points.algorithmic) if field is not None]
         carried += [load] if load.ndim > 1 else []
-        mass, *nodal = transfer.project(basis, slabs, self.grid.axes, points.position,
+        mass, *nodal = transfer.points_to_grid(basis, slabs, self.grid.axes, points.position,
                                         _of_those_in(points, self.constants.mass), *carried, affine=points.affine)
         if load.ndim > 1:
             load = nodal.pop()
@@ -139,23 +138,23 @@ class Soil:
             mean=fbar.mean_basis(points.position, half, self.grid.axes, basis) if self.fbar else None,
             cuts=ghost.find_faces(basis, self.grid, self.ghost_factor * self.law.young) if self.ghost_factor else None)
 
-    def light(self, step):
+    def small_support(self, step):
         """(N,) bool, nodes with less than LIGHT of the mass that the heaviest soil all around would give them."""
         densest = largest(self.constants.mass / self.constants.volume)
-        return step.mass < LIGHT * densest * self.grid.volumes
+        return step.mass < SMALL_SUPPORT * densest * self.grid.volumes
 
     def evaluate(self, step, displacement):
         """SoilTrial at nodal increments (N, 3) [m], or None with the reason in `refusal`: a point would turn inside
         out, or the law has no stress for it."""
-        out = step.points.out
-        strain = self._kinematics(step.basis, self.grid.shape, displacement, step.points.elastic, step.mean, out)
+        out = step.points.inactive
+        strain = self._kinematics(step.basis, self.grid.shape, displacement, step.points.b_elastic, step.mean, out)
         if len(strain.inverted):
-            self.refusal = f"turns soil inside out at {stray.listed(strain.inverted)}"
+            self.refusal = f"turns soil inside out at {lost_points.listed(strain.inverted)}"
             return None
         response = self.law.respond(strain.strain, step.points.plastic_strain)
         failed = () if response.failed is None else np.flatnonzero(_of_those_in(step.points, response.failed))
         if len(failed):
-            self.refusal = f"leaves the soil's law without a stress at {stray.listed(failed)}"
+            self.refusal = f"leaves the soil's law without a stress at {lost_points.listed(failed)}"
             return None
         stress = from_principal(response.stress, strain.directions)
         volume = _of_those_in(step.points, self.constants.volume)
@@ -198,7 +197,7 @@ class Soil:
         tangent = trial.response.tangent
         return tangent + self._share * (self._elastic - tangent) if self._share else tangent
 
-    def opened(self, trial):
+    def apex_fraction(self, trial):
         """Share of the points that flow at the apex of their cone: they carry nothing and have no tangent."""
         if not self.law.plastic:
             return 0.0
@@ -210,33 +209,33 @@ class Soil:
         """New Points from nodal increments of displacement and velocity and from the new accelerations, all (N, 3)."""
         old = step.points
         position = old.position + transfer.interpolate(step.basis, self.grid.shape, displacement)
-        left = stray.outside(position, self.grid)
-        left = left if old.out is None else left & ~old.out
+        left = lost_points.outside(position, self.grid)
+        left = left if old.inactive is None else left & ~old.inactive
         if self.stray == "stop":
-            stray.refuse_outside(left, position, self.grid)
+            lost_points.refuse_outside(left, position, self.grid)
         elastic = trial.response.elastic
-        deformation, squares, stress = carried_on(trial.strain, elastic, trial.stress, old, ~self.grid.collapsed)
+        deformation, squares, stress = update_strains(trial.strain, elastic, trial.stress, old, ~self.grid.collapsed)
         history = acceleration, *([] if algorithmic is None else [algorithmic])
-        (rate, *history), affine = self._taken_up(step, old, velocity_gain, history)
+        (rate, *history), affine = self._grid_to_points(step, old, velocity_gain, history)
         new = Points(
             position=position,
             velocity=rate,
             acceleration=history[0],
-            half=updated_half(self.domain, self.constants.half, deformation, position, self.grid.axes),
+            half_width=updated_half(self.domain, self.constants.half_width, deformation, position, self.grid.axes),
             deformation=deformation,
-            elastic=squares,
+            b_elastic=squares,
             stress=stress,
             plastic_strain=old.plastic_strain + plastic_increment(trial.strain.strain, elastic),
             algorithmic=None if algorithmic is None else history[1],
             affine=affine,
         )
-        return stray.kept_back(old, new, left)
+        return lost_points.kept_back(old, new, left)
 
-    def _taken_up(self, step, old, gain, accelerations):
+    def _grid_to_points(self, step, old, gain, accelerations):
         """Velocities and accelerations (n, 3) and, with affine transfer, the gradients (n, k, 3, 3) of all of them,
         from the nodes' `gain` of velocity and accelerations (N, 3)."""
         if self.transfer == "affine":
-            return transfer.take_up(
+            return transfer.grid_to_points(
                 step.basis, self.grid.axes, old.position, [step.velocity + gain, *accelerations])
         gain_seen, *seen = (transfer.interpolate(step.basis, self.grid.shape, a) for a in (gain, *accelerations))
         velocity = old.velocity + gain_seen
@@ -247,11 +246,11 @@ class Soil:
 
     def _without_adrift(self, points, basis):
         """`points` without those that nothing carries. Raises StepError if the run is to stop for them."""
-        piece, held = stray.adrift(basis, self.grid, None if points.out is None else ~points.out)
+        piece, held = lost_points.adrift(basis, self.grid, None if points.inactive is None else ~points.inactive)
         loose = (piece > 0) & ~held[piece] if len(held) > 1 else np.zeros(len(points), bool)
         if self.stray == "stop":
-            stray.refuse_adrift(loose, points.position)
-        return stray.kept_back(points, points, loose)
+            lost_points.refuse_adrift(loose, points.position)
+        return lost_points.kept_back(points, points, loose)
 
     def plastic_work(self, step, trial):
         """Work dissipated by plastic flow in the step [J]: Σ τ · Δε_p V0."""
@@ -261,10 +260,10 @@ class Soil:
 
     def stored_energy(self, points):
         """Elastic energy of committed points [J]."""
-        strain = logarithmic(points.elastic)
+        strain = logarithmic(points.b_elastic)
         return float(total(self.law.energy(strain) * self.constants.volume))
 
 
 def _of_those_in(points, values):
     """`values` (n,) of points, 0 where they take no part any more."""
-    return values if points.out is None else np.where(points.out, 0.0, values)
+    return values if points.inactive is None else np.where(points.inactive, 0.0, values)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hybrid.errors import SceneError
+from hybrid.runtime.errors import SceneError
 from hybrid.state import PointConstants, Points
 
 
@@ -47,7 +47,7 @@ def overburden(constants, gravity):
     """
     _, first, level = np.unique(constants.position[:, 2], return_index=True, return_inverse=True)
     density = constants.mass[first] / constants.volume[first]
-    weight = density * gravity * 2 * constants.half[first, 2]
+    weight = density * gravity * 2 * constants.half_width[first, 2]
     return (np.cumsum(weight[::-1])[::-1] - 0.5 * weight)[level]
 
 
@@ -60,5 +60,5 @@ def at_rest(constants, principal_stress, elastic_strain):
     elastic[:, diagonal, diagonal] = np.exp(2 * elastic_strain)
     return Points(
         position=constants.position.copy(), velocity=np.zeros((n, 3)), acceleration=np.zeros((n, 3)),
-        half=constants.half.copy(), deformation=np.tile(np.eye(3), (n, 1, 1)), elastic=elastic, stress=stress,
+        half_width=constants.half_width.copy(), deformation=np.tile(np.eye(3), (n, 1, 1)), b_elastic=elastic, stress=stress,
         plastic_strain=np.zeros(n))

@@ -60,7 +60,7 @@ class KeptStiffness:
 
 
 def _add(basis, slabs, shape, trial, principal_stress, tangent, volume, pattern, values, kept, limit, fresh):
-    _add_stiffness(slabs.order, slabs.start, basis.first, basis.count, basis.value, basis.slope, shape[1], shape[2],
+    _add_stiffness(slabs.order, slabs.start, basis.first, basis.count, basis.value, basis.gradient, shape[1], shape[2],
                    trial.inverse, trial.strain, trial.directions, principal_stress, tangent, volume,
                    pattern.dof, pattern.row, pattern.slot, pattern.indptr, values, kept, limit, fresh)
 

@@ -26,7 +26,7 @@ from numba import njit, prange
 from hybrid.soil.basis import with_margin
 
 
-def project(basis, slabs, axes, position, mass, *fields, affine=None):
+def points_to_grid(basis, slabs, axes, position, mass, *fields, affine=None):
     """Nodal mass (N,) [kg] and fields (N, 3) from those of the points at `position` (n, 3) [m], each (n, 3), the first
     k of them with C_p `affine` (n, k, 3, 3) if there are any; zero where no point reaches."""
     affine = np.empty((len(position), 0, 3, 3)) if affine is None else np.ascontiguousarray(affine)
@@ -46,7 +46,7 @@ def interpolate(basis, shape, nodal):
     return out
 
 
-def take_up(basis, axes, position, fields):
+def grid_to_points(basis, axes, position, fields):
     """Values (n, 3) and C_p of k nodal fields, each (N, 3), at points of `position` (n, 3) [m]: a list of values, and
     (n, k, 3, 3)."""
     seen, affine = [np.empty((len(position), 3)) for _ in fields], np.empty((len(position), len(fields), 3, 3))

@@ -16,8 +16,8 @@ from importlib import import_module
 from math import nan
 from time import perf_counter
 
-from hybrid.build import build
-from hybrid.errors import HybridError
+from hybrid.runtime.errors import HybridError
+from hybrid.setup.build import build
 from hybrid.study.outcome import Outcome, judged
 
 

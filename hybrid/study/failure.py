@@ -1,14 +1,14 @@
 """Where methods fail: every known way, driven through by a parameter, with the plain method and with the remedy.
 
 The records are all there is to the figures, as in `hybrid.study.precision`. RECORDED ships with the program; the limits
-that `hybrid check` warns of (`hybrid.limits`) rest on it.
+that `hybrid check` warns of (`hybrid.monitors.limits`) rest on it.
 """
 
 from pathlib import Path
 
 from hybrid.bench.stamp import stamp
-from hybrid.errors import SceneError
-from hybrid.output.atlas import Map, draw_atlas, draw_maps
+from hybrid.output.failure_map import Map, draw_atlas, draw_maps
+from hybrid.runtime.errors import SceneError
 from hybrid.study import cases, outcome
 from hybrid.study.outcome import load
 

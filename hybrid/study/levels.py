@@ -13,10 +13,10 @@ import json
 import math
 from dataclasses import asdict, replace
 
-from hybrid.levels import WRITTEN, Level
+from hybrid.scene.accuracy import WRITTEN, Level
+from hybrid.scene.targets import Reference, Settings
 from hybrid.study import sweep
 from hybrid.study.front import front
-from hybrid.targets import Likeness, Settings
 
 SIZES = {"draft": 2.0, "standard": 1.0, "reference": 0.5}
 SHARES = {"draft": 0.5, "standard": 0.05, "reference": 0.005}   # of the error, by which a tolerance may change it
@@ -62,7 +62,7 @@ def reached(records):
         rounded = [replace(r, errors={error: _upwards(max(r.errors.get(error, math.nan), sure))})
                    for r in records if taken.get(r.key)]
         if rounded:
-            found[name] = Likeness(module.LIKE, tuple(
+            found[name] = Reference(module.LIKE, tuple(
                 Settings(r.errors[error], f"{r.curve}, {r.setting}", **taken[r.key])
                 for r in front(rounded, error, "work")))
     return found

@@ -10,8 +10,8 @@ from pathlib import Path
 
 from hybrid.bench.peer import version
 from hybrid.bench.stamp import stamp
-from hybrid.errors import SceneError
-from hybrid.output.charts import Panel, Series, work_precision
+from hybrid.output.work_precision import Panel, Series, work_precision
+from hybrid.runtime.errors import SceneError
 from hybrid.study import front, record, sweep
 from hybrid.study.record import load
 

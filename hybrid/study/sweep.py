@@ -15,7 +15,7 @@ A problem is a module of `hybrid.study.problems` with
 
 from importlib import import_module
 
-from hybrid.errors import HybridError
+from hybrid.runtime.errors import HybridError
 from hybrid.study.record import Record
 
 LONG = 5.0  # [s] a run that takes longer is not repeated

@@ -4,7 +4,6 @@ A sphere on a pull line swings with ω = √(k/m); a box falls, bounces on a pen
 swings in its first mode; a free body tumbles.
 """
 
-import functools
 import re
 from dataclasses import replace
 
@@ -12,16 +11,16 @@ import numpy as np
 import pytest
 
 from hybrid.body.attitude import log_so3
-from hybrid.build import build
-from hybrid.errors import StepError
+from hybrid.linalg.system_cache import Systems
+from hybrid.runtime.errors import StepError
 from hybrid.scene import Axis, Faces, Grid, Pull, Stage
 from hybrid.scheme import Scheme
+from hybrid.setup.build import build
 from hybrid.soil.transfer import interpolate
-from hybrid.stepping import accuracy, loop, newton
-from hybrid.stepping.accuracy import leading_factor, turn_error
+from hybrid.step import error_estimate, increments, newton
+from hybrid.step.equations import Step
+from hybrid.step.error_estimate import leading_factor, turn_error
 from hybrid.study.problems import tumbling
-from hybrid.system.cache import Systems
-from hybrid.system.equations import Step
 from hybrid.study.scenes import SCHEMES, box, elastic, plane, scene, sphere
 
 RULES = {"newmark": Scheme.newmark(), "stiffer": Scheme.newmark(0.4, 0.5), "alpha 0.8": Scheme.generalised_alpha(0.8),
@@ -86,7 +85,7 @@ def test_the_estimate_is_the_local_error_of_a_tumbling_body(scheme):
 
 
 def test_without_its_second_term_the_estimate_of_a_turn_is_wrong(monkeypatch):
-    monkeypatch.setattr(accuracy.np, "cross", lambda *_: np.zeros(3))
+    monkeypatch.setattr(error_estimate.np, "cross", lambda *_: np.zeros(3))
     missed, estimated = one_turn(Scheme.newmark(), 0.05)
     assert np.linalg.norm(estimated - missed) > 0.2 * np.linalg.norm(missed)
 
@@ -110,7 +109,7 @@ def soil_errors(simulation, frequency, *phases):
     for phase in phases:
         step = Step(simulation.model, simulation.state, phase / frequency, False, Systems(simulation.model))
         outcome = newton.solve(step, newton.Settings(1e-10))
-        found.append(accuracy.local_error(step, outcome.evaluation))
+        found.append(error_estimate.local_error(step, outcome.evaluation))
     assert {error.of for error in found} == {"the soil"}
     return np.array([error.length for error in found])
 
@@ -132,7 +131,7 @@ def test_accelerations_that_went_to_the_points_and_back_spoil_the_estimate(monke
     simulation, frequency = rod(10, "increments")
     found = soil_errors(simulation, frequency, 0.01, 0.005)
     assert np.log2(np.divide(*found)) == pytest.approx(3.0, abs=0.1)
-    monkeypatch.setattr(accuracy, "_of_soil", with_nodes)
+    monkeypatch.setattr(error_estimate, "_of_soil", with_nodes)
     assert np.log2(np.divide(*soil_errors(simulation, frequency, 0.01, 0.005))) < 2.6
 
 
@@ -176,8 +175,8 @@ def test_the_error_of_a_run_follows_the_tolerance(name, largest, power):
 
 def test_a_broken_estimate_does_not_follow_the_tolerance(monkeypatch):
     """One order too many asks for too little where steps are short: 0.6."""
-    right = accuracy._of_body
-    monkeypatch.setattr(accuracy, "_of_body", lambda *given: right(*given) * given[-1] / 0.02)
+    right = error_estimate._of_body
+    monkeypatch.setattr(error_estimate, "_of_body", lambda *given: right(*given) * given[-1] / 0.02)
     assert slope() < 0.7
 
 
@@ -233,7 +232,7 @@ def test_the_floor_stops_the_run_with_value_limit_and_remedy():
 
 
 def test_nothing_is_estimated_unless_asked_for(monkeypatch):
-    monkeypatch.setattr(loop, "local_error", None)
+    monkeypatch.setattr(increments, "local_error", None)
     records = list(bouncing(22).steps())
     assert {record.increments for record in records} == {1} and {record.time_error for record in records} == {None}
     assert "time_error_m" not in records[0].row()

@@ -6,9 +6,8 @@ import functools
 import numpy as np
 import pytest
 
-from hybrid.errors import StepError
+from hybrid.runtime.errors import StepError
 from hybrid.study.problems import cantilever as ladder
-
 
 
 @functools.cache

@@ -9,13 +9,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hybrid.build import build
+from hybrid.linalg.system_cache import Systems
 from hybrid.scene import Axis, Faces, Grid, Material, Scene, Soil, Solver, Stage, Time
-from hybrid.stepping.energy import balance_error, energies
+from hybrid.setup.build import build
+from hybrid.step.energy import balance_error, energies
+from hybrid.step.equations import Step
+from hybrid.step.loads import Loads
 from hybrid.study.problems.column import SELF_WEIGHT
-from hybrid.system.cache import Systems
-from hybrid.system.equations import Step
-from hybrid.system.loads import Loads
 
 YOUNG, DENSITY, GRAVITY, LENGTH = SELF_WEIGHT.young, SELF_WEIGHT.density, SELF_WEIGHT.gravity, SELF_WEIGHT.length
 WEIGHT = SELF_WEIGHT.weight
@@ -36,7 +36,7 @@ def column(cells, steps=50, full=False, basis="gimp", domain="stretch"):
         assert record.increments == 1
     points, constants = simulation.state.points, simulation.model.soil.constants
     top = np.argmax(points.position[:, 2])
-    height = points.position[top, 2] + constants.half[top, 2] * points.deformation[top, 2, 2]
+    height = points.position[top, 2] + constants.half_width[top, 2] * points.deformation[top, 2, 2]
     return points, constants.position[:, 2], height
 
 
@@ -135,7 +135,7 @@ def test_geostatic_forces_balance_to_round_off(material):
     for factor in (1.0, 1.01):
         heavier = replace(model, loads=Loads(factor * model.gravity))
         step = Step(heavier, simulation.state, 0.04, False, Systems(heavier))
-        evaluation = step.evaluate(step.start())
+        evaluation = step.evaluate(step.predictor())
         step.assemble(evaluation)
         soil, body, _ = step.system.solve(evaluation.soil, evaluation.body)
         moved = step.evaluate(step.moved(evaluation.unknowns, soil, body))

@@ -9,8 +9,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hybrid.build import build
 from hybrid.scene import Pull
+from hybrid.setup.build import build
 from hybrid.study.scenes import box, plane, sphere
 
 G, MU, SETTLE = 9.81, 0.3, 30

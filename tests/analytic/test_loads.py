@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from hybrid.build import build
-from hybrid.errors import SceneError
+from hybrid.runtime.errors import SceneError
 from hybrid.scene import Axis, Grid, Stage
-from hybrid.stepping.energy import balance_error, energies
+from hybrid.setup.build import build
+from hybrid.step.energy import balance_error, energies
 from hybrid.study.scenes import FREE, elastic, scene, steel
 
 AXIS = Axis(start=-1.0, end=1.2, size=0.2)

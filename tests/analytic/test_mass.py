@@ -9,7 +9,7 @@ import pytest
 from hybrid.body.condense import condensation
 from hybrid.body.mass import assemble, condensed_mass
 from hybrid.body.mesh import generate
-from hybrid.errors import GeometryError
+from hybrid.runtime.errors import GeometryError
 
 GEOMETRY = Path(__file__).parents[2] / "geometry"
 STEEL = 7850.0

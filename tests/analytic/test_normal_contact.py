@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from hybrid.build import build
 from hybrid.scene import Axis, Faces, Grid, Stage
+from hybrid.setup.build import build
 from hybrid.study.scenes import box, elastic, plane, scene, sphere
 
 BOTH = [pytest.param(0.0, id="first pass"), pytest.param(1.0, id="second pass")]

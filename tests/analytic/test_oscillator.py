@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 
 from hybrid.body import rigid
-from hybrid.build import build, build_scheme
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Pull, Scene, Soil, Solver, Stage, Time
 from hybrid.scheme import Scheme
+from hybrid.setup.build import build, build_scheme
 from hybrid.simulation import Simulation
 from hybrid.soil.model import Soil as SoilModel
 

@@ -14,8 +14,8 @@ import functools
 import numpy as np
 import pytest
 
-from hybrid.errors import StepError
-from hybrid.stepping import newton
+from hybrid.runtime.errors import StepError
+from hybrid.step import newton
 from hybrid.study.problems import platen
 from hybrid.study.problems.platen import AREA, IDEAL, YOUNG, in_series
 from hybrid.study.steps import iterations

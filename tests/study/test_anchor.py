@@ -4,10 +4,10 @@ import json
 
 import numpy as np
 import pytest
-
-from hybrid.errors import StepError
-from hybrid.study.problems import anchor
 from problem_checks import check
+
+from hybrid.runtime.errors import StepError
+from hybrid.study.problems import anchor
 
 REFERENCE = json.loads(anchor.REFERENCE.read_text(encoding="utf-8"))
 

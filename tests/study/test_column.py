@@ -6,7 +6,7 @@ import problem_checks
 import pytest
 
 from hybrid.bench import kratos_parts
-from hybrid.errors import HybridError
+from hybrid.runtime.errors import HybridError
 from hybrid.study import precision
 from hybrid.study.problems import column
 

@@ -7,10 +7,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hybrid import levels
-from hybrid.build import build
-from hybrid.errors import SceneError
-from hybrid.scene import Axis, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
+from hybrid.runtime.errors import SceneError
+from hybrid.scene import Axis, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time, accuracy
+from hybrid.setup.build import build
 from hybrid.study import levels as found
 from hybrid.study import precision, record
 from hybrid.study.record import Record
@@ -29,26 +28,26 @@ def column(accuracy=None, solver=Solver(), z=None):
 
 
 def test_levels_change_cells_steps_and_tolerances():
-    scene, told = levels.settled(column("reference"))
-    level = levels.levels()["reference"]
+    scene, told = accuracy.apply_level(column("reference"))
+    level = accuracy.levels()["reference"]
     assert (scene.grid.z.size, scene.time.step, scene.stages[0].steps) == (HEIGHT / 16, 0.5, 16)
     assert scene.output == Output(every=10, pictures=(2, 16), checkpoint=0)
     own = dataclasses.replace(column("draft"), stages=(Stage("load", 8, 0.5, gravity=(0.0, 1.0)),))
-    assert levels.settled(own)[0].stages[0].step == 0.5 * levels.levels()["draft"].step == 1.0
+    assert accuracy.apply_level(own)[0].stages[0].step == 0.5 * accuracy.levels()["draft"].step == 1.0
     assert (scene.solver.tolerance, scene.solver.linear_tolerance) == (level.tolerance, level.linear_tolerance)
     assert scene.accuracy is None and "cells x 0.5" in told
     assert build(column("reference")).sheet()["modelled"]["accuracy"] == told
 
 
 def test_what_a_scene_gives_of_the_solver_stays():
-    scene, _ = levels.settled(column("draft", Solver(tolerance=1e-9, linear_tolerance=1e-8)))
+    scene, _ = accuracy.apply_level(column("draft", Solver(tolerance=1e-9, linear_tolerance=1e-8)))
     assert (scene.solver.tolerance, scene.solver.linear_tolerance) == (1e-9, 1e-8)
 
 
 def test_without_accuracy_nothing_changes():
-    assert levels.settled(column()) == (column(), "")
+    assert accuracy.apply_level(column()) == (column(), "")
     assert "accuracy" not in build(column()).sheet()["modelled"]
-    ours, standard = column(), levels.settled(column("standard"))[0]
+    ours, standard = column(), accuracy.apply_level(column("standard"))[0]
     assert dataclasses.replace(standard, solver=ours.solver) == ours
 
 
@@ -107,13 +106,13 @@ def test_a_failure_ends_what_is_allowed():
 
 
 def test_the_levels_that_ship_are_those_of_the_records_that_ship():
-    assert levels.levels() == found.made(record.load(precision.RECORDED)[1])
+    assert accuracy.levels() == found.made(record.load(precision.RECORDED)[1])
 
 
 def test_levels_are_written_as_they_are_read(tmp_path, monkeypatch):
-    path = tmp_path / "levels.json"
+    path = tmp_path / "accuracy.json"
     found.write(records(), path)
     assert set(json.loads(path.read_text())["levels"]) == {"draft", "standard", "reference"}
-    monkeypatch.setattr(levels, "WRITTEN", path)
-    assert levels.levels() == found.made(records())
-    assert SimpleNamespace(**vars(levels.levels()["draft"])).size == 2.0
+    monkeypatch.setattr(accuracy, "WRITTEN", path)
+    assert accuracy.levels() == found.made(records())
+    assert SimpleNamespace(**vars(accuracy.levels()["draft"])).size == 2.0

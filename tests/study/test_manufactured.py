@@ -3,7 +3,7 @@
 import problem_checks
 import pytest
 
-from hybrid.errors import HybridError
+from hybrid.runtime.errors import HybridError
 from hybrid.study.problems import manufactured
 
 

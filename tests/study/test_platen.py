@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-
-from hybrid.errors import StepError
-from hybrid.study.problems import platen
 from problem_checks import check
+
+from hybrid.runtime.errors import StepError
+from hybrid.study.problems import platen
 
 
 def rate(found, error):

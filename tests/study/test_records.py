@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from hybrid.errors import SceneError, StepError
+from hybrid.runtime.errors import SceneError, StepError
 from hybrid.study import front, precision, record, sweep
 from hybrid.study.record import Found, Record
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-
-from hybrid.errors import StepError
-from hybrid.study.problems import sphere
 from problem_checks import check
+
+from hybrid.runtime.errors import StepError
+from hybrid.study.problems import sphere
 
 
 def rates(found):

@@ -6,20 +6,34 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hybrid import levels, targets
 from hybrid.bench.soils import GEOMETRY
-from hybrid.build import build
-from hybrid.errors import SceneError
-from hybrid.scene import Axis, Body, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Target, Time
-from hybrid.scene_file import scene_from_dict, validate
+from hybrid.runtime.errors import SceneError
+from hybrid.scene import (
+    Axis,
+    Body,
+    Faces,
+    Grid,
+    Material,
+    Output,
+    Scene,
+    Soil,
+    Solver,
+    Stage,
+    Target,
+    Time,
+    accuracy,
+    targets,
+)
+from hybrid.scene.file import scene_from_dict, validate
+from hybrid.scene.targets import Reference, Settings
+from hybrid.setup.build import build
 from hybrid.study import levels as found
 from hybrid.study import precision, record
 from hybrid.study.record import Record
 from hybrid.study.steps import iterations, stepped, unknowns
-from hybrid.targets import Likeness, Settings
 
 HEIGHT, YOUNG, DENSITY, GRAVITY = 12.0, 1.1e5, 2000.0, 50 / 3   # weight/E = 3.6; that of the column recorded is 4
-BEAM = Likeness("depth", (Settings(0.1, "coarse", 2.0), Settings(
+BEAM = Reference("depth", (Settings(0.1, "coarse", 2.0), Settings(
     0.02, "fine", 4.5, {"ghost": 0.033, "points_per_axis": 3}, {"line_search": False}, {"penalty": 30.0})))
 
 
@@ -34,7 +48,7 @@ def column(target, z=None, soil=(), solver=Solver(), bodies=()):
 
 def settled(*target, **values):
     """Scene and texts under the settings of BEAM."""
-    return targets.reached(column(Target(*target), **values), {"beam": BEAM})
+    return targets.apply_target(column(Target(*target), **values), {"beam": BEAM})
 
 
 # ---------------------------------------------------------------- what it does to a scene
@@ -147,7 +161,7 @@ def test_scene_files_have_it():
 
 def test_the_problems_that_ship_are_those_of_the_records_that_ship():
     recorded = found.reached(record.load(precision.RECORDED)[1])
-    assert levels.problems() == recorded and set(recorded) == set(found.ALIKE)
+    assert accuracy.problems() == recorded and set(recorded) == set(found.ALIKE)
 
 
 def test_records_that_differ_in_steps_or_name_a_peer_do_not_count():
@@ -174,6 +188,6 @@ def test_problems_are_told_what_their_penalty_is_by_length():
 
 def test_the_page_has_what_they_reach():
     page = (Path(__file__).parents[2] / "demos/precision/README.md").read_text(encoding="utf-8")
-    for name, likeness in levels.problems().items():
+    for name, likeness in accuracy.problems().items():
         errors = [settings.error for settings in likeness.settings]
         assert f"| {name} | {likeness.length} | {max(errors):.2g} to {min(errors):.2g} |" in page

@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from problem_checks import check
 
 from hybrid.body.motion import inertia_residual
-from hybrid.errors import StepError
+from hybrid.runtime.errors import StepError
 from hybrid.study.problems import tumbling
-from problem_checks import check
 
 CURVES = tumbling.curves(False)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from demo_scripts import demo
 
-from hybrid.build import build
+from hybrid.setup.build import build
 
 
 @pytest.fixture(scope="module")
@@ -66,8 +66,8 @@ def test_energy_of_the_drag_balances(drag):
 def test_no_point_leaves_the_grid(drag):
     simulation, _ = drag
     points, extent = simulation.state.points, simulation.model.soil.grid.extent
-    assert (points.position - points.half >= extent[:, 0] - 1e-9).all()
-    assert (points.position + points.half <= extent[:, 1] + 1e-9).all()
+    assert (points.position - points.half_width >= extent[:, 0] - 1e-9).all()
+    assert (points.position + points.half_width <= extent[:, 1] + 1e-9).all()
     assert points.stress.shape == (len(points), 3, 3) and np.isfinite(points.stress).all()
 
 

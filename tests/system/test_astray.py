@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from hybrid.build import build
-from hybrid.errors import StepError
+from hybrid.grid.axes import FACES, make_grid
 from hybrid.output import checkpoint
 from hybrid.output.vtk import drawn
+from hybrid.runtime.errors import StepError
 from hybrid.scene import Axis, Grid, Stage
-from hybrid.soil import stray
+from hybrid.setup.build import build
+from hybrid.soil import lost_points
 from hybrid.soil.basis import evaluate_basis
-from hybrid.soil.grid import FACES, make_grid
 from hybrid.state import Points
 from hybrid.study.scenes import FREE, elastic, scene
 
@@ -35,7 +35,7 @@ def test_the_run_stops_before_points_leave():
         for record in simulation.steps():
             records.append(record)
     assert len(records) == simulation.state.step == 5
-    assert not stray.outside(simulation.state.points.position, simulation.model.soil.grid).any()
+    assert not lost_points.outside(simulation.state.points.position, simulation.model.soil.grid).any()
     named = int(str(failure.value).split()[1])
     position = simulation.state.points.position
     assert position[named, 0] == pytest.approx(position[:, 0].max())
@@ -49,11 +49,11 @@ def test_points_that_leave_take_no_part_any_more(policy):
         assert record.rejections == 0
         notes += record.notes
         points = simulation.state.points
-        gone = np.zeros(len(points), bool) if points.out is None else points.out
+        gone = np.zeros(len(points), bool) if points.inactive is None else points.inactive
         left.append(np.count_nonzero(gone))
         np.testing.assert_allclose(points.velocity[~gone, 0], 3.0, rtol=1e-9)
         assert (points.velocity[gone] == 0).all()
-        assert not stray.outside(points.position, simulation.model.soil.grid).any()
+        assert not lost_points.outside(points.position, simulation.model.soil.grid).any()
     assert left[4] == 0 and left[-1] == len(points) and set(left) == {0, 16, 32, 64}
     assert [int(text.split()[0]) for text in notes if "out of the soil" in text] == [16, 32, 64]
     assert any("(16 kg, 0.25 of the mass): points 48 at (1.9" in text for text in notes)
@@ -72,8 +72,8 @@ def test_a_checkpoint_keeps_who_is_out(tmp_path):
         if record.step == 7:
             break
     checkpoint.save(tmp_path / "d.npz", again.state, again.scene)
-    np.testing.assert_array_equal(checkpoint.load(tmp_path / "d.npz", again.scene).points.out, again.state.points.out)
-    assert again.state.points.out.any()
+    np.testing.assert_array_equal(checkpoint.load(tmp_path / "d.npz", again.scene).points.inactive, again.state.points.inactive)
+    assert again.state.points.inactive.any()
 
 
 def test_soil_adrift_is_told_of_and_refused_where_nothing_carries_it():
@@ -96,7 +96,7 @@ def test_soil_adrift_is_told_of_and_refused_where_nothing_carries_it():
         list(simulation.steps())
     simulation, away = pair("freeze", False, held=True)
     list(simulation.steps())
-    np.testing.assert_array_equal(simulation.state.points.out, away)
+    np.testing.assert_array_equal(simulation.state.points.inactive, away)
 
 
 def test_pieces_of_soil():
@@ -105,10 +105,10 @@ def test_pieces_of_soil():
     place = np.array([[0.5, 0.5, 0.5], [1.5, 1.5, 1.5], [1.5, 0.5, 0.5],
                       [4.5, 4.5, 4.5], [6.5, 0.5, 0.5], [6.5, 1.5, 0.5]])
     basis = evaluate_basis(place, np.full((6, 3), 0.4), grid.axes)
-    piece, held = stray.adrift(basis, grid)
+    piece, held = lost_points.adrift(basis, grid)
     assert (piece[:3] == 0).all() and piece[3] != piece[4] == piece[5] != 0
     assert held[piece[4]] and not held[piece[3]]
-    piece, _ = stray.adrift(basis, grid, np.arange(6) < 3)
+    piece, _ = lost_points.adrift(basis, grid, np.arange(6) < 3)
     assert not piece.any()
 
 
@@ -118,7 +118,7 @@ def test_stretched_points():
     deformation[2] *= 0.4
     deformation[3, 0, 1] = 5.0
     deformation[4] *= 3.0
-    assert stray.stretched(deformation).tolist() == [False, True, True, False, True]
+    assert lost_points.stretched(deformation).tolist() == [False, True, True, False, True]
     assert isinstance(thrown("stop").state.points, Points)
 
 
@@ -136,5 +136,5 @@ def test_points_may_leave_in_the_first_step():
     simulation = thrown("freeze", speed=17.0, steps=2)
     next(simulation.steps())
     points = simulation.state.points
-    assert 0 < points.out.sum() < len(points)
-    assert points.affine.dtype == float and (points.affine[points.out] == 0).all()
+    assert 0 < points.inactive.sum() < len(points)
+    assert points.affine.dtype == float and (points.affine[points.inactive] == 0).all()

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from hybrid.build import build
+from hybrid.monitors import missed_contact
 from hybrid.scene import Time
-from hybrid.stepping import between
+from hybrid.setup.build import build
 from hybrid.study.scenes import driven, soil_scene
 
 
@@ -31,5 +31,5 @@ def test_an_edge_that_touches(place, body):
 def test_the_edge_of_a_large_body(monkeypatch):
     """30 mm are a little of 2 m, and would be told of otherwise."""
     assert not notes(0.45, height=2.4)
-    monkeypatch.setattr(between, "PART", 0.0)
+    monkeypatch.setattr(missed_contact, "PART", 0.0)
     assert len(notes(0.45, height=2.4)) == 1

@@ -7,9 +7,9 @@ Published by Coombs, Int. J. Numer. Methods Eng. 124 (2023) 4841-4875: it surviv
 import numpy as np
 import pytest
 
-from hybrid.build import build
-from hybrid.errors import StepError
+from hybrid.runtime.errors import StepError
 from hybrid.scene import Axis, Faces, Grid, Material, Scene, Soil, Solver, Stage, Time
+from hybrid.setup.build import build
 
 SIZE, YIELD = 8.0, 20e3
 

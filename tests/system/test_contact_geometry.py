@@ -8,12 +8,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hybrid.study.scenes import steel, driven, soil_scene
 from scipy.optimize import brentq
 
-from hybrid.build import build
-from hybrid.contact import faces, pair
+from hybrid.contact import contact_pair, exposed_faces
 from hybrid.scene import Body, Time
+from hybrid.setup.build import build
+from hybrid.study.scenes import driven, soil_scene, steel
 
 YOUNG, STEP = 1e6, 0.01
 
@@ -34,13 +34,13 @@ def lift(body, steps=1, **scene):
 @pytest.fixture
 def forgetful(monkeypatch):
     """Corners that do not remember from which side they came."""
-    remembering = pair.find_corners
+    remembering = contact_pair.find_corners
 
     def find_corners(*given):
         corners = remembering(*given)
         return replace(corners, side=np.zeros_like(corners.side))
 
-    monkeypatch.setattr(pair, "find_corners", find_corners)
+    monkeypatch.setattr(contact_pair, "find_corners", find_corners)
 
 
 # ------------------------------------------------------------------ thin plates
@@ -160,11 +160,11 @@ def test_a_box_that_covers_all_the_soil(geometry, second_pass):
     assert force == pytest.approx(1.0, abs=1e-9 + 0.05 * second_pass)
 
 
-@pytest.mark.parametrize("wedge, complete", [(faces.WEDGE, True), (0.0, False)])
+@pytest.mark.parametrize("wedge, complete", [(exposed_faces.WEDGE, True), (0.0, False)])
 def test_no_sample_is_lost_between_faces_that_tilt(geometry, monkeypatch, wedge, complete):
     """Samples on the seams of the faces of a column that bends by 1e-3 rad under a platen: all touch, in every step.
     Without the wedge between tilted faces 9 and 16 of 41 are dropped in turn."""
-    monkeypatch.setattr(faces, "WEDGE", wedge)
+    monkeypatch.setattr(exposed_faces, "WEDGE", wedge)
     platen = driven(0.6, 0.6, 0.04, velocity=(0.0, 0.0, -1.0), position=(0.2, 0.2, 0.0), rest_on=0.0,
                     penalty=0.05, second_pass=1.0)
     scene = soil_scene([platen], x=(0.0, 0.4), y=(0.0, 0.4), steps=4, time=Time(step=STEP, inertia=False))

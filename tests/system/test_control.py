@@ -11,14 +11,14 @@ import pytest
 from hybrid import simulation as simulation_module
 from hybrid.bench.soils import block
 from hybrid.body import rigid
-from hybrid.build import build
-from hybrid.errors import StepError
+from hybrid.linalg import system_cache as cache_module
+from hybrid.linalg.system_cache import Systems
+from hybrid.runtime.errors import StepError
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Pull, Scene, Soil, Solver, Stage, Time
-from hybrid.stepping import newton
-from hybrid.stepping.loop import Control, outer_step
-from hybrid.system import cache as cache_module
-from hybrid.system.cache import Systems
-from hybrid.system.equations import Step
+from hybrid.setup.build import build
+from hybrid.step import newton
+from hybrid.step.equations import Step
+from hybrid.step.increments import Control, outer_step
 
 LENGTH = 0.01
 
@@ -259,8 +259,8 @@ class Guess:
     def __init__(self, moving, still, inertia=True):
         self.made, self.model = [], SimpleNamespace(scheme=SimpleNamespace(inertia=inertia))
         self._share = {"moving": moving, "still": still}
-        self.start, self.still = lambda: "moving", lambda: "still"
-        self.opened = lambda evaluation: self._share[evaluation.unknowns]
+        self.predictor, self.at_rest = lambda: "moving", lambda: "still"
+        self.apex_fraction = lambda evaluation: self._share[evaluation.unknowns]
 
     def evaluate(self, unknowns):
         """Trial strains live in buffers that the next evaluation overwrites."""

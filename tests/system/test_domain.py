@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hybrid.build import build
-from hybrid.scene_file import load_scene
+from hybrid.scene.file import load_scene
+from hybrid.setup.build import build
 
 SCENE = Path(__file__).parents[2] / "demos" / "anchor.toml"
 TWICE = ["grid.x.start=-4.0", "grid.x.end=8.0", "grid.y.end=4.0", "grid.z.start=-4.0"]  # margins around the fine cells

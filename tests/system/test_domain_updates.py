@@ -9,10 +9,10 @@ from demo_scripts import demo
 from scattered import GRIDS, scattered
 
 from hybrid.body.attitude import exp_so3
+from hybrid.grid.colouring import make_slabs
 from hybrid.soil import transfer
 from hybrid.soil.basis import evaluate_basis
 from hybrid.soil.domains import updated_half
-from hybrid.soil.slabs import make_slabs
 
 study = demo("domains")
 EVERY_OTHER = study.WAY[1::2]
@@ -104,13 +104,13 @@ def test_domains_cut_off_at_their_cell_are_a_basis(name, rule):
         at = nodes[np.minimum(basis.first[:, axis, None] + np.arange(3), len(nodes) - 1)]
         assert np.abs(basis.value[:, axis].sum(axis=1) - 1).max() < 1e-12
         assert np.abs((basis.value[:, axis] * at).sum(axis=1) - position[:, axis]).max() < 1e-12
-        assert np.abs((basis.slope[:, axis] * at).sum(axis=1) - 1).max() < 1e-12
+        assert np.abs((basis.gradient[:, axis] * at).sum(axis=1) - 1).max() < 1e-12
         reach = 2 * np.minimum(30.0 * half[:, axis], position[:, axis] - nodes[0])
         assert np.any(reach > 2 * width)       # without the cut they would lie over more than three nodes
     rng = np.random.default_rng(5)
     mass, velocity = rng.uniform(1.0, 2.0, len(position)), rng.normal(size=position.shape)
     shape = tuple(len(nodes) for nodes in axes)
-    nodal, v = transfer.project(basis, make_slabs(basis.first, shape), axes, position, mass, velocity)
+    nodal, v = transfer.points_to_grid(basis, make_slabs(basis.first, shape), axes, position, mass, velocity)
     assert nodal.sum() == pytest.approx(mass.sum(), rel=1e-13)
     np.testing.assert_allclose(nodal @ v, mass @ velocity, rtol=1e-11)
 

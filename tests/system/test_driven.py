@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from hybrid.build import build
 from hybrid.scene import Axis, Faces, Grid, Pull, Stage
+from hybrid.setup.build import build
 from hybrid.study.scenes import SCHEMES, box, elastic, plane, scene
 
 STEP, STEPS = 0.01, 12

@@ -1,10 +1,10 @@
 """An impact within one step of undamped Newmark makes energy out of nothing: it is said once, with remedies."""
 
 import pytest
-from hybrid.study.scenes import box, plane, soil_scene, steel
 
-from hybrid.build import build
 from hybrid.scene import Solver, Time
+from hybrid.setup.build import build
+from hybrid.study.scenes import box, plane, soil_scene, steel
 
 
 def thrown(step, **time):

@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hybrid.build import build
 from hybrid.contact import assembly
+from hybrid.linalg.system_cache import Systems
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Scene, Soil, Solver, Stage, Time
-from hybrid.stepping import newton
-from hybrid.stepping.energy import balance_error, energies
-from hybrid.system.cache import Systems
-from hybrid.system.equations import Step
+from hybrid.setup.build import build
+from hybrid.step import newton
+from hybrid.step.energy import balance_error, energies
+from hybrid.step.equations import Step
 
 STEPS, DT = 20, 0.002
 

@@ -4,12 +4,12 @@ import io
 import json
 
 import pytest
-from hybrid.study.scenes import steel, driven, soil_scene
 
-from hybrid.build import build
 from hybrid.output.progress import Progress
 from hybrid.output.summary import Summary
 from hybrid.scene import Axis
+from hybrid.setup.build import build
+from hybrid.study.scenes import driven, soil_scene, steel
 
 
 def notes(bodies, steps=6, about="leaves the grid", **scene):

@@ -2,15 +2,15 @@
 
 import numpy as np
 import pytest
-from hybrid.study.scenes import soil_scene
 
 from hybrid.body import mass, mesh
 from hybrid.body.closest import closest, gap_geometry
 from hybrid.body.surface import build_surface
-from hybrid.build import build
-from hybrid.errors import StepError
+from hybrid.runtime.errors import StepError
 from hybrid.scene import Body, Faces, Time
-from hybrid.system import equations
+from hybrid.setup.build import build
+from hybrid.step import equations
+from hybrid.study.scenes import soil_scene
 
 SIZES = {"length": 1.0, "width": 0.8, "height": 0.6, "mouth": 0.6, "size": 0.3}
 ANGLES = pytest.mark.parametrize("angle", [60.0, 90.0, 150.0])

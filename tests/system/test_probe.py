@@ -12,11 +12,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hybrid import probe as probe_module
-from hybrid.build import build
-from hybrid.probe import PARTS, probe
+from hybrid import cost as probe_module
+from hybrid.cost import PARTS, probe
 from hybrid.scene import Axis, Faces, Grid, Material, Scene, Soil, Solver, Stage, Time
-from hybrid.scene_file import load_scene
+from hybrid.scene.file import load_scene
+from hybrid.setup.build import build
 from hybrid.soil.basis import evaluate_basis
 from hybrid.study.scenes import box, plane, soil_scene, sphere
 
@@ -69,7 +69,7 @@ def test_points_on_their_first_lattice_would_tell_too_little():
     state, grid = simulation.state, simulation.model.soil.grid
 
     def nodes(points):
-        return evaluate_basis(points.position, points.half, grid.axes).count.prod(axis=1).mean()
+        return evaluate_basis(points.position, points.half_width, grid.axes).count.prod(axis=1).mean()
 
     disturbed = probe_module._disturbed(state, grid.smallest_cell)
     assert nodes(state.points) == 8 and 12 < nodes(disturbed.points) < 27
@@ -78,11 +78,11 @@ def test_points_on_their_first_lattice_would_tell_too_little():
 MEMORY = """
 import sys
 sys.path.insert(0, "tests")
-from hybrid.build import build
-from hybrid.memory import peak_memory
-from hybrid.probe import probe
+from hybrid.setup.build import build
+from hybrid.runtime.memory import peak_memory
+from hybrid.cost import probe
 from hybrid.scene import Solver
-from hybrid.sheet import LIBRARIES
+from hybrid.output.model_sheet import LIBRARIES
 from hybrid.study.scenes import soil_scene
 
 def block(cells, linear):
@@ -111,10 +111,10 @@ TRAVELS = """
 import sys
 sys.path.insert(0, "tests/system")
 from test_probe import pressed
-from hybrid.build import build
-from hybrid.memory import peak_memory
-from hybrid.probe import probe
-from hybrid.sheet import LIBRARIES
+from hybrid.setup.build import build
+from hybrid.runtime.memory import peak_memory
+from hybrid.cost import probe
+from hybrid.output.model_sheet import LIBRARIES
 
 list(build(pressed(0.2, 2)).steps())    # compiles
 probe(build(pressed(0.2, 2)))

@@ -7,10 +7,10 @@ import pytest
 
 import hybrid
 from hybrid import Axis, Body, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
-from hybrid.build import build
-from hybrid.errors import StepError
 from hybrid.output import checkpoint
 from hybrid.output.history import read_history
+from hybrid.runtime.errors import StepError
+from hybrid.setup.build import build
 
 
 def scene(geometry, steps=6, body={}, **solver):

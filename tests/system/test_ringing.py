@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hybrid.stepping import ringing
-from hybrid.stepping.ringing import Ringing
+from hybrid.monitors import force_oscillation
+from hybrid.monitors.force_oscillation import Ringing
 from hybrid.study.failures import ringing as case
 
 
@@ -22,8 +22,8 @@ def test_a_plate_on_a_column(method, count):
     (np.tile([0.0, 2.0], 6), True), (1 + 0.5 * np.tile([-1.0, 1.0], 6), False), (np.zeros(12), False),
     (np.linspace(0.0, 9.0, 12), False), (np.repeat([0.0, 2.0], 6), False)])
 def test_what_ringing_is(force, rings):
-    swing, turns = ringing._swing(list(force))
-    assert (swing > ringing.LIMIT and turns >= ringing.TURNS) == rings
+    swing, turns = force_oscillation._swing(list(force))
+    assert (swing > force_oscillation.LIMIT and turns >= force_oscillation.TURNS) == rings
 
 
 def test_a_force_that_comes_and_goes_once_does_not_ring():

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from demo_scripts import demo
 
-from hybrid.build import build
-from hybrid.scene_file import load_scene
+from hybrid.scene.file import load_scene
+from hybrid.setup.build import build
 
 DEMO = demo("rolling_slab")
 WAYS = list(DEMO.WAYS.values())

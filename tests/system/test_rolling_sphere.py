@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 from demo_scripts import demo
 
-from hybrid.build import build
-from hybrid.scene_file import load_scene
+from hybrid.scene.file import load_scene
+from hybrid.setup.build import build
 from hybrid.simulation import Simulation
 
 DEMOS = Path(__file__).parents[2] / "demos"
@@ -110,7 +110,7 @@ def test_errors_fall_with_each_refinement():
 
 
 def test_anchor_at_the_start_of_the_step_makes_the_sphere_creep(monkeypatch):
-    """The broken variant of contact/meeting.py."""
+    """The broken variant of contact/first_contact.py."""
     monkeypatch.setattr("hybrid.contact.corners.meeting_points",
                         lambda start, end, body, pose, surface, clearance: (
                             (start - body.position) @ body.rotation, np.zeros_like(start)))

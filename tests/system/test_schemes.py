@@ -6,18 +6,17 @@ import numpy as np
 import pytest
 
 import hybrid
-from hybrid.study import scenes
 from hybrid.body.attitude import exp_so3
-from hybrid.build import build
-from hybrid.errors import StepError
+from hybrid.linalg.system_cache import Systems
 from hybrid.output import checkpoint
+from hybrid.runtime.errors import StepError
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
+from hybrid.setup.build import build
 from hybrid.soil import transfer
-from hybrid.stepping import newton
-from hybrid.stepping.energy import balance_error, energies
-from hybrid.system import equations
-from hybrid.system.cache import Systems
-from hybrid.system.equations import Step
+from hybrid.step import equations, newton
+from hybrid.step.energy import balance_error, energies
+from hybrid.step.equations import Step
+from hybrid.study import scenes
 
 DT = 0.002
 SCHEMES = {**scenes.SCHEMES, "alpha 0": {"scheme": "generalised-alpha", "spectral_radius": 0.0}}
@@ -86,10 +85,10 @@ def test_a_flying_body_of_a_scene_keeps_its_angular_momentum(geometry):
 
 
 def test_newmark_projects_no_more_than_before(geometry, monkeypatch):
-    fields, project = [], transfer.project
+    fields, project = [], transfer.points_to_grid
     runs = [build(landing(geometry, (Stage("fall", 2),), **options))
             for options in ({}, {"scheme": "generalised-alpha"})]
-    monkeypatch.setattr(transfer, "project",
+    monkeypatch.setattr(transfer, "points_to_grid",
                         lambda *given, **more: fields.append(len(given) - 5) or project(*given, **more))
     for run in runs:
         list(run.steps())
@@ -204,9 +203,9 @@ def test_a_converged_step_is_asked_too(geometry):
     for inertia in (True, False):
         simulation = spinning(geometry, 0.0, inertia=inertia)
         step = Step(simulation.model, simulation.state, 0.04, False, Systems(simulation.model))
-        guess = step.start()
-        assert step.overturned() == "" == step.overturned(guess)
+        guess = step.predictor()
+        assert step.rotation_too_large() == "" == step.rotation_too_large(guess)
         poses = [(position, exp_so3([0.0, angle, 0.0]) @ rotation)
                  for position, rotation in guess.poses for angle in (0.9, 2.1)]
-        short, long = (step.overturned(replace(guess, poses=(pose,))) for pose in poses)
+        short, long = (step.rotation_too_large(replace(guess, poses=(pose,))) for pose in poses)
         assert short == "" and "body turns by" in long

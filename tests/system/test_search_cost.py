@@ -8,13 +8,13 @@ from time import perf_counter
 
 import numpy as np
 import pytest
-from hybrid.study.scenes import steel, soil_scene
 
-from hybrid.build import build
-from hybrid.contact.pair import Pair
+from hybrid.contact.contact_pair import Pair
+from hybrid.linalg.system_cache import Systems
 from hybrid.scene import Body
-from hybrid.system.cache import Systems
-from hybrid.system.equations import Step
+from hybrid.setup.build import build
+from hybrid.step.equations import Step
+from hybrid.study.scenes import soil_scene, steel
 
 TURNS = 12
 SHARES = pytest.mark.parametrize("second_pass", [0.0, 0.5])
@@ -33,7 +33,7 @@ def prepared(body, cells=8):
     wu, force = np.zeros((6, step.pattern.size)), np.zeros((grid.node_count, 3))
 
     def work():
-        pair = Pair(model.bodies[0], at, state.contacts[0], state.points, state.points.half, grid, step.soil.active,
+        pair = Pair(model.bodies[0], at, state.contacts[0], state.points, state.points.half_width, grid, step.soil.active,
                     0.1, (rest, pose))
         contact = pair.evaluate(rest, pose)
         pair.add_residual(contact, force)

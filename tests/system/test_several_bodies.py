@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from hybrid.study.scenes import FREE, steel, soil_scene
 
-from hybrid.build import build
 from hybrid.scene import Axis, Body, Solver, Time
+from hybrid.setup.build import build
+from hybrid.study.scenes import FREE, soil_scene, steel
 
 ALIKE = ({}, {})
 DIFFERENT = ({"enforcement": "augmented", "second_pass": 1.0}, {"friction": 0.4, "second_pass": 0.5})

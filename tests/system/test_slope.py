@@ -12,9 +12,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hybrid.build import build
-from hybrid.errors import SceneError, StepError
-from hybrid.scene_file import load_scene
+from hybrid.runtime.errors import SceneError, StepError
+from hybrid.scene.file import load_scene
+from hybrid.setup.build import build
 
 DEMO = Path(__file__).parents[2] / "demos" / "slope.toml"
 COARSE = ["grid.x.size=1.0", "grid.z.size=0.5"]

@@ -5,13 +5,13 @@ At 5 m/s a step of 0.03 s goes 150 mm; the plates are 40 and 5 mm thick, and sta
 
 import numpy as np
 import pytest
-from hybrid.study.scenes import steel, soil_scene
 
-from hybrid.build import build
-from hybrid.contact import passage
-from hybrid.errors import StepError
+from hybrid.contact import tunnelling
+from hybrid.runtime.errors import StepError
 from hybrid.scene import Solver, Time
-from hybrid.system.equations import Step
+from hybrid.setup.build import build
+from hybrid.step.equations import Step
+from hybrid.study.scenes import soil_scene, steel
 
 SHARES = pytest.mark.parametrize("second_pass", [0.0, 0.5, 1.0])
 THICKNESS = pytest.mark.parametrize("thickness", [0.04, 0.005])
@@ -29,7 +29,7 @@ def lowest_gap_to_soil(simulation):
     """Height [m] of the plate's middle above the highest soil under it."""
     points, plate = simulation.state.points, simulation.state.bodies[0].position
     under = abs(points.position[:, :2] - plate[:2]).max(axis=1) < 0.2
-    return plate[2] - (points.position + points.half)[under, 2].max()
+    return plate[2] - (points.position + points.half_width)[under, 2].max()
 
 
 @SHARES
@@ -46,7 +46,7 @@ def test_long_steps_are_halved_until_no_corner_is_carried_through(geometry, thic
 @THICKNESS
 def test_without_the_check_it_goes_through(geometry, monkeypatch, thickness, second_pass):
     """Plain Newton updates land beyond the plate; of two equilibria others may happen to find that on this side."""
-    monkeypatch.setattr(Step, "passed_through", lambda self, evaluation: 0)
+    monkeypatch.setattr(Step, "tunnelled", lambda self, evaluation: 0)
     plain = Solver(tolerance=1e-4, line_search=False, tangent_tolerance=0.0, loosest_tolerance=0.0)
     simulation = thrown(geometry, thickness, second_pass, plain)
     list(simulation.steps())
@@ -55,7 +55,7 @@ def test_without_the_check_it_goes_through(geometry, monkeypatch, thickness, sec
 
 def test_looking_at_a_few_places_of_the_way_skips_a_foil(geometry, monkeypatch):
     """Quarters of 150 mm all miss 5 mm; walking by the distance to the surface does not."""
-    monkeypatch.setattr(passage, "_pierced", lambda start, *rest: np.zeros(len(start), bool))
+    monkeypatch.setattr(tunnelling, "_pierced", lambda start, *rest: np.zeros(len(start), bool))
     simulation = thrown(geometry, 0.005, 1.0)
     list(simulation.steps())
     assert lowest_gap_to_soil(simulation) < 0.0

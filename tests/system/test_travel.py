@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hybrid import travel
-from hybrid.build import build
-from hybrid.errors import SceneError, StepError
-from hybrid.running import run
+from hybrid.api import run
+from hybrid.runtime.errors import SceneError, StepError
 from hybrid.scene import Axis, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
-from hybrid.scene_file import validate
+from hybrid.scene.file import validate
+from hybrid.setup.build import build
 from hybrid.state import ContactHistory
+from hybrid.step import moving_grid
 from hybrid.study.scenes import box
 
 SAND = Material(law="drucker-prager", relative_density=38.0)
@@ -101,7 +101,7 @@ def test_a_body_that_comes_back_finds_the_soil_it_left():
     again = simulation.state.points
     assert len(again) == len(start)
     order, old = (np.lexsort(np.round(points.position, 9).T) for points in (again, start))
-    for name in ("position", "half", "stress", "elastic"):
+    for name in ("position", "half_width", "stress", "b_elastic"):
         np.testing.assert_allclose(getattr(again, name)[order], getattr(start, name)[old], rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(simulation.state.ground.constants.mass[order], start_ground.constants.mass[old])
 
@@ -177,10 +177,10 @@ def test_corners_keep_their_points_and_their_order():
     blank = ContactHistory.empty()
     history = replace(blank, id=id, position=np.stack([id] * 3, axis=1).astype(float), touching=id > 20,
                       anchor=np.zeros((6, 3)), side=np.zeros((6, 3)), pressure=id.astype(float))
-    new = travel._renumbered(history, origin, before=8)
+    new = moving_grid._renumbered(history, origin, before=8)
     assert new.id.tolist() == [0, 7, 17, 21, 27]
     np.testing.assert_array_equal(new.pressure, [56, 63, 17, 21, 3])
-    assert travel._unfollowed([history], origin).tolist() == [False, True, False, False]
+    assert moving_grid._unfollowed([history], origin).tolist() == [False, True, False, False]
     assert new.touching.tolist() == [True, True, False, True, False]
 
 

@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from demo_scripts import demo
 
 import hybrid
-from demo_scripts import demo
-from hybrid.build import build
-from hybrid.errors import LawError, SceneError, StepError
 from hybrid.laws.hencky import Hencky
+from hybrid.runtime.errors import LawError, SceneError, StepError
 from hybrid.scene import Material
+from hybrid.setup.build import build
 from hybrid.study.scenes import elastic, soil_scene
 
 DEMO = demo("user_law")
@@ -96,7 +96,7 @@ def test_points_without_a_stress_reject_the_step_and_are_named():
     with pytest.raises(StepError, match=r"leaves the soil's law without a stress at points \d+, .* and \d+ more"):
         list(simulation.steps())
     assert np.isfinite(simulation.state.points.stress).all()
-    assert np.abs(np.log(np.linalg.eigvalsh(simulation.state.points.elastic)) / 2)[1::2].max() <= Brittle.LIMIT
+    assert np.abs(np.log(np.linalg.eigvalsh(simulation.state.points.b_elastic)) / 2)[1::2].max() <= Brittle.LIMIT
 
 
 def test_halving_cures_what_fails_at_long_increments():

@@ -10,11 +10,11 @@ import pytest
 from scipy.sparse import csr_matrix
 
 from hybrid.body.rigid import FREEDOMS
-from hybrid.build import build
-from hybrid.contact import probes
+from hybrid.contact import body_to_soil
+from hybrid.linalg.system_cache import Systems
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Scene, Soil, Stage, Time
-from hybrid.system.cache import Systems
-from hybrid.system.equations import Step
+from hybrid.setup.build import build
+from hybrid.step.equations import Step
 
 
 def scene(geometry, law, friction, depth=0.02, held=(), **body):
@@ -49,11 +49,11 @@ def prepared(described, seed=1, size=2e-3, updates=0):
     free = simulation.model.body_free[0]
     for _ in range(updates):
         deeper = np.array([0.0, 0.0, -3e-3, 0.0, 0.0, 0.0])[free]
-        change = step.augment(step.evaluate(step.moved(step.start(), np.zeros(step.pattern.size), deeper)))
+        change = step.augment(step.evaluate(step.moved(step.predictor(), np.zeros(step.pattern.size), deeper)))
         assert change > 0.1
     soil = size * rng.standard_normal(step.pattern.size)
     body = np.array([2e-3, -1e-3, -3e-3, 0.02, -0.03, 0.04])[free]
-    return step, step.moved(step.start(), soil, body)
+    return step, step.moved(step.predictor(), soil, body)
 
 
 def dense_tangent(step):
@@ -146,8 +146,8 @@ def test_tangent_with_a_second_pass_and_multipliers(geometry, share, friction, s
 def test_slope_test_fails_on_a_broken_second_pass(geometry, term, monkeypatch):
     """A sample whose weights do not follow, whose normal does not turn, or whose way does not stretch: rate 1."""
     step, unknowns = prepared(scene(geometry, "hencky", 50.0, second_pass=1.0))
-    complete = probes._motions
-    monkeypatch.setattr(probes, "_motions", lambda *args: replace(
+    complete = body_to_soil._motions
+    monkeypatch.setattr(body_to_soil, "_motions", lambda *args: replace(
         complete(*args), **{term: np.zeros_like(getattr(complete(*args), term))}))
     assert observed_rate(step, unknowns) < 1.5
 
@@ -189,7 +189,7 @@ def test_rows_and_columns_of_driven_components_are_absent(geometry, driven):
     tangents, poses = [], []
     for some in ((), driven):
         step, _ = prepared(scene(geometry, "hencky", 0.3, second_pass=0.5, driven=some))
-        unknowns = step.start()
+        unknowns = step.predictor()
         step.assemble(step.evaluate(unknowns))
         tangents.append(dense_tangent(step))
         poses.append(unknowns.poses[0])

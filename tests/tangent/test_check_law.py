@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hybrid.errors import LawError
 from hybrid.laws import Response, plastic_increment
 from hybrid.laws.check import check_law
 from hybrid.laws.cone import Cone, joined
@@ -14,6 +13,7 @@ from hybrid.laws.hencky import Hencky
 from hybrid.laws.user import adopt
 from hybrid.laws.von_mises import VonMises
 from hybrid.laws.willam_warnke import WillamWarnke
+from hybrid.runtime.errors import LawError
 
 YOUNG, POISSON, N = 20e6, 0.28, 400
 ANGLES, C = (33.0, 8.0), 5e3

@@ -14,7 +14,7 @@ import pytest
 from hybrid.body.attitude import exp_so3
 from hybrid.body.closest import closest
 from hybrid.body.surface import build_surface
-from hybrid.contact import assembly, friction
+from hybrid.contact import assembly, soil_to_body
 from hybrid.contact.corners import Corners
 
 SHIFT = np.array([0.2, 0.1, -0.3])  # of the notch from the body's centre
@@ -65,7 +65,7 @@ def corners_at(feature, seed=4):
 
 def touch_at(corners, law, place=None, pose=(CENTRE, ROTATION)):
     place = corners.position if place is None else place
-    return friction.evaluate(corners, place, *pose, SURFACE, LAWS[law], RATIO)
+    return soil_to_body.evaluate(corners, place, *pose, SURFACE, LAWS[law], RATIO)
 
 
 def test_places_have_the_features_they_are_named_after():

@@ -5,7 +5,7 @@ import pytest
 
 from hybrid.body.attitude import exp_so3
 from hybrid.body.line import line_force
-from hybrid.errors import SceneError, StepError
+from hybrid.runtime.errors import SceneError, StepError
 
 POSITION, ROTATION = np.array([0.3, -0.2, 0.5]), exp_so3([0.5, -0.9, 0.3])
 ATTACHMENT, TARGET = np.array([0.8, 0.1, -0.4]), np.array([4.0, 1.0, 0.7])

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-
 from element import drive
+
 from hybrid.laws.drucker_prager import DruckerPrager, cone_constants
 from hybrid.laws.hencky import Hencky
 from hybrid.laws.von_mises import VonMises

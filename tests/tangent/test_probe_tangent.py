@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from hybrid.body.attitude import exp_so3
-from hybrid.contact import probes
-from hybrid.contact.faces import Frame
-from hybrid.contact.probes import Probes
+from hybrid.contact import body_to_soil
+from hybrid.contact.body_to_soil import SampleSet
+from hybrid.contact.exposed_faces import Frame
 
 CENTRE, ROTATION, RATIO = np.array([0.1, -0.2, 0.3]), exp_so3(np.array([0.4, -0.7, 0.2])), 0.5
 LAWS = {"frictionless": 0.0, "slip": 0.01, "stick": 50.0}
@@ -29,14 +29,14 @@ def made(count=3, seed=2, pressure=0.0):
     frame, at = Frame.of(place[corner]), rng.uniform(-0.8, 0.8, (count, 2))
     x = frame.origin + np.einsum("ma,mai->mi", at, frame.edges) - 0.01 * frame.normal
     anchor = at + 0.05 * rng.standard_normal(at.shape)
-    return Probes(np.arange(count), (x - CENTRE) @ ROTATION, corner, 1e5 * (1 + np.arange(count)), anchor, anchor,
+    return SampleSet(np.arange(count), (x - CENTRE) @ ROTATION, corner, 1e5 * (1 + np.arange(count)), anchor, anchor,
                   np.full(count, pressure), np.zeros(count, int), np.zeros((count, 3))), place
 
 
 def residual(held, place, law, step):
     """(count, 18) forces, moments and forces on corners after a step (6 + 12 count,) of the pose and the corners."""
     pose = CENTRE + step[:3], exp_so3(step[3:6]) @ ROTATION
-    touch = probes.evaluate(held, place + step[6:].reshape(-1, 3), *pose, LAWS[law], RATIO)
+    touch = body_to_soil.evaluate(held, place + step[6:].reshape(-1, 3), *pose, LAWS[law], RATIO)
     assert len(touch) == len(held)
     on_corner = touch.shares[:, :, None] * touch.force[:, None]
     return np.concatenate([-touch.force, -np.cross(touch.arm, touch.force), on_corner.reshape(len(held), 12)], axis=1)
@@ -44,7 +44,7 @@ def residual(held, place, law, step):
 
 def exact(held, place, law):
     """The same derivative (count, 18, 6 + 12 count) from the tangent."""
-    touch = probes.evaluate(held, place, CENTRE, ROTATION, LAWS[law], RATIO)
+    touch = body_to_soil.evaluate(held, place, CENTRE, ROTATION, LAWS[law], RATIO)
     out = np.zeros((len(held), 18, 6 + 12 * len(held)))
     for n in range(len(held)):
         out[n, :, :6] = touch.matrix[n, :, :6]
@@ -81,19 +81,19 @@ def test_remainder_is_second_order(law):
 @pytest.mark.parametrize("term", ["at", "normal", "sliding"])
 def test_slope_test_fails_without_one_motion(term, monkeypatch):
     """Weights that do not follow, a normal that does not turn, a way that does not stretch."""
-    complete = probes._motions
-    monkeypatch.setattr(probes, "_motions", lambda *args: replace(
+    complete = body_to_soil._motions
+    monkeypatch.setattr(body_to_soil, "_motions", lambda *args: replace(
         complete(*args), **{term: np.zeros_like(getattr(complete(*args), term))}))
     assert rate("stick") < 1.3
 
 
 def test_normal_force_is_the_gradient_of_the_stored_energy():
     held, place = made()
-    touch = probes.evaluate(held, place, CENTRE, ROTATION, 0.0, RATIO)
+    touch = body_to_soil.evaluate(held, place, CENTRE, ROTATION, 0.0, RATIO)
     for n in range(place.size):
         shift = np.zeros(place.size)
         shift[n] = 1e-6
-        there, back = (probes.evaluate(held, place + s * shift.reshape(-1, 3), CENTRE, ROTATION, 0.0, RATIO).energy
+        there, back = (body_to_soil.evaluate(held, place + s * shift.reshape(-1, 3), CENTRE, ROTATION, 0.0, RATIO).energy
                        for s in (1, -1))
         force = (touch.shares[:, :, None] * touch.force[:, None]).reshape(-1)[n]
         assert (there - back) / 2e-6 == pytest.approx(force, rel=1e-6, abs=1e-5 * np.abs(touch.force).max())
@@ -102,7 +102,7 @@ def test_normal_force_is_the_gradient_of_the_stored_energy():
 @pytest.mark.parametrize("law", LAWS)
 def test_force_and_moment_cancel(law):
     held, place = made()
-    touch = probes.evaluate(held, place, CENTRE, ROTATION, LAWS[law], RATIO)
+    touch = body_to_soil.evaluate(held, place, CENTRE, ROTATION, LAWS[law], RATIO)
     on_corner = touch.shares[:, :, None] * touch.force[:, None]
     np.testing.assert_allclose(on_corner.sum(axis=1), touch.force, rtol=1e-12)
     arm = place[held.corner] - CENTRE
@@ -111,9 +111,9 @@ def test_force_and_moment_cancel(law):
 
 def test_slip_moves_the_anchor_to_the_limit_and_keeps_the_force():
     held, place = made()
-    touch = probes.evaluate(held, place, CENTRE, ROTATION, LAWS["slip"], RATIO)
+    touch = body_to_soil.evaluate(held, place, CENTRE, ROTATION, LAWS["slip"], RATIO)
     assert touch.slip.all() and touch.dissipated > 0
     anchor = Frame.of(place[held.corner]).see(touch.anchor)[0]
-    again = probes.evaluate(replace(held, anchor=anchor, origin=anchor), place, CENTRE, ROTATION, LAWS["slip"], RATIO)
+    again = body_to_soil.evaluate(replace(held, anchor=anchor, origin=anchor), place, CENTRE, ROTATION, LAWS["slip"], RATIO)
     np.testing.assert_allclose(again.force, touch.force, rtol=1e-10)
     assert again.dissipated == pytest.approx(0.0, abs=1e-9 * touch.dissipated)

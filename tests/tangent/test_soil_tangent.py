@@ -9,22 +9,22 @@ import pytest
 from scipy.sparse import csr_matrix
 
 from hybrid.body.attitude import exp_so3
-from hybrid.build import build
+from hybrid.grid.axes import graded_nodes, make_grid
 from hybrid.laws.drucker_prager import DruckerPrager
 from hybrid.laws.hencky import Hencky
 from hybrid.laws.von_mises import VonMises
 from hybrid.laws.willam_warnke import WillamWarnke
+from hybrid.linalg.stencil_pattern import make_pattern
+from hybrid.linalg.system_cache import Systems
 from hybrid.scene import Material, Solver
-from hybrid.soil.eigen import from_principal, principal
-from hybrid.soil.stiffness import KeptStiffness, add_stiffness
-from hybrid.soil.grid import graded_nodes, make_grid
+from hybrid.setup.build import build
 from hybrid.soil.model import Soil
 from hybrid.soil.points import at_rest, tile
+from hybrid.soil.principal import from_principal, principal
+from hybrid.soil.stiffness import KeptStiffness, add_stiffness
 from hybrid.soil.tangent import point_tangent, pulled_back
+from hybrid.step.equations import Step
 from hybrid.study.scenes import soil_scene
-from hybrid.system.cache import Systems
-from hybrid.system.equations import Step
-from hybrid.system.pattern import make_pattern
 
 YOUNG = 1e6
 LAWS = {
@@ -125,8 +125,8 @@ def block(law, basis="gimp", plane=False, seed=3, fbar=False):
     points = at_rest(constants, np.zeros((n, 3)), strain)
     points.plastic_strain = np.random.default_rng(seed + 1).uniform(0.0, 0.5, n)
     turns = np.array([np.eye(3) if plane else exp_so3(v) for v in rng.standard_normal((n, 3))])
-    points.elastic = turns @ points.elastic @ turns.transpose(0, 2, 1)
-    room = np.minimum(points.position - extent[:, 0], extent[:, 1] - points.position) - points.half
+    points.b_elastic = turns @ points.b_elastic @ turns.transpose(0, 2, 1)
+    room = np.minimum(points.position - extent[:, 0], extent[:, 1] - points.position) - points.half_width
     shift = rng.uniform(-0.04, 0.04, (n, 3)) * ~grid.collapsed
     points.position = points.position + np.clip(shift, -np.maximum(room, 0), np.maximum(room, 0))
     displacement = 3e-3 * rng.standard_normal((grid.node_count, 3))
@@ -289,8 +289,8 @@ def test_a_share_of_the_elastic_stiffness_is_mixed_in():
         described = soil_scene(gravity=(0.0, 0.0, -9.81), solver=Solver(elastic_share=share, tangent_tolerance=0.0))
         simulation = build(replace(described, soil=replace(described.soil, material=material)))
         step = Step(simulation.model, simulation.state, 0.01, False, Systems(simulation.model))
-        shaken = 0.004 * np.random.default_rng(0).normal(size=step.start().displacement.shape)
-        evaluation = step.evaluate(replace(step.start(), displacement=shaken))
+        shaken = 0.004 * np.random.default_rng(0).normal(size=step.predictor().displacement.shape)
+        evaluation = step.evaluate(replace(step.predictor(), displacement=shaken))
         step.assemble(evaluation)
         return step.system.values.copy()
 

@@ -1,7 +1,7 @@
 import pytest
-
-from hybrid.scene_file import load_scene
 from small_scene import SCENE
+
+from hybrid.scene.file import load_scene
 
 
 @pytest.fixture

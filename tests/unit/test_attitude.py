@@ -7,8 +7,17 @@ import pytest
 from scipy.linalg import expm
 
 from hybrid.body.attitude import (
-    cayley, cayley_rate, cayley_vector, exp_so3, log_so3, quaternion, right_tangent, rotation_from_axis_angle, skew)
-from hybrid.errors import SceneError
+    cayley,
+    cayley_rate,
+    cayley_vector,
+    exp_so3,
+    log_so3,
+    quaternion,
+    right_tangent,
+    rotation_from_axis_angle,
+    skew,
+)
+from hybrid.runtime.errors import SceneError
 
 ANGLES = [0.0, 1e-200, 1e-12, 1e-8, 1e-4, 0.1, 0.2999, 0.3001, 1.0, 2.5, math.pi - 1e-4, math.pi - 1e-9]
 

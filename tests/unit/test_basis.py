@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
+from scattered import COUNT, GRIDS, UNIFORM, clear_of_nodes, scattered
 
 from hybrid.body.attitude import exp_so3
-from hybrid.errors import StepError
+from hybrid.runtime.errors import StepError
 from hybrid.soil.basis import SNAP, evaluate_basis
 from hybrid.soil.domains import THINNEST, updated_half
-from scattered import COUNT, GRIDS, UNIFORM, clear_of_nodes, graded, scattered
+
 
 def dense(basis, axes, axis):
     """Values and slopes (n, nodes) of one axis."""
@@ -15,7 +16,7 @@ def dense(basis, axes, axis):
     for a in range(3):
         used = np.flatnonzero(a < basis.count[:, axis])
         value[used, basis.first[used, axis] + a] = basis.value[used, axis, a]
-        slope[used, basis.first[used, axis] + a] = basis.slope[used, axis, a]
+        slope[used, basis.first[used, axis] + a] = basis.gradient[used, axis, a]
     return value, slope
 
 
@@ -102,7 +103,7 @@ def test_collapsed_axis_is_a_constant():
     position[:, 1] = 37.0   # wherever: the axis has no extent of its own
     basis = evaluate_basis(position, half, axes)
     assert np.all(basis.first[:, 1] == 0) and np.all(basis.count[:, 1] == 1)
-    assert np.all(basis.value[:, 1, 0] == 1.0) and not basis.slope[:, 1].any()
+    assert np.all(basis.value[:, 1, 0] == 1.0) and not basis.gradient[:, 1].any()
     full = evaluate_basis(scattered(UNIFORM)[0], half, UNIFORM)
     assert np.array_equal(basis.value[:, [0, 2]], full.value[:, [0, 2]])
 

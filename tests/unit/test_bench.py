@@ -9,8 +9,8 @@ import pytest
 from hybrid import bench, cli
 from hybrid.bench import block, kratos_parts, soils, stamp
 from hybrid.bench.table import table
-from hybrid.build import build
-from hybrid.errors import HybridError
+from hybrid.runtime.errors import HybridError
+from hybrid.setup.build import build
 
 
 @pytest.fixture(scope="module")

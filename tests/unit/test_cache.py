@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from hybrid.build import build
+from hybrid.linalg.system_cache import Systems
 from hybrid.scene import Solver
+from hybrid.setup.build import build
 from hybrid.study.scenes import soil_scene
-from hybrid.system.cache import Systems
 
 
 def made(linear):

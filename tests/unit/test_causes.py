@@ -5,11 +5,11 @@ import re
 import numpy as np
 import pytest
 
-from hybrid.build import build
+from hybrid.monitors.failure_hints import drawn_out, rounding
+from hybrid.monitors.plastic_increment import LIMIT, Flow
 from hybrid.scene import Time
+from hybrid.setup.build import build
 from hybrid.soil.domains import cells_wide
-from hybrid.stepping.causes import drawn_out, rounding
-from hybrid.stepping.flow import LIMIT, Flow
 from hybrid.study.scenes import soil_scene
 
 

@@ -4,8 +4,8 @@ from dataclasses import fields
 from types import SimpleNamespace
 
 import pytest
-
 from fake_run import FakeScene, FakeSimulation, Output, Soil, Stage
+
 from hybrid.output import atomic, checkpoint
 
 

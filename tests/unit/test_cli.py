@@ -10,7 +10,7 @@ import pytest
 
 import hybrid
 from hybrid import cli
-from hybrid.errors import GeometryError, SceneError, StepError
+from hybrid.runtime.errors import GeometryError, SceneError, StepError
 
 SCENE = """
 [grid.x]
@@ -56,9 +56,9 @@ def stand_in(monkeypatch):
 
 @pytest.fixture
 def runs(stand_in):
-    """Calls of hybrid.running.run, recorded instead of run."""
+    """Calls of hybrid.api.run, recorded instead of run."""
     calls = []
-    stand_in("hybrid.running", run=lambda scene, out, **options: calls.append((scene, out, options)))
+    stand_in("hybrid.api", run=lambda scene, out, **options: calls.append((scene, out, options)))
     return calls
 
 
@@ -80,7 +80,7 @@ def test_errors_are_one_message_without_traceback(scene, stand_in, capsys, error
     def run(*_, **__):
         raise error("step 3: 15 iterations, the limit is 15; try time.step=0.02")
 
-    stand_in("hybrid.running", run=run)
+    stand_in("hybrid.api", run=run)
     assert cli.main(["run", str(scene)]) == 2
     out, err = capsys.readouterr()
     assert out == "" and err == "hybrid: step 3: 15 iterations, the limit is 15; try time.step=0.02\n"
@@ -90,7 +90,7 @@ def test_an_interrupt_exits_with_130(scene, stand_in, capsys):
     def run(*_, **__):
         raise KeyboardInterrupt
 
-    stand_in("hybrid.running", run=run)
+    stand_in("hybrid.api", run=run)
     assert cli.main(["run", str(scene)]) == 130
     assert "interrupted; continue with --resume" in capsys.readouterr().err
 
@@ -99,7 +99,7 @@ def test_mistakes_of_the_program_are_not_hidden(scene, stand_in):
     def run(*_, **__):
         raise ValueError("a bug")
 
-    stand_in("hybrid.running", run=run)
+    stand_in("hybrid.api", run=run)
     with pytest.raises(ValueError):
         cli.main(["run", str(scene)])
 
@@ -133,7 +133,7 @@ def test_check_prints_the_sheet_aligned(scene, stand_in, capsys):
         "modelled": {"contact": ["sphere: 1200 triangles", "friction 0.4"], "inertia": True},
         "left out": ["pore water", "damage"],
     }
-    stand_in("hybrid.build", build=lambda scene: SimpleNamespace(sheet=lambda: sheet))
+    stand_in("hybrid.setup.build", build=lambda scene: SimpleNamespace(sheet=lambda: sheet))
     assert cli.main(["check", str(scene), "--no-probe"]) == 0
     assert capsys.readouterr().out.splitlines() == [
         "unknowns",
@@ -154,8 +154,8 @@ def test_check_prints_the_sheet_aligned(scene, stand_in, capsys):
 
 def test_check_adds_what_the_steps_would_take(scene, stand_in, capsys):
     simulation = SimpleNamespace(sheet=lambda: {"left out": ["damage"]})
-    stand_in("hybrid.build", build=lambda scene: simulation)
-    stand_in("hybrid.probe", probe=lambda given: SimpleNamespace(
+    stand_in("hybrid.setup.build", build=lambda scene: simulation)
+    stand_in("hybrid.cost", probe=lambda given: SimpleNamespace(
         sheet=lambda: {"predicted": {"step [s]": 0.25 if given is simulation else None}}))
     assert cli.main(["check", str(scene)]) == 0
     assert capsys.readouterr().out.splitlines()[2:] == ["", "predicted", "  step [s]  0.25"]
@@ -165,8 +165,8 @@ def test_check_says_why_nothing_can_be_predicted(scene, stand_in, capsys):
     def probe(_):
         raise StepError("linear solver: a diagonal block is singular")
 
-    stand_in("hybrid.build", build=lambda scene: SimpleNamespace(sheet=lambda: {"left out": ["damage"]}))
-    stand_in("hybrid.probe", probe=probe)
+    stand_in("hybrid.setup.build", build=lambda scene: SimpleNamespace(sheet=lambda: {"left out": ["damage"]}))
+    stand_in("hybrid.cost", probe=probe)
     assert cli.main(["check", str(scene)]) == 0
     assert "nothing: linear solver: a diagonal block is singular" in capsys.readouterr().out
 
@@ -202,7 +202,7 @@ def python(*arguments):
 
 def test_version_and_public_names():
     assert python("-m", "hybrid", "--version") == f"hybrid {hybrid.__version__}\n"
-    assert hybrid.Scene.__module__ == "hybrid.scene" and callable(hybrid.load_scene)
+    assert hybrid.Scene.__module__ == "hybrid.scene.schema" and callable(hybrid.load_scene)
     assert set(hybrid.__all__) <= set(dir(hybrid))
     with pytest.raises(AttributeError, match="no attribute 'Scen'"):
         hybrid.Scen

@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
 from contact_bed import MU, RATIO, RIGHT_HAND, ball, body_at, box, corners_in, found_in_bed, touch_of
+
 from hybrid.body.attitude import exp_so3
 from hybrid.body.closest import closest
-from hybrid.contact import assembly, friction
-from hybrid.contact.meeting import meeting_points
+from hybrid.contact import assembly, soil_to_body
+from hybrid.contact.first_contact import meeting_points
 
 # ---------------------------------------------------------------- action and reaction, objectivity
 
@@ -114,7 +114,7 @@ def test_slip_moves_the_anchor_to_the_friction_limit(touching):
     assert RATIO * 2e4 * np.hypot(z[0], z[1]) == pytest.approx(MU * pressure, rel=1e-12)
     assert np.hypot(*touch.force[0, :2]) == pytest.approx(MU * pressure, rel=1e-12)
     assert touch.force[0] @ (0.01, 0.02, 0.0) < 0.0         # against the way from the anchor
-    history = friction.commit(corners, corners.position, touch)
+    history = soil_to_body.commit(corners, corners.position, touch)
     again = touch_of(replace(corners, touching=history.touching, anchor=history.anchor), surface)
     np.testing.assert_allclose(again.force, touch.force, rtol=1e-12)
     assert again.dissipated == pytest.approx(0.0, abs=1e-12)
@@ -136,7 +136,7 @@ def slide(surface, mu=MU, steps=30):
     for angle in np.linspace(0, 3.0, steps):
         y = np.array([[-0.6 + 0.9 * np.sin(angle), -0.31 + 0.2 * angle, -0.49]])
         touch = touch_of(corners, surface, place=y, mu=mu)
-        history = friction.commit(corners, y, touch)
+        history = soil_to_body.commit(corners, y, touch)
         corners = replace(corners, position=y, start=y, touching=history.touching, anchor=history.anchor)
         forces.append(touch.force[0])
         work += touch.dissipated

@@ -4,17 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
 from contact_bed import RIGHT_HAND, ball, bed, body_at, box, found_in_bed, touch_of
+
 from hybrid.body.closest import closest
-from hybrid.build import build
-from hybrid.contact import friction
+from hybrid.contact import soil_to_body
 from hybrid.contact.corners import SIGNS
-from hybrid.contact.meeting import meeting_points
+from hybrid.contact.first_contact import meeting_points
+from hybrid.linalg.system_cache import Systems
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Scene, Soil, Stage, Time
+from hybrid.setup.build import build
 from hybrid.state import ContactHistory
-from hybrid.system.cache import Systems
-from hybrid.system.equations import Step, Unknowns
+from hybrid.step.equations import Step, Unknowns
 
 
 def pressed(geometry, steps=4):
@@ -97,7 +97,7 @@ def test_history_is_followed_until_it_leaves_the_reach():
     _, first = found_in_bed(surface, body)
     touch = touch_of(first, surface, (body.position - (0, 0, 0.01), body.rotation))
     shifted = first.position + 0.003
-    history = friction.commit(first, shifted, touch)
+    history = soil_to_body.commit(first, shifted, touch)
     _, second = found_in_bed(surface, body, history)
     common = np.isin(second.id, first.id)
     at = np.searchsorted(first.id, second.id[common])
@@ -113,7 +113,7 @@ def test_history_is_followed_until_it_leaves_the_reach():
 def test_points_that_have_gone_astray_take_their_corners_with_them():
     surface, body = ball(), body_at((0.4, 0.4, 0.24))
     _, first = found_in_bed(surface, body)
-    history = friction.commit(first, first.position, touch_of(first, surface, (body.position, body.rotation)))
+    history = soil_to_body.commit(first, first.position, touch_of(first, surface, (body.position, body.rotation)))
     point = first.id[0] // 8
     stays = np.arange(len(bed()[1])) != point
     _, second = found_in_bed(surface, body, history, taking_part=stays)

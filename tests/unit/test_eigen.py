@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hybrid.soil.eigen import LANES, from_principal, principal
+from hybrid.soil.principal import LANES, from_principal, principal
 
 
 def symmetric(n, scale, seed=0):

@@ -2,17 +2,17 @@
 
 import numpy as np
 import pytest
+from scattered import GRIDS, clear_of_nodes, scattered
 
-from hybrid.build import build
+from hybrid.grid.axes import FACES, make_grid
 from hybrid.laws.hencky import Hencky
 from hybrid.scene import Axis, Faces, Grid, Material, Scene, Soil, Solver, Stage, Time
+from hybrid.setup.build import build
 from hybrid.soil.basis import evaluate_basis
 from hybrid.soil.fbar import mean_basis
-from hybrid.soil.grid import FACES, make_grid
 from hybrid.soil.kinematics import Kinematics, invert
 from hybrid.soil.model import Soil as SoilModel
 from hybrid.soil.points import at_rest, tile
-from scattered import GRIDS, clear_of_nodes, scattered
 
 
 def bases(name, standard=False):

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_matrix
 
+from hybrid.grid.axes import FACES, graded_nodes, make_grid
 from hybrid.laws.hencky import Hencky
-from hybrid.soil.ghost import find_faces
+from hybrid.linalg.stencil_pattern import make_pattern
 from hybrid.soil.basis import evaluate_basis
-from hybrid.soil.grid import FACES, graded_nodes, make_grid
+from hybrid.soil.ghost import find_faces
 from hybrid.soil.model import Soil
 from hybrid.soil.points import at_rest, tile
-from hybrid.system.pattern import make_pattern
 
 YOUNG, FACTOR = 1e6, 1 / 30
 FREE = dict.fromkeys(FACES, "free")
@@ -55,7 +55,7 @@ def test_soil_up_to_the_end_of_the_grid_is_not_cut_there():
     axes = (np.arange(5.0), np.arange(4.0), np.arange(4.0))
     grid = make_grid(axes, np.array([(a[0], a[-1]) for a in axes]), FREE)
     constants = tile(grid, np.zeros(3), np.array([3.0, 3.0, 3.0]), (1, 1, 1), 1.0)
-    basis = evaluate_basis(constants.position, constants.half, grid.axes)
+    basis = evaluate_basis(constants.position, constants.half_width, grid.axes)
     faces = find_faces(basis, grid, np.arange(27.0)).faces
     assert {tuple(f) for f in faces[faces[:, 3] == 0]} == {(1, j, k, 0) for j in range(3) for k in range(3)}
     assert set(faces[faces[:, 3] > 0][:, 0]) == {2}

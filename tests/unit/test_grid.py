@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from hybrid.errors import SceneError
-from hybrid.soil.grid import graded_nodes, make_grid, uniform_nodes
+from hybrid.grid.axes import graded_nodes, make_grid, uniform_nodes
+from hybrid.runtime.errors import SceneError
 
 FREE = dict.fromkeys(("x_min", "x_max", "y_min", "y_max", "z_min", "z_max"), "free")
 EXTENT = np.array([(0.0, 2.0), (0.0, 1.5), (-1.0, 0.0)])

@@ -4,8 +4,8 @@ import csv
 from pathlib import Path
 
 import numpy as np
-
 from fake_run import FakeSimulation
+
 from hybrid.output import history
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hybrid.soil.lattice import Lattice, Layout
+from hybrid.grid.moving_axis import Lattice, Layout
 
 
 @pytest.mark.parametrize("doublings", [1, 2, 3])

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import pytest
 
-from hybrid.build import build
-from hybrid.limits import contact, stepping
+from hybrid.monitors.limits import contact, stepping
 from hybrid.scene import Pull
+from hybrid.setup.build import build
 from hybrid.study.problems import platen
 from hybrid.study.scenes import SCHEMES, box, plane
 
@@ -89,6 +89,6 @@ def test_bodies_lighter_than_the_soil_under_them(density, more, count):
     described = plane(box(0.5, 0.5, 0.4, rest_on=0.0, density=density, **more), 1, 0.01, cell=0.2,
                       soil={"held": False})
     simulation = build(described)
-    said = list(contact.light(simulation.scene, simulation.model))
+    said = list(contact.light_body(simulation.scene, simulation.model))
     assert len(said) == count
     assert all("1.5 rows of cells" in text and "limit 1.5" in text and "0.2 m at most" in text for text in said)

@@ -4,9 +4,9 @@ import re
 
 import pytest
 
-from hybrid.build import build
-from hybrid.limits import soil, stepping
+from hybrid.monitors.limits import soil, stepping
 from hybrid.scene import Axis, Faces, Grid, Layer, Material, Scene, Soil, Stage, Time
+from hybrid.setup.build import build
 from hybrid.study import cases
 
 

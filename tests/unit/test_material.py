@@ -1,13 +1,13 @@
 """Values of materials and layers: what a law uses, what a layer inherits, and refusals that say what to do."""
 
 import pytest
-
-from hybrid.build import build
-from hybrid.errors import SceneError
-from hybrid.material import LIMITS, NUMBERS, USES, of_layer
-from hybrid.scene import Layer, Material
-from hybrid.scene_file import load_scene, scene_from_dict
 from small_scene import refused
+
+from hybrid.runtime.errors import SceneError
+from hybrid.scene import Layer, Material
+from hybrid.scene.file import load_scene, scene_from_dict
+from hybrid.scene.material import LIMITS, NUMBERS, USES, of_layer
+from hybrid.setup.build import build
 
 CLAY = {"law": "von-mises", "young": 5e6, "poisson": 0.49, "density": 1700.0, "strength": 20e3}
 SAND = {"young": 5e6, "poisson": 0.3, "density": 1700.0, "friction_angle": 30.0, "dilation_angle": 0.0, "cohesion": 1e3}

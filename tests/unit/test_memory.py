@@ -10,7 +10,7 @@ FREED = """
 import ctypes
 import sys
 import numpy as np
-from hybrid.memory import map_large_arrays
+from hybrid.runtime.memory import map_large_arrays
 
 ctypes.CDLL(None).mallopt(-4, 0)    # as SuperLU_DIST does
 ctypes.CDLL(None).mallopt(-1, -1)

@@ -9,7 +9,7 @@ import pytest
 
 from hybrid.body.mesh import generate, parameter_names
 from hybrid.body.solid import TetMesh, boundary_faces, oriented, signed_volumes, validate
-from hybrid.errors import GeometryError
+from hybrid.runtime.errors import GeometryError
 
 GEOMETRY = Path(__file__).parents[2] / "geometry"
 SHIPPED = ["sphere", "box", "cylinder", "notched_block", "stockless_anchor"]

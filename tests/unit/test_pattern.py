@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from hybrid.system.near import near_entries
-from hybrid.system.pattern import make_pattern
+from hybrid.linalg.precond_pattern import reduced_entries
+from hybrid.linalg.stencil_pattern import make_pattern
 
 
 def brute_force(active, fixed, shape):
@@ -86,7 +86,7 @@ def test_near_entries_are_of_one_cell_or_in_columns_of_light_nodes(name):
         row = np.repeat(np.arange(pattern.size), np.diff(pattern.indptr))
         expected = np.abs(place[row] - place[pattern.indices]).max(axis=1, initial=0) <= 1
         expected |= light[node[pattern.indices]]
-        assert np.array_equal(near_entries(pattern, shape, light), expected)
+        assert np.array_equal(reduced_entries(pattern, shape, light), expected)
 
 
 def test_nothing_active():

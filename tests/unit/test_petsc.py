@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from scipy.sparse import block_diag, csr_matrix, diags, identity, kron, random
 
-from hybrid.build import build
-from hybrid.errors import StepError
+from hybrid.linalg import petsc
+from hybrid.linalg.petsc import BlockSystem
+from hybrid.linalg.precond_pattern import ReducedMatrix
+from hybrid.linalg.system_cache import Systems
+from hybrid.runtime.errors import StepError
 from hybrid.scene import Solver, Time
+from hybrid.setup.build import build
 from hybrid.soil import model
-from hybrid.system import petsc
-from hybrid.system.cache import Systems
-from hybrid.system.equations import Step
-from hybrid.system.near import Near
-from hybrid.system.petsc import BlockSystem
+from hybrid.step.equations import Step
 from hybrid.study.scenes import soil_scene
 
 
@@ -55,7 +55,7 @@ def test_a_factor_of_the_near_entries_gives_the_same_solution():
     uu = csr_matrix(K[:200, :200])
     near = abs(np.repeat(np.arange(200), np.diff(uu.indptr)) - uu.indices) < 80
     assert 0.2 < near.mean() < 0.8
-    system = BlockSystem(uu.indptr, uu.indices, 3, "krylov", 1e-12, Near(uu.indptr, uu.indices, near))
+    system = BlockSystem(uu.indptr, uu.indices, 3, "krylov", 1e-12, ReducedMatrix(uu.indptr, uu.indices, near))
     residual = np.ones(203)
     for scale in (1.0, 3.0):
         system.values[:], system.uw[:], system.wu[:] = scale * uu.data, K[:200, 200:], K[200:, :200]
@@ -114,7 +114,7 @@ def test_a_node_that_weighs_nothing_does_not_stop_the_sweeps(monkeypatch, least,
     """A lone component of 1e-17 N/m, among nodes whose blocks PETSc inverts."""
     monkeypatch.setattr(petsc, "LEAST", least)
     uu = csr_matrix(block_diag([nodes(100, 4 * np.eye(3)), [[1e-17]]]))
-    near = Near(uu.indptr, uu.indices, np.ones(uu.nnz, bool)) if part else None
+    near = ReducedMatrix(uu.indptr, uu.indices, np.ones(uu.nnz, bool)) if part else None
     system = BlockSystem(uu.indptr, uu.indices, 3, "krylov", 1e-10, near, sweeps=True)
     system.values[:], system.ww[:], system.uw[:300], system.wu[:] = uu.data, 9 * np.eye(3), 0.01, 0.01
     system.wu[:, 300] = 0.0
@@ -157,7 +157,7 @@ def test_memory_is_given_back():
     near = abs(indices - column) < k // 2
     used = []
     for _ in range(6):
-        system = BlockSystem(indptr.copy(), indices.copy(), 3, "krylov", 1e-4, Near(indptr, indices, near))
+        system = BlockSystem(indptr.copy(), indices.copy(), 3, "krylov", 1e-4, ReducedMatrix(indptr, indices, near))
         system.values[:], system.ww[:] = indices == column, np.eye(3)
         system.factor()
         system.solve(np.ones(n), np.ones(3))
@@ -174,9 +174,9 @@ def hardly_filled(filled, material=(), **soil):
     simulation = build(replace(scene, soil=replace(scene.soil, material=material)))
     points = simulation.state.points
     points.position[:, 2] -= (1 - filled) * 0.1 * (1 + points.position[:, 2] / 0.4)     # the base stays
-    points.half[:, 2] *= 1 - (1 - filled) * 0.25
+    points.half_width[:, 2] *= 1 - (1 - filled) * 0.25
     step = Step(simulation.model, simulation.state, 1.0, False, Systems(simulation.model))
-    step.assemble(step.evaluate(step.start()))
+    step.assemble(step.evaluate(step.predictor()))
     return step.system.solve(np.random.default_rng(1).normal(size=step.pattern.size), np.zeros(0))[2]
 
 
@@ -189,5 +189,5 @@ def test_light_nodes_cost_few_iterations_as_their_far_entries_are_kept(monkeypat
     sand = {"law": "drucker-prager", "friction_angle": 33.0, "dilation_angle": 5.0, "cohesion": 1e5, "poisson": 0.3}
     whole, light = (hardly_filled(filled, material=sand) for filled in (1.0, 0.03))
     assert light <= whole + 1
-    monkeypatch.setattr(model, "LIGHT", 0.0)
+    monkeypatch.setattr(model, "SMALL_SUPPORT", 0.0)
     assert hardly_filled(0.03, material=sand) > 1.5 * light

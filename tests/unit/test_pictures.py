@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
 from fake_run import FakeScene, FakeSimulation, Output
-from hybrid.output import figures, history, render
+
+from hybrid.output import figures, history, pictures
 
 
 def test_figures_are_drawn_from_the_history_alone(tmp_path):
@@ -44,9 +44,9 @@ def test_errors_against_the_step_in_one_or_two_panels(tmp_path):
 
 
 def test_colour_limit_is_round_and_never_zero():
-    assert render.colour_limit(np.array([0.0, -0.23]), np.zeros(0)) == pytest.approx(0.3)
-    assert render.colour_limit(np.zeros(5), np.full(3, -3.4)) == 4
-    assert render.colour_limit(np.zeros(5), np.zeros(0)) == 1e-3
+    assert pictures.colour_limit(np.array([0.0, -0.23]), np.zeros(0)) == pytest.approx(0.3)
+    assert pictures.colour_limit(np.zeros(5), np.full(3, -3.4)) == 4
+    assert pictures.colour_limit(np.zeros(5), np.zeros(0)) == 1e-3
 
 
 def test_pictures_show_soil_and_cut_body(tmp_path):
@@ -54,7 +54,7 @@ def test_pictures_show_soil_and_cut_body(tmp_path):
     from matplotlib.image import imread
 
     simulation = FakeSimulation()
-    simulation.run([history.History(tmp_path), render.Pictures(tmp_path)])
+    simulation.run([history.History(tmp_path), pictures.Pictures(tmp_path)])
     if not (tmp_path / "soil_step_002.png").exists():
         assert find_library("EGL") is None, "set-up installs it, so the drawing itself has failed"
         pytest.skip("no off-screen OpenGL on this machine")
@@ -66,9 +66,9 @@ def test_pictures_show_soil_and_cut_body(tmp_path):
 
 
 def test_missing_renderer_is_a_warning_not_an_end(tmp_path, monkeypatch, caplog):
-    monkeypatch.setattr(render.sys, "executable", "/bin/false")
+    monkeypatch.setattr(pictures.sys, "executable", "/bin/false")
     with caplog.at_level(logging.WARNING):
-        assert render.render(tmp_path / "a.png", FakeSimulation()) is False
+        assert pictures.render(tmp_path / "a.png", FakeSimulation()) is False
     assert "no picture a.png" in caplog.text and "apt install" in caplog.text
     assert list(tmp_path.iterdir()) == []
 
@@ -79,13 +79,13 @@ def child(tmp_path, monkeypatch):
     gets what to draw as $3, where to as $4 and the caption as $5."""
     temporary = tmp_path / "temporary"
     temporary.mkdir()
-    monkeypatch.setattr(render.tempfile, "tempdir", str(temporary))
+    monkeypatch.setattr(pictures.tempfile, "tempdir", str(temporary))
 
     def script(text):
         path = tmp_path / "child"
         path.write_text("#!/bin/sh\n" + text)
         path.chmod(0o755)
-        monkeypatch.setattr(render.sys, "executable", str(path))
+        monkeypatch.setattr(pictures.sys, "executable", str(path))
         return temporary
 
     return script
@@ -106,7 +106,7 @@ def test_run_goes_on_while_a_picture_is_drawn(tmp_path, child, outcome):
             if record.step == 5:
                 go.touch()
 
-    FakeSimulation().run([render.Pictures(out), Goes()], until=5, outcome=outcome)
+    FakeSimulation().run([pictures.Pictures(out), Goes()], until=5, outcome=outcome)
     assert (out / "soil_step_002.png").read_text() == "drag: step 2, time 0.16 s"
     assert list(temporary.iterdir()) == [] and len(list(out.iterdir())) == 1
 
@@ -115,26 +115,26 @@ def test_pictures_are_drawn_one_at_a_time(tmp_path, child):
     lock = tmp_path / "lock"
     child(f'mkdir {lock} || exit 1\nsleep 0.1\nrmdir {lock}\nprintf "%s" "$5" > "$4"')
     scene = replace(FakeScene(), output=Output(pictures=(1, 2, 3)))
-    FakeSimulation(scene).run([render.Pictures(tmp_path / "out")])
+    FakeSimulation(scene).run([pictures.Pictures(tmp_path / "out")])
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == [f"soil_step_00{n}.png" for n in (1, 2, 3)]
 
 
 def test_a_failing_child_is_tried_with_other_settings(tmp_path, child, caplog):
     temporary = child('[ -z "$VTK_DEFAULT_OPENGL_WINDOW" ] && printf x > "$4"')
-    assert render.render(tmp_path / "out" / "a.png", FakeSimulation()) is True
+    assert pictures.render(tmp_path / "out" / "a.png", FakeSimulation()) is True
     assert not caplog.text and list(temporary.iterdir()) == []
 
 
 def test_a_child_that_fails_twice_is_quoted(tmp_path, child, caplog):
     temporary = child('echo "date (0.1s) | ERR| no display" >&2; exit 1')
-    assert render.render(tmp_path / "a.png", FakeSimulation()) is False
+    assert pictures.render(tmp_path / "a.png", FakeSimulation()) is False
     assert "no picture a.png: no display; try" in caplog.text and list(temporary.iterdir()) == []
 
 
 def test_a_child_without_end_is_stopped(tmp_path, child, caplog, monkeypatch):
-    monkeypatch.setattr(render, "TIME_LIMIT", 0.2)
+    monkeypatch.setattr(pictures, "TIME_LIMIT", 0.2)
     temporary = child(f'echo $$ > {tmp_path / "id"}; exec sleep 60')
-    assert render.render(tmp_path / "a.png", FakeSimulation()) is False
+    assert pictures.render(tmp_path / "a.png", FakeSimulation()) is False
     assert "no picture a.png" in caplog.text and "timed out" in caplog.text and list(temporary.iterdir()) == []
     with pytest.raises(ProcessLookupError):
         os.kill(int((tmp_path / "id").read_text()), 0)

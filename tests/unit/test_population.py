@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from hybrid.laws.drucker_prager import DruckerPrager
-from hybrid.soil import population as pop
-from hybrid.soil.eigen import from_principal
+from hybrid.soil import split_merge as pop
+from hybrid.soil.principal import from_principal
 from hybrid.state import PointConstants, Points, Population
 
 COUNT = 50
@@ -28,7 +28,7 @@ def population():
     elastic = from_principal(np.exp(2 * LAW.respond(strain).elastic), np.ascontiguousarray(directions))
     points = Points(
         position=constants.position + rng.uniform(-0.1, 0.1, (COUNT, 3)), velocity=rng.normal(size=(COUNT, 3)),
-        acceleration=rng.normal(size=(COUNT, 3)), half=half.copy(), deformation=deformation, elastic=elastic,
+        acceleration=rng.normal(size=(COUNT, 3)), half_width=half.copy(), deformation=deformation, b_elastic=elastic,
         stress=stress / np.linalg.det(deformation)[:, None, None], plastic_strain=rng.uniform(0, 1, COUNT),
         affine=rng.normal(size=(COUNT, 2, 3, 3)))
     return Population(points, constants, LAW.rows)
@@ -54,21 +54,21 @@ def assert_same(a, b, but=()):
 
 @pytest.mark.parametrize("axis", range(3))
 def test_halves_keep_what_their_whole_had(population, axis):
-    assert_same(pop.halved(population, axis, LAW), population)
+    assert_same(pop.split(population, axis, LAW), population)
 
 
 @pytest.mark.parametrize("axis", range(3))
 def test_two_points_keep_what_they_had_in_one(population, axis):
-    first, second = pop.taken(population, np.arange(25)), pop.taken(population, np.arange(25, COUNT))
-    second = replace(second, constants=replace(second.constants, half=first.constants.half,
+    first, second = pop.select(population, np.arange(25)), pop.select(population, np.arange(25, COUNT))
+    second = replace(second, constants=replace(second.constants, half_width=first.constants.half_width,
                                                volume=first.constants.volume, mass=0.7 * first.constants.mass))
-    assert_same(pop.joined(first, second, axis, LAW), pop.together(first, second), but=["first centre"])
+    assert_same(pop.merge(first, second, axis, LAW), pop.concatenate(first, second), but=["first centre"])
 
 
 @pytest.mark.parametrize("axis", range(3))
 def test_halves_that_are_joined_again_are_what_they_were(population, axis):
-    halves = pop.halved(population, axis, LAW)
-    whole = pop.joined(pop.taken(halves, np.arange(COUNT)), pop.taken(halves, np.arange(COUNT, 2 * COUNT)), axis, LAW)
+    halves = pop.split(population, axis, LAW)
+    whole = pop.merge(pop.select(halves, np.arange(COUNT)), pop.select(halves, np.arange(COUNT, 2 * COUNT)), axis, LAW)
     for part in ("points", "constants"):
         for name, value in vars(getattr(population, part)).items():
             if value is not None:
@@ -78,7 +78,7 @@ def test_halves_that_are_joined_again_are_what_they_were(population, axis):
 
 def test_a_field_that_varies_linearly_is_seen_by_the_halves(population):
     """The velocity of a half is that of the affine field at its place: angular momentum about any place is kept."""
-    halves = pop.halved(population, 1, LAW)
+    halves = pop.split(population, 1, LAW)
     step = halves.points.position[:COUNT] - population.points.position
     expected = population.points.velocity + np.einsum("nij,nj->ni", population.points.affine[:, 0], step)
     np.testing.assert_allclose(halves.points.velocity[:COUNT], expected, rtol=1e-12)
@@ -87,9 +87,9 @@ def test_a_field_that_varies_linearly_is_seen_by_the_halves(population):
 def test_the_stress_of_halves_carries_their_weight(population):
     """Undeformed and at rest, the upper half has less weight above it by half of the whole's."""
     rest = replace(population, points=replace(population.points, deformation=np.tile(np.eye(3), (COUNT, 1, 1))))
-    halves = pop.halved(rest, 2, LAW)
+    halves = pop.split(rest, 2, LAW)
     change = halves.points.stress[COUNT:] - halves.points.stress[:COUNT]
-    expected = (rest.constants.rise * rest.constants.half[:, 2, None])[:, :, None] * np.eye(3)
+    expected = (rest.constants.geostatic_gradient * rest.constants.half_width[:, 2, None])[:, :, None] * np.eye(3)
     np.testing.assert_allclose(change, expected, atol=1e-9 * 1e6)
 
 
@@ -102,28 +102,28 @@ def test_a_whole_of_admissible_halves_is_admissible(population):
     flowing = replace(population, rows=rows, points=replace(
         population.points, stress=from_principal(response.stress, np.tile(np.eye(3), (COUNT, 1, 1)))
         / np.linalg.det(population.points.deformation)[:, None, None]))
-    whole = pop.joined(pop.taken(flowing, np.arange(25)), pop.taken(flowing, np.arange(25, COUNT)), 0, LAW)
+    whole = pop.merge(pop.select(flowing, np.arange(25)), pop.select(flowing, np.arange(25, COUNT)), 0, LAW)
     kirchhoff = whole.points.stress * np.linalg.det(whole.points.deformation)[:, None, None]
     assert law.with_rows(whole.rows).yield_function(np.linalg.eigvalsh(kirchhoff)).max() < 1e-6
 
 
 def test_momentum_is_lost_where_the_mean_forgets_the_masses(population):
     """The conservation test fails on a mean by number."""
-    first, second = pop.taken(population, np.arange(25)), pop.taken(population, np.arange(25, COUNT))
-    whole = pop.joined(first, second, 0, LAW)
+    first, second = pop.select(population, np.arange(25)), pop.select(population, np.arange(25, COUNT))
+    whole = pop.merge(first, second, 0, LAW)
     broken = replace(whole, points=replace(whole.points, velocity=0.5 * (first.points.velocity + second.points.velocity)))
     with pytest.raises(AssertionError, match="momentum"):
-        assert_same(broken, pop.together(first, second), but=["first centre"])
+        assert_same(broken, pop.concatenate(first, second), but=["first centre"])
 
 
 def test_halves_that_turned_against_each_other_make_a_point_with_their_volume(population):
     """A quarter turn one way and the other: the mean of their F is flat, and no power of it is a volume."""
     turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-    parts = pop.halved(population, 0, LAW)
-    first, second = (pop.taken(parts, ids) for ids in (slice(None, COUNT), slice(COUNT, None)))
+    parts = pop.split(population, 0, LAW)
+    first, second = (pop.select(parts, ids) for ids in (slice(None, COUNT), slice(COUNT, None)))
     first = replace(first, points=replace(first.points, deformation=np.tile(1.1 * turn, (COUNT, 1, 1))))
     second = replace(second, points=replace(second.points, deformation=np.tile(1.1 * turn.T, (COUNT, 1, 1))))
-    whole = pop.joined(first, second, 0, LAW)
+    whole = pop.merge(first, second, 0, LAW)
     np.testing.assert_allclose(np.linalg.det(whole.points.deformation), 1.1**3)
     assert np.isfinite(whole.points.stress).all()
-    assert_same(whole, pop.together(first, second))
+    assert_same(whole, pop.concatenate(first, second))

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-
 from contact_bed import bed
+
 from hybrid.laws.hencky import Hencky
-from hybrid.soil.resolution import Resolution
+from hybrid.soil.refinement import Resolution
 from hybrid.state import PointConstants, Points, Population
 
 
@@ -15,8 +15,8 @@ def soil_of_coarse_points(stretch):
     position = np.array([[0.3, 0.4, 0.0], [0.5, 0.4, 0.0]])
     half, n = np.full((2, 3), 0.05), 2
     F = np.tile(np.diag([stretch, 1.0, 1.0]), (n, 1, 1))
-    points = Points(position=position, velocity=np.zeros((n, 3)), acceleration=np.zeros((n, 3)), half=half.copy(),
-                    deformation=F, elastic=np.tile(np.eye(3), (n, 1, 1)), stress=np.zeros((n, 3, 3)),
+    points = Points(position=position, velocity=np.zeros((n, 3)), acceleration=np.zeros((n, 3)), half_width=half.copy(),
+                    deformation=F, b_elastic=np.tile(np.eye(3), (n, 1, 1)), stress=np.zeros((n, 3, 3)),
                     plastic_strain=np.zeros(n))
     constants = PointConstants(position, half, np.full(n, 1e-3), np.full(n, 1.8))
     law = Hencky(np.full(n, 1e6), 0.3)

@@ -3,11 +3,11 @@
 import dataclasses
 
 import pytest
-
-from hybrid.errors import SceneError
-from hybrid.scene import Material, Soil
-from hybrid.scene_file import load_scene, validate
 from small_scene import refused
+
+from hybrid.runtime.errors import SceneError
+from hybrid.scene import Material, Soil
+from hybrid.scene.file import load_scene, validate
 
 
 @pytest.mark.parametrize("override, words", [

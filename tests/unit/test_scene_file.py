@@ -5,11 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-from hybrid.errors import SceneError
-from hybrid.scene import Axis, Body, Grid, Material, Pull, Scene, Soil, Stage, Time
-from hybrid.scene_file import load_scene, scene_from_dict, toml_value, validate
 from small_scene import SCENE, refused
+
+from hybrid.runtime.errors import SceneError
+from hybrid.scene import Axis, Body, Grid, Material, Pull, Scene, Soil, Stage, Time
+from hybrid.scene.file import load_scene, scene_from_dict, toml_value, validate
 
 DEMOS = Path(__file__).parents[2] / "demos"
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hybrid.build import build_scheme
 from hybrid.scene import Time
 from hybrid.scheme import Scheme
+from hybrid.setup.build import build_scheme
 
 ALPHA, CONSERVING = Scheme.generalised_alpha(0.5), Scheme.energy_momentum()
 

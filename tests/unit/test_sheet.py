@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_array
 
-from hybrid.build import build
+from hybrid.linalg.system_cache import Systems
 from hybrid.scene import Axis, Material, Time
-from hybrid.scene_file import load_scene
-from hybrid.system.cache import Systems
-from hybrid.system.equations import Step
+from hybrid.scene.file import load_scene
+from hybrid.setup.build import build
+from hybrid.step.equations import Step
 from hybrid.study.scenes import plane, soil_scene, sphere
 
 DEMOS = Path(__file__).parents[2] / "demos"
@@ -67,7 +67,7 @@ def test_demo_anchor_starts_in_equilibrium():
     simulation = build(load_scene(DEMOS / "anchor.toml"))
     step = Step(simulation.model, simulation.state, 0.04, False, Systems(simulation.model))
     weight = np.linalg.norm(step.soil.weight)
-    assert np.linalg.norm(step.evaluate(step.start()).soil) < 1e-12 * weight
+    assert np.linalg.norm(step.evaluate(step.predictor()).soil) < 1e-12 * weight
 
 
 @pytest.mark.parametrize("law, symmetric", [
@@ -86,8 +86,8 @@ def test_the_soil_tangent_is_symmetric_where_the_sheet_says_so(law, symmetric, f
     material = Material(young=1e6, poisson=0.3, density=1800.0, **law)
     simulation = build(replace(described, soil=replace(described.soil, material=material)))
     step = Step(simulation.model, simulation.state, 0.01, False, Systems(simulation.model))
-    shaken = 0.004 * np.random.default_rng(0).normal(size=step.start().displacement.shape)
-    step.assemble(step.evaluate(replace(step.start(), displacement=shaken)))
+    shaken = 0.004 * np.random.default_rng(0).normal(size=step.predictor().displacement.shape)
+    step.assemble(step.evaluate(replace(step.predictor(), displacement=shaken)))
     pattern = step.pattern
     tangent = csr_array((step.system.values, pattern.indices, pattern.indptr)).toarray()
     assert (np.abs(tangent - tangent.T).max() < 1e-12 * np.abs(tangent).max()) == symmetric

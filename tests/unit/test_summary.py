@@ -5,8 +5,8 @@ import json
 
 import numpy as np
 import pytest
-
 from fake_run import FakeSimulation
+
 from hybrid.output import history, progress, summary
 
 

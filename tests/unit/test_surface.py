@@ -8,8 +8,7 @@ from numba import njit
 
 from hybrid.body.closest import closest, gap_geometry, search
 from hybrid.body.surface import build_surface
-from hybrid.errors import GeometryError
-
+from hybrid.runtime.errors import GeometryError
 
 # ---------------------------------------------------------------- shapes
 

@@ -6,13 +6,13 @@ import numba
 import numpy as np
 import pytest
 
+from hybrid.grid.axes import make_grid
 from hybrid.laws.drucker_prager import DruckerPrager
+from hybrid.linalg.stencil_pattern import make_pattern
 from hybrid.soil.basis import evaluate_basis
-from hybrid.soil.grid import make_grid
 from hybrid.soil.model import Soil
 from hybrid.soil.points import at_rest, tile
-from hybrid.soil.transfer import interpolate, take_up
-from hybrid.system.pattern import make_pattern
+from hybrid.soil.transfer import grid_to_points, interpolate
 
 FREE = dict.fromkeys(("x_min", "x_max", "y_min", "y_max", "z_min", "z_max"), "free")
 NODES = {
@@ -108,7 +108,7 @@ def computed(soil, points, displacement):
     soil.add_stiffness(step, trial, pattern, values)
     after = soil.accept(step, trial, displacement, displacement, displacement)
     return (step.mass, step.velocity, step.acceleration, trial.force.copy(), trial.stress, values,
-            after.position, after.elastic, after.half)
+            after.position, after.b_elastic, after.half_width)
 
 
 @pytest.mark.parametrize("name", NODES)
@@ -136,7 +136,7 @@ def spin_of_points(soil, points):
     """Angular momentum (3,): of the points, and of the motion within them, Σ m D : C."""
     mass = soil.constants.mass
     orbit = mass @ np.cross(points.position, points.velocity)
-    half = points.half if soil.basis == "gimp" else np.zeros_like(points.half)
+    half = points.half_width if soil.basis == "gimp" else np.zeros_like(points.half_width)
     basis = evaluate_basis(points.position, half, soil.grid.axes)
     arm = np.zeros((len(points), 3))
     for axis, nodes in enumerate(soil.grid.axes):
@@ -160,7 +160,7 @@ def test_affine_transfer_conserves_both_momenta(name, basis):
     np.testing.assert_allclose(step.mass @ step.velocity, mass @ points.velocity, atol=1e-13 * size)
     spin = step.mass @ np.cross(nodes, step.velocity)
     np.testing.assert_allclose(spin, spin_of_points(soil, points), atol=1e-13 * size)
-    (velocity,), affine = take_up(step.basis, soil.grid.axes, points.position, [step.velocity])
+    (velocity,), affine = grid_to_points(step.basis, soil.grid.axes, points.position, [step.velocity])
     np.testing.assert_allclose(velocity, interpolate(step.basis, soil.grid.shape, step.velocity), atol=1e-14 * size)
     seen = replace(points, velocity=velocity, affine=affine)
     np.testing.assert_allclose(mass @ seen.velocity, step.mass @ step.velocity, atol=1e-13 * size)
@@ -181,7 +181,7 @@ def test_affine_transfer_keeps_linear_fields(case):
                        for field, part in zip((step.velocity, step.acceleration), slope)])
     assert max(errors[0]) < 1e-12 < 1e-2 < min(errors[1])
     step = soil.begin(points, np.zeros(3))
-    _, found = take_up(step.basis, soil.grid.axes, points.position, [step.velocity, step.acceleration])
+    _, found = grid_to_points(step.basis, soil.grid.axes, points.position, [step.velocity, step.acceleration])
     np.testing.assert_allclose(found, np.broadcast_to(slope, found.shape), atol=1e-9)
 
 

@@ -6,8 +6,8 @@ from types import SimpleNamespace
 import meshio
 import numpy as np
 import pytest
-
 from fake_run import DT, FakeScene, FakeSimulation, Output, Soil, turn
+
 from hybrid.output import vtk
 from hybrid.output.record import placed
 
@@ -21,7 +21,7 @@ def test_soil_frame_holds_the_state(tmp_path):
     data = mesh.point_data
     near = dict(rtol=1e-6, atol=1e-12)
     np.testing.assert_allclose(data["displacement"], points.position - simulation.initial_position, **near)
-    np.testing.assert_allclose(data["half_widths"], points.half, **near)
+    np.testing.assert_allclose(data["half_widths"], points.half_width, **near)
     np.testing.assert_allclose(data["stress"][:, 3], points.stress[:, 0, 1], **near)
     xx, yy, zz, xy, yz, xz = data["stress"].astype(float).T
     mises = np.sqrt(0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) + 3 * (xy**2 + yz**2 + xz**2))

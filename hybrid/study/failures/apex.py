@@ -9,7 +9,7 @@ in tension. Returned to the apex all directions flow, with no stiffness left the
 the upper half of the bed, where only p_t holds it back, rises by ½ (g - p_t/ρL) t², and no point carries more than p_t.
 """
 
-from math import tan, radians
+from math import radians, tan
 
 import numpy as np
 

@@ -12,7 +12,6 @@ ghost = 0.0033), no more than 0.5 % from that of 32 cells.
 """
 
 from hybrid.scene import Axis, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
-from hybrid.study.cases import watched
 from hybrid.study.outcome import Seen
 
 TITLE = "small cuts"
@@ -53,7 +52,7 @@ def lean(ratio, share, cells=8, steps=5, solver=(), **soil):
 
 def moved(scene, way):
     """(Simulation whose soil starts `way` [m] farther along x, places (n, 3) where it starts)."""
-    from hybrid.build import build
+    from hybrid.setup.build import build
 
     simulation = build(scene)
     simulation.state.points.position[:, 0] += way

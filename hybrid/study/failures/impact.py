@@ -14,10 +14,10 @@ from unittest import mock
 import numpy as np
 
 from hybrid.scene import Solver, Time
+from hybrid.step.equations import Step
 from hybrid.study.cases import watched
 from hybrid.study.outcome import Seen
 from hybrid.study.scenes import soil_scene, steel
-from hybrid.system.equations import Step
 
 TITLE = "fast impacts"
 PARAMETERS = ("way in a step over the spacing of corners, v Δt / s",)
@@ -41,7 +41,7 @@ def solve(way, checked=True, **body):
     solver = Solver(tolerance=1e-4, **({} if checked else PLAIN))
     described = soil_scene([plate], z=(-0.8, 0.6), young=5e6, poisson=0.2, time=Time(step=step), solver=solver,
                            steps=max(2, round(DURATION / step)))
-    with nullcontext() if checked else mock.patch.object(Step, "passed_through", lambda self, evaluation: 0):
+    with nullcontext() if checked else mock.patch.object(Step, "tunnelled", lambda self, evaluation: 0):
         simulation, _, told = watched(described)
     points, middle = simulation.state.points, simulation.state.bodies[0].position
     under = np.abs(simulation.initial_position[:, :2] - middle[:2]).max(axis=1) < 0.2

@@ -13,8 +13,8 @@ largest way of the top after the start, over the sag ρ g L²/2M, M = E (1 - ν)
 
 import numpy as np
 
-from hybrid.build import build
 from hybrid.scene import Axis, Faces, Grid, Material, Output, Scene, Soil, Stage, Time
+from hybrid.setup.build import build
 from hybrid.study.cases import told
 from hybrid.study.outcome import Seen
 

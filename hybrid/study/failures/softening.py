@@ -14,10 +14,10 @@ import functools
 
 import numpy as np
 
-from hybrid.build import build
 from hybrid.laws import plastic_increment
 from hybrid.laws.drucker_prager import DruckerPrager
 from hybrid.scene import Axis, Faces, Grid, Material, Output, Scene, Soil, Stage, Time
+from hybrid.setup.build import build
 from hybrid.study.cases import told
 from hybrid.study.outcome import Seen
 

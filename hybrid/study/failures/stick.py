@@ -9,7 +9,7 @@ sphere slides by a share of its way: a softer spring has to be stretched farther
 """
 
 from hybrid.bench.soils import DEMOS
-from hybrid.scene_file import load_scene
+from hybrid.scene.file import load_scene
 from hybrid.study.cases import watched
 from hybrid.study.outcome import Seen
 from hybrid.study.problems import sphere

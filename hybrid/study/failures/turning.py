@@ -12,8 +12,8 @@ Exact: σ_zz = -ρ g (L - Z), whatever the turn.
 
 import numpy as np
 
-from hybrid.build import build
 from hybrid.scene import Axis, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
+from hybrid.setup.build import build
 from hybrid.study.cases import told
 from hybrid.study.outcome import Seen
 

@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 
 from hybrid.bench.soils import DEMOS
-from hybrid.build import build
-from hybrid.scene_file import load_scene
+from hybrid.scene.file import load_scene
+from hybrid.setup.build import build
 from hybrid.study.record import Found
 from hybrid.study.steps import iterations, stepped, unknowns
 

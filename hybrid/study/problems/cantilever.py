@@ -30,8 +30,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.integrate import solve_bvp
 
-from hybrid.build import build
 from hybrid.scene import Axis, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
+from hybrid.setup.build import build
 from hybrid.study.methods import SOILS, alike, few, krylov_tolerances, newton_tolerances
 from hybrid.study.record import Found
 from hybrid.study.steps import iterations, stepped
@@ -148,7 +148,7 @@ def bend(size, points_per_axis=2, height=1.0, steps=STEPS, full=False, ghost=GHO
 
     def see_tip(_):
         points = simulation.state.points
-        face = points.position[last] + points.deformation[last, :, 0] * constants.half[last, :1]
+        face = points.position[last] + points.deformation[last, :, 0] * constants.half_width[last, :1]
         tips.append(face.mean(axis=0) - (LENGTH, 0.0, 0.5 * height))
 
     records, seconds = stepped(simulation, see_tip)

@@ -20,9 +20,9 @@ from scipy.integrate import quad
 from scipy.special import lambertw
 
 from hybrid.bench.peer import ask
-from hybrid.build import build
-from hybrid.errors import StepError
+from hybrid.runtime.errors import StepError
 from hybrid.scene import Axis, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
+from hybrid.setup.build import build
 from hybrid.study.methods import SOILS, alike, few, krylov_tolerances, newton_tolerances
 from hybrid.study.record import Found, Record
 from hybrid.study.steps import iterations, stepped
@@ -98,7 +98,7 @@ def settle(column, cells, steps=None, domain="stretch", full=False, solver=TIGHT
     points, constants = simulation.state.points, simulation.model.soil.constants
     Z, found = constants.position[:, 2], points.stress[:, 2, 2]
     top = np.argmax(points.position[:, 2])
-    height = points.position[top, 2] + constants.half[top, 2] * points.deformation[top, 2, 2]
+    height = points.position[top, 2] + constants.half_width[top, 2] * points.deformation[top, 2, 2]
     wrong = np.abs(found + column.density * column.gravity * (column.length - Z))
     return Settled(Z, found, height, np.average(wrong, weights=constants.volume) / column.weight,
                    abs(height - column.height()) / column.length, sum(r.increments for r in records),

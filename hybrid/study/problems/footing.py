@@ -20,8 +20,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from hybrid.bench.soils import GEOMETRY
-from hybrid.build import build
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
+from hybrid.setup.build import build
 from hybrid.study.methods import alike, few, krylov_tolerances, newton_tolerances
 from hybrid.study.record import Found
 from hybrid.study.steps import iterations, stepped

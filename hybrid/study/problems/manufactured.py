@@ -17,8 +17,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hybrid.build import build
 from hybrid.scene import Axis, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
+from hybrid.setup.build import build
 from hybrid.soil.domains import updated_half
 from hybrid.study.methods import SCHEMES, SOILS, alike, few, krylov_tolerances, newton_tolerances
 from hybrid.study.record import Found
@@ -193,9 +193,9 @@ def start(simulation, solution, X):
     u, points.velocity[:], points.acceleration[:] = solution.motion(0.0, X)
     points.position[:] = X + u
     F = solution.deformation(0.0, X)
-    points.deformation[:], points.elastic[:] = F, F @ F.transpose(0, 2, 1)
+    points.deformation[:], points.b_elastic[:] = F, F @ F.transpose(0, 2, 1)
     points.stress[:] = solution.stress(0.0, X)
-    points.half[:] = updated_half(soil.domain, soil.constants.half, F, points.position, soil.grid.axes)
+    points.half_width[:] = updated_half(soil.domain, soil.constants.half_width, F, points.position, soil.grid.axes)
 
 
 def in_time(solution, cells, counts, reference, scheme=(), **soil):

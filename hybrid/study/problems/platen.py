@@ -13,8 +13,8 @@ from math import log, nan
 from scipy.optimize import brentq
 
 from hybrid.bench.soils import GEOMETRY
-from hybrid.build import build
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
+from hybrid.setup.build import build
 from hybrid.study.methods import alike
 from hybrid.study.record import Found
 from hybrid.study.steps import iterations, stepped, unknowns

@@ -16,7 +16,7 @@ from scipy.special import ellipk
 
 from hybrid.body.attitude import exp_so3, log_so3, skew
 from hybrid.body.motion import inertia_residual, updated
-from hybrid.errors import StepError
+from hybrid.runtime.errors import StepError
 from hybrid.scheme import Scheme
 from hybrid.state import BodyState
 from hybrid.study.record import Found

@@ -1,0 +1,124 @@
+"""Tensor-product rectilinear background grid.
+
+Node v = (i ny + j) nz + k. An axis with a single node is *collapsed*: its basis function is the constant 1, its
+displacement is fixed, and points on it represent a given thickness (plane strain, one-dimensional columns).
+The grid carries no state; it is read-only during a run.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from hybrid.runtime.errors import SceneError
+
+FACES = ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max")
+
+
+def uniform_nodes(start, end, size):
+    """Nodes [m] from start to end with equal cells no larger than `size`."""
+    cells = max(1, int(np.ceil((end - start) / size - 1e-9)))
+    return np.linspace(start, end, cells + 1)
+
+
+def graded_nodes(start, end, size, fine, growth):
+    """Nodes [m] with cells of `size` inside the interval `fine`, growing outwards by at most `growth` a cell."""
+    inner = uniform_nodes(*fine, size)
+    size = inner[1] - inner[0]
+    left = fine[0] - np.cumsum(_growing_cells(fine[0] - start, size, growth))[::-1]
+    right = fine[1] + np.cumsum(_growing_cells(end - fine[1], size, growth))
+    nodes = np.concatenate([left, inner, right])
+    nodes[0], nodes[-1] = start, end
+    return nodes
+
+
+def _growing_cells(distance, size, growth):
+    """Fewest cells size·r, size·r², ... that fill `distance` with r <= growth."""
+    if distance <= 1e-9 * size:
+        return np.empty(0)
+
+    def length(ratio, count):
+        return size * np.sum(ratio ** np.arange(1, count + 1))
+
+    count = 1
+    while length(growth, count) < distance:
+        count += 1
+    from scipy.optimize import brentq  # late: not every grid is graded
+
+    ratio = brentq(lambda r: length(r, count) - distance, 1e-3, growth, xtol=1e-15)
+    return size * ratio ** np.arange(1, count + 1)
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Background grid.
+
+    axes: three increasing arrays of node coordinates [m]; length 1 when collapsed.
+    extent: (3, 2) lower and upper end of each axis [m]; a collapsed axis keeps its thickness here.
+    fixed: (n_nodes, 3) bool, displacement components held by the faces.
+    closed: (3, 2) bool, the lower and upper face of each axis hold the soil back, at least along that axis.
+    """
+
+    axes: tuple[np.ndarray, np.ndarray, np.ndarray]
+    extent: np.ndarray
+    fixed: np.ndarray
+    closed: np.ndarray
+
+    @property
+    def shape(self):
+        """Number of nodes along each axis."""
+        return tuple(len(a) for a in self.axes)
+
+    @property
+    def node_count(self):
+        return int(np.prod(self.shape))
+
+    @cached_property
+    def collapsed(self):
+        return np.array([len(a) == 1 for a in self.axes])
+
+    @cached_property
+    def volumes(self):
+        """(N,) [m³] of the box around each node, half of the way to its neighbours."""
+        widths = [np.ptp(e) * np.ones(1) if len(a) == 1 else 0.5 * (np.diff(a, prepend=a[0]) + np.diff(a, append=a[-1]))
+                  for a, e in zip(self.axes, self.extent)]
+        return np.einsum("i,j,k->ijk", *widths).ravel()
+
+    @cached_property
+    def smallest_cell(self):
+        """Edge [m] of the smallest cell."""
+        return min(np.diff(a).min() for a in self.axes if len(a) > 1)
+
+
+def make_grid(axes, extent, faces, all_fixed=False):
+    """Grid from node arrays, axis extents (3, 2) [m] and a dict face -> "free" | "roller" | "fixed".
+
+    Raises SceneError when neighbouring cells differ by more than a factor of two: a point's domain may be as wide as
+    its own cell and must not reach beyond the next one.
+    """
+    axes = tuple(np.ascontiguousarray(a, dtype=float) for a in axes)
+    for name, nodes in zip("xyz", axes):
+        cells = np.diff(nodes)
+        if len(cells) > 1:
+            jump = np.max(np.maximum(cells[1:] / cells[:-1], cells[:-1] / cells[1:]))
+            if jump > 2 * (1 + 1e-9):
+                raise SceneError(f"grid.{name}: neighbouring cells differ by a factor of {jump:.3g}, the limit is 2; "
+                                 "lower `growth` or move `fine` away from the ends")
+    shape = tuple(len(a) for a in axes)
+    fixed = np.zeros(shape + (3,), dtype=bool)
+    for axis in range(3):
+        if shape[axis] == 1:
+            fixed[..., axis] = True
+            continue
+        for side, face in ((0, FACES[2 * axis]), (-1, FACES[2 * axis + 1])):
+            layer = np.take(np.arange(shape[axis]), side)
+            index = (slice(None),) * axis + (layer,)
+            if faces[face] == "roller":
+                fixed[index + (Ellipsis, axis)] = True
+            elif faces[face] == "fixed":
+                fixed[index] = True
+    if all_fixed:
+        fixed[...] = True
+    closed = np.array([faces[face] != "free" for face in FACES]).reshape(3, 2)
+    closed[np.array(shape) == 1] = True
+    return Grid(axes, np.asarray(extent, dtype=float), fixed.reshape(-1, 3), closed)

@@ -1,0 +1,1 @@
+"""Sparsity of the soil block, what preconditioners are made of, PETSc."""

@@ -1,0 +1,218 @@
+"""The model sheet: what a scene models, what it leaves out, and how large it is."""
+
+import numpy as np
+
+from hybrid.body.rigid import FREEDOMS
+from hybrid.linalg.stencil_pattern import make_pattern
+from hybrid.scene.material import USES, of_layer, span
+
+LIBRARIES = 320e6       # bytes of the interpreter with dolfinx, PETSc, gmsh and compiled kernels, as measured
+PICTURES = 95e6         # of what draws, as measured
+BYTES_PER_POINT = 1600  # history, constants, trial buffers and temporaries of one point, as measured
+BYTES_PER_ENTRY = 34    # of the soil block: value and index, what makes the incomplete factor, and that; as measured
+KEPT_PER_POINT, KEPT_PER_ENTRY = 648, 8     # of tangents that are kept: 81 numbers and one
+BYTES_OF_FILL = 1200    # of a direct factor, times n^(4/3) as nested dissection of n unknowns in space; as measured
+
+
+def model_sheet(scene, model, imbalance=None, level="", most_points=0):
+    """Sections {title: {label: value}} for `hybrid check` and summary.json; imbalance: of the initial state, where the
+    soil has a weight to carry; level: what the scene's `accuracy` stands for; most_points: of a grid that travels."""
+    soil = model.soil
+    pattern = _pattern(soil)
+    body_unknowns = int(np.count_nonzero(model.body_free))
+    entries = len(pattern.indices)
+    growth = max(1.0, most_points / max(1, len(soil.constants)))
+    memory = (LIBRARIES + PICTURES * bool(scene.output.pictures)
+              + growth * growing_memory(soil, pattern, scene.solver.linear))
+    cells = [max(1, n - 1) for n in soil.grid.shape]
+    modelled = {
+        **({"accuracy": level} if level else {}),
+        "grid cells": " x ".join(map(str, cells)),
+        **_travelling(scene),
+        "smallest cell [m]": soil.grid.smallest_cell,
+        "material points": len(soil.constants),
+        **({"at most": f"{most_points} material points, once the body has sunk"} if growth > 1 else {}),
+        "soil unknowns": pattern.size,
+        "body unknowns": body_unknowns,
+        "entries of the soil block": entries,
+        "bodies": [_body(*pair) for pair in zip(scene.bodies, model.bodies)] or "none",
+        "soil law": _law(scene.soil.material, soil.law) if not soil.held else "none, the soil is held",
+        "basis": scene.soil.basis if not soil.held else "none, the soil is held",
+        "soil tangent": _tangent(scene.soil, soil.law) if not soil.held else "none, the soil is held",
+        "steps": " + ".join(f"{s.steps} {s.name}" for s in scene.stages),
+        "time integration": _schemes(scene, model.scheme),
+        "increments": _increments(scene, soil.grid.smallest_cell),
+        "memory, estimated [MiB]": round(memory / 2**20),
+    }
+    if imbalance is not None:
+        modelled["initial imbalance"] = str(imbalance)
+    if scene.soil.layers:
+        modelled["soil layers"] = [_layer(layer, scene, soil) for layer in scene.soil.layers]
+    return {"modelled": modelled, "left out": left_out(scene, model, pattern)}
+
+
+def _travelling(scene):
+    """Row about a grid that goes with a body, if it does."""
+    axes = [name for name in "xyz" if getattr(scene.grid, name).travels]
+    followed = scene.grid.follow or scene.bodies[0].name if axes else ""
+    return {"the grid goes with": f"{followed}, along {', '.join(axes)}"} if axes else {}
+
+
+def growing_memory(soil, pattern, linear):
+    """Memory [bytes] that points, matrix and factor take at the most."""
+    kept = soil.keeps_tangents
+    memory = ((BYTES_PER_POINT + KEPT_PER_POINT * kept) * len(soil.constants)
+              + (BYTES_PER_ENTRY + KEPT_PER_ENTRY * kept) * len(pattern.indices))
+    fill = linear == "direct" and not soil.grid.collapsed.any()
+    return memory + BYTES_OF_FILL * pattern.size ** (4 / 3) * fill
+
+
+def _tangent(described, law):
+    """Whether the soil's block of the tangent is symmetric."""
+    if "user" in {of_layer(described.material, layer).law for layer in described.layers} | {described.material.law}:
+        return "as the user's law has it"
+    return "symmetric" if law.symmetric else "unsymmetric"
+
+
+def _increments(scene, cell):
+    """What sets their length."""
+    time = scene.time
+    if time.accuracy is None:
+        return "as long as a step where they converge"
+    return f"at most {time.accuracy * cell:.3g} m a step added to the error of positions, accuracy {time.accuracy:g}"
+
+
+def _law(material, law):
+    """Law, its match and what changes its strength."""
+    m, floor = material, material.residual_cohesion
+    parts = [m.law if m.law != "user" else f"user, {law.name}"]
+    if "cone" in USES[m.law]:
+        parts.append(f"matched in {m.cone}")
+    if m.strength_gradient:
+        parts.append(f"strength {m.strength:g} Pa and {m.strength_gradient:g} Pa/m of depth")
+    if m.hardening:
+        floor = m.residual_strength if floor is None else floor
+        parts.append(f"hardening by {m.hardening:g} Pa" if m.hardening > 0 else
+                     f"softening by {-m.hardening:g} Pa down to {floor:g} Pa")
+    return ", ".join(parts)
+
+
+def _layer(layer, scene, soil):
+    """Range, law and own values of a layer."""
+    bottom, top = span(layer, scene.soil, scene.grid)
+    values = layer.material if layer.k0 is None else {**layer.material, "k0": layer.k0}
+    own = [f"{name} = {value:g}" for name, value in values.items()]
+    parts = [f"{layer.name}: z = {bottom:g} to {top:g} m", _law(of_layer(scene.soil.material, layer), soil.law), *own]
+    return ", ".join(parts)
+
+
+def _body(described, body):
+    """Sizes of a body, what drives it and how it meets the soil."""
+    parts = [f"{len(body.surface.triangles)} contact triangles", f"{body.mass.mass:.6g} kg",
+             f"{np.count_nonzero(body.free)} free components"]
+    if described.driven:
+        parts.append("driven " + " ".join(described.driven))
+    parts.append("augmented Lagrangian" if body.augmented else "penalty")
+    if body.samples is not None:
+        parts.append(f"second pass {body.second_pass:g} with {len(body.samples)} samples")
+    return f"{body.name}: {', '.join(parts)}"
+
+
+def _schemes(scene, scheme):
+    """The scheme, and those of the stages that have their own."""
+    own = [(stage.name, str(scheme.with_pair(stage.beta, stage.gamma))) for stage in scene.stages]
+    return "; ".join([str(scheme), *(f"{name}: {other}" for name, other in own if other != str(scheme))])
+
+
+def _pattern(soil):
+    """Pattern of the first step: nodes that a point of the initial lattice can see."""
+    if soil.held:
+        return make_pattern(np.zeros(soil.grid.node_count, bool), soil.grid.fixed, soil.grid.shape)
+    active = np.ones(soil.grid.shape, bool)
+    for axis, nodes in enumerate(soil.grid.axes):
+        if len(nodes) == 1:
+            continue
+        x, half = soil.constants.position[:, axis], soil.constants.half_width[:, axis]
+        reached = (nodes >= _at_or_below(nodes, (x - half).min())) & (nodes <= _at_or_above(nodes, (x + half).max()))
+        active &= reached.reshape([-1 if a == axis else 1 for a in range(3)])
+    return make_pattern(active.ravel(), soil.grid.fixed, soil.grid.shape)
+
+
+def _at_or_below(nodes, x):
+    """The node below `x` [m], or the first one: soil that was dragged along may have started outside the grid."""
+    return nodes[max(np.searchsorted(nodes, x + 1e-9, side="right") - 1, 0)]
+
+
+def _at_or_above(nodes, x):
+    return nodes[min(np.searchsorted(nodes, x - 1e-9, side="left"), len(nodes) - 1)]
+
+
+def left_out(scene, model, pattern):
+    """What this scene does not pay for."""
+    soil, out = model.soil, []
+    if soil.held:
+        out.append("soil unknowns, stresses and transfers: the soil is held still")
+    else:
+        nodes = soil.grid.node_count
+        empty = nodes - np.count_nonzero(pattern.free.any(axis=1))
+        out.append(f"{empty} of {nodes} nodes: without soil, or held")
+        out.append(f"soil beyond the grid: {_faces(scene.grid.faces, soil.grid.collapsed)}")
+        out += _left_out_by_travelling(scene.grid, soil)
+    if not model.scheme.inertia:
+        out.append("inertia: the scene is quasi-static")
+    for axis, collapsed in zip("xyz", soil.grid.collapsed):
+        if collapsed:
+            out.append(f"motion along {axis}: that axis is collapsed")
+    for described, body in zip(scene.bodies, model.bodies):
+        out += _left_out_of(described, body)
+    if not soil.held:
+        if not soil.law.plastic:
+            out.append("plasticity: the soil is elastic")
+        elif not getattr(soil.law, "hardens", True):
+            out.append("hardening: the strength stays as it is")
+        if not scene.soil.fbar:
+            out.append("F-bar: points keep their own volume change")
+        if not scene.soil.ghost:
+            out.append("ghost penalty: cells hardly filled are left alone")
+    out.append("reassembly of the bodies' mass: it turns with them")
+    return out
+
+
+def _left_out_by_travelling(grid, soil):
+    """What is not there because the grid goes with a body."""
+    axes = {name: axis for name, axis in zip("xyz", (grid.x, grid.y, grid.z)) if axis.travels}
+    windows = [name for name, axis in axes.items() if axis.window]
+    whole = 1
+    for name, nodes in zip("xyz", soil.grid.axes):
+        axis = axes.get(name)
+        whole *= round((axis.end - axis.start) / axis.size) if axis else max(1, len(nodes) - 1)
+    if axes:
+        cells = np.prod([max(1, n - 1) for n in soil.grid.shape])
+        yield f"{whole - cells} of {whole} cells of the finest size: coarser, or not there, away from the body"
+    if windows:
+        yield (f"soil outside the window along {', '.join(windows)}: it comes in at rest and "
+               + ("stays as it was when it is left" if grid.behind == "freeze" else "is removed when it is left"))
+
+
+def _faces(faces, collapsed):
+    """What the faces of the grid hold in its place."""
+    axes = [name for name, away in zip("xyz", collapsed) if not away]
+    kinds = {}
+    for name in (f"{axis}_{end}" for axis in axes for end in ("min", "max")):
+        kinds.setdefault(getattr(faces, name), []).append(name)
+    return ", ".join(f"{kind} at {' '.join(names)}" for kind, names in kinds.items())
+
+
+def _left_out_of(described, body):
+    """What the contact of a body does without, and its held components."""
+    if body.friction == 0.0:
+        yield f"friction of {body.name}: its coefficient is 0"
+    if body.second_pass == 0.0:
+        yield f"second pass of contact of {body.name}: its share is 0"
+    if body.second_pass == 1.0:
+        yield f"first pass of contact of {body.name}: the second carries all"
+    if not body.augmented:
+        yield f"multipliers of {body.name}: plain penalty"
+    held = [name for name, free in zip(FREEDOMS, body.free) if not free and name not in described.driven]
+    if held:
+        yield f"held components of {body.name}: {', '.join(held)}"

@@ -1,0 +1,178 @@
+"""Three-dimensional pictures of soil and bodies, coloured by vertical displacement since the run began.
+
+The soil is drawn as the domains of its points (boxes x_p ± l_p), seen obliquely from the side of small y,
+where a half model has its symmetry plane, so that the cut through soil and body faces the viewer.
+
+VTK ends the whole process when it finds no OpenGL. A picture is therefore drawn by a child process
+(`hybrid.output.picture_worker`), and a run only loses its picture, with a warning that says why. The run goes on while the child
+works; one child works at a time.
+"""
+
+import logging
+import math
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+from hybrid.output import atomic
+from hybrid.output.history import NAME as HISTORY
+from hybrid.output.history import body_names, read_history
+from hybrid.output.record import drawn, initial_bodies, placed
+
+log = logging.getLogger("hybrid")
+
+TIME_LIMIT = 300.0  # seconds for one picture
+# EGL needs no X server; where it is missing VTK may choose for itself.
+TRIES = {"VTK_DEFAULT_OPENGL_WINDOW": "vtkEGLRenderWindow"}, {}
+REMEDY = "try: apt install libegl1 libgl1-mesa-dri (off-screen OpenGL), pip install pyvista"
+
+
+class Pictures:
+    """Observer that writes soil_step_005.png, ... at the steps `scene.output.pictures`, counted from the
+    start of the last stage, and trajectory.png and line_tension.png at the end."""
+
+    def __init__(self, folder):
+        self.folder = Path(folder)
+
+    def start(self, simulation):
+        self.before = sum(stage.steps for stage in simulation.scene.stages[:-1])
+        self.initial = initial_bodies(simulation)
+        self.drawing = None
+
+    def accepted(self, record, simulation):
+        step = record.step - self.before
+        if step in simulation.scene.output.pictures:
+            self._collect()
+            caption = f"{record.stage}: step {step}, time {record.time:.2f} s"
+            path = self.folder / f"soil_step_{step:03d}.png"
+            self.drawing = Drawing(path, scene_arrays(simulation, self.initial), caption)
+
+    def finish(self, summary, simulation):
+        try:
+            self._figures(simulation)
+        finally:
+            self._collect()
+
+    def _figures(self, simulation):
+        history = read_history(self.folder) if (self.folder / HISTORY).exists() else {}
+        if not simulation.body_names or not len(history.get("step", ())):
+            return
+        from hybrid.output import figures  # late: matplotlib takes a while, and most of a run does without
+
+        figures.trajectory(self.folder)
+        if any(np.any(history[f"{name}_tension_N"]) for name in body_names(history)):
+            figures.tension(self.folder)
+
+    def _collect(self):
+        if self.drawing:
+            self.drawing.collect()
+        self.drawing = None
+
+
+def render(path, simulation, caption="", initial=None):
+    """Write a picture of the simulation's present state to `path` (PNG). Returns whether that worked.
+
+    initial: list of BodyState at the start of the run, default `simulation.initial_bodies`. When nothing can
+    be drawn a warning names cause and remedy and the run goes on.
+    """
+    return Drawing(path, scene_arrays(simulation, initial or initial_bodies(simulation)), caption).collect()
+
+
+def scene_arrays(simulation, initial):
+    """What the child draws: box centres and half-widths (n, 3) [m], body vertices (V, 3) [m] and triangles
+    (t, 3) of all bodies together, vertical displacements `soil` (n,) and `body` (V,) [m], colour `limit`."""
+    (points, before), state = drawn(simulation), simulation.state
+    soil = points.position[:, 2] - before[:, 2]
+    vertices, triangles, moved, count = [np.zeros((0, 3))], [np.zeros((0, 3), int)], [np.zeros(0)], 0
+    for surface, body, first in zip(simulation.surfaces, state.bodies, initial):
+        now = placed(surface.vertices, body)
+        vertices.append(now)
+        triangles.append(surface.triangles + count)
+        moved.append(now[:, 2] - placed(surface.vertices, first)[:, 2])
+        count += len(now)
+    body = np.concatenate(moved)
+    return {
+        "position": points.position, "half": points.half_width, "soil": soil,
+        "vertices": np.concatenate(vertices), "triangles": np.concatenate(triangles), "body": body,
+        "limit": colour_limit(soil, body),
+    }
+
+
+def colour_limit(soil, body):
+    """Round number for the ends of the colour scale: nearly all of the soil and half the body lie within."""
+    typical = [np.quantile(np.abs(soil), 0.999)] if len(soil) else []
+    typical += [np.median(np.abs(body))] if len(body) else []
+    largest = max(typical, default=0.0)
+    if largest < 1e-9:
+        return 1e-3
+    power = 10.0 ** math.floor(math.log10(largest))
+    return next(m * power for m in (1, 1.5, 2, 3, 4, 5, 6, 8, 10) if m * power >= 0.999 * largest)
+
+
+class Drawing:
+    """A picture that a child process draws from `scene_arrays`; to be ended by `collect`."""
+
+    def __init__(self, path, arrays, caption=""):
+        self._path, self._caption, self._error = Path(path), caption, None
+        self._folder = self._child = None
+        try:
+            self._folder = tempfile.TemporaryDirectory(prefix="hybrid-picture-")
+            np.savez(os.path.join(self._folder.name, "given.npz"), **arrays)
+            self._begin(TRIES[0])
+        except OSError as error:
+            self._error = error
+
+    def collect(self):
+        """Wait for the picture; returns whether there is one. Otherwise a warning names cause and remedy."""
+        try:
+            if self._error:
+                raise self._error
+            self._wait()
+        except (OSError, RuntimeError, subprocess.TimeoutExpired) as error:
+            log.warning("no picture %s: %s; %s", self._path.name, error, REMEDY)
+            return False
+        finally:
+            if self._child and self._child.poll() is None:
+                self._child.kill()
+                self._child.wait()
+            if self._folder:
+                self._folder.cleanup()
+        return True
+
+    def _begin(self, choice):
+        package = str(Path(__file__).resolve().parents[2])
+        environment = dict(os.environ, OMP_NUM_THREADS="1", MPLBACKEND="Agg", **choice)
+        environment["PYTHONPATH"] = os.pathsep.join(filter(None, [package, environment.get("PYTHONPATH")]))
+        folder = self._folder.name
+        command = [sys.executable, "-m", "hybrid.output.picture_worker", os.path.join(folder, "given.npz"),
+                   os.path.join(folder, "drawn.png"), self._caption]
+        # A session of its own: who interrupts the run from the keyboard still gets the picture. What the child says
+        # goes to a file, since nobody reads a pipe while the run goes on.
+        with open(os.path.join(folder, "said"), "wb") as said:
+            self._child = subprocess.Popen(command, env=environment, start_new_session=True, stderr=said,
+                                           stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+        self._deadline = time.monotonic() + TIME_LIMIT
+
+    def _wait(self):
+        """Put the picture in its place; RuntimeError with the child's last words when every try failed."""
+        picture = Path(self._folder.name) / "drawn.png"
+        for choice in (*TRIES[1:], None):
+            code = self._child.wait(max(0.0, self._deadline - time.monotonic()))
+            if code == 0 and picture.exists():
+                with atomic(self._path) as partial:
+                    shutil.copyfile(picture, partial)
+                return
+            if choice is not None:
+                self._begin(choice)
+        said = (Path(self._folder.name) / "said").read_text(errors="replace")
+        plain = re.sub(r"\x1b\[[0-9;]*m", "", said)
+        # What follows VTK's stamp of date and place.
+        words = [line.split("|")[-1].strip() for line in plain.splitlines() if line.strip()]
+        raise RuntimeError(words[-1] if words else f"the drawing process ended with code {code}")

@@ -1,0 +1,25 @@
+"""What is modelled: the classes of a scene, scene files, checks, levels of accuracy."""
+
+from hybrid.scene.schema import (
+    Axis,
+    Body,
+    Condition,
+    Faces,
+    Freedom,
+    Grid,
+    Law,
+    Layer,
+    Material,
+    Output,
+    Pull,
+    Scene,
+    Soil,
+    Solver,
+    Stage,
+    Target,
+    Time,
+    Vector,
+)
+
+__all__ = ["Axis", "Body", "Condition", "Faces", "Freedom", "Grid", "Law", "Layer", "Material", "Output", "Pull",
+           "Scene", "Soil", "Solver", "Stage", "Target", "Time", "Vector"]

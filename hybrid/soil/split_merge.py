@@ -1,0 +1,150 @@
+"""Points that are added, taken away, halved and joined, with all that belongs to them.
+
+A point can be halved along an axis j of its domain at the start, and two halves be joined again:
+
+    x = x_p ± ½ l_j F e_j     v = v_p + C_v (x - x_p)     V0 = V0_p / 2      the rest as it was
+    m = Σ m_i      x, v, a, C = Σ m_i (·)_i / m      τ, F, α = Σ V0_i (·)_i / V0      det F V0 = Σ det F_i V0_i
+
+Mass, momentum, volume, the integral of the stress and that of the plastic strain are kept by construction, and the
+centre of mass. The Kirchhoff stress of two halves differs by what it would at rest, τ = τ_p ± ½ l_j F_zj dτ_rest/dz, so
+that soil at rest stays in equilibrium where a cell is halved. The elastic strain is the one that carries the stress.
+Two points with the same law under admissible stresses are joined to one under an admissible stress, as the elastic
+domain is convex.
+
+What is lost is what one point cannot hold: the energy of motions and strains of the two against each other.
+"""
+
+import dataclasses
+
+import numpy as np
+
+from hybrid.soil.principal import from_principal
+from hybrid.state import PointConstants, Points, Population
+
+FLAT = 1e-2      # [-] of the volume of two halves, that their mean F leaves
+NEITHER = 1e-12  # [-] rise of stress within a point, relative to the stress, that is none
+
+
+def select(population, ids):
+    """Population of the points `ids`, an index array or a mask."""
+    def of(item):
+        return None if item is None else item[ids]
+
+    return Population(_mapped(of, population.points), _mapped(of, population.constants), population.rows[ids])
+
+
+def concatenate(first, second):
+    """Both populations, the second one's points behind those of the first; what only one has is zero in the other."""
+    def both(a, b):
+        if a is None and b is None:
+            return None
+        a = np.zeros((len(first), *b.shape[1:]), b.dtype) if a is None else a
+        b = np.zeros((len(second), *a.shape[1:]), a.dtype) if b is None else b
+        return np.concatenate([a, b])
+
+    return Population(_mapped(both, first.points, second.points), _mapped(both, first.constants, second.constants),
+                      np.concatenate([first.rows, second.rows]))
+
+
+def _mapped(function, *items):
+    names = [field.name for field in dataclasses.fields(items[0])]
+    return type(items[0])(**{name: function(*(getattr(item, name) for item in items)) for name in names})
+
+
+def split(population, axis, law):
+    """The two halves of every point along `axis` of its domain at the start, lower ones first: 2n points."""
+    points, constants = population.points, population.constants
+    out = concatenate(population, population)
+    sign = np.repeat([-0.5, 0.5], len(population))[:, None]
+    step = points.deformation[:, :, axis] * constants.half_width[:, axis, None]
+    step = sign * np.concatenate([step, step])
+    along = np.zeros(3)
+    along[axis] = 1.0
+    rates = {"velocity": out.points.velocity, "acceleration": out.points.acceleration,
+             "algorithmic": out.points.algorithmic}
+    carried = [name for name, rate in rates.items() if rate is not None]
+    if out.points.affine is not None:
+        for i, name in enumerate(carried):
+            rates[name] = rates[name] + np.einsum("nij,nj->ni", out.points.affine[:, i], step)
+    at = out.constants
+    narrow = 1 - 0.5 * along
+    constants = PointConstants(at.position + sign * at.half_width[:, axis, None] * along, at.half_width * narrow,
+                               0.5 * at.volume, 0.5 * at.mass, at.geostatic_gradient)
+    points = dataclasses.replace(
+        out.points, position=out.points.position + step, half_width=out.points.half_width * narrow, **rates)
+    out = Population(points, constants, out.rows)
+    return out if at.geostatic_gradient is None else _risen(out, step[:, 2], law)
+
+
+def _risen(population, height, law):
+    """Stresses changed as at rest by heights (n,) [m]; those that do not change keep their bits."""
+    points = population.points
+    change = population.constants.geostatic_gradient * height[:, None]
+    some = np.flatnonzero(np.abs(change).max(axis=1) > NEITHER * np.abs(points.stress).max(initial=0.0))
+    if len(some) == 0:
+        return population
+    few = select(population, some)
+    stress = _kirchhoff(few.points) + change[some, :, None] * np.eye(3)
+    few = _stressed(few, stress, law)
+    points = dataclasses.replace(points, stress=points.stress.copy(), b_elastic=points.b_elastic.copy())
+    points.stress[some], points.b_elastic[some] = few.points.stress, few.points.b_elastic
+    return dataclasses.replace(population, points=points)
+
+
+def merge(first, second, axis, law):
+    """One point for each pair of points that are halves of it along `axis` of the domains at the start."""
+    a, b = first.constants, second.constants
+    mass, volume = a.mass + b.mass, a.volume + b.volume
+
+    def mean(x, y, weight, total):
+        shape = (-1, *[1] * (x.ndim - 1))
+        return (weight[0].reshape(shape) * x + weight[1].reshape(shape) * y) / total.reshape(shape)
+
+    def by_mass(x, y):
+        return None if x is None else mean(x, y, (a.mass, b.mass), mass)
+
+    def by_volume(x, y):
+        return None if x is None else mean(x, y, (a.volume, b.volume), volume)
+
+    p, q = first.points, second.points
+    double = np.ones(3)
+    double[axis] = 2.0
+    constants = PointConstants(
+        0.5 * (a.position + b.position), a.half_width * double, volume, mass, by_volume(a.geostatic_gradient, b.geostatic_gradient))
+    deformation = by_volume(p.deformation, q.deformation)
+    deformation = _with_volume(deformation, by_volume(np.linalg.det(p.deformation), np.linalg.det(q.deformation)))
+    points = Points(
+        position=by_mass(p.position, q.position), velocity=by_mass(p.velocity, q.velocity),
+        acceleration=by_mass(p.acceleration, q.acceleration), half_width=p.half_width * double, deformation=deformation,
+        b_elastic=p.b_elastic, stress=p.stress, plastic_strain=by_volume(p.plastic_strain, q.plastic_strain),
+        algorithmic=by_mass(p.algorithmic, q.algorithmic), affine=by_mass(p.affine, q.affine), inactive=p.inactive)
+    stress = by_volume(_kirchhoff(p), _kirchhoff(q))
+    return _stressed(Population(points, constants, by_volume(first.rows, second.rows)), stress, law)
+
+
+def _with_volume(deformation, ratio):
+    """F (n, 3, 3) scaled to det F = `ratio` (n,) along the axes that deform anywhere; where F is all but flat, as the
+    mean of two that have turned against each other, the same stretch along all of these."""
+    deforms = np.any(deformation != np.eye(3), axis=(0, 1)) | np.any(deformation != np.eye(3), axis=(0, 2))
+    if not deforms.any():
+        return deformation
+    volume = np.linalg.det(deformation)
+    flat = volume < FLAT * ratio
+    deformation, volume = np.where(flat[:, None, None], np.eye(3), deformation), np.where(flat, 1.0, volume)
+    scale = (ratio / volume) ** (1 / np.count_nonzero(deforms))
+    return deformation * np.where(deforms, scale[:, None], 1.0)[:, :, None]
+
+
+def _kirchhoff(points):
+    return points.stress * np.linalg.det(points.deformation)[:, None, None]
+
+
+def _stressed(population, stress, law):
+    """The population under Kirchhoff stresses (n, 3, 3) [Pa], with the elastic strain that carries them."""
+    points = population.points
+    principal, directions = np.linalg.eigh(stress)
+    elastic = law.with_rows(population.rows).strain(principal)
+    points = dataclasses.replace(
+        points, stress=stress / np.linalg.det(points.deformation)[:, None, None],
+        b_elastic=from_principal(np.exp(2 * elastic), np.ascontiguousarray(directions)))
+    return dataclasses.replace(population, points=points)

@@ -1,0 +1,1 @@
+"""One increment of time: its equations, their solution, and how long it may be."""

@@ -1,0 +1,48 @@
+"""Energy of a committed state and the balance of a run.
+
+    stored = kinetic + elastic + potential + contact springs + line
+    stored(t) - stored(0) + plastic + friction + left = work of pull, drive and load + error
+
+Kinetic energy is that of points and bodies, none in a quasi-static scene; what the transfer between points and grid
+loses shows in the error. Drive is the work of guides: of driven components, and of the jolt when a stage holds a body
+that moves or sets off one that rests. Load is all but the whole of gravity (`hybrid.step.loads`). Left is what soil
+takes with it that a travelling grid leaves behind or joins to larger points (`hybrid.step.moving_grid`).
+"""
+
+import numpy as np
+
+from hybrid.body import rigid
+from hybrid.runtime.comm import total
+
+STORED = ("kinetic", "elastic", "potential", "contact", "line")
+WORKS = ("plastic", "friction", "pull", "drive", "load", "left")
+
+
+def energies(model, state, evaluation=None):
+    """Dict of energies and works [J]; contact and line energy come from the evaluation that led to `state`."""
+    soil, points = model.soil, state.points
+    out = dict.fromkeys(STORED, 0.0)
+    inertia = model.scheme.inertia
+    if not soil.held:
+        out |= of_soil(model, points)
+    for body, motion in zip(model.bodies, state.bodies):
+        out["kinetic"] += rigid.kinetic_energy(body, motion) * inertia
+        out["potential"] -= body.mass.mass * float(motion.position @ model.gravity)
+    if evaluation is not None:
+        out["contact"] = sum(c.energy for c in evaluation.contacts)
+        out["line"] = sum(t.line_energy for t in evaluation.body_trials)
+    return out | {name: state.work.get(name, 0.0) for name in WORKS}
+
+
+def of_soil(model, points):
+    """Kinetic, elastic and potential energy [J] of points."""
+    soil, mass = model.soil, model.soil.constants.mass
+    kinetic = 0.5 * float(total(mass * np.sum(points.velocity**2, axis=1)))
+    return {"kinetic": kinetic * model.scheme.inertia, "elastic": soil.stored_energy(points),
+            "potential": -float(total(mass * ((points.position - soil.constants.position) @ model.gravity)))}
+
+
+def balance_error(now, start):
+    """Energy that the balance does not account for [J], from `energies` now and at the start."""
+    stored = sum(now[name] - start[name] for name in STORED)
+    return stored + now["plastic"] + now["friction"] + now["left"] - now["pull"] - now["drive"] - now["load"]

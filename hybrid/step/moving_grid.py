@@ -1,0 +1,214 @@
+"""A grid that goes with a body: fine cells around it, coarser ones farther away, and none where it does not matter.
+
+Between two outer steps the grid may be laid anew, as it carries no state (`hybrid.grid.moving_axis`). Then
+
+    1. points whose block of the lattice is no longer in the window are left behind: kept still, or forgotten;
+       kept ones that it takes in again are solved again
+    2. blocks that it takes in for the first time are filled with points at rest, in geostatic equilibrium
+    3. points are halved where cells have become finer, joined where coarser (`hybrid.soil.refinement`)
+    4. domains are fitted to their new cells, and corners near bodies follow their points to their new numbers
+
+Points with a corner near a body stay as they are. Where a window ends short of the axis, soil is held at least along
+that axis. What energy soil takes along in 1 and loses in 3 is booked as work "left".
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from hybrid.body import rigid
+from hybrid.grid.axes import FACES, make_grid
+from hybrid.grid.moving_axis import Layout
+from hybrid.runtime.errors import StepError
+from hybrid.soil.domains import updated_half
+from hybrid.soil.points import at_rest
+from hybrid.soil.refinement import Resolution
+from hybrid.soil.split_merge import concatenate, select
+from hybrid.state import Ground, Population
+from hybrid.step.energy import of_soil
+
+
+class Travel:
+    """How the grid of a scene travels.
+
+    body      number of the body that it goes with
+    lattices  {axis: Lattice} of those that travel; axes: nodes [m] of the others; extent (3, 2) [m]
+    faces     dict face -> condition, as `make_grid` takes it
+    lay_out   function of a Grid that gives (PointConstants, principal stress at rest (n, 3), law) of soil filling it
+    per_axis  (3,) points to a cell along each axis
+    keep      whether soil left behind is kept
+    """
+
+    def __init__(self, body, lattices, axes, extent, faces, per_axis, keep, lay_out=None):
+        self.body, self.lattices, self._axes, self._extent, self._faces = body, lattices, axes, extent, faces
+        self._per_axis, self._keep, self.lay_out = np.array(per_axis), keep, lay_out
+
+    # -------------------------------------------------------------- layout
+
+    def fit(self, box, before=None):
+        """{axis: Layout} for a body in `box` (2, 3) [m]."""
+        return {axis: lattice.fit(*box[:, axis], before and before[axis]) for axis, lattice in self.lattices.items()}
+
+    def grid(self, layouts):
+        """Grid of layouts {axis: Layout}."""
+        axes, extent, faces = list(self._axes), self._extent.copy(), dict(self._faces)
+        for axis, layout in layouts.items():
+            lattice = self.lattices[axis]
+            axes[axis] = lattice.place(lattice.nodes(layout))
+            extent[axis] = axes[axis][[0, -1]]
+            for side, end in ((0, 0), (1, lattice.cells)):
+                face = FACES[2 * axis + side]
+                if layout.window[side] != end and faces[face] == "free":
+                    faces[face] = "roller"
+        return make_grid(axes, extent, faces)
+
+    def start(self, layouts, soil):
+        """Ground of a Soil that fills the grid of `layouts`."""
+        blocks = [self.lattices[a].cells // self.lattices[a].block if a in layouts else 1 for a in range(3)]
+        made = np.zeros(blocks, bool)
+        made[self._blocks(layouts)] = True
+        return Ground(_array(layouts, "fine"), _array(layouts, "window"), made, soil.constants, soil.law.rows)
+
+    def _blocks(self, layouts):
+        """Slices of the blocks in the window."""
+        return tuple(slice(*(w // self.lattices[a].block for w in layouts[a].window)) if a in layouts else slice(None)
+                     for a in range(3))
+
+    def _number(self, position):
+        """Block (n, 3) that each place [m] is in, or the nearest one."""
+        block = np.zeros(position.shape, int)
+        for axis, lattice in self.lattices.items():
+            at = (position[:, axis] - lattice.start) // (lattice.block * lattice.size)
+            block[:, axis] = np.clip(at, 0, lattice.cells // lattice.block - 1)
+        return block
+
+    # -------------------------------------------------------------- laying anew
+
+    def follow(self, model, state):
+        """(Model, State, whether they are new) with the grid where the body now wants it."""
+        body = model.bodies[self.body]
+        before = _layouts(state.ground, self.lattices)
+        layouts = self.fit(rigid.box(body, state.bodies[self.body]), before)
+        if layouts == before:
+            return model, state, False
+        if not self._keep:
+            self._refuse_return(body.name, state, before, layouts)
+        grid = self.grid(layouts)
+        here = Population(state.points, model.soil.constants, model.soil.law.rows)
+        here, origin, behind = self._taken_along(layouts, here, state.ground.behind)
+        here, made = self._filled(layouts, grid, here, state.ground.made)
+        origin = np.concatenate([origin, np.full(len(here) - len(origin), -1)])
+        free = _unfollowed(state.contacts, origin)
+        if here.points.inactive is not None:
+            free &= ~here.points.inactive
+        here, number = self._resolution(model.soil).adapt(here, grid, model.soil.law, free)
+        origin = np.where(number >= 0, origin[number], -1)
+        ground = Ground(_array(layouts, "fine"), _array(layouts, "window"), made, here.constants, here.rows, behind)
+        new = self.model(model, ground)
+        points = replace(here.points, half_width=updated_half(
+            new.soil.domain, here.constants.half_width, here.points.deformation, here.points.position, grid.axes))
+        work = dict(state.work)
+        gone = sum(of_soil(model, state.points).values()) - sum(of_soil(new, points).values())
+        work["left"] = work.get("left", 0.0) + gone
+        contacts = [_renumbered(contact, origin, len(state.points)) for contact in state.contacts]
+        return new, replace(state, points=points, contacts=contacts, work=work, ground=ground), True
+
+    def points_when_sunk(self, model, state):
+        """Points in the grid when the body has sunk under the surface of the soil: there fine cells are full of them.
+        Those of now where it neither sinks nor is driven down, or is there already."""
+        body, points = model.bodies[self.body], state.points
+        box = rigid.box(body, state.bodies[self.body])
+        depth = box[1, 2] - (points.position[:, 2] + points.half_width[:, 2]).max()
+        if depth <= 0.0 or not (body.free[2] or body.drive[2]):
+            return len(points)
+        return len(self.lay_out(self.grid(self.fit(box - (0.0, 0.0, depth))))[0])
+
+    def model(self, model, ground):
+        """`model` of the points and the grid of a Ground."""
+        soil = model.soil.on(self.grid(_layouts(ground, self.lattices)), ground.constants,
+                             model.soil.law.with_rows(ground.rows))
+        return model.on(soil)
+
+    def _taken_along(self, layouts, here, behind):
+        """(Population in the window, the numbers of its points before or -1, Population left behind or None)."""
+        inside = self._inside(layouts, here.points.position)
+        origin = np.flatnonzero(inside)
+        gone, here = select(here, ~inside), select(here, inside)
+        if not self._keep:
+            return here, origin, None
+        gone = replace(gone, points=_still(gone.points))
+        behind = gone if behind is None else concatenate(behind, gone)
+        back = self._inside(layouts, behind.points.position)
+        if back.any():
+            here, behind = concatenate(here, select(behind, back)), select(behind, ~back)
+            origin = np.concatenate([origin, np.full(np.count_nonzero(back), -1)])
+        return here, origin, behind
+
+    def _refuse_return(self, name, state, before, layouts):
+        """StepError where the window takes in soil again that it left behind and that was removed."""
+        again = np.zeros_like(state.ground.made)
+        again[self._blocks(layouts)] = True
+        again[self._blocks(before)] = False
+        if np.any(again & state.ground.made):
+            raise StepError(f"{name} goes back at t = {state.time:.4g} s to soil that the window left behind and that "
+                            'was removed; set grid.behind = "freeze", or widen grid.x.window, y or z')
+
+    def _inside(self, layouts, position):
+        block, window = self._number(position), self._blocks(layouts)
+        return np.all([(block[:, a] >= (s.start or 0)) & (s.stop is None or block[:, a] < s.stop)
+                       for a, s in enumerate(window)], axis=0)
+
+    def _filled(self, layouts, grid, here, made):
+        """Population with points at rest in the blocks that are taken in for the first time, and what is made then."""
+        window = self._blocks(layouts)
+        if made[window].all():
+            return here, made
+        constants, stress, law = self.lay_out(grid)
+        new = np.flatnonzero(~made[tuple(self._number(constants.position).T)])
+        points = at_rest(constants, stress, law.strain(stress))
+        made = made.copy()
+        made[window] = True
+        return concatenate(here, select(Population(points, constants, law.rows), new)), made
+
+    def _resolution(self, soil):
+        """Resolution of the lattices; only graded ones change points."""
+        axes = tuple(axis for axis, lattice in self.lattices.items() if lattice.around is not None)
+        start, size = np.zeros(3), soil.constants.half_width.min(axis=0) * 2 * self._per_axis
+        for axis, lattice in self.lattices.items():
+            start[axis], size[axis] = lattice.start, lattice.size
+        doublings = max((self.lattices[axis].doublings for axis in axes), default=0)
+        return Resolution(axes, start, size / self._per_axis, self._per_axis, doublings)
+
+
+def _array(layouts, name):
+    """(3, 2) numbers of layouts; zero along axes that do not travel."""
+    return np.array([getattr(layouts[a], name) if a in layouts else (0, 0) for a in range(3)])
+
+
+def _layouts(ground, lattices):
+    return {axis: Layout(tuple(ground.fine[axis].tolist()), tuple(ground.window[axis].tolist())) for axis in lattices}
+
+
+def _still(points):
+    """Points that do not move any more."""
+    rest = {name: np.zeros_like(getattr(points, name)) for name in ("velocity", "acceleration", "algorithmic", "affine")
+            if getattr(points, name) is not None}
+    return replace(points, **rest)
+
+
+def _unfollowed(contacts, origin):
+    """(n,) bool, points none of whose corners a contact follows; origin: numbers (n,) they had before."""
+    followed = np.concatenate([np.zeros(0, np.int64), *[contact.id // 8 for contact in contacts]])
+    return ~np.isin(origin, followed)
+
+
+def _renumbered(contact, origin, before):
+    """ContactHistory by the points' new numbers; corners of points that are no more are forgotten."""
+    number = np.full(before, -1)
+    number[origin[origin >= 0]] = np.flatnonzero(origin >= 0)
+    point = number[contact.id // 8]
+    stay = np.flatnonzero(point >= 0)
+    stay = stay[np.argsort(point[stay], kind="stable")]
+    own = ("position", "touching", "anchor", "side", "pressure")
+    return replace(contact, id=8 * point[stay] + contact.id[stay] % 8,
+                   **{name: getattr(contact, name)[stay] for name in own})

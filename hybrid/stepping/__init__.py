@@ -1,1 +1,0 @@
-"""Newton's method, control of the increment, and the outer step."""

@@ -1,1 +1,0 @@
-"""The block system of one step: numbering, sparsity, residual, tangent and its solution."""
