@@ -6,7 +6,7 @@ The figures are those that demos/domains.py prints: of its prescribed motions, o
 import numpy as np
 import pytest
 from demo_scripts import demo
-from scattered import GRIDS, scattered
+from scattered_points import GRIDS, scattered
 
 from hybrid.body.attitude import exp_so3
 from hybrid.grid.colouring import make_slabs

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scattered import COUNT, GRIDS, UNIFORM, clear_of_nodes, scattered
+from scattered_points import COUNT, GRIDS, UNIFORM, clear_of_nodes, scattered
 
 from hybrid.body.attitude import exp_so3
 from hybrid.runtime.errors import StepError

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scattered import GRIDS, clear_of_nodes, scattered
+from scattered_points import GRIDS, clear_of_nodes, scattered
 
 from hybrid.grid.axes import FACES, make_grid
 from hybrid.laws.hencky import Hencky

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from element import drive
+from element_path import drive
 
 from hybrid.laws.drucker_prager import DruckerPrager, cone_constants
 from hybrid.laws.hencky import Hencky

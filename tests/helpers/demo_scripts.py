@@ -4,7 +4,7 @@ import importlib.util
 import sys
 from pathlib import Path
 
-DEMOS = Path(__file__).parents[1] / "demos"
+DEMOS = Path(__file__).parents[2] / "demos"
 
 
 def demo(name):

@@ -110,7 +110,7 @@ def test_memory_of_a_run():
 TRAVELS = """
 import sys
 sys.path.insert(0, "tests/system")
-from test_probe import pressed
+from test_cost import pressed
 from hybrid.setup.build import build
 from hybrid.runtime.memory import peak_memory
 from hybrid.cost import probe
