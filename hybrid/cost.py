@@ -148,7 +148,7 @@ def _effort(model, state):
     """Effort of a step of `model`, from a `state` like the first one."""
     soil = model.soil
     if not soil.held and soil.law.plastic and model.bodies:
-        largest = max(np.ptp(rigid.box(body, motion), axis=0).max() for body, motion in zip(model.bodies, state.bodies))
+        largest = max(np.ptp(rigid.bounding_box(body, motion), axis=0).max() for body, motion in zip(model.bodies, state.bodies))
         return _in_plastic_soil(largest / soil.grid.smallest_cell)
     kind = "held" if soil.held else "plastic" if soil.law.plastic else "elastic"
     n, m = ITERATIONS[kind]

@@ -150,7 +150,7 @@ class Simulation:
                 self.state = model.begin(self.state)
             if stage.pull:
                 self.state = replace(self.state, bodies=[
-                    rigid.laid_out(b, s) for b, s in zip(self.model.bodies, self.state.bodies)])
+                    rigid.lay_out_line(b, s) for b, s in zip(self.model.bodies, self.state.bodies)])
             for stage_step in range(max(1, self.state.step - first + 1), stage.steps + 1):
                 if self.travel:
                     self.model, self.state, moved = self.travel.follow(self.model, self.state)
@@ -190,7 +190,7 @@ class Simulation:
                 self.body_names, state.bodies, evaluation.body_trials, evaluation.contacts):
             bodies.append(BodyRecord(
                 name, motion.position, quaternion(motion.rotation), motion.velocity, motion.spin,
-                contact.force[:3], contact.force[3:], trial.tension, contact.deepest))
+                contact.force[:3], contact.force[3:], trial.tension, contact.largest_overlap))
         return Record(
             step=state.step, stage=stage, stage_step=stage_step, time=state.time, dt=report.dt,
             increments=report.increments, iterations=report.iterations, rejections=report.rejections,

@@ -6,7 +6,7 @@ from time import perf_counter
 import numpy as np
 
 from hybrid.bench.soils import block, off_the_lattice, sizes, warm
-from hybrid.contact.contact_pair import Pair
+from hybrid.contact.contact_pair import ContactPair
 from hybrid.linalg.system_cache import Systems
 from hybrid.setup.build import build
 from hybrid.soil.basis import evaluate_basis
@@ -76,8 +76,9 @@ def pressed(step, share=0.02):
 def _pair(step):
     """The pair of cube and soil made anew: the search of contact."""
     guess, (body,), (state,) = step.predictor(), step.model.bodies, step.state.bodies
-    return Pair(body, state, step.state.contacts[0], step.soil.points, step.soil.points.half_width, step.model.soil.grid,
-                step.soil.active, step.model.soil.grid.smallest_cell, (guess.displacement, guess.poses[0]))
+    return ContactPair(body, state, step.state.contacts[0], step.soil.points, step.soil.points.half_width,
+                       step.model.soil.grid,
+                       step.soil.active, step.model.soil.grid.smallest_cell, (guess.displacement, guess.poses[0]))
 
 
 def _median(work):

@@ -35,7 +35,7 @@ Sources: J. C. Simo and K. K. Wong, Int. J. Numer. Meth. Engng 31 (1991) 19-52 (
 D. Lewis and J. C. Simo, J. Nonlinear Sci. 4 (1994) 253-299 (with the Cayley map).
 
 Frozen during a step: the committed BodyState, m and J. A step must turn the body by clearly less than half a turn,
-because the logarithm cannot tell Θ from Θ - 2π: `turn` says by how much it does.
+because the logarithm cannot tell Θ from Θ - 2π: `rotation_angle` says by how much it does.
 """
 
 from dataclasses import replace
@@ -112,7 +112,7 @@ def _by_cayley_turn(inertia, old, new, moment, dt, scheme):
     return factor * (factor * new.rotation @ by_turn @ new.rotation.T - skew(momentum))
 
 
-def turn(inertia, state, position, rotation, dt, scheme):
+def rotation_angle(inertia, state, position, rotation, dt, scheme):
     """Angle [rad] that tells whether the step may have lost count of turns: the one found or, where it is larger, what
     the spin after the step would make."""
     found = np.linalg.norm(log_so3(state.rotation.T @ rotation))

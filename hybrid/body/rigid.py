@@ -73,7 +73,7 @@ def with_stiffness(body, young, volume):
     return replace(body, contact_pressure=pressure, contact_stiffness=pressure * volume ** (2 / 3))
 
 
-def box(body, state):
+def bounding_box(body, state):
     """Lower and upper corner (2, 3) [m] of the body's surface."""
     place = state.position + body.surface.vertices @ state.rotation.T
     return np.array([place.min(axis=0), place.max(axis=0)])
@@ -91,7 +91,7 @@ class BodyTrial:
     line_energy: float
 
 
-def laid_out(body, state):
+def lay_out_line(body, state):
     """`state` with the far end of its pull line where the line is just taut, if it has one that is not laid out yet."""
     if body.line is None or state.target is not None:
         return state
@@ -99,7 +99,7 @@ def laid_out(body, state):
     return replace(state, target=shackle + body.line.length * body.line.direction)
 
 
-def moved(pose, increment):
+def moved_pose(pose, increment):
     """Pose (position, rotation) after an increment (6,) of translation and spatial rotation."""
     return pose[0] + increment[:3], exp_so3(increment[3:]) @ pose[1]
 
@@ -126,7 +126,7 @@ def _weight(body, rotation, gravity):
     return -np.concatenate([rotation @ load[:3], rotation @ load[3:]])
 
 
-def first_guess(body, state, scheme, dt):
+def predicted_pose(body, state, scheme, dt):
     """Pose after a step in which everything keeps its rate; in a quasi-static scene only what is driven moves.
 
     The turn is the scheme's own, so that a driven spin is kept to round-off and asks for no moment.
@@ -137,9 +137,9 @@ def first_guess(body, state, scheme, dt):
     return state.position + increment[:3], turned(increment[3:]) @ state.rotation
 
 
-def turn(body, state, pose, scheme, dt):
+def rotation_angle(body, state, pose, scheme, dt):
     """Angle [rad] by which the step to `pose`, or the spin at its end, turns the body."""
-    return motion.turn(body.mass.inertia, state, *pose, dt, scheme)
+    return motion.rotation_angle(body.mass.inertia, state, *pose, dt, scheme)
 
 
 def accept(body, state, pose, target, reaction, scheme, dt):
@@ -148,11 +148,11 @@ def accept(body, state, pose, target, reaction, scheme, dt):
         new = motion.updated(body.mass.inertia, state, *pose, dt, scheme)
     else:
         new = BodyState(*pose, (pose[0] - state.position) / dt, np.zeros(3), np.zeros(3), np.zeros(3))
-    new = new if body.free.all() else _guided(body, new)
+    new = new if body.free.all() else _impose_guide_rates(body, new)
     return replace(new, target=target, reaction=reaction)
 
 
-def let_go(body, state):
+def release_guides(body, state):
     """`state` when guides let go of components that are free from now on: what they held back accelerates at once.
 
     Without it the scheme would start from no acceleration, half a step late.
@@ -169,25 +169,25 @@ def let_go(body, state):
         reaction=np.where(body.free, 0.0, state.reaction))
 
 
-def taken_over(body, state, gravity, scheme):
-    """`state` when guides take hold of a body, and the work [J] of the jolt that brings it to their rates.
+def engage_guides(body, state, gravity, scheme):
+    """`state` when guides take hold of a body, and the work [J] of the impulse that brings it to their rates.
 
     A reaction that is not known yet, as at the start, where nothing touches a body, carries its weight and inertia.
     """
     if body.free.all():
         return state, 0.0
-    new = _guided(body, state)
-    jolt = kinetic_energy(body, new) - kinetic_energy(body, state) if scheme.inertia else 0.0
+    new = _impose_guide_rates(body, state)
+    impulse_work = kinetic_energy(body, new) - kinetic_energy(body, state) if scheme.inertia else 0.0
     if state.reaction is None:
         rates = np.zeros(6)
         if scheme.inertia:
             rates = np.concatenate([body.mass.mass * new.acceleration,
                                     motion.momentum_rate(body.mass.inertia, new)])
         new = replace(new, reaction=np.where(body.free, 0.0, rates + _weight(body, state.rotation, gravity)))
-    return new, jolt
+    return new, impulse_work
 
 
-def _guided(body, state):
+def _impose_guide_rates(body, state):
     """`state` with the rates that guides impose: the scheme alone would let one that is stopped swing about zero."""
     rotation, algorithmic = state.rotation, state.algorithmic
 

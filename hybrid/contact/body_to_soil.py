@@ -94,7 +94,7 @@ def find_samples(samples, points, grid, corners, body, reach, stiffness, history
     anchor, origin = crossing(samples.position[id], body, expected[1], start[chosen], end[chosen])
     pressure = np.zeros(len(id))
     _, old, new = np.intersect1d(history[0], id, assume_unique=True, return_indices=True)
-    anchor[new] = origin[new] = Frame.of(start[chosen[new]]).see(history[1][old])[0]
+    anchor[new] = origin[new] = Frame.from_corners(start[chosen[new]]).local_coordinates(history[1][old])[0]
     pressure[new] = history[2][old]
     return SampleSet(id, samples.position[id], face[chosen], seen * stiffness[point[chosen]], anchor, origin, pressure,
                   samples.triangle[id], samples.weights[id])
@@ -103,8 +103,8 @@ def find_samples(samples, points, grid, corners, body, reach, stiffness, history
 def evaluate(probes, place, centre, rotation, friction, tangential):
     """ProbeTouch of probes with corners at `place` (all corners, 3) [m] and the body at `centre`, `rotation`."""
     arm = probes.place @ rotation.T
-    frame = Frame.of(place[probes.corner])
-    at, gap = frame.see(centre + arm)
+    frame = Frame.from_corners(place[probes.corner])
+    at, gap = frame.local_coordinates(centre + arm)
     active = np.flatnonzero(probes.pressure - probes.stiffness * gap > 0.0)
     frame = Frame(frame.origin[active], frame.edges[active], frame.dual[active], frame.normal[active])
     arm, at, gap, stiffness = arm[active], at[active], gap[active], probes.stiffness[active]

@@ -53,12 +53,12 @@ class Contact:
         return sum(np.concatenate([total(p.force), total(np.cross(p.arm, p.force))]) for p in self.parts)
 
     @property
-    def deepest(self):
+    def largest_overlap(self):
         """Largest overlap [m]."""
         return max((float(-part.gap.min()) for part in self.parts if len(part)), default=0.0)
 
 
-class Pair:
+class ContactPair:
     """A body, the corners near it and, with a second pass, its samples near the soil; frozen during a step but for the
     multipliers."""
 
@@ -68,10 +68,10 @@ class Pair:
         first, second = (1 - body.second_pass) * body.contact_stiffness, body.second_pass * body.contact_pressure
         self.corners = find_corners(points.position, half, grid, active, state, body.surface, reach, first,
                                     history, expected, True if points.inactive is None else ~points.inactive)
-        self.probes, self._width = None, None
+        self.samples, self._width = None, None
         if body.second_pass:
             self._width = 2 * half[self.corners.id // 8].max(axis=1)
-            self.probes = body_to_soil.find_samples(
+            self.samples = body_to_soil.find_samples(
                 body.samples, points, grid, self.corners, state, reach, second,
                 (history.sample, history.sample_anchor, history.sample_pressure), expected)
 
@@ -80,20 +80,20 @@ class Pair:
         body, place = self.body, self.corners.moved(displacement)
         touch = soil_to_body.evaluate(self.corners, place, *pose, body.surface, body.friction, body.tangential)
         second = None
-        if self.probes is not None:
-            second = body_to_soil.evaluate(self.probes, place, *pose, body.friction, body.tangential)
+        if self.samples is not None:
+            second = body_to_soil.evaluate(self.samples, place, *pose, body.friction, body.tangential)
         return Contact(touch, second)
 
     def springs(self, contact):
         """Stiffness [N/m] of all that touches, the root of the sum of squares."""
-        held = [(self.corners, contact.corners), (self.probes, contact.samples)]
+        held = [(self.corners, contact.corners), (self.samples, contact.samples)]
         return float(np.sqrt(sum(total(own.stiffness[touch.active] ** 2) for own, touch in held if touch is not None)))
 
     def add_residual(self, contact, force):
         """Add contact to nodal residuals (N, 3) [N], None when the soil is held; returns the body's residual (6,)."""
         out = assembly.add_residual(contact.corners, self.corners, force)
         if contact.samples is not None:
-            out += body_to_soil.add_residual(contact.samples, self.probes, self.corners, force)
+            out += body_to_soil.add_residual(contact.samples, self.samples, self.corners, force)
         return out
 
     def add_tangent(self, contact, pattern, values, uw, wu):
@@ -105,7 +105,7 @@ class Pair:
         if contact.samples is not None:
             ww += total(contact.samples.matrix[:, :6, :6])
             if pattern.size:
-                body_to_soil.add_tangent(contact.samples, self.probes, self.corners, pattern, self._grid.shape, values, free,
+                body_to_soil.add_tangent(contact.samples, self.samples, self.corners, pattern, self._grid.shape, values, free,
                                    uw, wu)
         return ww
 
@@ -118,7 +118,7 @@ class Pair:
 
     def augment(self, contact):
         """Let the multipliers take over the pressures."""
-        for name, touch in (("corners", contact.corners), ("probes", contact.samples)):
+        for name, touch in (("corners", contact.corners), ("samples", contact.samples)):
             if touch is None:
                 continue
             held = getattr(self, name)
@@ -132,5 +132,5 @@ class Pair:
         if contact.samples is None:
             return history
         second = contact.samples
-        return replace(history, sample=self.probes.id[second.active], sample_anchor=second.anchor,
-                       sample_pressure=self.probes.pressure[second.active])
+        return replace(history, sample=self.samples.id[second.active], sample_anchor=second.anchor,
+                       sample_pressure=self.samples.pressure[second.active])

@@ -23,7 +23,7 @@ import numpy as np
 from numba import njit
 
 from hybrid.body.closest import NO_SIDE, closest
-from hybrid.contact.first_contact import meeting_points
+from hybrid.contact.first_contact import predicted_contact_points
 from hybrid.soil.basis import find_cell, hat
 
 SHARE = 0.25  # of a point's contact stiffness, per corner
@@ -85,7 +85,7 @@ def find_corners(position, half, grid, active, body, surface, reach, stiffness, 
     start = (place - body.position) @ body.rotation
     corners = Corners(id, place, start, node, weight, stiffness, touching, anchor, side, pressure, clearance)
     free = ~touching
-    anchor[free], side[free] = meeting_points(
+    anchor[free], side[free] = predicted_contact_points(
         place[free], corners.moved(expected[0])[free], body, expected[1], surface, clearance[free])
     return corners
 

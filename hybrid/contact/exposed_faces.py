@@ -60,7 +60,7 @@ class Frame:
     normal: np.ndarray
 
     @classmethod
-    def of(cls, corners):
+    def from_corners(cls, corners):
         """Frame of faces with `corners` (m, 4, 3) [m]."""
         edges = np.einsum("ca,mai->mci", np.stack([U, V]), corners)
         normal = np.cross(edges[:, 0], edges[:, 1])
@@ -69,7 +69,7 @@ class Frame:
         dual = np.stack([c * edges[:, 0] - b * edges[:, 1], a * edges[:, 1] - b * edges[:, 0]], axis=1)
         return cls(corners.mean(axis=1), edges, dual / (a * c - b * b)[:, None], normal)
 
-    def see(self, x):
+    def local_coordinates(self, x):
         """Coordinates (m, 2) ξ^α and gap (m,) [m] of places x (m, 3)."""
         d = x - self.origin
         return np.einsum("mai,mi->ma", self.dual, d), np.einsum("mi,mi->m", self.normal, d)
@@ -126,12 +126,12 @@ def assign(x, area, end, depth, reach, touching):
         close = ((x > end.min(axis=(0, 1)) - reach) & (x < end.max(axis=(0, 1)) + reach)).all(axis=1)
     if not close.any():
         return chosen, seen
-    frame, count = Frame.of(end), min(NEIGHBOURS, len(end))
+    frame, count = Frame.from_corners(end), min(NEIGHBOURS, len(end))
     size = np.linalg.norm(end - frame.origin[:, None], axis=2).max()
     near = cKDTree(frame.origin).query(x[close], count, distance_upper_bound=size + reach)[1].reshape(-1, count)
     place, face = np.repeat(np.flatnonzero(close), count), np.minimum(near, len(end) - 1).ravel()
     part = Frame(frame.origin[face], frame.edges[face], frame.dual[face], frame.normal[face])
-    at, gap = part.see(x[place])
+    at, gap = part.local_coordinates(x[place])
     beside = np.einsum("ma,mai->mi", np.sign(at) * np.maximum(np.abs(at) - 1 - 1e-9, 0.0), part.edges)
     away, shown = np.linalg.norm(beside, axis=1), -np.einsum("mi,mi->m", part.normal, area[place])
     fits = (near.ravel() < len(end)) & (away <= WEDGE * np.abs(gap)) & (gap < reach)
@@ -167,7 +167,7 @@ def crossing(y, body, pose, start, end):
         partial = fraction[:, None] * angle
         arm = arms + np.sin(partial) * across + (1 - np.cos(partial)) * inwards
         centre = body.position + fraction[:, None] * (pose[0] - body.position)
-        return Frame.of(start + fraction[:, None, None] * (end - start)).see(centre + arm)
+        return Frame.from_corners(start + fraction[:, None, None] * (end - start)).local_coordinates(centre + arm)
 
     zero, one = np.zeros(len(y)), np.ones(len(y))
     (origin, before), (_, after) = seen(zero), seen(one)

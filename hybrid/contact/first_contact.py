@@ -25,7 +25,7 @@ HALVINGS = 12      # of the path: 10 μm at 40 mm
 ON_SURFACE = 1e-9  # of the body's radius: a body laid on the soil touches it to round-off, and enters from there
 
 
-def meeting_points(start, end, body, pose, surface, clearance):
+def predicted_contact_points(start, end, body, pose, surface, clearance):
     """Meeting points (m, 3) [m] and outward normals there (m, 3), 0 where nothing is met, in the body frame.
 
     Corners are expected to go from `start` to `end` (m, 3) [m] in space while the body goes from `body` (a

@@ -28,7 +28,7 @@ def _beyond(model, bodies):
     grid = model.soil.grid
     slack = 1e-6 * grid.smallest_cell
     for b, (body, state) in enumerate(zip(model.bodies, bodies)):
-        place = rigid.box(body, state)
+        place = rigid.bounding_box(body, state)
         for axis, side in FACES:
             at = place[side, axis]
             end = grid.extent[axis, side]

@@ -88,7 +88,7 @@ def build_grid(scene, placed=()):
     followed = names.index(scene.grid.follow) if scene.grid.follow else 0
     travel = Travel(followed, lattices, axes, np.array(extent), faces,
                     np.broadcast_to(scene.soil.points_per_axis, 3), scene.grid.behind == "freeze")
-    layouts = travel.fit(rigid.box(*placed[followed]))
+    layouts = travel.fit(rigid.bounding_box(*placed[followed]))
     return travel.grid(layouts), travel, layouts
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hybrid.body import rigid
-from hybrid.contact.contact_pair import Contact, Pair
+from hybrid.contact.contact_pair import Contact, ContactPair
 from hybrid.runtime import comm
 from hybrid.runtime.timing import phase
 from hybrid.soil.model import SoilStep, SoilTrial
@@ -72,7 +72,7 @@ class Step:
             self.reach = [self._reach(b, s) for b, s in zip(model.bodies, state.bodies)]
             guess, points = self.predictor(), self.soil.points if self.soil else state.points
             self.pairs = [
-                Pair(b, s, history, points, self._corner_half(), soil.grid, active, reach,
+                ContactPair(b, s, history, points, self._corner_half(), soil.grid, active, reach,
                      (guess.displacement, pose))
                 for b, s, history, reach, pose in zip(
                     model.bodies, state.bodies, state.contacts, self.reach, guess.poses)]
@@ -105,7 +105,7 @@ class Step:
         if self.soil is not None:
             displacement = self.dt * self.soil.velocity if self.model.scheme.inertia else 0 * self.soil.velocity
         return Unknowns(displacement, tuple(
-            rigid.first_guess(b, s, self.model.scheme, self.dt)
+            rigid.predicted_pose(b, s, self.model.scheme, self.dt)
             for b, s in zip(self.model.bodies, self.state.bodies)))
 
     def at_rest(self):
@@ -135,7 +135,7 @@ class Step:
         for i, (body, state) in enumerate(zip(self.model.bodies, self.state.bodies)):
             angle = self.dt * np.linalg.norm(state.spin)
             if unknowns is not None:
-                angle = max(angle, rigid.turn(body, state, unknowns.poses[i], self.model.scheme, self.dt))
+                angle = max(angle, rigid.rotation_angle(body, state, unknowns.poses[i], self.model.scheme, self.dt))
             if angle > LARGEST_TURN:
                 return f"{body.name} turns by {angle:.3g} rad in {self.dt:.3g} s, limit {LARGEST_TURN:g} rad"
         return ""
@@ -163,7 +163,7 @@ class Step:
             displacement[self.pattern.free] += scale * soil
         full = np.zeros(self._free.shape)
         full[self._free] = scale * body
-        return Unknowns(displacement, tuple(rigid.moved(p, d) for p, d in zip(unknowns.poses, full)))
+        return Unknowns(displacement, tuple(rigid.moved_pose(p, d) for p, d in zip(unknowns.poses, full)))
 
     def evaluate(self, unknowns):
         """Evaluation at trial unknowns, or None when soil would turn inside out."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hybrid.body import rigid
-from hybrid.body.rigid import FREEDOMS, RigidBody, let_go, taken_over
+from hybrid.body.rigid import FREEDOMS, RigidBody, engage_guides, release_guides
 from hybrid.scheme import Scheme
 from hybrid.soil.model import Soil
 from hybrid.step.loads import Loads
@@ -47,9 +47,9 @@ class Model:
     def begin(self, state):
         """`state` at the start of a stage of this model: guides let go of bodies, or take hold of them, and the jolt is
         their work."""
-        bodies = [let_go(b, s) for b, s in zip(self.bodies, state.bodies)] if self.scheme.inertia else state.bodies
+        bodies = [release_guides(b, s) for b, s in zip(self.bodies, state.bodies)] if self.scheme.inertia else state.bodies
         gravity = self.loads.on_bodies(state.time)
-        taken = [taken_over(b, s, gravity, self.scheme) for b, s in zip(self.bodies, bodies)]
+        taken = [engage_guides(b, s, gravity, self.scheme) for b, s in zip(self.bodies, bodies)]
         jolt, work = sum(jolt for _, jolt in taken), dict(state.work)
         if jolt:
             work["drive"] = work.get("drive", 0.0) + jolt

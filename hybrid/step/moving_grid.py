@@ -88,7 +88,7 @@ class Travel:
         """(Model, State, whether they are new) with the grid where the body now wants it."""
         body = model.bodies[self.body]
         before = _layouts(state.ground, self.lattices)
-        layouts = self.fit(rigid.box(body, state.bodies[self.body]), before)
+        layouts = self.fit(rigid.bounding_box(body, state.bodies[self.body]), before)
         if layouts == before:
             return model, state, False
         if not self._keep:
@@ -117,7 +117,7 @@ class Travel:
         """Points in the grid when the body has sunk under the surface of the soil: there fine cells are full of them.
         Those of now where it neither sinks nor is driven down, or is there already."""
         body, points = model.bodies[self.body], state.points
-        box = rigid.box(body, state.bodies[self.body])
+        box = rigid.bounding_box(body, state.bodies[self.body])
         depth = box[1, 2] - (points.position[:, 2] + points.half_width[:, 2]).max()
         if depth <= 0.0 or not (body.free[2] or body.drive[2]):
             return len(points)

@@ -41,7 +41,7 @@ def ready(described):
     """Simulation with its pull lines laid out."""
     simulation = build(described)
     simulation.state.bodies = [
-        rigid.laid_out(b, s) for b, s in zip(simulation.model.bodies, simulation.state.bodies)]
+        rigid.lay_out_line(b, s) for b, s in zip(simulation.model.bodies, simulation.state.bodies)]
     return simulation
 
 

@@ -9,7 +9,7 @@ from time import perf_counter
 import numpy as np
 import pytest
 
-from hybrid.contact.contact_pair import Pair
+from hybrid.contact.contact_pair import ContactPair
 from hybrid.linalg.system_cache import Systems
 from hybrid.scene import Body
 from hybrid.setup.build import build
@@ -22,7 +22,7 @@ SHARES = pytest.mark.parametrize("second_pass", [0.0, 0.5])
 
 def prepared(body, cells=8):
     """Function that does a step's contact of `body`, pressed 30 mm into cells³/2 cells of 0.1 m; it returns
-    the Pair."""
+    the ContactPair."""
     width = 0.1 * cells
     simulation = build(soil_scene([body], x=(0.0, width), y=(0.0, width), z=(-width / 2, 0.2), size=0.1))
     model, state = simulation.model, simulation.state
@@ -33,7 +33,7 @@ def prepared(body, cells=8):
     wu, force = np.zeros((6, step.pattern.size)), np.zeros((grid.node_count, 3))
 
     def work():
-        pair = Pair(model.bodies[0], at, state.contacts[0], state.points, state.points.half_width, grid, step.soil.active,
+        pair = ContactPair(model.bodies[0], at, state.contacts[0], state.points, state.points.half_width, grid, step.soil.active,
                     0.1, (rest, pose))
         contact = pair.evaluate(rest, pose)
         pair.add_residual(contact, force)

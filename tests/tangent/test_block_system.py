@@ -134,7 +134,7 @@ def test_tangent_with_a_second_pass_and_multipliers(geometry, share, friction, s
     if state == "gap":
         unknowns = step.moved(unknowns, np.zeros(step.pattern.size), np.array([0.0, 0.0, 0.02, 0.0, 0.0, 0.0]))
     contact, pair = step.evaluate(unknowns).contacts[0], step.pairs[0]
-    for held, touch, used in ((pair.corners, contact.corners, share < 1), (pair.probes, contact.samples, share > 0)):
+    for held, touch, used in ((pair.corners, contact.corners, share < 1), (pair.samples, contact.samples, share > 0)):
         if used:
             assert len(touch) >= 4 and (touch.gap > 0).all() == (state == "gap")
             assert touch.slip.all() if friction == 0.02 else not touch.slip.any()
@@ -159,11 +159,11 @@ def test_slope_test_fails_without_multipliers_in_the_tangent(geometry, share):
     pair = step.pairs[0]
 
     def linearised(evaluation):
-        saved = pair.corners, pair.probes
-        pair.corners, pair.probes = (
+        saved = pair.corners, pair.samples
+        pair.corners, pair.samples = (
             held and replace(held, pressure=0 * held.pressure) for held in saved)
         plain = step.evaluate(unknowns)
-        pair.corners, pair.probes = saved
+        pair.corners, pair.samples = saved
         return replace(evaluation, contacts=plain.contacts)
 
     assert observed_rate(step, unknowns, linearised=linearised) < 1.5

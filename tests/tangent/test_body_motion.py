@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hybrid.body.attitude import cayley, cayley_rate, cayley_vector, exp_so3, log_so3, right_tangent, skew
-from hybrid.body.motion import free_spin_rate, inertia_residual, momentum_rate, turn, updated
+from hybrid.body.motion import free_spin_rate, inertia_residual, momentum_rate, rotation_angle, updated
 from hybrid.scheme import Scheme
 from hybrid.state import BodyState
 
@@ -157,9 +157,9 @@ def test_nothing_is_written_into_the_committed_state(scheme):
 def test_turn_of_a_step_counts_what_the_spin_after_it_would_make():
     state = replace(committed(), spin=np.array([0.0, 0.0, 40.0]))
     pose = trial(state, 0.5)
-    assert turn(INERTIA, state, *pose, 0.1, Scheme(inertia=False)) == pytest.approx(0.5)
-    assert turn(INERTIA, state, *pose, 0.1, NEWMARK) > 3.0       # 2 Θ/Δt - W_n after
-    assert turn(INERTIA, replace(state, spin=np.zeros(3)), *pose, 0.1, NEWMARK) == pytest.approx(1.0)
+    assert rotation_angle(INERTIA, state, *pose, 0.1, Scheme(inertia=False)) == pytest.approx(0.5)
+    assert rotation_angle(INERTIA, state, *pose, 0.1, NEWMARK) > 3.0       # 2 Θ/Δt - W_n after
+    assert rotation_angle(INERTIA, replace(state, spin=np.zeros(3)), *pose, 0.1, NEWMARK) == pytest.approx(1.0)
 
 
 def test_free_spin_rate_needs_no_moment_but_that_of_the_guides():

@@ -26,7 +26,7 @@ def made(count=3, seed=2, pressure=0.0):
         square @ exp_so3(rng.standard_normal(3)).T + 0.3 * rng.standard_normal(3) for _ in range(count)])
     place += 0.02 * rng.standard_normal(place.shape)
     corner = np.arange(4 * count).reshape(-1, 4)
-    frame, at = Frame.of(place[corner]), rng.uniform(-0.8, 0.8, (count, 2))
+    frame, at = Frame.from_corners(place[corner]), rng.uniform(-0.8, 0.8, (count, 2))
     x = frame.origin + np.einsum("ma,mai->mi", at, frame.edges) - 0.01 * frame.normal
     anchor = at + 0.05 * rng.standard_normal(at.shape)
     return SampleSet(np.arange(count), (x - CENTRE) @ ROTATION, corner, 1e5 * (1 + np.arange(count)), anchor, anchor,
@@ -113,7 +113,7 @@ def test_slip_moves_the_anchor_to_the_limit_and_keeps_the_force():
     held, place = made()
     touch = body_to_soil.evaluate(held, place, CENTRE, ROTATION, LAWS["slip"], RATIO)
     assert touch.slip.all() and touch.dissipated > 0
-    anchor = Frame.of(place[held.corner]).see(touch.anchor)[0]
+    anchor = Frame.from_corners(place[held.corner]).local_coordinates(touch.anchor)[0]
     again = body_to_soil.evaluate(replace(held, anchor=anchor, origin=anchor), place, CENTRE, ROTATION, LAWS["slip"], RATIO)
     np.testing.assert_allclose(again.force, touch.force, rtol=1e-10)
     assert again.dissipated == pytest.approx(0.0, abs=1e-9 * touch.dissipated)

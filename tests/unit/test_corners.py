@@ -9,7 +9,7 @@ from contact_bed import RIGHT_HAND, ball, bed, body_at, box, found_in_bed, touch
 from hybrid.body.closest import closest
 from hybrid.contact import soil_to_body
 from hybrid.contact.corners import SIGNS
-from hybrid.contact.first_contact import meeting_points
+from hybrid.contact.first_contact import predicted_contact_points
 from hybrid.linalg.system_cache import Systems
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Scene, Soil, Stage, Time
 from hybrid.setup.build import build
@@ -126,6 +126,6 @@ def test_corners_that_go_beyond_their_clearance_are_met():
     start = np.array([[0.1, 0.2, 0.6], [0.1, 0.2, 0.6]])
     end = start - [[0.0, 0.0, 0.099], [0.0, 0.0, 0.25]]
     body = body_at(np.zeros(3), np.eye(3))
-    place, side = meeting_points(start, end, body, (body.position, body.rotation), surface, np.array([0.1, 0.1]))
+    place, side = predicted_contact_points(start, end, body, (body.position, body.rotation), surface, np.array([0.1, 0.1]))
     np.testing.assert_allclose(place[:, 2], [0.501, 0.5], atol=1e-4)
     np.testing.assert_allclose(side, [[0, 0, 0], [0, 0, 1]], atol=1e-12)

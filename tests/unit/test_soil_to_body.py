@@ -9,7 +9,7 @@ from contact_bed import MU, RATIO, RIGHT_HAND, ball, body_at, box, corners_in, f
 from hybrid.body.attitude import exp_so3
 from hybrid.body.closest import closest
 from hybrid.contact import assembly, soil_to_body
-from hybrid.contact.first_contact import meeting_points
+from hybrid.contact.first_contact import predicted_contact_points
 
 # ---------------------------------------------------------------- action and reaction, objectivity
 
@@ -74,7 +74,7 @@ def test_anchor_is_where_the_expected_path_meets_the_surface():
     surface, body = box(), body_at((0.0, 0.0, 0.51))        # 10 mm above the bed z = 0
     start = np.array([[0.1, 0.2, 0.0], [0.3, -0.1, -0.012]])
     pose = np.array([0.04, 0.0, 0.49]), np.eye(3)           # 20 mm down, 40 mm along x
-    anchor, side = meeting_points(start, start, body, pose, surface, np.zeros(2))
+    anchor, side = predicted_contact_points(start, start, body, pose, surface, np.zeros(2))
     np.testing.assert_array_equal(side, [[0.0, 0.0, -1.0], [0.0, 0.0, 0.0]])
     np.testing.assert_allclose(anchor[0], [0.08, 0.2, -0.5], atol=2e-5)     # half way
     np.testing.assert_allclose(anchor[1], [0.26, -0.1, -0.502], atol=1e-12)  # not met: the end of the path
@@ -89,7 +89,7 @@ def test_rolling_without_sliding_winds_up_no_friction():
     pose = np.array([way, 0.0, lowest - depth]), exp_so3(np.array([0.0, way / r, 0.0]))
     corner = np.array([[way + 0.002, 0.0, 0.0]])
     start = (corner - body.position) @ body.rotation
-    anchor, _ = meeting_points(corner, corner, body, pose, surface, np.zeros(1))
+    anchor, _ = predicted_contact_points(corner, corner, body, pose, surface, np.zeros(1))
     end = (corner - pose[0]) @ pose[1]
     normal = end / np.linalg.norm(end)
 
