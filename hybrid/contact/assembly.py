@@ -12,10 +12,8 @@ corner gives, the body takes: the columns of B cancel, so force and moment vanis
 import numpy as np
 from numba import njit
 
+from hybrid.linalg.stencil import CELL, Blocks, entry, relative_place
 from hybrid.runtime.comm import total
-from hybrid.soil.stiffness import CENTRE
-
-STENCIL = np.array([((a >> 2) * 5 + (a >> 1 & 1)) * 5 + (a & 1) for a in range(8)])  # of a cell's nodes, in 5x5x5
 
 
 def add_residual(touch, corners, force):
@@ -44,7 +42,7 @@ def add_tangent(touch, corners, Q, pattern, values, free, uw, wu):
     rows = np.concatenate([-D, skew(touch.force) - arm @ D], axis=1)  # ∂(body residual)/∂x_c, (m, 6, 3)
     _add_tangent(touch.active, corners.node, corners.weight, D,
                  np.ascontiguousarray(Q[:, :, free]), np.ascontiguousarray(rows[:, free]),
-                 pattern.dof, pattern.row, pattern.slot, pattern.indptr, values, uw, wu)
+                 pattern.sparsity, Blocks(values, uw, wu))
 
 
 def skew(v):
@@ -64,7 +62,8 @@ def _scatter(active, node, weight, contact_force, force):
 
 
 @njit(cache=True)
-def _add_tangent(active, node, weight, D, Q, rows, dof, row, slot, indptr, values, uw, wu):
+def _add_tangent(active, node, weight, D, Q, rows, sparsity, blocks):
+    dof, values, uw, wu = sparsity.dof, blocks.uu, blocks.uw, blocks.wu
     for n in range(len(active)):
         c = active[n]
         for a in range(8):
@@ -79,7 +78,7 @@ def _add_tangent(active, node, weight, D, Q, rows, dof, row, slot, indptr, value
                     w = node[c, b]
                     if weight[c, b] == 0.0:
                         continue
-                    at = indptr[dof[v, i]] + slot[row[v], STENCIL[b] - STENCIL[a] + CENTRE]
+                    at = entry(sparsity, v, i, relative_place(CELL[a], CELL[b]))
                     for k in range(3):
                         if dof[w, k] >= 0:
                             values[at] += weight[c, a] * weight[c, b] * D[n, i, k]

@@ -23,8 +23,9 @@ from numba import njit
 
 from hybrid.contact.assembly import skew
 from hybrid.contact.exposed_faces import Frame, U, V, assign, crossing, exposed_faces
+from hybrid.grid.numbering import node_indices
+from hybrid.linalg.stencil import Blocks, entry, in_stencil, place_of_offset
 from hybrid.runtime.comm import total
-from hybrid.soil.stiffness import CENTRE
 
 SLOPES = np.stack([U, V])  # c_αa = ∂w_a/∂ξ^α
 
@@ -203,16 +204,17 @@ def add_tangent(touch, probes, corners, pattern, shape, values, free, uw, wu):
         _add_tangent(corners.node[corner].reshape(len(touch), -1), corners.weight[corner].reshape(len(touch), -1),
                      np.ascontiguousarray(touch.matrix[:, 6:, 6:]),
                      np.ascontiguousarray(touch.matrix[:, 6:, :6][:, :, free]),
-                     np.ascontiguousarray(touch.matrix[:, :6, 6:][:, free]), shape[1], shape[2],
-                     pattern.dof, pattern.row, pattern.slot, pattern.indptr, values, uw, wu)
+                     np.ascontiguousarray(touch.matrix[:, :6, 6:][:, free]), shape,
+                     pattern.sparsity, Blocks(values, uw, wu))
 
 
 @njit(cache=True)
-def _add_tangent(node, weight, K, Q, rows, ny, nz, dof, row, slot, indptr, values, uw, wu):
+def _add_tangent(node, weight, K, Q, rows, shape, sparsity, blocks):
     """node, weight: (m, 32), eight nodes of each of four corners; K (m, 12, 12), Q (m, 12, q), rows (m, q, 12)."""
+    dof, row, values, uw, wu = sparsity.dof, sparsity.row, blocks.uu, blocks.uw, blocks.wu
     nodes, place, W, M = np.empty(32, np.int64), np.empty((32, 3), np.int64), np.empty((32, 4)), np.empty((3, 12))
     for n in range(len(node)):
-        count = _merged(node[n], weight[n], ny, nz, nodes, place, W)
+        count = _merged(node[n], weight[n], shape, nodes, place, W)
         for u in range(count):
             v = nodes[u]
             if row[v] < 0:
@@ -230,12 +232,12 @@ def _add_tangent(node, weight, K, Q, rows, ny, nz, dof, row, slot, indptr, value
                 w = nodes[t]
                 di, dj, dk = place[t, 0] - place[u, 0], place[t, 1] - place[u, 1], place[t, 2] - place[u, 2]
                 # corners that have drifted more than a cell apart have no place in the matrix for each other
-                if row[w] < 0 or abs(di) > 2 or abs(dj) > 2 or abs(dk) > 2:
+                if row[w] < 0 or not in_stencil(di, dj, dk):
                     continue
-                offset = slot[row[v], (di * 5 + dj) * 5 + dk + CENTRE]
+                s = place_of_offset(di, dj, dk)
                 for i in range(3):
                     if dof[v, i] >= 0:
-                        at = indptr[dof[v, i]] + offset
+                        at = entry(sparsity, v, i, s)
                         for k in range(3):
                             if dof[w, k] >= 0:
                                 values[at] += (W[t, 0] * M[i, k] + W[t, 1] * M[i, 3 + k]
@@ -244,7 +246,7 @@ def _add_tangent(node, weight, K, Q, rows, ny, nz, dof, row, slot, indptr, value
 
 
 @njit(cache=True)
-def _merged(node, weight, ny, nz, nodes, place, W):
+def _merged(node, weight, shape, nodes, place, W):
     """Different `nodes` among those (32,) of four corners, their `place` in the grid, and their weights W (., 4) in
     each corner; returns how many they are."""
     count = 0
@@ -256,7 +258,7 @@ def _merged(node, weight, ny, nz, nodes, place, W):
             u += 1
         if u == count:
             nodes[u], W[u] = node[a], 0.0
-            place[u, 0], place[u, 1], place[u, 2] = node[a] // (ny * nz), node[a] // nz % ny, node[a] % nz
+            place[u, 0], place[u, 1], place[u, 2] = node_indices(shape, node[a])
             count += 1
         W[u, a // 8] += weight[a]
     return count

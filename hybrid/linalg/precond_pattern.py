@@ -21,13 +21,16 @@ So where a block of 12 000 unknowns just reaches into its last cells, to 1e-3, w
 import numpy as np
 from numba import njit, prange
 
+from hybrid.grid.numbering import node_number
+from hybrid.linalg.stencil import PLACES, entry, offset_of_place
+
 
 def reduced_entries(pattern, shape, small_support):
     """Entries (entries,) bool of `pattern`, on a grid of `shape` nodes of which some are `small_support` (N,) bool, that are
     between nodes of one cell or in the columns of light nodes."""
     chosen = np.empty(len(pattern.indices), np.bool_)
     nodes = np.flatnonzero(pattern.row >= 0)
-    _choose(nodes, small_support, pattern.free, pattern.dof, shape[1], shape[2], pattern.slot, pattern.indptr, chosen)
+    _choose(nodes, small_support, shape, pattern.sparsity, chosen)
     return chosen
 
 
@@ -56,20 +59,21 @@ def _take(values, chosen, near):
 
 
 @njit(cache=True, parallel=True)
-def _choose(nodes, small_support, free, dof, ny, nz, slot, indptr, chosen):
+def _choose(nodes, small_support, shape, sparsity, chosen):
+    dof, slot = sparsity.dof, sparsity.slot
     for r in prange(len(nodes)):
         v = nodes[r]
-        for s in range(125):
+        for s in range(PLACES):
             if slot[r, s] < 0:
                 continue
-            a, b, c = s // 25 - 2, s // 5 % 5 - 2, s % 5 - 2
-            w = v + (a * ny + b) * nz + c
-            is_near = small_support[w] or max(abs(a), abs(b), abs(c)) <= 1
+            i, j, k = offset_of_place(s)
+            w = v + node_number(shape, i, j, k)
+            kept = small_support[w] or max(abs(i), abs(j), abs(k)) <= 1
             width = 0
             for k in range(3):
-                width += free[w, k]
+                width += dof[w, k] >= 0
             for i in range(3):
-                if free[v, i]:
-                    at = indptr[dof[v, i]] + slot[r, s]
+                if dof[v, i] >= 0:
+                    at = entry(sparsity, v, i, s)
                     for k in range(width):
-                        chosen[at + k] = is_near
+                        chosen[at + k] = kept

@@ -9,9 +9,13 @@ a search:  values[indptr[dof[v, i]] + slot[row[v], stencil(w - v)] + (rank of co
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numba import njit, prange
+
+from hybrid.grid.numbering import node_indices, node_number
+from hybrid.linalg.stencil import PLACES, Sparsity, offset_of_place
 
 
 @dataclass(frozen=True)
@@ -28,6 +32,11 @@ class Pattern:
     free: np.ndarray
     diagonal: np.ndarray
 
+    @cached_property
+    def sparsity(self):
+        """What kernels need to find an entry."""
+        return Sparsity(self.dof, self.row, self.slot, self.indptr)
+
     @property
     def size(self):
         """Number of soil unknowns."""
@@ -42,12 +51,12 @@ def make_pattern(active, fixed, shape):
     row = np.full(len(active), -1, np.int32)
     nodes = np.nonzero(free.any(axis=1))[0]
     row[nodes] = np.arange(len(nodes))
-    slot = np.full((len(nodes), 125), -1, np.int32)
+    slot = np.full((len(nodes), PLACES), -1, np.int32)
     indptr = np.zeros(np.count_nonzero(free) + 1, np.int32)
-    width = _fill_slots(nodes, free, shape[0], shape[1], shape[2], slot)
+    width = _fill_slots(nodes, free, shape, slot)
     indptr[1:] = np.cumsum(np.repeat(width, free[nodes].sum(axis=1)))
     indices = np.empty(indptr[-1], np.int32)
-    _fill_indices(nodes, dof, shape[1], shape[2], slot, indptr, indices)
+    _fill_indices(nodes, shape, Sparsity(dof, row, slot, indptr), indices)
     return Pattern(dof, row, slot, indptr, indices, free, diagonal_places(indptr, indices))
 
 
@@ -61,38 +70,40 @@ def diagonal_places(indptr, indices):
 
 
 @njit(cache=True, parallel=True)
-def _fill_slots(nodes, free, nx, ny, nz, slot):
+def _fill_slots(nodes, free, shape, slot):
     width = np.zeros(len(nodes), np.int32)
     for r in prange(len(nodes)):
         v = nodes[r]
-        i, j, k = v // (ny * nz), v // nz % ny, v % nz
-        taken = 0
-        for s in range(125):
-            a, b, c = i + s // 25 - 2, j + s // 5 % 5 - 2, k + s % 5 - 2
-            if 0 <= a < nx and 0 <= b < ny and 0 <= c < nz:
-                w = (a * ny + b) * nz + c
+        i, j, k = node_indices(shape, v)
+        used = 0
+        for s in range(PLACES):
+            di, dj, dk = offset_of_place(s)
+            if 0 <= i + di < shape[0] and 0 <= j + dj < shape[1] and 0 <= k + dk < shape[2]:
+                w = v + node_number(shape, di, dj, dk)
                 components = 0
                 for q in range(3):
                     components += free[w, q]
                 if components > 0:
-                    slot[r, s] = taken
-                    taken += components
-        width[r] = taken
+                    slot[r, s] = used
+                    used += components
+        width[r] = used
     return width
 
 
 @njit(cache=True, parallel=True)
-def _fill_indices(nodes, dof, ny, nz, slot, indptr, indices):
+def _fill_indices(nodes, shape, sparsity, indices):
+    dof, slot, indptr = sparsity.dof, sparsity.slot, sparsity.indptr
     for r in prange(len(nodes)):
         v = nodes[r]
         for i in range(3):
             if dof[v, i] < 0:
                 continue
             at = indptr[dof[v, i]]
-            for s in range(125):
+            for s in range(PLACES):
                 if slot[r, s] < 0:
                     continue
-                w = v + ((s // 25 - 2) * ny + s // 5 % 5 - 2) * nz + s % 5 - 2
+                di, dj, dk = offset_of_place(s)
+                w = v + node_number(shape, di, dj, dk)
                 for k in range(3):
                     if dof[w, k] >= 0:
                         indices[at] = dof[w, k]

@@ -20,7 +20,8 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from hybrid.soil.stiffness import CENTRE
+from hybrid.grid.numbering import node_number
+from hybrid.linalg.stencil import entry, local_number, relative_place
 
 
 @dataclass(frozen=True)
@@ -79,8 +80,7 @@ def add_force(ghost, grid, displacement, force):
 
 def add_stiffness(ghost, grid, pattern, values):
     """Add the penalty's stiffness to the entries `values` of a matrix of sparsity `pattern`."""
-    _add_stiffness(ghost.faces, ghost.modulus, *grid.axes, _thickness(grid), pattern.dof, pattern.row, pattern.slot,
-                   pattern.indptr, values)
+    _add_stiffness(ghost.faces, ghost.modulus, *grid.axes, _thickness(grid), pattern.sparsity, values)
 
 
 def _thickness(grid):
@@ -108,8 +108,8 @@ def _line(nodes, first, thickness, normal, factor):
 
 
 @njit(cache=True)
-def _face(face, x, y, z, thickness, node, place, matrix):
-    """Nodes of a face, their places in a 5x5x5 stencil and the matrix (12, 12) of γ = 1; returns how many."""
+def _face(face, x, y, z, thickness, node, local, matrix):
+    """Nodes of a face, their local numbers (`hybrid.linalg.stencil`) and the matrix (12, 12) of γ = 1; returns how many."""
     fx, fy, fz = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
     nx = _line(x, face[0], thickness[0], face[3] == 0, fx)
     ny = _line(y, face[1], thickness[1], face[3] == 1, fy)
@@ -118,8 +118,8 @@ def _face(face, x, y, z, thickness, node, place, matrix):
     for a in range(nx):
         for b in range(ny):
             for c in range(nz):
-                node[m] = ((face[0] + a) * len(y) + face[1] + b) * len(z) + face[2] + c
-                place[m] = (a * 5 + b) * 5 + c
+                node[m] = node_number((len(x), len(y), len(z)), face[0] + a, face[1] + b, face[2] + c)
+                local[m] = local_number(a, b, c)
                 m += 1
     for r in range(m):
         for s in range(m):
@@ -129,9 +129,9 @@ def _face(face, x, y, z, thickness, node, place, matrix):
 
 @njit(cache=True)
 def _add_force(faces, modulus, x, y, z, thickness, displacement, force):
-    node, place, matrix = np.empty(12, np.int64), np.empty(12, np.int64), np.empty((12, 12))
+    node, local, matrix = np.empty(12, np.int64), np.empty(12, np.int64), np.empty((12, 12))
     for f in range(len(faces)):
-        m = _face(faces[f], x, y, z, thickness, node, place, matrix)
+        m = _face(faces[f], x, y, z, thickness, node, local, matrix)
         for r in range(m):
             for s in range(m):
                 for i in range(3):
@@ -139,16 +139,16 @@ def _add_force(faces, modulus, x, y, z, thickness, displacement, force):
 
 
 @njit(cache=True)
-def _add_stiffness(faces, modulus, x, y, z, thickness, dof, row, slot, indptr, values):
-    node, place, matrix = np.empty(12, np.int64), np.empty(12, np.int64), np.empty((12, 12))
+def _add_stiffness(faces, modulus, x, y, z, thickness, sparsity, values):
+    node, local, matrix = np.empty(12, np.int64), np.empty(12, np.int64), np.empty((12, 12))
     for f in range(len(faces)):
-        m = _face(faces[f], x, y, z, thickness, node, place, matrix)
+        m = _face(faces[f], x, y, z, thickness, node, local, matrix)
         for r in range(m):
             for s in range(m):
                 rank = 0
                 for i in range(3):
-                    held = dof[node[s], i] < 0
-                    if dof[node[r], i] >= 0 and not held:
-                        at = indptr[dof[node[r], i]] + slot[row[node[r]], place[s] - place[r] + CENTRE] + rank
+                    held = sparsity.dof[node[s], i] < 0
+                    if sparsity.dof[node[r], i] >= 0 and not held:
+                        at = entry(sparsity, node[r], i, relative_place(local[r], local[s])) + rank
                         values[at] += modulus[f] * matrix[r, s]
                     rank += not held

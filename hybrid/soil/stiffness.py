@@ -19,10 +19,10 @@ is kept, and only points whose Â has changed by more than a tolerance add the d
 import numpy as np
 from numba import njit, prange
 
+from hybrid.linalg.stencil import local_number, relative_place
 from hybrid.soil.forces import reference_gradients
 from hybrid.soil.tangent import FIVE, FOUR, NINE, ONE, SIX, THREE, TWO, point_tangent, pulled_back
 
-CENTRE = 62  # place of a node itself in its 5x5x5 stencil
 WIDTH = np.uintp(81)
 
 
@@ -128,7 +128,7 @@ def free_components(count, node, dof, code, unknown, stack):
         for b in range(count[1]):
             stack[1, stacks] = q
             for c in range(count[2]):
-                code[m] = (a * 5 + b) * 5 + c
+                code[m] = local_number(a, b, c)
                 for k in range(3):
                     if dof[node[m], k] >= 0:
                         if q == stack[1, stacks]:
@@ -147,7 +147,7 @@ def find_stacks(row, code, stack, stacks, slot, place):
     """Offsets of the stacks in the rows of a node at `code` of the stencil; False when the node has no rows."""
     if row >= 0:
         for s in range(stacks):
-            place[s] = slot[row, stack[0, s] - code + CENTRE]
+            place[s] = slot[row, relative_place(code, stack[0, s])]
     return row >= 0
 
 

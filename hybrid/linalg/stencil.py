@@ -1,0 +1,80 @@
+"""The stencil of the soil block: 5 x 5 x 5 nodes, and where an entry of the matrix is stored.
+
+Two nodes of one point lie within REACH nodes of each other along every axis. Node w = v + (i, j, k) has the *place*
+
+    s = ((i + 2) 5 + j + 2) 5 + k + 2           0 <= s < PLACES = 125,  CENTRE = 62 for w = v
+
+in the stencil of v. Nodes (a, b, c), counted from a common first node as those of a point or of a cell are, have the
+*local number* (a 5 + b) 5 + c; the place of one in the stencil of another is the difference of these plus CENTRE.
+
+Row (v, i) of the matrix belongs to component i of node v. Its entries for the free components of node w follow each
+other, from `entry(sparsity, v, i, s)` on. This is the only module that knows the size of the stencil.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+REACH = 2                   # nodes along each axis: a domain overlaps at most two cells
+SPAN = 2 * REACH + 1
+PLACES = SPAN**3
+CENTRE = PLACES // 2
+
+
+class Sparsity(NamedTuple):
+    """What kernels need to find an entry; fields as in `hybrid.linalg.stencil_pattern.Pattern`."""
+
+    dof: np.ndarray
+    row: np.ndarray
+    slot: np.ndarray
+    indptr: np.ndarray
+
+
+class Blocks(NamedTuple):
+    """Values that kernels add to: uu the entries of K_uu in the order of the pattern, uw (n, m) and wu (m, n) dense
+    blocks of the n soil unknowns and the m unknowns of one body."""
+
+    uu: np.ndarray
+    uw: np.ndarray
+    wu: np.ndarray
+
+
+@njit(cache=True)
+def local_number(a, b, c):
+    """Number of node (a, b, c), counted from a first node; 0 <= a, b, c < SPAN."""
+    return (a * SPAN + b) * SPAN + c
+
+
+# Local numbers of the eight nodes of a cell, counted from its lowest one; z changes fastest.
+CELL = np.array([local_number.py_func(a >> 2, a >> 1 & 1, a & 1) for a in range(8)])
+
+
+@njit(cache=True)
+def relative_place(v, w):
+    """Place of node w in the stencil of node v, both given by their local numbers."""
+    return w - v + CENTRE
+
+
+@njit(cache=True)
+def place_of_offset(i, j, k):
+    """Place of the node at an offset (i, j, k), each at most REACH."""
+    return local_number(i, j, k) + CENTRE
+
+
+@njit(cache=True)
+def offset_of_place(s):
+    """Offset (i, j, k) of the node at place s."""
+    return s // (SPAN * SPAN) - REACH, s // SPAN % SPAN - REACH, s % SPAN - REACH
+
+
+@njit(cache=True)
+def in_stencil(i, j, k):
+    """Whether two nodes at an offset (i, j, k) have entries for each other."""
+    return abs(i) <= REACH and abs(j) <= REACH and abs(k) <= REACH
+
+
+@njit(cache=True)
+def entry(sparsity, v, i, s):
+    """Index among the values of the first entry of row (v, i), a free component of v, for the node at place s."""
+    return sparsity.indptr[sparsity.dof[v, i]] + sparsity.slot[sparsity.row[v], s]
