@@ -48,6 +48,10 @@ def parser():
     _scene_arguments(sub)
     sub.add_argument("--no-probe", action="store_true", help="leave out the prediction, which times parts of a step")
 
+    sub = _command(commands, "demos", demos, "list the shipped scenes, or copy some")
+    sub.add_argument("names", nargs="*", metavar="NAME", default=[], help="scenes to copy (default: list all)")
+    sub.add_argument("--to", type=Path, metavar="DIR", default=Path(), help="folder to copy to (default: this one)")
+
     sub = _command(commands, "bench", bench, "measure the speed of set cases on this machine")
     sub.add_argument("cases", nargs="*", metavar="CASE", default=[], help=", ".join(CASES) + " (default: all)")
     sub.add_argument("--quick", action="store_true", help="the smallest size of each case")
@@ -139,6 +143,16 @@ def _predicted(simulation):
         return probe(simulation).sheet()
     except StepError as error:
         return {"predicted": [f"nothing: {error}"]}
+
+
+def demos(options):
+    """`hybrid demos`: names and titles of the shipped scenes, or copies of those named, with their geometries."""
+    from hybrid.runtime.data import copy_demo, demo_titles
+
+    if not options.names:
+        print(format_sheet({"shipped scenes": demo_titles()}))
+    for name in options.names:
+        print(f"hybrid run {copy_demo(name, options.to)}")
 
 
 def bench(options):

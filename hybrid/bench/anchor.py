@@ -1,6 +1,7 @@
 """The drag anchor of demos/anchor.toml: steps, iterations, and where the time goes."""
 
-from hybrid.bench.soils import DEMOS, sizes, stepped, warm
+from hybrid.bench.soils import sizes, stepped, warm
+from hybrid.runtime.data import DEMOS
 from hybrid.scene.file import load_scene
 from hybrid.setup.build import build
 

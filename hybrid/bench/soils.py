@@ -1,16 +1,14 @@
 """Scenes that the cases measure, and what they need to step through them."""
 
 from dataclasses import replace
-from pathlib import Path
 from time import perf_counter
 
 import numpy as np
 
+from hybrid.runtime.data import GEOMETRY
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
 from hybrid.setup.build import build
 
-ROOT = Path(__file__).parents[2]
-DEMOS, GEOMETRY = ROOT / "demos", ROOT / "geometry"
 ELASTIC = {"law": "hencky", "young": 10e6, "poisson": 0.3, "density": 1800.0}
 SAND = {**ELASTIC, "law": "drucker-prager", "friction_angle": 32.0, "dilation_angle": 2.0, "cohesion": 1e3}
 

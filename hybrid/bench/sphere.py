@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from hybrid.bench.soils import DEMOS, sizes, stepped, warm
+from hybrid.bench.soils import sizes, stepped, warm
+from hybrid.runtime.data import DEMOS
 from hybrid.scene.file import load_scene
 from hybrid.setup.build import build
 

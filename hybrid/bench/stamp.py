@@ -26,6 +26,7 @@ def commit(folder):
         return subprocess.run(["git", "-C", str(folder), *arguments], capture_output=True, text=True, check=True).stdout
 
     try:
+        git("ls-files", "--error-unmatch", ".")    # an installed package may lie in somebody else's repository
         head = git("rev-parse", "HEAD").strip()
         return head + ("+" if git("status", "--porcelain", "--untracked-files=no").strip() else "")
     except (OSError, subprocess.CalledProcessError):

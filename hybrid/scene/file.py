@@ -12,6 +12,7 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import Literal, Union, get_args, get_origin, get_type_hints
 
+from hybrid.runtime.data import shipped_hint
 from hybrid.runtime.errors import SceneError
 from hybrid.scene import Scene
 from hybrid.scene.check import faults
@@ -60,7 +61,7 @@ def _tables(path):
     try:
         text = path.read_text(encoding="utf-8")
     except FileNotFoundError:
-        raise SceneError("no such scene file" + _similar_file(path)) from None
+        raise SceneError("no such scene file" + (_similar_file(path) or shipped_hint(path))) from None
     except UnicodeDecodeError as error:
         raise SceneError(f"not a UTF-8 text file ({error.reason} at byte {error.start})") from None
     except OSError as error:

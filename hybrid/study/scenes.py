@@ -1,6 +1,6 @@
 """Small scenes that studies and tests start from."""
 
-from hybrid.bench.soils import GEOMETRY
+from hybrid.runtime.data import GEOMETRY
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
 
 ROLLERS = Faces(z_min="fixed")

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hybrid.bench.soils import GEOMETRY
+from hybrid.runtime.data import GEOMETRY
 from hybrid.runtime.errors import SceneError
 from hybrid.scene import (
     Axis,

@@ -4,10 +4,11 @@ from types import SimpleNamespace
 
 import pytest
 
+from hybrid.runtime.data import GEOMETRY
 from hybrid.scene import Axis, Body, Faces, Grid, Stage
 from hybrid.setup.build import build
 from hybrid.step import newton
-from hybrid.study.scenes import GEOMETRY, scene
+from hybrid.study.scenes import scene
 
 EXACT = {"tangent_tolerance": 0.0, "loosest_tolerance": 0.0, "linear_tolerance": 1e-10}
 SAVINGS = {

@@ -1,6 +1,7 @@
 """The benchmarks run, in their smallest sizes, and count what they should; times are only there and positive."""
 
 import json
+import subprocess
 import sys
 
 import numpy as np
@@ -169,6 +170,15 @@ def test_the_command_hands_its_options_on(monkeypatch, tmp_path):
 
 def test_a_folder_outside_a_repository_has_no_commit(tmp_path):
     assert stamp.commit(tmp_path) is None
+
+
+def test_a_folder_that_a_repository_does_not_track_has_no_commit(tmp_path):
+    git = ["git", "-C", str(tmp_path), "-c", "user.name=nobody", "-c", "user.email=nobody@example.org"]
+    for arguments in (["init"], ["commit", "--allow-empty", "-m", "empty"]):
+        subprocess.run([*git, *arguments], check=True, capture_output=True)
+    (tmp_path / "installed").mkdir()
+    (tmp_path / "installed" / "module.py").touch()
+    assert stamp.commit(tmp_path / "installed") is None
 
 
 def test_a_table_is_aligned():

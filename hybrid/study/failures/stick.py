@@ -8,7 +8,7 @@ A stuck point is a spring ε_T that starts unstretched where the surface is met 
 sphere slides by a share of its way: a softer spring has to be stretched farther to carry the same friction.
 """
 
-from hybrid.bench.soils import DEMOS
+from hybrid.runtime.data import DEMOS
 from hybrid.scene.file import load_scene
 from hybrid.study.cases import watched
 from hybrid.study.outcome import Seen

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from hybrid.bench.soils import DEMOS
+from hybrid.runtime.data import DEMOS
 from hybrid.scene.file import load_scene
 from hybrid.setup.build import build
 from hybrid.study.record import Found

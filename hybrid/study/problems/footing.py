@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hybrid.bench.soils import GEOMETRY
+from hybrid.runtime.data import GEOMETRY
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
 from hybrid.setup.build import build
 from hybrid.study.methods import alike, few, krylov_tolerances, newton_tolerances

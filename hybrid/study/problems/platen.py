@@ -12,7 +12,7 @@ from math import log, nan
 
 from scipy.optimize import brentq
 
-from hybrid.bench.soils import GEOMETRY
+from hybrid.runtime.data import GEOMETRY
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
 from hybrid.setup.build import build
 from hybrid.study.methods import alike

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hybrid.bench.soils import DEMOS
+from hybrid.runtime.data import DEMOS
 from hybrid.scene.file import load_scene
 from hybrid.setup.build import build
 from hybrid.simulation import Simulation
