@@ -1,10 +1,15 @@
 """Rigid bodies and highly deformable soil: the implicit generalised interpolation material point method.
 
     import hybrid
-    simulation = hybrid.run("demos/anchor.toml", out="out/anchor")     # or hybrid.run(hybrid.Scene(...))
+    hybrid.run("demos/anchor.toml", out="out/anchor")        # a scene file, or a hybrid.Scene(...)
 
-Names are imported when first used, so that `import hybrid` costs nothing. To build without running:
-`hybrid.build(scene)`.
+    simulation = hybrid.build(hybrid.load_scene("demos/anchor.toml"))
+    for record in simulation.steps():                        # one accepted step: forces, energies, iterations
+        print(record.time, record.bodies[0].contact_force)
+    simulation.state.bodies[0].position                      # committed state: bodies and points
+
+Names are imported when first used, so that `import hybrid` costs nothing. These names, and those of the fields that
+tests/unit/test_public_api.py reads, stay as they are.
 """
 
 import os
@@ -14,7 +19,8 @@ from importlib import import_module
 # faster for the many short loops of a step. It must be chosen before numba is imported.
 os.environ.setdefault("NUMBA_THREADING_LAYER", "workqueue")
 
-_SCENE = "Axis Body Faces Grid Layer Material Output Pull Scene Soil Solver Stage Target Time".split()
+_SCENE = ("Axis Body Condition Faces Freedom Grid Law Layer Material Output Pull Scene Soil Solver Stage Target Time "
+          "Vector").split()
 _HOMES = {
     **dict.fromkeys(_SCENE, "hybrid.scene"),
     **dict.fromkeys(("load_scene", "validate"), "hybrid.scene.file"),

@@ -40,11 +40,12 @@ def copy_demo(name, folder):
             if not target.exists():
                 shutil.copyfile(source, target)
     except OSError as error:
-        raise SceneError(f"{error.filename}: cannot be written: {error.strerror}; choose another folder by --to") from None
+        raise SceneError(
+            f"{error.filename}: cannot be written: {error.strerror}; choose another folder by --to") from None
     return scene
 
 
 def shipped_hint(path):
-    """Advice for a scene file that does not exist: how to get the shipped scene of this name; empty if there is none."""
+    """Advice where a scene file does not exist: how to get the shipped scene of this name; empty if there is none."""
     name = Path(path).stem
     return f"; it is a shipped scene: copy it here with `hybrid demos {name}`" if name in demo_titles() else ""
