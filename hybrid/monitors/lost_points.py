@@ -28,7 +28,7 @@ class Astray:
             mass, at = model.soil.constants.mass, state.points.position[ids]
             heavy = mass[ids].sum()
             texts.append(f"{len(ids)} of {len(found)} points {kind} at t = {state.time:.4g} s ({heavy:.4g} kg, "
-                         f"{heavy / mass.sum():.2g} of the mass): {lost_points.listed(ids, at)}. {meaning}")
+                         f"{heavy / mass.sum():.2g} of the mass): {lost_points.list_points(ids, at)}. {meaning}")
         return tuple(texts)
 
 
@@ -36,11 +36,11 @@ def _kinds(soil, points):
     """(kind, (n,) bool, what it means) of each kind."""
     out = np.zeros(len(points), bool) if points.inactive is None else points.inactive
     half = points.half_width if soil.basis == "gimp" else np.zeros_like(points.half_width)
-    piece, _ = lost_points.adrift(evaluate_basis(points.position, half, soil.grid.axes), soil.grid, ~out)
+    piece, _ = lost_points.detached_pieces(evaluate_basis(points.position, half, soil.grid.axes), soil.grid, ~out)
     return (
         ("out of the soil", out, "They take no part any more, and their mass, momentum and energy are gone."),
         ("adrift", (piece > 0) & ~out, "Their cells touch no other soil, so nothing but inertia acts on them."),
-        (f"stretched beyond {lost_points.LIMIT:g}", lost_points.stretched(points.deformation) & ~out,
+        (f"stretched beyond {lost_points.DISTORTION_LIMIT:g}", lost_points.distorted(points.deformation) & ~out,
          "Their domains are cut off at the width of a cell and say little of where the soil is; smaller steps or more "
          "points per cell help."),
     )

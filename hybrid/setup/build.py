@@ -12,7 +12,7 @@ from hybrid.body.samples import surface_samples
 from hybrid.body.surface import build_surface
 from hybrid.contact.corners import overlap
 from hybrid.grid.axes import FACES, graded_nodes, make_grid, uniform_nodes
-from hybrid.grid.moving_axis import Lattice
+from hybrid.grid.moving_axis import MovingAxis
 from hybrid.runtime.errors import SceneError
 from hybrid.scene.accuracy import apply_level
 from hybrid.scene.file import validate
@@ -67,11 +67,11 @@ def build_scheme(time):
 
 def build_grid(scene, placed=()):
     """(Grid with its held faces, Travel or None, its layouts) for bodies `placed`, each a RigidBody and BodyState."""
-    axes, extent, lattices = [], [], {}
+    axes, extent, moving_axes = [], [], {}
     for number, axis in enumerate((scene.grid.x, scene.grid.y, scene.grid.z)):
         extent.append((axis.start, axis.end))
         if axis.travels:
-            lattices[number] = build_lattice(axis, upwards=number == 2)
+            moving_axes[number] = build_moving_axis(axis, upwards=number == 2)
             axes.append(None)
         elif axis.collapsed:
             axes.append(np.array([0.5 * (axis.start + axis.end)]))
@@ -82,21 +82,21 @@ def build_grid(scene, placed=()):
         else:
             axes.append(uniform_nodes(axis.start, axis.end, axis.size))
     faces = {face: getattr(scene.grid.faces, face) for face in FACES}
-    if not lattices:
+    if not moving_axes:
         return make_grid(axes, np.array(extent), faces, scene.soil.held), None, None
     names = [body.name for body, _ in placed]
     followed = names.index(scene.grid.follow) if scene.grid.follow else 0
-    travel = Travel(followed, lattices, axes, np.array(extent), faces,
+    travel = Travel(followed, moving_axes, axes, np.array(extent), faces,
                     np.broadcast_to(scene.soil.points_per_axis, 3), scene.grid.behind == "freeze")
     layouts = travel.fit(rigid.bounding_box(*placed[followed]))
     return travel.grid(layouts), travel, layouts
 
 
-def build_lattice(axis, upwards):
-    """Lattice of a travelling axis; `upwards` its window leaves nothing out."""
+def build_moving_axis(axis, upwards):
+    """MovingAxis of a travelling axis; `upwards` its window leaves nothing out."""
     window = axis.window and (axis.window[0], np.inf if upwards else axis.window[1])
     cells, per = round((axis.end - axis.start) / axis.size), max(1, round(np.log(2) / np.log(axis.growth)))
-    return Lattice(axis.start, axis.end, cells, axis.around, window, axis.doublings, per)
+    return MovingAxis(axis.start, axis.end, cells, axis.around, window, axis.doublings, per)
 
 
 def lay_out(scene, grid, gravity, law=None):

@@ -1,13 +1,13 @@
-"""Points that go astray, and what becomes of them by `soil.stray`.
+"""Points that leave the soil, and what is done with them according to `soil.stray`.
 
-    out of the grid   "stop": the step is refused, with the points' numbers; what was accepted stays
-                      "freeze": they stay where they were last and take no part any more: no mass, stiffness or contact
-                      "remove": the same, and they are left out of what is drawn
-    adrift            soil whose cells touch no other soil. Inertia carries it; in a quasi-static scene nothing does
-                      unless one of its nodes is held, so there it is treated as out of the grid
-    stretched         by more than LIMIT along some direction, or in volume: told of
+    outside the grid  "stop": the step is rejected, the message names the points; the accepted state is kept
+                      "freeze": they stay at their last position and are inactive: no mass, stiffness or contact
+                      "remove": the same, and they are not drawn
+    detached          soil whose cells touch no other soil. Inertia carries it. In a quasi-static scene nothing does,
+                      unless one of its nodes is held, so there it is treated as a point outside the grid
+    distorted         stretched along some direction, or changed in volume, by more than DISTORTION_LIMIT: reported only
 
-Nothing of this is silent: `hybrid.monitors.lost_points` tells of all three once.
+`hybrid.monitors.lost_points` reports all three.
 """
 
 import dataclasses
@@ -18,11 +18,11 @@ from scipy import ndimage
 
 from hybrid.runtime.errors import StepError
 
-LIMIT = 10.0  # [-] principal stretch or its inverse of F, that says more about the points than about the soil
+DISTORTION_LIMIT = 10.0  # [-] principal stretch of F or its inverse: beyond it a point no longer represents soil
 
 
-def outside(position, grid):
-    """(n,) bool, points at `position` (n, 3) [m] beyond the grid."""
+def outside_grid(position, grid):
+    """(n,) bool, points at `position` (n, 3) [m] outside the grid."""
     beyond = np.zeros(len(position), bool)
     for axis in np.flatnonzero(~grid.collapsed):
         lower, upper = grid.extent[axis]
@@ -30,20 +30,21 @@ def outside(position, grid):
     return beyond
 
 
-def adrift(basis, grid, taking_part=None):
-    """(n,) int, 0 for points of the largest piece of soil, else the number of their piece, and (pieces,) bool, whether
-    a node of a piece is held. Pieces are sets of cells that touch, at a corner at least.
+def detached_pieces(basis, grid, active=None):
+    """Pieces of soil: sets of filled cells that touch, at least at a corner.
 
-    taking_part: (n,) bool, None for all.
+    active: (n,) bool, points that count, None for all.
+    Returns (n,) int, 0 for inactive points and those of the largest piece, else the number of the point's piece, and
+    (pieces + 1,) bool, whether a node of the piece with that number is held.
     """
     shape = [max(1, n - 1) for n in grid.shape]
     filled = np.zeros(shape, np.bool_)
-    taking_part = np.ones(len(basis.first), bool) if taking_part is None else taking_part
-    _fill(basis.first, basis.count, taking_part, filled)
+    active = np.ones(len(basis.first), bool) if active is None else active
+    _mark_filled(basis.first, basis.count, active, filled)
     piece, count = ndimage.label(filled, np.ones((3, 3, 3)))
     if count <= 1:
         return np.zeros(len(basis.first), int), np.array([True])
-    own = piece[tuple(np.minimum(basis.first, np.array(shape) - 1).T)] * taking_part
+    own = piece[tuple(np.minimum(basis.first, np.array(shape) - 1).T)] * active
     sizes = np.bincount(own, minlength=count + 1)
     sizes[0] = 0
     held = np.zeros(count + 1, bool)
@@ -55,58 +56,61 @@ def adrift(basis, grid, taking_part=None):
 
 
 @njit(cache=True)
-def _fill(first, count, taking_part, filled):
+def _mark_filled(first, count, active, filled):
+    """Mark the cells that domains of active points overlap."""
     for p in range(len(first)):
-        if taking_part[p]:
+        if active[p]:
             for i in range(first[p, 0], first[p, 0] + max(1, count[p, 0] - 1)):
                 for j in range(first[p, 1], first[p, 1] + max(1, count[p, 1] - 1)):
                     for k in range(first[p, 2], first[p, 2] + max(1, count[p, 2] - 1)):
                         filled[i, j, k] = True
 
 
-def kept_back(old, new, leaving):
-    """`new` Points but for those that were out of `old` or are `leaving` (n,) bool: they stay as in `old`, at rest."""
-    out = leaving if old.inactive is None else old.inactive | leaving
-    if not out.any():
+def deactivate(old, new, leaving):
+    """`new` Points, except that those inactive in `old` or `leaving` (n,) bool stay as in `old`, at rest and inactive."""
+    inactive = leaving if old.inactive is None else old.inactive | leaving
+    if not inactive.any():
         return new
     fields = {field.name: getattr(new, field.name) for field in dataclasses.fields(new)}
     for name, value in fields.items():
         if value is not None and name != "inactive":
-            keep = out.reshape(-1, *[1] * (value.ndim - 1))
-            still = name in ("velocity", "acceleration", "algorithmic", "affine")
-            fields[name] = np.where(keep, 0.0 if still else getattr(old, name), value)
-    return dataclasses.replace(new, **fields | {"inactive": out})
+            keep = inactive.reshape(-1, *[1] * (value.ndim - 1))
+            rate = name in ("velocity", "acceleration", "algorithmic", "affine")
+            fields[name] = np.where(keep, 0.0 if rate else getattr(old, name), value)
+    return dataclasses.replace(new, **fields | {"inactive": inactive})
 
 
-def stretched(deformation):
-    """(n,) bool, points whose F (n, 3, 3) stretches a direction or the volume by more than LIMIT, or by less than its
+def distorted(deformation):
+    """(n,) bool, points whose F (n, 3, 3) has a stretch above DISTORTION_LIMIT, or a volume ratio above it or below its
     inverse."""
     squares = np.einsum("nij,nij->n", deformation, deformation)     # no smaller than the largest stretch squared
     volume = np.linalg.det(deformation)
-    return (squares > LIMIT**2) | (volume > LIMIT) | (volume < 1 / LIMIT)
+    return (squares > DISTORTION_LIMIT**2) | (volume > DISTORTION_LIMIT) | (volume < 1 / DISTORTION_LIMIT)
 
 
-def listed(ids, places=None, most=5):
-    """The first few of `ids` for a message, with their places [m]."""
+def list_points(ids, positions=None, limit=5):
+    """Text that names the first `limit` of the points `ids`, with their positions (n, 3) [m] if given."""
     ids = np.asarray(ids)
-    at = [""] * len(ids) if places is None else [" at (" + ", ".join(f"{x:.4g}" for x in p) + ") m" for p in places]
-    shown = ", ".join(f"{i}{where}" for i, where in zip(ids[:most], at))
-    return f"point{'s' * (len(ids) > 1)} {shown}" + (f" and {len(ids) - most} more" if len(ids) > most else "")
+    at = [""] * len(ids)
+    if positions is not None:
+        at = [" at (" + ", ".join(f"{x:.4g}" for x in p) + ") m" for p in positions]
+    shown = ", ".join(f"{i}{where}" for i, where in zip(ids[:limit], at))
+    return f"point{'s' * (len(ids) > 1)} {shown}" + (f" and {len(ids) - limit} more" if len(ids) > limit else "")
 
 
-def refuse_outside(left, position, grid):
-    """StepError about points `left` (n,) bool that would come to `position` (n, 3) [m] outside the grid, if any."""
-    ids = np.flatnonzero(left)
+def refuse_outside_grid(leaving, position, grid):
+    """Raises StepError if any points are `leaving` (n,) bool the grid for `position` (n, 3) [m]."""
+    ids = np.flatnonzero(leaving)
     if len(ids) == 0:
         return
     ends = "; ".join(f"{axis} {low:.6g} to {high:.6g}" for axis, (low, high) in zip("xyz", grid.extent))
-    raise StepError(f"{listed(ids, position[ids])} would leave the grid ({ends} m); enlarge the grid, hold its face, "
-                    'or set soil.stray = "freeze" or "remove"')
+    raise StepError(f"{list_points(ids, position[ids])} would leave the grid ({ends} m); enlarge the grid, hold its "
+                    'face, or set soil.stray = "freeze" or "remove"')
 
 
-def refuse_adrift(loose, position):
-    """StepError about points `loose` (n,) bool at `position` that nothing holds in a quasi-static scene, if any."""
-    ids = np.flatnonzero(loose)
+def refuse_detached(detached, position):
+    """Raises StepError if any points at `position` (n, 3) [m] are `detached` (n,) bool in a quasi-static scene."""
+    ids = np.flatnonzero(detached)
     if len(ids):
-        raise StepError(f"{listed(ids, position[ids])} touch no other soil and no held node, so that nothing carries "
-                        'them in a quasi-static scene; set time.inertia = true, or soil.stray = "freeze" or "remove"')
+        raise StepError(f"{list_points(ids, position[ids])} touch no other soil and no held node, so nothing carries "
+                        'them in a quasi-static scene; set soil.stray = "freeze" or "remove", or time.inertia = true')

@@ -149,12 +149,12 @@ class Soil:
         out = step.points.inactive
         strain = self._kinematics(step.basis, self.grid.shape, displacement, step.points.b_elastic, step.mean, out)
         if len(strain.inverted):
-            self.refusal = f"turns soil inside out at {lost_points.listed(strain.inverted)}"
+            self.refusal = f"turns soil inside out at {lost_points.list_points(strain.inverted)}"
             return None
         response = self.law.respond(strain.strain, step.points.plastic_strain)
         failed = () if response.failed is None else np.flatnonzero(_of_those_in(step.points, response.failed))
         if len(failed):
-            self.refusal = f"leaves the soil's law without a stress at {lost_points.listed(failed)}"
+            self.refusal = f"leaves the soil's law without a stress at {lost_points.list_points(failed)}"
             return None
         stress = from_principal(response.stress, strain.directions)
         volume = _of_those_in(step.points, self.constants.volume)
@@ -209,10 +209,10 @@ class Soil:
         """New Points from nodal increments of displacement and velocity and from the new accelerations, all (N, 3)."""
         old = step.points
         position = old.position + transfer.interpolate(step.basis, self.grid.shape, displacement)
-        left = lost_points.outside(position, self.grid)
+        left = lost_points.outside_grid(position, self.grid)
         left = left if old.inactive is None else left & ~old.inactive
         if self.stray == "stop":
-            lost_points.refuse_outside(left, position, self.grid)
+            lost_points.refuse_outside_grid(left, position, self.grid)
         elastic = trial.response.elastic
         deformation, squares, stress = update_strains(trial.strain, elastic, trial.stress, old, ~self.grid.collapsed)
         history = acceleration, *([] if algorithmic is None else [algorithmic])
@@ -229,7 +229,7 @@ class Soil:
             algorithmic=None if algorithmic is None else history[1],
             affine=affine,
         )
-        return lost_points.kept_back(old, new, left)
+        return lost_points.deactivate(old, new, left)
 
     def _grid_to_points(self, step, old, gain, accelerations):
         """Velocities and accelerations (n, 3) and, with affine transfer, the gradients (n, k, 3, 3) of all of them,
@@ -246,11 +246,11 @@ class Soil:
 
     def _without_adrift(self, points, basis):
         """`points` without those that nothing carries. Raises StepError if the run is to stop for them."""
-        piece, held = lost_points.adrift(basis, self.grid, None if points.inactive is None else ~points.inactive)
+        piece, held = lost_points.detached_pieces(basis, self.grid, None if points.inactive is None else ~points.inactive)
         loose = (piece > 0) & ~held[piece] if len(held) > 1 else np.zeros(len(points), bool)
         if self.stray == "stop":
-            lost_points.refuse_adrift(loose, points.position)
-        return lost_points.kept_back(points, points, loose)
+            lost_points.refuse_detached(loose, points.position)
+        return lost_points.deactivate(points, points, loose)
 
     def plastic_work(self, step, trial):
         """Work dissipated by plastic flow in the step [J]: Σ τ · Δε_p V0."""

@@ -18,11 +18,11 @@ import numpy as np
 
 from hybrid.body import rigid
 from hybrid.grid.axes import FACES, make_grid
-from hybrid.grid.moving_axis import Layout
+from hybrid.grid.moving_axis import AxisLayout
 from hybrid.runtime.errors import StepError
 from hybrid.soil.domains import updated_half
 from hybrid.soil.points import at_rest
-from hybrid.soil.refinement import Resolution
+from hybrid.soil.refinement import PointRefinement
 from hybrid.soil.split_merge import concatenate, select
 from hybrid.state import Ground, Population
 from hybrid.step.energy import of_soil
@@ -32,31 +32,32 @@ class Travel:
     """How the grid of a scene travels.
 
     body      number of the body that it goes with
-    lattices  {axis: Lattice} of those that travel; axes: nodes [m] of the others; extent (3, 2) [m]
+    moving_axes  {axis: MovingAxis} of those that travel; axes: nodes [m] of the others; extent (3, 2) [m]
     faces     dict face -> condition, as `make_grid` takes it
     lay_out   function of a Grid that gives (PointConstants, principal stress at rest (n, 3), law) of soil filling it
     per_axis  (3,) points to a cell along each axis
     keep      whether soil left behind is kept
     """
 
-    def __init__(self, body, lattices, axes, extent, faces, per_axis, keep, lay_out=None):
-        self.body, self.lattices, self._axes, self._extent, self._faces = body, lattices, axes, extent, faces
+    def __init__(self, body, moving_axes, axes, extent, faces, per_axis, keep, lay_out=None):
+        self.body, self.moving_axes, self._axes, self._extent, self._faces = body, moving_axes, axes, extent, faces
         self._per_axis, self._keep, self.lay_out = np.array(per_axis), keep, lay_out
 
     # -------------------------------------------------------------- layout
 
     def fit(self, box, before=None):
-        """{axis: Layout} for a body in `box` (2, 3) [m]."""
-        return {axis: lattice.fit(*box[:, axis], before and before[axis]) for axis, lattice in self.lattices.items()}
+        """{axis: AxisLayout} for a body in `box` (2, 3) [m]."""
+        return {axis: moving.layout_for(*box[:, axis], before and before[axis])
+                for axis, moving in self.moving_axes.items()}
 
     def grid(self, layouts):
-        """Grid of layouts {axis: Layout}."""
+        """Grid of layouts {axis: AxisLayout}."""
         axes, extent, faces = list(self._axes), self._extent.copy(), dict(self._faces)
         for axis, layout in layouts.items():
-            lattice = self.lattices[axis]
-            axes[axis] = lattice.place(lattice.nodes(layout))
+            moving = self.moving_axes[axis]
+            axes[axis] = moving.coordinates(moving.node_numbers(layout))
             extent[axis] = axes[axis][[0, -1]]
-            for side, end in ((0, 0), (1, lattice.cells)):
+            for side, end in ((0, 0), (1, moving.cells)):
                 face = FACES[2 * axis + side]
                 if layout.window[side] != end and faces[face] == "free":
                     faces[face] = "roller"
@@ -64,22 +65,22 @@ class Travel:
 
     def start(self, layouts, soil):
         """Ground of a Soil that fills the grid of `layouts`."""
-        blocks = [self.lattices[a].cells // self.lattices[a].block if a in layouts else 1 for a in range(3)]
+        blocks = [self.moving_axes[a].cells // self.moving_axes[a].block if a in layouts else 1 for a in range(3)]
         made = np.zeros(blocks, bool)
         made[self._blocks(layouts)] = True
         return Ground(_array(layouts, "fine"), _array(layouts, "window"), made, soil.constants, soil.law.rows)
 
     def _blocks(self, layouts):
         """Slices of the blocks in the window."""
-        return tuple(slice(*(w // self.lattices[a].block for w in layouts[a].window)) if a in layouts else slice(None)
+        return tuple(slice(*(w // self.moving_axes[a].block for w in layouts[a].window)) if a in layouts else slice(None)
                      for a in range(3))
 
     def _number(self, position):
         """Block (n, 3) that each place [m] is in, or the nearest one."""
         block = np.zeros(position.shape, int)
-        for axis, lattice in self.lattices.items():
-            at = (position[:, axis] - lattice.start) // (lattice.block * lattice.size)
-            block[:, axis] = np.clip(at, 0, lattice.cells // lattice.block - 1)
+        for axis, moving in self.moving_axes.items():
+            at = (position[:, axis] - moving.start) // (moving.block * moving.size)
+            block[:, axis] = np.clip(at, 0, moving.cells // moving.block - 1)
         return block
 
     # -------------------------------------------------------------- laying anew
@@ -87,7 +88,7 @@ class Travel:
     def follow(self, model, state):
         """(Model, State, whether they are new) with the grid where the body now wants it."""
         body = model.bodies[self.body]
-        before = _layouts(state.ground, self.lattices)
+        before = _layouts(state.ground, self.moving_axes)
         layouts = self.fit(rigid.bounding_box(body, state.bodies[self.body]), before)
         if layouts == before:
             return model, state, False
@@ -101,7 +102,7 @@ class Travel:
         free = _unfollowed(state.contacts, origin)
         if here.points.inactive is not None:
             free &= ~here.points.inactive
-        here, number = self._resolution(model.soil).adapt(here, grid, model.soil.law, free)
+        here, number = self._refinement(model.soil).adapt(here, grid, model.soil.law, free)
         origin = np.where(number >= 0, origin[number], -1)
         ground = Ground(_array(layouts, "fine"), _array(layouts, "window"), made, here.constants, here.rows, behind)
         new = self.model(model, ground)
@@ -125,7 +126,7 @@ class Travel:
 
     def model(self, model, ground):
         """`model` of the points and the grid of a Ground."""
-        soil = model.soil.on(self.grid(_layouts(ground, self.lattices)), ground.constants,
+        soil = model.soil.on(self.grid(_layouts(ground, self.moving_axes)), ground.constants,
                              model.soil.law.with_rows(ground.rows))
         return model.on(soil)
 
@@ -170,14 +171,14 @@ class Travel:
         made[window] = True
         return concatenate(here, select(Population(points, constants, law.rows), new)), made
 
-    def _resolution(self, soil):
-        """Resolution of the lattices; only graded ones change points."""
-        axes = tuple(axis for axis, lattice in self.lattices.items() if lattice.around is not None)
+    def _refinement(self, soil):
+        """PointRefinement of the moving axes; only graded ones change points."""
+        axes = tuple(axis for axis, moving in self.moving_axes.items() if moving.around is not None)
         start, size = np.zeros(3), soil.constants.half_width.min(axis=0) * 2 * self._per_axis
-        for axis, lattice in self.lattices.items():
-            start[axis], size[axis] = lattice.start, lattice.size
-        doublings = max((self.lattices[axis].doublings for axis in axes), default=0)
-        return Resolution(axes, start, size / self._per_axis, self._per_axis, doublings)
+        for axis, moving in self.moving_axes.items():
+            start[axis], size[axis] = moving.start, moving.size
+        doublings = max((self.moving_axes[axis].doublings for axis in axes), default=0)
+        return PointRefinement(axes, start, size / self._per_axis, self._per_axis, doublings)
 
 
 def _array(layouts, name):
@@ -185,8 +186,9 @@ def _array(layouts, name):
     return np.array([getattr(layouts[a], name) if a in layouts else (0, 0) for a in range(3)])
 
 
-def _layouts(ground, lattices):
-    return {axis: Layout(tuple(ground.fine[axis].tolist()), tuple(ground.window[axis].tolist())) for axis in lattices}
+def _layouts(ground, moving_axes):
+    return {axis: AxisLayout(tuple(ground.fine[axis].tolist()), tuple(ground.window[axis].tolist()))
+            for axis in moving_axes}
 
 
 def _still(points):

@@ -35,7 +35,7 @@ def test_the_run_stops_before_points_leave():
         for record in simulation.steps():
             records.append(record)
     assert len(records) == simulation.state.step == 5
-    assert not lost_points.outside(simulation.state.points.position, simulation.model.soil.grid).any()
+    assert not lost_points.outside_grid(simulation.state.points.position, simulation.model.soil.grid).any()
     named = int(str(failure.value).split()[1])
     position = simulation.state.points.position
     assert position[named, 0] == pytest.approx(position[:, 0].max())
@@ -53,7 +53,7 @@ def test_points_that_leave_take_no_part_any_more(policy):
         left.append(np.count_nonzero(gone))
         np.testing.assert_allclose(points.velocity[~gone, 0], 3.0, rtol=1e-9)
         assert (points.velocity[gone] == 0).all()
-        assert not lost_points.outside(points.position, simulation.model.soil.grid).any()
+        assert not lost_points.outside_grid(points.position, simulation.model.soil.grid).any()
     assert left[4] == 0 and left[-1] == len(points) and set(left) == {0, 16, 32, 64}
     assert [int(text.split()[0]) for text in notes if "out of the soil" in text] == [16, 32, 64]
     assert any("(16 kg, 0.25 of the mass): points 48 at (1.9" in text for text in notes)
@@ -105,10 +105,10 @@ def test_pieces_of_soil():
     place = np.array([[0.5, 0.5, 0.5], [1.5, 1.5, 1.5], [1.5, 0.5, 0.5],
                       [4.5, 4.5, 4.5], [6.5, 0.5, 0.5], [6.5, 1.5, 0.5]])
     basis = evaluate_basis(place, np.full((6, 3), 0.4), grid.axes)
-    piece, held = lost_points.adrift(basis, grid)
+    piece, held = lost_points.detached_pieces(basis, grid)
     assert (piece[:3] == 0).all() and piece[3] != piece[4] == piece[5] != 0
     assert held[piece[4]] and not held[piece[3]]
-    piece, _ = lost_points.adrift(basis, grid, np.arange(6) < 3)
+    piece, _ = lost_points.detached_pieces(basis, grid, np.arange(6) < 3)
     assert not piece.any()
 
 
@@ -118,7 +118,7 @@ def test_stretched_points():
     deformation[2] *= 0.4
     deformation[3, 0, 1] = 5.0
     deformation[4] *= 3.0
-    assert lost_points.stretched(deformation).tolist() == [False, True, True, False, True]
+    assert lost_points.distorted(deformation).tolist() == [False, True, True, False, True]
     assert isinstance(thrown("stop").state.points, Points)
 
 

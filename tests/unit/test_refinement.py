@@ -5,12 +5,12 @@ import pytest
 from contact_bed import bed
 
 from hybrid.laws.hencky import Hencky
-from hybrid.soil.refinement import Resolution
+from hybrid.soil.refinement import PointRefinement
 from hybrid.state import PointConstants, Points, Population
 
 
 def soil_of_coarse_points(stretch):
-    """Cells of 0.1 m, points of cells twice as wide that F has stretched along x, and the Resolution of the cells."""
+    """Cells of 0.1 m, points of cells twice as wide that F has stretched along x, and the PointRefinement of the cells."""
     grid, _, _ = bed()
     position = np.array([[0.3, 0.4, 0.0], [0.5, 0.4, 0.0]])
     half, n = np.full((2, 3), 0.05), 2
@@ -21,15 +21,15 @@ def soil_of_coarse_points(stretch):
     constants = PointConstants(position, half, np.full(n, 1e-3), np.full(n, 1.8))
     law = Hencky(np.full(n, 1e6), 0.3)
     width = np.full(3, 0.05)
-    resolution = Resolution((0, 1, 2), np.zeros(3), width, np.full(3, 2), 1)
-    return Population(points, constants, law.rows), grid, law, resolution
+    refinement = PointRefinement((0, 1, 2), np.zeros(3), width, np.full(3, 2), 1)
+    return Population(points, constants, law.rows), grid, law, refinement
 
 
 @pytest.mark.parametrize(("stretch", "count"), [(1.0, 16), (9.0, 16), (11.0, 8)])
 def test_points_that_are_drawn_out_are_not_thrown_apart(stretch, count):
     """Two points become eight each, but not along an axis that F stretches by more than ten."""
-    population, grid, law, resolution = soil_of_coarse_points(stretch)
-    adapted, _ = resolution.adapt(population, grid, law, np.ones(2, bool))
+    population, grid, law, refinement = soil_of_coarse_points(stretch)
+    adapted, _ = refinement.adapt(population, grid, law, np.ones(2, bool))
     assert len(adapted) == count
     assert adapted.constants.mass.sum() == pytest.approx(3.6)
     moved = 0.025 * stretch if count == 16 else 0.0
@@ -38,10 +38,10 @@ def test_points_that_are_drawn_out_are_not_thrown_apart(stretch, count):
 
 def test_no_half_is_put_beyond_the_grid():
     """A point near the end of the grid, drawn out so far that a half of it would not lie in it any more."""
-    population, grid, law, resolution = soil_of_coarse_points(5.0)
+    population, grid, law, refinement = soil_of_coarse_points(5.0)
     end = grid.axes[0][0]
     for place in (0.1, 0.124, 0.126, 0.13):
         population.points.position[0, 0] = end + place
-        adapted, _ = resolution.adapt(population, grid, law, np.ones(2, bool))
+        adapted, _ = refinement.adapt(population, grid, law, np.ones(2, bool))
         assert adapted.points.position[:, 0].min() >= end
         assert (len(adapted) == 16) == (place > 0.125)
