@@ -1,0 +1,86 @@
+"""The rigid bodies of a scene: mesh, mass, surface, initial motion, pull line, and contact with the soil."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from hybrid.body import rigid
+from hybrid.body.attitude import rotation_from_axis_angle
+from hybrid.body.motion import free_spin_rate
+from hybrid.body.rigid import FREEDOMS, Line, RigidBody
+from hybrid.body.samples import surface_samples
+from hybrid.body.surface import build_surface
+from hybrid.contact.corners import overlap
+from hybrid.runtime.errors import SceneError
+from hybrid.state import BodyState
+
+
+def mesh_of(described):
+    """TetMesh of a body's geometry."""
+    from hybrid.body.mesh import generate  # late, as in build_body: a scene without bodies needs no gmsh and dolfinx
+
+    return generate(described.geometry, described.parameters)
+
+
+def build_body(described, body_mesh, gravity):
+    """(RigidBody, its initial BodyState); the stiffness of its contact follows from the soil (`connect_to_soil`)."""
+    from hybrid.body.mass import condensed_mass
+
+    properties = condensed_mass(body_mesh, described.density)
+    surface = build_surface(body_mesh.points - properties.centre, body_mesh.contact)
+    rotation = np.eye(3)
+    if described.rotation:
+        rotation = rotation_from_axis_angle(described.rotation[:3], np.radians(described.rotation[3]))
+    position = np.array(described.position or (0.0, 0.0, 0.0)) + rotation @ properties.centre
+    if described.rest_on is not None:
+        position[2] = described.rest_on - (surface.vertices @ rotation.T)[:, 2].min()
+    driven = np.isin(FREEDOMS, described.driven)
+    free = ~(np.isin(FREEDOMS, described.held) | driven)
+    rates = np.concatenate([described.velocity, rotation @ described.spin])
+    body = RigidBody(
+        name=described.name, mass=properties, surface=surface, free=free, drive=rates * driven,
+        friction=described.friction, tangential=described.tangential, penalty=described.penalty,
+        second_pass=described.second_pass, augmented=described.enforcement == "augmented",
+        line=build_line(described, body_mesh, properties))
+    falling = gravity * free[:3]  # nothing touches a body at the start, so it accelerates freely
+    spin = np.array(described.spin, float)
+    motion = BodyState(position, rotation, np.array(described.velocity, float), falling, spin,
+                       free_spin_rate(properties.inertia, rotation, spin, free[3:]))
+    return body, motion
+
+
+def build_line(described, body_mesh, properties):
+    """Pull line, or None without a pull."""
+    pull = described.pull
+    if pull is None:
+        return None
+    if isinstance(pull.point, str):
+        if pull.point not in body_mesh.named_points:
+            raise SceneError(f"body.pull.point = {pull.point!r} is not a physical point of {described.geometry.name}; "
+                             f"it has {', '.join(body_mesh.named_points) or 'none'}")
+        point = body_mesh.named_points[pull.point]
+    else:
+        point = np.array(pull.point, float)
+    direction = np.array(pull.direction if pull.direction is not None else pull.velocity, float)
+    return Line(point - properties.centre, direction / np.linalg.norm(direction), np.array(pull.velocity, float),
+                pull.stiffness, pull.length, pull.tension_only)
+
+
+def connect_to_soil(described, body, soil):
+    """The body with contact springs as stiff as `soil` asks for and, with a second pass, samples of its surface."""
+    body = rigid.with_stiffness(body, soil.law.young, soil.constants.volume)
+    if not described.second_pass:
+        return body
+    return replace(body, samples=surface_samples(body.surface, 2 * soil.constants.half_width.min()))
+
+
+def refuse_overlap(body, motion, points, basis):
+    """SceneError when the body starts deeper in the soil than contact springs bear: they would throw it out."""
+    half = points.half_width if basis == "gimp" else np.zeros_like(points.half_width)
+    depth, count = overlap(points.position, half, motion, body.surface)
+    limit = 0.1 * points.half_width.min()
+    if depth > limit:
+        raise SceneError(
+            f"body {body.name!r} overlaps the soil at the start: {count} corners of the points' domains lie up to "
+            f"{depth:.3g} m inside the body, limit {limit:.3g} m; set body.rest_on to the height of the soil's "
+            "surface, or raise body.position. A body cannot start embedded: drive it in, with body.driven and body.velocity")

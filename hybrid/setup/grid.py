@@ -1,0 +1,47 @@
+"""The background grid of a scene: nodes along each axis, held faces, and how the grid moves with a body."""
+
+import numpy as np
+
+from hybrid.body import rigid
+from hybrid.grid.axes import FACES, graded_nodes, make_grid, uniform_nodes
+from hybrid.grid.moving_axis import MovingAxis
+from hybrid.step.moving_grid import Travel
+
+
+def build_grid(scene, placed=()):
+    """(Grid with its held faces, Travel or None, its layouts) for bodies `placed`, each a RigidBody and BodyState.
+
+    The Travel and its layouts are None where the grid stands still.
+    """
+    described = (scene.grid.x, scene.grid.y, scene.grid.z)
+    extent = np.array([(axis.start, axis.end) for axis in described])
+    axes = [None if axis.travels else axis_nodes(axis) for axis in described]
+    moving = {number: build_moving_axis(axis, upwards=number == 2)
+              for number, axis in enumerate(described) if axis.travels}
+    faces = {face: getattr(scene.grid.faces, face) for face in FACES}
+    if not moving:
+        return make_grid(axes, extent, faces, scene.soil.held), None, None
+    names = [body.name for body, _ in placed]
+    followed = names.index(scene.grid.follow) if scene.grid.follow else 0
+    travel = Travel(followed, moving, axes, extent, faces,
+                    np.broadcast_to(scene.soil.points_per_axis, 3), scene.grid.behind == "freeze")
+    layouts = travel.fit(rigid.bounding_box(*placed[followed]))
+    return travel.grid(layouts), travel, layouts
+
+
+def axis_nodes(axis):
+    """Coordinates [m] of the nodes along an axis that stands still; a collapsed axis has one node."""
+    if axis.collapsed:
+        return np.array([0.5 * (axis.start + axis.end)])
+    if axis.nodes is not None:
+        return np.array(axis.nodes)
+    if axis.fine is not None:
+        return graded_nodes(axis.start, axis.end, axis.size, axis.fine, axis.growth)
+    return uniform_nodes(axis.start, axis.end, axis.size)
+
+
+def build_moving_axis(axis, upwards):
+    """Axis that moves with a body. upwards: along z, where a window leaves out no soil above the body."""
+    window = axis.window and (axis.window[0], np.inf if upwards else axis.window[1])
+    cells, per = round((axis.end - axis.start) / axis.size), max(1, round(np.log(2) / np.log(axis.growth)))
+    return MovingAxis(axis.start, axis.end, cells, axis.around, window, axis.doublings, per)

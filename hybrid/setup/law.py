@@ -1,0 +1,56 @@
+"""The law of a soil layer: material values, the preset of a relative density, K0, stiffness that follows stress.
+
+    E = E_ref (K0 σ_v / 100 kPa)^m      unless the scene gives one constant Young's modulus
+"""
+
+import numpy as np
+
+from hybrid.laws.drucker_prager import DruckerPrager
+from hybrid.laws.hencky import Hencky
+from hybrid.laws.sand import sand, stiffness_from_stress
+from hybrid.laws.von_mises import VonMises
+from hybrid.laws.willam_warnke import WillamWarnke
+from hybrid.runtime.errors import SceneError
+from hybrid.scene.material import NUMBERS
+
+
+def material_values(material):
+    """Material parameters by name: the preset of the relative density, overridden by what the scene gives."""
+    values = sand(material.relative_density, material.buoyant) if material.relative_density is not None else {}
+    given = {name: getattr(material, name) for name in NUMBERS if getattr(material, name) is not None}
+    if "young" in given:
+        values.pop("reference_young", None)
+    return {**values, **given, "cone": material.cone}
+
+
+def coefficient_at_rest(law, material):
+    """K0 = 1 - sin φ of sand, ν/(1 - ν) of an elastic soil and of clay in total stress; of a user's law 1."""
+    if "friction_angle" in material and law != "hencky":
+        return 1 - np.sin(np.radians(material["friction_angle"]))
+    return material["poisson"] / (1 - material["poisson"]) if law != "user" else 1.0
+
+
+def build_law(stratum, horizontal_stress, depth):
+    """Law of a stratum with one row of parameters per point; stiffness follows the initial stress when asked to.
+
+    horizontal_stress: (m,) [Pa] compression positive; depth: (m,) [m] below the stratum's top.
+    """
+    m, young = stratum.values, stratum.values.get("young")
+    if young is None:
+        young = stiffness_from_stress(m["reference_young"], m["stiffness_exponent"], horizontal_stress)
+    young = np.broadcast_to(np.asarray(young, float), depth.shape)
+    if stratum.law == "hencky":
+        return Hencky(young, m["poisson"])
+    hardening = m.get("hardening", 0.0)
+    if stratum.law == "von-mises":
+        strength = m["strength"] + m.get("strength_gradient", 0.0) * depth
+        if strength.min() <= 0:
+            at = depth[np.argmin(strength)]
+            raise SceneError(f"{stratum.name}: strength_gradient = {m['strength_gradient']:g} Pa/m leaves "
+                             f"{strength.min():.3g} Pa at a depth of {at:.3g} m; it must leave a strength everywhere")
+        return VonMises(young, m["poisson"], strength, m["cone"], hardening, m.get("residual_strength", 0.0))
+    angles = m["friction_angle"], m["dilation_angle"], m["cohesion"]
+    floor = m.get("residual_cohesion", 0.0)
+    if stratum.law == "willam-warnke":
+        return WillamWarnke(young, m["poisson"], *angles, hardening, floor)
+    return DruckerPrager(young, m["poisson"], *angles, m["cone"], hardening, floor)

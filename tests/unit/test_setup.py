@@ -1,0 +1,148 @@
+"""What `hybrid.setup` makes of a scene: grid, soil and law, bodies; and its refusals name key, value and remedy."""
+
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import hybrid
+from hybrid.body.rigid import FREEDOMS
+from hybrid.runtime.errors import SceneError
+from hybrid.scene import Axis, Body, Grid, Layer, Material, Pull, Scene, Soil, Stage, Time
+from hybrid.setup import bodies, law
+from hybrid.setup import grid as setup_grid
+from hybrid.setup import soil as setup_soil
+from hybrid.setup.build import build
+
+ELASTIC = Material(law="hencky", young=1e6, poisson=0.25, density=1500.0)
+GEOMETRY = Path(hybrid.__file__).parents[1] / "geometry" / "box.geo"
+
+
+def scene(z=Axis(-1.0, 1.0, 0.5), soil=Soil(ELASTIC, top=0.0), **values):
+    side = Axis(0.0, 1.0, 0.5)
+    return Scene(name="cell", grid=Grid(side, side, z), soil=soil, time=Time(0.1), stages=(Stage("one", 1),), **values)
+
+
+# ---------------------------------------------------------------- grid
+
+
+@pytest.mark.parametrize("axis, nodes", [
+    (Axis(0.0, 1.0, 0.4), [0, 1 / 3, 2 / 3, 1]),                    # equal cells, no larger than the size
+    (Axis(0.0, 2.0, collapsed=True), [1]),
+    (Axis(nodes=(0.0, 1.0, 2.5)), [0, 1, 2.5]),
+    (Axis(0.0, 4.0, 1.0, fine=(1.0, 2.0), growth=1.3), None),
+])
+def test_nodes_of_an_axis(axis, nodes):
+    found = setup_grid.axis_nodes(axis)
+    if nodes is None:
+        assert {0.0, 1.0, 2.0, 4.0} <= set(found) and np.diff(found).max() <= 1.3 + 1e-12
+    else:
+        np.testing.assert_allclose(found, nodes)
+
+
+def test_a_window_leaves_no_soil_out_above_the_body():
+    axis = Axis(0.0, 8.0, 0.5, around=(1.0, 1.0), window=(2.0, 3.0))
+    assert setup_grid.build_moving_axis(axis, upwards=False).window == (2.0, 3.0)
+    assert setup_grid.build_moving_axis(axis, upwards=True).window == (2.0, np.inf)
+
+
+def test_a_grid_that_stands_still_has_no_layouts():
+    grid, travel, layouts = setup_grid.build_grid(scene())
+    assert grid.shape == (3, 3, 5) and travel is None and layouts is None
+    assert not grid.fixed.reshape(3, 3, 5, 3)[1, 1, -1].any()       # z_max is free, the others are rollers
+
+
+# ---------------------------------------------------------------- soil and law
+
+
+@pytest.mark.parametrize("soil, words", [
+    ({"top": -0.2}, "soil.top = -0.2: must be on a grid line, .* nearest line along z is at 0 m; set soil.top to that, "
+                    "or choose grid.z.start and grid.z.size"),
+    ({"top": 0.0, "lower": (0.3, 0.0, -1.0)}, r"soil.lower\[0\] = 0.3: .* grid.x.size"),
+    ({"top": 0.0, "upper": (1.0, 0.7, 0.0)}, r"soil.upper\[1\] = 0.7: .* along y is at 0.5 m"),
+])
+def test_soil_ends_on_grid_lines(soil, words):
+    with pytest.raises(SceneError, match=words):
+        build(scene(soil=Soil(ELASTIC, **soil)))
+
+
+def test_the_box_of_soil_is_cut_by_the_grid():
+    grid = SimpleNamespace(extent=np.array([[0.0, 1.0], [0.0, 1.0], [-1.0, 1.0]]),
+                           axes=(np.array([0.5]), np.linspace(0, 1, 3), np.linspace(-1, 1, 5)))
+    described = Soil(ELASTIC, top=0.5, lower=(0.3, -5.0, -0.5), upper=(7.0, 0.5, 0.9))     # x is collapsed: any end
+    lower, upper = setup_soil.soil_box(described, grid)
+    assert lower.tolist() == [0.3, 0.0, -0.5] and upper.tolist() == [1.0, 0.5, 0.5]       # top overrides upper[2]
+
+
+def test_what_accuracy_changed_is_said_where_it_makes_a_scene_invalid():
+    """Blocks of 2^2 cells of 0.5 m fill 6 m; of 1 m they do not."""
+    body = Body(GEOMETRY, 1000.0, rest_on=0.0)
+    moving = scene(z=Axis(-4.0, 2.0, 0.5, around=(1.0, 1.0), doublings=2), bodies=(body,))
+    hybrid.validate(moving)
+    with pytest.raises(SceneError) as error:
+        build(replace(moving, accuracy="draft"))
+    text = str(error.value)
+    assert "grid.z.end = 2: must be start = -4 plus a multiple of size" in text
+    assert "accuracy = 'draft' changed them (cells x 2, steps x 2" in text and "leave accuracy out" in text
+    with pytest.raises(SceneError, match="(?s)soil.top = -0.5: must be on a grid line.*accuracy = 'draft'"):
+        build(scene(soil=Soil(ELASTIC, top=-0.5), accuracy="draft"))
+
+
+def test_stress_at_rest_is_the_weight_above():
+    described = Soil(ELASTIC, top=0.0, k0=0.4)
+    grid, *_ = setup_grid.build_grid(scene())
+    constants, stress, _ = setup_soil.lay_out(described, grid, np.array([0.0, 0.0, -10.0]))
+    np.testing.assert_allclose(stress[:, 2], 1500.0 * 10.0 * constants.position[:, 2])
+    np.testing.assert_allclose(stress[:, :2], 0.4 * stress[:, 2:] * np.ones((1, 2)))
+    with pytest.raises(SceneError, match="gravity along -z"):
+        setup_soil.lay_out(described, grid, np.array([1.0, 0.0, -10.0]))
+
+
+def test_points_belong_to_the_layer_of_their_centre():
+    stiff = Layer("stiff", bottom=-0.5, material={"young": 5e6})
+    strata = setup_soil.find_strata(Soil(ELASTIC, top=0.0, layers=(stiff,)), np.array([-0.1, -0.5, -0.9]), 0.0)
+    assert [(s.name, s.points.tolist(), s.values["young"]) for s in strata] == [
+        ("stiff", [0, 1], 5e6), ("soil", [2], 1e6)]
+
+
+def test_values_of_a_material():
+    """A value that is given replaces that of the preset; one stiffness replaces the other kind."""
+    values = law.material_values(Material(relative_density=40.0, cohesion=5.0, young=1e7))
+    assert values["cohesion"] == 5.0 and values["friction_angle"] == 33.0 and "reference_young" not in values
+    assert law.coefficient_at_rest("drucker-prager", {"friction_angle": 30.0}) == pytest.approx(0.5)
+    assert law.coefficient_at_rest("hencky", {"poisson": 0.25}) == pytest.approx(1 / 3)
+    assert law.coefficient_at_rest("user", {}) == 1.0
+
+
+def test_stiffness_follows_the_horizontal_stress():
+    values = law.material_values(Material(relative_density=40.0, stiffness_exponent=0.5))
+    stratum = setup_soil.Stratum("sand", "hencky", values, 0.5, 0.0, np.arange(2))
+    found = law.build_law(stratum, np.array([25e3, 100e3]), np.array([1.0, 4.0]))
+    np.testing.assert_allclose(found.young, [12e6, 24e6])
+
+
+# ---------------------------------------------------------------- bodies
+
+
+def test_a_body_rests_on_its_lowest_vertex():
+    described = Body(GEOMETRY, 1000.0, rest_on=0.25, rotation=(0.0, 1.0, 0.0, 30.0), held=("x",), driven=("z",),
+                     velocity=(0.0, 0.0, -0.5))
+    body, motion = bodies.build_body(described, bodies.mesh_of(described), np.array([0.0, 0.0, -9.81]))
+    heights = motion.position[2] + (body.surface.vertices @ motion.rotation.T)[:, 2]
+    assert heights.min() == pytest.approx(0.25)
+    assert [name for name, free in zip(FREEDOMS, body.free) if free] == ["y", "rx", "ry", "rz"]
+    assert body.drive.tolist() == [0.0, 0.0, -0.5, 0.0, 0.0, 0.0]
+
+
+def test_a_line_is_fixed_to_a_point_of_the_geometry():
+    described = Body(GEOMETRY, 1000.0, pull=Pull("nose", (1.0, 0.0, 0.0), 1e6, 10.0))
+    with pytest.raises(SceneError, match="body.pull.point = 'nose' is not a physical point of box.geo; it has "):
+        bodies.build_line(described, SimpleNamespace(named_points={}), None)
+
+
+def test_a_body_starts_outside_the_soil():
+    sunk = scene(bodies=(Body(GEOMETRY, 1000.0, position=(0.5, 0.5, -0.2)),))
+    with pytest.raises(SceneError, match="body 'body' overlaps the soil at the start: .* set body.rest_on"):
+        build(sunk)
