@@ -9,10 +9,10 @@ import numpy as np
 from hybrid.body import rigid
 from hybrid.body.attitude import quaternion
 from hybrid.linalg.system_cache import Systems
-from hybrid.monitors import Watch
-from hybrid.monitors.failure_hints import drawn_out
-from hybrid.monitors.initial_equilibrium import measure
-from hybrid.monitors.limits import near
+from hybrid.monitors import Monitors, StepView
+from hybrid.monitors.failure_hints import overstretched_domains
+from hybrid.monitors.initial_equilibrium import initial_imbalance
+from hybrid.monitors.limits import limit_warnings
 from hybrid.output.model_sheet import model_sheet
 from hybrid.output.record import BodyRecord, Record
 from hybrid.runtime import timing
@@ -43,9 +43,9 @@ class Simulation:
         start = Step(model, state, scene.time.step, False, Systems(model))
         evaluation = start.evaluate(start.at_rest())
         self._start_energy = energies(model, state, evaluation)     # a body may start in the soil a little
-        self.imbalance = measure(start, evaluation)
+        self.imbalance = initial_imbalance(start, evaluation)
         start.system.destroy()
-        self._watch = Watch(model, state)
+        self._monitors = Monitors(model, state)
 
     @property
     def initial_position(self):
@@ -66,12 +66,12 @@ class Simulation:
     def sheet(self):
         """What is modelled and what is left out, with sizes: {section: {label: value}}."""
         return {**model_sheet(self.scene, self.model, self.imbalance, self.level, self.most_points),
-                **({"near a limit": list(self.warned)} if self.warned else {})}
+                **({"warnings": list(self.warned)} if self.warned else {})}
 
     @cached_property
     def warned(self):
-        """Texts about the limits that the scene comes near, which look at nothing that changes in a run."""
-        return near(self.scene, self.model)
+        """Texts about the limits that the scene exceeds; they depend on nothing that changes in a run."""
+        return limit_warnings(self.scene, self.model)
 
     @property
     def most_points(self):
@@ -162,7 +162,7 @@ class Simulation:
                         model, systems, self.state, length, stage.pull, control, settings)
                 except StepError as failure:
                     failure.args = ". ".join(
-                        [str(failure), *self.warned, *drawn_out(self.model, self.state.points)]),
+                        [str(failure), *self.warned, *overstretched_domains(self.model, self.state.points)]),
                     raise
                 self.evaluation, self.increment = report.evaluation, control.dt
                 yield self._record(stage.name, stage_step, report, model.scheme)
@@ -196,7 +196,7 @@ class Simulation:
             increments=report.increments, iterations=report.iterations, rejections=report.rejections,
             residual=evaluation.error, contacts=sum(len(c) for c in evaluation.contacts), seconds=timing.collect(),
             energies=energy, bodies=bodies, time_error=report.error, krylov=report.krylov,
-            notes=self._initial_notes() + self._watch.notes(self.model, state, scheme, report, energy))
+            notes=self._initial_notes() + self._monitors.notes(StepView(self.model, state, scheme, report, energy)))
 
     def _initial_notes(self):
         """What is told once, with the first step of all."""

@@ -1,28 +1,39 @@
-"""What a run tells while it goes: all that may go wrong quietly, looked at after each outer step."""
+"""What a run warns of, before it (`limits`, `initial_equilibrium`) and during it (one monitor for each kind of error).
 
-from hybrid.monitors.domain_exit import Leaving
-from hybrid.monitors.energy_balance import Gain
-from hybrid.monitors.force_oscillation import Ringing
-from hybrid.monitors.lost_points import Astray
-from hybrid.monitors.missed_contact import Between
-from hybrid.monitors.penetration import Deep
-from hybrid.monitors.plastic_increment import Flow
+| monitor          | warns that                                                            |
+|------------------|-----------------------------------------------------------------------|
+| DomainExit       | a body leaves the grid                                                |
+| LostPoints       | points are inactive, detached from the soil, or distorted               |
+| MissedContact    | a body is inside the soil, between the corners, and has no contact    |
+| Penetration      | a body overlaps the soil by more than a point domain                  |
+| ForceOscillation | the contact force oscillates because the scheme does not damp         |
+| EnergyBalance    | energy is gained, or lost in one step, that the balance cannot explain |
+| PlasticIncrement | an increment without inertia adds too much plastic strain             |
+
+None of these errors stops a run. `failure_hints` adds probable causes and remedies to the message of a step that fails.
+"""
+
+from hybrid.monitors.domain_exit import DomainExit
+from hybrid.monitors.energy_balance import EnergyBalance
+from hybrid.monitors.force_oscillation import ForceOscillation
+from hybrid.monitors.lost_points import LostPoints
+from hybrid.monitors.missed_contact import MissedContact
+from hybrid.monitors.monitor import StepView
+from hybrid.monitors.penetration import Penetration
+from hybrid.monitors.plastic_increment import PlasticIncrement
+
+MONITORS = (
+    DomainExit, LostPoints, MissedContact, Penetration, ForceOscillation, EnergyBalance, PlasticIncrement)
+
+__all__ = ["MONITORS", "Monitors", "StepView", *(kind.__name__ for kind in MONITORS)]
 
 
-class Watch:
-    """Everything that is watched in a run of `model` from `state` on."""
+class Monitors:
+    """All monitors of a run of `model` from `state` on."""
 
     def __init__(self, model, state):
-        self._leaving, self._gain, self._flow = Leaving(model, state.bodies), Gain(), Flow()
-        self._astray = None if model.soil.held else Astray(model, state.points)
-        self._contact = Between(), Deep(), Ringing()
+        self._monitors = [kind(model, state) for kind in MONITORS]
 
-    def notes(self, model, state, scheme, report, energy):
-        """Texts about what is new at `state`, which a step by `scheme` led to; report: of that step; energy: now."""
-        notes = self._leaving.notes(model, state)
-        if self._astray:
-            notes += self._astray.notes(model, state)
-        for kind in self._contact:
-            notes += kind.notes(model, state, report.evaluation.contacts, scheme)
-        notes += self._gain.notes(state.time, energy, scheme.damps or not scheme.inertia)
-        return notes + self._flow.notes(state.time, report.flow)
+    def notes(self, view):
+        """Texts about a StepView, each given once in a run."""
+        return tuple(text for monitor in self._monitors for text in monitor.notes(view))

@@ -1,43 +1,42 @@
-"""Bodies that leave the grid: beyond it there is no soil, so their contact ends there and the user should know.
+"""Bodies that leave the grid: there is no soil beyond it, so their contact ends there.
 
-A body leaves when a vertex of its surface passes a face of the grid that none had passed at the start. Upwards that is
-nothing to speak of, along a collapsed axis it means nothing, and a platen wider than the soil is meant so.
+A body leaves the grid when a vertex of its surface passes a face of the grid that none had passed at the start. The
+upper face does not count, nor do faces along a collapsed axis; a platen wider than the grid from the start is intended.
 """
 
 from hybrid.body import rigid
+from hybrid.monitors.monitor import Monitor
 
 FACES = tuple((axis, side) for axis in range(3) for side in (0, 1) if (axis, side) != (2, 1))
 
 
-class Leaving:
-    """Says once for each body and face of the grid that the body has left there."""
+class DomainExit(Monitor):
+    """Warns once for each body and face of the grid that the body passes."""
 
-    def __init__(self, model, bodies):
-        """bodies: their states at the start."""
-        self._said = {(b, face) for b, face, _, _ in _beyond(model, bodies)}
+    def __init__(self, model, state):
+        super().__init__(model, state)
+        self._given |= {(b, face) for b, face, _, _ in _beyond(model, state.bodies)}
 
-    def notes(self, model, state):
-        """Texts about what has left since the last call: body, time, place, limit and remedy."""
-        found = [left for left in _beyond(model, state.bodies) if left[:2] not in self._said]
-        self._said |= {left[:2] for left in found}
-        return tuple(_text(model.bodies[b].name, state.time, face, at, end) for b, face, at, end in found)
+    def warnings(self, view):
+        """Body, time, place, limit and remedy."""
+        for b, face, reached, end in _beyond(view.model, view.state.bodies):
+            yield (b, face), _text(view.model.bodies[b].name, view.state.time, face, reached, end)
 
 
 def _beyond(model, bodies):
-    """Yield (body, face, coordinate it reaches, coordinate of the face) [m]."""
+    """Yield (body, (axis, side), coordinate the body reaches, coordinate of the face) [m] for each face passed."""
     grid = model.soil.grid
     slack = 1e-6 * grid.smallest_cell
     for b, (body, state) in enumerate(zip(model.bodies, bodies)):
-        place = rigid.bounding_box(body, state)
+        box = rigid.bounding_box(body, state)
         for axis, side in FACES:
-            at = place[side, axis]
-            end = grid.extent[axis, side]
-            if not grid.collapsed[axis] and (at - end) * (2 * side - 1) > slack:
-                yield b, (axis, side), at, end
+            reached, end = box[side, axis], grid.extent[axis, side]
+            if not grid.collapsed[axis] and (reached - end) * (2 * side - 1) > slack:
+                yield b, (axis, side), reached, end
 
 
-def _text(name, time, face, at, end):
+def _text(name, time, face, reached, end):
     axis, side = "xyz"[face[0]], ("start", "end")[face[1]]
-    return (f"{name} leaves the grid: at t = {time:.4g} s it reaches {axis} = {at:.4g} m, the grid ends at "
-            f"{axis} = {end:.4g} m. There is no soil beyond, so its contact ends there; move grid.{axis}.{side} "
-            "outwards, or stop the run earlier")
+    return (f"{name} leaves the grid: at t = {time:.4g} s its surface reaches {axis} = {reached:.4g} m, limit {axis} = "
+            f"{end:.4g} m, where the grid ends. There is no soil beyond, so the body has no contact there. Move "
+            f"grid.{axis}.{side} outwards, or end the run earlier")

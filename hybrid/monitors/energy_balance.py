@@ -1,32 +1,48 @@
-"""Energy that a run gains from nothing, or loses in one step without being asked to."""
+"""Energy that a run gains, or loses in one step, without a cause in the balance of `hybrid.step.energy`."""
+
+from hybrid.monitors.monitor import Monitor
+
+GAIN = 0.25     # of the largest energy stored so far (kinetic, elastic, contact springs)
+LOSS = 0.5      # of the same, in one step; 0.3 is the most in 200 runs whose steps resolve contact
 
 
-class Gain:
-    """Says once each when there is energy out of nothing, and when a step loses most of it without being asked to, as
-    happens where an impact falls into one step."""
+class EnergyBalance(Monitor):
+    """Warns once of an unaccounted gain, and once of an unaccounted loss of most of the energy in one step, as happens
+    where an impact falls into one step. A scheme that damps is meant to lose energy, and a quasi-static run has no
+    history in time."""
 
-    LIMIT = 0.25    # of the most that ever was kinetic, elastic and in contact springs
-    LOSS = 0.5      # of the same, in one step; 0.3 is the most in 200 runs whose steps resolve contact
+    def __init__(self, model, state):
+        super().__init__(model, state)
+        self._largest = self._error = 0.0   # [J], stored energy so far; error of the balance at the last step
 
-    def __init__(self):
-        self._said, self._lost, self._held, self._before = False, False, 0.0, 0.0
-
-    def notes(self, time, energy, damped=False):
-        """Texts (none or one) about the state at `time` [s]; energy: `energies` with their "error"; damped: whether the
-        scheme is meant to lose some, or time is only the order of events."""
-        gain, loss = energy["error"], self._before - energy["error"]
-        self._before = gain
-        self._held = held = max(self._held, energy["kinetic"] + energy["elastic"] + energy["contact"])
-        if not self._said and gain > self.LIMIT * held > 0:
-            self._said = True
-            return (f"energy out of nothing: at t = {time:.4g} s there are {gain:.3g} J too many, {gain / held:.0%} of "
-                    f"what moves, soil and contact hold (limit {self.LIMIT:.0%}). {_REMEDY}",)
-        if not self._lost and not damped and loss > self.LOSS * held > 0:
-            self._lost = True
-            return (f"energy into nothing: in the step to t = {time:.4g} s {loss:.3g} J are lost, {loss / held:.0%} of "
-                    f"what moves, soil and contact hold (limit {self.LOSS:.0%}). {_REMEDY}",)
-        return ()
+    def warnings(self, view):
+        """Energy, time, limit and remedy."""
+        energy, scheme = view.energy, view.scheme
+        gain, loss = energy["error"], self._error - energy["error"]
+        self._error = gain
+        stored = self._largest = max(self._largest, energy["kinetic"] + energy["elastic"] + energy["contact"])
+        if gain > GAIN * stored > 0:
+            yield "gain", (f"energy balance: unaccounted gain of {gain:.3g} J at t = {view.state.time:.4g} s "
+                           f"({_share(gain, stored, GAIN)}). {_remedy(view)}")
+        if scheme.inertia and not scheme.damps and loss > LOSS * stored > 0:
+            yield "loss", (f"energy balance: unaccounted loss of {loss:.3g} J in the step to t = "
+                           f"{view.state.time:.4g} s ({_share(loss, stored, LOSS)}). {_remedy(view)}")
 
 
-_REMEDY = ("Contact comes and goes faster than the step resolves; use a smaller time.step, time.accuracy = 1e-3, a "
-           "lower body.penalty, or a scheme that damps")
+def _share(energy, stored, limit):
+    return f"{energy / stored:.0%} of the largest stored energy so far, limit {limit:.0%}"
+
+
+def _remedy(view):
+    """What to change in a scene like this one."""
+    if not view.scheme.inertia:
+        return "Use shorter load increments: more stage.steps"
+    changes = ["a smaller time.step"]
+    changes.append("time.accuracy = 1e-3" if view.report.error is None else "a smaller time.accuracy")
+    if view.model.bodies:
+        changes.append("a lower body.penalty")
+    if not view.scheme.damps:
+        changes.append("a scheme that damps (time.beta = 0.5625, time.gamma = 1)")
+    cause = ("Contact opens and closes faster than the time step resolves" if view.model.bodies else
+             "The time step does not resolve the motion of the soil")
+    return f"{cause}; use {', '.join(changes[:-1])}, or {changes[-1]}"

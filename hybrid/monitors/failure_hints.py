@@ -1,52 +1,110 @@
-"""What a step may have failed from, when the soil itself is not to blame, and what helps.
+"""Probable causes of a step that failed, and what to change in its scene, the most effective change first.
 
-The numbers are those at which `hybrid.study.failure` has seen runs fail: cases cuts, stretch and weightless.
+The limits are those at which runs were seen to fail: failure cases cuts, stretch and weightless.
 """
 
 import numpy as np
 
 from hybrid.soil.domains import cells_wide
 
-CUT = 1e-4      # of the mass of a full node: nodes that carry less have stopped runs
-DRAWN = 0.9     # cells that a domain is wide, next to which soil parts,
-STRETCHED = 1.05    # if it is stretched at all
+CUT = 1e-4          # mass of a node over that of a full one [-]: nodes below have stopped runs without inertia
+DOMAIN_WIDTH = 0.9  # cells that a domain may be wide before soil separates next to it,
+STRETCHED = 1.05    # if its F is larger than this (Frobenius norm of a column)
+DAMPING = "a scheme that damps (time.beta = 0.5625, time.gamma = 1)"
 
 
-def likely(step, evaluation):
-    """Text to add to what is told of a failed `step` and its last `evaluation`, if there is one."""
+def advice(step, outcome, settings):
+    """Text about a failed `step`: probable causes, each with its remedy, then what else to try.
+
+    outcome: of Newton's method (`reason`, `errors`, `evaluation` or None); settings: with its `tolerance`.
+    """
+    causes = probable_causes(step, outcome.evaluation)
+    changes = remedies(step.model, outcome.reason, outcome.errors, settings.tolerance)
+    start = "Otherwise use " if causes else "Use "
+    return ". ".join([*causes, start + either(changes)])
+
+
+def remedies(model, reason="", errors=(), tolerance=0.0):
+    """Changes to the scene of `model`, as phrases, the most effective first.
+
+    reason: why Newton's method stopped; errors: relative residuals of its iterations; tolerance: what they had to reach.
+    """
+    dynamic = model.scheme.inertia
+    shorter = "a smaller time.step" if dynamic else "a smaller time.step with more stage.steps"
+    if "linear solver" in reason:
+        direct = ['solver.linear = "direct"'] if model.linear == "krylov" else []
+        return (*direct, shorter, *(() if dynamic else ("time.inertia = true",)))
+    if "residual" not in reason:    # the increment is too long: rotation, search of contact, inverted soil
+        return (shorter,)
+    changes = [shorter]
+    if len(errors) > 1 and errors[-1] < 0.5 * errors[-3:][0]:
+        changes.insert(0, "more solver.iterations (the residual was still falling)")
+    elif errors and errors[-1] < 100 * tolerance:
+        changes.insert(0, "a looser solver.tolerance (the residual is close to it)")
+    if any(not body.augmented for body in model.bodies):
+        changes.append("a lower body.penalty")
+    if dynamic and not model.scheme.damps:
+        changes.append(DAMPING)
+    return tuple(changes)
+
+
+def accuracy_remedies(model):
+    """The same for an increment whose error in time is too large at the shortest length allowed."""
+    penalty = ("a lower body.penalty",) if any(not body.augmented for body in model.bodies) else ()
+    damping = () if model.scheme.damps else (DAMPING,)
+    return ("a larger time.accuracy", "a smaller time.smallest", *penalty, *damping)
+
+
+def probable_causes(step, evaluation):
+    """Texts about a failed `step` and the last `evaluation` of its trial values, None where there is none."""
     if step.soil is None:
-        return ""
-    soil, text = step.model.soil, ""
-    left, noise = evaluation and evaluation.norms.get("soil [N]"), rounding(soil, step.pattern.size)
-    if left and left < noise:
-        text = (f". What is left, {left:.2g} N, is rounding of the stiffness, limit {noise:.2g} N: the forces acting "
-                "are too small beside it. Set a looser solver.tolerance, or a lower modulus")
-    if step.model.scheme.inertia:
-        return text
-    mass = step.soil.mass[step.pattern.free.any(axis=1)]
-    least = mass.min() / mass.max() if mass.size else 1.0
-    if least < CUT and not soil.ghost_factor:
-        text += (f". A node of a cell hardly filled carries {least:.1g} of the mass of a full one, limit {CUT:g} "
-                 "without inertia: set soil.ghost = 0.033")
-    return text + ". Without inertia, this is also how soil ends that cannot carry its load"
+        return ()
+    model, causes = step.model, []
+    quasi_static = not model.scheme.inertia
+    lost = evaluation is not None and quasi_static and model.bodies and not any(map(len, evaluation.contacts))
+    residual = evaluation and evaluation.norms.get("soil [N]")
+    limit = roundoff_force(model.soil, step.pattern.size)
+    if lost:
+        names = ", ".join(body.name for body in model.bodies)
+        causes.append(f"No corner of the soil touches {names} any more, so that without inertia no force balances the "
+                      "load: start the body in contact with the soil (body.rest_on), use shorter increments (a smaller "
+                      "time.step with more stage.steps), or set time.inertia = true")
+    elif residual and residual < limit:
+        causes.append(f"The residual of the soil, {residual:.2g} N, is round-off of its stiffness, limit {limit:.2g} N, "
+                      "as the loads are too small beside the modulus: set a looser solver.tolerance, or a lower modulus")
+    if quasi_static:
+        mass = step.soil.mass[step.pattern.free.any(axis=1)]
+        least = mass.min() / mass.max() if mass.size else 1.0
+        if least < CUT and not model.soil.ghost_factor:
+            causes.append(f"A node of a nearly empty cell carries {least:.1g} of the mass of a full one, limit {CUT:g} "
+                          "without inertia: set soil.ghost = 0.033")
+        if not lost:
+            causes.append("Without inertia a step also fails where the load exceeds what the soil can carry")
+    return tuple(causes)
 
 
-def rounding(soil, unknowns):
-    """Norm [N] of the forces on so many unknowns that strains of a few times the precision of numbers make."""
+def roundoff_force(soil, unknowns):
+    """Norm [N] of the forces on so many unknowns that come from strains of a few times the machine precision."""
     parameters = getattr(soil.law, "parameters", None)
     modulus = soil.law.young if parameters is None else np.maximum(soil.law.young, parameters[:, 0])
     stiffness = np.max(modulus * soil.constants.volume ** (2 / 3), initial=0.0)
     return 10 * np.finfo(float).eps * stiffness * np.sqrt(unknowns)
 
 
-def drawn_out(model, points):
-    """Texts (none or one) about `points` that are stretched until they may part."""
+def overstretched_domains(model, points):
+    """Texts (none or one) about `points` stretched so far that soil may separate between them; only without inertia."""
     soil = model.soil
     if model.scheme.inertia or soil.held:
         return ()
-    wide = cells_wide(soil.constants.half_width, points.deformation, points.position, soil.grid.axes)
-    widest = np.where(np.linalg.norm(points.deformation, axis=2) > STRETCHED, wide, 0.0).max()
-    if widest < DRAWN:
+    widths = cells_wide(soil.constants.half_width, points.deformation, points.position, soil.grid.axes)
+    widest = np.where(np.linalg.norm(points.deformation, axis=2) > STRETCHED, widths, 0.0).max()
+    if widest < DOMAIN_WIDTH:
         return ()
-    return (f"Soil is stretched so far that a point would be {widest:.2g} cells wide, limit {DRAWN:g}, and may part: "
-            "give it a larger soil.points_per_axis",)
+    return (f"Soil is stretched so far that the domain of a point would be {widest:.2g} cells wide, limit "
+            f"{DOMAIN_WIDTH:g}, and may separate there: set a larger soil.points_per_axis",)
+
+
+def either(changes):
+    """List of phrases joined by commas and "or"."""
+    *first, last = changes
+    return f"{', '.join(first)}, or {last}" if len(first) > 1 else " or ".join([*first, last])

@@ -1,10 +1,10 @@
-"""How far the soil is from equilibrium at the start: the forces on its nodes that nothing balances.
+"""Initial equilibrium: the forces on the nodes of the soil that do not balance at the start.
 
     r_v = f_int,v - Σ_p S_vp m_p b        share = Σ_v |r_v| / M |g|        over the free components of all nodes
 
 Geostatic stress balances the weight of level soil that fills its cells between held sides, to round-off. It does not
-at a face that is cut free, under a slope, or where the cells are not filled evenly; and soil without initial stress has
-all of its weight to take up. Bodies are left out: they start where they touch nothing.
+do so at a face that is cut free, under a slope, or where cells are filled unevenly; and soil without initial stress has
+to take up all of its weight. Bodies are left out: they start without contact.
 """
 
 from dataclasses import dataclass
@@ -13,12 +13,12 @@ import numpy as np
 
 from hybrid.runtime.comm import total
 
-TOLERANCE = 1e-6  # share of the weight that is told of; round-off is below 1e-12
+TOLERANCE = 1e-6  # share of the weight from which a run warns; round-off is below 1e-12
 
 
 @dataclass(frozen=True)
-class Imbalance:
-    """share: of the weight [-]; place: (3,) [m] of the node where most of it is; stressed: whether any point carries
+class InitialImbalance:
+    """share: of the weight [-]; place: (3,) [m] of the node with the largest force; stressed: whether any point carries
     stress."""
 
     share: float
@@ -29,24 +29,25 @@ class Imbalance:
         if self.share <= TOLERANCE:
             return f"balanced, to {self.share:.1g} of the weight"
         place = ", ".join(f"{x:.4g}" for x in self.place)
-        return f"{100 * self.share:.2g} % of the weight, largest near ({place}) m"
+        return f"{100 * self.share:.2g} % of the weight, largest at node ({place}) m"
 
     def notes(self, stage, scheme):
-        """Texts (none or one) of what a run that starts so should know; `stage` is the first, run by `scheme`."""
+        """Texts (none or one) for a run that starts with `stage`, by `scheme`."""
         if self.share <= TOLERANCE:
             return ()
-        return (f"initial imbalance: {self} is out of balance at the start. {self._cause()} {_remedy(stage, scheme)}",)
+        return (f"initial imbalance: {self}, is not balanced at the start, limit {100 * TOLERANCE:g} %. "
+                f"{self._cause()} {_remedy(stage, scheme)}",)
 
     def _cause(self):
         if self.stressed:
-            return ("Stress at rest is in equilibrium only in level soil that fills its cells and is held at its "
+            return ("Geostatic stress is in equilibrium only in level soil that fills its cells and is held at its "
                     "sides.")
         return "The soil carries no stress yet and its weight acts at once."
 
 
-def measure(step, evaluation):
-    """Imbalance of the state that `step` begins from, by its `evaluation` with nothing moved; None where the soil is
-    held or weighs nothing."""
+def initial_imbalance(step, evaluation):
+    """InitialImbalance of the state that `step` begins from, by its `evaluation` with nothing moved; None where the
+    soil is held or weighs nothing."""
     weight = 0.0 if step.soil is None else float(total(step.soil.mass)) * float(np.linalg.norm(step.model.gravity))
     if weight == 0.0:
         return None
@@ -54,14 +55,14 @@ def measure(step, evaluation):
     size, grid = np.linalg.norm(force, axis=1), step.model.soil.grid
     node = np.unravel_index(int(np.argmax(size)), grid.shape)
     place = tuple(float(nodes[i]) for nodes, i in zip(grid.axes, node))
-    return Imbalance(float(total(size)) / weight, place, bool(step.soil.points.stress.any()))
+    return InitialImbalance(float(total(size)) / weight, place, bool(step.soil.points.stress.any()))
 
 
 def _remedy(stage, scheme):
-    """What is done about it in the first stage, or what to do."""
+    """What the first stage does about it, or what to change."""
     if not scheme.inertia:
-        return f"Stage {stage.name!r} has no inertia, so its first step takes it up."
+        return f"Stage {stage.name!r} has no inertia, so its first step finds the equilibrium."
     if scheme.damps:
-        return f"Stage {stage.name!r} damps the motion that follows; give it the steps to settle."
-    return ("Let it settle in a first stage that damps (stage.beta = 0.5625, stage.gamma = 1) or without inertia, or "
-            "set soil.geostatic = false and turn gravity on by stage.gravity = [0.0, 1.0].")
+        return f"Stage {stage.name!r} damps the motion that follows; give it enough steps to settle."
+    return ("Let the soil settle in a first stage that damps (stage.beta = 0.5625, stage.gamma = 1) or without inertia, "
+            "or set soil.geostatic = false and turn gravity on by stage.gravity = [0.0, 1.0].")

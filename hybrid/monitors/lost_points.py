@@ -1,46 +1,53 @@
-"""Tells of points that have gone astray: out of the grid, adrift, or stretched beyond reason (`hybrid.soil.lost_points`).
+"""Points that are inactive, detached from the soil, or distorted (`hybrid.soil.lost_points`).
 
-Of each kind it is told when there are some, and again whenever there are so many times as many as in AGAIN.
+A warning of each kind is given when there are such points, and again when their number has grown by the factor AGAIN.
 """
 
 import numpy as np
 
+from hybrid.monitors.monitor import Monitor
 from hybrid.soil import lost_points
 from hybrid.soil.basis import evaluate_basis
 
-AGAIN = {"out": 2, "adrift": 10, "stretched": 10}
+AGAIN = {"inactive": 2, "detached": 10, "distorted": 10}
 
 
-class Astray:
-    """Notes about the points of a run; those that are so at the start are not told of."""
+class LostPoints(Monitor):
+    """Warns of the points of a run that get lost; those that are so at the start are not counted."""
 
-    def __init__(self, model, points):
-        self._told = {kind: np.count_nonzero(found) for kind, found, _ in _kinds(model.soil, points)}
+    def __init__(self, model, state):
+        super().__init__(model, state)
+        self._reported = {kind: np.count_nonzero(found) for kind, found, *_ in _kinds(model.soil, state.points)}
 
-    def notes(self, model, state):
-        """Texts about what is new at `state`: kind, number, mass, which, and what it means."""
-        texts = []
-        for kind, found, meaning in _kinds(model.soil, state.points):
+    def warnings(self, view):
+        """Kind, number, mass, first few points and places, and what it means."""
+        constants, points = view.model.soil.constants, view.state.points
+        for kind, found, words, meaning in _kinds(view.model.soil, points):
             ids = np.flatnonzero(found)
-            if len(ids) < max(1, AGAIN[kind.split()[0]] * self._told[kind]):
+            if len(ids) < max(1, AGAIN[kind] * self._reported[kind]):
                 continue
-            self._told[kind] = len(ids)
-            mass, at = model.soil.constants.mass, state.points.position[ids]
-            heavy = mass[ids].sum()
-            texts.append(f"{len(ids)} of {len(found)} points {kind} at t = {state.time:.4g} s ({heavy:.4g} kg, "
-                         f"{heavy / mass.sum():.2g} of the mass): {lost_points.list_points(ids, at)}. {meaning}")
-        return tuple(texts)
+            self._reported[kind] = len(ids)
+            mass = constants.mass[ids].sum()
+            yield (kind, len(ids)), (
+                f"{len(ids)} of {len(found)} points {words} at t = {view.state.time:.4g} s ({mass:.4g} kg, "
+                f"{mass / constants.mass.sum():.2g} of the mass): {lost_points.list_points(ids, points.position[ids])}. "
+                f"{meaning}")
 
 
 def _kinds(soil, points):
-    """(kind, (n,) bool, what it means) of each kind."""
-    out = np.zeros(len(points), bool) if points.inactive is None else points.inactive
+    """(kind, (n,) bool, words, what it means) of each kind; none where the soil is held."""
+    if soil.held:
+        return ()
+    inactive = np.zeros(len(points), bool) if points.inactive is None else points.inactive
     half = points.half_width if soil.basis == "gimp" else np.zeros_like(points.half_width)
-    piece, _ = lost_points.detached_pieces(evaluate_basis(points.position, half, soil.grid.axes), soil.grid, ~out)
+    piece, _ = lost_points.detached_pieces(evaluate_basis(points.position, half, soil.grid.axes), soil.grid, ~inactive)
     return (
-        ("out of the soil", out, "They take no part any more, and their mass, momentum and energy are gone."),
-        ("adrift", (piece > 0) & ~out, "Their cells touch no other soil, so nothing but inertia acts on them."),
-        (f"stretched beyond {lost_points.DISTORTION_LIMIT:g}", lost_points.distorted(points.deformation) & ~out,
-         "Their domains are cut off at the width of a cell and say little of where the soil is; smaller steps or more "
-         "points per cell help."),
+        ("inactive", inactive, "are inactive",
+         "They left the grid or lost all support; their mass, momentum and energy are no longer in the model."),
+        ("detached", (piece > 0) & ~inactive, "are detached",
+         "Their cells touch no other soil, so nothing but gravity and inertia acts on them."),
+        ("distorted", lost_points.distorted(points.deformation) & ~inactive,
+         f"are distorted (stretch or volume ratio beyond {lost_points.DISTORTION_LIMIT:g})",
+         "Their domains are cut off at the width of a cell and no longer show where the soil is. Use smaller steps, or "
+         "a larger soil.points_per_axis."),
     )

@@ -9,8 +9,8 @@ next one (`hybrid.step.error_estimate`).
 
 from dataclasses import dataclass
 
-from hybrid.monitors.failure_hints import likely
-from hybrid.monitors.plastic_increment import flowed
+from hybrid.monitors.failure_hints import accuracy_remedies, advice, either
+from hybrid.monitors.plastic_increment import largest_increment
 from hybrid.runtime.errors import StepError
 from hybrid.step import newton
 from hybrid.step.equations import Evaluation, Step
@@ -52,8 +52,8 @@ class Control:
 @dataclass(frozen=True)
 class Report:
     """What an outer step took. dt: its smallest increment [s]; evaluation: the last converged one; error: sum of the
-    local errors of its increments [m], None where nobody asked; flow: the most that an increment added to the plastic
-    strain of a point, 0 with inertia."""
+    local errors of its increments [m], None without time.accuracy; plastic_increment: largest plastic strain [-] that an
+    increment added to a point, 0 with inertia."""
 
     dt: float
     increments: int
@@ -62,7 +62,7 @@ class Report:
     rejections: int
     evaluation: Evaluation
     error: float | None = None
-    flow: float = 0.0
+    plastic_increment: float = 0.0
 
 
 def outer_step(model, systems, state, length, pulling, control, settings):
@@ -73,7 +73,7 @@ def outer_step(model, systems, state, length, pulling, control, settings):
     end, reached = state.time + length, state
     control.dt = min(control.dt, length)
     smallest, increments, iterations, krylov, rejections = length, 0, 0, 0, 0
-    ratio, added, flow = None, 0.0 if control.accuracy else None, 0.0
+    ratio, added, plastic = None, 0.0 if control.accuracy else None, 0.0
     while end - reached.time > 1e-9 * length:
         dt = control.increment(end - reached.time)
         step = outcome = None   # the last one's arrays go before the next one's come
@@ -84,7 +84,7 @@ def outer_step(model, systems, state, length, pulling, control, settings):
             rejections += 1
             control.rejected(dt / 2)
             if control.dt < control.smallest:
-                raise StepError(_failure(model, reached, dt, control, outcome) + likely(step, outcome.evaluation))
+                raise StepError(_failure(step, reached, dt, control, outcome, settings))
             continue
         if control.accuracy:
             error = local_error(step, outcome.evaluation)
@@ -92,32 +92,31 @@ def outer_step(model, systems, state, length, pulling, control, settings):
             if ratio > 1:
                 rejections += 1
                 if dt <= control.smallest * (1 + 1e-9):
-                    raise StepError(_inaccurate(reached, dt, control, error, length))
+                    raise StepError(_inaccurate(model, reached, dt, control, error, length))
                 control.rejected(max(shorter(dt, ratio), control.smallest))
                 continue
             added += error.length
         before, reached = reached, step.accept(outcome.evaluation)
         if not model.scheme.inertia:
-            flow = max(flow, flowed(before.points, reached.points))
+            plastic = max(plastic, largest_increment(before.points, reached.points))
         increments, smallest = increments + 1, min(smallest, dt)
         control.accepted(dt, ratio, outcome.iterations <= EASY, length)
     reached.time, reached.step = end, state.step + 1
     return reached, Report(smallest, increments, iterations, krylov, rejections, outcome.evaluation, added,
-                           flow)
+                           plastic)
 
 
-def _failure(model, state, dt, control, outcome):
+def _failure(step, state, dt, control, outcome, settings):
     history = " ".join(f"{e:.1e}" for e in outcome.errors[-6:])
-    return (f"step {state.step + 1} failed at t = {state.time:.6g} s with increment {dt:.3g} s: {outcome.reason}; "
-            f"half of it is below the floor of {control.smallest:.3g} s (time.smallest). "
-            f"Last relative residuals: {history}. All accepted steps are kept. Try a smaller time.step, "
-            "a lower body.penalty, more solver.iterations, or a looser solver.tolerance")
+    residuals = f"Last relative residuals: {history}. " if history else ""
+    return (f"step {state.step + 1} failed at t = {state.time:.6g} s with an increment of {dt:.3g} s: {outcome.reason}; "
+            f"half of it is below the limit of {control.smallest:.3g} s (time.smallest). "
+            f"{advice(step, outcome, settings)}. {residuals}All accepted steps are kept")
 
 
-def _inaccurate(state, dt, control, error, length):
-    return (f"step {state.step + 1} failed at t = {state.time:.6g} s with increment {dt:.3g} s: it adds "
-            f"{error.length:.3g} m to the error of {error.of}, more than its share, "
-            f"{control.accuracy * dt / length:.3g} m of {control.accuracy:.3g} m a step (time.accuracy times the "
-            f"smallest cell), and it is at the floor of {control.smallest:.3g} s (time.smallest). All accepted steps "
-            "are kept. Try a larger time.accuracy, a smaller time.smallest, a lower body.penalty, or a scheme that "
-            "damps")
+def _inaccurate(model, state, dt, control, error, length):
+    return (f"step {state.step + 1} failed at t = {state.time:.6g} s with an increment of {dt:.3g} s: it adds "
+            f"{error.length:.3g} m to the error of {error.of}, limit {control.accuracy * dt / length:.3g} m, its share "
+            f"of {control.accuracy:.3g} m a step (time.accuracy times the smallest cell), and it cannot be shorter than "
+            f"{control.smallest:.3g} s (time.smallest). Use {either(accuracy_remedies(model))}. All accepted steps are "
+            "kept")

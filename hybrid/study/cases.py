@@ -57,5 +57,5 @@ def watched(scene, **given):
 def told(simulation, records):
     """What a run said by itself: the warnings of its sheet and the notes of its steps."""
     notes = tuple(note for record in records for note in record.notes)
-    warned = tuple(simulation.sheet().get("near a limit", ()))
+    warned = tuple(simulation.sheet().get("warnings", ()))
     return warned + tuple(note for note in notes if note not in warned)

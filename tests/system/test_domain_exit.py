@@ -1,4 +1,4 @@
-"""A body that leaves the grid: contact ends there, and the user is told once, with a remedy."""
+"""A body that leaves the grid: contact ends there, which is reported once, with a remedy."""
 
 import io
 import json
@@ -26,13 +26,13 @@ def flying(geometry, velocity, **body):
 @pytest.mark.parametrize("velocity, axis, side, reached, end", [
     ((8.0, 0.0, 0.0), "x", "end", 0.82, 0.8), ((0.0, -8.0, 0.0), "y", "start", -0.02, 0.0),
     ((0.0, 0.0, -16.0), "z", "start", -0.54, -0.4)])
-def test_it_is_said_once_where_when_and_what_to_do(geometry, velocity, axis, side, reached, end):
+def test_the_warning_comes_once_with_place_time_and_remedy(geometry, velocity, axis, side, reached, end):
     """0.3 m to the sides at 0.08 m a step, 0.5 m to the bottom at 0.16 m: in the fourth step."""
     ((step, text),) = notes([flying(geometry, velocity, name="cube", penalty=1e-9)])
     assert step == 4
-    assert text.startswith(f"cube leaves the grid: at t = 0.04 s it reaches {axis} = {reached:g} m, the grid ends at "
-                           f"{axis} = {end:g} m.")
-    assert f"move grid.{axis}.{side} outwards" in text
+    assert text.startswith(f"cube leaves the grid: at t = 0.04 s its surface reaches {axis} = {reached:g} m, limit "
+                           f"{axis} = {end:g} m, where the grid ends.")
+    assert f"Move grid.{axis}.{side} outwards" in text
 
 
 def test_each_body_and_face_has_its_note(geometry):

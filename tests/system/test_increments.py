@@ -110,10 +110,10 @@ def test_the_floor_stops_the_run_with_value_limit_and_remedy(geometry, floor, st
         outer_step(simulation.model, systems, simulation.state, LENGTH, True, Control(LENGTH, LENGTH / floor),
                    newton.Settings(iterations=1))
     message = str(caught.value)
-    assert f"step 1 failed at t = {start:g} s with increment {LENGTH / floor:g} s" in message     # where
+    assert f"step 1 failed at t = {start:g} s with an increment of {LENGTH / floor:g} s" in message     # where
     assert re.search(r"residual \d\.\d\de-\d\d after 1 iterations, tolerance 1e-06 \(.* soil \[N\]", message)
-    assert f"below the floor of {LENGTH / floor:g} s (time.smallest)" in message                  # the limit
-    assert "Try a smaller time.step" in message and "more solver.iterations" in message           # the remedy
+    assert f"below the limit of {LENGTH / floor:g} s (time.smallest)" in message                  # the limit
+    assert "a smaller time.step" in message and "more solver.iterations" in message           # the remedy
     assert_untouched(simulation.state, before)
 
 
@@ -207,12 +207,12 @@ def test_a_failure_keeps_its_kind_and_limits_are_looked_at_once(geometry, monkey
         raise Special("it failed")
 
     asked = []
-    monkeypatch.setattr(simulation_module, "near", lambda *_: asked.append(1) or ("near something",))
+    monkeypatch.setattr(simulation_module, "limit_warnings", lambda *_: asked.append(1) or ("a limit exceeded",))
     monkeypatch.setattr(simulation_module, "outer_step", fail)
     simulation = build(scene(geometry))
     for _ in range(2):
-        assert simulation.sheet()["near a limit"] == ["near something"]
-        with pytest.raises(Special, match=r"^it failed\. near something$"):
+        assert simulation.sheet()["warnings"] == ["a limit exceeded"]
+        with pytest.raises(Special, match=r"^it failed\. a limit exceeded$"):
             list(simulation.steps())
     assert len(asked) == 1
 

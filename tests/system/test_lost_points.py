@@ -1,4 +1,4 @@
-"""Points that leave the grid, drift free or stretch beyond reason: told of by number, and handled as the scene says."""
+"""Points that leave the grid, are detached or extremely stretched: their number is reported, and the scene's policy applied."""
 
 import numpy as np
 import pytest
@@ -29,7 +29,7 @@ def thrown(policy, speed=3.0, steps=12, inertia=True):
 
 
 def test_the_run_stops_before_points_leave():
-    """Their numbers, the limit and the remedy are told; all that was accepted stays, inside the grid."""
+    """The message has their numbers, the limit and the remedy; all that was accepted stays, inside the grid."""
     simulation, records = thrown("stop"), []
     with pytest.raises(StepError, match=r"points \d+ at .* would leave the grid .*soil.stray") as failure:
         for record in simulation.steps():
@@ -43,7 +43,7 @@ def test_the_run_stops_before_points_leave():
 
 @pytest.mark.parametrize("policy", CASES)
 def test_points_that_leave_take_no_part_any_more(policy):
-    """Layer by layer: the others fly on as they were, and mass, which and how many are told as they double."""
+    """Layer by layer: the others fly on as they were, and mass, ids and number are reported each time they double."""
     simulation, notes, left = thrown(policy), [], []
     for record in simulation.steps():
         assert record.rejections == 0
@@ -55,7 +55,7 @@ def test_points_that_leave_take_no_part_any_more(policy):
         assert (points.velocity[gone] == 0).all()
         assert not lost_points.outside_grid(points.position, simulation.model.soil.grid).any()
     assert left[4] == 0 and left[-1] == len(points) and set(left) == {0, 16, 32, 64}
-    assert [int(text.split()[0]) for text in notes if "out of the soil" in text] == [16, 32, 64]
+    assert [int(text.split()[0]) for text in notes if "are inactive" in text] == [16, 32, 64]
     assert any("(16 kg, 0.25 of the mass): points 48 at (1.9" in text for text in notes)
     assert len(drawn(simulation)[0]) == (64 if policy == "freeze" else 0)
 
@@ -77,7 +77,7 @@ def test_a_checkpoint_keeps_who_is_out(tmp_path):
 
 
 def test_soil_adrift_is_told_of_and_refused_where_nothing_carries_it():
-    """Two blocks: with inertia the smaller is told of; a quasi-static run stops, or goes on without it."""
+    """Two blocks: with inertia the smaller is reported; a quasi-static run stops, or goes on without it."""
     def pair(policy, inertia, held=False):
         faces = FREE if not held else type(FREE)(**{f: "fixed" if f == "x_min" else "free" for f in FACES})
         simulation = build(scene(
@@ -89,8 +89,8 @@ def test_soil_adrift_is_told_of_and_refused_where_nothing_carries_it():
         return simulation, away
 
     simulation, away = pair("stop", True)
-    told = [note for record in simulation.steps() for note in record.notes]
-    assert len(told) == 1 and told[0].startswith(f"{away.sum()} of {len(away)} points adrift")
+    notes = [note for record in simulation.steps() for note in record.notes]
+    assert len(notes) == 1 and notes[0].startswith(f"{away.sum()} of {len(away)} points are detached")
     simulation, away = pair("stop", False, held=True)
     with pytest.raises(StepError, match="no held node.*time.inertia"):
         list(simulation.steps())

@@ -1,4 +1,4 @@
-"""Overlaps as deep as the soil's points are high are told of, before the force is wrong by a tenth."""
+"""Overlaps as deep as a point domain is high are reported before the force is wrong by a tenth."""
 
 import re
 
@@ -8,9 +8,9 @@ from hybrid.study.failures import squeezed
 
 
 @pytest.mark.parametrize("share, error, more, words", [
-    (0.7, 0.01, {}, None), (0.9, 0.3, {}, "limit 1, .*twice; raise body.penalty"),
+    (0.7, 0.01, {}, None), (0.9, 0.3, {}, "limit 1; .*twice: raise body.penalty"),
     (0.9, 0.01, {"penalty": 5000.0}, None),
-    (0.9, 0.3, {"enforcement": "augmented"}, "limit 0.1, .*not settled; raise solver.augmentations")])
+    (0.9, 0.3, {"enforcement": "augmented"}, "limit 0.1; .*not converged: raise solver.augmentations")])
 def test_a_layer_squeezed_under_a_platen(share, error, more, words):
     """A second row of corners touches from a share of 0.8 on, with ten times the penalty from 0.97 on."""
     found = squeezed.solve(share, **more)

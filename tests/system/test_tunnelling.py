@@ -62,5 +62,5 @@ def test_looking_at_a_few_places_of_the_way_skips_a_foil(geometry, monkeypatch):
 
 
 def test_a_step_that_may_not_be_halved_is_refused_with_advice(geometry):
-    with pytest.raises(StepError, match=r"corners of the soil passed through a body.*Try a smaller time.step"):
+    with pytest.raises(StepError, match=r"corners of the soil passed through a body.*Use a smaller time.step"):
         list(thrown(geometry, 0.005, 1.0, smallest=0.03).steps())

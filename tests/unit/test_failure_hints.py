@@ -1,16 +1,18 @@
-"""What a failed step is told to come from, and when long plastic increments are told of."""
+"""Probable causes of a failed step and remedies that fit its scene; warnings of long plastic increments."""
 
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from hybrid.monitors.failure_hints import drawn_out, rounding
-from hybrid.monitors.plastic_increment import LIMIT, Flow
-from hybrid.scene import Time
+from hybrid.monitors import StepView
+from hybrid.monitors.failure_hints import accuracy_remedies, either, overstretched_domains, remedies, roundoff_force
+from hybrid.monitors.plastic_increment import LIMIT, PlasticIncrement
+from hybrid.scene import Solver, Time
 from hybrid.setup.build import build
 from hybrid.soil.domains import cells_wide
-from hybrid.study.scenes import soil_scene
+from hybrid.study.scenes import box, soil_scene
 
 
 def test_width_of_a_domain_in_cells():
@@ -22,29 +24,61 @@ def test_width_of_a_domain_in_cells():
     np.testing.assert_allclose(found, [[0.5, 0.0, 0.5], [0.25, 0.0, 1.5]])
 
 
-@pytest.mark.parametrize("stretch, told", [(1.0, False), (1.7, False), (1.9, True)])
-def test_soil_drawn_out_is_told_of(stretch, told):
+@pytest.mark.parametrize("stretch, warned", [(1.0, False), (1.7, False), (1.9, True)])
+def test_stretched_domains_are_reported(stretch, warned):
     """With two points a cell from 0.9 of a cell on; not where there is inertia."""
     simulation = build(soil_scene(time=Time(step=1.0, inertia=False)))
     points = simulation.state.points
     points.deformation[0, 2, 2] = stretch
-    texts = drawn_out(simulation.model, points)
-    assert bool(texts) == told and all(re.search(r"wide, limit 0.9.*soil\.points_per_axis", text) for text in texts)
-    assert not drawn_out(build(soil_scene()).model, points)
+    texts = overstretched_domains(simulation.model, points)
+    assert bool(texts) == warned and all(re.search(r"wide, limit 0.9.*soil\.points_per_axis", text) for text in texts)
+    assert not overstretched_domains(build(soil_scene()).model, points)
 
 
-def test_rounding_grows_with_stiffness_and_size():
+def test_round_off_grows_with_stiffness_and_size():
     """A tenth of it is what cubes of 0.1 m make: K = E/3 < E at ν = 0, E 0.01 m² times 2e-16, by the root of their
     number."""
     soil = build(soil_scene()).model.soil
-    assert rounding(soil, 100) == pytest.approx(10 * 2.2e-16 * 1e6 * 0.01 * 10, rel=0.01)
+    assert roundoff_force(soil, 100) == pytest.approx(10 * 2.2e-16 * 1e6 * 0.01 * 10, rel=0.01)
     stiffer = build(soil_scene(young=1e9)).model.soil
-    assert rounding(stiffer, 400) == pytest.approx(2e3 * rounding(soil, 100))
+    assert roundoff_force(stiffer, 400) == pytest.approx(2e3 * roundoff_force(soil, 100))
 
 
-def test_long_plastic_increments_are_told_of_once():
-    flow = Flow()
-    assert flow.notes(1.0, LIMIT) == ()
-    (text,) = flow.notes(2.0, 0.15)
+def test_long_plastic_increments_are_reported_once():
+    monitor = PlasticIncrement(None, None)
+
+    def notes(time, added):
+        report = SimpleNamespace(plastic_increment=added)
+        return monitor.notes(StepView(None, SimpleNamespace(time=time), None, report, {}))
+
+    assert notes(1.0, LIMIT) == ()
+    (text,) = notes(2.0, 0.15)
     assert "0.15" in text and f"limit {LIMIT:g}" in text and "stage.steps" in text
-    assert flow.notes(3.0, 1.0) == ()
+    assert notes(3.0, 1.0) == ()
+
+
+def quasi_static(**more):
+    return build(soil_scene(time=Time(step=1.0, inertia=False), **more)).model
+
+
+def test_remedies_fit_the_scene():
+    """No penalty without bodies, no damping and no time.accuracy without inertia, no direct solver where it is used."""
+    stalled = {"reason": "residual 1e-3 after 15 iterations", "errors": (1.0, 1e-3, 1e-3, 1e-3), "tolerance": 1e-6}
+    assert remedies(quasi_static(), **stalled) == ("a smaller time.step with more stage.steps",)
+    dynamic = remedies(build(soil_scene()).model, **stalled)
+    assert dynamic[0] == "a smaller time.step" and "damps" in dynamic[-1] and len(dynamic) == 2
+    with_body = build(soil_scene([box(0.2, 0.2, 0.2, rest_on=0.0)])).model
+    assert "a lower body.penalty" in remedies(with_body, **stalled)
+    linear = remedies(build(soil_scene(solver=Solver(linear="krylov"))).model, "linear solver: no convergence")
+    assert linear == ('solver.linear = "direct"', "a smaller time.step")
+    assert remedies(quasi_static(solver=Solver(linear="direct")), "linear solver: no convergence")[-1] == "time.inertia = true"
+    assert accuracy_remedies(build(soil_scene()).model)[0] == "a larger time.accuracy"
+
+
+def test_the_remedy_that_works_comes_first():
+    """By how the residual went: it was falling, or was close to the tolerance."""
+    model, reason = build(soil_scene()).model, "residual 1e-3 after 15 iterations"
+    assert "solver.iterations" in remedies(model, reason, (1.0, 1e-1, 1e-2, 1e-3), 1e-6)[0]
+    assert "solver.tolerance" in remedies(model, reason, (1.0, 5e-5, 5e-5, 5e-5), 1e-6)[0]
+    assert remedies(model, "box turns by 3 rad in 1 s, limit 2 rad") == ("a smaller time.step",)
+    assert either(("a",)) == "a" and either(("a", "b")) == "a or b" and either(("a", "b", "c")) == "a, b, or c"

@@ -19,7 +19,7 @@ PARAMETERS = ("radius of a sphere over the spacing of corners, r / s",)
 MEASURE, RIGHT, WRONG = "error of the height it rests at over its radius", 0.05, 0.25
 METHODS = {"first pass": {}, "second pass": {"second_pass": 1.0}}
 DEFAULT = "first pass"
-SAYS = r"spacings of corners, limit 2:.*body\.second_pass = 1|between the corners of the soil.*body\.second_pass"
+SAYS = r"spacings of corners, limit 2:.*body\.second_pass = 1|inside the soil without contact.*body\.second_pass"
 RADIUS, GRAVITY, STEPS = 0.25, 9.81, 25
 STIFFNESS = 4 / 3 * 1000.0 * GRAVITY / (0.1**2 * (1 - 0.1 / 3))     # p_f E [Pa/m] that makes d = r/10
 

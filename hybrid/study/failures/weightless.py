@@ -19,7 +19,7 @@ PARAMETERS = ("share of gravity",)
 MEASURE, RIGHT, WRONG = "error of the mean stress over the largest", 0.01, 0.1
 METHODS = {"tolerance of 1e-9": {"tolerance": 1e-9}, "tolerance of 1e-6": {}, "tolerance of 1e-3": {"tolerance": 1e-3}}
 DEFAULT = "tolerance of 1e-6"
-SAYS = r"rounding of the stiffness, limit .*looser solver\.tolerance"
+SAYS = r"round-off of its stiffness, limit .*looser solver\.tolerance"
 SIZE, HEIGHT, DENSITY, GRAVITY = 0.5, 2.0, 1000.0, 10.0
 
 

@@ -1,0 +1,55 @@
+"""The one shape of all monitors: a monitor looks at every accepted outer step and gives each of its warnings once."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class StepView:
+    """An accepted outer step, as monitors see it.
+
+    model: Model at its end; state: State at its end; scheme: Scheme of its stage; report: Report of its increments;
+    energy: {name: [J]} at its end, with the "error" of the balance.
+    """
+
+    model: object
+    state: object
+    scheme: object
+    report: object
+    energy: dict
+
+    @property
+    def contacts(self):
+        """Contact of each body at the end of the step."""
+        return self.report.evaluation.contacts
+
+    @property
+    def bodies(self):
+        """(index, RigidBody, BodyState, Contact) of each body."""
+        return zip(range(len(self.contacts)), self.model.bodies, self.state.bodies, self.contacts)
+
+
+class Monitor:
+    """Base of all monitors. A subclass yields (key, text) from `warnings`; a text is given for the first of each key.
+
+    model, state: Model and State that the run begins from.
+    """
+
+    def __init__(self, model, state):
+        self._given = set()
+
+    def notes(self, view):
+        """Texts about a StepView that have not been given before."""
+        texts = []
+        for key, text in self.warnings(view):
+            if key not in self._given:
+                self._given.add(key)
+                texts.append(text)
+        return tuple(texts)
+
+    def given(self, key):
+        """Whether the warning of this key has been given, so that nothing has to be computed for it."""
+        return key in self._given
+
+    def warnings(self, view):
+        """Yield (key, text) of all that is wrong at a StepView."""
+        raise NotImplementedError
