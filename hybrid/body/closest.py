@@ -1,6 +1,6 @@
 """Kernels of the contact surface: closest point by tree traversal, and the geometry of the gap there.
 
-Symbols, features and sources as in `hybrid.body.surface`, which builds the Tree that is read here.
+Symbols, features and sources as in `hybrid.body.surface`, which builds the Tree.
 """
 
 import math
@@ -10,13 +10,13 @@ import numpy as np
 from numba import njit
 
 NO_SIDE = (0.0, 0.0, 0.0)
-OPPOSITE = -0.5  # cosine: triangles turned farther than 120 degrees from the side of contact belong to the other one
-SAME = 0.5       # cosine: triangles turned less than 60 degrees from the side of contact belong to it
-ALL = -2.0       # cosine: no triangle is passed over
+OPPOSITE = -0.5  # cosine: a triangle more than 120 degrees from the side in contact belongs to the opposite side
+SAME = 0.5       # cosine: a triangle less than 60 degrees from the side in contact belongs to it
+ALL = -2.0       # cosine: no triangle is excluded
 
 
 class Tree(NamedTuple):
-    """What the kernels read. Complete binary tree: node i has children 2i and 2i + 1, the root is 1.
+    """Triangles in a complete binary tree of bounding boxes: node i has children 2i and 2i + 1, the root is 1.
 
     boxes (2 leaves, 6)             lower and upper corners of each node [m]
     first (leaves + 1,)             where the slots of each leaf start; a slot holds one triangle
@@ -37,7 +37,7 @@ class Tree(NamedTuple):
 
 @njit(cache=True)
 def _outside(x, lower, upper):
-    """How far x is outside an interval, 0 inside."""
+    """Distance of x from an interval, 0 inside."""
     return lower - x if x < lower else (x - upper if x > upper else 0.0)
 
 
@@ -55,10 +55,9 @@ def _region(d1, d2, a, b, c):
     """Feature of a triangle closest to a point, and the weights of its vertices v1 and v2 there.
 
     d1, d2: products of (y - v0) with the edges v1 - v0 and v2 - v0; a, b, c: products of those edges with
-    themselves and each other. The signs of these tell in which of seven regions around the triangle y
-    projects.
+    themselves and each other. Their signs determine which of the seven regions around the triangle y projects to.
     """
-    d3, d4, d5, d6 = d1 - a, d2 - b, d1 - b, d2 - c      # the same products seen from v1 and from v2
+    d3, d4, d5, d6 = d1 - a, d2 - b, d1 - b, d2 - c      # the same products with v1 and v2 in place of v0
     if d1 <= 0.0 and d2 <= 0.0:
         return 4, 0.0, 0.0
     if d3 >= 0.0 and d4 <= d3:
@@ -80,7 +79,8 @@ def _region(d1, d2, a, b, c):
 
 @njit(cache=True)
 def _to_triangle(y0, y1, y2, facets, k, best):
-    """Squared distance to the triangle in slot k, closest feature, weights; beyond best only its plane's."""
+    """Squared distance to the triangle in slot k, closest feature and weights; if its plane is already farther than
+    `best` (squared), the distance to the plane."""
     x0, x1, x2 = y0 - facets[k, 0], y1 - facets[k, 1], y2 - facets[k, 2]
     height = x0 * facets[k, 9] + x1 * facets[k, 10] + x2 * facets[k, 11]
     if height * height > best:
@@ -97,15 +97,15 @@ def _to_triangle(y0, y1, y2, facets, k, best):
 
 
 @njit(cache=True)
-def search(y0, y1, y2, reach, boxes, first, order, facets, side=NO_SIDE, limit=OPPOSITE):
+def search(y0, y1, y2, reach, tree, side=NO_SIDE, limit=OPPOSITE):
     """Slot of the triangle nearest to (y0, y1, y2), if nearer than reach, else -1; its closest feature; the
-    weights of v1 and v2 there; and how many triangles were looked at. Triangles whose normal has a product below
-    `limit` with `side` are passed over.
+    weights of v1 and v2 there; and the number of triangles visited. Triangles whose normal has a product below
+    `limit` with `side` are excluded.
 
-    Depth first, nearer child first. In a complete tree sibling and parent of a node are known by its
-    number, so the stack of farther siblings still to visit is one bit per level, kept in the integer
-    `waiting`: nothing is allocated.
+    Depth first, nearer child first. In a complete tree the number of a node gives its sibling and its parent, so the
+    stack of farther siblings still to visit is one bit per level of the integer `waiting`: nothing is allocated.
     """
+    boxes, first, order, facets = tree.boxes, tree.first, tree.order, tree.facets
     leaves = len(first) - 1
     best, slot, feature, v, w, visited = reach * reach, -1, 0, 0.0, 0.0, 0
     if not _box_distance(y0, y1, y2, boxes, 1) <= best:
@@ -127,7 +127,7 @@ def search(y0, y1, y2, reach, boxes, first, order, facets, side=NO_SIDE, limit=O
                 if facets[k, 9] * side[0] + facets[k, 10] * side[1] + facets[k, 11] * side[2] < limit:
                     continue
                 distance, found, fv, fw = _to_triangle(y0, y1, y2, facets, k, best)
-                # of equally near triangles the one with the lowest number; none (slot -1) never ties
+                # of equidistant triangles the one with the lowest number; no triangle (slot -1) never ties
                 if distance < best or (distance == best and slot >= 0 and order[k] < order[slot]):
                     best, slot, feature, v, w = distance, k, found, fv, fw
         while True:
@@ -143,10 +143,10 @@ def search(y0, y1, y2, reach, boxes, first, order, facets, side=NO_SIDE, limit=O
 
 
 @njit(cache=True)
-def clear(y0, y1, y2, radius, tree):
-    """Whether a point is outside the ball of `radius` [m] about the centre, or the box, that hold the surface.
+def outside_bounds(y0, y1, y2, radius, tree):
+    """Whether a point is outside the ball of `radius` [m] about the centre or the bounding box of the surface.
 
-    Then its gap is positive and there is no need to search. The slack keeps points on the plane of a cut.
+    Its gap is then positive and no search is needed. With the slack, points on the plane of a cut count as inside.
     """
     slack = 1e-6 * radius
     if y0 * y0 + y1 * y1 + y2 * y2 > (radius + slack) ** 2:
@@ -163,7 +163,7 @@ def _facing(slot, feature, side, tree):
 
 @njit(cache=True)
 def _behind(y0, y1, y2, slot, feature, tree):
-    """Whether a point projects onto the face in `slot`, as its closest feature, from within the body."""
+    """Whether the closest feature of the triangle in `slot` is its face and the point is on the inner side of it."""
     f = tree.facets
     height = (y0 - f[slot, 0]) * f[slot, 9] + (y1 - f[slot, 1]) * f[slot, 10] + (y2 - f[slot, 2]) * f[slot, 11]
     return height < 0.0 and tree.kind[tree.order[slot], feature] == 0
@@ -173,21 +173,21 @@ def _behind(y0, y1, y2, slot, feature, tree):
 def closest(y, reach, tree, side=NO_SIDE):
     """Closest point of the surface to y (3,), array or tuple [m], if nearer than reach [m], which may be inf.
 
-    side: outward normal, a tuple of three, of the side of the body to look at; zero for all of it. A point that
-    touches one side of a thin body stays with that side, however deep it is pressed in: from where the other side is
-    nearer on, neither that nor the rim between them is looked at while the point is behind its own.
+    side: outward normal, a tuple of three, of the side of the body that the point is in contact with; zero for all of
+    the surface. A point in contact with one side of a thin body stays with that side, however deep it is pressed in:
+    once the opposite side is nearer, that side and the rim between both are excluded as long as the point projects onto
+    its own side from within.
 
     Returns (triangle, feature, foot, weights, gap): triangle number, -1 when none is nearer than reach;
     feature as in the module's head; foot [m] and barycentric weights as tuples of three; gap [m], negative
     inside.
     """
     y0, y1, y2 = y[0], y[1], y[2]
-    boxes, first, order, facets = tree.boxes, tree.first, tree.order, tree.facets
-    slot, feature, v, w, _ = search(y0, y1, y2, reach, boxes, first, order, facets, side, ALL)
+    slot, feature, v, w, _ = search(y0, y1, y2, reach, tree, side, ALL)
     if slot >= 0 and _facing(slot, feature, side, tree) < OPPOSITE:
-        slot, feature, v, w, _ = search(y0, y1, y2, reach, boxes, first, order, facets, side, SAME)
+        slot, feature, v, w, _ = search(y0, y1, y2, reach, tree, side, SAME)
         if slot < 0 or not _behind(y0, y1, y2, slot, feature, tree):
-            slot, feature, v, w, _ = search(y0, y1, y2, reach, boxes, first, order, facets, side, OPPOSITE)
+            slot, feature, v, w, _ = search(y0, y1, y2, reach, tree, side, OPPOSITE)
     if slot < 0:
         return -1, 0, (y0, y1, y2), (0.0, 0.0, 0.0), math.inf
     triangle, facets, weights = tree.order[slot], tree.facets, (max(1.0 - v - w, 0.0), v, w)

@@ -112,7 +112,7 @@ class ContactPair:
     def tunnelled(self, contact, displacement, pose, depth):
         """Number of corners that the step carried through the body, deeper than `depth` [m]. They tell it whichever
         pass carries the contact."""
-        return tunnelling.tunnelled(
+        return tunnelling.count_tunnelled(
             self.corners, contact.corners, self.corners.moved(displacement), *pose, self.body.surface, depth,
             self._width)
 

@@ -1,66 +1,85 @@
-"""Where a corner that does not touch yet will meet the surface: the anchor of its friction, should it touch.
+"""Predicted first-contact point of each open corner: the anchor of its tangential spring if it closes in this step.
 
     y(s) = R(s)^T (x_c + s Δx_c - c - s Δc),   R(s) = exp(s φ~) R_n,   0 <= s <= 1
     anchor = y(s)  where the gap vanishes first, else y(1)
 
-along the motion that the step expects (its first guess: everything keeps its velocity). Seen from a rolling
-body the corner comes down a curved path, and before the touch it travels about a³/(3r²) along the surface of
-a sphere of radius r, a being its way to the point of rest. At a = 50 mm and r = 0.25 m that is 0.7 mm, more
-than what a stiff spring needs to slip, so an anchor where the corner stood at the step's start makes a
-rolling sphere creep by 1-2 %. An anchor at the end of the step would lose the friction of the step in which
-the contact is born. The expected motion is constant in a step, so the anchor adds nothing to the tangent.
-Without motion the anchor is the place at the start. Where the path enters the body tells the side that the corner
-comes from: in a thin body the nearest surface may soon be that of the other side.
+along the predicted motion of the step (everything keeps its velocity). In the frame of a rolling body the corner comes
+down a curved path: before it touches it moves a³/(3r²) along the surface of a sphere of radius r, a being its distance
+from the point of rest. At a = 50 mm and r = 0.25 m that is 0.7 mm, more than a stiff tangential spring needs to slip:
+with the anchor at the place of the corner at the start of the step, a rolling sphere creeps by 1-2 %. With the anchor
+at the end of the step, the friction of the step in which the contact closes would be lost. The predicted motion is
+constant in a step, so the anchor adds nothing to the tangent. Without motion the anchor is the place at the start.
+
+The side of the body by which the path enters is remembered: in a thin body the opposite side may soon be nearer.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
 from hybrid.body.attitude import log_so3
-from hybrid.body.closest import NO_SIDE, clear, closest
+from hybrid.body.closest import NO_SIDE, closest, outside_bounds
 
-HALVINGS = 12      # of the path: 10 μm at 40 mm
-ON_SURFACE = 1e-9  # of the body's radius: a body laid on the soil touches it to round-off, and enters from there
+HALVINGS = 12      # bisections of the path: 10 μm of 40 mm
+ON_SURFACE = 1e-9  # of the body's radius: a corner within this depth at the start, by round-off, counts as outside
+
+
+class PredictedMotion(NamedTuple):
+    """Motion of m corners relative to a body in one step: arm (m, 3) [m] from the body's centre at the start,
+    displacement (m, 3) [m] less that of the centre; the body turns by `angle` [rad] about `axis` (3,) from `rotation`
+    (3, 3)."""
+
+    arm: np.ndarray
+    displacement: np.ndarray
+    axis: np.ndarray
+    angle: float
+    rotation: np.ndarray
 
 
 def predicted_contact_points(start, end, body, pose, surface, clearance):
-    """Meeting points (m, 3) [m] and outward normals there (m, 3), 0 where nothing is met, in the body frame.
+    """First-contact points (m, 3) [m] and outward normals there (m, 3), 0 without contact, in the body frame.
 
-    Corners are expected to go from `start` to `end` (m, 3) [m] in space while the body goes from `body` (a
-    BodyState) to `pose` (position, rotation). clearance: (m,) [m] as in corners.Corners.
+    Corners are predicted to move from `start` to `end` (m, 3) [m] in space, and the body from `body` (a BodyState) to
+    `pose` (position, rotation). clearance: (m,) [m] as in corners.Corners.
     """
-    out = (start - body.position) @ body.rotation
-    turn, side = log_so3(pose[1] @ body.rotation.T), np.zeros_like(out)
+    point = (start - body.position) @ body.rotation
+    turn, side = log_so3(pose[1] @ body.rotation.T), np.zeros_like(point)
     angle = math.sqrt(turn @ turn)
-    _meet(start - body.position, end - start - (pose[0] - body.position), turn / angle if angle > 0.0 else turn, angle,
-          body.rotation, surface.radius, surface.tree, clearance, out, side)
-    return out, side
+    motion = PredictedMotion(start - body.position, end - start - (pose[0] - body.position),
+                             turn / angle if angle > 0.0 else turn, angle, body.rotation)
+    _find(motion, clearance, surface.radius, surface.tree, point, side)
+    return point, side
 
 
 @njit(cache=True)
-def _meet(arm, way, axis, angle, rotation, radius, tree, clearance, out, side):
-    """arm: (m, 3) from the centre at the start; way: (m, 3) relative to the centre; out: places before."""
-    for n in range(len(arm)):
-        begin = out[n, 0], out[n, 1], out[n, 2]
-        last = _seen(n, arm, way, axis, angle, rotation, 1.0)
-        x0, x1, x2 = last[0] - begin[0], last[1] - begin[1], last[2] - begin[2]
-        short = x0 * x0 + x1 * x1 + x2 * x2 < max(clearance[n], 0.0) ** 2
-        if short or clear(last[0], last[1], last[2], radius, tree) or _gap(last, tree) >= 0.0:
-            out[n, 0], out[n, 1], out[n, 2] = last
-        elif _gap(begin, tree) >= -ON_SURFACE * radius:
-            outside, inside = 0.0, 1.0
-            for _ in range(HALVINGS):
-                middle = 0.5 * (outside + inside)
-                if _gap(_seen(n, arm, way, axis, angle, rotation, middle), tree) > 0.0:
-                    outside = middle
-                else:
-                    inside = middle
-            y = _seen(n, arm, way, axis, angle, rotation, inside)
+def _find(motion, clearance, radius, tree, point, side):
+    """point: (m, 3) places in the body frame at the start; replaced by the first-contact points."""
+    for n in range(len(point)):
+        first, last = (point[n, 0], point[n, 1], point[n, 2]), _position(n, motion, 1.0)
+        x0, x1, x2 = last[0] - first[0], last[1] - first[1], last[2] - first[2]
+        within_clearance = x0 * x0 + x1 * x1 + x2 * x2 < max(clearance[n], 0.0) ** 2
+        if within_clearance or outside_bounds(last[0], last[1], last[2], radius, tree) or _gap(last, tree) >= 0.0:
+            point[n, 0], point[n, 1], point[n, 2] = last
+        elif _gap(first, tree) >= -ON_SURFACE * radius:
+            y = _entry(n, motion, tree)
             triangle, feature, _, _, _ = closest(y, np.inf, tree, NO_SIDE)
             for i in range(3):
-                out[n, i], side[n, i] = y[i], tree.normals[triangle, feature, i]
+                point[n, i], side[n, i] = y[i], tree.normals[triangle, feature, i]
+
+
+@njit(cache=True)
+def _entry(n, motion, tree):
+    """Place (3,) where the path of corner n, open at the start and inside at the end, enters the body."""
+    outside, inside = 0.0, 1.0
+    for _ in range(HALVINGS):
+        middle = 0.5 * (outside + inside)
+        if _gap(_position(n, motion, middle), tree) > 0.0:
+            outside = middle
+        else:
+            inside = middle
+    return _position(n, motion, inside)
 
 
 @njit(cache=True)
@@ -69,10 +88,12 @@ def _gap(y, tree):
 
 
 @njit(cache=True)
-def _seen(n, arm, way, axis, angle, rotation, fraction):
-    """Place in the body frame at a fraction of the step, as a tuple: turned back by Rodrigues' formula."""
-    x0, x1, x2 = arm[n, 0] + fraction * way[n, 0], arm[n, 1] + fraction * way[n, 1], arm[n, 2] + fraction * way[n, 2]
-    c, s = math.cos(fraction * angle), math.sin(fraction * angle)
+def _position(n, motion, fraction):
+    """Place of corner n in the body frame at a `fraction` of the step, as a tuple: turned back by Rodrigues' formula."""
+    arm, displacement, axis, rotation = motion.arm, motion.displacement, motion.axis, motion.rotation
+    x0, x1 = arm[n, 0] + fraction * displacement[n, 0], arm[n, 1] + fraction * displacement[n, 1]
+    x2 = arm[n, 2] + fraction * displacement[n, 2]
+    c, s = math.cos(fraction * motion.angle), math.sin(fraction * motion.angle)
     along = (1.0 - c) * (axis[0] * x0 + axis[1] * x1 + axis[2] * x2)
     y0 = c * x0 - s * (axis[1] * x2 - axis[2] * x1) + along * axis[0]
     y1 = c * x1 - s * (axis[2] * x0 - axis[0] * x2) + along * axis[1]

@@ -1,33 +1,45 @@
-"""Penalty contact with Coulomb friction at corners, in the body frame.
+"""First pass of contact: corners of the points' domains against the triangles of a body, with Coulomb friction.
 
     y = R^T (x_c - c)      d = y - foot = g N      A = ∂d/∂y      p = λ - ε_N g > 0
     z = y - y_anchor       g_t = P z,  P = I - N N^T
     stick  |ε_T g_t| <= μ p :  f = -p N + ε_T g_t
     slip   otherwise        :  f = -p N + μ p s,  s = g_t/|g_t|
 
-(formulation section 6; the seed paper's eqs 3-6). f is the residual of the penalty, minus the force on the corner.
-Because the normal turns with y at an edge or a vertex, ∂N/∂y = G = (A - N N^T)/g there, and
+(formulation section 6; the seed paper's eqs 3-6), all in the body frame. f is the residual of the penalty, minus the
+force on the corner. Because the normal turns with y at an edge or a vertex, ∂N/∂y = G = (A - N N^T)/g there, and
 
     M = ∂g_t/∂y = P - (N·z) G - N (G z)^T
     normal ∂f/∂y = ε_N A - λ G
     stick  + ε_T M                        slip  + μp/|g_t| (I - s s^T) M - μ ε_N s N^T
 
-λ is zero under plain penalty; the augmented Lagrangian raises it between solutions (contact/contact_pair.py), and the tangent
-stays that of the penalty. On a face G = 0. The anchor is history in the body frame: objective, and indifferent to
-hopping between triangles. A contact born in the step takes its anchor where the corner meets the surface
-(contact/first_contact.py). Without friction (μ = 0) neither anchor nor tangential law is evaluated.
+| symbol     | meaning                                             | in the kernels                      | unit |
+|------------|-----------------------------------------------------|-------------------------------------|------|
+| g, foot    | signed gap and closest point of the surface         | ClosestPoints.gap, foot             | m    |
+| N, A       | outward normal and ∂d/∂y                            | N, A of `body.closest.gap_geometry` | -    |
+| λ, p       | multiplier of the augmented Lagrangian and pressure | ClosedCorners.multiplier, p         | N    |
+| ε_N, ε_T   | normal and tangential penalty                       | ClosedCorners.stiffness, eps_t      | N/m  |
+| μ          | coefficient of friction                             | Coulomb.mu                          | -    |
+| y_anchor   | where the tangential spring has no force            | ClosedCorners.anchor                | m    |
+| g_t, s     | tangential gap and its direction                    | g_t, s                              | m, - |
 
-The force of a step acts from the step's start, also on a corner that touches only later. Friction work of a corner
-that slips is therefore counted along its way since the start.
+λ is zero under plain penalty; the augmented Lagrangian raises it between solutions (contact/contact_pair.py), and the
+tangent stays that of the penalty. On a face G = 0. The anchor is history in the body frame: it is objective, and it
+does not change when a corner passes from one triangle to the next. The anchor of a corner that closes in this step is
+its predicted first-contact point (contact/first_contact.py). Without friction (μ = 0) neither anchor nor tangential law
+is evaluated.
+
+The force of a step acts over the whole step, also on a corner that closes in the course of it. The friction work of a
+slipping corner therefore counts its path from the start of the step.
 """
 
 import math
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
-from hybrid.body.closest import clear, closest, gap_geometry
+from hybrid.body.closest import closest, gap_geometry, outside_bounds
 from hybrid.runtime.comm import total
 from hybrid.state import ContactHistory
 
@@ -36,11 +48,11 @@ from hybrid.state import ContactHistory
 class CornerContact:
     """Corners in contact at a trial state; m of them, in space unless said otherwise.
 
-    active: (m,) which of the corners; gap: (m,) [m] negative; normal: (m, 3) outward
+    active: (m,) indices into Corners; gap: (m,) [m], negative; normal: (m, 3) outward from the body
     force: (m, 3) [N], minus the force on the corner
-    tangent: (m, 3, 3) [N/m] at fixed attitude; arm: (m, 3) [m] from the body's centre; slip: (m,) bool
-    anchor: (m, 3) [m] what the history becomes on commit, body frame; triangle: (m,), weights: (m, 3) of its vertices
-    side: (m, 3) outward normal, body frame; pressure: (m,) p [N]
+    tangent: (m, 3, 3) [N/m] ∂force/∂x_c at fixed attitude; arm: (m, 3) [m] from the body's centre; slip: (m,) bool
+    anchor: (m, 3) [m] body frame, the anchor of the history once the state is accepted; side: (m, 3) N, body frame
+    pressure: (m,) p [N]; triangle: (m,) of the closest point, weights: (m, 3) of its vertices there
     energy: stored in the springs [J]; dissipated: friction work of the step [J]
     """
 
@@ -63,124 +75,212 @@ class CornerContact:
         return len(self.active)
 
 
-def evaluate(corners, place, centre, rotation, surface, friction, tangential):
-    """Touch of corners at `place` (m, 3) [m] with a body at `centre` (3,), `rotation` (3, 3).
+class CornerStart(NamedTuple):
+    """Corners at the start of the step, which decides whether they have to be projected: y (m, 3) [m] body frame, and
+    clearance (m,) [m], side (m, 3), multiplier (m,) [N] as in corners.Corners."""
 
-    friction: μ; tangential: ε_T/ε_N.
+    y: np.ndarray
+    clearance: np.ndarray
+    side: np.ndarray
+    multiplier: np.ndarray
+
+
+class ClosestPoints(NamedTuple):
+    """Closest points of the surface: gap (m,) [m], inf where the corner cannot touch (the rest is then not set);
+    triangle, feature (m,); foot (m, 3) [m], body frame; weights (m, 3) of the triangle's vertices."""
+
+    gap: np.ndarray
+    triangle: np.ndarray
+    feature: np.ndarray
+    foot: np.ndarray
+    weights: np.ndarray
+
+    @classmethod
+    def empty(cls, m):
+        return cls(np.empty(m), np.empty(m, np.int64), np.empty(m, np.int64), np.empty((m, 3)), np.empty((m, 3)))
+
+    def select(self, index):
+        return ClosestPoints(*(values[index] for values in self))
+
+
+class ClosedCorners(NamedTuple):
+    """Corners that the law is evaluated at, body frame: y, anchor (m, 3) [m]; origin (m, 3) [m], where the path begins
+    along which friction does work in this step; stiffness (m,) ε_N [N/m]; multiplier (m,) λ [N]."""
+
+    y: np.ndarray
+    anchor: np.ndarray
+    origin: np.ndarray
+    stiffness: np.ndarray
+    multiplier: np.ndarray
+
+
+class Coulomb(NamedTuple):
+    """Coefficient of friction μ and ratio ε_T/ε_N of the penalties."""
+
+    mu: float
+    ratio: float
+
+
+class Response(NamedTuple):
+    """Output of the law, body frame: force (m, 3) [N], tangent (m, 3, 3) [N/m], slip (m,) bool, anchor (m, 3) [m] after
+    the step, side (m, 3) N, energy and dissipated (m,) [J]."""
+
+    force: np.ndarray
+    tangent: np.ndarray
+    slip: np.ndarray
+    anchor: np.ndarray
+    side: np.ndarray
+    energy: np.ndarray
+    dissipated: np.ndarray
+
+    @classmethod
+    def empty(cls, m):
+        return cls(np.empty((m, 3)), np.empty((m, 3, 3)), np.zeros(m, np.bool_), np.empty((m, 3)), np.empty((m, 3)),
+                   np.zeros(m), np.zeros(m))
+
+
+def evaluate(corners, position, centre, rotation, surface, friction, tangential):
+    """CornerContact of `corners` at `position` (m, 3) [m] with a body at `centre` (3,) [m], `rotation` (3, 3).
+
+    surface: ContactSurface; friction: μ; tangential: ε_T/ε_N.
     """
-    tree = surface.tree
-    y = (place - centre) @ rotation
-    gap, triangle, feature = np.empty(len(y)), np.empty(len(y), np.int64), np.empty(len(y), np.int64)
-    foot, weights = np.empty_like(y), np.empty_like(y)
-    _project(y, corners.start, corners.clearance, corners.side, corners.pressure, surface.radius, tree, gap, triangle,
-             feature, foot, weights)
-    active = np.flatnonzero(np.isfinite(gap))
-    active = active[corners.pressure[active] - corners.stiffness[active] * gap[active] > 0.0]
-    m = len(active)
-    force, tangent, anchor, side = np.empty((m, 3)), np.empty((m, 3, 3)), np.empty((m, 3)), np.empty((m, 3))
-    slip, energy, dissipated = np.zeros(m, np.bool_), np.zeros(m), np.zeros(m)
+    y = (position - centre) @ rotation
+    points = _closest_points(y, corners, surface)
+    active = np.flatnonzero(np.isfinite(points.gap))
+    active = active[corners.pressure[active] - corners.stiffness[active] * points.gap[active] > 0.0]
+    points = points.select(active)
     origin = np.where(corners.touching[active, None], corners.anchor[active], corners.start[active])
-    _law(y[active], gap[active], triangle[active], feature[active], foot[active], corners.anchor[active], origin,
-         corners.stiffness[active], corners.pressure[active], friction, tangential, tree, force, tangent, slip, anchor,
-         side, energy, dissipated)
+    closed = ClosedCorners(y[active], corners.anchor[active], origin, corners.stiffness[active],
+                           corners.pressure[active])
+    found = Response.empty(len(active))
+    _law(closed, points, Coulomb(friction, tangential), surface.tree, found)
     return CornerContact(
-        active, gap[active], side @ rotation.T, force @ rotation.T, rotation @ tangent @ rotation.T,
-        place[active] - centre, slip, anchor, side,
-        corners.pressure[active] - corners.stiffness[active] * gap[active],
-        triangle[active], weights[active], float(total(energy)), float(total(dissipated)))
+        active, points.gap, found.side @ rotation.T, found.force @ rotation.T, rotation @ found.tangent @ rotation.T,
+        position[active] - centre, found.slip, found.anchor, found.side,
+        closed.multiplier - closed.stiffness * points.gap, points.triangle, points.weights,
+        float(total(found.energy)), float(total(found.dissipated)))
+
+
+def _closest_points(y, corners, surface):
+    """ClosestPoints of corners at y (m, 3) [m] in the body frame."""
+    points = ClosestPoints.empty(len(y))
+    start = CornerStart(corners.start, corners.clearance, corners.side, corners.pressure)
+    _project(y, start, surface.radius, surface.tree, points)
+    return points
 
 
 def gaps(y, surface, side=None):
-    """Signed gaps (m,) [m] of places (m, 3) in the body frame, inf clear of the body; side: (m, 3), as in Corners."""
-    gap, index = np.empty(len(y)), np.empty((2, len(y)), np.int64)
-    side = np.zeros_like(y) if side is None else side
-    none = np.zeros(len(y))
-    _project(y, y, none, side, none, surface.radius, surface.tree, gap, index[0], index[1], np.empty_like(y),
-             np.empty_like(y))
-    return gap
+    """Signed gaps (m,) [m] of places (m, 3) in the body frame, inf outside the body's bounds; side: (m, 3), as in
+    corners.Corners."""
+    zero, points = np.zeros(len(y)), ClosestPoints.empty(len(y))
+    start = CornerStart(y, zero, np.zeros_like(y) if side is None else side, zero)
+    _project(y, start, surface.radius, surface.tree, points)
+    return points.gap
 
 
-def commit(corners, place, touch):
-    """ContactHistory after acceptance: every followed corner at its place (m, 3) [m]."""
+def commit(corners, position, contact):
+    """ContactHistory after acceptance: every followed corner at its `position` (m, 3) [m]."""
     touching = np.zeros(len(corners), bool)
     anchor, side = np.zeros((len(corners), 3)), np.zeros((len(corners), 3))
-    touching[touch.active] = True
-    anchor[touch.active], side[touch.active] = touch.anchor, touch.side
-    none = ContactHistory.empty()
-    return replace(none, id=corners.id, position=place, touching=touching, anchor=anchor, side=side,
-                   pressure=np.where(touching, corners.pressure, 0.0))
+    touching[contact.active] = True
+    anchor[contact.active], side[contact.active] = contact.anchor, contact.side
+    return replace(ContactHistory.empty(), id=corners.id, position=position, touching=touching, anchor=anchor,
+                   side=side, pressure=np.where(touching, corners.pressure, 0.0))
 
 
 @njit(cache=True)
-def _project(y, start, clearance, side, pressure, radius, tree, gap, triangle, feature, foot, weights):
-    """A corner with a side to stay with, or pressed across a gap by its multiplier, is looked at wherever it is."""
+def _project(y, start, radius, tree, points):
+    """Fill `points` for corners now at y (m, 3). A corner that remembers its side of the body, or has a multiplier, is
+    projected wherever it is; any other one is skipped within its clearance or outside the body's bounds."""
     for n in range(len(y)):
-        s = side[n, 0], side[n, 1], side[n, 2]
-        loose = pressure[n] == 0.0 and s[0] == 0.0 and s[1] == 0.0 and s[2] == 0.0
-        x0, x1, x2 = y[n, 0] - start[n, 0], y[n, 1] - start[n, 1], y[n, 2] - start[n, 2]
-        short = x0 * x0 + x1 * x1 + x2 * x2 < max(clearance[n], 0.0) ** 2
-        if loose and (short or clear(y[n, 0], y[n, 1], y[n, 2], radius, tree)):
-            gap[n] = np.inf
+        side = start.side[n, 0], start.side[n, 1], start.side[n, 2]
+        without_history = start.multiplier[n] == 0.0 and side[0] == 0.0 and side[1] == 0.0 and side[2] == 0.0
+        x0, x1, x2 = y[n, 0] - start.y[n, 0], y[n, 1] - start.y[n, 1], y[n, 2] - start.y[n, 2]
+        within_clearance = x0 * x0 + x1 * x1 + x2 * x2 < max(start.clearance[n], 0.0) ** 2
+        if without_history and (within_clearance or outside_bounds(y[n, 0], y[n, 1], y[n, 2], radius, tree)):
+            points.gap[n] = np.inf
             continue
-        t, f, x, w, g = closest((y[n, 0], y[n, 1], y[n, 2]), np.inf, tree, s)
-        triangle[n], feature[n], gap[n] = t, f, g
+        triangle, feature, foot, weights, gap = closest((y[n, 0], y[n, 1], y[n, 2]), np.inf, tree, side)
+        points.triangle[n], points.feature[n], points.gap[n] = triangle, feature, gap
         for i in range(3):
-            foot[n, i], weights[n, i] = x[i], w[i]
+            points.foot[n, i], points.weights[n, i] = foot[i], weights[i]
 
 
 @njit(cache=True)
-def _law(y, gap, triangle, feature, foot, old, origin, stiffness, multiplier, friction, ratio, tree, force, tangent,
-         slip, anchor, side, energy, dissipated):
-    """old: (m, 3) anchors before; origin: (m, 3) where the way starts along which friction works."""
-    G, work = np.empty((3, 3)), (np.empty(3), np.empty(3), np.empty((3, 3)))
-    for n in range(len(y)):
-        g, eps_n = gap[n], stiffness[n]
-        p = multiplier[n] - eps_n * g
-        N, A = gap_geometry(y[n], foot[n], triangle[n], feature[n], tree)
-        for i in range(3):
-            side[n, i], anchor[n, i], force[n, i] = N[i], old[n, i], -p * N[i]
-            for j in range(3):
-                G[i, j] = (A[i][j] - N[i] * N[j]) / g if g != 0.0 else 0.0
-                tangent[n, i, j] = eps_n * N[i] * N[j] - p * G[i, j]
-        energy[n] = 0.5 * (p * p - multiplier[n] ** 2) / eps_n
-        if friction > 0.0:
-            _add_friction(n, N, G, y, old, origin, p, eps_n, friction, ratio * eps_n, force, tangent, slip, anchor,
-                          energy, dissipated, work)
+def _law(corners, points, coulomb, tree, out):
+    """The law of the module's head at every closed corner."""
+    G, M, g_t = np.empty((3, 3)), np.empty((3, 3)), np.empty(3)
+    for n in range(len(corners.y)):
+        p = corners.multiplier[n] - corners.stiffness[n] * points.gap[n]
+        N, A = gap_geometry(corners.y[n], points.foot[n], points.triangle[n], points.feature[n], tree)
+        _normal(n, p, N, A, corners, points.gap[n], G, out)
+        if coulomb.mu > 0.0:
+            _tangential_gap(corners.y[n], corners.anchor[n], N, G, g_t, M)
+            eps_t, size = coulomb.ratio * corners.stiffness[n], _length(g_t)
+            out.slip[n] = not eps_t * size <= coulomb.mu * p
+            if out.slip[n]:
+                _slip(n, p, N, corners, coulomb, g_t, M, out)
+            else:
+                _stick(n, eps_t, size, g_t, M, out)
 
 
 @njit(cache=True)
-def _add_friction(n, N, G, y, old, origin, p, eps_n, friction, eps_t, force, tangent, slip, anchor, energy, dissipated,
-                  work):
-    """What friction adds at one corner; work: room for g_t, which becomes s, for G z, and for M."""
-    s, Gz, M = work
-    z0, z1, z2 = y[n, 0] - old[n, 0], y[n, 1] - old[n, 1], y[n, 2] - old[n, 2]
-    along = N[0] * z0 + N[1] * z1 + N[2] * z2
-    s[0], s[1], s[2] = z0 - along * N[0], z1 - along * N[1], z2 - along * N[2]
+def _normal(n, p, N, A, corners, gap, G, out):
+    """Pressure and its tangent at corner n, which keeps its anchor; fills G = ∂N/∂y."""
+    eps_n = corners.stiffness[n]
     for i in range(3):
-        Gz[i] = G[i, 0] * z0 + G[i, 1] * z1 + G[i, 2] * z2
+        out.side[n, i], out.anchor[n, i], out.force[n, i] = N[i], corners.anchor[n, i], -p * N[i]
         for j in range(3):
-            M[i, j] = (1.0 if i == j else 0.0) - N[i] * N[j] - along * G[i, j]
+            G[i, j] = (A[i][j] - N[i] * N[j]) / gap if gap != 0.0 else 0.0
+            out.tangent[n, i, j] = eps_n * N[i] * N[j] - p * G[i, j]
+    out.energy[n] = 0.5 * (p * p - corners.multiplier[n] ** 2) / eps_n
+
+
+@njit(cache=True)
+def _tangential_gap(y, anchor, N, G, g_t, M):
+    """Fill g_t = P z, z = y - y_anchor, and M = ∂g_t/∂y."""
+    z = y[0] - anchor[0], y[1] - anchor[1], y[2] - anchor[2]
+    z_n = N[0] * z[0] + N[1] * z[1] + N[2] * z[2]
     for i in range(3):
+        g_t[i] = z[i] - z_n * N[i]
         for j in range(3):
-            M[i, j] -= N[i] * Gz[j]
-    limit, size = friction * p, math.sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2])
-    slip[n] = not eps_t * size <= limit
-    if not slip[n]:
-        energy[n] += 0.5 * eps_t * size * size
+            M[i, j] = (1.0 if i == j else 0.0) - N[i] * N[j] - z_n * G[i, j]
+    for j in range(3):
+        Gz = G[j, 0] * z[0] + G[j, 1] * z[1] + G[j, 2] * z[2]
         for i in range(3):
-            force[n, i] += eps_t * s[i]
-            for j in range(3):
-                tangent[n, i, j] += eps_t * M[i, j]
-        return
-    energy[n] += 0.5 * limit * limit / eps_t
-    way = -limit / eps_t
+            M[i, j] -= N[i] * Gz
+
+
+@njit(cache=True)
+def _length(v):
+    return math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+
+
+@njit(cache=True)
+def _stick(n, eps_t, size, g_t, M, out):
+    """Add the tangential spring, ε_T g_t, at corner n; size: |g_t| [m]."""
+    out.energy[n] += 0.5 * eps_t * size * size
+    for i in range(3):
+        out.force[n, i] += eps_t * g_t[i]
+        for j in range(3):
+            out.tangent[n, i, j] += eps_t * M[i, j]
+
+
+@njit(cache=True)
+def _slip(n, p, N, corners, coulomb, g_t, M, out):
+    """Add μ p s at corner n, and move its anchor to where the spring has just that force; turns g_t into s."""
+    eps_n = corners.stiffness[n]
+    eps_t, limit = coulomb.ratio * eps_n, coulomb.mu * p
+    size, s = _length(g_t), g_t
+    slipped = -limit / eps_t        # length [m] of the path less the part that the spring takes up
     for i in range(3):
         s[i] /= size
-        way += s[i] * (y[n, i] - origin[n, i])
-    dissipated[n] = limit * way
+        slipped += s[i] * (corners.y[n, i] - corners.origin[n, i])
+    out.energy[n] += 0.5 * limit * limit / eps_t
+    out.dissipated[n] = limit * slipped
     for i in range(3):
-        force[n, i] += limit * s[i]
-        anchor[n, i] = y[n, i] - s[i] * (limit / eps_t)
+        out.force[n, i] += limit * s[i]
+        out.anchor[n, i] = corners.y[n, i] - s[i] * (limit / eps_t)
         for j in range(3):
             sM = s[0] * M[0, j] + s[1] * M[1, j] + s[2] * M[2, j]
-            tangent[n, i, j] += limit / size * (M[i, j] - s[i] * sM) - friction * eps_n * s[i] * N[j]
+            out.tangent[n, i, j] += limit / size * (M[i, j] - s[i] * sM) - coulomb.mu * eps_n * s[i] * N[j]

@@ -286,7 +286,7 @@ def triangles_visited(levels):
     tree, rng = surface.tree, np.random.default_rng(1)
     y = rng.normal(size=(1000, 3))
     y *= rng.uniform(0.95, 1.05, size=(1000, 1)) / np.linalg.norm(y, axis=1)[:, None]
-    visited = [search(*p, np.inf, tree.boxes, tree.first, tree.order, tree.facets)[-1] for p in y]
+    visited = [search(*p, np.inf, tree)[-1] for p in y]
     return np.mean(visited), len(surface.triangles)
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from contact_bed import box, corners_in, touch_of
 
-from hybrid.contact.tunnelling import tunnelled
+from hybrid.contact.tunnelling import count_tunnelled
 
 HALF = 1.0, 0.8, 0.5     # [m] of the box, whose lower face is z = -0.5
 DEPTH = 0.005            # [m] that a corner may cut in
@@ -18,7 +18,7 @@ def passed(start, end, half=HALF):
     assert not len(outside), "starts within the body"
     corners = corners_in(surface, start, start, touching=False)
     place = np.atleast_2d(np.array(end, float))
-    return tunnelled(corners, touch_of(corners, surface, place=place), place, *CENTRE, surface, DEPTH)
+    return count_tunnelled(corners, touch_of(corners, surface, place=place), place, *CENTRE, surface, DEPTH)
 
 
 def test_soil_that_flows_round_an_edge_does_not_pass():
