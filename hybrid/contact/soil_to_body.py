@@ -192,95 +192,92 @@ def commit(corners, position, contact):
 def _project(y, start, radius, tree, points):
     """Fill `points` for corners now at y (m, 3). A corner that remembers its side of the body, or has a multiplier, is
     projected wherever it is; any other one is skipped within its clearance or outside the body's bounds."""
+    y_start, clearance, sides, multiplier = start       # once: inside the loop each access would count references
+    gap, triangle, feature, foot, weights = points
     for n in range(len(y)):
-        side = start.side[n, 0], start.side[n, 1], start.side[n, 2]
-        without_history = start.multiplier[n] == 0.0 and side[0] == 0.0 and side[1] == 0.0 and side[2] == 0.0
-        x0, x1, x2 = y[n, 0] - start.y[n, 0], y[n, 1] - start.y[n, 1], y[n, 2] - start.y[n, 2]
-        within_clearance = x0 * x0 + x1 * x1 + x2 * x2 < max(start.clearance[n], 0.0) ** 2
+        side = sides[n, 0], sides[n, 1], sides[n, 2]
+        without_history = multiplier[n] == 0.0 and side[0] == 0.0 and side[1] == 0.0 and side[2] == 0.0
+        x0, x1, x2 = y[n, 0] - y_start[n, 0], y[n, 1] - y_start[n, 1], y[n, 2] - y_start[n, 2]
+        within_clearance = x0 * x0 + x1 * x1 + x2 * x2 < max(clearance[n], 0.0) ** 2
         if without_history and (within_clearance or outside_bounds(y[n, 0], y[n, 1], y[n, 2], radius, tree)):
-            points.gap[n] = np.inf
+            gap[n] = np.inf
             continue
-        triangle, feature, foot, weights, gap = closest((y[n, 0], y[n, 1], y[n, 2]), np.inf, tree, side)
-        points.triangle[n], points.feature[n], points.gap[n] = triangle, feature, gap
+        t, f, x, w, g = closest((y[n, 0], y[n, 1], y[n, 2]), np.inf, tree, side)
+        triangle[n], feature[n], gap[n] = t, f, g
         for i in range(3):
-            points.foot[n, i], points.weights[n, i] = foot[i], weights[i]
+            foot[n, i], weights[n, i] = x[i], w[i]
 
 
 @njit(cache=True)
 def _law(corners, points, coulomb, tree, out):
     """The law of the module's head at every closed corner."""
-    G, M, g_t = np.empty((3, 3)), np.empty((3, 3)), np.empty(3)
-    for n in range(len(corners.y)):
-        p = corners.multiplier[n] - corners.stiffness[n] * points.gap[n]
-        N, A = gap_geometry(corners.y[n], points.foot[n], points.triangle[n], points.feature[n], tree)
-        _normal(n, p, N, A, corners, points.gap[n], G, out)
-        if coulomb.mu > 0.0:
-            _tangential_gap(corners.y[n], corners.anchor[n], N, G, g_t, M)
-            eps_t, size = coulomb.ratio * corners.stiffness[n], _length(g_t)
-            out.slip[n] = not eps_t * size <= coulomb.mu * p
-            if out.slip[n]:
-                _slip(n, p, N, corners, coulomb, g_t, M, out)
-            else:
-                _stick(n, eps_t, size, g_t, M, out)
+    y, y_anchor, origin, stiffness, multiplier = corners      # once: see _project
+    gap, triangle, feature, foot, _ = points
+    force, tangent, slip, anchor, side, energy, dissipated = out
+    G, M, g_t, t, K = np.empty((3, 3)), np.empty((3, 3)), np.empty(3), np.empty(3), np.empty((3, 3))
+    for n in range(len(y)):
+        eps_n, eps_t = stiffness[n], coulomb.ratio * stiffness[n]
+        p = multiplier[n] - eps_n * gap[n]
+        N, A = gap_geometry(y[n], foot[n], triangle[n], feature[n], tree)
+        for i in range(3):
+            side[n, i], anchor[n, i], force[n, i] = N[i], y_anchor[n, i], -p * N[i]
+            for j in range(3):
+                G[i, j] = (A[i][j] - N[i] * N[j]) / gap[n] if gap[n] != 0.0 else 0.0
+                tangent[n, i, j] = eps_n * N[i] * N[j] - p * G[i, j]
+        energy[n] = 0.5 * (p * p - multiplier[n] ** 2) / eps_n
+        if coulomb.mu == 0.0:
+            continue
+        _tangential_gap(y[n], y_anchor[n], N, G, g_t, M)
+        size, limit = math.sqrt(g_t[0] * g_t[0] + g_t[1] * g_t[1] + g_t[2] * g_t[2]), coulomb.mu * p
+        slip[n] = not eps_t * size <= limit
+        if slip[n]:
+            s = g_t[0] / size, g_t[1] / size, g_t[2] / size
+            _slip(limit, size, coulomb.mu * eps_n, N, s, M, t, K)
+            dissipated[n] = limit * _slipped(y[n], origin[n], s, limit / eps_t)
+            energy[n] += 0.5 * limit * limit / eps_t
+            for i in range(3):
+                anchor[n, i] = y[n, i] - s[i] * (limit / eps_t)
+        else:
+            _stick(eps_t, g_t, M, t, K)
+            energy[n] += 0.5 * eps_t * size * size
+        for i in range(3):
+            force[n, i] += t[i]
+            for j in range(3):
+                tangent[n, i, j] += K[i, j]
 
 
 @njit(cache=True)
-def _normal(n, p, N, A, corners, gap, G, out):
-    """Pressure and its tangent at corner n, which keeps its anchor; fills G = ∂N/∂y."""
-    eps_n = corners.stiffness[n]
-    for i in range(3):
-        out.side[n, i], out.anchor[n, i], out.force[n, i] = N[i], corners.anchor[n, i], -p * N[i]
-        for j in range(3):
-            G[i, j] = (A[i][j] - N[i] * N[j]) / gap if gap != 0.0 else 0.0
-            out.tangent[n, i, j] = eps_n * N[i] * N[j] - p * G[i, j]
-    out.energy[n] = 0.5 * (p * p - corners.multiplier[n] ** 2) / eps_n
-
-
-@njit(cache=True)
-def _tangential_gap(y, anchor, N, G, g_t, M):
-    """Fill g_t = P z, z = y - y_anchor, and M = ∂g_t/∂y."""
-    z = y[0] - anchor[0], y[1] - anchor[1], y[2] - anchor[2]
+def _tangential_gap(y, y_anchor, N, G, g_t, M):
+    """Fill g_t (3,) = P z, z = y - y_anchor, and M (3, 3) = ∂g_t/∂y."""
+    z = y[0] - y_anchor[0], y[1] - y_anchor[1], y[2] - y_anchor[2]
     z_n = N[0] * z[0] + N[1] * z[1] + N[2] * z[2]
     for i in range(3):
         g_t[i] = z[i] - z_n * N[i]
         for j in range(3):
-            M[i, j] = (1.0 if i == j else 0.0) - N[i] * N[j] - z_n * G[i, j]
-    for j in range(3):
-        Gz = G[j, 0] * z[0] + G[j, 1] * z[1] + G[j, 2] * z[2]
-        for i in range(3):
-            M[i, j] -= N[i] * Gz
+            Gz = G[j, 0] * z[0] + G[j, 1] * z[1] + G[j, 2] * z[2]
+            M[i, j] = (1.0 if i == j else 0.0) - N[i] * N[j] - z_n * G[i, j] - N[i] * Gz
 
 
 @njit(cache=True)
-def _length(v):
-    return math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
-
-
-@njit(cache=True)
-def _stick(n, eps_t, size, g_t, M, out):
-    """Add the tangential spring, ε_T g_t, at corner n; size: |g_t| [m]."""
-    out.energy[n] += 0.5 * eps_t * size * size
+def _stick(eps_t, g_t, M, t, K):
+    """Fill t (3,) = ε_T g_t and K (3, 3) = ∂t/∂y."""
     for i in range(3):
-        out.force[n, i] += eps_t * g_t[i]
+        t[i] = eps_t * g_t[i]
         for j in range(3):
-            out.tangent[n, i, j] += eps_t * M[i, j]
+            K[i, j] = eps_t * M[i, j]
 
 
 @njit(cache=True)
-def _slip(n, p, N, corners, coulomb, g_t, M, out):
-    """Add μ p s at corner n, and move its anchor to where the spring has just that force; turns g_t into s."""
-    eps_n = corners.stiffness[n]
-    eps_t, limit = coulomb.ratio * eps_n, coulomb.mu * p
-    size, s = _length(g_t), g_t
-    slipped = -limit / eps_t        # length [m] of the path less the part that the spring takes up
+def _slip(limit, size, slope, N, s, M, t, K):
+    """Fill t (3,) = μ p s and K (3, 3) = ∂t/∂y. limit: μ p [N]; size: |g_t| [m]; slope: μ ε_N [N/m]."""
     for i in range(3):
-        s[i] /= size
-        slipped += s[i] * (corners.y[n, i] - corners.origin[n, i])
-    out.energy[n] += 0.5 * limit * limit / eps_t
-    out.dissipated[n] = limit * slipped
-    for i in range(3):
-        out.force[n, i] += limit * s[i]
-        out.anchor[n, i] = corners.y[n, i] - s[i] * (limit / eps_t)
+        t[i] = limit * s[i]
         for j in range(3):
             sM = s[0] * M[0, j] + s[1] * M[1, j] + s[2] * M[2, j]
-            out.tangent[n, i, j] += limit / size * (M[i, j] - s[i] * sM) - coulomb.mu * eps_n * s[i] * N[j]
+            K[i, j] = limit / size * (M[i, j] - s[i] * sM) - slope * s[i] * N[j]
+
+
+@njit(cache=True)
+def _slipped(y, origin, s, held):
+    """Length [m] of the path from `origin` along s, less the elongation `held` [m] of the tangential spring."""
+    return -held + s[0] * (y[0] - origin[0]) + s[1] * (y[1] - origin[1]) + s[2] * (y[2] - origin[2])
