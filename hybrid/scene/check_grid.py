@@ -1,25 +1,16 @@
-"""Ranges of a scene's grid: a generator of faults, each with value, limit and remedy."""
+"""The grid of a scene: keys that exclude, need or limit one another, as faults with value, limit and remedy."""
+
+from hybrid.scene.table import need, shown
 
 
 def grid_faults(scene):
-    """Texts of everything out of range in the grid of a Scene whose values already have their declared types."""
+    """Texts of what does not fit together in the grid of a Scene whose values have their declared types and ranges."""
     for name in "xyz":
         yield from _axis(f"grid.{name}", getattr(scene.grid, name))
     collapsed = [name for name in "xyz" if getattr(scene.grid, name).collapsed]
     yield from need(len(collapsed) < 3, "grid", ", ".join(collapsed) + " collapsed",
                     "one axis at least uncollapsed", "set collapsed = false where the soil deforms")
     yield from _travel(scene)
-
-
-def need(ok, key, value, limit, remedy):
-    """Nothing when `ok`, else the one fault."""
-    return [] if ok else [f"{key} = {shown(value)}: must be {limit}; {remedy}"]
-
-
-def shown(value):
-    if isinstance(value, (tuple, list)):
-        return "[" + ", ".join(map(shown, value)) + "]"
-    return f"{value:.10g}" if isinstance(value, float) else str(value)
 
 
 def _axis(key, axis):
@@ -41,45 +32,44 @@ def _axis(key, axis):
         return
     yield from need(axis.start < axis.end, f"{key}.end", axis.end, f"above start = {shown(axis.start)}",
                     "swap the two or widen the grid")
-    yield from need(1 < axis.growth <= 2, f"{key}.growth", axis.growth, "in (1, 2]",
-                    "1.3 grows cells by 30 % each; leave out `fine` for a uniform axis")
     if not axis.collapsed and axis.start < axis.end:
         yield from _cells(key, axis)
 
 
 def _travel(scene):
-    """Faults of a grid that goes with a body."""
+    """Faults of a grid that moves with a body."""
     grid, soil = scene.grid, scene.soil
     names = [body.name for body in scene.bodies]
     if not grid.travels:
         yield from need(grid.follow is None, "grid.follow", grid.follow, "left out",
-                        "or give an axis `around` or `window` [m] to travel with")
+                        "or give an axis `around` or `window` [m], which lets it move with a body")
         return
     yield from need(names and grid.follow in (None, *names), "grid.follow", grid.follow,
                     f"a body of the scene: {', '.join(names) or 'it has none'}",
-                    "name one, or let the axes stand still")
-    yield from need(not soil.held, "soil.held", soil.held, "false where the grid travels",
+                    "name one, or leave out the axes' `around` and `window`")
+    yield from need(not soil.held, "soil.held", soil.held, "false where the grid moves with a body",
                     "held soil has no unknowns to save: leave `around` and `window` out")
     yield from need(soil.material.law != "user", "soil.material.law", soil.material.law,
-                    "one of the package's own where the grid travels, as points come and go",
+                    "one of the package's own where the grid moves with a body, as points come and go",
                     "leave `around` and `window` out")
     for name in "xyz":
         axis, key = getattr(grid, name), f"grid.{name}"
-        if not axis.travels or axis.start is None or axis.end is None or not axis.size:
+        if not axis.travels or axis.start is None or axis.end is None or not (axis.size or 0) > 0:
             continue
-        for margin, least, reason in (("around", axis.size, "points that meet the body cannot be halved any more"),
-                                      ("window", 0.0, "they are measured from the body's box, outwards")):
+        for margin, least, reason in (("around", axis.size, "the body would touch cells that are not the smallest"),
+                                      ("window", 0.0, "they are measured outwards from the body's bounding box")):
             ends = getattr(axis, margin)
             yield from need(ends is None or min(ends) >= least, f"{key}.{margin}", ends,
                             f"two distances of at least {shown(least)}", reason)
-        yield from need(1 <= axis.doublings <= 8, f"{key}.doublings", axis.doublings, "from 1 to 8", "3 is usual")
+        if not 0 < axis.doublings < 9:     # a fault of its own
+            continue
         cells, block = (axis.end - axis.start) / axis.size, 2**axis.doublings
         fits = abs(cells / block - round(cells / block)) < 1e-6
         yield from need(fits, f"{key}.end", axis.end, f"start = {shown(axis.start)} plus a multiple of size times "
                         f"2^doublings = {shown(axis.size * block)}",
                         f"use {shown(axis.start + axis.size * block * max(1, round(cells / block)))}")
         yield from need(axis.window is None or soil.geostatic, f"{key}.window", axis.window,
-                        "left out without geostatic stress, as soil comes in at rest",
+                        "left out without geostatic stress, in which the soil that enters is at rest",
                         "or set soil.geostatic = true")
 
 
@@ -94,9 +84,8 @@ def _nodes(key, axis):
 
 def _cells(key, axis):
     length = axis.end - axis.start
-    fits = 0 < axis.size <= length * (1 + 1e-9)
-    yield from need(fits, f"{key}.size", axis.size, f"positive and at most end - start = {shown(length)}",
-                    "choose a smaller cell size [m]")
+    yield from need(axis.size <= length * (1 + 1e-9), f"{key}.size", axis.size,
+                    f"at most end - start = {shown(length)} m", "choose a smaller cell size")
     if axis.fine is not None:
         low, high = axis.fine
         yield from need(axis.start <= low < high <= axis.end, f"{key}.fine", axis.fine,

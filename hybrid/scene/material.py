@@ -1,10 +1,11 @@
-"""What a material may say: which values its law uses, what a layer of soil inherits, and what is wrong with either."""
+"""Materials and layers: the values that each law uses, those that a layer inherits, and the faults of both."""
 
-import difflib
 from dataclasses import fields
 from typing import get_type_hints
 
-from hybrid.scene import Material
+from hybrid.scene.read import did_you_mean
+from hybrid.scene.soil import Material
+from hybrid.scene.table import described, range_fault, shown
 
 PRESET = ("relative_density", "buoyant")
 ELASTIC = ("young", "poisson", "reference_young", "stiffness_exponent")
@@ -17,23 +18,9 @@ USES = {  # of each law, apart from its name and the density
     "user": (),
 }
 NUMBERS = tuple(name for name, hint in get_type_hints(Material).items() if hint == float | None)
-DEFAULTS = {f.name: f.default for f in fields(Material)}
+KEYS = {f.name: f for f in fields(Material)}
 
-LIMITS = {
-    "relative_density": (lambda v: 0 < v <= 100, "in (0, 100] %", "38 is a loose sand"),
-    "young": (lambda v: v > 0, "positive", "in Pa: 20e6 is 20 MPa"),
-    "reference_young": (lambda v: v > 0, "positive", "in Pa: 20e6 is 20 MPa"),
-    "stiffness_exponent": (lambda v: 0 <= v <= 1, "from 0 to 1", "0 is one stiffness at all depths"),
-    "poisson": (lambda v: -1 < v < 0.5, "above -1 and below 0.5", "0.49 is nearly incompressible"),
-    "density": (lambda v: v > 0, "positive", "in kg/m³: 1600 is a dry sand"),
-    "friction_angle": (lambda v: 0 <= v < 90, "from 0 to below 90 degrees", "32.75 is a loose sand"),
-    "dilation_angle": (lambda v: 0 <= v < 90, "from 0 to below 90 degrees", "0 keeps the volume"),
-    "cohesion": (lambda v: v >= 0, "at least 0 Pa", "300 is nearly cohesionless"),
-    "residual_cohesion": (lambda v: v >= 0, "at least 0 Pa", "0 leaves friction alone"),
-    "strength": (lambda v: v >= 0, "at least 0 Pa", "20e3 is a soft clay"),
-    "residual_strength": (lambda v: v > 0, "positive", "in Pa: the remoulded strength"),
-}
-FLOORS = {"residual_cohesion": "cohesion", "residual_strength": "strength"}
+RESIDUALS = {"residual_cohesion": "cohesion", "residual_strength": "strength"}
 
 
 def of_layer(material, layer):
@@ -53,14 +40,14 @@ def of_layer(material, layer):
 
 
 def span(layer, soil, grid):
-    """(bottom, top) [m] of a layer, cut by nothing but the soil's own ends where it gives none."""
+    """(bottom, top) [m] of a layer as given; an end left out is that of the soil."""
     lower = grid.z.start if soil.lower is None else soil.lower[2]
     upper = grid.z.end if soil.top is None else soil.top
     return (lower if layer.bottom is None else layer.bottom), (upper if layer.top is None else layer.top)
 
 
 def material_faults(soil, grid):
-    """Texts of what is wrong with soil.material and the layers; `grid` must have ends along z."""
+    """Texts of all faults of soil.material and the layers but ranges; `grid` must have ends along z."""
     if not _covered(soil, grid):
         yield from _missing("soil.material", soil.material)
     yield from _values("soil.material", soil.material, soil.material)
@@ -84,17 +71,16 @@ def _place(i, soil, grid):
 
 
 def _layer_values(key, layer, material):
-    if layer.k0 is not None and layer.k0 <= 0:
-        yield f"{key}.k0 = {layer.k0:g}: must be positive; leave it out for soil.k0 or the material's own"
     if layer.law is not None and "user" in (layer.law, material.law):
         yield f"{key}.law = {layer.law!r}: must be left out: law = 'user' of soil.material is one law for all points"
         return
     unknown = [name for name in layer.material if name not in NUMBERS]
     for name in unknown:
-        near = difflib.get_close_matches(name, NUMBERS, 1, 0.5)
-        yield (f"unknown key '{key}.material.{name}'{f' (did you mean {near[0]!r}?)' if near else ''}; "
-               f"valid: {', '.join(NUMBERS)}")
+        yield f"unknown key '{key}.material.{name}'{did_you_mean(name, NUMBERS)}; valid: {', '.join(NUMBERS)}"
     if not unknown:
+        for name, value in layer.material.items():
+            if described(KEYS[name]).range:
+                yield from range_fault(value, described(KEYS[name]), f"{key}.material.{name}")
         whole = of_layer(material, layer)
         yield from _missing(f"{key}.material", whole)
         yield from _values(f"{key}.material", whole, Material(**layer.material, law=whole.law))
@@ -127,17 +113,13 @@ def _missing(key, m):
 
 
 def _values(key, m, given):
-    """Values out of range, in contradiction, or, among those `given`, of no use to the law."""
+    """Values that contradict one another or, among those `given`, that the law does not use."""
     used = ("law", "density", *USES[m.law])
-    for name, default in DEFAULTS.items():
+    for name, f in KEYS.items():
         value = getattr(given, name)
-        if value != default and name not in used:
-            near = ", ".join(USES[m.law]) or "the density alone"
-            yield f"{key}.{name} = {value}: must be left out with law = {m.law!r}, which uses {near}"
-    for name, (holds, limit, remedy) in LIMITS.items():
-        value = getattr(m, name)
-        if value is not None and not holds(value):
-            yield f"{key}.{name} = {value:.10g}: must be {limit}; {remedy}"
+        if value != f.default and name not in used:
+            others = ", ".join(USES[m.law]) or "the density alone"
+            yield f"{key}.{name} = {shown(value)}: must be left out with law = {m.law!r}, which uses {others}"
     if m.young is not None and m.reference_young is not None:
         yield f"{key}: young and reference_young exclude each other; keep young for one constant stiffness"
     elif m.young is not None and given.stiffness_exponent is not None:
@@ -164,16 +146,16 @@ def _strength(key, m):
 
 
 def _softening(key, m, given):
-    """A floor belongs to softening, and softening needs one."""
-    for floor, start in FLOORS.items():
-        low, high = getattr(m, floor), getattr(m, start)
-        if floor not in USES[m.law]:
+    """A residual strength belongs to softening, and softening needs one."""
+    for residual, start in RESIDUALS.items():
+        low, high = getattr(m, residual), getattr(m, start)
+        if residual not in USES[m.law]:
             continue
         if (m.hardening or 0) < 0 and low is None:
-            yield (f"{key}: missing {floor} for hardening = {m.hardening:g}; "
+            yield (f"{key}: missing {residual} for hardening = {m.hardening:g}; "
                    "give the strength [Pa] at which softening ends")
-        if (m.hardening or 0) >= 0 and getattr(given, floor) is not None:
-            yield f"{key}.{floor} = {low:g}: must be left out without softening; give a negative hardening [Pa]"
+        if (m.hardening or 0) >= 0 and getattr(given, residual) is not None:
+            yield f"{key}.{residual} = {low:g}: must be left out without softening; give a negative hardening [Pa]"
         gradient = m.strength_gradient if start == "strength" else None
         if low is not None and high is not None and not gradient and low > high:
-            yield f"{key}.{floor} = {low:g}: must be at most {start} = {high:g}; it is where softening ends"
+            yield f"{key}.{residual} = {low:g}: must be at most {start} = {high:g}; softening ends there"

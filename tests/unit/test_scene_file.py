@@ -10,6 +10,8 @@ from small_scene import SCENE, refused
 from hybrid.runtime.errors import SceneError
 from hybrid.scene import Axis, Body, Grid, Material, Pull, Scene, Soil, Stage, Time
 from hybrid.scene.file import load_scene, scene_from_dict, toml_value, validate
+from hybrid.scene.read import build_table
+from hybrid.scene.table import key, table
 
 DEMOS = Path(__file__).parents[2] / "demos"
 
@@ -33,6 +35,9 @@ def test_a_single_body_table_is_one_body(path):
     path.write_text(tables)
     assert load_scene(path, ["body.0.friction=0.3"]).bodies[0].friction == 0.3
     assert load_scene(path, ["body.friction=0.3"]).bodies[0].friction == 0.3
+    assert load_scene(path, ["body.ball.friction=0.3"]).bodies[0].friction == 0.3
+    path.write_text(tables.replace('name = "ball"\n', ""))
+    assert load_scene(path, ["body.body.friction=0.3"]).bodies[0].friction == 0.3    # the name that it has by default
 
 
 @pytest.mark.parametrize("demo", sorted(DEMOS.glob("*.toml")), ids=lambda demo: demo.stem)
@@ -55,6 +60,9 @@ def test_every_demo_is_a_valid_scene(demo):
     ("body.0.parameters.size=0.2", lambda s: s.bodies[0].parameters == {"radius": 1.0, "size": 0.2}),
     ("body.0.pull.point=[1, 0, 0]", lambda s: s.bodies[0].pull.point == (1.0, 0.0, 0.0)),
     ("name=a=b", lambda s: s.name == "a=b"),
+    ("body.ball.friction=0.3", lambda s: s.bodies[0].friction == 0.3),
+    ("body.ball.pull.length=3", lambda s: s.bodies[0].pull.length == 3.0),
+    ("stage.drag.steps=20", lambda s: (s.stages[0].steps, s.stages[1].steps) == (5, 20)),
 ])
 def test_overrides(path, override, read):
     path.write_text("gravity = [0, 0, -9.81]\n" + SCENE)
@@ -114,7 +122,9 @@ def test_wrong_types_name_key_value_and_what_was_expected(path, override, words)
     ("time.step", ["key.path=value"]),
     ("=3", ["key.path=value"]),
     ("a..b=3", ["key.path=value"]),
-    ("body.friction=3", ["list of 1", "body.0.friction"]),
+    ("body.friction=3", ["list of 1", "no item 'friction'", "write body.0.friction or body.ball.friction"]),
+    ("body.bal.pull.length=3", ["no item 'bal' (did you mean 'ball'?)", "body.0.pull.length or body.ball.pull.length"]),
+    ("stage.steps=3", ["list of 2", "write stage.0.steps or stage.settle.steps"]),
     ("body.1.friction=3", ["1 in it"]),
     ("time.step.x=3", ["time.step = 0.04 is a value"]),
 ])
@@ -133,6 +143,26 @@ def test_malformed_overrides(path, override, words):
 def test_schemes_take_their_own_parameters_only(path, overrides, words):
     message = refused(path, *overrides)
     assert all(word in message for word in words), message
+
+
+def test_all_wrong_keys_are_named_at_once(path):
+    message = refused(path, "time.stp=1", "body.0.density=heavy", "body.0.held=['u', 'v']", "gravity=[0, 0]")
+    assert message.startswith("5 faults")
+    for words in ("unknown key 'time.stp' (did you mean 'step'?)", "body.0.density = 'heavy': expected a number",
+                  "body.0.held.0 = 'u'", "body.0.held.1 = 'v'", "gravity = [0, 0]: expected a list of 3 numbers"):
+        assert words in message
+
+
+def test_an_old_name_of_a_key_is_refused_with_the_new_one():
+    @table
+    class Sample:
+        """A table."""
+
+        stiffness: float = key("of the spring", "N/m", formerly=("spring", "hardness"))
+
+    assert build_table(Sample, {"stiffness": 2}, "body.0", Path()) == Sample(2.0)
+    with pytest.raises(SceneError, match="body.0.hardness: this key is now called 'stiffness'; of the spring"):
+        build_table(Sample, {"hardness": 2.0, "stiffness": 2.0}, "body.0", Path())
 
 
 def test_missing_keys_and_files(path, tmp_path):

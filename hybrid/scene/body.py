@@ -1,0 +1,63 @@
+"""The rigid bodies of a scene and the lines that pull them."""
+
+from pathlib import Path
+from typing import Literal
+
+from hybrid.scene.table import key, table
+
+Vector = tuple[float, float, float]
+Freedom = Literal["x", "y", "z", "rx", "ry", "rz"]
+
+
+@table
+class Pull:
+    """An elastic line from a point of a body to a far end that moves at a constant velocity.
+
+    The line is just taut at the start of the first stage that pulls.
+    """
+
+    point: str | Vector = key("name of a physical point of the geometry, or three coordinates of the geometry", "m")
+    velocity: Vector = key("of the far end", "m/s")
+    stiffness: float = key("of the line", "N/m", above=0, remedy="for example 1e6")
+    length: float = key("unstretched length", "m", above=0, remedy="for example 10")
+    direction: Vector | None = key("from the point to the far end at the start; left out: along `velocity`", "-",
+                                   default=None)
+    tension_only: bool = key("the line goes slack instead of pushing", default=True)
+
+
+@table
+class Body:
+    """A rigid body meshed from a gmsh geometry."""
+
+    geometry: Path = key("path of the gmsh geometry (.geo); in a scene file relative to that file")
+    density: float = key("density of the body", "kg/m³", above=0, remedy="7850 is steel")
+    name: str = key("label of the body and of its files in the output", default="body")
+    parameters: dict[str, float] = key("values of the geometry's named parameters, in the units that the .geo states",
+                                       default_factory=dict)
+    position: Vector | None = key("of the geometry's origin; left out: (0, 0, 0)", "m", default=None)
+    rotation: tuple[float, float, float, float] | None = key(
+        "(ax, ay, az, angle): axis and angle of a rotation about the geometry's origin; left out: as drawn", "-, deg",
+        default=None)
+    rest_on: float | None = key("height z of the lowest contact vertex, instead of position z; left out: as positioned",
+                                "m", default=None)
+    velocity: Vector = key("of the centre of mass at the start", "m/s", default=(0.0, 0.0, 0.0))
+    spin: Vector = key("angular velocity at the start, about the axes of the body", "rad/s", default=(0.0, 0.0, 0.0))
+    held: tuple[Freedom, ...] = key("translations and rotations (about the axes of space) that do not change",
+                                    default=())
+    driven: tuple[Freedom, ...] = key(
+        "translations and rotations that keep the velocity and spin of the start, whatever force that needs",
+        default=())
+    friction: float = key("Coulomb coefficient against the soil", "-", default=0.0, at_least=0,
+                          remedy="0.45 is steel on sand")
+    penalty: float = key("p_f in the normal contact stiffness ε_N = p_f E A", "1/m", default=50.0, above=0,
+                         remedy="50 is usual")
+    tangential: float = key("ratio ε_T / ε_N of tangential to normal contact stiffness; the larger, the less a rolling "
+                            "body creeps", "-", default=1.0, above=0, remedy="1 is usual")
+    enforcement: Literal["penalty", "augmented"] = key(
+        "penalty, or augmented Lagrangian: multipliers remove the overlap, at the price of several solutions a step",
+        default="penalty")
+    second_pass: float = key(
+        "share of contact carried by the body's vertices and edges against the faces of the points' domains; the rest "
+        "is carried by the corners of the domains against the body's triangles", "-", default=0.0, at_least=0,
+        at_most=1, remedy="0 leaves it out, 0.5 gives both passes the same share")
+    pull: Pull | None = key("line that drags the body", default=None)

@@ -1,0 +1,176 @@
+"""Values of a scene by the type hints of its classes: from a TOML reader's dicts and lists, or from Python.
+
+A key declared in the classes of `hybrid.scene` needs nothing here. Whole numbers are taken for floats and lists for
+tuples; booleans are not numbers; NaN and infinity are refused everywhere.
+"""
+
+import difflib
+import math
+from dataclasses import MISSING, fields, is_dataclass
+from pathlib import Path
+from types import NoneType, UnionType
+from typing import Literal, Union, get_args, get_origin, get_type_hints
+
+from hybrid.runtime.errors import SceneError
+from hybrid.scene.table import described, file_name
+
+
+class Faults(SceneError):
+    """Several faults as one error; texts: one of each."""
+
+    def __init__(self, texts):
+        self.texts = texts
+        super().__init__(texts[0] if len(texts) == 1 else "\n  - ".join([f"{len(texts)} faults", *texts]))
+
+
+def build_table(cls, given, path, base):
+    """Dataclass `cls` from a table, or from an instance whose values are to be converted.
+
+    path: of the table, in dotted keys; base: folder that paths in it are relative to. Raises Faults with all keys that
+    are unknown, missing or of another type.
+    """
+    if isinstance(given, cls):
+        given = {file_name(f): getattr(given, f.name) for f in fields(cls)}
+    if not isinstance(given, dict):
+        raise _wrong(path, given, cls)
+    known = {file_name(f): f for f in fields(cls)}
+    where = f"[{path}]" if path else "the top level"
+    found = [_unknown(cls, _join(path, name), name, where) for name in given if name not in known]
+    missing = [name for name, f in known.items()
+               if name not in given and f.default is MISSING and f.default_factory is MISSING]
+    if missing:
+        found.append(f"missing in {where}: {', '.join(missing)}")
+    hints = get_type_hints(cls)
+    values = _convert_all([(f.name, given[name], hints[f.name], _join(path, name)) for name, f in known.items()
+                           if name in given], base, found)
+    return cls(**values)
+
+
+def _unknown(cls, path, name, where):
+    for f in fields(cls):
+        if name in described(f).formerly:
+            return f"{path}: this key is now called {file_name(f)!r}; {described(f).meaning}"
+    known = [file_name(f) for f in fields(cls)]
+    return f"unknown key {path!r}{did_you_mean(name, known)}; valid in {where}: {', '.join(known)}"
+
+
+def _convert_all(items, base, found=()):
+    """{name: value} of `items` (name, given, hint, path). Raises Faults with all their faults after those `found`."""
+    values, found = {}, list(found)
+    for name, given, hint, path in items:
+        try:
+            values[name] = _convert(given, hint, path, base)
+        except SceneError as error:
+            found += getattr(error, "texts", [str(error)])
+    if found:
+        raise Faults(found)
+    return values
+
+
+def _convert(value, hint, path, base):
+    """`value` as the type that `hint` declares, or a SceneError naming path, value and what was expected."""
+    if hasattr(value, "tolist"):  # numpy arrays and scalars, in scenes written in Python
+        value = value.tolist()
+    kind = get_origin(hint) or hint
+    if is_dataclass(kind):
+        return build_table(kind, value, path, base)
+    if kind in (Union, UnionType):
+        return _one_of(value, hint, path, base)
+    if kind is Literal:
+        choices = get_args(hint)
+        if not isinstance(value, str):
+            raise _wrong(path, value, hint)
+        if value not in choices:
+            raise SceneError(f"{path} = {value!r}: unknown{did_you_mean(value, choices)}; "
+                             f"valid: {', '.join(choices)}")
+        return value
+    if kind is tuple:
+        return _sequence(value, hint, path, base)
+    if kind is dict:
+        if not isinstance(value, dict):
+            raise _wrong(path, value, hint)
+        return _convert_all([(name, item, get_args(hint)[1], _join(path, name)) for name, item in value.items()], base)
+    if kind is Path and isinstance(value, (str, Path)) and str(value).strip():
+        return (base / value).resolve()
+    return _scalar(value, kind, path)
+
+
+def _scalar(value, kind, path):
+    number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    if kind is float and number:
+        if not math.isfinite(value):
+            raise SceneError(f"{path} = {value}: must be a finite number")
+        return float(value)
+    if kind in (bool, str) and isinstance(value, kind) or kind is int and number and isinstance(value, int):
+        return value
+    raise _wrong(path, value, kind)
+
+
+def _one_of(value, hint, path, base):
+    options = [option for option in get_args(hint) if option is not NoneType]
+    if value is None and len(options) < len(get_args(hint)):
+        return None
+    if len(options) == 1:
+        return _convert(value, options[0], path, base)
+    if isinstance(value, (list, tuple)):  # the option that is a list gives the more precise message
+        options = [option for option in options if get_origin(option) is tuple] or options
+        return _convert(value, options[0], path, base)
+    for option in options:  # and so does a table, or one of some names
+        if is_dataclass(option) and isinstance(value, dict) or get_origin(option) is Literal and isinstance(value, str):
+            return _convert(value, option, path, base)
+    for option in options:
+        try:
+            return _convert(value, option, path, base)
+        except SceneError:
+            continue
+    raise _wrong(path, value, hint)
+
+
+def _sequence(value, hint, path, base):
+    items = get_args(hint)
+    endless = items[-1] is Ellipsis
+    if endless and is_dataclass(items[0]) and isinstance(value, dict):
+        value = [value]  # a single [body] table is a list of one
+    if not isinstance(value, (list, tuple)) or not endless and len(value) != len(items):
+        raise _wrong(path, value, hint)
+    kinds = [items[0]] * len(value) if endless else items
+    found = _convert_all([(i, item, kind, _join(path, i)) for i, (item, kind) in enumerate(zip(value, kinds))], base)
+    return tuple(found.values())
+
+
+# ------------------------------------------------------------------ words
+
+
+def _join(path, name):
+    return f"{path}.{name}" if path else str(name)
+
+
+def did_you_mean(name, choices):
+    """A hint at the nearest of some names, or nothing."""
+    near = difflib.get_close_matches(str(name).lower(), list(choices), 1, 0.5)
+    return f" (did you mean {near[0]!r}?)" if near else ""
+
+
+def _wrong(path, value, hint):
+    shown = {True: "true", False: "false"}.get(value, repr(value)) if isinstance(value, bool) else repr(value)
+    return SceneError(f"{path or 'scene'} = {shown}: expected {_words(hint)}")
+
+
+def _words(hint, plural=False):
+    """The values that a type hint allows, in words."""
+    kind, items = get_origin(hint) or hint, get_args(hint)
+    if kind is Literal:
+        return "one of " + ", ".join(map(repr, items))
+    if kind in (Union, UnionType):
+        return " or ".join(_words(item) for item in items if item is not NoneType)
+    if kind is tuple:
+        count = "" if items[-1] is Ellipsis else f"{len(items)} "
+        return f"a list of {count}{_words(items[0], plural=True)}"
+    if is_dataclass(kind):
+        return "tables" if plural else f"a table ({', '.join(file_name(f) for f in fields(kind))})"
+    one, many = {
+        bool: ("true or false",) * 2, int: ("a whole number", "whole numbers"),
+        float: ("a number", "numbers"), str: ("text", "texts"), Path: ("a path", "paths"),
+        dict: ("a table of named numbers", "tables"),
+    }[kind]
+    return many if plural else one
