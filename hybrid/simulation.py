@@ -84,7 +84,7 @@ class Simulation:
         """Force of the soil on each surface vertex of body b at the last accepted step, (V, 3) [N]."""
         forces = np.zeros((len(self.surfaces[b].vertices), 3))
         if self.evaluation is not None:
-            for part in self.evaluation.contacts[b].parts:
+            for part in self.evaluation.contacts[b].passes:
                 vertices = self.surfaces[b].triangles[part.triangle]
                 np.add.at(forces, vertices, part.weights[:, :, None] * part.force[:, None])
         return forces

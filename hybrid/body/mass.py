@@ -8,8 +8,8 @@ and condensed to the six unknowns of the body, about its centre of mass,
 
     C^T M C = diag(m I, J)         C^T f = [ m I ; 0 ]
 
-exactly, because rigid motions lie in the space of linear functions; all are those of the polyhedron that the
-mesh fills. Nothing is reassembled when the body moves: J turns with it.
+exactly, because rigid motions are linear functions; the values are those of the polyhedron that the mesh fills.
+Nothing is reassembled when the body moves: J rotates with it.
 
 | symbol   | field          | shape  | unit        |
 |----------|----------------|--------|-------------|
@@ -60,7 +60,7 @@ def condensed_mass(mesh, density):
     nodes, matrix, loads = assemble(mesh.points - middle, mesh.tets, float(density))
     total = condensation(nodes).T @ loads
     mass = total[:3].trace() / 3.0
-    # unit gravity g has the moment m s x g about the middle: read off the offset s of the centre
+    # unit gravity g has the moment m s x g about the middle, which gives the offset s of the centre
     arm = total[3:] / mass
     offset = 0.5 * np.array([arm[2, 1] - arm[1, 2], arm[0, 2] - arm[2, 0], arm[1, 0] - arm[0, 1]])
     c = condensation(nodes, offset)
@@ -77,13 +77,13 @@ def condensed_mass(mesh, density):
 
 def assemble(points, tets, density):
     """Nodes (n, 3) in dolfinx's order, sparse mass (3n, 3n) [kg] and loads of unit gravity (3n, 3) [kg]."""
-    with quietly():
+    with without_compiler_log():
         domain = dolfinx_mesh(points, tets)
         space = vector_space(domain)
     u, v = ufl.TrialFunction(space), ufl.TestFunction(space)
     # constants, so that the compiled forms serve every density and every direction
     rho, gravity = fem.Constant(domain, density), fem.Constant(domain, np.zeros(3))
-    with quietly():
+    with without_compiler_log():
         inertia = fem.form(rho * ufl.inner(u, v) * ufl.dx)
         load = fem.form(rho * ufl.inner(gravity, v) * ufl.dx)
     matrix = fem.petsc.assemble_matrix(inertia)
@@ -101,8 +101,8 @@ def assemble(points, tets, density):
 
 
 @contextmanager
-def quietly():
-    """Keep the compiler's command lines, logged when a form is first compiled, off the terminal."""
+def without_compiler_log():
+    """Suppress the compiler's command lines, which are logged when a form is first compiled."""
     before = logging.root.manager.disable
     logging.disable(max(before, logging.INFO))
     try:
@@ -112,7 +112,7 @@ def quietly():
 
 
 def dolfinx_mesh(points, tets):
-    """The mesh as dolfinx's own, whole on this process. dolfinx may renumber nodes and cells."""
+    """The mesh as a dolfinx mesh, complete on this process. dolfinx may renumber nodes and cells."""
     if hasattr(fem, "functionspace"):  # dolfinx 0.7 and later
         import basix.ufl
 

@@ -2,8 +2,8 @@
 
 A geometry declares its parameters with DefineConstant under the name "Parameters/..." (lengths in metres), a
 physical volume "body", a physical surface "contact", and where a body is cut by a symmetry plane a physical
-surface "symmetry". Physical points give names to places, such as the end where a body is pulled.
-`hybrid.body.solid` tells what the mesh has to be.
+surface "symmetry". Physical points are named places, such as the point where a body is pulled.
+`hybrid.body.solid` checks the mesh.
 """
 
 import difflib
@@ -20,6 +20,13 @@ from hybrid.runtime.errors import GeometryError
 
 PREFIX = "Parameters/"
 TRIANGLE, TETRAHEDRON = 2, 4  # gmsh's numbers of the linear element types
+WRAPPERS = {  # by suffix: .geo statements that make a volume of a file without physical groups
+    **dict.fromkeys((".step", ".stp", ".iges", ".igs", ".brep"),
+                    'SetFactory("OpenCASCADE"); Geometry.OCCTargetUnit = "M"; Merge "{name}"; '
+                    'Physical Volume("body") = {{1}}; Physical Surface("contact") = Abs(Boundary{{ Volume{{1}}; }});'),
+    ".stl": 'Merge "{name}"; Surface Loop(1) = {{1}}; Volume(1) = {{1}}; '
+            'Physical Volume("body") = {{1}}; Physical Surface("contact") = {{1}};',
+}
 
 
 def generate(path, parameters=None, size=None):
@@ -55,13 +62,13 @@ def parameter_names(path):
 
 @contextmanager
 def session(path, parameters):
-    """Open the file in a gmsh of its own, quietly; nothing of it outlives the block, not even after an error.
+    """Open the file in a gmsh session of its own, without terminal output, closed at the end even after an error.
 
     A failed open leaves gmsh 4.8 refusing all further work, and its parameter store survives finalize: hence
     a fresh session for every file, with the store cleared at both ends. A caller's own session is closed too.
     """
     if not path.is_file():
-        raise GeometryError(f"geometry {path} cannot be read: there is no such file")
+        raise GeometryError(f"geometry {path} cannot be read: there is no such file; check its name and folder")
     # newer gmsh would reset the Ctrl-C handler of the whole program
     known = inspect.signature(gmsh.initialize).parameters
     gmsh.initialize([], False, **({"interruptible": False} if "interruptible" in known else {}))
@@ -85,7 +92,7 @@ def session(path, parameters):
 
 
 def check_log(path):
-    """Some failures only reach gmsh's log: raise the first one."""
+    """Raise the first error of gmsh's log: some failures are only logged."""
     errors = [line.split(":", 1)[1].strip() for line in gmsh.logger.get() if line.startswith("Error")]
     if errors:
         raise GeometryError(f"geometry {path}: gmsh reports: {errors[0]}")
@@ -96,15 +103,23 @@ def check_parameters(path, parameters):
     known = parameter_names(path)
     for name, value in parameters.items():
         if name not in known:
-            near = difflib.get_close_matches(name, known, n=1, cutoff=0.0)
-            hint = f"; did you mean '{near[0]}'?" if near else ""
-            declared = ", ".join(sorted(known)) or "none"
-            raise GeometryError(f"geometry {path} has no parameter '{name}'{hint} (declared: {declared})")
+            raise GeometryError(f"geometry {path} has no parameter '{name}'" + _parameter_remedy(path, name, known))
         number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
         if not number or not math.isfinite(value):
             raise GeometryError(f"geometry {path}: parameter '{name}' = {value!r} must be a finite number")
     if parameters.get("size", 1.0) <= 0.0:
         raise GeometryError(f"geometry {path}: size = {parameters['size']} m must be positive")
+
+
+def _parameter_remedy(path, name, known):
+    """End of the message on a parameter that the file does not declare: the nearest one, or how to declare it."""
+    if path.suffix != ".geo":
+        return f": {path.suffix or 'its'} files declare none; remove '{name}', or use a .geo file"
+    if known:
+        nearest = difflib.get_close_matches(name, known, n=1, cutoff=0.0)[0]
+        return f"; did you mean '{nearest}'? (declared: {', '.join(sorted(known))})"
+    return (f' (declared: none); a parameter must be named "{PREFIX}{name}" in the file: '
+            f'DefineConstant[ {name} = {{1.0, Name "{PREFIX}{name}"}} ];')
 
 
 def groups(dim):
@@ -117,11 +132,9 @@ def require_groups(path):
     """Refuse a geometry without the two groups, or with volumes that belong to no body."""
     for dim, kind, name in ((3, "Volume", "body"), (2, "Surface", "contact")):
         if name not in groups(dim):
-            have = ", ".join(f"'{n}'" for n in groups(dim)) or "none"
-            raise GeometryError(
-                f"geometry {path} has no physical {kind.lower()} '{name}' (found: {have}); "
-                f'add Physical {kind}("{name}") = {{...}};'
-            )
+            found = ", ".join(f"'{n}'" for n in groups(dim)) or "none"
+            raise GeometryError(f"geometry {path} has no physical {kind.lower()} '{name}' (found: {found}); "
+                                + _group_remedy(path, kind, name))
     outside = {tag for _, tag in gmsh.model.getEntities(3)} - set(map(int, groups(3)["body"]))
     if outside:
         raise GeometryError(
@@ -130,14 +143,26 @@ def require_groups(path):
         )
 
 
+def _group_remedy(path, kind, name):
+    """End of the message on a missing group: what can be done for this type of file."""
+    wrapper = WRAPPERS.get(path.suffix.lower())
+    if wrapper:
+        return (f"a {path.suffix} file has no physical groups: write a .geo file next to it and use that as geometry: "
+                + wrapper.format(name=path.name))
+    if path.suffix.lower() == ".msh":
+        return f'add Physical {kind}("{name}") = {{...}}; to the .geo file that the mesh was made from'
+    return f'add Physical {kind}("{name}") = {{...}};'
+
+
 def read_mesh(path):
-    """The mesh gmsh holds: nodes compacted to those of the tetrahedra, triangles oriented as they come."""
+    """TetMesh of gmsh's current model: only the nodes of the tetrahedra, triangles as gmsh orients them."""
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     index = np.full(int(tags.max()) + 1 if len(tags) else 1, -1, dtype=np.int64)
     solids, skins = groups(3), groups(2)
     tets = elements(solids["body"], 3, TETRAHEDRON, path)
     if not len(tets):
-        raise GeometryError(f"geometry {path}: the physical volume 'body' holds no volume elements")
+        raise GeometryError(f"geometry {path}: the physical volume 'body' has no volume elements; "
+                            "check that its surface is closed, or try another size")
     used = np.unique(tets)
     index[used] = np.arange(len(used))
     row = np.zeros(len(index), dtype=np.int64)
@@ -155,7 +180,7 @@ def read_mesh(path):
 
 
 def elements(entities, dim, kind, path):
-    """Node tags (m, k) of all elements on the entities; anything but the linear simplex is refused."""
+    """Node tags (m, dim + 1) of all elements on the entities. GeometryError unless all are of type `kind`."""
     width = dim + 1
     parts = [np.zeros((0, width), dtype=np.int64)]
     for entity in entities:
@@ -163,7 +188,8 @@ def elements(entities, dim, kind, path):
         for element_type, tags in zip(types, nodes):
             if element_type != kind:
                 found = gmsh.model.mesh.getElementProperties(int(element_type))[0]
-                raise GeometryError(f"geometry {path}: elements of type '{found}', only linear simplices do")
+                raise GeometryError(f"geometry {path}: elements of type '{found}', but only linear triangles and "
+                                    "tetrahedra can be used; remove Mesh.ElementOrder and Recombine")
             parts.append(np.asarray(tags).astype(np.int64).reshape(-1, width))
     return np.vstack(parts)
 
@@ -174,6 +200,7 @@ def read_points(path):
     for name, entities in groups(0).items():
         if len(entities) != 1:
             count = len(entities)
-            raise GeometryError(f"geometry {path}: physical point '{name}' has {count} points, expected 1")
+            raise GeometryError(f"geometry {path}: physical point '{name}' has {count} points, expected 1; "
+                                "name each point with a group of its own")
         named[name] = np.array(gmsh.model.getValue(0, int(entities[0]), []), dtype=float)
     return named

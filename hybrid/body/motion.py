@@ -14,28 +14,27 @@
 | π, ṗ   | angular momentum R J W and its rate R τ, in space            | (3,)   | N m s, N m   |
 | M, G   | ∂v̇/∂Δu and ∂v/∂Δu of the scheme                              | -      | 1/s², 1/s    |
 
-The unknowns are (δc, δφ) with c <- c + δc and R <- exp(δφ~) R, so δφ is a vector of space; in the body
-frame it is δΦ = R^T δφ. As R^T δΘ enters through the right tangent, δΘ = T^-1 δΦ, the tangent is (Simo and
-Wong 1991, sec. 4)
+The unknowns are (δc, δφ) with c <- c + δc and R <- exp(δφ~) R, so δφ is a spatial vector; in the body frame it is
+δΦ = R^T δφ. With the right tangent, δΘ = T^-1 δΦ, the tangent is (Simo and Wong 1991, sec. 4)
 
     K = [ M J + G (W̃ J - (J W)~) ] T^-1                   δ(R τ) = ( R K R^T - (R τ)~ ) δφ
 
-**Energy-momentum.** The turn is Cayley's, R_n^T R = cay(Θ), with Θ = Δt (W_n + W)/2, and the angular momentum takes
-the mean of the moments at both ends, π - π_n = Δt (ṗ_n + ṗ)/2. As equilibrium is asked at the end only, that reads
+**Energy-momentum.** The rotation is Cayley's, R_n^T R = cay(Θ), with Θ = Δt (W_n + W)/2, and the angular momentum
+changes by the mean of the moments at both ends, π - π_n = Δt (ṗ_n + ṗ)/2. Equilibrium is solved at the end only, so
 
     ṗ = 2 (π - π_n)/Δt - ṗ_n            Ẇ = J^-1 (R^T ṗ - W × J W)
 
 and Ẇ carries ṗ from step to step. Its tangent, with G = 2/Δt and δΘ = D δΦ, is δṗ = G (G R J D R^T - π~) δφ.
-(W + W_n)/2 is along Θ, so that R_n^T R leaves it alone, and the kinetic energy changes by Δt (W + W_n)/2 · R_n^T times
-the mean moment: not at all without one. A constant force F on an arm r of the body has the mean moment (r_n + r)/2 × F,
-and a Cayley turn moves the arm by R_n Θ × (r_n + r)/2: the work of F is what the kinetic energy takes, exactly, and a
-heavy top keeps its energy. (With the exponential map the first holds and the second does not.)
+(W + W_n)/2 is along Θ, so R_n^T R does not change it, and the kinetic energy changes by Δt (W + W_n)/2 · R_n^T times the
+mean moment: without a moment it is constant. A constant force F on an arm r of the body has the mean moment
+(r_n + r)/2 × F, and a Cayley rotation moves the arm by R_n Θ × (r_n + r)/2: the work of F equals the gain of kinetic
+energy exactly, and a heavy top keeps its energy. (With the exponential map the first holds and the second does not.)
 
 Sources: J. C. Simo and K. K. Wong, Int. J. Numer. Meth. Engng 31 (1991) 19-52 (both families and their tangents);
 D. Lewis and J. C. Simo, J. Nonlinear Sci. 4 (1994) 253-299 (with the Cayley map).
 
-Frozen during a step: the committed BodyState, m and J. A step must turn the body by clearly less than half a turn,
-because the logarithm cannot tell Θ from Θ - 2π: `rotation_angle` says by how much it does.
+Frozen during a step: the committed BodyState, m and J. The rotation of a step must stay clearly below π, because the
+logarithm cannot distinguish θ from θ - 2π: `rotation_angle` returns it.
 """
 
 from dataclasses import replace
@@ -48,7 +47,7 @@ from hybrid.body.attitude import cayley_rate, cayley_vector, log_so3, right_tang
 def updated(inertia, state, position, rotation, dt, scheme):
     """BodyState at the end of the step from committed `state` to trial `position` (3,) [m] and `rotation` (3, 3).
 
-    inertia (3, 3) [kg m²] about the centre in the body frame; dt [s]. The target of a pull line stays what it was.
+    inertia (3, 3) [kg m²] about the centre in the body frame; dt [s]. The target of a pull line is unchanged.
     """
     cayley = scheme.rotation == "cayley"
     theta = (cayley_vector if cayley else log_so3)(state.rotation.T @ rotation)
@@ -91,38 +90,38 @@ def inertia_residual(mass, inertia, state, position, rotation, dt, scheme):
     moment = momentum_rate(inertia, new)
     tangent = np.zeros((6, 6))
     tangent[:3, :3] = mass * scheme.mass_factor(dt) * np.eye(3)
-    by_turn = _by_cayley_turn if scheme.rotation == "cayley" else _by_turn
-    tangent[3:, 3:] = by_turn(inertia, state, new, moment, dt, scheme)
+    by_rotation = _by_cayley_rotation if scheme.rotation == "cayley" else _by_rotation
+    tangent[3:, 3:] = by_rotation(inertia, state, new, moment, dt, scheme)
     return np.concatenate((mass * new.acceleration, moment)), tangent
 
 
-def _by_turn(inertia, old, new, moment, dt, scheme):
+def _by_rotation(inertia, old, new, moment, dt, scheme):
     """∂ṗ/∂φ (3, 3) [N m] with the exponential map."""
     theta = log_so3(old.rotation.T @ new.rotation)
-    by_turn = scheme.mass_factor(dt) * inertia
-    by_turn = by_turn + scheme.rate_factor(dt) * (skew(new.spin) @ inertia - skew(inertia @ new.spin))
-    return new.rotation @ by_turn @ np.linalg.inv(right_tangent(theta)) @ new.rotation.T - skew(moment)
+    by_rotation = scheme.mass_factor(dt) * inertia
+    by_rotation = by_rotation + scheme.rate_factor(dt) * (skew(new.spin) @ inertia - skew(inertia @ new.spin))
+    return new.rotation @ by_rotation @ np.linalg.inv(right_tangent(theta)) @ new.rotation.T - skew(moment)
 
 
-def _by_cayley_turn(inertia, old, new, moment, dt, scheme):
+def _by_cayley_rotation(inertia, old, new, moment, dt, scheme):
     """∂ṗ/∂φ (3, 3) [N m] of energy-momentum."""
     factor = scheme.rate_factor(dt)
-    by_turn = inertia @ cayley_rate(cayley_vector(old.rotation.T @ new.rotation))
+    by_rotation = inertia @ cayley_rate(cayley_vector(old.rotation.T @ new.rotation))
     momentum = new.rotation @ inertia @ new.spin
-    return factor * (factor * new.rotation @ by_turn @ new.rotation.T - skew(momentum))
+    return factor * (factor * new.rotation @ by_rotation @ new.rotation.T - skew(momentum))
 
 
 def rotation_angle(inertia, state, position, rotation, dt, scheme):
-    """Angle [rad] that tells whether the step may have lost count of turns: the one found or, where it is larger, what
-    the spin after the step would make."""
-    found = np.linalg.norm(log_so3(state.rotation.T @ rotation))
+    """Rotation [rad] of the step, or that of a step with the spin at its end if that is larger: near π the logarithm
+    may have missed a turn, and the spin then shows it."""
+    angle = np.linalg.norm(log_so3(state.rotation.T @ rotation))
     if not scheme.inertia:
-        return found
-    return max(found, dt * np.linalg.norm(updated(inertia, state, position, rotation, dt, scheme).spin))
+        return angle
+    return max(angle, dt * np.linalg.norm(updated(inertia, state, position, rotation, dt, scheme).spin))
 
 
 def free_spin_rate(inertia, rotation, spin, free):
-    """Spin rate (3,) [rad/s²] of a body on which only the guides of its held rotations act; free (3,) bool, about the
-    axes of space. Zero if it spins about a principal axis."""
-    axes = rotation.T[:, free]      # the free ones, in the body frame
+    """Spin rate (3,) [rad/s²] of a body on which only the guides of its held rotations act; free (3,) bool, rotations
+    about the spatial axes. Zero if it spins about a principal axis."""
+    axes = rotation.T[:, free]      # free axes, in the body frame
     return -axes @ np.linalg.solve(axes.T @ inertia @ axes, axes.T @ _gyroscopic(inertia, spin))

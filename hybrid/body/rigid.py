@@ -1,7 +1,8 @@
-"""A rigid body as one part of a step: inertia, weight, pull line, held components.
+"""Forces on a rigid body in a step, contact apart: inertia, weight, pull line, guides of held and driven components.
 
-Six unknowns: translation δc of the centre of mass and rotation δφ about the spatial axes, R <- exp(δφ~) R. Held ones
-are left out of the system. Mass and gravity load come from the condensed finite elements once; only R turns them.
+Six unknowns: translation δc of the centre of mass and rotation δφ about the spatial axes, R <- exp(δφ~) R. Held and
+driven components are no unknowns of the system: guides impose their rates, and the residual there is their reaction.
+Mass and gravity load are assembled once, from condensed finite elements; in a step only R changes.
 """
 
 from dataclasses import dataclass, replace
@@ -24,8 +25,8 @@ FREEDOMS = ("x", "y", "z", "rx", "ry", "rz")
 
 @dataclass(frozen=True)
 class Line:
-    """Pull line: attachment (3,) [m] from the centre in the body frame, direction (3,) in which it is laid out,
-    velocity (3,) [m/s] of its far end, stiffness [N/m], unstretched length [m]."""
+    """Pull line: attachment (3,) [m] from the centre in the body frame, initial direction (3,) from there to its far
+    end, velocity (3,) [m/s] of the far end, stiffness [N/m], unstretched length [m]."""
 
     attachment: np.ndarray
     direction: np.ndarray
@@ -39,11 +40,11 @@ class Line:
 class RigidBody:
     """Constants of a body.
 
-    free: (6,) bool, the unknowns; drive: (6,) [m/s, rad/s] spatial rates of the others, zero for what is held
+    free: (6,) bool, the unknowns; drive: (6,) [m/s, rad/s] spatial rates of the others, zero for held components
     penalty: p_f [1/m]; contact_pressure: (n,) p_f E [N/m³] and contact_stiffness: (n,) whole-point ε_N [N/m] against
         each soil point, given by `with_stiffness`
-    samples: of the second pass, which carries the share `second_pass` of the contact, None without it
-    augmented: multipliers take the overlap away
+    samples: of the surface, for the second pass, whose share of the contact is `second_pass`; None without it
+    augmented: whether an augmented Lagrangian removes the overlap
     """
 
     name: str
@@ -68,15 +69,16 @@ class RigidBody:
 
 
 def with_stiffness(body, young, volume):
-    """The body as it meets points of Young's modulus `young` (n,) [Pa] and initial volume (n,) [m³]."""
+    """The body with its contact stiffness against points of Young's modulus `young` (n,) [Pa] and initial volume (n,)
+    [m³]."""
     pressure = body.penalty * young
     return replace(body, contact_pressure=pressure, contact_stiffness=pressure * volume ** (2 / 3))
 
 
 def bounding_box(body, state):
-    """Lower and upper corner (2, 3) [m] of the body's surface."""
-    place = state.position + body.surface.vertices @ state.rotation.T
-    return np.array([place.min(axis=0), place.max(axis=0)])
+    """Lower and upper corner (2, 3) [m] of the axis-parallel box about the body's surface."""
+    vertices = state.position + body.surface.vertices @ state.rotation.T
+    return np.array([vertices.min(axis=0), vertices.max(axis=0)])
 
 
 @dataclass(frozen=True)
@@ -92,7 +94,7 @@ class BodyTrial:
 
 
 def lay_out_line(body, state):
-    """`state` with the far end of its pull line where the line is just taut, if it has one that is not laid out yet."""
+    """`state` with the far end of the body's pull line placed where the line is just taut, if that is not done yet."""
     if body.line is None or state.target is not None:
         return state
     shackle = state.position + state.rotation @ body.line.attachment
@@ -105,7 +107,7 @@ def moved_pose(pose, increment):
 
 
 def evaluate(body, state, pose, target, gravity, scheme, dt):
-    """BodyTrial at `pose`; `target` (3,) is the far end of an acting pull line, or None."""
+    """BodyTrial at `pose`. target: (3,) [m] far end of the pull line, None if none acts; gravity: (3,) [m/s²]."""
     position, rotation = pose
     inertia, tangent = np.zeros(6), np.zeros((6, 6))
     if scheme.inertia:
@@ -127,23 +129,24 @@ def _weight(body, rotation, gravity):
 
 
 def predicted_pose(body, state, scheme, dt):
-    """Pose after a step in which everything keeps its rate; in a quasi-static scene only what is driven moves.
+    """Pose after a step with constant rates; in a quasi-static scene only driven components move.
 
-    The turn is the scheme's own, so that a driven spin is kept to round-off and asks for no moment.
+    The rotation is the scheme's own map, so that a driven spin is constant to round-off and needs no moment.
     """
     rate = np.concatenate([state.velocity, state.rotation @ state.spin]) * body.free * scheme.inertia
     increment = dt * (rate + body.drive)
-    turned = cayley if scheme.rotation == "cayley" else exp_so3
-    return state.position + increment[:3], turned(increment[3:]) @ state.rotation
+    rotation = cayley if scheme.rotation == "cayley" else exp_so3
+    return state.position + increment[:3], rotation(increment[3:]) @ state.rotation
 
 
 def rotation_angle(body, state, pose, scheme, dt):
-    """Angle [rad] by which the step to `pose`, or the spin at its end, turns the body."""
+    """Angle [rad] of the step to `pose`, or dt times the spin at its end if that is larger."""
     return motion.rotation_angle(body.mass.inertia, state, *pose, dt, scheme)
 
 
 def accept(body, state, pose, target, reaction, scheme, dt):
-    """New BodyState at the converged pose; reaction (6,) [N, N m] of what guides the body."""
+    """New BodyState at the converged pose. target: (3,) [m] far end of the pull line or None; reaction: (6,) [N, N m]
+    of the guides."""
     if scheme.inertia:
         new = motion.updated(body.mass.inertia, state, *pose, dt, scheme)
     else:
@@ -153,26 +156,27 @@ def accept(body, state, pose, target, reaction, scheme, dt):
 
 
 def release_guides(body, state):
-    """`state` when guides let go of components that are free from now on: what they held back accelerates at once.
+    """`state` after guides release the components that are free from now on: the reaction they had accelerates the
+    body from the start of the next step.
 
-    Without it the scheme would start from no acceleration, half a step late.
+    Without it the scheme would start from zero acceleration, half a step late.
     """
     if state.reaction is None or not np.any(state.reaction[body.free]):
         return state
     force, moment = np.split(np.where(body.free, state.reaction, 0.0), 2)
-    axes, inertia = state.rotation.T[:, body.free[3:]], body.mass.inertia     # the free ones, in the body frame
-    turn = axes @ np.linalg.solve(axes.T @ inertia @ axes, axes.T @ (state.rotation.T @ moment))
-    back = np.concatenate([force / body.mass.mass, turn])
+    axes, inertia = state.rotation.T[:, body.free[3:]], body.mass.inertia     # free axes, in the body frame
+    spin_rate = axes @ np.linalg.solve(axes.T @ inertia @ axes, axes.T @ (state.rotation.T @ moment))
+    guided = np.concatenate([force / body.mass.mass, spin_rate])    # accelerations that the reaction prevented
     return replace(
-        state, acceleration=state.acceleration - back[:3], spin_rate=state.spin_rate - back[3:],
-        algorithmic=None if state.algorithmic is None else state.algorithmic - back,
+        state, acceleration=state.acceleration - guided[:3], spin_rate=state.spin_rate - guided[3:],
+        algorithmic=None if state.algorithmic is None else state.algorithmic - guided,
         reaction=np.where(body.free, 0.0, state.reaction))
 
 
 def engage_guides(body, state, gravity, scheme):
-    """`state` when guides take hold of a body, and the work [J] of the impulse that brings it to their rates.
+    """`state` after guides engage a body, and the work [J] of the impulse that brings it to their rates.
 
-    A reaction that is not known yet, as at the start, where nothing touches a body, carries its weight and inertia.
+    A reaction that is not known yet, as at the start of a run, is set to what balances weight and inertia.
     """
     if body.free.all():
         return state, 0.0
@@ -188,7 +192,8 @@ def engage_guides(body, state, gravity, scheme):
 
 
 def _impose_guide_rates(body, state):
-    """`state` with the rates that guides impose: the scheme alone would let one that is stopped swing about zero."""
+    """`state` with the rates that guides impose: by the scheme alone the rate of a component that is stopped would
+    oscillate about zero."""
     rotation, algorithmic = state.rotation, state.algorithmic
 
     def imposed(rates, own):    # rates (6,) of translation in space and of turns in the body frame

@@ -1,12 +1,12 @@
-"""Samples of a body's contact surface: its vertices, and points between them where facets are larger than the soil's.
+"""Samples of a body's contact surface: its vertices, and points between them on facets larger than the soil's domains.
 
 Every triangle is cut into n² equal ones with edges no longer than a given spacing; the samples are their vertices,
 each with a third of the vector area of the triangles around it,
 
     a_s = Σ A N / 3        Σ_s a_s·f(y_s) ≈ ∫ f·N dA
 
-A sample on an edge belongs to several sides at once. Against soil of normal n it stands for the area -n·a_s, the part
-of its surroundings that the soil sees: the bottom of a box on flat ground is its bottom, without a share of the walls.
+A sample on an edge belongs to several sides at once. In contact with soil of normal n it represents the area -n·a_s,
+the projection of its surroundings on the soil: for a box on flat ground the bottom only, without a share of the walls.
 
 | symbol | field            | shape  | unit |
 |--------|------------------|--------|------|
@@ -21,8 +21,8 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Samples:
-    """Samples in the body frame; triangle (k,) and weights (k, 3): one of the triangles that a sample is on, and the
-    weights of its vertices there."""
+    """Samples in the body frame; triangle (k,): one of the triangles that a sample lies on; weights (k, 3): of that
+    triangle's vertices at the sample."""
 
     position: np.ndarray
     area: np.ndarray
@@ -41,33 +41,32 @@ def surface_samples(surface, spacing):
     area = 0.5 * np.cross(edges[:, 0], edges[:, 1])
     parts = [[] for _ in range(4)]
     for n in np.unique(cuts):
-        own, (weights, shares) = np.flatnonzero(cuts == n), _lattice(n)
-        parts[0].append(np.einsum("sk,tki->tsi", weights, corners[own]).reshape(-1, 3))
-        parts[1].append(np.einsum("ti,s->tsi", area[own], shares).reshape(-1, 3))
-        parts[2].append(np.repeat(own, len(shares)))
-        parts[3].append(np.tile(weights, (len(own), 1)))
+        alike, (weights, shares) = np.flatnonzero(cuts == n), _lattice(n)
+        parts[0].append(np.einsum("sk,tki->tsi", weights, corners[alike]).reshape(-1, 3))
+        parts[1].append(np.einsum("ti,s->tsi", area[alike], shares).reshape(-1, 3))
+        parts[2].append(np.repeat(alike, len(shares)))
+        parts[3].append(np.tile(weights, (len(alike), 1)))
     position, area, triangle, weights = map(np.concatenate, parts)
-    return _merged(position, area, triangle, weights, surface)
+    return _merge(position, area, triangle, weights, surface)
 
 
 def _lattice(n):
     """Barycentric weights (s, 3) of the vertices of n² equal parts of a triangle, and their shares (s,) of its area."""
     index = [(i, j) for i in range(n + 1) for j in range(n + 1 - i)]
-    number = {at: s for s, at in enumerate(index)}
+    number = {vertex: s for s, vertex in enumerate(index)}
     shares = np.zeros(len(index))
     for i, j in index:
         for part in (((i, j), (i + 1, j), (i, j + 1)), ((i, j), (i - 1, j), (i, j - 1))):
-            if all(at in number for at in part):
-                shares[[number[at] for at in part]] += 1 / (3 * n * n)
+            if all(vertex in number for vertex in part):
+                shares[[number[vertex] for vertex in part]] += 1 / (3 * n * n)
     i, j = np.array(index).T
     return np.stack([n - i - j, i, j], axis=1) / n, shares
 
 
-def _merged(position, area, triangle, weights, surface):
+def _merge(position, area, triangle, weights, surface):
     """Samples that coincide on edges and vertices become one, with the sum of their vector areas."""
-    cell = 1e-7 * surface.radius
-    _, first, same = np.unique(np.round(position / cell), axis=0, return_index=True, return_inverse=True)
-    same = same.reshape(-1)
-    vector = np.zeros((len(first), 3))
-    np.add.at(vector, same, area)
-    return Samples(position[first], vector, triangle[first], weights[first])
+    tolerance = 1e-7 * surface.radius
+    _, first, number = np.unique(np.round(position / tolerance), axis=0, return_index=True, return_inverse=True)
+    vector_area = np.zeros((len(first), 3))
+    np.add.at(vector_area, number.reshape(-1), area)
+    return Samples(position[first], vector_area, triangle[first], weights[first])

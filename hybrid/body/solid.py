@@ -1,11 +1,11 @@
-"""Tetrahedra of one solid and the groups of its surface: orientation, and what makes them unusable.
+"""Tetrahedra of one solid and the groups of its surface: orientation and checks.
 
 | field          | what                                                     | shape  | unit |
 |----------------|----------------------------------------------------------|--------|------|
 | points         | nodes of the tetrahedra, in the geometry's coordinates   | (n, 3) | m    |
 | tets           | corners of each tetrahedron, positively oriented         | (m, 4) | -    |
-| contact        | triangles the soil may touch, seen counter-clockwise     | (t, 3) | -    |
-| symmetry       | triangles of the cut face, seen counter-clockwise        | (s, 3) | -    |
+| contact        | triangles the soil may touch, counter-clockwise outside  | (t, 3) | -    |
+| symmetry       | triangles of the cut face, counter-clockwise outside     | (s, 3) | -    |
 | named_points   | name -> coordinates                                      | (3,)   | m    |
 """
 
@@ -17,7 +17,7 @@ from scipy.sparse.csgraph import connected_components
 
 from hybrid.runtime.errors import GeometryError
 
-FLAT = 1e-12  # volume over cubed longest edge below which a tetrahedron counts as flat
+FLAT = 1e-12  # volume over cubed longest edge at or below which a tetrahedron counts as flat
 # Faces of a positively oriented tetrahedron, counter-clockwise from outside; face k is opposite corner k.
 FACES = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
 
@@ -43,19 +43,20 @@ def boundary_faces(tets):
     _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
     if count.max() > 2:
         bad = faces[first[np.argmax(count)]]
-        raise GeometryError(f"{count.max()} tetrahedra share the face of nodes {bad.tolist()}, at most 2 can")
+        raise GeometryError(f"{count.max()} tetrahedra share the face of nodes {bad.tolist()}, but at most 2 can; "
+                            "remove tetrahedra that are there twice")
     return faces[first[count == 1]]
 
 
 def oriented(mesh):
-    """The mesh with its contact and symmetry triangles turned outward, where they lie on the boundary."""
+    """The mesh with those of its contact and symmetry triangles that lie on the boundary oriented outward."""
     outward = {tuple(sorted(face)): face for face in boundary_faces(mesh.tets).tolist()}
 
-    def turn(triangles):
-        turned = [outward.get(tuple(sorted(t)), t) for t in triangles.tolist()]
-        return np.array(turned, dtype=np.int64).reshape(-1, 3)
+    def orient(triangles):
+        oriented_triangles = [outward.get(tuple(sorted(t)), t) for t in triangles.tolist()]
+        return np.array(oriented_triangles, dtype=np.int64).reshape(-1, 3)
 
-    return replace(mesh, contact=turn(mesh.contact), symmetry=turn(mesh.symmetry))
+    return replace(mesh, contact=orient(mesh.contact), symmetry=orient(mesh.symmetry))
 
 
 def signed_volumes(points, tets):
@@ -69,9 +70,9 @@ def validate(mesh):
     places = dict(enumerate(mesh.points)) | {f"'{name}'": point for name, point in mesh.named_points.items()}
     for name, point in places.items():
         if not np.isfinite(point).all():
-            raise GeometryError(f"{label(mesh)}: point {name} has coordinates {point.tolist()}, not finite")
+            raise GeometryError(f"{label(mesh)}: point {name} has coordinates {point.tolist()}, not finite numbers")
     if not len(mesh.tets):
-        raise GeometryError(f"{label(mesh)}: no volume elements")
+        raise GeometryError(f"{label(mesh)} has no volume elements: mesh it in three dimensions")
     check_volumes(mesh)
     check_pieces(mesh)
     boundary = boundary_faces(mesh.tets)
@@ -84,8 +85,8 @@ def label(mesh):
     return f"geometry '{mesh.name}'" if mesh.name else "geometry"
 
 
-def place(corners):
-    """Middle of some points, to be read by a person."""
+def middle(corners):
+    """Text of the mean of points (., 3) [m], for messages."""
     return "({:.4g}, {:.4g}, {:.4g}) m".format(*np.mean(corners, axis=0))
 
 
@@ -99,20 +100,20 @@ def check_volumes(mesh):
         kind = "negative" if volumes[k] < 0.0 else "zero"
         raise GeometryError(
             f"{label(mesh)}: {len(bad)} of {len(volumes)} tetrahedra have negative or zero volume: the "
-            f"first, number {k}, has a {kind} one of {volumes[k]:.3g} m³, at {place(corners[k])}; "
+            f"first, number {k}, has a {kind} one of {volumes[k]:.3g} m³, at {middle(corners[k])}; "
             "try another size, or repair the geometry there"
         )
 
 
 def check_pieces(mesh):
-    """Solids that merely overlap are meshed each on its own and would count twice: they must be fused."""
+    """Solids that overlap without being fused are meshed separately, and the overlap would be counted twice."""
     n = len(mesh.points)
     first, second = mesh.tets[:, [0, 0, 0]].ravel(), mesh.tets[:, 1:].ravel()
     joined = coo_matrix((np.ones(len(first)), (first, second)), shape=(n, n))
     piece = connected_components(joined, directed=False)[1]
     pieces = len(np.unique(piece[mesh.tets[:, 0]]))
     if pieces > 1:
-        raise GeometryError(f"{label(mesh)} is in {pieces} pieces; a body is one solid: use BooleanUnion")
+        raise GeometryError(f"{label(mesh)} is in {pieces} pieces, but a body is one solid; fuse them with BooleanUnion")
 
 
 def check_watertight(mesh, boundary):
@@ -127,16 +128,16 @@ def check_watertight(mesh, boundary):
         raise GeometryError(
             f"{label(mesh)} is not watertight: of {len(wanted)} faces around the tetrahedra {len(missing)} "
             f"are in neither 'contact' nor 'symmetry', {len(extra)} triangles of these groups are not on the "
-            f"boundary, {twice} are there twice; the first at {place(mesh.points[list(bad)])}; "
+            f"boundary, {twice} are listed twice; the first at {middle(mesh.points[list(bad)])}; "
             "every outer face belongs to exactly one of the two groups"
         )
-    inward = sum(not same_turn(t, wanted[key]) for t, key in zip(grouped, given))
+    inward = sum(not same_orientation(t, wanted[key]) for t, key in zip(grouped, given))
     if inward:
         raise GeometryError(f"{label(mesh)}: {inward} surface triangles face inward: use oriented()")
 
 
-def same_turn(a, b):
-    """Whether two triangles of the same nodes run round in the same sense."""
+def same_orientation(a, b):
+    """Whether two triangles of the same nodes have the same sense of rotation."""
     k = b.index(a[0])
     return a[1] == b[(k + 1) % 3]
 
@@ -148,13 +149,13 @@ def check_edges(mesh, boundary):
     if len(bad):
         raise GeometryError(
             f"{label(mesh)} is not watertight: {len(bad)} edges of its surface join other than two "
-            f"triangles; the first joins {count[bad[0]]} at {place(mesh.points[unique[bad[0]]])}; "
+            f"triangles; the first joins {count[bad[0]]} at {middle(mesh.points[unique[bad[0]]])}; "
             "parts must not touch along an edge only"
         )
 
 
 def check_flat(mesh):
-    """The cut face must be plane: the model is mirrored in it."""
+    """The cut face must be plane, because the model is mirrored in it."""
     if not len(mesh.symmetry):
         return
     points = mesh.points[np.unique(mesh.symmetry)]
@@ -163,5 +164,5 @@ def check_flat(mesh):
     if out_of_plane > 1e-6 * np.abs(spread).max():
         raise GeometryError(
             f"{label(mesh)}: nodes of the physical surface 'symmetry' are up to {out_of_plane:.3g} m off "
-            "its mean plane; a symmetry surface is one plane"
+            "its mean plane; a symmetry surface is one plane: put only the cut face into this group"
         )

@@ -14,9 +14,9 @@
 | e      | direction of an edge                                        | (t, 7, 3) | -    |
 
 Features of triangle (v0, v1, v2): 0 face; 1, 2, 3 edge v0v1, v1v2, v2v0; 4, 5, 6 vertex v0, v1, v2. What
-matters to contact is the shape, not how it was cut into triangles: an edge between coplanar triangles, and
-a vertex with only such edges, count as face, because there the foot slides freely. A vertex along a
-straight edge keeps its number but has that edge's direction; at a true corner e = 0, and A = I - e e^T = I.
+matters to contact is the shape, not its triangulation: an edge between coplanar triangles, and a vertex with
+only such edges, count as face, because there the foot slides freely. A vertex along a straight edge keeps its
+number but has that edge's direction; at a true corner e = 0, and A = I - e e^T = I.
 
 Triangles and tree never change; rotating the body is rotating y. The surface may be open: the edge of a cut
 has the normal of its one triangle.
@@ -123,7 +123,7 @@ def _face_normals(corners):
 
 
 def _edge_normals(triangles, normals, edges):
-    """Pseudo-normals (t, 3, 3) of the edges and whether each edge is sharp or a rim, (t, 3) bool."""
+    """Pseudo-normals (t, 3, 3) of the edges, and whether each is sharp or the rim of a cut, (t, 3) bool."""
     ends = np.stack((triangles, np.roll(triangles, -1, axis=1)), axis=2).reshape(-1, 2)
     _, edge, sharing = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True, return_counts=True)
     edge = edge.reshape(-1)
@@ -150,7 +150,7 @@ def _edge_normals(triangles, normals, edges):
         a, b = ends[np.argmin(length)]
         raise GeometryError(
             f"contact surface: its two triangles at edge ({a}, {b}) lie on each other (limit {FLAT:g} rad "
-            "between them), so the body has no thickness there; give it some")
+            "between them), so the body has no thickness there; give the body a thickness at that edge")
     sharp = (sine > FLAT) | (sharing[edge] == 1) | (length < 1.0)
     return (total[edge] / length[:, None]).reshape(-1, 3, 3), sharp.reshape(-1, 3)
 
@@ -162,7 +162,7 @@ def _vertex_normals(triangles, normals, edges, count):
     weighted = np.arctan2(sine, cosine)[:, :, None] * normals[:, None]
     total = np.zeros((count, 3))
     np.add.at(total, triangles.ravel(), weighted.reshape(-1, 3))
-    # the sum can only vanish at a saddle that is closest to no point but itself
+    # the sum can only vanish at a saddle, a vertex that is the closest one of no other point
     return (total / np.maximum(np.linalg.norm(total, axis=1), FLAT)[:, None])[triangles]
 
 

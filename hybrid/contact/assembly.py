@@ -1,12 +1,12 @@
-"""Contact forces and tangent into the block system.
+"""Forces and tangent of the first pass of contact into the residual and the block system.
 
 With F the force of the penalty on a corner (as a residual), r = x_c - c, B = [I, -I, r̃] acting on (δx_c, δc, δφ),
 δφ spatial, and D = ∂F/∂x_c at fixed attitude,
 
     residual B^T F          K = B^T D B - B^T F̃ E_φ + E_φ^T F̃ [I, -I, 0]
 
-(formulation section 6). δx_c = Σ_v N_v δu_v spreads the first block over the nodes of the corner's cell. What the
-corner gives, the body takes: the columns of B cancel, so force and moment vanish in sum to round-off.
+(formulation section 6). δx_c = Σ_v N_v δu_v distributes the first block over the nodes of the corner's cell. Corner and
+body get opposite forces: the columns of B cancel, so force and moment vanish in sum to round-off.
 """
 
 import numpy as np
@@ -16,17 +16,17 @@ from hybrid.linalg.stencil import CELL, Blocks, entry, relative_place
 from hybrid.runtime.comm import total
 
 
-def add_residual(touch, corners, force):
+def add_residual(contact, corners, force):
     """Add contact to nodal residuals (N, 3) [N], None when the soil is held; returns the body's residual (6,)
     [N, N m about its centre]."""
     if force is not None:
-        _scatter(touch.active, corners.node, corners.weight, touch.force, force)
-    return -np.concatenate([total(touch.force), total(np.cross(touch.arm, touch.force))])
+        _scatter(contact.active, corners.node, corners.weight, contact.force, force)
+    return -np.concatenate([total(contact.force), total(np.cross(contact.arm, contact.force))])
 
 
-def body_tangent(touch):
+def body_tangent(contact):
     """K_ww (6, 6) of contact and Q (m, 3, 6) = ∂F/∂(δc, δφ) of every corner."""
-    F, arm, D = skew(touch.force), skew(touch.arm), touch.tangent
+    F, arm, D = skew(contact.force), skew(contact.arm), contact.tangent
     Q = np.concatenate([-D, D @ arm - F], axis=2)
     tangent = np.empty((6, 6))
     tangent[:3] = -total(Q)
@@ -35,12 +35,12 @@ def body_tangent(touch):
     return tangent, Q
 
 
-def add_tangent(touch, corners, Q, pattern, values, free, uw, wu):
+def add_tangent(contact, corners, Q, pattern, values, free, uw, wu):
     """Add K_uu to `values`, K_uw and K_wu to dense blocks (n, m) and (m, n) over the soil unknowns and the m
-    components of the body that are `free` (6,)."""
-    D, arm = touch.tangent, skew(touch.arm)
-    rows = np.concatenate([-D, skew(touch.force) - arm @ D], axis=1)  # ∂(body residual)/∂x_c, (m, 6, 3)
-    _add_tangent(touch.active, corners.node, corners.weight, D,
+    components of the body that are `free` (6,); Q: from `body_tangent`."""
+    D, arm = contact.tangent, skew(contact.arm)
+    rows = np.concatenate([-D, skew(contact.force) - arm @ D], axis=1)  # ∂(body residual)/∂x_c, (m, 6, 3)
+    _add_tangent(contact.active, corners.node, corners.weight, D,
                  np.ascontiguousarray(Q[:, :, free]), np.ascontiguousarray(rows[:, free]),
                  pattern.sparsity, Blocks(values, uw, wu))
 
@@ -54,6 +54,7 @@ def skew(v):
 
 @njit(cache=True)
 def _scatter(active, node, weight, contact_force, force):
+    """Add the forces (m, 3) of corners `active` to those of their nodes, (N, 3)."""
     for n in range(len(active)):
         c = active[n]
         for a in range(8):
@@ -63,6 +64,7 @@ def _scatter(active, node, weight, contact_force, force):
 
 @njit(cache=True)
 def _add_tangent(active, node, weight, D, Q, rows, sparsity, blocks):
+    """D: (m, 3, 3) ∂F/∂x_c; Q: (m, 3, q) ∂F/∂(body unknowns); rows: (m, q, 3) ∂(body residual)/∂x_c."""
     dof, values, uw, wu = sparsity.dof, blocks.uu, blocks.uw, blocks.wu
     for n in range(len(active)):
         c = active[n]

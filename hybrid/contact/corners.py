@@ -1,19 +1,19 @@
-"""Corners of the points' domains that may meet a body during a step.
+"""Corners of the points' domains that may touch a body during a step.
 
 A corner starts at x_p ± l. From the step in which it comes within `reach` of the body it is a material point of its
 own, carried by the grid,
 
     x_c <- x_c + Σ_v N_v(x_c) Δu_v          N_v hat functions of its cell
 
-until it leaves the reach. Placing it anew at x_p ± l each step instead would move it into the body where the soil is
-compressed (a domain follows the average strain of its point, the corner the steeper motion next to the body) and
-would pump energy into the springs, as much as the plastic work under a settling anchor.
+until it leaves the reach. If it were placed at x_p ± l anew in each step, it would move into the body where the soil is
+compressed (a domain follows the average strain of its point, the corner the larger strain next to the body) and
+would add energy to the springs, as much as the plastic work under a settling anchor.
 
 Corners that coincide at the start stay together. Under a flat face four domains meet at each site of the lattice, so
-each carries a quarter of the stiffness of a point, ε_N = p_f E V0^(2/3) / 4: one point's worth at each site, a
-pressure of p_f E per unit of overlap. Counting sites instead, each worth a point however many corners meet there, gives
-edges twice and vertices four times the stiffness of their area: a platen then overlaps a cube by 2.5 to 9.1 mm where
-quarters overlap it by 7.3 mm everywhere (tests/analytic/test_platen.py). In standard MPM all eight corners of a point
+each corner has a quarter of the stiffness of a point, ε_N = p_f E V0^(2/3) / 4: one point's stiffness at each site, a
+pressure of p_f E per unit of overlap. With the stiffness of a point at each site, however many corners coincide there,
+edges would have twice and vertices four times the stiffness of their area: a platen then overlaps a cube by 2.5 to
+9.1 mm instead of 7.3 mm everywhere (tests/analytic/test_platen.py). In standard MPM all eight corners of a point
 coincide and share its stiffness.
 """
 
@@ -24,6 +24,7 @@ from numba import njit
 
 from hybrid.body.closest import NO_SIDE, closest
 from hybrid.contact.first_contact import predicted_contact_points
+from hybrid.runtime.comm import largest, total
 from hybrid.soil.basis import find_cell, hat
 
 SHARE = 0.25  # of a point's contact stiffness, per corner
@@ -32,17 +33,18 @@ SIGNS = np.array([[1.0 if corner & bit else -1.0 for bit in (4, 2, 1)] for corne
 
 @dataclass(frozen=True)
 class Corners:
-    """Corners near one body, frozen during a step.
+    """Corners near one body, frozen during a step; m of them.
 
-    id: (m,) increasing, 8 p + corner, with bits 4, 2, 1 of the corner telling the upper end along x, y, z
+    id: (m,) increasing, 8 p + corner; bits 4, 2, 1 of the corner are set at the upper end along x, y, z
     position: (m, 3) [m] at the start of the step; start: (m, 3) the same in the body frame
     node, weight: (m, 8) grid nodes and hat functions there
     stiffness: (m,) ε_N [N/m]; touching: (m,) bool, in contact at the start of the step
-    anchor: (m, 3) [m] body frame, where friction is zero: history while touching, else where the corner would meet
-        the surface (contact/first_contact.py); side: (m, 3) body frame, the side of the body it touches, 0 if unknown
+    anchor: (m, 3) [m] body frame, of the tangential spring: history while touching, else the predicted first-contact
+        point (contact/first_contact.py); side: (m, 3) body frame, outward normal where the corner touches or is
+        predicted to touch, 0 if unknown
     pressure: (m,) [N] multiplier of the augmented Lagrangian
-    clearance: (m,) [m] signed distance from the surface at the start: a corner outside that goes no farther than this
-        cannot touch, which spares most of them the search
+    clearance: (m,) [m] signed distance from the surface at the start: an open corner that moves less than this cannot
+        touch, so most corners are not projected
     """
 
     id: np.ndarray
@@ -67,15 +69,16 @@ class Corners:
         return self.position + np.einsum("ca,cai->ci", self.weight, displacement[self.node])
 
 
-def find_corners(position, half, grid, active, body, surface, reach, stiffness, history, expected, taking_part=True):
+def find_corners(position, half, grid, active, body, surface, reach, stiffness, history, expected, included=True):
     """Corners within `reach` [m] of the surface of `body` (a BodyState).
 
-    active: (N,) bool, nodes that carry mass; stiffness: (n,) of a whole point [N/m]; history: ContactHistory;
-    expected: nodal increments (N, 3) [m] (None: held soil) and pose of the body that the step starts to iterate from;
-    taking_part: (n,) bool, points that have not gone astray.
+    position, half: (n, 3) [m] of the domains; active: (N,) bool, nodes that carry mass; stiffness: (n,) of a whole
+    point [N/m]; history: ContactHistory; expected: nodal increments (N, 3) [m] (None: held soil) and pose of the body
+    from which the step starts to iterate; included: (n,) bool, points that are not deactivated.
     """
-    id, place, touching, anchor, side, pressure, clearance = _near_the_body(
-        position, half, body, surface, reach, history, np.broadcast_to(taking_part, len(position)))
+    included = np.broadcast_to(included, len(position))
+    id, place, touching, anchor, side, pressure, clearance = _within_reach(
+        position, half, body, surface, reach, history, included)
     node, weight = _interpolation(place, grid.axes, active)
     use = np.flatnonzero(weight.any(axis=1))
     use = use[np.argsort(id[use], kind="stable")]
@@ -84,22 +87,22 @@ def find_corners(position, half, grid, active, body, surface, reach, stiffness, 
     stiffness = shared_stiffness(id, place, stiffness if half.any() else stiffness / 2)
     start = (place - body.position) @ body.rotation
     corners = Corners(id, place, start, node, weight, stiffness, touching, anchor, side, pressure, clearance)
-    free = ~touching
-    anchor[free], side[free] = predicted_contact_points(
-        place[free], corners.moved(expected[0])[free], body, expected[1], surface, clearance[free])
+    is_open = ~touching
+    anchor[is_open], side[is_open] = predicted_contact_points(
+        place[is_open], corners.moved(expected[0])[is_open], body, expected[1], surface, clearance[is_open])
     return corners
 
 
-def _near_the_body(position, half, body, surface, reach, history, taking_part):
-    """Numbers, places, history (touching, anchor, side, pressure) and distances from the surface of the corners within
-    reach: those that are followed, where the grid has carried them, and those that come near now."""
+def _within_reach(position, half, body, surface, reach, history, included):
+    """Number, position, history (touching, anchor, side, pressure) and distance from the surface of the corners within
+    reach: those of the history, carried by the grid, and new ones."""
     distance = distances((history.position - body.position) @ body.rotation, surface, reach)
-    kept = np.isfinite(distance) & taking_part[history.id // 8]
-    born, place, new = _born(position, half, taking_part, body, surface, reach, history.id)
-    return (np.concatenate([history.id[kept], born]), np.concatenate([history.position[kept], place]),
-            *(np.concatenate([old[kept], np.zeros((len(born), *old.shape[1:]), old.dtype)])
+    followed = np.isfinite(distance) & included[history.id // 8]
+    new, new_place, new_distance = _new_corners(position, half, included, body, surface, reach, history.id)
+    return (np.concatenate([history.id[followed], new]), np.concatenate([history.position[followed], new_place]),
+            *(np.concatenate([old[followed], np.zeros((len(new), *old.shape[1:]), old.dtype)])
               for old in (history.touching, history.anchor, history.side, history.pressure)),
-            np.concatenate([distance[kept], new]))
+            np.concatenate([distance[followed], new_distance]))
 
 
 def distances(places, surface, reach=np.inf):
@@ -114,46 +117,46 @@ def shared_stiffness(id, place, stiffness):
     return SHARE * stiffness[id // 8]
 
 
-def _born(position, half, taking_part, body, surface, reach, followed):
-    """Numbers, places and distances from the surface of the corners within reach that are not followed yet. Only those
-    in the body's box, grown by the reach, are searched."""
-    near = np.zeros((len(position), 8), np.bool_)
+def _new_corners(position, half, included, body, surface, reach, known):
+    """Numbers, positions and distances from the surface of the corners within reach other than those `known` from the
+    history. Distances are evaluated only for corners in the body's bounding box, extended by the reach."""
+    in_box = np.zeros((len(position), 8), np.bool_)
     _mark(position, half, body.position, body.rotation, surface.lower - reach, surface.upper + reach,
-          surface.radius + reach, near)
-    near.reshape(-1)[followed] = False      # they are where the grid has carried them
-    id = np.flatnonzero(near)
-    id = id[taking_part[id // 8]]
+          surface.radius + reach, in_box)
+    in_box.reshape(-1)[known] = False       # the grid has carried them away from x_p ± l
+    id = np.flatnonzero(in_box)
+    id = id[included[id // 8]]
     place = position[id // 8] + SIGNS[id % 8] * half[id // 8]
     distance = distances((place - body.position) @ body.rotation, surface, reach)
-    found = np.isfinite(distance)
-    return id[found], place[found], distance[found]
+    near = np.isfinite(distance)
+    return id[near], place[near], distance[near]
 
 
 def _interpolation(place, axes, active):
-    """Nodes and hat functions (m, 8) at places (m, 3).
+    """Nodes and hat functions (m, 8) at places (m, 3) [m].
 
-    Weight that falls on nodes without mass goes to the others in proportion, so that a force is never lost; a corner
-    with no node left has no weight at all.
+    The weight of nodes without mass is distributed over the others in proportion, so that no force is lost; a corner
+    all of whose nodes are without mass has zero weights.
     """
     node, weight = np.zeros((len(place), 8), np.int64), np.zeros((len(place), 8))
     _hats(place, *axes, node, weight)
     weight[~active[node]] = 0.0
-    total = weight.sum(axis=1, keepdims=True)
-    return node, np.divide(weight, total, out=np.zeros_like(weight), where=total > 0)
+    sums = weight.sum(axis=1, keepdims=True)
+    return node, np.divide(weight, sums, out=np.zeros_like(weight), where=sums > 0)
 
 
 def overlap(position, half, body, surface):
-    """Depth [m] of the deepest corner inside a body at its committed pose, and the number of corners inside."""
+    """Largest overlap [m] of a corner with a body at its committed pose, and the number of corners inside."""
     y = ((position[:, None] + SIGNS * half[:, None]).reshape(-1, 3) - body.position) @ body.rotation
     y = y[np.all((y > surface.lower) & (y < surface.upper), axis=1)]
-    deep = distances(np.ascontiguousarray(y), surface)
-    inside = deep[deep < 0.0]
-    return (float(-inside.min()), len(inside)) if len(inside) else (0.0, 0)
+    distance = distances(np.ascontiguousarray(y), surface)
+    return largest(-distance), int(total(distance < 0.0))
 
 
 @njit(cache=True)
-def _mark(position, half, centre, rotation, lower, upper, radius, near):
-    """Mark the corners in the box from `lower` to `upper` of the body frame, which the ball of `radius` [m] holds."""
+def _mark(position, half, centre, rotation, lower, upper, radius, in_box):
+    """Mark the corners (n, 8) in the box from `lower` to `upper` of the body frame. Points with no part of their domain
+    in the ball of `radius` [m] about the centre, outside which no corner is within reach, are skipped first."""
     for p in range(len(position)):
         d0, d1, d2 = position[p, 0] - centre[0], position[p, 1] - centre[1], position[p, 2] - centre[2]
         a = radius + half[p, 0] + half[p, 1] + half[p, 2]
@@ -166,8 +169,8 @@ def _mark(position, half, centre, rotation, lower, upper, radius, near):
             y0 = rotation[0, 0] * x0 + rotation[1, 0] * x1 + rotation[2, 0] * x2
             y1 = rotation[0, 1] * x0 + rotation[1, 1] * x1 + rotation[2, 1] * x2
             y2 = rotation[0, 2] * x0 + rotation[1, 2] * x1 + rotation[2, 2] * x2
-            near[p, corner] = (lower[0] <= y0 <= upper[0] and lower[1] <= y1 <= upper[1]
-                               and lower[2] <= y2 <= upper[2])
+            in_box[p, corner] = (lower[0] <= y0 <= upper[0] and lower[1] <= y1 <= upper[1]
+                                 and lower[2] <= y2 <= upper[2])
 
 
 @njit(cache=True)

@@ -89,7 +89,7 @@ def _gap(y, tree):
 
 @njit(cache=True)
 def _position(n, motion, fraction):
-    """Place of corner n in the body frame at a `fraction` of the step, as a tuple: turned back by Rodrigues' formula."""
+    """Place (3,) of corner n in the body frame at a `fraction` of the step; Rodrigues' formula turns it back."""
     arm, displacement, axis, rotation = motion.arm, motion.displacement, motion.axis, motion.rotation
     x0, x1 = arm[n, 0] + fraction * displacement[n, 0], arm[n, 1] + fraction * displacement[n, 1]
     x2 = arm[n, 2] + fraction * displacement[n, 2]

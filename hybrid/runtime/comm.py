@@ -17,6 +17,11 @@ def largest(values):
     return float(np.max(values, initial=0.0))
 
 
+def maximum(values, empty=0.0):
+    """Largest of values of any sign, `empty` of none, over all processes."""
+    return float(np.max(values)) if np.size(values) else empty
+
+
 def norm(vector):
     """Euclidean norm of a vector spread over all processes."""
     return float(np.linalg.norm(vector))

@@ -142,7 +142,7 @@ class SpinningSphere:
         records, self.sliding = [], []
         for record in simulation.steps():
             records.append(record)
-            self.sliding.append(np.mean(simulation.evaluation.contacts[0].parts[-1].slip))
+            self.sliding.append(np.mean(simulation.evaluation.contacts[0].passes[-1].slip))
         self.mass, inertia = simulation.masses[0].mass, simulation.model.bodies[0].mass.inertia[1, 1]
         self.ratio = inertia / (self.mass * RADIUS**2)     # 2/5 of the sphere
         self.time = np.array([r.time for r in records])

@@ -90,7 +90,7 @@ def test_a_box_at_rest_presses_evenly(share):
     record, = simulation.steps()
     weight = 9.81 * simulation.masses[0].mass
     assert record.bodies[0].contact_force[2] == pytest.approx(weight, rel=1e-9)
-    stress, contact = simulation.state.points.stress[:, 2, 2], simulation.evaluation.contacts[0].parts[-1]
+    stress, contact = simulation.state.points.stress[:, 2, 2], simulation.evaluation.contacts[0].passes[-1]
     if share == 0:
         assert stress == pytest.approx(-weight, rel=2e-2)
         assert np.ptp(stress) < 1e-8 * weight

@@ -31,7 +31,7 @@ class Press:
         self.iterations = [r.iterations for r in found.records]
         contact = simulation.evaluation.contacts[0]
         self.gaps = contact.corners.gap
-        self.pressed = sum(np.sum(part.force[:, 2] / -part.gap) for part in contact.parts) / (penalty * YOUNG)
+        self.pressed = sum(np.sum(part.force[:, 2] / -part.gap) for part in contact.passes) / (penalty * YOUNG)
         self.error = found.records[-1].energies["error"] / found.records[-1].energies["drive"]
 
 

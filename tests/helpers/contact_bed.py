@@ -84,7 +84,7 @@ def bed(cells=(8, 8, 2), size=0.1, per_axis=2):
 
 
 def found_in_bed(surface, body, history=None, active=None, reach=0.08, seed=1, pose=None, displacement=None,
-                 taking_part=True):
+                 included=True):
     grid, position, half = bed()
     position = position + 0.01 * np.random.default_rng(seed).standard_normal(position.shape)
     active = np.ones(grid.node_count, bool) if active is None else active
@@ -92,4 +92,4 @@ def found_in_bed(surface, body, history=None, active=None, reach=0.08, seed=1, p
     expected = displacement, pose or (body.position, body.rotation)
     return grid, find_corners(
         position, half, grid, active, body, surface, reach, np.full(len(position), 8e4), history, expected,
-        taking_part)
+        included)

@@ -34,7 +34,7 @@ class Ride:
         simulation = Simulation(built.scene, model, state, built.meshes)
         self.mass, self.sliding, self.force, self.air = model.bodies[0].mass.mass, [], np.zeros(3), 0
         for self.record in simulation.steps():
-            touch = simulation.evaluation.contacts[0].parts[-1]
+            touch = simulation.evaluation.contacts[0].passes[-1]
             self.air += len(touch) == 0
             self.sliding += list(touch.slip)
             self.force += self.record.bodies[0].contact_force

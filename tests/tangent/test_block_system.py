@@ -142,12 +142,12 @@ def test_tangent_with_a_second_pass_and_multipliers(geometry, share, friction, s
     assert observed_rate(step, unknowns) > 1.85
 
 
-@pytest.mark.parametrize("term", ["at", "normal", "sliding"])
+@pytest.mark.parametrize("term", ["xi", "normal", "tau"])
 def test_slope_test_fails_on_a_broken_second_pass(geometry, term, monkeypatch):
-    """A sample whose weights do not follow, whose normal does not turn, or whose way does not stretch: rate 1."""
+    """A sample whose weights do not follow, whose normal does not turn, or whose tangential gap does not stretch: rate 1."""
     step, unknowns = prepared(scene(geometry, "hencky", 50.0, second_pass=1.0))
-    complete = body_to_soil._motions
-    monkeypatch.setattr(body_to_soil, "_motions", lambda *args: replace(
+    complete = body_to_soil._variations
+    monkeypatch.setattr(body_to_soil, "_variations", lambda *args: replace(
         complete(*args), **{term: np.zeros_like(getattr(complete(*args), term))}))
     assert observed_rate(step, unknowns) < 1.5
 

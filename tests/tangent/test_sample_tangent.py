@@ -19,7 +19,7 @@ LAWS = {"frictionless": 0.0, "slip": 0.01, "stick": 50.0}
 
 
 def made(count=3, seed=2, pressure=0.0):
-    """Probes 10 mm below warped faces, and the places (4 count, 3) of the corners."""
+    """Samples 10 mm below warped faces, and the places (4 count, 3) of the corners."""
     rng = np.random.default_rng(seed)
     square = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]) * 0.1
     place = np.concatenate([
@@ -78,11 +78,11 @@ def test_remainder_is_second_order(law):
     assert rate(law) == pytest.approx(2.0, abs=0.1)
 
 
-@pytest.mark.parametrize("term", ["at", "normal", "sliding"])
-def test_slope_test_fails_without_one_motion(term, monkeypatch):
-    """Weights that do not follow, a normal that does not turn, a way that does not stretch."""
-    complete = body_to_soil._motions
-    monkeypatch.setattr(body_to_soil, "_motions", lambda *args: replace(
+@pytest.mark.parametrize("term", ["xi", "normal", "tau"])
+def test_slope_test_fails_without_one_variation(term, monkeypatch):
+    """Weights that do not follow the sample, a normal that does not turn, edges that do not stretch."""
+    complete = body_to_soil._variations
+    monkeypatch.setattr(body_to_soil, "_variations", lambda *args: replace(
         complete(*args), **{term: np.zeros_like(getattr(complete(*args), term))}))
     assert rate("stick") < 1.3
 

@@ -116,7 +116,7 @@ def test_points_that_have_gone_astray_take_their_corners_with_them():
     history = soil_to_body.commit(first, first.position, touch_of(first, surface, (body.position, body.rotation)))
     point = first.id[0] // 8
     stays = np.arange(len(bed()[1])) != point
-    _, second = found_in_bed(surface, body, history, taking_part=stays)
+    _, second = found_in_bed(surface, body, history, included=stays)
     np.testing.assert_array_equal(second.id, first.id[first.id // 8 != point])
 
 
@@ -126,6 +126,7 @@ def test_corners_that_go_beyond_their_clearance_are_met():
     start = np.array([[0.1, 0.2, 0.6], [0.1, 0.2, 0.6]])
     end = start - [[0.0, 0.0, 0.099], [0.0, 0.0, 0.25]]
     body = body_at(np.zeros(3), np.eye(3))
-    place, side = predicted_contact_points(start, end, body, (body.position, body.rotation), surface, np.array([0.1, 0.1]))
+    place, side = predicted_contact_points(
+        start, end, body, (body.position, body.rotation), surface, np.array([0.1, 0.1]))
     np.testing.assert_allclose(place[:, 2], [0.501, 0.5], atol=1e-4)
     np.testing.assert_allclose(side, [[0, 0, 0], [0, 0, 1]], atol=1e-12)

@@ -149,7 +149,7 @@ def test_missing_file_is_refused(tmp_path):
         (HEAD + BODY, r"no physical surface 'contact' \(found: none\)"),
         (HEAD + 'Physical Volume("solid") = {1};' + CONTACT, r"'body' \(found: 'solid'\)"),
         (HEAD + BODY + 'Physical Surface("contact") = {1, 2, 3, 4, 5};', "not watertight.*in neither"),
-        (HEAD + BODY + CONTACT + 'Physical Surface("symmetry") = {1};', "not watertight.*there twice"),
+        (HEAD + BODY + CONTACT + 'Physical Surface("symmetry") = {1};', "not watertight.*listed twice"),
         (
             HEAD + BODY + "Rectangle(9) = {5, 5, 5, 1, 1};" + 'Physical Surface("contact") = {1:6, 9};',
             "0 are in neither .* [1-9][0-9]* triangles of these groups are not on the boundary",
@@ -166,7 +166,7 @@ def test_missing_file_is_refused(tmp_path):
             "in 2 pieces",
         ),
         (HEAD + BODY + CONTACT + 'Physical Point("end") = {1, 2};', "point 'end' has 2 points"),
-        (HEAD + BODY + CONTACT + "Mesh.ElementOrder = 2;", "only linear simplices"),
+        (HEAD + BODY + CONTACT + "Mesh.ElementOrder = 2;", "only linear triangles and tetrahedra"),
         (HEAD + "Rectangle(9) = {0, 0, 5, 1, 1};" + 'Physical Surface("contact") = {9};', "volume 'body'"),
     ],
 )
@@ -195,6 +195,39 @@ def test_geometry_without_volume_elements_is_refused(monkeypatch):
 def test_bad_parameters_are_refused(geo, parameters, reason):
     with pytest.raises(GeometryError, match=reason):
         generate(geo(HEAD + BODY + CONTACT), parameters)
+
+
+def test_a_parameter_of_a_file_without_any_is_refused_with_the_name_it_must_have(geo):
+    """Constants under other names are no parameters; under the name of the message they are."""
+    text = HEAD.replace("Parameters/", "Box/") + BODY + CONTACT
+    with pytest.raises(GeometryError, match=r"no parameter 'length' \(declared: none\).*\"Parameters/length\""):
+        generate(geo(text), {"length": 2.0})
+    text = text.replace('Name "Box/length"', 'Name "Parameters/length"')
+    assert np.ptp(generate(geo(text), {"length": 2.0}).points[:, 0]) == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize("suffix", [".stl", ".step"])
+def test_a_file_that_cannot_have_groups_is_refused_with_a_geometry_that_can_be_used(tmp_path, suffix):
+    """The statements of the message, written into a .geo file, make the body."""
+    gmsh.initialize([], False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.model.occ.addBox(0, 0, 0, 1, 1, 1)
+        gmsh.model.occ.synchronize()
+        gmsh.option.setString("Geometry.OCCTargetUnit", "M")
+        if suffix == ".stl":
+            gmsh.model.mesh.generate(2)
+        gmsh.write(str(tmp_path / f"cad{suffix}"))
+    finally:
+        gmsh.finalize()
+    with pytest.raises(GeometryError, match=f"a {suffix} file has no physical groups") as refused:
+        generate(tmp_path / f"cad{suffix}")
+    (tmp_path / "body.geo").write_text(str(refused.value).split("use that as geometry: ")[1] + "\n")
+    mesh = generate(tmp_path / "body.geo")
+    scale = np.ptp(mesh.points, axis=0).max()
+    assert signed_volumes(mesh.points, mesh.tets).sum() == pytest.approx(scale**3)
+    with pytest.raises(GeometryError, match=f"no parameter 'radius': {suffix} files declare none"):
+        generate(tmp_path / f"cad{suffix}", {"radius": 1.0})
 
 
 # ---- validation on arrays ----------------------------------------------------------------------------------
@@ -234,7 +267,7 @@ def test_missing_doubled_and_inward_triangles_are_refused():
     mesh = cube()
     with pytest.raises(GeometryError, match="not watertight: of 12 faces .* 1 are in neither"):
         validate(replace(mesh, contact=mesh.contact[1:]))
-    with pytest.raises(GeometryError, match="1 are there twice"):
+    with pytest.raises(GeometryError, match="1 are listed twice"):
         validate(replace(mesh, contact=np.vstack([mesh.contact, mesh.contact[:1]])))
     inward = mesh.contact.copy()
     inward[4] = inward[4, ::-1]
