@@ -68,6 +68,10 @@ def parser():
     sub.add_argument("--peer", type=Path, metavar="PYTHON", help="a Python with Kratos MPM, to run beside in `column`")
     sub.add_argument("--draw", action="store_true", help="draw the figures from the folder's records, run nothing")
 
+    sub = _command(commands, "schema", schema, "print the JSON Schema of scene files, for completion in an editor")
+    sub.add_argument("--page", action="store_true", help="print all keys as a page in Markdown instead")
+    sub.add_argument("--out", type=Path, metavar="FILE", help="write to a file instead")
+
     sub = _command(commands, "mesh", mesh, "mesh a geometry and print its mass properties")
     sub.add_argument("geometry", type=Path, metavar="FILE.geo", help="gmsh geometry")
     sub.add_argument("--density", type=float, default=7850.0, metavar="RHO",
@@ -193,6 +197,24 @@ def study(options):
             records = chosen.run(options.problems, options.quick, out, options.resume,
                                  lambda text: print(text, flush=True), **more)
     print(table(chosen.table(records)))
+
+
+def schema(options):
+    """`hybrid schema`: all keys of a scene file, as a JSON Schema or a page."""
+    import json
+
+    from hybrid.scene import reference
+
+    text = reference.page() if options.page else json.dumps(reference.json_schema(), indent=1, ensure_ascii=False) + "\n"
+    if options.out is None:
+        print(text, end="")
+        return
+    try:
+        options.out.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise SceneError(f"--out = {options.out}: cannot be written ({error.strerror}); name a file in an existing "
+                         "folder that you may write to") from None
+    print(f"written to {options.out}")
 
 
 def mesh(options):

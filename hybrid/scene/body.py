@@ -17,11 +17,11 @@ class Pull:
     """
 
     point: str | Vector = key("name of a physical point of the geometry, or three coordinates of the geometry", "m")
-    velocity: Vector = key("of the far end", "m/s")
-    stiffness: float = key("of the line", "N/m", above=0, remedy="for example 1e6")
+    velocity: Vector = key("velocity of the far end", "m/s")
+    stiffness: float = key("stiffness of the line", "N/m", above=0, remedy="for example 1e6")
     length: float = key("unstretched length", "m", above=0, remedy="for example 10")
-    direction: Vector | None = key("from the point to the far end at the start; left out: along `velocity`", "-",
-                                   default=None)
+    direction: Vector | None = key("direction from the point to the far end at the start; left out: along `velocity`",
+                                   "-", default=None)
     tension_only: bool = key("the line goes slack instead of pushing", default=True)
 
 
@@ -34,13 +34,13 @@ class Body:
     name: str = key("label of the body and of its files in the output", default="body")
     parameters: dict[str, float] = key("values of the geometry's named parameters, in the units that the .geo states",
                                        default_factory=dict)
-    position: Vector | None = key("of the geometry's origin; left out: (0, 0, 0)", "m", default=None)
+    position: Vector | None = key("place of the geometry's origin; left out: (0, 0, 0)", "m", default=None)
     rotation: tuple[float, float, float, float] | None = key(
         "(ax, ay, az, angle): axis and angle of a rotation about the geometry's origin; left out: as drawn", "-, deg",
         default=None)
     rest_on: float | None = key("height z of the lowest contact vertex, instead of position z; left out: as positioned",
                                 "m", default=None)
-    velocity: Vector = key("of the centre of mass at the start", "m/s", default=(0.0, 0.0, 0.0))
+    velocity: Vector = key("velocity of the centre of mass at the start", "m/s", default=(0.0, 0.0, 0.0))
     spin: Vector = key("angular velocity at the start, about the axes of the body", "rad/s", default=(0.0, 0.0, 0.0))
     held: tuple[Freedom, ...] = key("translations and rotations (about the axes of space) that do not change",
                                     default=())

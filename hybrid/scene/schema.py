@@ -23,7 +23,7 @@ class Stage:
 
     name: str = key("label of the stage in the output")
     steps: int = key("outer steps", "-", at_least=1, remedy="remove the stage to leave it out")
-    step: float | None = key("of each outer step; left out: time.step", "s", default=None, above=0,
+    step: float | None = key("duration of each outer step; left out: time.step", "s", default=None, above=0,
                              remedy="leave it out for time.step")
     pull: bool = key("whether pull lines act", default=True)
     held: tuple[Freedom, ...] = key("translations and rotations of all bodies that stay as they are in this stage, "
@@ -40,7 +40,7 @@ class Stage:
 class Time:
     """The outer step and the scheme of time integration."""
 
-    step: float = key("outer step", "s", above=0, remedy="for example 0.04")
+    step: float = key("duration of an outer step", "s", above=0, remedy="for example 0.04")
     scheme: Literal["newmark", "generalised-alpha", "energy-momentum"] = key(
         "Newmark's; generalised alpha, of second order with damping of high frequencies; or Newmark's (1/4, 1/2) with "
         "rotations that conserve energy and angular momentum", default="newmark")
@@ -49,7 +49,7 @@ class Time:
     gamma: float | None = key("γ of newmark; left out: 1/2, which damps nothing. First order for γ > 1/2", "-",
                               default=None)
     spectral_radius: float | None = key(
-        "of generalised-alpha: share of the highest frequencies that remains after a step; left out: 0.8", "-",
+        "share of the highest frequencies that remains after a step of generalised-alpha; left out: 0.8", "-",
         default=None, at_least=0, at_most=1,
         remedy="0 removes high frequencies in one step, 1 damps nothing, 0.8 is usual")
     inertia: bool = key("false: quasi-static, no inertia of soil or body", default=True)
@@ -65,14 +65,14 @@ class Time:
 class Solver:
     """Newton's method and the linear systems inside it."""
 
-    tolerance: float = key("of the residual, relative to the forces acting", "-", default=1e-6, at_least=1e-14, below=1,
-                           remedy="1e-6 is usual")
-    iterations: int = key("of Newton before an increment is rejected and halved", "-", default=15, at_least=1,
+    tolerance: float = key("tolerance of the residual, relative to the forces acting", "-", default=1e-6,
+                           at_least=1e-14, below=1, remedy="1e-6 is usual")
+    iterations: int = key("Newton iterations before an increment is rejected and halved", "-", default=15, at_least=1,
                           remedy="15 is usual")
     augmentations: int = key("largest number of updates of the multipliers in an increment, with enforcement = "
                              '"augmented"', "-", default=5, at_least=1, remedy="5 is usual")
-    augmentation_tolerance: float = key("of the forces of the remaining overlap, relative to the forces acting", "-",
-                                        default=1e-3, at_least=1e-14, below=1, remedy="1e-3 is usual")
+    augmentation_tolerance: float = key("tolerance of the forces of the remaining overlap, relative to the forces "
+                                        "acting", "-", default=1e-3, at_least=1e-14, below=1, remedy="1e-3 is usual")
     linear: Literal["krylov", "direct"] = key("preconditioned Krylov method, or a direct solver", default="krylov")
     linear_tolerance: float = key("relative tolerance of the Krylov method near the solution", "-", default=1e-3,
                                   at_least=1e-14, below=1, remedy="1e-3 is usual")

@@ -11,7 +11,7 @@ Law = Literal["drucker-prager", "hencky", "user", "von-mises", "willam-warnke"]
 class Material:
     """The soil's law and its values. `relative_density` sets every value left out; a given value replaces the preset.
 
-    A value that the law does not use is refused; `hybrid.scene.material.USES` lists those that it uses.
+    A value that the law does not use is refused.
     """
 
     law: Law = key("hencky: elastic; drucker-prager: circular cone; willam-warnke: section through both meridians of "
@@ -30,7 +30,8 @@ class Material:
     cohesion: float | None = key("cohesion", "Pa", default=None, at_least=0, remedy="300 is nearly cohesionless")
     strength: float | None = key("undrained shear strength s_u of von-mises, at the top of the soil or the layer", "Pa",
                                  default=None, at_least=0, remedy="20e3 is a soft clay")
-    strength_gradient: float | None = key("increase of s_u with the depth below that", "Pa/m", default=None)
+    strength_gradient: float | None = key("increase of s_u with the depth below the top of the soil or the layer",
+                                          "Pa/m", default=None)
     hardening: float | None = key("change of cohesion or s_u per equivalent plastic strain; negative: softening", "Pa",
                                   default=None)
     residual_cohesion: float | None = key("cohesion at which softening ends", "Pa", default=None, at_least=0,
@@ -42,8 +43,8 @@ class Material:
         "strong as Tresca's law", default="compression")
     reference_young: float | None = key("E_ref in E = E_ref (K0 σ_v / 100 kPa)^m, instead of `young`", "Pa",
                                         default=None, above=0, remedy="20e6 is 20 MPa")
-    stiffness_exponent: float | None = key("m in that equation", "-", default=None, at_least=0, at_most=1,
-                                           remedy="0 is one stiffness at all depths")
+    stiffness_exponent: float | None = key("m in that equation of `reference_young`", "-", default=None,
+                                           at_least=0, at_most=1, remedy="0 is one stiffness at all depths")
     buoyant: bool = key("the preset's density is that of submerged sand", default=False)
 
 
@@ -57,7 +58,7 @@ class Layer:
     name: str = key("label on the model sheet")
     top: float | None = key("z of its upper end; left out: that of the soil", "m", default=None)
     bottom: float | None = key("z of its lower end; left out: that of the soil", "m", default=None)
-    law: Law | None = key("left out: that of soil.material", default=None)
+    law: Law | None = key("law of the layer; left out: that of soil.material", default=None)
     material: dict[str, float] = key(
         "values of soil.material that are different here, by name; relative_density replaces all of them",
         default_factory=dict)
@@ -74,8 +75,8 @@ class Soil:
     top: float | None = key("z of the surface; left out: upper end of the grid", "m", default=None)
     lower: tuple[float, float, float] | None = key("lower corner of the box of soil; left out: that of the grid", "m",
                                                    default=None)
-    upper: tuple[float, float, float] | None = key("upper corner; left out: that of the grid, up to `top`", "m",
-                                                   default=None)
+    upper: tuple[float, float, float] | None = key("upper corner of that box; left out: that of the grid, up to `top`",
+                                                   "m", default=None)
     points_per_axis: int | tuple[int, int, int] = key(
         "material points per cell along each axis, one number or three", "-", default=2, at_least=1, at_most=10,
         remedy="2 is usual and makes 8 points per cell")
@@ -92,8 +93,9 @@ class Soil:
     transfer: Literal["affine", "increments", "blended"] = key(
         "how points take the motion of the nodes: their velocity with its gradient (affine), their increments of "
         "velocity, or these blended with a share of their velocity", default="affine")
-    blend: float | None = key('that share per step, of transfer = "blended"; left out: 0.05', "-", default=None,
-                              above=0, at_most=1, remedy="1 takes the nodes' velocity alone, 0.05 is usual")
+    blend: float | None = key('share of the nodes\' velocity per step, with transfer = "blended"; left out: 0.05', "-",
+                              default=None, above=0, at_most=1,
+                              remedy="1 takes the nodes' velocity alone, 0.05 is usual")
     stray: Literal["stop", "freeze", "remove"] = key(
         "points that leave the grid, or that no node carries in a quasi-static scene: stop the run, keep them where "
         "they are and leave them out of all sums (freeze), or remove them", default="stop")
