@@ -3,7 +3,7 @@
     .venv/bin/python demos/gallery/draw.py thumbnail out/anchor/soil_step_100.png demos/gallery/anchor.png
     .venv/bin/python demos/gallery/draw.py animation out/anchor demos/gallery/anchor.gif
 
-A thumbnail is the picture without its white border, 480 pixels wide at most, in 64 colours. The animation has a frame
+A thumbnail is the picture without its white border, 480 pixels wide at most, in as many colours as fit in 60 kB. The animation has a frame
 for each pair of soil_*.vtu and body_*.vtu in the folder of the run, all seen from the same place.
 """
 
@@ -18,7 +18,7 @@ from hybrid.output import picture_worker as worker
 from hybrid.output.figures import DIVERGING
 from hybrid.output.pictures import colour_limit
 
-WIDTH, COLOURS = 480, 64
+WIDTH, COLOURS, LARGEST = 480, (256, 64, 16), 60_000     # width [pixels]; size of the file [bytes]
 ANIMATED, FRAME, PAUSE = 640, 160, 1600     # width [pixels]; of one frame, and of the last one [ms]
 
 
@@ -27,7 +27,10 @@ def thumbnail(picture, path):
     image = Image.open(picture).convert("RGB")
     image = image.crop(ImageChops.difference(image, Image.new("RGB", image.size, "white")).getbbox())
     image.thumbnail((WIDTH, WIDTH), Image.LANCZOS)
-    image.quantize(COLOURS).save(path, optimize=True)
+    for colours in COLOURS:
+        image.quantize(colours).save(path, optimize=True)
+        if Path(path).stat().st_size <= LARGEST:
+            break
 
 
 def animation(folder, path):
@@ -38,7 +41,7 @@ def animation(folder, path):
     lower, upper = extent[:, 0].min(axis=0), extent[:, 1].max(axis=0)
     images = cropped([drawn({**frame, "limit": limit}, lower, upper, frames[0]) for frame in frames])
     images = [image.resize((ANIMATED, ANIMATED * image.height // image.width), Image.LANCZOS) for image in images]
-    palette = images[-1].quantize(COLOURS)
+    palette = images[-1].quantize(COLOURS[1])
     first, *rest = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
     first.save(path, save_all=True, append_images=rest, duration=[FRAME] * len(rest) + [PAUSE], loop=0, optimize=True)
 

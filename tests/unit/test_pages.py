@@ -1,0 +1,102 @@
+"""Pages: links and pictures exist, README is short and shows the files it names, equation numbers that modules cite exist.
+
+Shape of README by its own rule: one minute to know what it is, five to a result, ten to one's own geometry.
+"""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from hybrid.body.mesh import generate
+from hybrid.scene.file import load_scene
+
+ROOT = Path(__file__).parents[2]
+README = ROOT / "README.md"
+PAGES = [README, ROOT / "hybrid/FORMULATION.md", ROOT / "hybrid/DESIGN.md", *sorted((ROOT / "demos").rglob("*.md"))]
+LINES, THUMBNAIL, ANIMATION = 150, 60_000, 1_000_000     # of README; bytes of a picture of the gallery
+
+
+def text(path):
+    return path.read_text(encoding="utf-8")
+
+
+def blocks(path, kind):
+    """Contents of the fenced blocks of a kind."""
+    return re.findall(rf"^```{kind}\n(.*?)^```$", text(path), re.MULTILINE | re.DOTALL)
+
+
+def anchors(path):
+    """Names by which headings of a page can be linked to."""
+    headings = re.findall(r"^#+ (.*)$", text(path), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_links_and_pictures_of_a_page_exist(page):
+    prose = re.sub(r"```.*?```", "", text(page), flags=re.DOTALL)
+    missing = []
+    for link in re.findall(r"\]\(([^)\s]+)\)", prose):
+        if re.match(r"[a-z]+:", link):
+            continue
+        name, _, anchor = link.partition("#")
+        target = (page.parent / name).resolve() if name else page
+        if not target.exists() or (anchor and anchor not in anchors(target)):
+            missing.append(link)
+    assert not missing
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_files_that_a_page_names_exist(page):
+    """Scenes, scripts, tests and geometries by their path from the root."""
+    names = set(re.findall(r"\b((?:demos|tests|geometry|hybrid)/[\w./-]+\.(?:toml|py|geo|md|json))\b", text(page)))
+    assert not [name for name in names if not (ROOT / name).exists()]
+
+
+def test_readme_is_short():
+    assert len(text(README).splitlines()) <= LINES
+
+
+def test_readme_shows_its_first_scene_as_it_is():
+    assert blocks(README, "toml") == [text(ROOT / "demos/first.toml")]
+
+
+def test_python_of_readme_names_what_there_is():
+    import hybrid
+
+    (program,) = blocks(README, "python")
+    compile(program, "README.md", "exec")
+    assert all(hasattr(hybrid, name) for name in re.findall(r"hybrid\.(\w+)", program))
+
+
+def test_gallery_has_every_story():
+    gallery = text(ROOT / "demos/README.md")
+    stories = [path.name for kind in ("*.toml", "*.py") for path in (ROOT / "demos").glob(kind)]
+    assert not [name for name in stories if f"({name})" not in gallery]
+
+
+def test_pictures_of_the_gallery_are_small():
+    for path in (ROOT / "demos/gallery").iterdir():
+        if path.suffix in (".png", ".gif"):
+            assert path.stat().st_size <= (THUMBNAIL if path.suffix == ".png" else ANIMATION), path.name
+
+
+def test_geometry_and_scene_of_the_how_to_are_right(tmp_path):
+    page = ROOT / "demos/own-geometry.md"
+    (geometry,), (scene,) = blocks(page, "geo"), blocks(page, "toml")
+    (tmp_path / "wedge.geo").write_text(geometry, encoding="utf-8")
+    (tmp_path / "wedge.toml").write_text(scene, encoding="utf-8")
+    (body,) = load_scene(tmp_path / "wedge.toml").bodies
+    mesh = generate(body.geometry, {"width": 0.5})
+    assert len(mesh.contact) and len(mesh.symmetry) and set(mesh.named_points) == {"eye"}
+
+
+def test_equations_are_numbered_in_order_and_cited_numbers_exist():
+    formulation = text(ROOT / "hybrid/FORMULATION.md")
+    numbers = [int(n) for n in re.findall(r"^ {4}\((\d+)\) ", formulation, re.MULTILINE)]
+    assert numbers == list(range(1, len(numbers) + 1))
+    wrong = []
+    for path in [*(ROOT / "hybrid").rglob("*.py"), *(ROOT / "tests").rglob("*.py"), *PAGES]:
+        for cited in re.findall(r"FORMULATION ((?:\(\d+\)(?:, | and | to )?)+)", text(path)):
+            wrong += [f"{path.name} ({n})" for n in re.findall(r"\d+", cited) if int(n) not in numbers]
+    assert not wrong
