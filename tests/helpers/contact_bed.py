@@ -84,9 +84,10 @@ def bed(cells=(8, 8, 2), size=0.1, per_axis=2):
 
 
 def found_in_bed(surface, body, history=None, active=None, reach=0.08, seed=1, pose=None, displacement=None,
-                 included=True):
+                 included=True, scatter=0.01):
+    """Grid, and Corners of a bed near a body; scatter: [m] of the points."""
     grid, position, half = bed()
-    position = position + 0.01 * np.random.default_rng(seed).standard_normal(position.shape)
+    position = position + scatter * np.random.default_rng(seed).standard_normal(position.shape)
     active = np.ones(grid.node_count, bool) if active is None else active
     history = history or ContactHistory.empty()
     expected = displacement, pose or (body.position, body.rotation)

@@ -1,7 +1,7 @@
 """The cost of contact in a step follows the corners near the body, not all points, nor all triangles.
 
-Counted, not timed: `distances`, corners whose distance from the body is evaluated in the search; `triangles` visited for
-these in the tree of the surface; `domains` and `queries`, points in the neighbour searches of the second pass and
+Counted, not timed: `distances`, corners whose distance from the body is evaluated in the search; `triangles` visited
+for these in the tree of the surface; `domains` and `queries`, points in the neighbour searches of the second pass and
 places they are asked for. Each test also counts a search without the one bound that it is about, and fails on it.
 """
 
@@ -31,8 +31,8 @@ def visited(places, reach, tree):
 
 @pytest.fixture
 def counted(monkeypatch):
-    """Function that finds and evaluates the contact of a body pressed 30 mm into cells³/2 cells of 0.1 m; it returns the
-    pair, its contact, and the counts."""
+    """Function that finds and evaluates the contact of a body pressed 30 mm into cells³/2 cells of 0.1 m; it returns
+    the pair, its contact, and the counts."""
     counts = dict.fromkeys(COUNTED, 0)
     distances, Tree = corners.distances, exposed_faces.cKDTree
 
