@@ -26,14 +26,15 @@ import numpy as np
 
 from hybrid.grid.axes import FACES, make_grid
 from hybrid.grid.colouring import make_slabs
-from hybrid.linalg.system_cache import Systems
 from hybrid.scene import Axis, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
 from hybrid.setup.build import build
 from hybrid.soil.basis import evaluate_basis
 from hybrid.soil.domains import updated_half
 from hybrid.soil.forces import internal_force
+from hybrid.soil.model import Refusal
 from hybrid.soil.points import tile
-from hybrid.step.equations import Step, Unknowns
+from hybrid.step.equations import Unknowns, begin
+from hybrid.step.workspace import Workspace
 
 RULES = ("none", "stretch", "diagonal", "moments", "mpm")
 SIZE, CELLS = 0.1, 16
@@ -222,9 +223,9 @@ def drawn_out(stretch, per_cell, rule="stretch", already=0.0, cells=8, steps=60)
     for factor in np.linspace(1.0, stretch, steps + 1)[1:]:
         fixed = model.soil.grid.fixed.copy()
         fixed[nodes > before * length - 1.0] = True
-        soil = model.soil
-        soil.grid = replace(simulation.model.soil.grid, fixed=fixed)
-        step = Step(model, state, 1.0, False, Systems(model))
+        soil = replace(simulation.model.soil, grid=replace(simulation.model.soil.grid, fixed=fixed))
+        model = model.with_soil(soil)
+        step = begin(model, state, 1.0, False, Workspace(model))
         displacement = np.zeros((len(nodes), 3))
         displacement[:, 0] = (factor / before - 1) * nodes
         evaluation = balanced(step, Unknowns(displacement, ()), 1e-9 * young)
@@ -241,7 +242,9 @@ def balanced(step, unknowns, tolerance, iterations=30):
     without one. (The forces of a uniform stress cancel at every free node, so there is none to compare with.)"""
     evaluation = step.evaluate(unknowns)
     for _ in range(iterations):
-        if evaluation is None or np.abs(evaluation.soil).max() <= tolerance:
+        if isinstance(evaluation, Refusal):
+            return None
+        if np.abs(evaluation.soil).max() <= tolerance:
             return evaluation
         step.assemble(evaluation)
         soil, body, _ = step.system.solve(evaluation.soil, evaluation.body)

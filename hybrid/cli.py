@@ -46,7 +46,7 @@ def parser():
 
     sub = _command(commands, "check", check, "validate a scene, print what would be modelled and what it would take")
     _scene_arguments(sub)
-    sub.add_argument("--no-probe", action="store_true", help="leave out the prediction, which times parts of a step")
+    sub.add_argument("--no-probe", action="store_true", help="leave out the cost estimate, which times parts of a step")
 
     sub = _command(commands, "demos", demos, "list the shipped scenes, or copy some")
     sub.add_argument("names", nargs="*", metavar="NAME", default=[], help="scenes to copy (default: list all)")
@@ -141,10 +141,10 @@ def check(options):
 
 def _predicted(simulation):
     """Section of what the steps would take, or why nothing can be said of it."""
-    from hybrid.cost import probe
+    from hybrid.cost import predict
 
     try:
-        return probe(simulation).sheet()
+        return predict(simulation).sheet()
     except StepError as error:
         return {"predicted": [f"nothing: {error}"]}
 

@@ -1,36 +1,36 @@
-"""What a step of a scene will cost: the parts of one, timed on its first state, times how often a step needs them.
+"""Prediction of what the steps of a scene cost: parts of a step, timed on its first state, times their number in a step.
 
-    step = Σ seconds of a part x how often
+    step = Σ seconds of a part x its number
 
-| part       | what it is                                                                                | how often |
-|------------|-------------------------------------------------------------------------------------------|-----------|
-| begin      | basis, projection, numbering, search of contact                                           | 1         |
-| evaluation | strains, law, internal forces, contact: the residual                                      | n + 1     |
-| tangent    | assembly and factor                                                                       | m         |
-| solution   | of the linear system, for a right-hand side without any order: the first state's may be 0 | n         |
-| end        | new points and bodies, energies                                                           | 1         |
+| part       | what it is                                                                                     | number |
+|------------|------------------------------------------------------------------------------------------------|--------|
+| begin      | basis, projection, numbering, contact search                                                   | 1      |
+| evaluation | strains, law, internal forces, contact: the residual                                           | n + 1  |
+| tangent    | assembly and factor                                                                            | m      |
+| solution   | of the linear system, for a random right-hand side, as that of the first state may be 0        | n      |
+| end        | new points and bodies, energies                                                                | 1      |
 
-n Newton iterations and m of them with a new tangent are what soil of the kind has been seen to take, `ITERATIONS`. A
-body in plastic soil takes more of all: increments are rejected, updates shortened, and each increment numbers the
-unknowns anew. Measured, by the cells along the body, with tangents counted in full ones:
+n Newton iterations, m of them with a new tangent, are `ITERATIONS`, as measured by kind of soil. A body in plastic soil
+takes more of all: increments are rejected, updates are shortened, and each increment numbers the unknowns anew.
+Measured, by the number of cells along the body, tangents in full ones:
 
-| scene                  | cells | n   | evaluations / n | tangents / n | Krylov iterations / probe's |
-|------------------------|-------|-----|-----------------|--------------|-----------------------------|
-| drag, 0.4 m, 300 steps | 9     | 4.1 | 1.6             | 0.85         | 0.65                        |
-| anchor, 0.2 m, 125     | 18    | 5.9 | 1.7             | 0.7          | 0.5                         |
-| drag, 0.2 m, 975       | 18    | 7.8 | -               | 0.65         | 0.75, 0.85 at the end       |
-| drag, 0.1 m, 230       | 36    | 9.5 | -               | -            | -                           |
+| scene                  | cells | n   | evaluations / n | tangents / n | Krylov iterations / predicted from the first state |
+|------------------------|-------|-----|-----------------|--------------|----------------------------------------------------|
+| drag, 0.4 m, 300 steps | 9     | 4.1 | 1.6             | 0.85         | 0.65                                               |
+| anchor, 0.2 m, 125     | 18    | 5.9 | 1.7             | 0.7          | 0.5                                                |
+| drag, 0.2 m, 975       | 18    | 7.8 | -               | 0.65         | 0.75, 0.85 at the end                              |
+| drag, 0.1 m, 230       | 36    | 9.5 | -               | -            | -                                                  |
 
-Hence `_in_plastic_soil`: n = 1.5 √cells, 0.8 of the probe's Krylov iterations and 1.05 increments. A grid that travels
-takes in more points when the body sinks: all is multiplied by what they may grow. Scenes differ by up to a factor of
-two from that.
+Hence `_in_plastic_soil`: n = 1.5 √cells, 0.8 of the Krylov iterations on the first state, 1.05 increments. A moving grid
+takes in more points when the body sinks: all is multiplied by the growth of their number. Scenes differ from this by up
+to a factor of two.
 
-The first state is disturbed a little. Points are drawn together by a thousandth: on the lattice that they start from, a
-domain lies in one cell and its point couples 8 nodes, but once it moves up to 27. Bodies are put a twentieth of a cell
-lower, where what rests on the soil touches it. Every part is done once before it is timed, so that compiling and first
-allocations do not count. The writing of files is left out; its memory is small, as files are written piece by piece.
-Memory is what the process held at most until then, this step's factor included, and what points that come in and the
-drawing of pictures add.
+The first state is disturbed a little. Points are drawn together by a thousandth: at their initial places a domain lies
+in one cell and its point couples 8 nodes, but once it moves up to 27. Bodies are lowered by a twentieth of a cell, so
+that what rests on the soil touches it. Every part is done once before it is timed, so that compiling and first
+allocations do not count. Writing files is left out; its memory is small, as files are written piece by piece. Memory is
+the peak of the process so far, the factor of this step included, plus what points that come in and the drawing of
+pictures add.
 """
 
 from dataclasses import dataclass, replace
@@ -39,34 +39,35 @@ from time import perf_counter
 import numpy as np
 
 from hybrid.body import rigid
-from hybrid.linalg.system_cache import Systems
 from hybrid.output.model_sheet import PICTURES, growing_memory
 from hybrid.runtime import timing
 from hybrid.runtime.memory import peak_memory
+from hybrid.soil.model import Refusal
 from hybrid.step.energy import energies
-from hybrid.step.equations import Step
+from hybrid.step.equations import begin
+from hybrid.step.workspace import Workspace
 
 ITERATIONS = {"held": (2, 2), "elastic": (3, 1), "plastic": (6, 4)}    # (n, m) by soil
 PARTS = ("begin", "evaluation", "tangent", "solution", "end")
 DRAWN = 1e-3    # of the soil's size
 LOWERED = 0.05  # of the smallest cell
-ENOUGH = 1.0    # [s] of timing; a part that is quick is timed again
-FACTOR = 2.0    # by which scenes differ from what is predicted
+ENOUGH = 1.0    # [s] of timing; below it, another round is timed
+FACTOR = 2.0    # by which scenes differ from the prediction
 
 
 @dataclass(frozen=True)
 class Effort:
-    """How often a step needs each of PARTS, and what that assumes."""
+    """Number of each of PARTS in a step, what that assumes, and whether each increment numbers the unknowns anew."""
 
-    often: dict[str, float]
+    number: dict[str, float]
     assumed: str
-    renumbers: bool = False     # with each increment
+    renumbers: bool = False
 
 
 @dataclass(frozen=True)
-class Probe:
-    """seconds: of each of PARTS; krylov: iterations of the solution; effort: of a step; steps: of all stages; growth:
-    of the points, as a travelling grid takes them in; peak: [bytes] of memory."""
+class CostEstimate:
+    """seconds: of each of PARTS; krylov: iterations of the solution; effort: of a step; steps: of all stages; peak:
+    [bytes] of memory; growth: factor on the number of points, as a moving grid takes them in."""
 
     seconds: dict[str, float]
     krylov: int
@@ -83,7 +84,7 @@ class Probe:
     @property
     def step(self):
         """One outer step [s]."""
-        return self.growth * sum(self.effort.often[part] * self.seconds[part] for part in PARTS)
+        return self.growth * sum(self.effort.number[part] * self.seconds[part] for part in PARTS)
 
     def sheet(self):
         """Section {title: {label: value}} for `hybrid check`."""
@@ -95,9 +96,9 @@ class Probe:
             "Newton iteration [ms]": 1e3 * self.iteration,
             "step [s]": self.step,
             "all steps": f"{_duration(all_steps)} for {self.steps}",
-            "as scenes differ": f"{_duration(all_steps / FACTOR)} to {_duration(all_steps * FACTOR)}",
+            "range, as scenes differ": f"{_duration(all_steps / FACTOR)} to {_duration(all_steps * FACTOR)}",
             "peak memory [MiB]": round(self.peak / 2**20),
-            "assumed": [self.effort.assumed, *grown, "contact with what is touched at the start, files apart"],
+            "assumed": [self.effort.assumed, *grown, "contact as at the start", "no files written"],
         }}
 
 
@@ -109,64 +110,66 @@ def _duration(seconds):
     return f"{seconds:.3g} s"
 
 
-def probe(simulation):
-    """Probe of a Simulation; its state stays as it is.
+def predict(simulation):
+    """CostEstimate of a Simulation, whose state stays as it is.
 
-    Raises StepError when its linear system cannot be solved.
+    Raises StepError when the linear system of the first step cannot be solved.
     """
     stage = simulation.scene.stages[0]
     model, length = simulation.stage_model(stage, 0.0), stage.step or simulation.scene.time.step
-    state, systems = _disturbed(model.begin(simulation.state), model.soil.grid.smallest_cell), Systems(model)
+    state, workspace = _disturbed(model.begin_stage(simulation.state), model.soil.grid.smallest_cell), Workspace(model)
     effort = _effort(model, state)
 
-    def begin():
-        return Step(model, state, length, False, systems)
+    def begun():
+        return begin(model, state, length, False, workspace)
 
     parts, random = _Timed(), np.random.default_rng(1)
     while parts.again():
         if effort.renumbers:
-            systems.renew(model)
-        step = parts.time("begin", begin)
+            workspace.renew(model)
+        step = parts.time("begin", begun)
         if effort.renumbers:    # the first tangent of a numbering costs more, the others are most
             step.assemble(step.evaluate(step.at_rest()))
-            step = begin()
-        guess = step.predictor() if step.evaluate(step.predictor()) else step.at_rest()
+            step = begun()
+        refused = isinstance(step.evaluate(step.predictor()), Refusal)
+        guess = step.at_rest() if refused else step.predictor()
         evaluation = parts.time("evaluation", lambda: step.evaluate(guess))
         parts.time("tangent", lambda: step.assemble(evaluation))
         right = random.normal(size=len(evaluation.soil)), random.normal(size=len(evaluation.body))
         krylov = parts.time("solution", lambda: step.system.solve(*right))[2]
         parts.time("end", lambda: _end(step, evaluation))
     growth = simulation.most_points / max(1, len(state.points))
-    more = (growth - 1) * growing_memory(model.soil, step.pattern, model.linear)
+    more = (growth - 1) * growing_memory(model.soil, step.pattern, model.solver)
     more += PICTURES * bool(simulation.scene.output.pictures)
-    step.system.destroy()
+    workspace.destroy()
     timing.collect()
-    return Probe(parts.median(), krylov, effort, simulation.total_steps, peak_memory() + round(more), growth)
+    return CostEstimate(parts.median(), krylov, effort, simulation.total_steps, peak_memory() + round(more), growth)
 
 
 def _effort(model, state):
     """Effort of a step of `model`, from a `state` like the first one."""
     soil = model.soil
     if not soil.held and soil.law.plastic and model.bodies:
-        largest = max(np.ptp(rigid.bounding_box(body, motion), axis=0).max() for body, motion in zip(model.bodies, state.bodies))
+        largest = max(np.ptp(rigid.bounding_box(body, motion), axis=0).max()
+                      for body, motion in zip(model.bodies, state.bodies, strict=True))
         return _in_plastic_soil(largest / soil.grid.smallest_cell)
     kind = "held" if soil.held else "plastic" if soil.law.plastic else "elastic"
     n, m = ITERATIONS[kind]
     named = "a body on held soil" if soil.held else f"{kind} soil"
-    often = {"begin": 1, "evaluation": n + 1, "tangent": m, "solution": n, "end": 1}
-    return Effort(often, f"{n} Newton iterations a step, {m} with a new tangent, as {named} takes")
+    number = {"begin": 1, "evaluation": n + 1, "tangent": m, "solution": n, "end": 1}
+    return Effort(number, f"{n} Newton iterations a step, {m} with a new tangent, as {named} takes")
 
 
 def _in_plastic_soil(cells):
     """Effort of a step of a body so many `cells` long, by the module's table."""
     n = 1.5 * max(cells, 1.0) ** 0.5
-    often = {"begin": 1.05, "evaluation": 1.7 * n, "tangent": 0.65 * n, "solution": 0.8 * n, "end": 1}
-    return Effort(often, f"{n:.1f} Newton iterations a step, as a body {cells:.0f} cells long in plastic soil takes, "
+    number = {"begin": 1.05, "evaluation": 1.7 * n, "tangent": 0.65 * n, "solution": 0.8 * n, "end": 1}
+    return Effort(number, f"{n:.1f} Newton iterations a step, as a body {cells:.0f} cells long in plastic soil takes, "
                          "with 0.8 times the Krylov iterations of the first state", True)
 
 
 def _disturbed(state, cell):
-    """`state` as it may look after a while; no point leaves the grid, whose smallest cell is `cell` [m]."""
+    """`state` as it may be after some steps; no point leaves the grid, whose smallest cell is `cell` [m]."""
     position = state.points.position
     centre = 0.5 * (position.min(axis=0) + position.max(axis=0))
     return replace(
@@ -175,7 +178,7 @@ def _disturbed(state, cell):
 
 
 def _end(step, evaluation):
-    """What is done with a converged evaluation."""
+    """Everything that follows a converged evaluation."""
     step.rotation_too_large(evaluation.unknowns)
     step.search_radius_ratio(evaluation.unknowns)
     step.tunnelled(evaluation)
@@ -189,7 +192,7 @@ class _Timed:
         self._times, self._rounds, self._spent = {part: [] for part in PARTS}, 0, 0.0
 
     def again(self):
-        """Whether to go round another time: twice at least, more where that is quick."""
+        """Whether another round is due: two at least, more where they are quick."""
         self._rounds += 1
         return self._rounds <= 2 or self._rounds <= 8 and self._spent < ENOUGH
 

@@ -1,14 +1,21 @@
-"""A run: stages of outer steps over a model and its state, told to observers."""
+"""A run: stages of outer steps over a model and its state, reported to observers.
+
+What a user reads, stable from version to version:
+
+    simulation.steps()                      generator of a Record (`hybrid.output.record`) for each accepted outer step
+    simulation.state                        the last accepted state (`hybrid.state`)
+    simulation.state.time, .step            [s], number of the outer step
+    simulation.state.bodies[i].position, .rotation, .velocity, .spin
+    simulation.state.points.position
+    record.bodies[i].contact_force          (3,) [N] of the soil on the body
+"""
 
 import logging
-from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 
-from hybrid.body import rigid
 from hybrid.body.attitude import quaternion
-from hybrid.linalg.system_cache import Systems
 from hybrid.monitors import Monitors, StepView
 from hybrid.monitors.failure_hints import overstretched_domains
 from hybrid.monitors.initial_equilibrium import initial_imbalance
@@ -18,34 +25,54 @@ from hybrid.output.record import BodyRecord, Record
 from hybrid.runtime import timing
 from hybrid.runtime.errors import HybridError, StepError
 from hybrid.runtime.memory import map_large_arrays
-from hybrid.step import newton
 from hybrid.step.energy import balance_error, energies
-from hybrid.step.equations import Step
+from hybrid.step.equations import begin
 from hybrid.step.increments import Control, outer_step
+from hybrid.step.workspace import Workspace
 
 log = logging.getLogger("hybrid")
 
 
 class Simulation:
-    """Scene, model and committed state, with what observers ask for; made by `hybrid.setup.build.build`."""
+    """Scene, model and committed state; made by `hybrid.setup.build.build`.
+
+    scene, model, state   what is modelled, what stays the same in a stage, the last accepted State
+    meshes                TetMesh of each body
+    travel                how the grid moves with a body, None for a grid that stays
+    level                 what `accuracy` has changed in the scene, as text
+    evaluation            Evaluation that led to the state, None before the first step
+    increment             [s] that the next step of this stage tries first, None: all of it
+    imbalance             of the initial state, None for soil that is held or weighs nothing
+    """
 
     def __init__(self, scene, model, state, meshes, travel=None, level=""):
         map_large_arrays()      # PETSc is loaded by now
         self.scene, self.model, self.state, self.meshes = scene, model, state, meshes
-        self.level = level      # what the scene's `accuracy` has changed in it
-        self.travel = travel    # None: the grid stays
+        self.travel, self.level = travel, level
         self.initial_bodies = list(state.bodies)
-        self.surfaces = [b.surface for b in model.bodies]
-        self.body_names = [b.name for b in model.bodies]
-        self.masses = [b.mass for b in model.bodies]
-        self.evaluation = None
-        self.increment = None   # [s] that the next step of this stage tries first; None: all of it
-        start = Step(model, state, scene.time.step, False, Systems(model))
+        self.evaluation, self.increment = None, None
+        workspace = Workspace(model)
+        start = begin(model, state, scene.time.step, False, workspace)
         evaluation = start.evaluate(start.at_rest())
-        self._start_energy = energies(model, state, evaluation)     # a body may start in the soil a little
+        self._start_energy = energies(model, state, evaluation)     # a body may start with a small overlap
         self.imbalance = initial_imbalance(start, evaluation)
-        start.system.destroy()
+        workspace.destroy()
         self._monitors = Monitors(model, state)
+
+    @property
+    def surfaces(self):
+        """ContactSurface of each body."""
+        return [body.surface for body in self.model.bodies]
+
+    @property
+    def body_names(self):
+        """Name of each body."""
+        return [body.name for body in self.model.bodies]
+
+    @property
+    def masses(self):
+        """MassProperties of each body."""
+        return [body.mass for body in self.model.bodies]
 
     @property
     def initial_position(self):
@@ -53,7 +80,7 @@ class Simulation:
         return self.model.soil.constants.position
 
     def resume(self, state, increment=None):
-        """Go on from `state`, trying steps of `increment` [s] first."""
+        """Continue from `state`, with an increment of `increment` [s] first."""
         self.state, self.increment = state, increment
         if self.travel:
             self.model = self.travel.model(self.model, state.ground)
@@ -75,8 +102,7 @@ class Simulation:
 
     @property
     def most_points(self):
-        """Points that are solved at once, those included that the grid takes in when the body that it goes with has
-        sunk."""
+        """Largest number of points in the grid: of now, or of the time when the body that the grid follows has sunk."""
         now = len(self.state.points)
         return max(now, self.travel.points_when_sunk(self.model, self.state)) if self.travel else now
 
@@ -90,9 +116,10 @@ class Simulation:
         return forces
 
     def run(self, observers=()):
-        """Run the steps that are left; returns the summary dict that observers get too.
+        """Run the remaining steps; returns the summary dict {"outcome", "reason"} that observers get too.
 
-        Observers are told of the end however it comes: completed, failed (StepError is raised again) or interrupted.
+        `finish` of every observer is called however the run ends: completed, failed (the error is raised again) or
+        interrupted.
         """
         summary = {"outcome": "completed", "reason": ""}
         for observer in observers:
@@ -115,7 +142,7 @@ class Simulation:
         return summary
 
     def _finish(self, observers, summary):
-        """Tell every observer of the end, also when one of them fails; that is raised unless the run itself failed."""
+        """Call `finish` of every observer, also when one of them fails; its error is raised unless the run failed."""
         failure = None
         for observer in observers:
             try:
@@ -127,55 +154,58 @@ class Simulation:
             raise failure
 
     def steps(self):
-        """Generator of a Record per accepted outer step, from the present state to the end of the last stage."""
-        systems = Systems(self.model)
-        try:
-            yield from self._steps(systems)
-        finally:
-            systems.destroy()
+        """Generator of a Record per accepted outer step, from the present state to the end of the last stage.
 
-    def _steps(self, systems):
-        scene = self.scene
-        settings = newton.Settings(
-            scene.solver.tolerance, scene.solver.iterations, scene.solver.line_search, scene.solver.augmentations,
-            scene.solver.augmentation_tolerance, scene.solver.linear_tolerance, scene.solver.loosest_tolerance)
-        first, starts = 0, 0.0
-        for stage in scene.stages:
-            length = stage.step or scene.time.step
-            begun = self.state.step > first
-            control = self._control(length, begun)
-            model = self.stage_model(stage, starts)
-            systems.renew(model)
-            if not begun:
-                self.state = model.begin(self.state)
-            if stage.pull:
-                self.state = replace(self.state, bodies=[
-                    rigid.lay_out_line(b, s) for b, s in zip(self.model.bodies, self.state.bodies)])
-            for stage_step in range(max(1, self.state.step - first + 1), stage.steps + 1):
-                if self.travel:
-                    self.model, self.state, moved = self.travel.follow(self.model, self.state)
-                    if moved:
-                        model = model.on(self.model.soil)
-                        systems.renew(model)
-                try:
-                    self.state, report = outer_step(
-                        model, systems, self.state, length, stage.pull, control, settings)
-                except StepError as failure:
-                    failure.args = ". ".join(
-                        [str(failure), *self.warned, *overstretched_domains(self.model, self.state.points)]),
-                    raise
-                self.evaluation, self.increment = report.evaluation, control.dt
-                yield self._record(stage.name, stage_step, report, model.scheme)
-            first, starts = first + stage.steps, starts + stage.steps * length
+        Raises StepError when a step fails; `state` is then that of the last accepted step.
+        """
+        workspace = Workspace(self.model)
+        try:
+            first, starts = 0, 0.0      # steps and time before the stage
+            for stage in self.scene.stages:
+                yield from self._stage_steps(stage, first, starts, workspace)
+                first, starts = first + stage.steps, starts + stage.steps * self._step_length(stage)
+        finally:
+            workspace.destroy()
+
+    def _stage_steps(self, stage, first, starts, workspace):
+        """Records of the remaining steps of a stage that comes after `first` steps and starts at a time [s]."""
+        length, begun = self._step_length(stage), self.state.step > first
+        control, model = self._control(length, begun), self.stage_model(stage, starts)
+        workspace.renew(model)
+        if not begun:
+            self.state = model.begin_stage(self.state)
+        if stage.pull:
+            self.state = model.lay_out_lines(self.state)
+        for stage_step in range(max(1, self.state.step - first + 1), stage.steps + 1):
+            if self.travel:
+                self.model, self.state, moved = self.travel.follow(self.model, self.state)
+                if moved:
+                    model = model.with_soil(self.model.soil)
+                    workspace.renew(model)
+            try:
+                self.state, report = outer_step(model, workspace, self.state, length, stage.pull, control)
+            except StepError as failure:
+                self._add_hints(failure)
+                raise
+            self.evaluation, self.increment = report.evaluation, control.dt
+            yield self._record(stage.name, stage_step, report, model.scheme)
+
+    def _add_hints(self, failure):
+        """Add to the message of a failure what the scene and the state have to do with it."""
+        failure.args = ". ".join([str(failure), *self.warned, *overstretched_domains(self.model, self.state.points)]),
+
+    def _step_length(self, stage):
+        """Length [s] of the outer steps of a stage."""
+        return stage.step or self.scene.time.step
 
     def stage_model(self, stage, starts):
         """Model of a `stage` that starts at a time [s]."""
-        length = stage.steps * (stage.step or self.scene.time.step)
-        return self.model.for_stage(
-            stage.held, stage.beta, stage.gamma, self.model.loads.during(starts, length, stage.gravity))
+        loads = self.model.loads.during(starts, stage.steps * self._step_length(stage), stage.gravity)
+        return self.model.for_stage(stage.held, stage.beta, stage.gamma, loads)
 
     def _control(self, length, begun):
-        """Increment control of a stage with outer steps of `length` [s], which goes on as it was if it has `begun`."""
+        """Increment control of a stage with outer steps of `length` [s]; one that has `begun` goes on with its last
+        increment."""
         time, cell = self.scene.time, self.model.soil.grid.smallest_cell
         return Control(begun and self.increment or length, time.smallest or length / (4096 if time.accuracy else 64),
                        time.accuracy and time.accuracy * cell)
@@ -185,24 +215,28 @@ class Simulation:
         with timing.phase("energy"):
             energy = energies(self.model, state, evaluation)
             energy["error"] = balance_error(energy, self._start_energy)
-        bodies = []
-        for name, motion, trial, contact in zip(
-                self.body_names, state.bodies, evaluation.body_trials, evaluation.contacts):
-            bodies.append(BodyRecord(
-                name, motion.position, quaternion(motion.rotation), motion.velocity, motion.spin,
-                contact.force[:3], contact.force[3:], trial.tension, contact.largest_overlap))
         return Record(
             step=state.step, stage=stage, stage_step=stage_step, time=state.time, dt=report.dt,
             increments=report.increments, iterations=report.iterations, rejections=report.rejections,
-            residual=evaluation.error, contacts=sum(len(c) for c in evaluation.contacts), seconds=timing.collect(),
-            energies=energy, bodies=bodies, time_error=report.error, krylov=report.krylov,
+            residual=evaluation.error, contacts=sum(len(terms.contact) for terms in evaluation.bodies),
+            seconds=timing.collect(), energies=energy,
+            bodies=[_body_record(terms, state) for terms in evaluation.bodies], time_error=report.error,
+            krylov=report.krylov,
             notes=self._initial_notes() + self._monitors.notes(StepView(self.model, state, scheme, report, energy)))
 
     def _initial_notes(self):
-        """What is told once, with the first step of all."""
+        """Notes that go with the first step of the run."""
         if self.state.step != 1:
             return ()
         stage = self.scene.stages[0]
         if self.imbalance is None:
             return self.warned
         return self.warned + self.imbalance.notes(stage, self.model.scheme.with_pair(stage.beta, stage.gamma))
+
+
+def _body_record(terms, state):
+    """BodyRecord of a body, by its BodyTerms at the step that led to `state`."""
+    motion, contact = state.bodies[terms.step.number], terms.contact
+    return BodyRecord(
+        terms.step.body.name, motion.position, quaternion(motion.rotation), motion.velocity, motion.spin,
+        contact.force[:3], contact.force[3:], terms.trial.tension, contact.largest_overlap)

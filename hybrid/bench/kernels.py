@@ -7,10 +7,10 @@ import numpy as np
 
 from hybrid.bench.soils import block, off_the_lattice, sizes, warm
 from hybrid.contact.contact_pair import ContactPair
-from hybrid.linalg.system_cache import Systems
 from hybrid.setup.build import build
 from hybrid.soil.basis import evaluate_basis
-from hybrid.step.equations import Step, Unknowns
+from hybrid.step.equations import Unknowns, begin
+from hybrid.step.workspace import Workspace
 
 REPEAT = 7
 
@@ -22,8 +22,8 @@ def run(options):
     described = block(cells, 0.05, body=(0.2, 50.0))
     simulation = build(described)
     model, state = simulation.model, off_the_lattice(simulation.state)
-    soil, systems = model.soil, Systems(model)
-    step = Step(model, state, 0.01, False, systems)
+    soil, workspace = model.soil, Workspace(model)
+    step = begin(model, state, 0.01, False, workspace)
     unknowns = pressed(step)
     found = step.evaluate(unknowns)
     step.assemble(found)
@@ -36,7 +36,8 @@ def run(options):
         "basis": lambda: evaluate_basis(state.points.position, state.points.half_width, soil.grid.axes),
         "begin: basis and projection": lambda: soil.begin(state.points, model.gravity),
         "return mapping": lambda: law.respond(strain, plastic),
-        "strain, law, internal force": lambda: soil.evaluate(step.soil, unknowns.displacement),
+        "strain, law, internal force": lambda: soil.evaluate(
+            step.soil, unknowns.displacement, keep=found.soil_trial),
         "tangent into the block matrix": lambda: soil.add_stiffness(
             step.soil, found.soil_trial, step.pattern, step.system.values),
         "the same with F-bar": lambda: fbar.add_stiffness(begun, trial, step.pattern, step.system.values),
@@ -44,7 +45,7 @@ def run(options):
             step.soil, found.soil_trial, unknowns.displacement, *found.rates),
         "search of contact": lambda: _pair(step),
         "contact": lambda: [pair.evaluate(unknowns.displacement, pose)
-                            for pair, pose in zip(step.pairs, unknowns.poses)],
+                            for pair, pose in zip((b.pair for b in step.bodies), unknowns.poses)],
         "factor": lambda: step.system.factor(),
     }
     size = sizes(simulation)

@@ -12,11 +12,11 @@ import numpy as np
 
 from hybrid.bench.kernels import pressed
 from hybrid.bench.soils import ELASTIC, SAND, block, off_the_lattice, warm
-from hybrid.linalg.system_cache import Systems
 from hybrid.runtime.errors import StepError
 from hybrid.scene import Solver
 from hybrid.setup.build import build
-from hybrid.step.equations import Step, Unknowns
+from hybrid.step.equations import Unknowns, begin
+from hybrid.step.workspace import Workspace
 
 SMALL, LARGE = (26, 26, 9), (36, 36, 14)    # 20 000 and 60 000 unknowns
 CUBE = 0.3  # [m]
@@ -65,8 +65,9 @@ def _lifted(simulation, filled):
 
 def _solved(name, linear, model, state):
     """Row of one tangent and solver."""
-    model = replace(model, linear=linear, linear_tolerance=Solver.linear_tolerance)
-    step = Step(model, state, 0.01, False, Systems(model))
+    model = replace(model, solver=Solver(linear=linear, elastic_share=model.solver.elastic_share,
+                                         tangent_tolerance=model.solver.tangent_tolerance))
+    step = begin(model, state, 0.01, False, Workspace(model))
     unknowns = pressed(step) if model.bodies else _shaken(step)
     found = step.evaluate(unknowns)
     step.assemble(found)

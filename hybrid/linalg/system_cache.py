@@ -1,5 +1,5 @@
-"""Keeps numbering and pattern for as long as the set of active nodes stays the same, matrices while that of light ones
-does too."""
+"""Keeps the numbering and the pattern while the set of active nodes stays the same, and the matrices while the set of
+nodes with small support does too."""
 
 import numpy as np
 
@@ -9,40 +9,41 @@ from hybrid.linalg.stencil_pattern import make_pattern
 
 
 class Systems:
-    """Pattern and BlockSystem for the active and light nodes asked for last."""
+    """Pattern and BlockSystem of the last request."""
 
     def __init__(self, model):
         self._model = model
-        self._active, self._light, self._pattern, self._system = None, None, None, None
+        self._active, self._small_support, self._pattern, self._system = None, None, None, None
 
     def renew(self, model):
         """Go on with another model."""
         self._model, self._active = model, None
 
     def destroy(self):
-        """Release the matrices: PETSc keeps what Python lets go of."""
+        """Release the matrices: PETSc keeps them until they are destroyed, whatever Python does."""
         if self._system:
             self._system.destroy()
         self._active, self._pattern, self._system = None, None, None
 
     def get(self, active, small_support=None):
-        """(Pattern, BlockSystem) for active nodes (N,) bool, some of them light (N,) bool."""
+        """(Pattern, BlockSystem) for active nodes (N,) bool, some of them with small support (N,) bool."""
         small_support = np.zeros_like(active) if small_support is None else small_support
-        known = self._active is not None and np.array_equal(active, self._active)
-        krylov = self._model.linear == "krylov"
-        if not known or krylov and not np.array_equal(small_support, self._light):
-            pattern = self._pattern if known else None
-            self.destroy()      # not to hold two at once
+        same_nodes = self._active is not None and np.array_equal(active, self._active)
+        krylov = self._model.solver.linear == "krylov"
+        if not same_nodes or krylov and not np.array_equal(small_support, self._small_support):
+            pattern = self._pattern if same_nodes else None
+            self.destroy()      # frees the old matrices before the new ones are allocated
             grid = self._model.soil.grid
             self._pattern = pattern or make_pattern(active, grid.fixed, grid.shape)
-            self._system = self._made(small_support)
-            self._active, self._light = active.copy(), small_support.copy()
+            self._system = self._make_system(small_support)
+            self._active, self._small_support = active.copy(), small_support.copy()
         return self._pattern, self._system
 
-    def _made(self, small_support):
-        model, pattern = self._model, self._pattern
-        near = None
-        if model.linear == "krylov":
-            near = ReducedMatrix(pattern.indptr, pattern.indices, reduced_entries(pattern, model.soil.grid.shape, small_support))
-        return BlockSystem(pattern.indptr, pattern.indices, int(np.count_nonzero(model.body_free)), model.linear,
-                           model.linear_tolerance, near, model.soil.law.symmetric)
+    def _make_system(self, small_support):
+        model, pattern, solver = self._model, self._pattern, self._model.solver
+        reduced = None
+        if solver.linear == "krylov":
+            reduced = ReducedMatrix(pattern.indptr, pattern.indices,
+                                    reduced_entries(pattern, model.soil.grid.shape, small_support))
+        return BlockSystem(pattern.indptr, pattern.indices, model.body_unknowns, solver.linear,
+                           solver.linear_tolerance, reduced, model.soil.law.symmetric)

@@ -32,7 +32,7 @@ def remedies(model, reason="", errors=(), tolerance=0.0):
     dynamic = model.scheme.inertia
     shorter = "a smaller time.step" if dynamic else "a smaller time.step with more stage.steps"
     if "linear solver" in reason:
-        direct = ['solver.linear = "direct"'] if model.linear == "krylov" else []
+        direct = ['solver.linear = "direct"'] if model.solver.linear == "krylov" else []
         return (*direct, shorter, *(() if dynamic else ("time.inertia = true",)))
     if "residual" not in reason:    # the increment is too long: rotation, search of contact, inverted soil
         return (shorter,)

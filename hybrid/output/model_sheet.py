@@ -5,6 +5,7 @@ import numpy as np
 from hybrid.body.rigid import FREEDOMS
 from hybrid.linalg.stencil_pattern import make_pattern
 from hybrid.scene.material import USES, of_layer, span
+from hybrid.soil.workspace import keeps_tangents
 
 LIBRARIES = 320e6       # bytes of the interpreter with dolfinx, PETSc, gmsh and compiled kernels, as measured
 PICTURES = 95e6         # of what draws, as measured
@@ -19,11 +20,10 @@ def model_sheet(scene, model, imbalance=None, level="", most_points=0):
     soil has a weight to carry; level: what the scene's `accuracy` stands for; most_points: of a grid that travels."""
     soil = model.soil
     pattern = _pattern(soil)
-    body_unknowns = int(np.count_nonzero(model.body_free))
     entries = len(pattern.indices)
     growth = max(1.0, most_points / max(1, len(soil.constants)))
     memory = (LIBRARIES + PICTURES * bool(scene.output.pictures)
-              + growth * growing_memory(soil, pattern, scene.solver.linear))
+              + growth * growing_memory(soil, pattern, model.solver))
     cells = [max(1, n - 1) for n in soil.grid.shape]
     modelled = {
         **({"accuracy": level} if level else {}),
@@ -33,7 +33,7 @@ def model_sheet(scene, model, imbalance=None, level="", most_points=0):
         "material points": len(soil.constants),
         **({"at most": f"{most_points} material points, once the body has sunk"} if growth > 1 else {}),
         "soil unknowns": pattern.size,
-        "body unknowns": body_unknowns,
+        "body unknowns": model.body_unknowns,
         "entries of the soil block": entries,
         "bodies": [_body(*pair) for pair in zip(scene.bodies, model.bodies)] or "none",
         "soil law": _law(scene.soil.material, soil.law) if not soil.held else "none, the soil is held",
@@ -58,12 +58,12 @@ def _travelling(scene):
     return {"the grid goes with": f"{followed}, along {', '.join(axes)}"} if axes else {}
 
 
-def growing_memory(soil, pattern, linear):
+def growing_memory(soil, pattern, solver):
     """Memory [bytes] that points, matrix and factor take at the most."""
-    kept = soil.keeps_tangents
+    kept = keeps_tangents(soil, solver)
     memory = ((BYTES_PER_POINT + KEPT_PER_POINT * kept) * len(soil.constants)
               + (BYTES_PER_ENTRY + KEPT_PER_ENTRY * kept) * len(pattern.indices))
-    fill = linear == "direct" and not soil.grid.collapsed.any()
+    fill = solver.linear == "direct" and not soil.grid.collapsed.any()
     return memory + BYTES_OF_FILL * pattern.size ** (4 / 3) * fill
 
 

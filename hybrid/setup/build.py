@@ -47,8 +47,7 @@ def _assemble(scene, accuracy, body_force, law):
     bodies = [connect_to_soil(described, body, soil) for described, (body, _) in zip(scene.bodies, placed)]
     for body, motion in zip(bodies, motions):
         refuse_overlap(body, motion, points, soil.basis)
-    model = Model(
-        soil, tuple(bodies), build_scheme(scene.time), loads, scene.solver.linear, scene.solver.linear_tolerance)
+    model = Model(soil, tuple(bodies), build_scheme(scene.time), loads, scene.solver)
     state = State(0.0, 0, points, motions, contacts)
     if travel is not None:
         travel.lay_out = lambda grid: lay_out(scene.soil, grid, gravity)

@@ -14,7 +14,7 @@ from hybrid.laws.user import adopt
 from hybrid.runtime.errors import SceneError
 from hybrid.scene.material import of_layer
 from hybrid.setup.law import build_law, coefficient_at_rest, material_values
-from hybrid.soil.model import Soil
+from hybrid.soil.model import BLEND, Soil
 from hybrid.soil.points import at_rest, overburden, tile
 
 
@@ -37,11 +37,11 @@ def build_soil(scene, grid, loads, law=None):
     points = at_rest(constants, stress, law.strain(stress))
     if scene.time.inertia and not stress.any():
         points.acceleration[:] = loads.on_points(0.0, constants.position)  # no stress carries the weight yet
-    soil = Soil(grid, constants, law, described.basis, described.domain, described.held, scene.solver.elastic_share,
-                described.fbar, described.ghost, described.stray, adrift=scene.time.inertia,
+    soil = Soil(grid, constants, law, basis=described.basis, domain=described.domain, held=described.held,
+                fbar=described.fbar, ghost_factor=described.ghost, stray=described.stray,
+                allow_detached=scene.time.inertia,
                 transfer=described.transfer if scene.time.inertia else "increments",
-                blend=0.05 if described.blend is None else described.blend,
-                tangent_tolerance=scene.solver.tangent_tolerance)
+                blend=BLEND if described.blend is None else described.blend)
     return soil, points
 
 

@@ -5,8 +5,6 @@
 F-bar (`hybrid.soil.fbar`) scales ΔF before b_trial is formed, so that its determinant is that of ΔF_0.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from numba import njit, prange
 
@@ -18,46 +16,90 @@ from hybrid.soil.principal import compose, principal, put_principal
 F_LIMIT, STRETCH_LIMIT = 100.0, 10.0
 
 
-@dataclass(frozen=True)
 class TrialStrain:
-    """Trial kinematics of all points.
+    """Trial kinematics of all points, in buffers that a later evaluation writes again.
 
-    increment: (n, 3, 3) ΔF; inverse: (n, 3, 3) ΔF^-1; strain: (n, 3) principal logarithmic trial strain;
-    directions: (n, 3, 3) eigenvectors as columns; inverted: numbers of points with det ΔF <= 0;
-    mean_inverse: (n, 3, 3) ΔF_0^-1 of F-bar, else None.
+    increment     (n, 3, 3) ΔF
+    inverse       (n, 3, 3) ΔF^-1
+    strain        (n, 3) principal logarithmic trial strain
+    directions    (n, 3, 3) its directions, as columns
+    mean_inverse  (n, 3, 3) ΔF_0^-1 of F-bar, else None
+    inverted      numbers of the points with det ΔF <= 0
+
+    `valid` is False once the buffers have been written again; reading the arrays is an AssertionError from then on.
     """
 
-    increment: np.ndarray
-    inverse: np.ndarray
-    strain: np.ndarray
-    directions: np.ndarray
-    inverted: np.ndarray
-    mean_inverse: np.ndarray | None = None
+    def __init__(self, buffers, inverted):
+        self._buffers, self._version, self.inverted = buffers, buffers.version, inverted
+
+    @property
+    def valid(self):
+        return self._version == self._buffers.version
+
+    def _checked(self):
+        assert self.valid, ("a trial strain is read after a later evaluation has overwritten its buffers; pass the "
+                            "trial as `keep` to the evaluations that it has to survive")
+        return self._buffers
+
+    @property
+    def increment(self):
+        return self._checked().increment
+
+    @property
+    def inverse(self):
+        return self._checked().inverse
+
+    @property
+    def strain(self):
+        return self._checked().strain
+
+    @property
+    def directions(self):
+        return self._checked().directions
+
+    @property
+    def mean_inverse(self):
+        return self._checked().mean_inverse
+
+
+class _Buffers:
+    """Memory of one TrialStrain; version: how often it has been written."""
+
+    def __init__(self, n, fbar):
+        self.increment, self.inverse, self.directions = (np.empty((n, 3, 3)) for _ in range(3))
+        self.strain, self.mean_inverse = np.empty((n, 3)), np.empty((n, 3, 3)) if fbar else None
+        self.version = 0
 
 
 class Kinematics:
-    """Evaluates trial strains into buffers it keeps, so that no memory is touched for the first time in a step."""
+    """Evaluates trial strains of n points into buffers that it owns, so that no evaluation touches new memory.
+
+    There are two sets of buffers: one trial can be kept while others are evaluated. The second set takes no memory
+    until a trial is kept for the first time.
+    """
 
     def __init__(self, n, fbar=False):
-        self._increment, self._inverse, self._squares, self._directions = (np.empty((n, 3, 3)) for _ in range(4))
-        self._strain = np.empty((n, 3))
-        self._inverted = np.zeros(n, bool)
-        self._mean_inverse, self._mean_volume = (np.empty((n, 3, 3)), np.empty(n)) if fbar else (None, np.empty(0))
+        self._sets = tuple(_Buffers(n, fbar) for _ in range(2))
+        self._squares, self._inverted = np.empty((n, 3, 3)), np.zeros(n, bool)
+        self._mean_volume = np.empty(n if fbar else 0)
 
-    def __call__(self, basis, shape, displacement, elastic, mean=None, out=None):
-        """TrialStrain from nodal increments (N, 3) [m] and committed b_e (n, 3, 3); mean: the basis of F-bar; out: (n,)
-        bool, points that may be inverted, taking no part."""
+    def __call__(self, basis, shape, displacement, b_elastic, mean=None, inactive=None, keep=None):
+        """TrialStrain from nodal increments (N, 3) [m] and committed b_e (n, 3, 3).
+
+        mean: the basis of F-bar; inactive: (n,) bool, points that may be inverted; keep: a TrialStrain that stays valid.
+        """
+        assert keep is None or keep.valid, "a trial strain cannot be kept after its buffers have been overwritten"
+        buffers = next(one for one in self._sets if keep is None or one is not keep._buffers)
+        buffers.version += 1
         deforms, nodal = np.array(shape) > 1, with_margin(displacement, shape)
         if mean is not None:
             _volumes(mean.first, mean.value, mean.gradient, shape[1], shape[2], nodal,
-                     self._mean_inverse, self._mean_volume)
-        _trial_squares(basis.first, basis.value, basis.gradient, shape[1], shape[2], nodal, elastic, self._mean_volume,
-                       deforms, int(deforms.sum()), self._increment, self._inverse, self._squares, self._inverted)
-        put_principal(self._squares, self._strain, self._directions)
-        _logarithms(self._strain)
-        return TrialStrain(self._increment, self._inverse, self._strain, self._directions,
-                           np.flatnonzero(self._inverted if out is None else self._inverted & ~out),
-                           self._mean_inverse)
+                     buffers.mean_inverse, self._mean_volume)
+        _trial_squares(basis.first, basis.value, basis.gradient, shape[1], shape[2], nodal, b_elastic, self._mean_volume,
+                       deforms, int(deforms.sum()), buffers.increment, buffers.inverse, self._squares, self._inverted)
+        put_principal(self._squares, buffers.strain, buffers.directions)
+        _logarithms(buffers.strain)
+        return TrialStrain(buffers, np.flatnonzero(self._inverted if inactive is None else self._inverted & ~inactive))
 
 
 @njit(cache=True, error_model="numpy")

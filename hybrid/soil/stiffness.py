@@ -16,6 +16,8 @@ From one Newton iteration to the next these hardly change but in the few points 
 is kept, and only points whose Â has changed by more than a tolerance add the difference.
 """
 
+from weakref import ref
+
 import numpy as np
 from numba import njit, prange
 
@@ -35,25 +37,25 @@ def add_stiffness(basis, slabs, shape, trial, principal_stress, tangent, volume,
 
 
 class KeptStiffness:
-    """Tangent of one increment after another, brought up to date where Â changes by more than `tolerance` times Young's
-    modulus (n,) [Pa].
+    """Tangent of one increment after another. Within an increment only points whose Â has changed by more than
+    `tolerance` times Young's modulus (n,) [Pa] are assembled again.
 
-    values: its entries, of the pattern last used.
+    values: entries of the matrix, for the pattern of the last update
     """
 
     def __init__(self, tolerance, young):
         self._limit, self._tensors = tolerance * young, np.empty((len(young), 81))
-        self._increment, self._pattern, self.values = None, None, np.zeros(0)
+        self._increment, self._pattern, self.values = lambda: None, None, np.zeros(0)
 
     def update(self, increment, shape, trial, principal_stress, tangent, volume, pattern, share=1.0):
-        """Bring `values` up to date with a trial of an `increment` (SoilStep), all of it when that is a new one; to a
-        `share` of the limit."""
-        fresh = increment is not self._increment or pattern is not self._pattern
+        """Bring `values` up to date with a trial strain of an `increment` (SoilStep); the first update of an increment
+        assembles all points. share: [-] of the tolerance to apply."""
+        fresh = increment is not self._increment() or pattern is not self._pattern
         if pattern is not self._pattern:
-            self._pattern = self.values = None      # not to hold two at once
+            self._pattern = self.values = None      # frees the old values before the new ones are allocated
             self.values = np.empty(len(pattern.indices))
         if fresh:
-            self._increment, self._pattern = increment, pattern
+            self._increment, self._pattern = ref(increment), pattern    # a weak reference: a past step can be freed
             self.values[...] = 0.0
         _add(increment.basis, increment.slabs, shape, trial, principal_stress, tangent, volume, pattern, self.values,
              self._tensors, share * self._limit, fresh)

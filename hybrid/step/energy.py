@@ -3,10 +3,11 @@
     stored = kinetic + elastic + potential + contact springs + line
     stored(t) - stored(0) + plastic + friction + left = work of pull, drive and load + error
 
-Kinetic energy is that of points and bodies, none in a quasi-static scene; what the transfer between points and grid
-loses shows in the error. Drive is the work of guides: of driven components, and of the jolt when a stage holds a body
-that moves or sets off one that rests. Load is all but the whole of gravity (`hybrid.step.loads`). Left is what soil
-takes with it that a travelling grid leaves behind or joins to larger points (`hybrid.step.moving_grid`).
+Kinetic energy is that of points and bodies, none in a quasi-static scene; the energy that the transfer between points
+and grid loses is part of the error. Drive is the work of guides: of driven components, and of the impulse when a stage
+holds a body that moves or drives one that rests. Load is the work of all loads but the whole of gravity
+(`hybrid.step.loads`). Left is the energy of soil that a moving grid leaves behind, and the energy lost where it merges
+points (`hybrid.step.moving_grid`).
 """
 
 import numpy as np
@@ -24,17 +25,17 @@ def energies(model, state, evaluation=None):
     out = dict.fromkeys(STORED, 0.0)
     inertia = model.scheme.inertia
     if not soil.held:
-        out |= of_soil(model, points)
-    for body, motion in zip(model.bodies, state.bodies):
+        out |= soil_energies(model, points)
+    for body, motion in zip(model.bodies, state.bodies, strict=True):
         out["kinetic"] += rigid.kinetic_energy(body, motion) * inertia
         out["potential"] -= body.mass.mass * float(motion.position @ model.gravity)
     if evaluation is not None:
-        out["contact"] = sum(c.energy for c in evaluation.contacts)
-        out["line"] = sum(t.line_energy for t in evaluation.body_trials)
+        out["contact"] = sum(terms.contact.energy for terms in evaluation.bodies)
+        out["line"] = sum(terms.trial.line_energy for terms in evaluation.bodies)
     return out | {name: state.work.get(name, 0.0) for name in WORKS}
 
 
-def of_soil(model, points):
+def soil_energies(model, points):
     """Kinetic, elastic and potential energy [J] of points."""
     soil, mass = model.soil, model.soil.constants.mass
     kinetic = 0.5 * float(total(mass * np.sum(points.velocity**2, axis=1)))

@@ -1,32 +1,38 @@
-"""Residual and tangent of one step for soil and bodies together.
+"""Residual and tangent of one increment, for soil and bodies together.
 
-    R_u = f_int + m a - m g + Σ contact            on the free soil unknowns           [N]
-    R_w = inertia - weight + line + Σ contact      on each body's free unknowns        [N, N m]
+    R(u, w) = (R_u, R_w)        `hybrid.step.soil_terms`, `hybrid.step.body_terms`
 
-A Step freezes what the committed state provides (basis, nodal mass, corners near the bodies). Unknowns are trial
-values; an Evaluation is what they give. None of them writes into the State they came from.
+    | K_uu  K_uw | | du |       | R_u |
+    | K_wu  K_ww | | dw |  =  - | R_w |
+
+`begin` freezes what the committed state provides in a Step: basis, nodal mass, corners near the bodies. Unknowns are
+trial values; an Evaluation is their residual with all its terms. None of them writes into the State they came from;
+`Step.accept` makes the new one.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from hybrid.body import rigid
-from hybrid.contact.contact_pair import Contact, ContactPair
+from hybrid.linalg.petsc import BlockSystem
+from hybrid.linalg.stencil_pattern import Pattern
 from hybrid.runtime import comm
 from hybrid.runtime.timing import phase
-from hybrid.soil.model import SoilStep, SoilTrial
+from hybrid.soil.model import Refusal, SoilStep, SoilTrial
 from hybrid.soil.transfer import interpolate
 from hybrid.state import State
+from hybrid.step import body_terms, soil_terms
+from hybrid.step.body_terms import BodyStep, BodyTerms
 from hybrid.step.model import Model
+from hybrid.step.search_reach import travel_ratio
+from hybrid.step.work import work_after
 
-ROUNDING = 1e-14  # of positions and increments: a force of inertia or contact that this alone can make is no residual
-LARGEST_TURN = 2.0  # [rad] of a body in a step; from half a turn on it cannot be told from one the other way
+LARGEST_ROTATION = 2.0  # [rad] of a body in a step; from π on it cannot be distinguished from one the other way
 
 
 @dataclass(frozen=True)
 class Unknowns:
-    """Trial values: nodal displacement increments (N, 3) [m] (None when the soil is held), poses of the bodies."""
+    """Trial values: nodal displacement increments (N, 3) [m] (None for held soil), poses of the bodies."""
 
     displacement: np.ndarray | None
     poses: tuple
@@ -34,11 +40,12 @@ class Unknowns:
 
 @dataclass(frozen=True)
 class Evaluation:
-    """Residual and parts at trial unknowns.
+    """Residual and its terms at trial unknowns. Its soil trial is valid until the next evaluation, unless that one
+    keeps it.
 
-    soil (n,) [N] and body (m,) [N, N m]: residual on the unknowns; error: largest field residual relative to the
-    forces acting in that field; norms: the same in physical units by field name; rates: `Scheme.advance` of the nodes;
-    reactions: (6,) of each body's guides.
+    soil (n,) [N] and body (m,) [N, N m]: residual on the unknowns; error: largest residual of soil and bodies relative
+    to the forces acting on each; norms: the same in physical units, by name; rates: `Scheme.advance` of the nodes;
+    bodies: BodyTerms of each body.
     """
 
     unknowns: Unknowns
@@ -48,112 +55,36 @@ class Evaluation:
     norms: dict
     soil_trial: SoilTrial | None
     rates: tuple | None
-    body_trials: tuple
-    contacts: tuple[Contact, ...]
-    reactions: tuple
+    bodies: tuple[BodyTerms, ...]
+
+    @property
+    def contacts(self):
+        """Contact of each body."""
+        return tuple(terms.contact for terms in self.bodies)
 
 
+@dataclass(frozen=True)
 class Step:
-    """Equations of one increment `dt` [s] from `state`; `pulling` tells whether pull lines act."""
+    """One increment of `dt` [s] from the committed `state`, frozen. soil: None where it is held."""
 
-    def __init__(self, model: Model, state: State, dt, pulling, systems):
-        self.model, self.state, self.dt = model, state, dt
-        self.gravity = model.loads.on_bodies(state.time + dt)
-        soil = model.soil
-        with phase("transfer"):
-            self.soil: SoilStep | None = None if soil.held else soil.begin(
-                state.points, model.loads.on_points(state.time + dt, soil.constants.position))
-            active = np.ones(soil.grid.node_count, bool) if soil.held else self.soil.active
-            self.pattern, self.system = systems.get(
-                active & ~soil.grid.fixed.all(axis=1), None if soil.held else soil.small_support(self.soil))
-        self.targets = tuple(
-            s.target + dt * b.line.velocity if pulling and b.line else None for b, s in zip(model.bodies, state.bodies))
-        with phase("contact search"):
-            self.reach = [self._reach(b, s) for b, s in zip(model.bodies, state.bodies)]
-            guess, points = self.predictor(), self.soil.points if self.soil else state.points
-            self.pairs = [
-                ContactPair(b, s, history, points, self._corner_half(), soil.grid, active, reach,
-                     (guess.displacement, pose))
-                for b, s, history, reach, pose in zip(
-                    model.bodies, state.bodies, state.contacts, self.reach, guess.poses)]
-        self.line_before = [
-            np.zeros(3) if t is None else
-            rigid.evaluate(b, s, (s.position, s.rotation), s.target, self.gravity, model.scheme, dt).line[:3]
-            for b, s, t in zip(model.bodies, state.bodies, self.targets)]
-        self._free = model.body_free
+    model: Model
+    state: State
+    dt: float
+    soil: SoilStep | None
+    pattern: Pattern
+    system: BlockSystem
+    bodies: tuple[BodyStep, ...]
 
-    def _corner_half(self):
-        points = self.state.points
-        return points.half_width if self.model.soil.basis == "gimp" else np.zeros_like(points.half_width)
-
-    def _reach(self, body, state):
-        """Distance [m] from a body within which corners are followed: a cell, or the way both may go in the step."""
-        fastest = 0.0 if self.soil is None else comm.largest(np.abs(self.soil.velocity))
-        speed = np.linalg.norm(state.velocity) + np.linalg.norm(state.spin) * body.radius + fastest
-        return max(self.model.soil.grid.smallest_cell, 2 * self.dt * speed)
-
-    def contrast(self):
-        """Stiffness of contact on a point over that of a cell, E h [-]; 0 without contact or soil."""
-        if self.soil is None:
-            return 0.0
-        cell = self.model.soil.law.young * self.model.soil.grid.smallest_cell
-        return max((float(np.max(b.contact_stiffness / cell)) for b in self.model.bodies), default=0.0)
+    # -------------------------------------------------------------- trial values
 
     def predictor(self):
-        """First guess: everything keeps its velocity."""
-        displacement = None
-        if self.soil is not None:
-            displacement = self.dt * self.soil.velocity if self.model.scheme.inertia else 0 * self.soil.velocity
-        return Unknowns(displacement, tuple(
-            rigid.predicted_pose(b, s, self.model.scheme, self.dt)
-            for b, s in zip(self.model.bodies, self.state.bodies)))
+        """Unknowns where everything keeps its velocity."""
+        return Unknowns(_predicted(self.model, self.soil, self.dt), tuple(b.predicted_pose() for b in self.bodies))
 
     def at_rest(self):
-        """Unknowns of a step in which nothing moves."""
+        """Unknowns where nothing moves."""
         return Unknowns(None if self.soil is None else np.zeros_like(self.soil.velocity),
-                        tuple((s.position, s.rotation) for s in self.state.bodies))
-
-    def apex_fraction(self, evaluation):
-        """Share of the soil that has no stiffness left at an evaluation."""
-        return 0.0 if self.soil is None else self.model.soil.apex_fraction(evaluation.soil_trial)
-
-    def search_radius_ratio(self, unknowns):
-        """Largest ratio of the way soil and body went towards each other to the reach of the corner search."""
-        ratio = 0.0
-        fastest = 0.0
-        if self.soil is not None:  # of the points: a node that hardly carries mass may move far and mean nothing
-            moved = interpolate(self.soil.basis, self.model.soil.grid.shape, unknowns.displacement)
-            fastest = comm.largest(np.abs(moved))
-        for body, state, pose, reach in zip(self.model.bodies, self.state.bodies, unknowns.poses, self.reach):
-            turned = np.linalg.norm(pose[1] - state.rotation, 2) * body.radius
-            ratio = max(ratio, (np.linalg.norm(pose[0] - state.position) + turned + fastest) / reach)
-        return ratio
-
-    def rotation_too_large(self, unknowns=None):
-        """Why a step must not be made because of a body that turns too far in it, by its spin before the step or by
-        trial unknowns; empty when none does."""
-        for i, (body, state) in enumerate(zip(self.model.bodies, self.state.bodies)):
-            angle = self.dt * np.linalg.norm(state.spin)
-            if unknowns is not None:
-                angle = max(angle, rigid.rotation_angle(body, state, unknowns.poses[i], self.model.scheme, self.dt))
-            if angle > LARGEST_TURN:
-                return f"{body.name} turns by {angle:.3g} rad in {self.dt:.3g} s, limit {LARGEST_TURN:g} rad"
-        return ""
-
-    def tunnelled(self, evaluation):
-        """Number of corners that the step carried through a body, deeper than a twentieth of a cell."""
-        depth = 0.05 * self.model.soil.grid.smallest_cell
-        unknowns = evaluation.unknowns
-        return sum(pair.tunnelled(contact, unknowns.displacement, pose, depth)
-                   for pair, contact, pose in zip(self.pairs, evaluation.contacts, unknowns.poses))
-
-    def augment(self, evaluation):
-        """Update the multipliers of bodies with an augmented Lagrangian; False when none of them touches anything."""
-        touching = [(pair, contact) for pair, contact in zip(self.pairs, evaluation.contacts)
-                    if pair.body.augmented and len(contact)]
-        for pair, contact in touching:
-            pair.augment(contact)
-        return bool(touching)
+                        tuple(b.committed_pose() for b in self.bodies))
 
     def moved(self, unknowns, soil, body, scale=1.0):
         """Unknowns after `scale` times the increments soil (n,), body (m,)."""
@@ -161,119 +92,120 @@ class Step:
         if displacement is not None:
             displacement = displacement.copy()
             displacement[self.pattern.free] += scale * soil
-        full = np.zeros(self._free.shape)
-        full[self._free] = scale * body
-        return Unknowns(displacement, tuple(rigid.moved_pose(p, d) for p, d in zip(unknowns.poses, full)))
+        return Unknowns(displacement, tuple(b.moved_pose(unknowns, scale * body) for b in self.bodies))
 
-    def evaluate(self, unknowns):
-        """Evaluation at trial unknowns, or None when soil would turn inside out."""
-        model, displacement = self.model, unknowns.displacement
-        trial = rates = None
-        fields = {}
+    # -------------------------------------------------------------- residual and tangent
+
+    def evaluate(self, unknowns, keep=None):
+        """Evaluation at trial unknowns, or a Refusal where the soil has none; keep: an Evaluation that stays valid."""
+        soil = nodal_contact = None
         if self.soil is not None:
-            with phase("soil"):
-                trial = model.soil.evaluate(self.soil, displacement)
-            if trial is None:
-                return None
-            rates = model.scheme.advance(displacement, *self.soil.history, self.dt)
-            fields["internal"], fields["weight"] = trial.force, -self.soil.weight
-            fields["inertia"] = self.soil.mass[:, None] * rates[1]
-            fields["contact"] = np.zeros_like(trial.force)
+            soil = soil_terms.evaluate(self, unknowns.displacement, keep and keep.soil_trial)
+            if isinstance(soil, Refusal):
+                return soil
+            nodal_contact = soil.forces["contact"]
         with phase("contact"):
-            contacts = tuple(p.evaluate(displacement, pose) for p, pose in zip(self.pairs, unknowns.poses))
-            on_body = [p.add_residual(c, fields.get("contact")) for p, c in zip(self.pairs, contacts)]
-        bodies = tuple(
-            rigid.evaluate(b, s, p, target, self.gravity, model.scheme, self.dt)
-            for b, s, p, target in zip(model.bodies, self.state.bodies, unknowns.poses, self.targets))
-        springs = [p.springs(c) for p, c in zip(self.pairs, contacts)]
-        soil, soil_norm, soil_error = self._soil_residual(fields, displacement, springs)
-        body, reactions, body_norms, body_error = self._body_residual(bodies, on_body, unknowns.poses, springs)
-        return Evaluation(unknowns, soil, body, max(soil_error, body_error), {**soil_norm, **body_norms}, trial,
-                          rates, bodies, contacts, reactions)
-
-    def _soil_residual(self, fields, displacement, springs):
-        if not fields:
-            return np.zeros(0), {}, 0.0
-        free = self.pattern.free
-        parts = [part[free] for part in fields.values()]
-        residual = sum(parts)
-        norm, scale = comm.norm(residual), max(comm.norm(part) for part in parts)
-        noise = ROUNDING * (self.model.scheme.mass_factor(self.dt) * comm.norm(
-            (self.soil.mass[:, None] * displacement)[free]) + np.abs(self.model.soil.grid.extent).max() * sum(springs))
-        return residual, {"soil [N]": norm}, max(norm - noise, 0.0) / scale if scale > 0 else 0.0
-
-    def _body_residual(self, trials, contact, poses, springs):
-        residuals, reactions, norms, error = [], [], {}, 0.0
-        for body, trial, touch, pose, spring in zip(self.model.bodies, trials, contact, poses, springs):
-            parts = np.array([trial.inertia, trial.weight, trial.line, touch])
-            total = parts.sum(axis=0)
-            residuals.append(total[body.free])
-            reactions.append(np.where(body.free, 0.0, total))
-            free = np.where(body.free, total, 0.0)
-            force, moment = np.linalg.norm(free[:3]), np.linalg.norm(free[3:])
-            scale = np.linalg.norm(parts[:, :3], axis=1).max()
-            arm = max(np.linalg.norm(parts[:, 3:], axis=1).max(), scale * body.radius)
-            norms |= {f"{body.name} [N]": force, f"{body.name} [N m]": moment}
-            noise = ROUNDING * (self.model.scheme.mass_factor(self.dt) * body.mass.mass + spring) * (
-                np.linalg.norm(pose[0]) + body.radius)
-            error = max(error, (force - noise) / scale if scale > 0 else 0.0,
-                        (moment - noise * body.radius) / arm if arm > 0 else 0.0)
-        return np.concatenate([np.zeros(0), *residuals]), tuple(reactions), norms, error
+            bodies = tuple(b.evaluate(unknowns, nodal_contact) for b in self.bodies)
+        residual, norms, error = np.zeros(0), {}, 0.0
+        if soil is not None:
+            residual, norms["soil [N]"], error = soil_terms.residual(
+                self, soil, unknowns.displacement, [terms.springs for terms in bodies])
+        for terms in bodies:
+            own, own_error = terms.error()
+            norms, error = norms | own, max(error, own_error)
+        return Evaluation(unknowns, residual, np.concatenate([np.zeros(0), *(terms.residual for terms in bodies)]),
+                          error, norms, soil and soil.trial, soil and soil.rates, bodies)
 
     def assemble(self, evaluation):
-        """Fill the block system with the tangent at an evaluation."""
-        model, system = self.model, self.system
-        system.clear()
+        """Fill the block system with the tangent at an evaluation, and factor it."""
+        self.system.clear()
         if self.soil is not None:
-            with phase("assemble"):
-                model.soil.fill_stiffness(self.soil, evaluation.soil_trial, self.pattern, system.values,
-                                          evaluation.error)
-                mass = np.repeat(self.soil.mass[:, None], 3, axis=1)[self.pattern.free]
-                system.values[self.pattern.diagonal] += model.scheme.mass_factor(self.dt) * mass
-        first = 0
-        for body, pair, trial, contact in zip(
-                model.bodies, self.pairs, evaluation.body_trials, evaluation.contacts):
-            with phase("contact"):
-                own = slice(first, first + np.count_nonzero(body.free))
-                ww = pair.add_tangent(contact, self.pattern, system.values, system.uw[:, own], system.wu[own])
-                system.ww[own, own] += (ww + trial.tangent)[np.ix_(body.free, body.free)]
-                first = own.stop
+            soil_terms.add_tangent(self, evaluation.soil_trial, evaluation.error)
+        with phase("contact"):
+            for terms in evaluation.bodies:
+                terms.add_tangent(self.pattern, self.system)
         with phase("factor"):
-            system.factor()
+            self.system.factor()
 
-    def accept(self, evaluation):
-        """New State at a converged evaluation, with work done in the step added."""
-        model, state, unknowns = self.model, self.state, evaluation.unknowns
-        points, work = state.points, dict(state.work)
+    def augment(self, evaluation):
+        """Update the multipliers of bodies with an augmented Lagrangian; False when none of them touches anything."""
+        touching = [terms for terms in evaluation.bodies if terms.step.body.augmented and len(terms.contact)]
+        for terms in touching:
+            terms.step.pair.augment(terms.contact)
+        return bool(touching)
+
+    def contrast(self):
+        """Stiffness of contact on a point over that of a cell, E h [-]; 0 without contact or soil."""
+        if self.soil is None:
+            return 0.0
+        cell = self.model.soil.law.young * self.model.soil.grid.smallest_cell
+        return max((comm.largest(b.contact_stiffness / cell) for b in self.model.bodies), default=0.0)
+
+    def apex_fraction(self, evaluation):
+        """Share [-] of the soil that has no stiffness at an evaluation."""
+        return 0.0 if self.soil is None else self.model.soil.apex_fraction(evaluation.soil_trial)
+
+    # -------------------------------------------------------------- acceptance
+
+    def rotation_too_large(self, unknowns=None):
+        """Why a body rotates too far in the step, by its committed spin or by trial unknowns; empty if none does."""
+        for b in self.bodies:
+            angle = b.rotation_angle(unknowns)
+            if angle > LARGEST_ROTATION:
+                return (f"{b.body.name} rotates by {angle:.3g} rad in {self.dt:.3g} s, limit {LARGEST_ROTATION:g} rad")
+        return ""
+
+    def search_radius_ratio(self, unknowns):
+        """Largest ratio of the path of soil and body towards each other to the reach of the corner search."""
+        moved = None
+        if self.soil is not None and self.bodies:   # of the points: a node with little mass may move far without any effect
+            moved = interpolate(self.soil.basis, self.model.soil.grid.shape, unknowns.displacement)
+        return max((travel_ratio(b.body, b.state, b.pose(unknowns), b.reach, self.model.soil.grid, self.state.points,
+                                 moved) for b in self.bodies), default=0.0)
+
+    def tunnelled(self, evaluation):
+        """Number of corners that passed through a body in the step, deeper than a twentieth of a cell."""
+        depth, displacement = 0.05 * self.model.soil.grid.smallest_cell, evaluation.unknowns.displacement
+        return sum(terms.step.pair.tunnelled(terms.contact, displacement, terms.pose, depth)
+                   for terms in evaluation.bodies)
+
+    def accept(self, evaluation, end=None):
+        """New State at a converged evaluation. end: [s] where the increment completes its outer step: the time, free of
+        the round-off of the increments, at which the state then has the next step number."""
+        model, state, displacement = self.model, self.state, evaluation.unknowns.displacement
         with phase("update"):
+            points = state.points
             if self.soil is not None:
-                points = model.soil.accept(self.soil, evaluation.soil_trial, unknowns.displacement, *evaluation.rates)
-                work["plastic"] = work.get("plastic", 0.0) + model.soil.plastic_work(self.soil, evaluation.soil_trial)
-            bodies = [rigid.accept(b, s, p, s.target if target is None else target, reaction, model.scheme, self.dt)
-                      for b, s, p, target, reaction in zip(
-                          model.bodies, state.bodies, unknowns.poses, self.targets, evaluation.reactions)]
-            for body, before, now in zip(model.bodies, state.bodies, evaluation.reactions):
-                if body.drive.any():
-                    mean = now if before.reaction is None else 0.5 * (before.reaction + now)
-                    work["drive"] = work.get("drive", 0.0) + float(mean @ (self.dt * body.drive))
-            contacts = [p.commit(c, unknowns.displacement) for p, c in zip(self.pairs, evaluation.contacts)]
-            for contact in evaluation.contacts:
-                work["friction"] = work.get("friction", 0.0) + contact.dissipated
-            for body, trial, before in zip(model.bodies, evaluation.body_trials, self.line_before):
-                if body.line:
-                    force = -0.5 * (before + trial.line[:3])
-                    work["pull"] = work.get("pull", 0.0) + float(force @ (self.dt * body.line.velocity))
-        if not model.loads.gravity_alone:
-            work["load"] = work.get("load", 0.0) + self._load_work(points, bodies)
-        return State(state.time + self.dt, state.step, points, bodies, contacts, work, state.ground)
+                points = model.soil.accept(self.soil, evaluation.soil_trial, displacement, *evaluation.rates)
+            bodies = [terms.accept() for terms in evaluation.bodies]
+            contacts = [terms.step.pair.commit(terms.contact, displacement) for terms in evaluation.bodies]
+            work = work_after(self, evaluation, points, bodies)
+        time, number = (state.time + self.dt, state.step) if end is None else (end, state.step + 1)
+        return State(time, number, points, bodies, contacts, work, state.ground)
 
-    def _load_work(self, points, bodies):
-        """Work [J] of all loads but the whole of gravity."""
-        loads, begin, end = self.model.loads, self.state.time, self.state.time + self.dt
-        work = 0.0
-        if self.soil is not None:
-            soil = self.model.soil.constants
-            work = loads.work(begin, end, soil.mass, soil.position, points.position - self.state.points.position)
-        mean = 0.5 * (loads.on_bodies(begin) + loads.on_bodies(end)) - loads.gravity
-        return work + sum(body.mass.mass * float(mean @ (new.position - old.position))
-                          for body, old, new in zip(self.model.bodies, self.state.bodies, bodies))
+
+def begin(model, state, dt, pulling, workspace):
+    """Step of `dt` [s] from a committed `state`. pulling: whether pull lines act; workspace: a Workspace of the model.
+
+    Raises StepError when a point has left the grid, or is detached and the run is to stop for it.
+    """
+    soil, grid, points = None, model.soil.grid, state.points
+    active, small_support = np.ones(grid.node_count, bool), None
+    with phase("transfer"):
+        if not model.soil.held:
+            load = model.loads.on_points(state.time + dt, model.soil.constants.position)
+            soil = model.soil.begin(points, load, workspace.soil)
+            points, active, small_support = soil.points, soil.active, model.soil.small_support(soil)
+        pattern, system = workspace.systems.get(active & ~grid.fixed.all(axis=1), small_support)
+    half = state.points.half_width if model.soil.basis == "gimp" else np.zeros_like(state.points.half_width)
+    nodal = None if soil is None else soil.velocity, _predicted(model, soil, dt)
+    with phase("contact search"):
+        bodies = body_terms.begin_bodies(model, state, dt, pulling, points, half, active, nodal)
+    return Step(model, state, dt, soil, pattern, system, bodies)
+
+
+def _predicted(model, soil, dt):
+    """Nodal increments (N, 3) [m] at constant velocity, none without inertia; None for held soil."""
+    if soil is None:
+        return None
+    return dt * soil.velocity if model.scheme.inertia else 0 * soil.velocity

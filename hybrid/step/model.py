@@ -1,11 +1,12 @@
-"""What stays the same during a stage: soil, bodies, integration rule, loads."""
+"""What stays the same during a stage: soil, bodies, integration rule, loads, settings of the solver."""
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from hybrid.body import rigid
-from hybrid.body.rigid import FREEDOMS, RigidBody, engage_guides, release_guides
+from hybrid.body.rigid import FREEDOMS, RigidBody
+from hybrid.scene import Solver
 from hybrid.scheme import Scheme
 from hybrid.soil.model import Soil
 from hybrid.step.loads import Loads
@@ -13,14 +14,14 @@ from hybrid.step.loads import Loads
 
 @dataclass(frozen=True)
 class Model:
-    """Frozen for a stage; linear "krylov" | "direct" and its relative tolerance."""
+    """What is modelled in a stage; it never changes. solver: the scene's own settings of Newton's method and of the
+    linear systems inside it."""
 
     soil: Soil
     bodies: tuple[RigidBody, ...]
     scheme: Scheme
     loads: Loads
-    linear: str = "krylov"
-    linear_tolerance: float = 1e-3
+    solver: Solver = Solver()
 
     @property
     def gravity(self):
@@ -28,11 +29,11 @@ class Model:
         return self.loads.gravity
 
     @property
-    def body_free(self):
-        """(bodies, 6) bool mask of the bodies' unknowns."""
-        return np.array([b.free for b in self.bodies], bool).reshape(-1, 6)
+    def body_unknowns(self):
+        """Number of free components of all bodies."""
+        return sum(int(np.count_nonzero(body.free)) for body in self.bodies)
 
-    def on(self, soil):
+    def with_soil(self, soil):
         """The same model with other soil."""
         young, volume = soil.law.young, soil.constants.volume
         return replace(self, soil=soil, bodies=tuple(rigid.with_stiffness(body, young, volume) for body in self.bodies))
@@ -44,13 +45,20 @@ class Model:
         bodies = tuple(replace(b, free=b.free & ~held, drive=b.drive * ~held) for b in self.bodies)
         return replace(self, scheme=self.scheme.with_pair(beta, gamma), bodies=bodies, loads=loads or self.loads)
 
-    def begin(self, state):
-        """`state` at the start of a stage of this model: guides let go of bodies, or take hold of them, and the jolt is
-        their work."""
-        bodies = [release_guides(b, s) for b, s in zip(self.bodies, state.bodies)] if self.scheme.inertia else state.bodies
-        gravity = self.loads.on_bodies(state.time)
-        taken = [engage_guides(b, s, gravity, self.scheme) for b, s in zip(self.bodies, bodies)]
-        jolt, work = sum(jolt for _, jolt in taken), dict(state.work)
-        if jolt:
-            work["drive"] = work.get("drive", 0.0) + jolt
-        return replace(state, bodies=[motion for motion, _ in taken], work=work)
+    def begin_stage(self, state):
+        """`state` at the start of a stage of this model: guides release bodies or engage them. The work of the impulse
+        that brings a body to the rates of its guides is work of the drive."""
+        gravity, bodies, work = self.loads.on_bodies(state.time), [], dict(state.work)
+        for body, motion in zip(self.bodies, state.bodies, strict=True):
+            if self.scheme.inertia:
+                motion = rigid.release_guides(body, motion)
+            motion, impulse_work = rigid.engage_guides(body, motion, gravity, self.scheme)
+            bodies.append(motion)
+            if impulse_work:
+                work["drive"] = work.get("drive", 0.0) + impulse_work
+        return replace(state, bodies=bodies, work=work)
+
+    def lay_out_lines(self, state):
+        """`state` with the pull lines of all bodies laid out, just taut, where they are not yet."""
+        return replace(state, bodies=[
+            rigid.lay_out_line(body, motion) for body, motion in zip(self.bodies, state.bodies, strict=True)])

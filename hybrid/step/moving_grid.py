@@ -25,7 +25,7 @@ from hybrid.soil.points import at_rest
 from hybrid.soil.refinement import PointRefinement
 from hybrid.soil.split_merge import concatenate, select
 from hybrid.state import Ground, Population
-from hybrid.step.energy import of_soil
+from hybrid.step.energy import soil_energies
 
 
 class Travel:
@@ -109,7 +109,7 @@ class Travel:
         points = replace(here.points, half_width=updated_half(
             new.soil.domain, here.constants.half_width, here.points.deformation, here.points.position, grid.axes))
         work = dict(state.work)
-        gone = sum(of_soil(model, state.points).values()) - sum(of_soil(new, points).values())
+        gone = sum(soil_energies(model, state.points).values()) - sum(soil_energies(new, points).values())
         work["left"] = work.get("left", 0.0) + gone
         contacts = [_renumbered(contact, origin, len(state.points)) for contact in state.contacts]
         return new, replace(state, points=points, contacts=contacts, work=work, ground=ground), True
@@ -126,9 +126,8 @@ class Travel:
 
     def model(self, model, ground):
         """`model` of the points and the grid of a Ground."""
-        soil = model.soil.on(self.grid(_layouts(ground, self.moving_axes)), ground.constants,
-                             model.soil.law.with_rows(ground.rows))
-        return model.on(soil)
+        return model.with_soil(replace(model.soil, grid=self.grid(_layouts(ground, self.moving_axes)),
+                                       constants=ground.constants, law=model.soil.law.with_rows(ground.rows)))
 
     def _taken_along(self, layouts, here, behind):
         """(Population in the window, the numbers of its points before or -1, Population left behind or None)."""

@@ -1,46 +1,37 @@
-"""Newton's method with a backtracking line search on the equations of one increment."""
+"""Newton's method with a backtracking line search on the equations of one increment.
+
+    K δ = -R      u <- u + s δ      s = 1, 1/2, ... 1/16, until |R| falls enough      while |R| > tolerance
+
+The settings are those of the scene, `hybrid.scene.Solver`.
+"""
 
 from dataclasses import dataclass, replace
 
 from hybrid.runtime.errors import StepError
 from hybrid.runtime.timing import phase
+from hybrid.soil.model import Refusal
 from hybrid.step.equations import Evaluation, Step
 
 SHORTEST = 1 / 16  # of a Newton update, tried by the line search
-# Of the residual, left by an update that is taken as it is (anchor, 60 steps: 391 and 402 evaluations, with 0.7 463 and
-# 571 and a tenth more iterations).
+# An update that leaves less than this share of the residual is taken as it is (anchor, 60 steps: 391 iterations and 402
+# evaluations; with 0.7 they are 463 and 571, and Krylov iterations grow by a tenth).
 ENOUGH = 0.8
-# Of the soil, that may lose its stiffness if everything keeps its velocity. Sand that opens everywhere has no tangent
-# to find the way with: a block that its own weight throws up takes 3 iterations from rest and 5 to 15 from there, or
-# finds nothing (at 0.15 to 0.92). Before an anchor it is 0.02, and 60 steps from rest take a third more iterations.
+# Share of the soil at the apex, from which the predictor is no good start. Sand that opens everywhere has no tangent:
+# a block that its own weight throws up takes 3 iterations from rest, and 5 to 15 from the predictor if it converges at
+# all (share 0.15 to 0.92). In front of an anchor the share is 0.02, and 60 steps from rest take a third more iterations.
 OPENED = 0.1
-# Springs far stiffer than cells hide what is left in the soil, and a corner that a poor solution lifts off is found
-# wrong next time: linear systems are solved as much more tightly as contact is stiffer than STIFF cells, E h.
+# Stiff contact dominates the linear residual, so a loose Krylov tolerance leaves the soil unconverged and can open
+# contacts spuriously: the tolerance is divided by (stiffness of contact) / (STIFF E h), but not below FINEST.
 STIFF, FINEST = 20.0, 1e-12
-# An update that leaves less than this of the residual earns its tangent another use; of soil that yields it must be all
-# but exact (anchor, 60 steps: 383 to 401 iterations with 0.15, 259 to 269 with 0.01; an elastic block assembles half as
-# often with 0.15).
+# A tangent is used again where its update leaves less than this share of the residual: GOOD_YIELDING for soil that
+# yields (anchor, 60 steps: 383 to 401 iterations with 0.15, 259 to 269 with 0.01), GOOD for elastic soil, which then
+# assembles half as often.
 GOOD, GOOD_YIELDING = 0.15, 0.01
 
 
 @dataclass(frozen=True)
-class Settings:
-    """tolerance: relative residual; iterations: limit; line_search: shorten updates that do not help; augmentations:
-    limit, augmentation_tolerance: relative residual that an update may leave, of the updates of contact multipliers;
-    linear_tolerance, loosest_tolerance: of the Krylov method, near the solution and far from it."""
-
-    tolerance: float = 1e-6
-    iterations: int = 15
-    line_search: bool = True
-    augmentations: int = 5
-    augmentation_tolerance: float = 1e-3
-    linear_tolerance: float = 1e-3
-    loosest_tolerance: float = 1e-3
-
-
-@dataclass(frozen=True)
 class Outcome:
-    """evaluation: the last one, None when none exists; reason: empty when converged, else what went wrong."""
+    """evaluation: the last one, None when none exists; reason: empty when converged, else why there is no solution."""
 
     evaluation: Evaluation | None
     iterations: int
@@ -53,85 +44,90 @@ class Outcome:
         return not self.reason
 
 
-def solve(step: Step, settings: Settings):
+def solve(step: Step):
     """Outcome of Newton's method on `step`. Never raises for lack of convergence.
 
-    With contact multipliers it is repeated while they change, as often as the settings allow: every one of these
-    solutions is in equilibrium, and what overlap the last one leaves the next step goes on with.
+    With contact multipliers the solution is repeated while they change, at most `solver.augmentations` times. Each of
+    these solutions is in equilibrium; the overlap that the last one leaves is reduced further in the next step.
     """
+    solver = step.model.solver
     if reason := step.rotation_too_large():
         return Outcome(None, 0, 0, (), reason)
-    evaluation = _start(step)
-    if evaluation is None:
-        return Outcome(None, 0, 0, (), f"the first guess {step.model.soil.refusal}")
-    outcome = _newton(step, settings, evaluation)
-    for _ in range(settings.augmentations):
+    evaluation = first_evaluation(step)
+    if isinstance(evaluation, Refusal):
+        return Outcome(None, 0, 0, (), f"the first guess {evaluation.reason}")
+    outcome = _newton(step, solver, evaluation)
+    for _ in range(solver.augmentations):
         if not outcome.converged or not step.augment(outcome.evaluation):
             break
-        again = _newton(step, settings, step.evaluate(outcome.evaluation.unknowns))
+        again = _newton(step, solver, step.evaluate(outcome.evaluation.unknowns))
         outcome = replace(again, iterations=outcome.iterations + again.iterations,
                           krylov=outcome.krylov + again.krylov, errors=outcome.errors + again.errors)
-        if again.errors and again.errors[0] <= settings.augmentation_tolerance:
+        if again.errors and again.errors[0] <= solver.augmentation_tolerance:
             break
     return replace(outcome, reason=rejection(step, outcome.evaluation)) if outcome.converged else outcome
 
 
-def _start(step):
-    """First evaluation: everything keeps its velocity, or where that opens the soil, stays; None where it cannot be."""
-    evaluation = step.evaluate(step.predictor())
-    if evaluation is None or not step.model.scheme.inertia or (opened := step.apex_fraction(evaluation)) < OPENED:
-        return evaluation
-    still = step.evaluate(step.at_rest())
-    if still is not None and step.apex_fraction(still) < opened - OPENED:
-        return still
-    return step.evaluate(evaluation.unknowns)
+def first_evaluation(step):
+    """Evaluation to start from, or a Refusal: at constant velocities, or at rest where those open the soil."""
+    moving = step.evaluate(step.predictor())
+    if isinstance(moving, Refusal) or not step.model.scheme.inertia:
+        return moving
+    opened = step.apex_fraction(moving)
+    if opened < OPENED:
+        return moving
+    resting = step.evaluate(step.at_rest(), keep=moving)
+    if isinstance(resting, Refusal) or step.apex_fraction(resting) >= opened - OPENED:
+        return moving
+    return resting
 
 
-def _newton(step, settings, evaluation):
-    errors, krylov, current, forcing = [], 0, False, settings.loosest_tolerance
+def _newton(step, solver, evaluation):
+    errors, krylov, current, forcing = [], 0, False, solver.loosest_tolerance
     finer = max(1.0, step.contrast() / STIFF)
     good = GOOD_YIELDING if step.model.soil.law.plastic else GOOD
-    for iteration in range(settings.iterations + 1):
+    for iteration in range(solver.iterations + 1):
         errors.append(evaluation.error)
-        if evaluation.error <= settings.tolerance:
+        if evaluation.error <= solver.tolerance:
             return Outcome(evaluation, iteration, krylov, tuple(errors))
-        if iteration == settings.iterations:
+        if iteration == solver.iterations:
             break
         try:
             if not current:
                 step.assemble(evaluation)
-            forcing = _forcing(settings, errors, forcing)
+            forcing = _forcing(solver, errors, forcing)
             with phase("solve"):
                 soil, body, count = step.system.solve(
                     evaluation.soil, evaluation.body, max(forcing / finer, FINEST))
         except StepError as failure:
             return Outcome(evaluation, iteration, krylov, tuple(errors), str(failure))
         krylov += count
-        evaluation = _search(step, evaluation, soil, body, settings.line_search)
-        # assembling and factoring the soil block costs several solutions; a body's few unknowns cost nothing
-        current = bool(step.pattern.size and evaluation and evaluation.error < good * errors[-1])
-        if evaluation is None:
-            return Outcome(None, iteration, krylov, tuple(errors), f"the update {step.model.soil.refusal}")
+        evaluation = line_search(step, evaluation, soil, body, solver.line_search)
+        if isinstance(evaluation, Refusal):
+            return Outcome(None, iteration, krylov, tuple(errors), f"the update {evaluation.reason}")
+        # assembling and factoring the soil block costs several solutions; the bodies' few unknowns cost nothing
+        current = bool(step.pattern.size) and evaluation.error < good * errors[-1]
     norms = ", ".join(f"{value:.3g} {name}" for name, value in evaluation.norms.items())
-    return Outcome(evaluation, settings.iterations, krylov, tuple(errors),
-                   f"residual {evaluation.error:.2e} after {settings.iterations} iterations, "
-                   f"tolerance {settings.tolerance:.0e} ({norms})")
+    return Outcome(evaluation, solver.iterations, krylov, tuple(errors),
+                   f"residual {evaluation.error:.2e} after {solver.iterations} iterations, "
+                   f"tolerance {solver.tolerance:.0e} ({norms})")
 
 
-def _forcing(settings, errors, last):
-    """Tolerance of the Krylov method: no tighter than Newton's progress is worth (Eisenstat & Walker, SIAM J. Sci.
-    Comput. 17 (1996) 16-32, choice 2 with its safeguards), nor than what is left to the tolerance."""
-    loosest, tightest = settings.loosest_tolerance, settings.linear_tolerance
+def _forcing(solver, errors, last):
+    """Tolerance of the Krylov method: the forcing term of Eisenstat and Walker (SIAM J. Sci. Comput. 17 (1996) 16-32,
+    choice 2 with its safeguards), and no tighter than half of what Newton's tolerance still requires."""
+    loosest, tightest = solver.loosest_tolerance, solver.linear_tolerance
     if len(errors) == 1 or loosest <= tightest:
         return max(loosest, tightest)
     forcing = 0.9 * (errors[-1] / errors[-2]) ** 2
     if 0.9 * last**2 > 0.1:
         forcing = max(forcing, 0.9 * last**2)
-    return min(loosest, max(forcing, tightest, 0.5 * settings.tolerance / errors[-1]))
+    return min(loosest, max(forcing, tightest, 0.5 * solver.tolerance / errors[-1]))
 
 
 def rejection(step, evaluation):
-    """Why a converged increment must not be accepted: it is too long for turns or contact to have been seen rightly."""
+    """Why a converged increment must not be accepted: it is too long for its rotations or its contact search to be
+    right. Empty if it may be."""
     if reason := step.rotation_too_large(evaluation.unknowns):
         return reason
     ratio = step.search_radius_ratio(evaluation.unknowns)
@@ -141,24 +137,25 @@ def rejection(step, evaluation):
     return f"{count} corners of the soil passed through a body" if count else ""
 
 
-def _search(step, old, soil, body, shorten):
-    """First evaluation along the update that lowers the error by enough; else the best of those tried.
+def line_search(step, old, soil, body, shorten):
+    """First evaluation along the update (soil, body) that lowers the error by enough, else the best of those tried; a
+    Refusal where none exists. shorten: False takes the full update if it has an evaluation.
 
-    Soil that opens under one update and closes under the next lowers the error a little by every whole update, and by
-    a lot by half of one, so an update that gains little is not left at that.
-    The evaluation returned is always the last one made: trial strains live in buffers that the next one overwrites.
+    Where sand opens and closes, full updates overshoot the solution alternately: each lowers the error a little, half
+    of one by a lot. So an update that gains little is tried shorter.
     """
-    scale, best, best_scale, tried = 1.0, float("inf"), 0.0, 0.0
+    scale, best, refusal = 1.0, None, Refusal("gives no finite residual")
     while scale >= SHORTEST:
-        new = step.evaluate(step.moved(old.unknowns, soil, body, scale))
-        error, tried = float("inf") if new is None else new.error, scale
-        if new is not None and (not shorten or error < ENOUGH * old.error):
+        new = step.evaluate(step.moved(old.unknowns, soil, body, scale), keep=best)
+        if isinstance(new, Refusal):
+            refusal, error = new, float("inf")
+        elif not shorten or new.error < ENOUGH * old.error:
             return new
-        if error > best and best < old.error:   # beyond the valley
+        else:
+            error = new.error
+        if best is not None and best.error < min(error, old.error):     # the minimum has been passed
             break
-        if error < best:
-            best, best_scale = error, scale
+        if error < (float("inf") if best is None else best.error):
+            best = new
         scale /= 2
-    if best == float("inf"):
-        return None
-    return new if tried == best_scale else step.evaluate(step.moved(old.unknowns, soil, body, best_scale))
+    return refusal if best is None else best

@@ -11,15 +11,15 @@ import numpy as np
 import pytest
 
 from hybrid.body.attitude import log_so3
-from hybrid.linalg.system_cache import Systems
 from hybrid.runtime.errors import StepError
 from hybrid.scene import Axis, Faces, Grid, Pull, Stage
 from hybrid.scheme import Scheme
 from hybrid.setup.build import build
 from hybrid.soil.transfer import interpolate
 from hybrid.step import error_estimate, increments, newton
-from hybrid.step.equations import Step
-from hybrid.step.error_estimate import leading_factor, turn_error
+from hybrid.step.equations import begin
+from hybrid.step.error_estimate import leading_factor, rotation_error
+from hybrid.step.workspace import Workspace
 from hybrid.study.problems import tumbling
 from hybrid.study.scenes import SCHEMES, box, elastic, plane, scene, sphere
 
@@ -74,7 +74,7 @@ def one_turn(scheme, dt):
     """Error (3,) [rad] of the turn of a free body in a step, in the body frame, and its estimate."""
     state = TOP.start()
     new = tumbling.advance(TOP, state, dt, scheme)
-    return log_so3(tumbling.reference(TOP, dt)[1].T @ new.rotation), turn_error(state, new, scheme, dt)
+    return log_so3(tumbling.reference(TOP, dt)[1].T @ new.rotation), rotation_error(state, new, scheme, dt)
 
 
 @pytest.mark.parametrize("scheme", [Scheme.newmark(), Scheme.energy_momentum()], ids=["newmark", "energy-momentum"])
@@ -107,8 +107,8 @@ def soil_errors(simulation, frequency, *phases):
     """Estimates [m] of steps of `phases` [rad] from the end of a simulation."""
     found = []
     for phase in phases:
-        step = Step(simulation.model, simulation.state, phase / frequency, False, Systems(simulation.model))
-        outcome = newton.solve(step, newton.Settings(1e-10))
+        step = begin(simulation.model, simulation.state, phase / frequency, False, Workspace(simulation.model))
+        outcome = newton.solve(step)
         found.append(error_estimate.local_error(step, outcome.evaluation))
     assert {error.of for error in found} == {"the soil"}
     return np.array([error.length for error in found])

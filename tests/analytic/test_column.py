@@ -9,12 +9,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hybrid.linalg.system_cache import Systems
 from hybrid.scene import Axis, Faces, Grid, Material, Scene, Soil, Solver, Stage, Time
 from hybrid.setup.build import build
 from hybrid.step.energy import balance_error, energies
-from hybrid.step.equations import Step
+from hybrid.step.equations import begin
 from hybrid.step.loads import Loads
+from hybrid.step.workspace import Workspace
 from hybrid.study.problems.column import SELF_WEIGHT
 
 YOUNG, DENSITY, GRAVITY, LENGTH = SELF_WEIGHT.young, SELF_WEIGHT.density, SELF_WEIGHT.gravity, SELF_WEIGHT.length
@@ -134,7 +134,7 @@ def test_geostatic_forces_balance_to_round_off(material):
     model, fastest = simulation.model, []
     for factor in (1.0, 1.01):
         heavier = replace(model, loads=Loads(factor * model.gravity))
-        step = Step(heavier, simulation.state, 0.04, False, Systems(heavier))
+        step = begin(heavier, simulation.state, 0.04, False, Workspace(heavier))
         evaluation = step.evaluate(step.predictor())
         step.assemble(evaluation)
         soil, body, _ = step.system.solve(evaluation.soil, evaluation.body)

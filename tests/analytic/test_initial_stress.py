@@ -14,11 +14,11 @@ import numpy as np
 import pytest
 
 from hybrid.cli import format_sheet
-from hybrid.linalg.system_cache import Systems
 from hybrid.monitors.initial_equilibrium import initial_imbalance
 from hybrid.scene import Axis, Faces, Grid, Layer, Material, Scene, Soil, Solver, Stage, Time
 from hybrid.setup.build import build
-from hybrid.step.equations import Step
+from hybrid.step.equations import begin
+from hybrid.step.workspace import Workspace
 
 STIFF = Material(law="hencky", young=5e6, poisson=0.3, density=1700.0)
 SAND = Material(relative_density=38.0)
@@ -92,7 +92,7 @@ def cut(cells=4, steps=1, material=STIFF, length=2, damped=False, stages=(), tim
 
 def now(simulation):
     """Imbalance of the present state."""
-    step = Step(simulation.model, simulation.state, 0.04, False, Systems(simulation.model))
+    step = begin(simulation.model, simulation.state, 0.04, False, Workspace(simulation.model))
     return initial_imbalance(step, step.evaluate(step.at_rest()))
 
 

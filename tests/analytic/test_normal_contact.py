@@ -65,7 +65,7 @@ def test_a_flat_overlap_costs_stiffness_times_area(side, share, facets):
     first = 1.0 if share == 0 else (1 - 0.125)**2      # m² of the soil that its corners stand for
     assert force[2] == pytest.approx(1e6 * overlap * ((1 - share) * first + share), rel=1e-9)
     assert np.abs(moment).max() < 1e-6 * force[2] and np.abs(force[:2]).max() < 1e-9 * force[2]
-    assert simulation.model.body_free.sum() == 0
+    assert simulation.model.body_unknowns == 0
 
 
 def test_points_without_domains_press_with_their_own_stiffness():

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from hybrid.laws.hencky import Hencky
-from hybrid.linalg.system_cache import Systems
 from hybrid.runtime.errors import SceneError
 from hybrid.scene import Axis, Grid, Layer, Material, Scene, Soil, Stage, Time
 from hybrid.setup.build import build
-from hybrid.step.equations import Step
+from hybrid.step.equations import begin
+from hybrid.step.workspace import Workspace
 
 GRAVITY = 9.81
 CRUST = Layer("crust", bottom=-0.5, law="von-mises", k0=0.8, material={
@@ -86,7 +86,7 @@ def test_layered_start_stays_still(basis):
 def fastest(simulation, points):
     """Largest velocity [m/s] that one Newton correction gives the points."""
     state = replace(simulation.state, points=points)
-    step = Step(simulation.model, state, 0.04, False, Systems(simulation.model))
+    step = begin(simulation.model, state, 0.04, False, Workspace(simulation.model))
     evaluation = step.evaluate(step.predictor())
     step.assemble(evaluation)
     soil, body, _ = step.system.solve(evaluation.soil, evaluation.body)

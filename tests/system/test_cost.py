@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hybrid import cost as probe_module
-from hybrid.cost import PARTS, probe
+from hybrid import cost
+from hybrid.cost import PARTS, predict
 from hybrid.scene import Axis, Faces, Grid, Material, Scene, Soil, Solver, Stage, Time
 from hybrid.scene.file import load_scene
 from hybrid.setup.build import build
@@ -34,30 +34,30 @@ SCENES = {
 
 @pytest.fixture(autouse=True)
 def processor_time(monkeypatch):
-    monkeypatch.setattr(probe_module, "perf_counter", time.process_time)
+    monkeypatch.setattr(cost, "perf_counter", time.process_time)
 
 
 @pytest.mark.parametrize("kind", SCENES)
 def test_time_of_a_step(kind):
     """Ratios found: 0.7 to 0.9, 0.9 to 1.3 and 1.1 to 1.6."""
     simulation, taken = build(SCENES[kind]()), []
-    first = probe(simulation)
+    first = predict(simulation)
     begin = time.process_time()
     for _ in simulation.steps():
         taken.append(time.process_time() - begin)
         begin = time.process_time()
-    again = probe(build(SCENES[kind]()))
+    again = predict(build(SCENES[kind]()))
     predicted = np.mean([first.step, again.step])
     taken = taken[-simulation.scene.stages[-1].steps:]  # the anchor falls through the air first
     assert 0.5 < predicted / np.median(taken) < 2     # the mean would tell of what is compiled meanwhile
     assert first.steps == simulation.state.step and set(first.seconds) == set(PARTS)
 
 
-def test_the_probe_leaves_the_simulation_as_it_is():
+def test_the_prediction_leaves_the_simulation_as_it_is():
     simulation = build(SCENES["held"]())
     state, position = simulation.state, simulation.state.bodies[0].position.copy()
     points = state.points.position.copy()
-    sheet = probe(simulation).sheet()["predicted"]
+    sheet = predict(simulation).sheet()["predicted"]
     assert simulation.state is state and np.array_equal(state.bodies[0].position, position)
     assert np.array_equal(state.points.position, points) and state.step == 0
     assert sheet["all steps"].endswith("for 30") and sheet["assumed"][0].startswith("2 Newton iterations a step, 2 ")
@@ -71,7 +71,7 @@ def test_points_on_their_first_lattice_would_tell_too_little():
     def nodes(points):
         return evaluate_basis(points.position, points.half_width, grid.axes).count.prod(axis=1).mean()
 
-    disturbed = probe_module._disturbed(state, grid.smallest_cell)
+    disturbed = cost._disturbed(state, grid.smallest_cell)
     assert nodes(state.points) == 8 and 12 < nodes(disturbed.points) < 27
 
 
@@ -80,7 +80,7 @@ import sys
 sys.path.insert(0, "tests")
 from hybrid.setup.build import build
 from hybrid.runtime.memory import peak_memory
-from hybrid.cost import probe
+from hybrid.cost import predict
 from hybrid.scene import Solver
 from hybrid.output.model_sheet import LIBRARIES
 from hybrid.study.scenes import soil_scene
@@ -94,17 +94,17 @@ for linear in ("krylov", "direct"):     # compiles
     list(block(4, linear).steps())
 for linear in ("krylov", "direct"):
     base, simulation = peak_memory(), block(12, linear)
-    probed = probe(simulation).peak - base
+    predicted = predict(simulation).peak - base
     list(simulation.steps())
-    print(2**20 * simulation.sheet()["modelled"]["memory, estimated [MiB]"] - LIBRARIES, probed, peak_memory() - base)
+    print(2**20 * simulation.sheet()["modelled"]["memory, estimated [MiB]"] - LIBRARIES, predicted, peak_memory() - base)
 """
 
 
 def test_memory_of_a_run():
-    """The peak grows by what is estimated, and the probe has met it before."""
+    """The peak grows as estimated from the sizes, and as measured by the prediction."""
     told = subprocess.run([sys.executable, "-c", MEMORY], cwd=ROOT, capture_output=True, text=True, check=True).stdout
-    for estimated, probed, run in np.array([line.split() for line in told.splitlines()], float):
-        assert 0.5 < estimated / run < 2 and 0.5 < probed / run < 1.02
+    for estimated, predicted, run in np.array([line.split() for line in told.splitlines()], float):
+        assert 0.5 < estimated / run < 2 and 0.5 < predicted / run < 1.02
 
 
 TRAVELS = """
@@ -113,17 +113,17 @@ sys.path.insert(0, "tests/system")
 from test_cost import pressed
 from hybrid.setup.build import build
 from hybrid.runtime.memory import peak_memory
-from hybrid.cost import probe
+from hybrid.cost import predict
 from hybrid.output.model_sheet import LIBRARIES
 
 list(build(pressed(0.2, 2)).steps())    # compiles
-probe(build(pressed(0.2, 2)))
+predict(build(pressed(0.2, 2)))
 base, simulation = peak_memory(), build(pressed(0.1, 3))
 estimated = 2**20 * simulation.sheet()["modelled"]["memory, estimated [MiB]"] - LIBRARIES
-most, told = simulation.most_points, probe(simulation)
-probed = peak_memory() - base
+most, found = simulation.most_points, predict(simulation)
+measured = peak_memory() - base
 list(simulation.steps())
-print(estimated, told.peak - base, probed, peak_memory() - base, most, len(simulation.state.points), told.growth)
+print(estimated, found.peak - base, measured, peak_memory() - base, most, len(simulation.state.points), found.growth)
 """
 
 
@@ -140,9 +140,9 @@ def pressed(size, steps):
 
 
 def test_memory_of_a_grid_that_travels():
-    """The peak grows by what is predicted, points included that come in: the probe alone has met too little."""
+    """The peak grows as predicted, points included that come in; what the prediction has used itself is less."""
     told = subprocess.run([sys.executable, "-c", TRAVELS], cwd=ROOT, capture_output=True, text=True, check=True).stdout
-    estimated, predicted, probed, run, most, points, growth = map(float, told.split())
+    estimated, predicted, measured, run, most, points, growth = map(float, told.split())
     assert 0.5 < estimated / run < 2 and 0.5 < predicted / run < 2
-    assert probed < 0.8 * run
+    assert measured < 0.8 * run
     assert growth > 1.3 and 0.8 * most < points < 1.1 * most

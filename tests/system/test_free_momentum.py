@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from hybrid.contact import assembly
-from hybrid.linalg.system_cache import Systems
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Scene, Soil, Solver, Stage, Time
 from hybrid.setup.build import build
 from hybrid.step import newton
 from hybrid.step.energy import balance_error, energies
-from hybrid.step.equations import Step
+from hybrid.step.equations import begin
+from hybrid.step.workspace import Workspace
 
 STEPS, DT = 20, 0.002
 
@@ -37,10 +37,11 @@ def momentum(simulation, state):
 
 def steps(simulation, tolerance):
     """Yield (step, evaluation, new state) of the converged steps."""
-    state, systems = simulation.state, Systems(simulation.model)
+    model = replace(simulation.model, solver=replace(simulation.model.solver, tolerance=tolerance, iterations=20))
+    state, workspace = simulation.state, Workspace(model)
     for _ in range(STEPS):
-        step = Step(simulation.model, state, DT, False, systems)
-        outcome = newton.solve(step, newton.Settings(tolerance, 20))
+        step = begin(model, state, DT, False, workspace)
+        outcome = newton.solve(step)
         assert outcome.converged, outcome.reason
         state = step.accept(outcome.evaluation)
         yield step, outcome.evaluation, state
@@ -67,7 +68,7 @@ def test_contact_gives_the_soil_what_it_takes_from_the_body(geometry):
     origin = np.array([0.7, -1.3, 0.4])
     moments, sliding, sticking = 0, 0, 0
     for step, evaluation, _ in steps(simulation, 1e-9):
-        corners, touch = step.pairs[0].corners, evaluation.contacts[0].corners
+        corners, touch = step.bodies[0].pair.corners, evaluation.contacts[0].corners
         soil = np.zeros_like(nodes)
         body = assembly.add_residual(touch, corners, soil)
         size = np.abs(touch.force).sum()
@@ -109,11 +110,12 @@ def test_what_the_transfer_loses(geometry, transfer, ratio):
     for parts in (1, 2):
         described = scene(geometry, friction=0.0)
         simulation = build(replace(described, soil=replace(described.soil, transfer=transfer)))
-        model, state, systems = simulation.model, simulation.state, Systems(simulation.model)
+        model = replace(simulation.model, solver=replace(simulation.model.solver, tolerance=1e-8, iterations=20))
+        state, workspace = simulation.state, Workspace(model)
         start = energies(model, state)
         for _ in range(STEPS * parts):
-            step = Step(model, state, DT / parts, False, systems)
-            outcome = newton.solve(step, newton.Settings(1e-8, 20))
+            step = begin(model, state, DT / parts, False, workspace)
+            outcome = newton.solve(step)
             assert outcome.converged, outcome.reason
             state = step.accept(outcome.evaluation)
         lost.append(-balance_error(energies(model, state, outcome.evaluation), start) / start["kinetic"])

@@ -12,13 +12,14 @@ from hybrid import simulation as simulation_module
 from hybrid.bench.soils import block
 from hybrid.body import rigid
 from hybrid.linalg import system_cache as cache_module
-from hybrid.linalg.system_cache import Systems
 from hybrid.runtime.errors import StepError
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Pull, Scene, Soil, Solver, Stage, Time
 from hybrid.setup.build import build
+from hybrid.soil.model import Refusal
 from hybrid.step import newton
-from hybrid.step.equations import Step
+from hybrid.step.equations import begin
 from hybrid.step.increments import Control, outer_step
+from hybrid.step.workspace import Workspace
 
 LENGTH = 0.01
 
@@ -65,14 +66,16 @@ def assert_untouched(state, copy):
     assert (state.time, state.step, state.work) == (copy.time, copy.step, copy.work)
 
 
-def one_step(simulation, control, settings, state=None):
+def one_step(simulation, control, state=None, **solver):
+    """(new State, Report) of an outer step; solver: settings that are different."""
     state = simulation.state if state is None else state
-    return outer_step(simulation.model, Systems(simulation.model), state, LENGTH, True, control, settings)
+    model = replace(simulation.model, solver=replace(simulation.model.solver, **solver))
+    return outer_step(model, Workspace(model), state, LENGTH, True, control)
 
 
 def test_an_easy_step_is_one_increment(geometry):
     simulation = ready(scene(geometry))
-    state, report = one_step(simulation, Control(LENGTH, LENGTH / 64), newton.Settings())
+    state, report = one_step(simulation, Control(LENGTH, LENGTH / 64))
     assert (report.increments, report.rejections, report.dt) == (1, 0, LENGTH)
     assert state.step == 1 and state.time == LENGTH and report.evaluation.error <= 1e-6
     assert len(report.evaluation.contacts[0].corners) >= 4      # the hit was in it
@@ -83,7 +86,7 @@ def test_a_hard_step_is_rejected_and_halved(geometry, iterations):
     """Too few iterations allowed: shorter increments need fewer, and the outer step still ends on time."""
     simulation = ready(scene(geometry))
     before = deepcopy(simulation.state)
-    state, report = one_step(simulation, Control(LENGTH, LENGTH / 64), newton.Settings(iterations=iterations))
+    state, report = one_step(simulation, Control(LENGTH, LENGTH / 64), iterations=iterations)
     halvings = round(np.log2(LENGTH / report.dt))
     assert halvings >= 1 and report.dt == pytest.approx(LENGTH / 2**halvings)
     assert report.rejections >= halvings and report.increments > halvings and report.iterations > iterations
@@ -94,21 +97,20 @@ def test_a_hard_step_is_rejected_and_halved(geometry, iterations):
 def test_increments_grow_again(geometry):
     simulation = build(replace(scene(geometry), bodies=()))
     control = Control(LENGTH / 8, LENGTH / 64)
-    state, report = one_step(simulation, control, newton.Settings())
+    state, report = one_step(simulation, control)
     assert report.increments == 4      # an eighth, a quarter, a half, the rest
     assert report.dt == pytest.approx(LENGTH / 8)
     assert control.dt == LENGTH and report.rejections == 0
-    assert one_step(simulation, control, newton.Settings(), state)[1].increments == 1
+    assert one_step(simulation, control, state)[1].increments == 1
 
 
 @pytest.mark.parametrize("floor, start", [(1, 0.0), (4, 0.0025)])
 def test_the_floor_stops_the_run_with_value_limit_and_remedy(geometry, floor, start):
     """At once, or after a part of the outer step was accepted: what was committed stays as it was."""
     simulation = ready(scene(geometry))
-    before, systems = deepcopy(simulation.state), Systems(simulation.model)
+    before = deepcopy(simulation.state)
     with pytest.raises(StepError) as caught:
-        outer_step(simulation.model, systems, simulation.state, LENGTH, True, Control(LENGTH, LENGTH / floor),
-                   newton.Settings(iterations=1))
+        one_step(simulation, Control(LENGTH, LENGTH / floor), iterations=1)
     message = str(caught.value)
     assert f"step 1 failed at t = {start:g} s with an increment of {LENGTH / floor:g} s" in message     # where
     assert re.search(r"residual \d\.\d\de-\d\d after 1 iterations, tolerance 1e-06 \(.* soil \[N\]", message)
@@ -147,25 +149,28 @@ def test_soil_turned_inside_out_is_a_rejection(geometry):
     simulation = build(replace(scene(geometry), bodies=()))
     points = simulation.state.points
     points.velocity[:, 2] = -60.0 * (points.position[:, 2] + 0.4) / 0.4
-    step = Step(simulation.model, simulation.state, 10 * LENGTH, False, Systems(simulation.model))
-    outcome = newton.solve(step, newton.Settings())
+    step = begin(simulation.model, simulation.state, 10 * LENGTH, False, Workspace(simulation.model))
+    outcome = newton.solve(step)
     assert not outcome.converged and "inside out" in outcome.reason
-    state, report = one_step(simulation, Control(LENGTH, LENGTH / 64), newton.Settings())
+    state, report = one_step(simulation, Control(LENGTH, LENGTH / 64))
     assert state.step == 1
 
 
 @pytest.mark.parametrize("held", [False, True])
 def test_committed_and_trial_arrays_are_never_the_same(geometry, held):
     simulation = ready(scene(geometry, held=held))
-    state, systems = simulation.state, Systems(simulation.model)
+    state, workspace = simulation.state, Workspace(simulation.model)
     for _ in range(2):
         before = deepcopy(state)
-        step = Step(simulation.model, state, LENGTH, True, systems)
-        outcome = newton.solve(step, newton.Settings())
+        step = begin(simulation.model, state, LENGTH, True, workspace)
+        outcome = newton.solve(step)
         assert outcome.converged
         committed, found = dict(arrays(state)), outcome.evaluation
         trial = dict(arrays(
-            (found.unknowns, found.soil_trial, found.contacts, found.body_trials, found.rates)))
+            (found.unknowns, found.soil_trial, found.contacts, [terms.trial for terms in found.bodies], found.rates)))
+        if not held:
+            trial |= {name: getattr(found.soil_trial.strain, name)
+                      for name in ("increment", "inverse", "strain", "directions")}
         accepted = step.accept(outcome.evaluation)
         if held:      # points that cannot move are handed on as they are
             committed = {path: a for path, a in committed.items() if not path.startswith(".points")}
@@ -254,7 +259,7 @@ def test_soil_that_would_open_starts_from_rest(monkeypatch):
 
 
 class Guess:
-    """Stands for a step of which the two first guesses open these shares of the soil; None: it cannot be evaluated."""
+    """Stands for a step of which the two first guesses open these shares of the soil; None: they are refused."""
 
     def __init__(self, moving, still, inertia=True):
         self.made, self.model = [], SimpleNamespace(scheme=SimpleNamespace(inertia=inertia))
@@ -262,9 +267,13 @@ class Guess:
         self.predictor, self.at_rest = lambda: "moving", lambda: "still"
         self.apex_fraction = lambda evaluation: self._share[evaluation.unknowns]
 
-    def evaluate(self, unknowns):
-        """Trial strains live in buffers that the next evaluation overwrites."""
-        self.made.append(None if self._share[unknowns] is None else SimpleNamespace(unknowns=unknowns))
+    def evaluate(self, unknowns, keep=None):
+        """Without `keep` the trial strains of the last evaluation are overwritten."""
+        for earlier in self.made:
+            earlier.valid &= earlier is keep
+        if self._share[unknowns] is None:
+            return Refusal("turns soil inside out")
+        self.made.append(SimpleNamespace(unknowns=unknowns, valid=True))
         return self.made[-1]
 
 
@@ -274,9 +283,9 @@ class Guess:
 def test_where_newtons_method_starts(moving, still, inertia, start):
     """Soil in free flight is open anyway and keeps its velocity."""
     step = Guess(moving, still, inertia)
-    evaluation = newton._start(step)
-    assert evaluation.unknowns == start and evaluation is step.made[-1]
+    evaluation = newton.first_evaluation(step)
+    assert evaluation.unknowns == start and evaluation.valid and len(step.made) <= 2
 
 
 def test_there_may_be_no_start():
-    assert newton._start(Guess(None, 0.0)) is None
+    assert newton.first_evaluation(Guess(None, 0.0)) == Refusal("turns soil inside out")

@@ -5,8 +5,9 @@ from types import SimpleNamespace
 import pytest
 
 from hybrid.runtime.data import GEOMETRY
-from hybrid.scene import Axis, Body, Faces, Grid, Stage
+from hybrid.scene import Axis, Body, Faces, Grid, Solver, Stage
 from hybrid.setup.build import build
+from hybrid.soil.model import Refusal
 from hybrid.step import newton
 from hybrid.study.scenes import scene
 
@@ -50,14 +51,14 @@ def test_the_answer_is_the_same_within_the_tolerance(exact, name):
 
 
 def test_the_krylov_tolerance_follows_newton_and_keeps_within_its_bounds():
-    settings = newton.Settings(tolerance=1e-6, linear_tolerance=1e-3, loosest_tolerance=0.1)
+    settings = Solver(tolerance=1e-6, linear_tolerance=1e-3, loosest_tolerance=0.1)
     forcing = newton._forcing
     assert forcing(settings, [1.0], 0.1) == 0.1
     assert forcing(settings, [1.0, 0.9], 0.1) == 0.1                       # stagnating
     assert forcing(settings, [1.0, 0.1], 0.1) == pytest.approx(9e-3)      # 0.9 (R_k / R_k-1)²
     assert forcing(settings, [1.0, 1e-3], 0.1) == 1e-3                     # never tighter than linear_tolerance
     assert forcing(settings, [1.0, 1e-5], 0.1) == pytest.approx(0.05)     # what is left to the tolerance
-    same = newton.Settings(linear_tolerance=1e-3, loosest_tolerance=0.0)
+    same = Solver(linear_tolerance=1e-3, loosest_tolerance=0.0)
     assert forcing(same, [1.0, 0.9], 0.1) == 1e-3
 
 
@@ -71,28 +72,43 @@ def test_an_update_that_gains_little_is_shortened():
         def moved(self, unknowns, soil, body, scale):
             return scale
 
-        def evaluate(self, scale):
+        def evaluate(self, scale, keep=None):
             tried.append(scale)
             return SimpleNamespace(error=abs(1 - 1.95 * scale), unknowns=scale)
 
     old = SimpleNamespace(error=1.0, unknowns=None)
-    assert newton._search(Step(), old, None, None, True).unknowns == 0.5 and tried == [1.0, 0.5]
+    assert newton.line_search(Step(), old, None, None, True).unknowns == 0.5 and tried == [1.0, 0.5]
     tried.clear()
-    assert newton._search(Step(), old, None, None, False).unknowns == 1.0
+    assert newton.line_search(Step(), old, None, None, False).unknowns == 1.0
 
 
 @pytest.mark.parametrize("error, best", [(lambda s: 1 - 0.3 * s, 1.0), (lambda s: 1 + s, 1 / 16),
                                          (lambda s: 0.8 if s == 0.5 else 0.9, 0.5)])
-def test_the_evaluation_returned_is_the_best_and_the_last(error, best):
+def test_the_best_evaluation_is_returned_and_stays_valid(error, best):
     tried = []
 
     class Step:
         def moved(self, unknowns, soil, body, scale):
             return scale
 
-        def evaluate(self, scale):
-            tried.append(scale)
-            return SimpleNamespace(error=error(scale), unknowns=scale)
+        def evaluate(self, scale, keep=None):
+            for earlier in tried:
+                earlier.valid &= earlier is keep
+            tried.append(SimpleNamespace(error=error(scale), unknowns=scale, valid=True))
+            return tried[-1]
 
-    found = newton._search(Step(), SimpleNamespace(error=1.0, unknowns=None), None, None, True)
-    assert found.unknowns == best and tried[-1] == best
+    found = newton.line_search(Step(), SimpleNamespace(error=1.0, unknowns=None), None, None, True)
+    assert found.unknowns == best and found.valid
+    assert len({one.unknowns for one in tried}) == len(tried)   # nothing is evaluated twice
+
+
+def test_an_update_without_any_evaluation_is_refused_with_the_last_reason():
+    class Step:
+        def moved(self, unknowns, soil, body, scale):
+            return scale
+
+        def evaluate(self, scale, keep=None):
+            return Refusal(f"fails at {scale:g}")
+
+    old = SimpleNamespace(error=1.0, unknowns=None)
+    assert newton.line_search(Step(), old, None, None, True) == Refusal("fails at 0.0625")

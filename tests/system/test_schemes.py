@@ -7,7 +7,6 @@ import pytest
 
 import hybrid
 from hybrid.body.attitude import exp_so3
-from hybrid.linalg.system_cache import Systems
 from hybrid.output import checkpoint
 from hybrid.runtime.errors import StepError
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
@@ -15,7 +14,8 @@ from hybrid.setup.build import build
 from hybrid.soil import transfer
 from hybrid.step import equations, newton
 from hybrid.step.energy import balance_error, energies
-from hybrid.step.equations import Step
+from hybrid.step.equations import begin
+from hybrid.step.workspace import Workspace
 from hybrid.study import scenes
 
 DT = 0.002
@@ -127,10 +127,10 @@ def test_a_resumed_run_has_its_algorithmic_acceleration(geometry, tmp_path):
 @pytest.mark.parametrize("name", ["newmark", "alpha", "energy-momentum"])
 def test_committed_and_trial_rates_are_never_the_same(geometry, name):
     simulation = build(landing(geometry, **SCHEMES[name]))
-    state, systems = simulation.state, Systems(simulation.model)
+    state, workspace = simulation.state, Workspace(simulation.model)
     for _ in range(2):
-        step = Step(simulation.model, state, DT, False, systems)
-        outcome = newton.solve(step, newton.Settings())
+        step = begin(simulation.model, state, DT, False, workspace)
+        outcome = newton.solve(step)
         new = step.accept(outcome.evaluation)
         for old, now in ((state.points, new.points), (state.bodies[0], new.bodies[0])):
             for one in filter(lambda v: isinstance(v, np.ndarray), vars(old).values()):
@@ -202,7 +202,7 @@ def test_a_converged_step_is_asked_too(geometry):
     """The first guess may be short and the solution long; without inertia only the turn found counts."""
     for inertia in (True, False):
         simulation = spinning(geometry, 0.0, inertia=inertia)
-        step = Step(simulation.model, simulation.state, 0.04, False, Systems(simulation.model))
+        step = begin(simulation.model, simulation.state, 0.04, False, Workspace(simulation.model))
         guess = step.predictor()
         assert step.rotation_too_large() == "" == step.rotation_too_large(guess)
         poses = [(position, exp_so3([0.0, angle, 0.0]) @ rotation)

@@ -15,7 +15,6 @@ from hybrid.laws.hencky import Hencky
 from hybrid.laws.von_mises import VonMises
 from hybrid.laws.willam_warnke import WillamWarnke
 from hybrid.linalg.stencil_pattern import make_pattern
-from hybrid.linalg.system_cache import Systems
 from hybrid.scene import Material, Solver
 from hybrid.setup.build import build
 from hybrid.soil.model import Soil
@@ -23,7 +22,9 @@ from hybrid.soil.points import at_rest, tile
 from hybrid.soil.principal import from_principal, principal
 from hybrid.soil.stiffness import KeptStiffness, add_stiffness
 from hybrid.soil.tangent import point_tangent, pulled_back
-from hybrid.step.equations import Step
+from hybrid.soil.workspace import SoilWorkspace
+from hybrid.step.equations import begin
+from hybrid.step.workspace import Workspace
 from hybrid.study.scenes import soil_scene
 
 YOUNG = 1e6
@@ -120,7 +121,7 @@ def block(law, basis="gimp", plane=False, seed=3, fbar=False):
     grid = make_grid((fine, middle, np.linspace(-0.8, 0.4, 7)), extent, faces)
     constants = tile(grid, extent[:, 0], np.array([*extent[:2, 1], 0.0]), (2, 2, 2), 1800.0)
     n = len(constants)
-    soil = Soil(grid, constants, LAWS[law](n), basis, fbar=fbar)
+    soil = Soil(grid, constants, LAWS[law](n), basis=basis, fbar=fbar)
     strain = -0.004 + 0.001 * rng.standard_normal((n, 3))
     points = at_rest(constants, np.zeros((n, 3)), strain)
     points.plastic_strain = np.random.default_rng(seed + 1).uniform(0.0, 0.5, n)
@@ -229,10 +230,12 @@ def test_kept_tangent_follows_the_trial(law):
     pattern = make_pattern(step.active, soil.grid.fixed, soil.grid.shape)
 
     def filled(tolerance, *trials):
-        soil._kept = KeptStiffness(tolerance, soil.law.young)
+        workspace = SoilWorkspace(soil)
+        workspace.kept = KeptStiffness(tolerance, soil.law.young)
+        begun = replace(step, workspace=workspace)
         values = np.empty(len(pattern.indices))
         for u in trials:
-            soil.fill_stiffness(step, soil.evaluate(step, u), pattern, values)
+            soil.fill_stiffness(begun, soil.evaluate(begun, u), pattern, values)
         return values
 
     other = 1.05 * displacement
@@ -246,9 +249,7 @@ def test_kept_tangent_follows_the_trial(law):
 
 def test_slope_test_fails_without_the_terms_of_fbar():
     soil, step, displacement = block("hencky", fbar=True)
-    soil.fbar = False
-    K, pattern = stiffness(soil, step, displacement)
-    soil.fbar = True
+    K, pattern = stiffness(replace(soil, fbar=False), step, displacement)
     assert observed_rate(soil, step, displacement, K, pattern.free) < 1.2
 
 
@@ -288,7 +289,7 @@ def test_a_share_of_the_elastic_stiffness_is_mixed_in():
         material = Material(young=YOUNG, poisson=0.3, density=1800.0, **law)
         described = soil_scene(gravity=(0.0, 0.0, -9.81), solver=Solver(elastic_share=share, tangent_tolerance=0.0))
         simulation = build(replace(described, soil=replace(described.soil, material=material)))
-        step = Step(simulation.model, simulation.state, 0.01, False, Systems(simulation.model))
+        step = begin(simulation.model, simulation.state, 0.01, False, Workspace(simulation.model))
         shaken = 0.004 * np.random.default_rng(0).normal(size=step.predictor().displacement.shape)
         evaluation = step.evaluate(replace(step.predictor(), displacement=shaken))
         step.assemble(evaluation)

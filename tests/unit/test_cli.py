@@ -155,18 +155,18 @@ def test_check_prints_the_sheet_aligned(scene, stand_in, capsys):
 def test_check_adds_what_the_steps_would_take(scene, stand_in, capsys):
     simulation = SimpleNamespace(sheet=lambda: {"left out": ["damage"]})
     stand_in("hybrid.setup.build", build=lambda scene: simulation)
-    stand_in("hybrid.cost", probe=lambda given: SimpleNamespace(
+    stand_in("hybrid.cost", predict=lambda given: SimpleNamespace(
         sheet=lambda: {"predicted": {"step [s]": 0.25 if given is simulation else None}}))
     assert cli.main(["check", str(scene)]) == 0
     assert capsys.readouterr().out.splitlines()[2:] == ["", "predicted", "  step [s]  0.25"]
 
 
 def test_check_says_why_nothing_can_be_predicted(scene, stand_in, capsys):
-    def probe(_):
+    def predict(_):
         raise StepError("linear solver: a diagonal block is singular")
 
     stand_in("hybrid.setup.build", build=lambda scene: SimpleNamespace(sheet=lambda: {"left out": ["damage"]}))
-    stand_in("hybrid.cost", probe=probe)
+    stand_in("hybrid.cost", predict=predict)
     assert cli.main(["check", str(scene)]) == 0
     assert "nothing: linear solver: a diagonal block is singular" in capsys.readouterr().out
 

@@ -10,11 +10,11 @@ from hybrid.body.closest import closest
 from hybrid.contact import soil_to_body
 from hybrid.contact.corners import SIGNS
 from hybrid.contact.first_contact import predicted_contact_points
-from hybrid.linalg.system_cache import Systems
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Scene, Soil, Stage, Time
 from hybrid.setup.build import build
 from hybrid.state import ContactHistory
-from hybrid.step.equations import Step, Unknowns
+from hybrid.step.equations import Unknowns, begin
+from hybrid.step.workspace import Workspace
 
 
 def pressed(geometry, steps=4):
@@ -33,7 +33,7 @@ def pressed(geometry, steps=4):
 
 
 def contact_energy_at_rest(simulation, state):
-    step = Step(simulation.model, state, 0.01, False, Systems(simulation.model))
+    step = begin(simulation.model, state, 0.01, False, Workspace(simulation.model))
     rest = Unknowns(np.zeros((simulation.model.soil.grid.node_count, 3)),
                     tuple((b.position, b.rotation) for b in state.bodies))
     return step.evaluate(rest).contacts[0].energy

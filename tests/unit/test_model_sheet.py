@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_array
 
-from hybrid.linalg.system_cache import Systems
 from hybrid.scene import Axis, Material, Time
 from hybrid.scene.file import load_scene
 from hybrid.setup.build import build
-from hybrid.step.equations import Step
+from hybrid.step.equations import begin
+from hybrid.step.workspace import Workspace
 from hybrid.study.scenes import plane, soil_scene, sphere
 
 DEMOS = Path(__file__).parents[2] / "demos"
@@ -28,7 +28,7 @@ def test_held_soil_leaves_six_unknowns():
 def test_sizes_are_those_of_the_first_step(friction):
     simulation = build(load_scene(DEMOS / "anchor.toml", [f"body.0.friction={friction}"]))
     sheet = simulation.sheet()
-    step = Step(simulation.model, simulation.state, 0.04, False, Systems(simulation.model))
+    step = begin(simulation.model, simulation.state, 0.04, False, Workspace(simulation.model))
     assert sheet["modelled"]["soil unknowns"] == step.pattern.size
     assert sheet["modelled"]["entries of the soil block"] == len(step.pattern.indices)
     assert sheet["modelled"]["material points"] == len(simulation.state.points)
@@ -65,7 +65,7 @@ def test_driven_components_are_modelled_and_held_ones_left_out():
 def test_demo_anchor_starts_in_equilibrium():
     """Geostatic stress on the demo's graded grid: the soil's residual is round-off."""
     simulation = build(load_scene(DEMOS / "anchor.toml"))
-    step = Step(simulation.model, simulation.state, 0.04, False, Systems(simulation.model))
+    step = begin(simulation.model, simulation.state, 0.04, False, Workspace(simulation.model))
     weight = np.linalg.norm(step.soil.weight)
     assert np.linalg.norm(step.evaluate(step.predictor()).soil) < 1e-12 * weight
 
@@ -85,7 +85,7 @@ def test_the_soil_tangent_is_symmetric_where_the_sheet_says_so(law, symmetric, f
     described = soil_scene(gravity=(0.0, 0.0, -9.81), fbar=fbar)
     material = Material(young=1e6, poisson=0.3, density=1800.0, **law)
     simulation = build(replace(described, soil=replace(described.soil, material=material)))
-    step = Step(simulation.model, simulation.state, 0.01, False, Systems(simulation.model))
+    step = begin(simulation.model, simulation.state, 0.01, False, Workspace(simulation.model))
     shaken = 0.004 * np.random.default_rng(0).normal(size=step.predictor().displacement.shape)
     step.assemble(step.evaluate(replace(step.predictor(), displacement=shaken)))
     pattern = step.pattern
@@ -109,9 +109,10 @@ def test_soil_that_was_dragged_along_does_not_hide_the_grid():
     simulation = build(soil_scene(x=(0.0, 1.6)))
     soil, before = simulation.model.soil, simulation.sheet()["modelled"]["soil unknowns"]
     away = soil.constants.position - (1.0, 0.0, 0.0)
-    dragged = soil.on(soil.grid, replace(soil.constants, position=away), soil.law)
-    simulation.model = simulation.model.on(dragged)
+    dragged = replace(soil, constants=replace(soil.constants, position=away))
+    simulation.model = simulation.model.with_soil(dragged)
     assert simulation.sheet()["modelled"]["soil unknowns"] < before     # of the nodes that are seen from there
     both = np.where(np.arange(len(away))[:, None] % 2 == 0, away, soil.constants.position)
-    simulation.model = simulation.model.on(soil.on(soil.grid, replace(soil.constants, position=both), soil.law))
+    simulation.model = simulation.model.with_soil(
+        replace(soil, constants=replace(soil.constants, position=both)))
     assert simulation.sheet()["modelled"]["soil unknowns"] == before

@@ -9,12 +9,12 @@ from scipy.sparse import block_diag, csr_matrix, diags, identity, kron, random
 from hybrid.linalg import petsc
 from hybrid.linalg.petsc import BlockSystem
 from hybrid.linalg.precond_pattern import ReducedMatrix
-from hybrid.linalg.system_cache import Systems
 from hybrid.runtime.errors import StepError
 from hybrid.scene import Solver, Time
 from hybrid.setup.build import build
 from hybrid.soil import model
-from hybrid.step.equations import Step
+from hybrid.step.equations import begin
+from hybrid.step.workspace import Workspace
 from hybrid.study.scenes import soil_scene
 
 
@@ -175,7 +175,7 @@ def hardly_filled(filled, material=(), **soil):
     points = simulation.state.points
     points.position[:, 2] -= (1 - filled) * 0.1 * (1 + points.position[:, 2] / 0.4)     # the base stays
     points.half_width[:, 2] *= 1 - (1 - filled) * 0.25
-    step = Step(simulation.model, simulation.state, 1.0, False, Systems(simulation.model))
+    step = begin(simulation.model, simulation.state, 1.0, False, Workspace(simulation.model))
     step.assemble(step.evaluate(step.predictor()))
     return step.system.solve(np.random.default_rng(1).normal(size=step.pattern.size), np.zeros(0))[2]
 

@@ -35,7 +35,7 @@ def soil_on(axes, basis="gimp"):
     points.velocity[:] = rng.standard_normal(points.velocity.shape)
     points.acceleration[:] = 10 * rng.standard_normal(points.velocity.shape)
     points.algorithmic = 10 * rng.standard_normal(points.velocity.shape)
-    return Soil(grid, constants, law, basis), points
+    return Soil(grid, constants, law, basis=basis), points
 
 
 @pytest.fixture(params=[(name, basis) for name in NODES for basis in ("gimp", "mpm")], ids="-".join)
@@ -189,7 +189,7 @@ def test_affine_transfer_keeps_linear_fields(case):
 def test_rates_that_points_take_up(transfer):
     """A uniform gain moves all points alike, whatever they carry on top; momentum is that of the nodes."""
     soil, points = soil_on(NODES["graded"])
-    soil.transfer = transfer
+    soil = replace(soil, transfer=transfer)
     step = soil.begin(points, np.zeros(3))
     trial = soil.evaluate(step, np.zeros((soil.grid.node_count, 3)))
     gain = np.random.default_rng(6).standard_normal((soil.grid.node_count, 3))

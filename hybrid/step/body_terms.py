@@ -1,0 +1,155 @@
+"""A body in one increment, and its terms in the equations.
+
+    R_w = inertia - weight + line + Σ contact        on the body's free unknowns        [N, N m]
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hybrid.body import rigid
+from hybrid.body.rigid import BodyTrial, RigidBody
+from hybrid.contact.contact_pair import Contact, ContactPair
+from hybrid.scheme import Scheme
+from hybrid.state import BodyState
+from hybrid.step.search_reach import search_reach
+from hybrid.step.soil_terms import ROUNDING
+
+
+@dataclass(frozen=True)
+class BodyStep:
+    """A body as it is frozen during a step.
+
+    number    of the body in the model and in the state
+    body      its constants, with the mask of its free components
+    state     committed motion
+    target    (3,) [m] far end of its pull line at the end of the step, None where no line acts
+    pair      its contact with the soil; reach: [m] of the search for it
+    unknowns  slice of the bodies' unknowns that are its own
+    line_force  (3,) [N] residual of the line at the start of the step
+    """
+
+    number: int
+    body: RigidBody
+    state: BodyState
+    target: np.ndarray | None
+    pair: ContactPair
+    reach: float
+    unknowns: slice
+    line_force: np.ndarray
+    gravity: np.ndarray
+    scheme: Scheme
+    dt: float
+
+    @property
+    def free(self):
+        """(6,) bool mask of its unknowns."""
+        return self.body.free
+
+    def pose(self, unknowns):
+        """(position, rotation) at trial Unknowns."""
+        return unknowns.poses[self.number]
+
+    def predicted_pose(self):
+        """Pose at the end of the step if it keeps its rates."""
+        return rigid.predicted_pose(self.body, self.state, self.scheme, self.dt)
+
+    def committed_pose(self):
+        """Pose before the step."""
+        return self.state.position, self.state.rotation
+
+    def moved_pose(self, unknowns, increment):
+        """Pose at trial Unknowns after an `increment` of all bodies' unknowns (m,)."""
+        full = np.zeros(6)
+        full[self.free] = increment[self.unknowns]
+        return rigid.moved_pose(self.pose(unknowns), full)
+
+    def rotation_angle(self, unknowns=None):
+        """Angle [rad] of its rotation in the step, by its committed spin and by trial Unknowns."""
+        angle = self.dt * np.linalg.norm(self.state.spin)
+        if unknowns is None:
+            return angle
+        return max(angle, rigid.rotation_angle(self.body, self.state, self.pose(unknowns), self.scheme, self.dt))
+
+    def evaluate(self, unknowns, nodal_contact):
+        """BodyTerms at trial Unknowns. Its contact is added to `nodal_contact` (N, 3) [N], None for held soil."""
+        pose = self.pose(unknowns)
+        contact = self.pair.evaluate(unknowns.displacement, pose)
+        on_body = self.pair.add_residual(contact, nodal_contact)
+        trial = rigid.evaluate(self.body, self.state, pose, self.target, self.gravity, self.scheme, self.dt)
+        terms = np.array([trial.inertia, trial.weight, trial.line, on_body])
+        return BodyTerms(self, pose, trial, contact, terms, self.pair.springs(contact))
+
+
+@dataclass(frozen=True)
+class BodyTerms:
+    """Terms of a body at a trial pose: `terms` (4, 6) [N, N m] inertia, weight, line and contact; springs: [N/m]
+    stiffness of its contact."""
+
+    step: BodyStep
+    pose: tuple
+    trial: BodyTrial
+    contact: Contact
+    terms: np.ndarray
+    springs: float
+
+    @property
+    def total(self):
+        """(6,) [N, N m] sum of all terms."""
+        return self.terms.sum(axis=0)
+
+    @property
+    def residual(self):
+        """(k,) on its unknowns."""
+        return self.total[self.step.free]
+
+    @property
+    def reaction(self):
+        """(6,) [N, N m] of the guides of its held and driven components."""
+        return np.where(self.step.free, 0.0, self.total)
+
+    def error(self):
+        """Norms of the residual {name: value}, and the larger of force and moment relative to the largest terms."""
+        body = self.step.body
+        free = np.where(self.step.free, self.total, 0.0)
+        force, moment = np.linalg.norm(free[:3]), np.linalg.norm(free[3:])
+        scale = np.linalg.norm(self.terms[:, :3], axis=1).max()
+        arm = max(np.linalg.norm(self.terms[:, 3:], axis=1).max(), scale * body.radius)
+        noise = ROUNDING * (self.step.scheme.mass_factor(self.step.dt) * body.mass.mass + self.springs) * (
+            np.linalg.norm(self.pose[0]) + body.radius)
+        error = max((force - noise) / scale if scale > 0 else 0.0,
+                    (moment - noise * body.radius) / arm if arm > 0 else 0.0)
+        return {f"{body.name} [N]": force, f"{body.name} [N m]": moment}, error
+
+    def add_tangent(self, pattern, system):
+        """Add contact, inertia and line to the block system."""
+        own, free = self.step.unknowns, self.step.free
+        ww = self.step.pair.add_tangent(self.contact, pattern, system.values, system.uw[:, own], system.wu[own])
+        system.ww[own, own] += (ww + self.trial.tangent)[np.ix_(free, free)]
+
+    def accept(self):
+        """New BodyState."""
+        step = self.step
+        target = step.state.target if step.target is None else step.target
+        return rigid.accept(step.body, step.state, self.pose, target, self.reaction, step.scheme, step.dt)
+
+
+def begin_bodies(model, state, dt, pulling, points, half, active, nodal):
+    """Tuple of BodyStep. nodal: (velocity, predicted increments) of the nodes, (None, None) for held soil; half: (n, 3)
+    [m] of the domains of `points`; active: (N,) bool, nodes that carry mass."""
+    gravity, grid, first, begun = model.loads.on_bodies(state.time + dt), model.soil.grid, 0, []
+    velocity, predicted = nodal
+    for number, body in enumerate(model.bodies):
+        motion, unknowns = state.bodies[number], slice(first, first + np.count_nonzero(body.free))
+        first = unknowns.stop
+        target, line_force = None, np.zeros(3)
+        if pulling and body.line:
+            target = motion.target + dt * body.line.velocity
+            line_force = rigid.evaluate(body, motion, (motion.position, motion.rotation), motion.target, gravity,
+                                        model.scheme, dt).line[:3]
+        reach = search_reach(body, motion, grid, velocity, dt)
+        pose = rigid.predicted_pose(body, motion, model.scheme, dt)
+        pair = ContactPair(body, motion, state.contacts[number], points, half, grid, active, reach, (predicted, pose))
+        begun.append(BodyStep(number, body, motion, target, pair, reach, unknowns, line_force, gravity, model.scheme,
+                              dt))
+    return tuple(begun)

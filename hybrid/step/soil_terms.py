@@ -1,0 +1,61 @@
+"""The soil's terms in the equations of one increment.
+
+    R_u = f_int + m a - m b + Σ contact        on the free nodal unknowns        [N]
+
+b are all loads on the points, gravity included.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hybrid.runtime import comm
+from hybrid.runtime.timing import phase
+from hybrid.soil.model import Refusal, SoilTrial
+
+ROUNDING = 1e-14  # relative, of positions and increments: forces that this alone explains are not residual
+
+
+@dataclass(frozen=True)
+class SoilTerms:
+    """Terms at trial displacements: the trial of the soil, `Scheme.advance` of the nodes, and forces (N, 3) [N] by
+    name, of which "contact" is added by the bodies."""
+
+    trial: SoilTrial
+    rates: tuple
+    forces: dict
+
+
+def evaluate(step, displacement, keep=None):
+    """SoilTerms at nodal increments (N, 3) [m], or a Refusal; keep: an earlier SoilTrial that stays valid."""
+    with phase("soil"):
+        trial = step.model.soil.evaluate(step.soil, displacement, keep)
+    if isinstance(trial, Refusal):
+        return trial
+    rates = step.model.scheme.advance(displacement, *step.soil.history, step.dt)
+    return SoilTerms(trial, rates, {
+        "internal": trial.force, "weight": -step.soil.weight, "inertia": step.soil.mass[:, None] * rates[1],
+        "contact": np.zeros_like(trial.force)})
+
+
+def residual(step, terms, displacement, springs):
+    """Residual (n,) [N] on the free unknowns, its norm [N] and its error relative to the largest of the terms.
+
+    springs: [N/m] stiffness of the contact, by body.
+    """
+    free = step.pattern.free
+    parts = [force[free] for force in terms.forces.values()]
+    left = sum(parts)
+    norm, scale = comm.norm(left), max(comm.norm(part) for part in parts)
+    inertia = step.model.scheme.mass_factor(step.dt) * comm.norm((step.soil.mass[:, None] * displacement)[free])
+    noise = ROUNDING * (inertia + np.abs(step.model.soil.grid.extent).max() * sum(springs))
+    return left, norm, max(norm - noise, 0.0) / scale if scale > 0 else 0.0
+
+
+def add_tangent(step, trial, error):
+    """Fill the soil block with stiffness and inertia; error: relative residual at the trial."""
+    pattern, values = step.pattern, step.system.values
+    with phase("assemble"):
+        step.model.soil.fill_stiffness(step.soil, trial, pattern, values, error)
+        mass = np.repeat(step.soil.mass[:, None], 3, axis=1)[pattern.free]
+        values[pattern.diagonal] += step.model.scheme.mass_factor(step.dt) * mass
