@@ -12,8 +12,8 @@ from hybrid.body.rigid import BodyTrial, RigidBody
 from hybrid.contact.contact_pair import Contact, ContactPair
 from hybrid.scheme import Scheme
 from hybrid.state import BodyState
+from hybrid.step import soil_terms
 from hybrid.step.search_reach import search_reach
-from hybrid.step.soil_terms import ROUNDING
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ class BodyTerms:
         force, moment = np.linalg.norm(free[:3]), np.linalg.norm(free[3:])
         scale = np.linalg.norm(self.terms[:, :3], axis=1).max()
         arm = max(np.linalg.norm(self.terms[:, 3:], axis=1).max(), scale * body.radius)
-        noise = ROUNDING * (self.step.scheme.mass_factor(self.step.dt) * body.mass.mass + self.springs) * (
+        noise = soil_terms.ROUNDING * (self.step.scheme.mass_factor(self.step.dt) * body.mass.mass + self.springs) * (
             np.linalg.norm(self.pose[0]) + body.radius)
         error = max((force - noise) / scale if scale > 0 else 0.0,
                     (moment - noise * body.radius) / arm if arm > 0 else 0.0)

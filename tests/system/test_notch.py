@@ -9,7 +9,7 @@ from hybrid.body.surface import build_surface
 from hybrid.runtime.errors import StepError
 from hybrid.scene import Body, Faces, Time
 from hybrid.setup.build import build
-from hybrid.step import equations
+from hybrid.step import soil_terms
 from hybrid.study.scenes import soil_scene
 
 SIZES = {"length": 1.0, "width": 0.8, "height": 0.6, "mouth": 0.6, "size": 0.3}
@@ -101,6 +101,6 @@ def test_a_touch_of_round_off_is_no_residual(geometry, monkeypatch):
     """Put down from 0.4 m the flanks meet the edges after 20 steps to 1e-16 m, with 1e-11 N: nothing to iterate on."""
     records = list(pressing(geometry, 0.4, 20).steps())
     assert 0 < records[-1].bodies[0].overlap < 1e-14 and records[-1].rejections == 0
-    monkeypatch.setattr(equations, "ROUNDING", 0.0)
+    monkeypatch.setattr(soil_terms, "ROUNDING", 0.0)
     with pytest.raises(StepError, match="residual .* after 15 iterations"):
         list(pressing(geometry, 0.4, 20).steps())

@@ -185,20 +185,20 @@ def test_a_step_that_turns_a_body_too_far_is_halved(geometry, options):
     assert record.rejections == 0
 
 
-def test_the_turn_is_told_when_the_step_may_not_be_halved(geometry):
-    reason = r"body turns by 3.6 rad in 0.04 s, limit 2 rad; .*time.smallest.*smaller time.step"
+def test_the_rotation_is_reported_when_the_step_may_not_be_halved(geometry):
+    reason = r"body rotates by 3.6 rad in 0.04 s, limit 2 rad; .*time.smallest.*smaller time.step"
     with pytest.raises(StepError, match=reason):
         list(spinning(geometry, 90.0, smallest=0.04).steps())
 
 
-def test_without_the_limit_the_failure_tells_nothing(geometry, monkeypatch):
+def test_without_the_limit_the_failure_does_not_name_the_cause(geometry, monkeypatch):
     """No logarithm is as long as the turn, so Newton's method has no solution to find."""
-    monkeypatch.setattr(equations, "LARGEST_TURN", np.inf)
+    monkeypatch.setattr(equations, "LARGEST_ROTATION", np.inf)
     with pytest.raises(StepError, match="residual .* after 15 iterations"):
         list(spinning(geometry, 90.0, smallest=0.04).steps())
 
 
-def test_a_converged_step_is_asked_too(geometry):
+def test_a_converged_step_is_checked_too(geometry):
     """The first guess may be short and the solution long; without inertia only the turn found counts."""
     for inertia in (True, False):
         simulation = spinning(geometry, 0.0, inertia=inertia)
@@ -208,4 +208,4 @@ def test_a_converged_step_is_asked_too(geometry):
         poses = [(position, exp_so3([0.0, angle, 0.0]) @ rotation)
                  for position, rotation in guess.poses for angle in (0.9, 2.1)]
         short, long = (step.rotation_too_large(replace(guess, poses=(pose,))) for pose in poses)
-        assert short == "" and "body turns by" in long
+        assert short == "" and "body rotates by" in long

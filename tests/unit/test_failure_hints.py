@@ -80,5 +80,5 @@ def test_the_remedy_that_works_comes_first():
     model, reason = build(soil_scene()).model, "residual 1e-3 after 15 iterations"
     assert "solver.iterations" in remedies(model, reason, (1.0, 1e-1, 1e-2, 1e-3), 1e-6)[0]
     assert "solver.tolerance" in remedies(model, reason, (1.0, 5e-5, 5e-5, 5e-5), 1e-6)[0]
-    assert remedies(model, "box turns by 3 rad in 1 s, limit 2 rad") == ("a smaller time.step",)
+    assert remedies(model, "box rotates by 3 rad in 1 s, limit 2 rad") == ("a smaller time.step",)
     assert either(("a",)) == "a" and either(("a", "b")) == "a or b" and either(("a", "b", "c")) == "a, b, or c"
