@@ -1,29 +1,40 @@
-"""What a scene's `accuracy` stands for. A level changes what a scene gives, by what the study of precision recorded:
+"""What a scene's `accuracy` sets: a level scales cells, steps and tolerances; a target looks settings up in records.
 
-    draft       cells and steps twice as large, tolerances as loose as they go without a part in the error
-    standard    cells and steps as they are given
-    reference   cells and steps half as large, tolerances that leave no trace
+Level, by name:
 
-A Target takes cells and options that reached an error in a problem alike (`hybrid.scene.targets`). accuracy.json has the
-numbers of both, made from the records of the study by `hybrid.study.levels`. Values of the solver that a scene gives
-itself stay.
+    draft       cells and steps twice as large, tolerances as loose as they go without a share in the error
+    standard    cells and steps as given
+    reference   cells and steps half as large, tolerances without any effect on the result
+
+Target: the cheapest settings that reached an error in a similar problem of the study of precision,
+
+    size = L / n      p_f = (p_f L)* / L
+
+with n cells across the length L of the scene that corresponds to the problem's. (p_f L)* is the problem's: a spring of
+ε_N = p_f E A has the overlap p / (p_f E) under a pressure p, which is p / (E p_f L) of L. A target also sets options of
+soil, solver and bodies; steps stay as given. The size is the largest one up to L / n whose cells fill an axis and end
+where the soil does.
+
+Both change only values that the scene leaves at their defaults, apart from cells and, of a level, steps. accuracy.json
+has the numbers of both, made from the records of the study by `hybrid.study.levels`.
 """
 
 import json
-from dataclasses import dataclass, replace
+from dataclasses import MISSING, dataclass, field, fields, replace
 from math import ceil
 from pathlib import Path
 
 from hybrid.runtime.errors import SceneError
 from hybrid.scene import Solver, Target
-from hybrid.scene.targets import Reference, Settings, apply_target
+from hybrid.scene.read import did_you_mean
+from hybrid.scene.table import shown
 
 WRITTEN = Path(__file__).with_name("accuracy.json")
 
 
 @dataclass(frozen=True)
 class Level:
-    """size, step: factors on cells and steps; tolerance, linear_tolerance: of solver."""
+    """size, step: factors on cells and steps; tolerance, linear_tolerance: values of [solver]."""
 
     size: float
     step: float
@@ -31,8 +42,29 @@ class Level:
     linear_tolerance: float
 
     def __str__(self):
-        return (f"cells x {self.size:g}, steps x {self.step:g}, tolerance {self.tolerance:.0e}, of GMRES "
+        return (f"cells x {self.size:g}, steps x {self.step:g}, tolerance {self.tolerance:.0e}, linear_tolerance "
                 f"{self.linear_tolerance:.0e}")
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Settings that reached an `error` [-]: their name, cells across the length, and values of tables that are not
+    defaults; body["penalty"] is p_f times the length [-]."""
+
+    error: float
+    setting: str
+    cells: float
+    soil: dict = field(default_factory=dict)
+    solver: dict = field(default_factory=dict)
+    body: dict = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A problem that scenes may resemble: its length, in words, and its Settings, the cheapest first."""
+
+    length: str
+    settings: tuple
 
 
 def levels():
@@ -41,7 +73,7 @@ def levels():
 
 
 def problems():
-    """{name: Likeness} of the problems that a Target may name, as recorded."""
+    """{name: Reference} of the problems that a Target may name, as recorded."""
     return {name: Reference(values["length"], tuple(Settings(**row) for row in values["settings"]))
             for name, values in _written()["problems"].items()}
 
@@ -50,17 +82,24 @@ def _written():
     return json.loads(WRITTEN.read_text(encoding="utf-8"))
 
 
-def apply_level(scene):
-    """(Scene without `accuracy`, text or texts of what that stood for): as it was where the scene asks for none.
+def apply_accuracy(scene):
+    """(Scene without `accuracy`, texts of what that set); the scene itself and no texts without `accuracy`.
 
-    Raises SceneError where a level has no say, cells that are given one by one, and for a Target that nothing recorded
-    reaches.
+    Raises SceneError for cells that are given one by one, and for a Target that no recorded settings reach.
     """
     if scene.accuracy is None:
-        return scene, ""
+        return scene, []
     if isinstance(scene.accuracy, Target):
-        return apply_target(scene, problems())
+        return apply_target(scene, scene.accuracy, problems())
     level = levels()[scene.accuracy]
+    return apply_level(scene, level), [str(level)]
+
+
+# ------------------------------------------------------------------ levels
+
+
+def apply_level(scene, level):
+    """Scene with the cells, steps and tolerances of a Level, and as many frames and checkpoints as it had."""
     axes = {name: _resized(f"grid.{name}", getattr(scene.grid, name), level.size) for name in "xyz"}
     stages = tuple(replace(stage, steps=ceil(stage.steps / level.step), step=stage.step and stage.step * level.step)
                    for stage in scene.stages)
@@ -71,16 +110,93 @@ def apply_level(scene):
            if getattr(scene.solver, name) == getattr(Solver(), name)}
     return replace(
         scene, accuracy=None, grid=replace(scene.grid, **axes), stages=stages, output=output,
-        time=replace(scene.time, step=scene.time.step * level.step), solver=replace(scene.solver, **own)), str(level)
+        time=replace(scene.time, step=scene.time.step * level.step), solver=replace(scene.solver, **own))
 
 
-def _resized(key, axis, factor):
+def _resized(path, axis, factor):
     if axis.nodes is not None and factor != 1:
-        raise SceneError(f"{key}.nodes: accuracy cannot change cells that are given one by one; give {key}.size, or "
+        raise SceneError(f"{path}.nodes: accuracy cannot change cells that are given one by one; give {path}.size, or "
                          'set accuracy = "standard"')
     return axis if axis.size is None else replace(axis, size=axis.size * factor)
 
 
 def _counted(steps, factor):
-    """A count of steps, 0 stays 0."""
+    """A count of steps after steps have become `factor` times as long; 0 stays 0."""
     return max(1, round(steps / factor)) if steps else 0
+
+
+# ------------------------------------------------------------------ targets
+
+
+def apply_target(scene, target, references):
+    """(Scene with the cheapest settings of a Target, texts of what was set and kept); references: {name: Reference}."""
+    found = cheapest(target, references)
+    size = target.length / found.cells
+    grid = replace(scene.grid, **{name: _fitted(scene, name, size) for name in "xyz"})
+    soil, soil_texts = replace_defaults("soil", scene.soil, found.soil)
+    solver, solver_texts = replace_defaults("solver", scene.solver, found.solver)
+    own = {name: value / target.length if name == "penalty" else value for name, value in found.body.items()}
+    bodies = [replace_defaults(f"body.{i}", body, own) for i, body in enumerate(scene.bodies)]
+    changed = replace(scene, accuracy=None, grid=grid, soil=soil, solver=solver,
+                      bodies=tuple(body for body, _ in bodies))
+    head = (f"error {found.error:.2g} of {target.like} ({found.setting}): {found.cells:g} cells in its "
+            f"{references[target.like].length}, here {target.length:g} m")
+    return changed, [head, _sizes(grid, size), *soil_texts, *solver_texts, *(text for _, own in bodies for text in own)]
+
+
+def cheapest(target, references):
+    """Settings of a Target. Raises SceneError for an unknown problem and an error below all recorded ones."""
+    if target.like not in references:
+        raise SceneError(f"accuracy.like = {target.like!r}: unknown problem{did_you_mean(target.like, references)}; "
+                         f"valid: {', '.join(references)}")
+    settings = references[target.like].settings
+    for found in settings:
+        if found.error <= target.error:
+            return found
+    least = min(settings, key=lambda s: s.error)
+    raise SceneError(f"accuracy.error = {target.error:g}: must be at least {least.error:.3g}, the smallest recorded "
+                     f"for {target.like!r}, by {least.setting!r}; raise it, or give grid sizes instead of accuracy")
+
+
+def replace_defaults(path, table, values):
+    """(`table` with those of `values` for which it has the default, texts of what was set and what was kept)."""
+    own, texts = {}, []
+    defaults = {f.name: f.default for f in fields(table)}
+    for name, value in values.items():
+        given = getattr(table, name)
+        assert defaults[name] is not MISSING
+        if given == defaults[name]:
+            own[name] = value
+            texts += [f"{path}.{name} = {_short(value)}"] * (value != given)
+        else:
+            texts.append(f"{path}.{name} = {_short(given)} kept")
+    return replace(table, **own), texts
+
+
+def _short(value):
+    return f"{value:g}" if isinstance(value, float) else shown(value)
+
+
+def _sizes(grid, size):
+    """Text of the size that the target needs, and of axes that got another one."""
+    own = {name: getattr(grid, name).size for name in "xyz" if not getattr(grid, name).collapsed}
+    others = [f"{name} {other:.4g} m" for name, other in own.items() if abs(other / size - 1) > 1e-6]
+    return f"h = {size:.4g} m" + f", fitted to the axes: {', '.join(others)}" * bool(others)
+
+
+def _fitted(scene, name, size):
+    """The axis with the largest size of at most `size` [m] whose cells fill it and end where the soil does."""
+    axis, number = getattr(scene.grid, name), "xyz".index(name)
+    if axis.collapsed:
+        return axis
+    if axis.nodes is not None:
+        raise SceneError(f"grid.{name}.nodes: accuracy cannot change cells that are given one by one; give "
+                         f"grid.{name}.size, or leave accuracy out")
+    (start, end), block = axis.fine or (axis.start, axis.end), 2**axis.doublings if axis.travels else 1
+    ends = [corner[number] for corner in (scene.soil.lower, scene.soil.upper) if corner]
+    ends += [scene.soil.top] * (name == "z" and scene.soil.top is not None)
+    inside = [(place - start) / (end - start) for place in ends if start < place < end]
+    first = ceil((end - start) / (size * block) - 1e-9) * block
+    counts = range(first, 8 * first + 100 * block, block)
+    fits = (n for n in counts if all(abs(share * n - round(share * n)) < 1e-6 for share in inside))
+    return replace(axis, size=(end - start) / next(fits, first))

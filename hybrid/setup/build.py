@@ -3,7 +3,7 @@
 import numpy as np
 
 from hybrid.runtime.errors import SceneError
-from hybrid.scene.accuracy import apply_level
+from hybrid.scene.accuracy import apply_accuracy
 from hybrid.scene.file import validate
 from hybrid.scheme import Scheme
 from hybrid.setup.bodies import build_body, connect_to_soil, mesh_of, refuse_overlap
@@ -23,16 +23,16 @@ def build(scene, *, body_force=None, law=None):
     (`hybrid.laws.user`).
     """
     scene = validate(scene)
-    changed, texts = apply_level(scene)
+    changed, texts = apply_accuracy(scene)
     if not texts:
-        return _assemble(scene, "", body_force, law)
+        return _assemble(scene, [], body_force, law)
     try:
         return _assemble(validate(changed), texts, body_force, law)
     except SceneError as error:     # say that the values in the message are not those of the file
         given = scene.accuracy if isinstance(scene.accuracy, str) else scene.accuracy.like
         raise SceneError(f"{error}\n  These values are not those of the scene: accuracy = {given!r} changed them "
-                         f"({texts if isinstance(texts, str) else '; '.join(texts)}). Choose values of the scene that "
-                         "also fit after this change, or leave accuracy out") from None
+                         f"({'; '.join(texts)}). Choose values of the scene that also fit after this change, or leave "
+                         "accuracy out") from None
 
 
 def _assemble(scene, accuracy, body_force, law):

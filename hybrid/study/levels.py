@@ -13,8 +13,7 @@ import json
 import math
 from dataclasses import asdict, replace
 
-from hybrid.scene.accuracy import WRITTEN, Level
-from hybrid.scene.targets import Reference, Settings
+from hybrid.scene.accuracy import WRITTEN, Level, Reference, Settings
 from hybrid.study import sweep
 from hybrid.study.front import front
 

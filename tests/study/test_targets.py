@@ -8,24 +8,9 @@ import pytest
 
 from hybrid.runtime.data import GEOMETRY
 from hybrid.runtime.errors import SceneError
-from hybrid.scene import (
-    Axis,
-    Body,
-    Faces,
-    Grid,
-    Material,
-    Output,
-    Scene,
-    Soil,
-    Solver,
-    Stage,
-    Target,
-    Time,
-    accuracy,
-    targets,
-)
+from hybrid.scene import Axis, Body, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Target, Time, accuracy
+from hybrid.scene.accuracy import Reference, Settings
 from hybrid.scene.file import scene_from_dict, validate
-from hybrid.scene.targets import Reference, Settings
 from hybrid.setup.build import build
 from hybrid.study import levels as found
 from hybrid.study import precision, record
@@ -48,7 +33,7 @@ def column(target, z=None, soil=(), solver=Solver(), bodies=()):
 
 def settled(*target, **values):
     """Scene and texts under the settings of BEAM."""
-    return targets.apply_target(column(Target(*target), **values), {"beam": BEAM})
+    return accuracy.apply_target(column(Target(*target), **values), Target(*target), {"beam": BEAM})
 
 
 # ---------------------------------------------------------------- what it does to a scene
@@ -122,7 +107,7 @@ def test_the_next_smaller_size_that_fits(axis, soil, size):
 
 @pytest.mark.parametrize("target, text", [
     (Target("colum", 0.01, 1.0), "accuracy.like = 'colum': unknown problem .did you mean 'column'..; valid: column, "),
-    (Target("cantilever", 1e-3, 1.0), "accuracy.error = 0.001: must be at least 0.004, the smallest recorded of "
+    (Target("cantilever", 1e-3, 1.0), "accuracy.error = 0.001: must be at least 0.004, the smallest recorded for "
                                       "'cantilever', by '3 points an axis, h = 0.5 m'"),
     (Target("column", 0.01, 0.0), "accuracy.length = 0: must be positive"),
     (Target("column", 2.0, 1.0), "accuracy.error = 2: must be above 0 and below 1")])
