@@ -27,7 +27,7 @@ def advice(step, outcome, settings):
 def remedies(model, reason="", errors=(), tolerance=0.0):
     """Changes to the scene of `model`, as phrases, the most effective first.
 
-    reason: why Newton's method stopped; errors: relative residuals of its iterations; tolerance: what they had to reach.
+    reason: why Newton's method stopped; errors: relative residuals of its iterations; tolerance: their limit.
     """
     dynamic = model.scheme.inertia
     shorter = "a smaller time.step" if dynamic else "a smaller time.step with more stage.steps"
@@ -70,8 +70,9 @@ def probable_causes(step, evaluation):
                       "load: start the body in contact with the soil (body.rest_on), use shorter increments (a smaller "
                       "time.step with more stage.steps), or set time.inertia = true")
     elif residual and residual < limit:
-        causes.append(f"The residual of the soil, {residual:.2g} N, is round-off of its stiffness, limit {limit:.2g} N, "
-                      "as the loads are too small beside the modulus: set a looser solver.tolerance, or a lower modulus")
+        causes.append(f"The residual of the soil, {residual:.2g} N, is round-off of its stiffness, limit {limit:.2g} "
+                      "N, as the loads are too small beside the modulus: set a looser solver.tolerance, or a lower "
+                      "modulus")
     if quasi_static:
         mass = step.soil.mass[step.pattern.free.any(axis=1)]
         least = mass.min() / mass.max() if mass.size else 1.0

@@ -30,8 +30,8 @@ class LostPoints(Monitor):
             mass = constants.mass[ids].sum()
             yield (kind, len(ids)), (
                 f"{len(ids)} of {len(found)} points {words} at t = {view.state.time:.4g} s ({mass:.4g} kg, "
-                f"{mass / constants.mass.sum():.2g} of the mass): {lost_points.list_points(ids, points.position[ids])}. "
-                f"{meaning}")
+                f"{mass / constants.mass.sum():.2g} of the mass): "
+                f"{lost_points.list_points(ids, points.position[ids])}. {meaning}")
 
 
 def _kinds(soil, points):

@@ -15,7 +15,8 @@ from hybrid.study.failures import ringing as case
 def test_a_plate_on_a_column(method, count):
     found = case.solve(2.0, **case.METHODS[method])
     assert len(found.told) == count and (found.error > 0.25) == bool(count)
-    assert all("limit 60%" in text and "reverses 8 times" in text and "spectral_radius = 0" in text for text in found.told)
+    assert all("limit 60%" in text and "reverses 8 times" in text and "spectral_radius = 0" in text
+               for text in found.told)
 
 
 @pytest.mark.parametrize("force, oscillates", [

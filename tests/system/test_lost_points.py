@@ -1,4 +1,4 @@
-"""Points that leave the grid, are detached or extremely stretched: their number is reported, and the scene's policy applied."""
+"""Points that leave the grid, are detached or distorted: reported by number, and handled as the scene says."""
 
 import numpy as np
 import pytest

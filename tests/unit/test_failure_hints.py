@@ -71,7 +71,8 @@ def test_remedies_fit_the_scene():
     assert "a lower body.penalty" in remedies(with_body, **stalled)
     linear = remedies(build(soil_scene(solver=Solver(linear="krylov"))).model, "linear solver: no convergence")
     assert linear == ('solver.linear = "direct"', "a smaller time.step")
-    assert remedies(quasi_static(solver=Solver(linear="direct")), "linear solver: no convergence")[-1] == "time.inertia = true"
+    direct = remedies(quasi_static(solver=Solver(linear="direct")), "linear solver: no convergence")
+    assert direct == ("a smaller time.step with more stage.steps", "time.inertia = true")
     assert accuracy_remedies(build(soil_scene()).model)[0] == "a larger time.accuracy"
 
 

@@ -4,39 +4,40 @@ import numpy as np
 
 from hybrid.body.attitude import rotation_from_axis_angle
 
-SOFT = 10.0     # p_f times the depth that a body presses: below it contact takes a tenth of the way (failure, penalty)
-STUCK = 0.3     # ε_T/ε_N: below it a rolling sphere creeps by 5 % and more (failure, stick)
+# Each number is the one from which a failure case of the study goes wrong.
+STIFFNESS_RATIO = 10.0      # p_f times the depth of soil [-]: below it contact springs take a tenth of the displacement
+TANGENTIAL_RATIO = 0.3      # ε_T/ε_N [-]: below it a rolling sphere creeps by 5 % of its path and more
+CORNER_SPACINGS = 2.0       # width of a body over the spacing of corners [-]: below it too few corners sample the body
+CELL_ROWS = 1.5             # mass of a body over that of a row of cells [-]: lighter ones rebound from nodes
 
-NARROW = 2.0    # spacings of corners: below it rows of them under a body come and go by chance (failure, thin, nails)
 
-LIGHT = 1.5     # rows of cells under a body: lighter ones are thrown back by the nodes they hit (failure, light)
-
-
-def soft(scene, model):
-    """Penalties so low that contact gives way instead of the soil: springs in series, 1/p_f against their depth."""
+def low_penalty(scene, model):
+    """Penalties so low that the contact deforms instead of the soil: springs in series, 1/p_f against the depth."""
     if model.soil.held:
         return
     soil, across = model.soil.constants, ~model.soil.grid.collapsed[:2]
-    deep = float((soil.position + soil.half_width)[:, 2].max() - (soil.position - soil.half_width)[:, 2].min())
+    soil_depth = float((soil.position + soil.half_width)[:, 2].max() - (soil.position - soil.half_width)[:, 2].min())
     for described, body in zip(scene.bodies, model.bodies):
-        depth = min([deep, *np.ptp(started(described, body), axis=0)[:2][across]])
-        stiff = described.penalty * depth
-        if stiff < SOFT and not body.augmented:
-            yield (f"{body.name}: penalty {described.penalty:g} /m over a depth of {depth:.3g} m makes {stiff:.3g}, "
-                   f"limit {SOFT:g}: contact takes {1 / (1 + stiff):.0%} of what the soil should give. Set "
-                   f'body.penalty to {SOFT / depth:.3g} or more, or body.enforcement = "augmented"')
+        depth = min([soil_depth, *np.ptp(initial_vertices(described, body), axis=0)[:2][across]])
+        ratio = described.penalty * depth
+        if ratio < STIFFNESS_RATIO and not body.augmented:
+            yield (f"{body.name}: body.penalty = {described.penalty:g} /m times {depth:.3g} m, the depth of soil that "
+                   f"the body compresses, is {ratio:.3g}, limit {STIFFNESS_RATIO:g}: contact takes "
+                   f"{1 / (1 + ratio):.0%} of the displacement that belongs to the soil. Set body.penalty to "
+                   f'{STIFFNESS_RATIO / depth:.3g} or more, or body.enforcement = "augmented"')
 
 
-def creeping(scene, model):
-    """Springs of stuck friction so soft that what rolls or sticks creeps."""
+def low_tangential_stiffness(scene, model):
+    """Tangential contact springs so soft that sticking contact creeps."""
     for body in model.bodies:
-        if body.friction > 0 and body.tangential < STUCK:
-            yield (f"{body.name}: tangential {body.tangential:g} of the normal stiffness, limit {STUCK:g}: what sticks "
-                   "creeps, a rolling sphere by 5 % of its way and more. Set body.tangential to 1")
+        if body.friction > 0 and body.tangential < TANGENTIAL_RATIO:
+            yield (f"{body.name}: body.tangential = {body.tangential:g} of the normal stiffness, limit "
+                   f"{TANGENTIAL_RATIO:g}: sticking contact creeps, a rolling sphere by 5 % of its path and more. Set "
+                   "body.tangential = 1")
 
 
-def narrow(scene, model):
-    """Bodies that the corners of the soil see more or less of by chance."""
+def narrow_body(scene, model):
+    """Bodies so narrow that too few corners of the soil sample them."""
     half, across = model.soil.constants.half_width, ~model.soil.grid.collapsed[:2]
     if model.soil.basis != "gimp" or not across.any():
         return
@@ -44,65 +45,67 @@ def narrow(scene, model):
     for described, body in zip(scene.bodies, model.bodies):
         if body.second_pass == 1.0:
             continue
-        width = _width(started(described, body)[:, :2] * across)
-        if width < NARROW * spacing:
-            yield (f"{body.name} is {width:.3g} m narrow, {width / spacing:.2g} spacings of corners, limit {NARROW:g}: "
-                   "the first pass of contact sees more or less of it by chance, or nothing. Set body.second_pass = 1, "
-                   f"or cells of at most {cell * width / (NARROW * spacing):.2g} m")
+        width = _width(initial_vertices(described, body)[:, :2] * across)
+        if width < CORNER_SPACINGS * spacing:
+            yield (f"{body.name} is {width:.3g} m wide, {width / spacing:.2g} spacings of corners, limit "
+                   f"{CORNER_SPACINGS:g}: too few corners sample the body, so that its contact force depends on where "
+                   "it stands, or is zero. Set body.second_pass = 1, or use cells of at most "
+                   f"{cell * width / (CORNER_SPACINGS * spacing):.2g} m")
 
 
 def light_body(scene, model):
-    """Free bodies lighter than the soil that an impact sets in motion first."""
+    """Free bodies with less mass than the nodes that an impact accelerates first."""
     soil, grid = model.soil, model.soil.grid
     if soil.held or not model.scheme.inertia:
         return
     density = float(soil.constants.mass.sum() / soil.constants.volume.sum())
     for described, body in zip(scene.bodies, model.bodies):
-        across = np.minimum(np.ptp(started(described, body), axis=0), np.ptp(grid.extent, axis=1))[:2]
+        across = np.minimum(np.ptp(initial_vertices(described, body), axis=0), np.ptp(grid.extent, axis=1))[:2]
         rows = body.mass.mass / (density * across.prod() * grid.smallest_cell)
-        if rows < LIGHT and body.free[:3].any():
-            yield (f"{body.name} has the mass of {rows:.2g} rows of cells under it, limit {LIGHT:g}: where it falls on "
-                   "the soil it is thrown back. Use cells of a size of "
-                   f"{grid.smallest_cell * rows / LIGHT:.2g} m at most, drive it, or set time.inertia = false")
+        if rows < CELL_ROWS and body.free[:3].any():
+            yield (f"{body.name} has the mass of {rows:.2g} rows of cells under it, limit {CELL_ROWS:g}: when it hits "
+                   "the soil it rebounds from the nodes instead of being stopped by a wave. Use a cell size of at most "
+                   f"{grid.smallest_cell * rows / CELL_ROWS:.2g} m, drive the body, or set time.inertia = false")
 
 
-def beyond(scene, model):
+def driven_past_grid_end(scene, model):
     """Bodies that are driven or pulled past the end of the grid."""
     for described, body in zip(scene.bodies, model.bodies):
-        place = started(described, body)
+        place = initial_vertices(described, body)
         for axis, name in enumerate("xyz"):
-            way, grid = _way(scene, described, name), getattr(scene.grid, name)
-            side, end = ("end", grid.end) if way > 0 else ("start", grid.start)
-            at = (place.max(axis=0) if way > 0 else place.min(axis=0))[axis]
-            passes = (at - end) * way < 0 < (at + way - end) * way
-            if not passes or grid.collapsed or (name == "z" and way > 0):
+            travel, grid = _travel(scene, described, name), getattr(scene.grid, name)
+            side, end = ("end", grid.end) if travel > 0 else ("start", grid.start)
+            front = (place.max(axis=0) if travel > 0 else place.min(axis=0))[axis]
+            passes = (front - end) * travel < 0 < (front + travel - end) * travel
+            if not passes or grid.collapsed or (name == "z" and travel > 0):
                 continue
-            yield (f"{body.name} will have come to {name} = {at + way:.3g} m when the stages end, limit {name} = "
-                   f"{end:g} m, where the grid does: there is no soil beyond. Move grid.{name}.{side} outwards (with "
-                   f"grid.{name}.window a long grid costs no more than a short one), or take fewer stage.steps")
+            cheap = "" if grid.window else f" (with grid.{name}.window a long grid costs no more than a short one)"
+            yield (f"{body.name} will be at {name} = {front + travel:.3g} m when the stages end, limit {name} = "
+                   f"{end:g} m, where the grid ends: there is no soil beyond. Move grid.{name}.{side} outwards{cheap}, "
+                   "or use fewer stage.steps")
 
 
-def _way(scene, described, name):
-    """Way [m] that a body is driven, or its line pulled, along an axis in all stages."""
-    axis, way = "xyz".index(name), 0.0
+def _travel(scene, described, name):
+    """Distance [m] by which a body is driven, or its line pulled, along an axis in all stages."""
+    axis, travel = "xyz".index(name), 0.0
     for stage in scene.stages:
         length = stage.steps * (stage.step or scene.time.step)
         if name in described.driven and name not in stage.held:
-            way += described.velocity[axis] * length
+            travel += described.velocity[axis] * length
         elif described.pull and stage.pull and name not in {*stage.held, *described.held, *described.driven}:
-            way += described.pull.velocity[axis] * length
-    return way
+            travel += described.pull.velocity[axis] * length
+    return travel
 
 
 def _width(place):
-    """Smallest width [m] of places (V, 2) between parallel lines; an axis along which all are 0 does not count."""
-    turn = np.linspace(0.0, np.pi, 37)[:-1]
-    widths = np.ptp(place @ np.array([np.cos(turn), np.sin(turn)]), axis=0)
+    """Smallest distance [m] of two parallel lines around places (V, 2); an axis along which all are 0 is ignored."""
+    angle = np.linspace(0.0, np.pi, 37)[:-1]
+    widths = np.ptp(place @ np.array([np.cos(angle), np.sin(angle)]), axis=0)
     return float(widths.min() if np.ptp(place, axis=0).all() else widths.max())
 
 
-def started(described, body):
-    """Vertices (V, 3) [m] of a body's surface where it starts."""
+def initial_vertices(described, body):
+    """Vertices (V, 3) [m] of a body's surface at its initial pose."""
     rotation = np.eye(3)
     if described.rotation:
         rotation = rotation_from_axis_angle(described.rotation[:3], np.radians(described.rotation[3]))
@@ -112,4 +115,4 @@ def started(described, body):
     return place
 
 
-LIMITS = (soft, creeping, narrow, light_body, beyond)
+LIMITS = (low_penalty, low_tangential_stiffness, narrow_body, light_body, driven_past_grid_end)

@@ -22,7 +22,7 @@ PARAMETERS = ("turn before the load [degrees]",)
 MEASURE, RIGHT, WRONG = "error of the stress over the weight", 0.01, 0.05
 METHODS = {"diagonal of F": {"domain": "diagonal"}, "right stretch": {"domain": "stretch"}, "second moments": {}}
 DEFAULT = "second moments"
-SAYS = r'soil\.domain = .*turn.*Set soil\.domain = "moments"'
+SAYS = r'soil\.domain = .*rotate.*Set soil\.domain = "moments"'
 LENGTH, CELLS, DENSITY, GRAVITY, STEPS = 8.0, 32, 1000.0, 10.0, 20
 
 

@@ -25,7 +25,7 @@ MEASURE, RIGHT, WRONG = "angle to the exact attitude after a turn of 10 rad [rad
 METHODS = {"Newmark (0.5625, 1)": SCHEMES["dissipative"], "energy-momentum": SCHEMES["energy-momentum"],
            "Newmark": {}, "time.accuracy": {"accuracy": 1e-3}}
 DEFAULT = "Newmark"
-SAYS = r"turns by .* rad a step.*limit.*time\.accuracy"
+SAYS = r"rotates by .* rad a step.*limit.*time\.accuracy"
 SPIN, TURNED = np.array([0.3, 1.0, 0.3]), 10.0     # [rad/s], [rad]
 
 
