@@ -39,8 +39,8 @@ def _depths(contact, history, points):
 
 def _text(body, time, deepest, limit, share):
     text = (f"{body.name} penetrates the soil too far: at t = {time:.4g} s corners overlap it by up to {deepest:.2g} "
-            f"of the height of their point's domain, limit {limit:g}; corners beyond the limit carry {share:.0%} of the "
-            "contact force. ")
+            f"of the height of their point's domain, limit {limit:g}; corners beyond the limit carry {share:.0%} of "
+            "the contact force. ")
     if body.augmented:
         return text + ("The contact multipliers have not converged: raise solver.augmentations or body.penalty, or "
                        "take shorter steps")
