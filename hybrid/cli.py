@@ -1,8 +1,8 @@
-"""The `hybrid` command: run a scene, check it without running, measure speed, chart it against accuracy,
-mesh a geometry.
+"""The `hybrid` command: run a scene, check it without running, measure speed, study precision and failures, mesh a
+geometry.
 
-Each command imports what it needs when it runs, so that help and mistakes in the arguments answer at once.
-Exit codes: 0 done, 2 wrong arguments or an error the user can act on, 130 interrupted.
+Each command imports what it needs when it runs, so that help and mistakes in the arguments are reported at once.
+Exit codes: 0 done, 2 wrong arguments or an error that the user can correct, 130 interrupted.
 """
 
 import argparse
@@ -13,7 +13,8 @@ from pathlib import Path
 from hybrid.bench import CASES
 from hybrid.runtime.errors import HybridError, SceneError, StepError
 
-INTERRUPTED = 130  # 128 + SIGINT, as shells report it
+INTERRUPTED = 130   # 128 + SIGINT, as shells report it
+MESH_ENDING = ".vtu"
 
 
 def main(arguments=None):
@@ -25,7 +26,7 @@ def main(arguments=None):
         print(f"hybrid: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
-        hint = "; continue with --resume where a checkpoint was written" if options.command is run else ""
+        hint = "; continue with --resume if a checkpoint was written" if options.command is run else ""
         print(f"\nhybrid: interrupted{hint}", file=sys.stderr)
         return INTERRUPTED
     return 0
@@ -35,18 +36,21 @@ def parser():
     """The argument parser; kept apart for the documentation and the tests."""
     top = argparse.ArgumentParser(
         prog="hybrid", allow_abbrev=False,
-        description="Rigid bodies and highly deformable soil with the implicit material point method.")
+        description="Rigid bodies in highly deformable soil by the implicit material point method.",
+        epilog="`hybrid COMMAND --help` lists the options of a command.")
     top.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
     commands = top.add_subparsers(metavar="COMMAND", required=True)
 
-    sub = _command(commands, "run", run, "run a scene and write its results")
+    sub = _command(commands, "run", run, "run a scene and write its results to a folder")
     _scene_arguments(sub)
     sub.add_argument("--out", type=Path, metavar="DIR", help="folder of results (default: out/<scene name>)")
-    sub.add_argument("--resume", action="store_true", help="continue from the last checkpoint in the folder")
+    sub.add_argument("--resume", action="store_true", help="continue from the last checkpoint in that folder")
 
-    sub = _command(commands, "check", check, "validate a scene, print what would be modelled and what it would take")
+    sub = _command(commands, "check", check, "validate a scene; print the size of its model, warnings and the "
+                                             "predicted cost of a run")
     _scene_arguments(sub)
-    sub.add_argument("--no-probe", action="store_true", help="leave out the cost estimate, which times parts of a step")
+    sub.add_argument("--no-cost", action="store_true",
+                     help="do not predict the cost, which takes the time of a few steps")
 
     sub = _command(commands, "demos", demos, "list the shipped scenes, or copy some")
     sub.add_argument("names", nargs="*", metavar="NAME", default=[], help="scenes to copy (default: list all)")
@@ -72,12 +76,12 @@ def parser():
     sub.add_argument("--page", action="store_true", help="print all keys as a page in Markdown instead")
     sub.add_argument("--out", type=Path, metavar="FILE", help="write to a file instead")
 
-    sub = _command(commands, "mesh", mesh, "mesh a geometry and print its mass properties")
-    sub.add_argument("geometry", type=Path, metavar="FILE.geo", help="gmsh geometry")
+    sub = _command(commands, "mesh", mesh, "mesh a geometry; print the size of the mesh and the mass of the body")
+    sub.add_argument("geometry", type=Path, metavar="FILE.geo", help="geometry file that gmsh reads")
     sub.add_argument("--density", type=float, default=7850.0, metavar="RHO",
-                     help="kg/m³ (default: 7850, steel)")
-    _set_argument(sub, "name=value", "parameter of the geometry, such as size=0.1")
-    sub.add_argument("--out", type=Path, metavar="FILE.vtu", help="write the mesh for ParaView")
+                     help="density of the body in kg/m³ (default: 7850, steel)")
+    _set_argument(sub, "name=value", "set a parameter of the geometry, such as size=0.1")
+    sub.add_argument("--out", type=Path, metavar="FILE.vtu", help="write the mesh as VTK XML, for ParaView")
     return top
 
 
@@ -89,7 +93,7 @@ def _command(commands, name, function, text):
 
 def _scene_arguments(sub):
     sub.add_argument("scene", type=Path, metavar="SCENE", help="scene file (TOML)")
-    _set_argument(sub, "key=value", "replace a value of the scene, such as body.0.friction=0.3")
+    _set_argument(sub, "key=value", "replace values of the scene, such as time.step=0.01 body.0.friction=0.3")
 
 
 def _set_argument(sub, metavar, text):
@@ -98,7 +102,7 @@ def _set_argument(sub, metavar, text):
 
 
 class _Version(argparse.Action):
-    """Looks the version up only when asked."""
+    """Prints the version, which is looked up only then."""
 
     def __call__(self, parser, *_):
         import hybrid
@@ -116,37 +120,37 @@ def run(options):
 
     scene = load_scene(options.scene, options.overrides)
     from hybrid.api import run as run_scene
-    from hybrid.runtime.jit_notice import announced  # late: a mistake in the scene is told at once
+    from hybrid.runtime.jit_notice import compilation_notice  # late: a mistake in the scene is reported at once
 
     out = options.out or Path("out") / scene.name
-    with announced():
+    with compilation_notice():
         run_scene(scene, out, resume=options.resume, quiet=not sys.stderr.isatty())
 
 
 def check(options):
-    """`hybrid check`: everything short of the first step, and what the steps would take."""
+    """`hybrid check`: the model without its first step, and the predicted cost of all steps."""
     from hybrid.scene.file import load_scene
 
     scene = load_scene(options.scene, options.overrides)
-    from hybrid.runtime.jit_notice import announced
-    from hybrid.setup.build import build  # late: a mistake in the scene is told at once
+    from hybrid.runtime.jit_notice import compilation_notice
+    from hybrid.setup.build import build  # late: a mistake in the scene is reported at once
 
-    with announced():
+    with compilation_notice():
         simulation = build(scene)
         sheet = simulation.sheet()
         print(format_sheet(sheet), flush=True)
-        if not options.no_probe:
-            print("\n" + format_sheet(_predicted(simulation)))
+        if not options.no_cost:
+            print("\n" + format_sheet(_predicted_cost(simulation)))
 
 
-def _predicted(simulation):
-    """Section of what the steps would take, or why nothing can be said of it."""
+def _predicted_cost(simulation):
+    """Section of the model sheet with the predicted cost, or with the reason why there is none."""
     from hybrid.cost import predict
 
     try:
         return predict(simulation).sheet()
     except StepError as error:
-        return {"predicted": [f"nothing: {error}"]}
+        return {"predicted cost": [f"not available: {error}"]}
 
 
 def demos(options):
@@ -169,9 +173,9 @@ def bench(options):
     from hybrid.bench.peer import checked
 
     peer = checked(options.peer)
-    from hybrid.runtime.jit_notice import announced  # late: a mistake in the arguments is told at once
+    from hybrid.runtime.jit_notice import compilation_notice  # late: a mistake in the arguments is reported at once
 
-    with announced():
+    with compilation_notice():
         benchmarks.run(options.cases, benchmarks.Options(options.quick, peer), options.out)
 
 
@@ -180,7 +184,7 @@ def study(options):
     front; of failure, how often each method does what."""
     from hybrid.bench.peer import checked
     from hybrid.bench.table import table
-    from hybrid.runtime.jit_notice import announced
+    from hybrid.runtime.jit_notice import compilation_notice
 
     chosen, out = import_module(f"hybrid.study.{options.study}"), options.out or Path("out") / options.study
     if options.peer is not None and options.study != "precision":
@@ -189,7 +193,7 @@ def study(options):
     path = out / "records.json"
     if options.draw and not path.is_file():
         raise SceneError(f"--draw: there is no {path}; run the study first, or name its folder by --out")
-    with announced():
+    with compilation_notice():
         if options.draw:
             records = chosen.load(path)[1]
             print(*chosen.draw(path, out), sep="\n")
@@ -221,8 +225,11 @@ def mesh(options):
     """`hybrid mesh`: sizes, mass properties about the centre of mass, named points."""
     if not 0 < options.density < float("inf"):
         raise SceneError(f"--density = {options.density:g}: must be positive; in kg/m³, 7850 is steel")
+    if options.out and options.out.suffix.lower() != MESH_ENDING:
+        raise SceneError(f"--out {options.out}: the mesh is written as VTK XML; give a name that ends in "
+                         f"{MESH_ENDING}, such as {options.out.with_suffix(MESH_ENDING)}")
     parameters = geometry_parameters(options.overrides)
-    from hybrid.body.mass import condensed_mass  # late: a mistake in the arguments is told at once
+    from hybrid.body.mass import condensed_mass  # late: a mistake in the arguments is reported at once
     from hybrid.body.mesh import generate
 
     body = generate(options.geometry, parameters)
@@ -266,8 +273,8 @@ def mesh_sheet(body, mass, density):
     mass_rows = {
         "density [kg/m³]": density,
         "mass [kg]": mass.mass,
-        "centre [m]": mass.centre,
-        "inertia about it [kg m²]": list(mass.inertia),
+        "centre of mass [m]": mass.centre,
+        "inertia about the centre [kg m²]": list(mass.inertia),
     }
     sheet = {f"mesh of {body.name}": mesh_rows, "mass": mass_rows}
     if body.named_points:

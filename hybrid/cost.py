@@ -88,17 +88,17 @@ class CostEstimate:
 
     def sheet(self):
         """Section {title: {label: value}} for `hybrid check`."""
-        rows = {f"{part} [ms]": 1e3 * self.seconds[part] for part in PARTS}
+        rows = {f"{part} [ms]": f"{1e3 * self.seconds[part]:.3g}" for part in PARTS}
         all_steps = self.steps * self.step
         grown = [f"{self.growth:.3g} times the points, once the body has sunk"] if self.growth > 1 else []
-        return {"predicted": {
+        return {"predicted cost": {
             **rows,
-            "Newton iteration [ms]": 1e3 * self.iteration,
-            "step [s]": self.step,
+            "Newton iteration [ms]": f"{1e3 * self.iteration:.3g}",
+            "step [s]": f"{self.step:.3g}",
             "all steps": f"{_duration(all_steps)} for {self.steps}",
-            "range, as scenes differ": f"{_duration(all_steps / FACTOR)} to {_duration(all_steps * FACTOR)}",
+            "uncertainty": f"{_duration(all_steps / FACTOR)} to {_duration(all_steps * FACTOR)}, as scenes differ",
             "peak memory [MiB]": round(self.peak / 2**20),
-            "assumed": [self.effort.assumed, *grown, "contact as at the start", "no files written"],
+            "assumed": [self.effort.assumed, *grown, "contact as at the start; writing of files not included"],
         }}
 
 

@@ -1,4 +1,4 @@
-"""The model sheet: what a scene models, what it leaves out, and how large it is."""
+"""The model sheet: what a scene models, what it does not model, and how large it is."""
 
 import numpy as np
 
@@ -7,17 +7,21 @@ from hybrid.linalg.stencil_pattern import make_pattern
 from hybrid.scene.material import USES, of_layer, span
 from hybrid.soil.workspace import keeps_tangents
 
-LIBRARIES = 320e6       # bytes of the interpreter with dolfinx, PETSc, gmsh and compiled kernels, as measured
-PICTURES = 95e6         # of what draws, as measured
-BYTES_PER_POINT = 1600  # history, constants, trial buffers and temporaries of one point, as measured
-BYTES_PER_ENTRY = 34    # of the soil block: value and index, what makes the incomplete factor, and that; as measured
-KEPT_PER_POINT, KEPT_PER_ENTRY = 648, 8     # of tangents that are kept: 81 numbers and one
-BYTES_OF_FILL = 1200    # of a direct factor, times n^(4/3) as nested dissection of n unknowns in space; as measured
+# [bytes], as measured
+LIBRARIES = 320e6       # interpreter with dolfinx, PETSc, gmsh and compiled kernels
+PICTURES = 95e6         # process that draws pictures
+BYTES_PER_POINT = 1600  # history, constants, trial buffers and temporaries of one point
+BYTES_PER_ENTRY = 34    # entry of the soil block: value, index, incomplete factor and its temporaries
+KEPT_PER_POINT, KEPT_PER_ENTRY = 648, 8     # tangents kept within an increment: 81 numbers and one
+BYTES_OF_FILL = 1200    # direct factor, times n^(4/3) for nested dissection of n unknowns in three dimensions
 
 
 def model_sheet(scene, model, imbalance=None, level="", most_points=0):
-    """Sections {title: {label: value}} for `hybrid check` and summary.json; imbalance: of the initial state, where the
-    soil has a weight to carry; level: what the scene's `accuracy` stands for; most_points: of a grid that travels."""
+    """Sections {title: {label: value}} for `hybrid check` and summary.json.
+
+    imbalance: InitialImbalance, None where the soil carries no weight; level: text about the scene's `accuracy`;
+    most_points: largest number of points at a time, of a grid that follows a body.
+    """
     soil = model.soil
     pattern = _pattern(soil)
     entries = len(pattern.indices)
@@ -28,10 +32,10 @@ def model_sheet(scene, model, imbalance=None, level="", most_points=0):
     modelled = {
         **({"accuracy": level} if level else {}),
         "grid cells": " x ".join(map(str, cells)),
-        **_travelling(scene),
+        **_moving_grid(scene),
         "smallest cell [m]": soil.grid.smallest_cell,
         "material points": len(soil.constants),
-        **({"at most": f"{most_points} material points, once the body has sunk"} if growth > 1 else {}),
+        **({"most material points": f"{most_points}, once the body has sunk"} if growth > 1 else {}),
         "soil unknowns": pattern.size,
         "body unknowns": model.body_unknowns,
         "entries of the soil block": entries,
@@ -39,7 +43,7 @@ def model_sheet(scene, model, imbalance=None, level="", most_points=0):
         "soil law": _law(scene.soil.material, soil.law) if not soil.held else "none, the soil is held",
         "basis": scene.soil.basis if not soil.held else "none, the soil is held",
         "soil tangent": _tangent(scene.soil, soil.law) if not soil.held else "none, the soil is held",
-        "steps": " + ".join(f"{s.steps} {s.name}" for s in scene.stages),
+        "steps": " + ".join(f"{s.steps} ({s.name})" for s in scene.stages),
         "time integration": _schemes(scene, model.scheme),
         "increments": _increments(scene, soil.grid.smallest_cell),
         "memory, estimated [MiB]": round(memory / 2**20),
@@ -48,18 +52,18 @@ def model_sheet(scene, model, imbalance=None, level="", most_points=0):
         modelled["initial imbalance"] = str(imbalance)
     if scene.soil.layers:
         modelled["soil layers"] = [_layer(layer, scene, soil) for layer in scene.soil.layers]
-    return {"modelled": modelled, "left out": left_out(scene, model, pattern)}
+    return {"modelled": modelled, "not modelled": not_modelled(scene, model, pattern)}
 
 
-def _travelling(scene):
-    """Row about a grid that goes with a body, if it does."""
+def _moving_grid(scene):
+    """Row about a grid that follows a body, if it does."""
     axes = [name for name in "xyz" if getattr(scene.grid, name).travels]
     followed = scene.grid.follow or scene.bodies[0].name if axes else ""
-    return {"the grid goes with": f"{followed}, along {', '.join(axes)}"} if axes else {}
+    return {"grid follows": f"{followed}, along {', '.join(axes)}"} if axes else {}
 
 
 def growing_memory(soil, pattern, solver):
-    """Memory [bytes] that points, matrix and factor take at the most."""
+    """Largest memory [bytes] of points, matrix and factor."""
     kept = keeps_tangents(soil, solver)
     memory = ((BYTES_PER_POINT + KEPT_PER_POINT * kept) * len(soil.constants)
               + (BYTES_PER_ENTRY + KEPT_PER_ENTRY * kept) * len(pattern.indices))
@@ -68,26 +72,27 @@ def growing_memory(soil, pattern, solver):
 
 
 def _tangent(described, law):
-    """Whether the soil's block of the tangent is symmetric."""
+    """Whether the soil block of the tangent is symmetric."""
     if "user" in {of_layer(described.material, layer).law for layer in described.layers} | {described.material.law}:
-        return "as the user's law has it"
+        return "symmetric if that of the user's law is"
     return "symmetric" if law.symmetric else "unsymmetric"
 
 
 def _increments(scene, cell):
-    """What sets their length."""
+    """How the length of increments is chosen."""
     time = scene.time
     if time.accuracy is None:
-        return "as long as a step where they converge"
-    return f"at most {time.accuracy * cell:.3g} m a step added to the error of positions, accuracy {time.accuracy:g}"
+        return "one a step, halved where Newton's method fails"
+    return (f"as long as time.accuracy = {time.accuracy:g} allows, an error of positions of {time.accuracy * cell:.3g} "
+            "m a step")
 
 
 def _law(material, law):
-    """Law, its match and what changes its strength."""
+    """Law, the cone that it is matched to, and what changes its strength."""
     m, floor = material, material.residual_cohesion
     parts = [m.law if m.law != "user" else f"user, {law.name}"]
     if "cone" in USES[m.law]:
-        parts.append(f"matched in {m.cone}")
+        parts.append(f"cone matched in {m.cone}")
     if m.strength_gradient:
         parts.append(f"strength {m.strength:g} Pa and {m.strength_gradient:g} Pa/m of depth")
     if m.hardening:
@@ -98,7 +103,7 @@ def _law(material, law):
 
 
 def _layer(layer, scene, soil):
-    """Range, law and own values of a layer."""
+    """Range, law and values of a layer."""
     bottom, top = span(layer, scene.soil, scene.grid)
     values = layer.material if layer.k0 is None else {**layer.material, "k0": layer.k0}
     own = [f"{name} = {value:g}" for name, value in values.items()]
@@ -107,25 +112,25 @@ def _layer(layer, scene, soil):
 
 
 def _body(described, body):
-    """Sizes of a body, what drives it and how it meets the soil."""
+    """Sizes of a body, its driven components and its contact with the soil."""
     parts = [f"{len(body.surface.triangles)} contact triangles", f"{body.mass.mass:.6g} kg",
              f"{np.count_nonzero(body.free)} free components"]
     if described.driven:
         parts.append("driven " + " ".join(described.driven))
-    parts.append("augmented Lagrangian" if body.augmented else "penalty")
+    parts.append("contact by augmented Lagrangian" if body.augmented else "contact by penalty")
     if body.samples is not None:
-        parts.append(f"second pass {body.second_pass:g} with {len(body.samples)} samples")
+        parts.append(f"second contact pass with a share of {body.second_pass:g} and {len(body.samples)} samples")
     return f"{body.name}: {', '.join(parts)}"
 
 
 def _schemes(scene, scheme):
-    """The scheme, and those of the stages that have their own."""
+    """The scheme of the scene, and of the stages that have their own."""
     own = [(stage.name, str(scheme.with_pair(stage.beta, stage.gamma))) for stage in scene.stages]
     return "; ".join([str(scheme), *(f"{name}: {other}" for name, other in own if other != str(scheme))])
 
 
 def _pattern(soil):
-    """Pattern of the first step: nodes that a point of the initial lattice can see."""
+    """Pattern of the first step: nodes in the support of a point at its initial place."""
     if soil.held:
         return make_pattern(np.zeros(soil.grid.node_count, bool), soil.grid.fixed, soil.grid.shape)
     active = np.ones(soil.grid.shape, bool)
@@ -139,7 +144,7 @@ def _pattern(soil):
 
 
 def _at_or_below(nodes, x):
-    """The node below `x` [m], or the first one: soil that was dragged along may have started outside the grid."""
+    """The node below `x` [m], or the first one: soil may have started outside the grid that follows a body."""
     return nodes[max(np.searchsorted(nodes, x + 1e-9, side="right") - 1, 0)]
 
 
@@ -147,39 +152,40 @@ def _at_or_above(nodes, x):
     return nodes[min(np.searchsorted(nodes, x - 1e-9, side="left"), len(nodes) - 1)]
 
 
-def left_out(scene, model, pattern):
-    """What this scene does not pay for."""
+def not_modelled(scene, model, pattern):
+    """List of texts about what this scene leaves out, and the key that sets it where there is one."""
     soil, out = model.soil, []
     if soil.held:
-        out.append("soil unknowns, stresses and transfers: the soil is held still")
+        out.append("soil unknowns, stresses and transfers: the soil is held")
     else:
         nodes = soil.grid.node_count
         empty = nodes - np.count_nonzero(pattern.free.any(axis=1))
-        out.append(f"{empty} of {nodes} nodes: without soil, or held")
-        out.append(f"soil beyond the grid: {_faces(scene.grid.faces, soil.grid.collapsed)}")
-        out += _left_out_by_travelling(scene.grid, soil)
+        out.append(f"{empty} of {nodes} nodes: they have no soil, or are held")
+        out.append(f"soil outside the grid: its faces are {_faces(scene.grid.faces, soil.grid.collapsed)}")
+        out += _outside_the_window(scene.grid, soil)
     if not model.scheme.inertia:
         out.append("inertia: the scene is quasi-static")
     for axis, collapsed in zip("xyz", soil.grid.collapsed):
         if collapsed:
-            out.append(f"motion along {axis}: that axis is collapsed")
+            out.append(f"motion along {axis}: the axis is collapsed")
     for described, body in zip(scene.bodies, model.bodies):
-        out += _left_out_of(described, body)
+        out += _not_modelled_of(described, body)
     if not soil.held:
         if not soil.law.plastic:
-            out.append("plasticity: the soil is elastic")
+            out.append("plasticity: the law is elastic")
         elif not getattr(soil.law, "hardens", True):
-            out.append("hardening: the strength stays as it is")
+            out.append("hardening: the strength is constant")
         if not scene.soil.fbar:
-            out.append("F-bar: points keep their own volume change")
+            out.append("F-bar: soil.fbar = false")
         if not scene.soil.ghost:
-            out.append("ghost penalty: cells hardly filled are left alone")
-    out.append("reassembly of the bodies' mass: it turns with them")
+            out.append("ghost penalty: soil.ghost = 0")
+    if model.bodies:
+        out.append("assembly of body mass in each step: the mass is assembled once and rotates with the body")
     return out
 
 
-def _left_out_by_travelling(grid, soil):
-    """What is not there because the grid goes with a body."""
+def _outside_the_window(grid, soil):
+    """Texts about the cells and the soil that a grid that follows a body does without."""
     axes = {name: axis for name, axis in zip("xyz", (grid.x, grid.y, grid.z)) if axis.travels}
     windows = [name for name, axis in axes.items() if axis.window]
     whole = 1
@@ -188,14 +194,14 @@ def _left_out_by_travelling(grid, soil):
         whole *= round((axis.end - axis.start) / axis.size) if axis else max(1, len(nodes) - 1)
     if axes:
         cells = np.prod([max(1, n - 1) for n in soil.grid.shape])
-        yield f"{whole - cells} of {whole} cells of the finest size: coarser, or not there, away from the body"
+        yield f"{whole - cells} of {whole} cells of the smallest size: away from the body they are coarser, or absent"
     if windows:
-        yield (f"soil outside the window along {', '.join(windows)}: it comes in at rest and "
-               + ("stays as it was when it is left" if grid.behind == "freeze" else "is removed when it is left"))
+        yield (f"soil outside the window along {', '.join(windows)}: it enters the window at rest and is "
+               + ("frozen" if grid.behind == "freeze" else "removed") + " when it leaves it")
 
 
 def _faces(faces, collapsed):
-    """What the faces of the grid hold in its place."""
+    """Condition of each face of the grid."""
     axes = [name for name, away in zip("xyz", collapsed) if not away]
     kinds = {}
     for name in (f"{axis}_{end}" for axis in axes for end in ("min", "max")):
@@ -203,16 +209,16 @@ def _faces(faces, collapsed):
     return ", ".join(f"{kind} at {' '.join(names)}" for kind, names in kinds.items())
 
 
-def _left_out_of(described, body):
-    """What the contact of a body does without, and its held components."""
+def _not_modelled_of(described, body):
+    """Texts about what the contact of a body does without, and its held components."""
     if body.friction == 0.0:
-        yield f"friction of {body.name}: its coefficient is 0"
+        yield f"friction of {body.name}: body.friction = 0"
     if body.second_pass == 0.0:
-        yield f"second pass of contact of {body.name}: its share is 0"
+        yield f"second contact pass of {body.name}: body.second_pass = 0"
     if body.second_pass == 1.0:
-        yield f"first pass of contact of {body.name}: the second carries all"
+        yield f"first contact pass of {body.name}: body.second_pass = 1"
     if not body.augmented:
-        yield f"multipliers of {body.name}: plain penalty"
+        yield f'contact multipliers of {body.name}: body.enforcement = "penalty"'
     held = [name for name, free in zip(FREEDOMS, body.free) if not free and name not in described.driven]
     if held:
-        yield f"held components of {body.name}: {', '.join(held)}"
+        yield f"motion of {body.name} in {', '.join(held)}: held"

@@ -1,1 +1,1 @@
-"""What every other package may use: errors, timing, memory, sums over points, a notice of compilation."""
+"""Helpers that every other package may use: errors, timing, memory, sums over points, notice of compilation."""

@@ -1,14 +1,15 @@
-"""Sums and maxima over all points, nodes, corners or unknowns.
+"""The only place for sums, maxima, norms and numbering over points, nodes, corners or unknowns.
 
-Each process of a parallel run would hold its own points; these are the only places where their numbers meet. Today
-there is one process, and what it holds is all.
+In a parallel run each process would hold its own points. No other module may assume that one process holds all of them:
+a number over all points is computed by a function of this module, from the values that this process holds. Today there
+is one process, and it holds all values.
 """
 
 import numpy as np
 
 
 def total(values, axis=0):
-    """Sum of an array along its first axis, over all processes."""
+    """Sum of an array along an axis, the first unless given, over all processes."""
     return np.sum(values, axis=axis)
 
 
@@ -23,5 +24,5 @@ def maximum(values, empty=0.0):
 
 
 def norm(vector):
-    """Euclidean norm of a vector spread over all processes."""
+    """Euclidean norm of a vector that is distributed over all processes."""
     return float(np.linalg.norm(vector))

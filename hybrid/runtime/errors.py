@@ -1,12 +1,12 @@
-"""Errors that a user can act on: what was found, what the limit is, and what to try."""
+"""Errors that a user can correct; their messages have the value found, the limit and the remedy."""
 
 
 class HybridError(Exception):
-    """Base of every error this package raises on purpose; the command line prints it without a traceback."""
+    """Base of all errors of this package; the command line prints their message without a traceback."""
 
 
 class SceneError(HybridError):
-    """The scene asks for something unknown, missing or impossible."""
+    """The scene, or an argument of the command line, has an unknown, missing or impossible value."""
 
 
 class GeometryError(HybridError):
@@ -14,8 +14,8 @@ class GeometryError(HybridError):
 
 
 class LawError(HybridError):
-    """A constitutive law contradicts itself, or answers in another shape than its contract says."""
+    """A constitutive law is inconsistent, or returns arrays of another shape than its interface requires."""
 
 
 class StepError(HybridError):
-    """A time step could not be completed; the last accepted state is intact."""
+    """A time step could not be completed; the last accepted state is unchanged."""

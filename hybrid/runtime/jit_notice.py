@@ -1,30 +1,31 @@
-"""Telling the user when kernels are compiled. Numba keeps them on disk, so that happens once, and takes a while."""
+"""A notice when kernels are compiled. Numba keeps compiled kernels on disk, so that a run compiles only those that no
+run before it has used: the first scene most of them, later scenes those of another law or kind of contact."""
 
 import sys
 
 from numba.core import event
 
-TEXT = "hybrid: compiling kernels, once on this machine; up to a minute where none is there yet"
+TEXT = "hybrid: compiling kernels that are used for the first time and kept for later runs; takes up to a minute"
 
 
-def announced(stream=None):
+def compilation_notice(stream=None):
     """Context in which one line is written to `stream` (default: stderr) when the first kernel of hybrid is compiled.
 
-    Kernels that are read from disk, and those of a user's own law, are not announced.
+    There is no notice for kernels that are read from disk, nor for those of a user's own law.
     """
-    return event.install_listener("numba:compile", _Announcement(stream or sys.stderr))
+    return event.install_listener("numba:compile", _Notice(stream or sys.stderr))
 
 
-class _Announcement(event.Listener):
+class _Notice(event.Listener):
     def __init__(self, stream):
-        self._stream, self._told = stream, False
+        self._stream, self._printed = stream, False
 
     def on_start(self, compiled):
         module = compiled.data["dispatcher"].py_func.__module__ or ""   # numba's own functions may have none
-        if not self._told and module.split(".")[0] == "hybrid":
-            clear = "\r\x1b[2K" if self._stream.isatty() else ""   # of the line that tells the progress
+        if not self._printed and module.split(".")[0] == "hybrid":
+            clear = "\r\x1b[2K" if self._stream.isatty() else ""   # the line of progress
             print(clear + TEXT, file=self._stream, flush=True)
-            self._told = True
+            self._printed = True
 
     def on_end(self, compiled):
-        """A listener has to have this."""
+        """Required of a listener."""

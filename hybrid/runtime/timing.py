@@ -1,4 +1,4 @@
-"""Wall time by phase. Phases do not nest; whoever runs the steps reads and resets the totals."""
+"""Wall time by phase. Phases do not nest; the simulation reads and resets the totals after each step."""
 
 import time
 from collections import defaultdict

@@ -57,7 +57,7 @@ def test_the_prediction_leaves_the_simulation_as_it_is():
     simulation = build(SCENES["held"]())
     state, position = simulation.state, simulation.state.bodies[0].position.copy()
     points = state.points.position.copy()
-    sheet = predict(simulation).sheet()["predicted"]
+    sheet = predict(simulation).sheet()["predicted cost"]
     assert simulation.state is state and np.array_equal(state.bodies[0].position, position)
     assert np.array_equal(state.points.position, points) and state.step == 0
     assert sheet["all steps"].endswith("for 30") and sheet["assumed"][0].startswith("2 Newton iterations a step, 2 ")

@@ -66,7 +66,7 @@ def test_commands_outside_the_checkout(wheel, installed, tmp_path):
     assert all(Path(each).is_relative_to(installed) for each in places)
     assert hybrid("--version") == f"hybrid {wheel.name.split('-')[1]}\n"
     assert hybrid("demos", "rolling_sphere").split() == ["hybrid", "run", "demos/rolling_sphere.toml"]
-    assert "material points" in hybrid("check", "--no-probe", "demos/rolling_sphere.toml")
+    assert "material points" in hybrid("check", "--no-cost", "demos/rolling_sphere.toml")
     assert "watertight" in hybrid("mesh", "geometry/sphere.geo")
 
 

@@ -110,6 +110,7 @@ def test_mistakes_of_the_program_are_not_hidden(scene, stand_in):
     (["check", "{scene}", "--set", "time.step=-1"], "time.step = -1: must be positive"),
     (["mesh", "a.geo", "--density", "0"], "--density = 0"),
     (["mesh", "a.geo", "--density", "nan"], "--density = nan"),
+    (["mesh", "a.geo", "--out", "a.stl"], "a name that ends in .vtu, such as a.vtu"),
     (["mesh", "a.geo", "--set", "size=small"], "--set size=small: expected name=number"),
     (["mesh", "a.geo", "--set", "0.1"], "expected name=number"),
 ])
@@ -131,10 +132,10 @@ def test_check_prints_the_sheet_aligned(scene, stand_in, capsys):
     sheet = {
         "unknowns": {"soil": 21648, "body (sphere)": 6, "memory [MB]": 123.456789},
         "modelled": {"contact": ["sphere: 1200 triangles", "friction 0.4"], "inertia": True},
-        "left out": ["pore water", "damage"],
+        "not modelled": ["pore water", "damage"],
     }
     stand_in("hybrid.setup.build", build=lambda scene: SimpleNamespace(sheet=lambda: sheet))
-    assert cli.main(["check", str(scene), "--no-probe"]) == 0
+    assert cli.main(["check", str(scene), "--no-cost"]) == 0
     assert capsys.readouterr().out.splitlines() == [
         "unknowns",
         "  soil           21 648",
@@ -146,29 +147,29 @@ def test_check_prints_the_sheet_aligned(scene, stand_in, capsys):
         "                 friction 0.4",
         "  inertia        yes",
         "",
-        "left out",
+        "not modelled",
         "  pore water",
         "  damage",
     ]
 
 
-def test_check_adds_what_the_steps_would_take(scene, stand_in, capsys):
-    simulation = SimpleNamespace(sheet=lambda: {"left out": ["damage"]})
+def test_check_adds_the_predicted_cost(scene, stand_in, capsys):
+    simulation = SimpleNamespace(sheet=lambda: {"not modelled": ["damage"]})
     stand_in("hybrid.setup.build", build=lambda scene: simulation)
     stand_in("hybrid.cost", predict=lambda given: SimpleNamespace(
-        sheet=lambda: {"predicted": {"step [s]": 0.25 if given is simulation else None}}))
+        sheet=lambda: {"predicted cost": {"step [s]": 0.25 if given is simulation else None}}))
     assert cli.main(["check", str(scene)]) == 0
-    assert capsys.readouterr().out.splitlines()[2:] == ["", "predicted", "  step [s]  0.25"]
+    assert capsys.readouterr().out.splitlines()[2:] == ["", "predicted cost", "  step [s]  0.25"]
 
 
-def test_check_says_why_nothing_can_be_predicted(scene, stand_in, capsys):
+def test_check_reports_why_no_cost_can_be_predicted(scene, stand_in, capsys):
     def predict(_):
         raise StepError("linear solver: a diagonal block is singular")
 
-    stand_in("hybrid.setup.build", build=lambda scene: SimpleNamespace(sheet=lambda: {"left out": ["damage"]}))
+    stand_in("hybrid.setup.build", build=lambda scene: SimpleNamespace(sheet=lambda: {"not modelled": ["damage"]}))
     stand_in("hybrid.cost", predict=predict)
     assert cli.main(["check", str(scene)]) == 0
-    assert "nothing: linear solver: a diagonal block is singular" in capsys.readouterr().out
+    assert "not available: linear solver: a diagonal block is singular" in capsys.readouterr().out
 
 
 def test_mesh_prints_sizes_and_mass(stand_in, capsys, tmp_path):
@@ -190,7 +191,7 @@ def test_mesh_prints_sizes_and_mass(stand_in, capsys, tmp_path):
     assert rows["nodes"] == ["4"] and rows["watertight"] == ["yes"]
     assert rows["mass [kg]"][-1] == "1308.33"
     assert rows["eye"] == ["1", "0", "0"]
-    assert rows["inertia about it [kg m²]"][-3:] == ["1", "0", "0"]  # round-off is shown as zero
+    assert rows["inertia about the centre [kg m²]"][-3:] == ["1", "0", "0"]  # round-off is shown as zero
 
 
 def python(*arguments):

@@ -122,16 +122,16 @@ def test_every_number_has_a_use():
     assert {n for n in NUMBERS if not described(KEYS[n]).range} == {"hardening", "strength_gradient"}
 
 
-def test_the_sheet_tells_law_hardening_and_layers():
+def test_the_sheet_has_law_hardening_and_layers():
     layers = [{"name": "clay", "top": 0.5, "law": "von-mises", "k0": 0.9, "material": {
         "strength": 20e3, "strength_gradient": 1e3, "hardening": -1e4, "residual_strength": 5e3, "poisson": 0.4}}]
     sheet = build(scene_of(SAND, layer=layers)).sheet()
-    assert sheet["modelled"]["soil law"] == "drucker-prager, matched in compression"
+    assert sheet["modelled"]["soil law"] == "drucker-prager, cone matched in compression"
     (line,) = sheet["modelled"]["soil layers"]
-    assert line.startswith("clay: z = 0 to 0.5 m, von-mises, matched in compression, strength 20000 Pa and 1000 Pa/m "
-                           "of depth, softening by 10000 Pa down to 5000 Pa, ") and line.endswith("k0 = 0.9")
-    assert not any("hardening" in text for text in sheet["left out"])
+    assert line.startswith("clay: z = 0 to 0.5 m, von-mises, cone matched in compression, strength 20000 Pa and 1000 "
+                           "Pa/m of depth, softening by 10000 Pa down to 5000 Pa, ") and line.endswith("k0 = 0.9")
+    assert not any("hardening" in text for text in sheet["not modelled"])
     plain = build(scene_of(SAND)).sheet()
-    assert "soil layers" not in plain["modelled"] and "hardening: the strength stays as it is" in plain["left out"]
+    assert "soil layers" not in plain["modelled"] and "hardening: the strength is constant" in plain["not modelled"]
     elastic = build(scene_of({"law": "hencky", "young": 1e6, "poisson": 0.3, "density": 1e3})).sheet()
-    assert elastic["modelled"]["soil law"] == "hencky" and "plasticity: the soil is elastic" in elastic["left out"]
+    assert elastic["modelled"]["soil law"] == "hencky" and "plasticity: the law is elastic" in elastic["not modelled"]

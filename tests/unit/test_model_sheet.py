@@ -1,4 +1,4 @@
-"""The model sheet tells the sizes that a run has, and what a scene leaves out."""
+"""The model sheet has the sizes of a run, and lists what a scene does not model."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -20,7 +20,7 @@ DEMOS = Path(__file__).parents[2] / "demos"
 def test_held_soil_leaves_six_unknowns():
     sheet = build(load_scene(DEMOS / "rolling_sphere.toml")).sheet()
     assert sheet["modelled"]["soil unknowns"] == 0 and sheet["modelled"]["body unknowns"] == 6
-    assert any("held still" in line for line in sheet["left out"])
+    assert any("the soil is held" in line for line in sheet["not modelled"])
     assert sheet["modelled"]["time integration"] == "Newmark, beta = 0.5625, gamma = 1"
 
 
@@ -33,33 +33,36 @@ def test_sizes_are_those_of_the_first_step(friction):
     assert sheet["modelled"]["entries of the soil block"] == len(step.pattern.indices)
     assert sheet["modelled"]["material points"] == len(simulation.state.points)
     assert sheet["modelled"]["body unknowns"] == 3
-    assert any("friction" in line for line in sheet["left out"]) == (friction == 0.0)
+    assert any("friction" in line for line in sheet["not modelled"]) == (friction == 0.0)
 
 
 @pytest.mark.parametrize("options, contact, absent", [
-    ({}, "penalty", ["second pass of contact of ball: its share is 0", "multipliers of ball: plain penalty"]),
-    ({"second_pass": 0.5, "enforcement": "augmented"}, "augmented Lagrangian, second pass 0.5 with {} samples", []),
-    ({"second_pass": 1.0}, "penalty, second pass 1 with {} samples",
-     ["first pass of contact of ball: the second carries all", "multipliers of ball: plain penalty"]),
+    ({}, "contact by penalty",
+     ["second contact pass of ball: body.second_pass = 0",
+      'contact multipliers of ball: body.enforcement = "penalty"']),
+    ({"second_pass": 0.5, "enforcement": "augmented"}, 
+     "contact by augmented Lagrangian, second contact pass with a share of 0.5 and {} samples", []),
+    ({"second_pass": 1.0}, "contact by penalty, second contact pass with a share of 1 and {} samples",
+     ["first contact pass of ball: body.second_pass = 1", 'contact multipliers of ball: body.enforcement = "penalty"']),
 ])
 def test_contact_of_a_body(options, contact, absent):
-    """The way of enforcing contact and the share and size of each pass, or that it is left out."""
+    """The enforcement of contact and the share and size of each pass, or that it is not modelled."""
     ball = sphere(0.25, 0.1, name="ball", position=(0.0, 0.0, 0.5), friction=0.3, **options)
     simulation = build(plane(ball, 1, 0.01))
     body, sheet = simulation.model.bodies[0], simulation.sheet()
     (line,) = sheet["modelled"]["bodies"]
     assert line == (f"ball: {len(body.surface.triangles)} contact triangles, {body.mass.mass:.6g} kg, "
                     f"6 free components, {contact.format(body.samples and len(body.samples))}")
-    assert [text for text in sheet["left out"] if "ball" in text] == absent
+    assert [text for text in sheet["not modelled"] if "ball" in text] == absent
 
 
-def test_driven_components_are_modelled_and_held_ones_left_out():
+def test_driven_components_are_modelled_and_held_ones_are_not():
     """A component driven at rate 0 is driven all the same."""
     ball = sphere(0.25, 0.1, name="ball", position=(0.0, 0.0, 0.5), velocity=(1.0, 0.0, 0.0), driven=("x", "z"),
                   held=("rx", "rz"))
     sheet = build(plane(ball, 1, 0.01)).sheet()
-    assert ", 2 free components, driven x z, penalty" in sheet["modelled"]["bodies"][0]
-    assert "held components of ball: rx, rz" in sheet["left out"]
+    assert ", 2 free components, driven x z, contact by penalty" in sheet["modelled"]["bodies"][0]
+    assert "motion of ball in rx, rz: held" in sheet["not modelled"]
 
 
 def test_demo_anchor_starts_in_equilibrium():
@@ -98,10 +101,11 @@ def test_what_sets_the_increments_and_what_stands_for_the_far_soil():
     described = soil_scene(y=Axis(0.0, 0.8, collapsed=True), time=Time(0.01, accuracy=1e-3))
     sheet = build(described).sheet()
     assert sheet["modelled"]["increments"] == (
-        "at most 0.0002 m a step added to the error of positions, accuracy 0.001")
-    assert "soil beyond the grid: roller at x_min x_max, fixed at z_min, free at z_max" in sheet["left out"]
+        "as long as time.accuracy = 0.001 allows, an error of positions of 0.0002 m a step")
+    assert "soil outside the grid: its faces are roller at x_min x_max, fixed at z_min, free at z_max" in sheet[
+        "not modelled"]
     plain = build(replace(described, time=Time(0.01))).sheet()
-    assert plain["modelled"]["increments"] == "as long as a step where they converge"
+    assert plain["modelled"]["increments"] == "one a step, halved where Newton's method fails"
 
 
 def test_soil_that_was_dragged_along_does_not_hide_the_grid():
