@@ -29,8 +29,8 @@ class MissedContact(Monitor):
                 yield b, (
                     f"{body.name} is inside the soil without contact: at t = {view.state.time:.4g} s its deepest "
                     f"vertex is {share:.2g} of a point domain's height below the top of that domain, limit {DEPTH:g}. "
-                    "It lies between the corners at which the first contact pass samples the soil, so the soil does "
-                    "not resist and the body may fall through. Set body.second_pass = 1, or use smaller cells")
+                    "It lies between the corners at which the first contact pass samples the soil, so that "
+                    "no force stops the body. Set body.second_pass = 1, or use smaller cells")
 
 
 def _deepest(body, motion, points, across):

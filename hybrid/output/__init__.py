@@ -1,10 +1,10 @@
-"""Observers of a run: they read the simulation after each accepted step and write files; never the reverse.
+"""Observers of a run: they read the simulation after each accepted step and write files, and never change it.
 
-An observer has three methods, called by the time loop:
+An observer has three methods, called by the simulation:
 
     start(simulation)              before the first step of this session, also when a run is resumed
     accepted(record, simulation)   after every accepted outer step; record is a `hybrid.output.record.Record`
-    finish(summary, simulation)    once, at the end, failed or interrupted: summary["outcome"] tells which
+    finish(summary, simulation)    once at the end; summary["outcome"] is completed, failed or interrupted
 """
 
 import os
@@ -16,7 +16,7 @@ from pathlib import Path
 def atomic(path):
     """Give a temporary name beside `path` and move it into place only if the block succeeds.
 
-    A reader, or a run that is cut short, therefore sees the old file or the new one and never half of either.
+    A reader therefore finds the old file or the new one, also after an interrupted run, and never a part of one.
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -29,9 +29,9 @@ def atomic(path):
 
 
 def standard(folder, progress=True, announce=False):
-    """The observers of `hybrid run`, in the order they must be called: everything a scene's folder holds.
+    """The observers of `hybrid run`, in the order in which they must be called; they write all files of a run.
 
-    folder: where files go (made if missing). progress: show the live line when stderr is a terminal.
+    folder: of the results (made if missing). progress: show the line of progress when stderr is a terminal.
     announce: print one closing line even when it is not.
     """
     from hybrid.output.checkpoint import Checkpoints

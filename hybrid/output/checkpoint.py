@@ -1,8 +1,8 @@
-"""checkpoint.npz: the whole state to the last bit, with the scene it belongs to.
+"""checkpoint.npz: the complete state, bit for bit, with the scene it belongs to.
 
-A run is resumed only with the scene that wrote the checkpoint. What may differ is what does not change the
-physics: the output and solver tables, what becomes of stray points, and the number of steps of the last stage, so
-that a run can be taken further.
+A run is resumed only with the scene that wrote the checkpoint. Keys that do not change the physics may differ: the
+tables output and solver, soil.stray, and the number of steps of the last stage, so that a run can be continued
+beyond its end.
 """
 
 import dataclasses
@@ -53,7 +53,7 @@ class Checkpoints:
 
 
 def save(path, state, scene=None, extra=None):
-    """Write `state` (and the scene's fingerprint) to `path` in one move.
+    """Write `state` (and the scene's fingerprint) to `path`, completely or not at all.
 
     extra: dict of numbers, text or arrays that `read_extra` gives back, such as the current increment.
     """
@@ -75,10 +75,10 @@ def save(path, state, scene=None, extra=None):
 
 
 def load(path, scene=None):
-    """State saved in `path`, equal to the last bit.
+    """State saved in `path`, bit for bit.
 
-    Raises CheckpointError when the file is missing or not a checkpoint, or when `scene` is given and is not
-    the one that wrote it; the message lists what differs.
+    Raises CheckpointError if the file is missing or not a checkpoint, or if `scene` is given and is not the one that
+    wrote it; the message lists the keys that differ.
     """
     arrays = _read(path)
     if scene is not None:
@@ -95,12 +95,12 @@ def load(path, scene=None):
 
 
 def read_extra(path):
-    """The dict that was given to `save` as `extra`; numbers and text come back as such."""
+    """The dict that was given to `save` as `extra`."""
     return {name: value[()] for name, value in _below(_read(path), "extra/").items()}
 
 
 def fingerprint(scene):
-    """What identifies a run's physics: flat dict "soil.material.young" -> text; geometry by content."""
+    """Keys of a scene that determine the physics of its run: {"soil.material.young": text}; geometry by content."""
     flat = {}
     _flatten("", _plain(scene), flat)
     last = len(getattr(scene, "stages", ())) - 1
@@ -115,9 +115,9 @@ def _refuse_other_scene(path, saved, wanted):
     shown = [f"  {k}: checkpoint {saved.get(k, 'none')}, scene {wanted.get(k, 'none')}" for k in keys[:8]]
     shown += [f"  ... and {len(keys) - 8} more"] if len(keys) > 8 else []
     raise CheckpointError(
-        f"{path} was written by another scene; these differ:\n" + "\n".join(shown)
-        + "\nGive the scene that wrote it (output, solver and the steps of the last stage may change), "
-        "or start afresh in another folder."
+        f"{path} was written by another scene; these keys differ:\n" + "\n".join(shown)
+        + "\nResume with the scene that wrote it (output, solver, soil.stray and the steps of the last stage may "
+        "differ), or start a new run in another folder."
     )
 
 
@@ -128,10 +128,10 @@ def _read(path):
     except FileNotFoundError:
         raise CheckpointError(f"{path} does not exist: there is no run to resume in that folder") from None
     except (OSError, ValueError, zipfile.BadZipFile) as error:
-        raise CheckpointError(f"{path} is not a readable checkpoint ({error}): start afresh") from error
+        raise CheckpointError(f"{path} is not a readable checkpoint ({error}): start a new run") from error
     if int(arrays.get("format", -1)) != FORMAT:
         found = arrays.get("format")
-        raise CheckpointError(f"{path} has format {found}, this version reads {FORMAT}: start afresh")
+        raise CheckpointError(f"{path} has format {found}, this version reads {FORMAT}: start a new run")
     return arrays
 
 

@@ -23,7 +23,7 @@ COLUMN, PAGE = 85 / 25.4, 170 / 25.4  # widths [in]
 COLOURS = ("#1f5a94", "#c8553d", "#3a7d44", "#7a4e9c", "#c28f0e", "#4d4d4d")
 MARKERS = "osD^vP"
 
-# Blue below, white at zero, red above; ends kept light enough for shading and edges to be seen.
+# Blue below, white at zero, red above; the ends are light enough for shading and edges to be visible.
 DIVERGING = LinearSegmentedColormap.from_list(
     "blue white red", ["#1b4f9c", "#3f86c4", "#9dc9e4", "#ffffff", "#f7b799", "#d9604c", "#a3132a"]
 )
@@ -191,7 +191,7 @@ def convergence(path, curves, labels, ylabel, xlabel="step $\\Delta t$ [s]", ord
     with figure(path, PAGE, 0.9 * COLUMN) as drawing:
         panels = drawing.subplots(1, len(labels), sharey=True, squeeze=False)[0]
         for i, (label, pairs) in enumerate(curves.items()):
-            # Smaller and smaller markers, so that curves that coincide are seen.
+            # Each curve has smaller markers than the one before, so that coinciding curves are visible.
             for panel, pair in zip(panels, pairs):
                 panel.loglog(*pair, MARKERS[i % len(MARKERS)] + "-", color=COLOURS[i % len(COLOURS)], label=label,
                              markerfacecolor="white", markeredgewidth=0.9, markersize=max(2.5, 6.0 - 0.8 * i))
@@ -232,7 +232,7 @@ def picture(path, image, limit, label, caption="", extend="neither", ruler=None)
         FigureCanvasAgg(drawing)
         axes = drawing.add_axes((0, foot / (height + foot), 1, height / (height + foot)))
         axes.imshow(image, aspect="auto", interpolation="antialiased")
-        # Zero displacement is white, as the paper is: an outline tells where the model ends.
+        # Zero displacement is white, as the paper is: an outline shows where the model ends.
         axes.contour(image[:, :, 3], [127], colors="#404040", linewidths=0.6)
         axes.set_axis_off()
         if ruler:

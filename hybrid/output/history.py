@@ -1,4 +1,4 @@
-"""history.csv: one line per accepted outer step, on disk as soon as the step is accepted."""
+"""history.csv: one line for each accepted outer step, on disk as soon as the step is accepted."""
 
 import csv
 from pathlib import Path
@@ -13,8 +13,8 @@ NAME = "history.csv"
 class History:
     """Observer that appends `Record.row()` to history.csv in `folder`.
 
-    A fresh run replaces an older file. A resumed one keeps the lines up to the step it resumes from and goes
-    on below them, under the same header.
+    A new run replaces an older file. A resumed run keeps the lines up to the step that it resumes from and appends to
+    them, under the same header.
     """
 
     def __init__(self, folder):
@@ -30,7 +30,7 @@ class History:
     def accepted(self, record, simulation):
         row = record.row()
         if any(name not in self.columns for name in row):
-            # A phase or energy seen for the first time: give the earlier lines an empty cell for it.
+            # A phase or energy that is new in this step: earlier lines get an empty cell.
             rows = _complete_rows(self.path)
             self.columns += [name for name in row if name not in self.columns]
             self._replace(rows)
@@ -38,7 +38,7 @@ class History:
             csv.DictWriter(file, self.columns).writerow(row)
 
     def finish(self, summary, simulation):
-        """Nothing is left to write: every line is already on disk."""
+        """Nothing to do: every line is already on disk."""
 
     def _replace(self, rows):
         with atomic(self.path) as partial, open(partial, "w", newline="", encoding="utf-8") as file:
@@ -49,7 +49,7 @@ class History:
 
 
 def _complete_rows(path):
-    """Lines of the file as dicts of text; a last line cut short by a crash is left out."""
+    """Lines of the file as dicts of text; without a last line that a crash left incomplete."""
     if not path.exists():
         return []
     with open(path, newline="", encoding="utf-8") as file:
@@ -63,7 +63,7 @@ def read_history(folder):
     """
     path = Path(folder) / NAME
     if not path.exists():
-        raise FileNotFoundError(f"no {NAME} in {path.parent}: give the folder that a run wrote")
+        raise FileNotFoundError(f"no {NAME} in {path.parent}: give the folder of results of a run")
     rows = _complete_rows(path)
     if not rows:
         return {}

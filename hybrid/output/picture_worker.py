@@ -49,7 +49,7 @@ def draw(arrays, colours):
 
 
 def visible_faces(pyvista, centre, half, values):
-    """The three faces of every box that look at the camera, with cell data "uz"; the rest is never seen."""
+    """The three faces of every box that face the camera, with cell data "uz"; the others are hidden."""
     faces = []
     for axis in range(3):
         side = math.copysign(1.0, VIEW[axis])
@@ -128,7 +128,7 @@ def ruler_length(extent):
 
 
 def pixel(plotter, point):
-    """Column and row (2,) of the image at which a point (3,) [m] is seen."""
+    """Column and row (2,) of the image at which a point (3,) [m] appears."""
     renderer = plotter.renderer
     renderer.SetWorldPoint(*point, 1.0)
     renderer.WorldToDisplay()

@@ -1,11 +1,11 @@
 """Three-dimensional pictures of soil and bodies, coloured by vertical displacement since the run began.
 
-The soil is drawn as the domains of its points (boxes x_p ± l_p), seen obliquely from the side of small y,
+The soil is drawn as the domains of its points (boxes x_p ± l_p), viewed obliquely from the side of small y,
 where a half model has its symmetry plane, so that the cut through soil and body faces the viewer.
 
 VTK ends the whole process when it finds no OpenGL. A picture is therefore drawn by a child process
-(`hybrid.output.picture_worker`), and a run only loses its picture, with a warning that says why. The run goes on while the child
-works; one child works at a time.
+(`hybrid.output.picture_worker`): without OpenGL a run only loses its pictures, with a warning that gives the reason.
+The run continues while the child works; one child works at a time.
 """
 
 import logging
@@ -79,14 +79,14 @@ class Pictures:
 def render(path, simulation, caption="", initial=None):
     """Write a picture of the simulation's present state to `path` (PNG). Returns whether that worked.
 
-    initial: list of BodyState at the start of the run, default `simulation.initial_bodies`. When nothing can
-    be drawn a warning names cause and remedy and the run goes on.
+    initial: list of BodyState at the start of the run, default `simulation.initial_bodies`. If nothing can
+    be drawn, a warning has cause and remedy and the run continues.
     """
     return Drawing(path, scene_arrays(simulation, initial or initial_bodies(simulation)), caption).collect()
 
 
 def scene_arrays(simulation, initial):
-    """What the child draws: box centres and half-widths (n, 3) [m], body vertices (V, 3) [m] and triangles
+    """Arrays that the child draws: box centres and half-widths (n, 3) [m], body vertices (V, 3) [m] and triangles
     (t, 3) of all bodies together, vertical displacements `soil` (n,) and `body` (V,) [m], colour `limit`."""
     (points, before), state = drawn(simulation), simulation.state
     soil = points.position[:, 2] - before[:, 2]
@@ -117,7 +117,7 @@ def colour_limit(soil, body):
 
 
 class Drawing:
-    """A picture that a child process draws from `scene_arrays`; to be ended by `collect`."""
+    """A picture that a child process draws from `scene_arrays`; `collect` ends it."""
 
     def __init__(self, path, arrays, caption=""):
         self._path, self._caption, self._error = Path(path), caption, None
@@ -130,7 +130,7 @@ class Drawing:
             self._error = error
 
     def collect(self):
-        """Wait for the picture; returns whether there is one. Otherwise a warning names cause and remedy."""
+        """Wait for the picture; returns whether there is one. If not, a warning has cause and remedy."""
         try:
             if self._error:
                 raise self._error
@@ -153,15 +153,15 @@ class Drawing:
         folder = self._folder.name
         command = [sys.executable, "-m", "hybrid.output.picture_worker", os.path.join(folder, "given.npz"),
                    os.path.join(folder, "drawn.png"), self._caption]
-        # A session of its own: who interrupts the run from the keyboard still gets the picture. What the child says
-        # goes to a file, since nobody reads a pipe while the run goes on.
-        with open(os.path.join(folder, "said"), "wb") as said:
-            self._child = subprocess.Popen(command, env=environment, start_new_session=True, stderr=said,
+        # A session of its own, so that an interrupt from the keyboard does not end the child. Messages go to a file, as a
+        # pipe is not read while the run continues.
+        with open(os.path.join(folder, "messages"), "wb") as messages:
+            self._child = subprocess.Popen(command, env=environment, start_new_session=True, stderr=messages,
                                            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
         self._deadline = time.monotonic() + TIME_LIMIT
 
     def _wait(self):
-        """Put the picture in its place; RuntimeError with the child's last words when every try failed."""
+        """Move the picture to its path; RuntimeError with the child's last message if all tries failed."""
         picture = Path(self._folder.name) / "drawn.png"
         for choice in (*TRIES[1:], None):
             code = self._child.wait(max(0.0, self._deadline - time.monotonic()))
@@ -171,8 +171,8 @@ class Drawing:
                 return
             if choice is not None:
                 self._begin(choice)
-        said = (Path(self._folder.name) / "said").read_text(errors="replace")
-        plain = re.sub(r"\x1b\[[0-9;]*m", "", said)
-        # What follows VTK's stamp of date and place.
+        messages = (Path(self._folder.name) / "messages").read_text(errors="replace")
+        plain = re.sub(r"\x1b\[[0-9;]*m", "", messages)
+        # The part of each line after VTK's stamp of date and place.
         words = [line.split("|")[-1].strip() for line in plain.splitlines() if line.strip()]
         raise RuntimeError(words[-1] if words else f"the drawing process ended with code {code}")

@@ -1,4 +1,4 @@
-"""One live line on the terminal while a run is under way; silent when nobody watches."""
+"""One line of progress on the terminal, rewritten after each step of a run."""
 
 import shutil
 import sys
@@ -8,7 +8,7 @@ import time
 class Progress:
     """Observer that rewrites one line of `stream` (default stderr) after every accepted outer step.
 
-    Nothing is written when the stream is not a terminal, except notes and one closing line if `announce` is set.
+    Where the stream is not a terminal only notes and one closing line are written, and only if `announce` is set.
     """
 
     def __init__(self, stream=None, announce=False, live=True):
@@ -24,7 +24,7 @@ class Progress:
 
     def accepted(self, record, simulation):
         for note in record.notes:
-            self._say(note)
+            self._print(note)
         done, left = record.step - self.first, simulation.total_steps - record.step
         remaining = (time.perf_counter() - self.began) / done * left
         steps = {stage.name: stage.steps for stage in simulation.scene.stages}
@@ -33,10 +33,10 @@ class Progress:
     def finish(self, summary, simulation):
         steps, seconds = simulation.state.step - self.first, time.perf_counter() - self.began
         reason = f": {summary['reason']}" if summary.get("reason") else ""
-        self._say(f"{simulation.scene.name}: {summary['outcome']}, {steps} steps in {clock(seconds)}{reason}")
+        self._print(f"{simulation.scene.name}: {summary['outcome']}, {steps} steps in {clock(seconds)}{reason}")
 
-    def _say(self, text):
-        """A line that stays, above the one that is rewritten."""
+    def _print(self, text):
+        """Write a permanent line above the line of progress."""
         self._show("")
         if self.live or self.announce:
             print(text, file=self.stream, flush=True)
@@ -51,7 +51,7 @@ class Progress:
 def describe(record, steps, remaining):
     """The line for one record. steps: outer steps of its stage; remaining: estimated time left [s].
 
-    What matters most comes first, because a narrow terminal cuts the end off.
+    The most important values come first, as a narrow terminal cuts off the end.
     """
     parts = [
         f"{record.stage} {record.stage_step}/{steps}",
@@ -67,7 +67,7 @@ def describe(record, steps, remaining):
 
 
 def force(newtons):
-    """A force with a unit that keeps it readable: "12.3 kN"."""
+    """A force with a suitable unit, such as "12.3 kN"."""
     for limit, unit in ((1e6, "MN"), (1e3, "kN")):
         if abs(newtons) >= limit:
             return f"{newtons / limit:.3g} {unit}"

@@ -1,4 +1,6 @@
-"""What one accepted outer step reports to the observers, which points they draw, where a body's surface stands.
+"""The record of an accepted outer step, which observers get; the points they draw and the places of a body's surface.
+
+`Record` and `BodyRecord` are public: the names of their fields stay.
 
 | symbol | field                       | shape | unit  |
 |--------|-----------------------------|-------|-------|
@@ -23,7 +25,7 @@ from hybrid.state import Points, Population
 
 @dataclass
 class BodyRecord:
-    """One body at the end of a step: centre of mass, attitude (w, x, y, z), rates, and what acts on it.
+    """One body at the end of a step: centre of mass, attitude (w, x, y, z), velocity, spin, and the forces on it.
 
     The contact moment is about the centre of mass; force and moment are in the spatial frame, the spin is in
     the body frame, as in `hybrid.state.BodyState`.
@@ -62,13 +64,17 @@ class BodyRecord:
 class Record:
     """One accepted outer step.
 
-    step counts from 1 over all stages, stage_step from 1 in its stage. dt [s] is the smallest increment used,
-    `increments` how many there were, `iterations` the Newton iterations of all of them, `krylov` those of the linear
-    solver in them, `rejections` the trials thrown away, `residual` the last relative residual, `contacts` the corners
-    that touch, `time_error` what the length of the increments adds to the error of positions [m], None where no
-    accuracy is asked for. `seconds` holds the wall time of each phase [s] and `energies` the balance [J]; both become
-    columns of history.csv. `notes` are texts for the user that are said once in a run, such as a body that leaves the
-    grid.
+    step            from 1 over all stages; stage_step: from 1 in its stage
+    time, dt        [s] end of the step, smallest increment used
+    increments      their number; rejections: number of increments rejected
+    iterations      of Newton's method in all increments; krylov: of the linear solver in them
+    residual        [-] last relative residual
+    contacts        number of corners and samples in contact
+    seconds         {phase: wall time [s]}, columns of history.csv
+    energies        {name: [J]} of the balance, columns of history.csv
+    bodies          [BodyRecord]
+    notes           warnings, each given once in a run, such as that a body leaves the grid
+    time_error      [m] estimated error of positions that time integration adds in the step, None without time.accuracy
     """
 
     step: int
@@ -123,16 +129,14 @@ def placed(vertices, body):
 
 
 def initial_bodies(simulation):
-    """The bodies as they were before the first step: list of BodyState.
-
-    A resumed simulation carries them as `initial_bodies`; without that attribute the present ones are taken.
+    """List of BodyState before the first step: `simulation.initial_bodies`, or the present ones without that attribute.
     """
     return list(getattr(simulation, "initial_bodies", simulation.state.bodies))
 
 
 def drawn(simulation):
-    """Points to draw and their initial positions (n, 3) [m]: also those that a travelling grid has left behind, but not
-    those that the scene removes when they stray."""
+    """Points to draw and their initial positions (n, 3) [m], with those outside the window of a moving grid; without
+    inactive points if the scene removes them."""
     points, initial = simulation.state.points, simulation.initial_position
     ground = getattr(simulation.state, "ground", None)
     if ground is not None and ground.behind is not None and len(ground.behind):

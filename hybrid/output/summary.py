@@ -1,4 +1,4 @@
-"""summary.json: how a run ended, how large it was, what it cost and on what it ran."""
+"""summary.json: outcome, sizes, cost, versions and machine of a run."""
 
 import json
 import os
@@ -17,7 +17,7 @@ from hybrid.output.record import column
 
 NAME = "summary.json"
 
-# Module name -> names its package goes by, most common first.
+# Module -> possible names of its package, most common first.
 PACKAGES = {
     "hybrid": ("hybrid",),
     "numpy": ("numpy",),
@@ -33,9 +33,9 @@ PACKAGES = {
 
 
 class Summary:
-    """Observer that adds up what the steps cost and writes summary.json in `folder` when the run ends.
+    """Observer that sums the cost of the steps and writes summary.json in `folder` when the run ends.
 
-    Totals of a resumed run include the earlier sessions, as far as history.csv tells them.
+    Totals of a resumed run include the earlier sessions, as far as history.csv has them.
     """
 
     def __init__(self, folder):
@@ -86,9 +86,9 @@ class Summary:
 
 
 def versions(known=None):
-    """Versions of python and of the packages a run uses, without importing any; `known` overrides the rest.
+    """Versions of python and of the packages that a run uses, without importing any; `known` replaces those found.
 
-    The package metadata is asked first, then a module that is already loaded: Debian's gmsh has no metadata.
+    They are read from the package metadata, else from a loaded module: gmsh of Debian has no metadata.
     """
     found = {"python": platform.python_version()}
     for module, names in PACKAGES.items():
@@ -106,7 +106,7 @@ def _version(module, names):
 
 
 def machine():
-    """Platform, processor count that this process may use, and the thread limits in force."""
+    """Platform, number of processors that this process may use, and the limits of threads that are set."""
     limits = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
     threads = {name: os.environ[name] for name in limits if name in os.environ}
     cpus = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()

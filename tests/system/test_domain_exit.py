@@ -36,8 +36,8 @@ def test_the_warning_comes_once_with_place_time_and_remedy(geometry, velocity, a
 
 
 def test_each_body_and_face_has_its_note(geometry):
-    said = notes([flying(geometry, (8.0, 8.0, 0.0), name="one"), flying(geometry, (-8.0, 0.0, 0.0), name="two")])
-    assert [(step, text[:3]) for step, text in said] == [(4, "one"), (4, "one"), (4, "two")]
+    found = notes([flying(geometry, (8.0, 8.0, 0.0), name="one"), flying(geometry, (-8.0, 0.0, 0.0), name="two")])
+    assert [(step, text[:3]) for step, text in found] == [(4, "one"), (4, "one"), (4, "two")]
 
 
 def test_what_needs_no_note(geometry):

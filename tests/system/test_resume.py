@@ -125,11 +125,11 @@ def test_a_checkpoint_of_another_format_is_refused(geometry, tmp_path):
     np.savez(path, **old)
     with pytest.raises(checkpoint.CheckpointError) as refusal:
         hybrid.run(scene(geometry, steps=4), out=tmp_path, resume=True, quiet=True)
-    told = f"{path} has format {checkpoint.FORMAT - 1}, this version reads {checkpoint.FORMAT}: start afresh"
-    assert str(refusal.value) == told
+    message = f"{path} has format {checkpoint.FORMAT - 1}, this version reads {checkpoint.FORMAT}: start a new run"
+    assert str(refusal.value) == message
 
 
-def test_failed_run_keeps_its_steps_and_says_how_to_go_on(geometry, tmp_path):
+def test_a_failed_run_keeps_its_steps_and_names_the_remedy(geometry, tmp_path):
     hybrid.run(scene(geometry, steps=3), out=tmp_path, quiet=True)
     with pytest.raises(StepError, match="time.step") as failure:
         hybrid.run(scene(geometry, steps=6, iterations=1), out=tmp_path, resume=True, quiet=True)
