@@ -34,7 +34,8 @@ def travel_ratio(body, state, pose, reach, grid, points, moved):
     could have touched.
 
     pose: of the body at the end; points: committed; moved: (n, 3) [m] displacement of each point, None for held soil.
-    Points whose domains, with a cell around them, are too far away to touch do not count.
+    Where the ratio would be above 1, points do not count whose domains, with a cell around them, are too far away to
+    touch.
     """
     rotated = np.linalg.norm(pose[1] - state.rotation, 2) * body.radius
     path = np.linalg.norm(pose[0] - state.position) + rotated
