@@ -57,7 +57,7 @@ def test_the_estimate_counts_the_velocity_of_a_pair_of_first_order():
     scheme = Scheme.newmark(0.5625, 1.0)
     for dt in (0.02, 0.01):
         missed, speed, change = one_step(scheme, dt)
-        assert abs(missed) + dt * abs(speed) == pytest.approx(leading_factor(scheme) * dt**2 * abs(change), rel=3 * dt)
+        assert abs(missed) + dt * abs(speed) == pytest.approx(leading_factor(scheme) * dt**2 * abs(change), rel=0.4 * dt)
 
 
 def test_without_the_shift_the_estimate_of_generalised_alpha_is_wrong():
@@ -130,7 +130,7 @@ def test_accelerations_that_went_to_the_points_and_back_spoil_the_estimate(monke
 
     simulation, frequency = rod(10, "increments")
     found = soil_errors(simulation, frequency, 0.01, 0.005)
-    assert np.log2(np.divide(*found)) == pytest.approx(3.0, abs=0.1)
+    assert np.log2(np.divide(*found)) == pytest.approx(3.0, abs=0.01)
     monkeypatch.setattr(error_estimate, "_of_soil", with_nodes)
     assert np.log2(np.divide(*soil_errors(simulation, frequency, 0.01, 0.005))) < 2.6
 
@@ -216,7 +216,7 @@ def test_an_impact_takes_fewer_increments_than_with_equal_ones():
 
 def test_the_error_of_a_bounce_falls_with_the_tolerance():
     coarse, fine = (bounce(22, accuracy=tolerance)[0] for tolerance in (1e-2, 1e-4))
-    assert fine < coarse / 100
+    assert fine < coarse / 1000
 
 
 def test_the_floor_stops_the_run_with_value_limit_and_remedy():

@@ -140,7 +140,7 @@ def test_anchor_agrees_with_surface_integrals(anchor):
 
 
 def test_anchor_has_the_published_mass(anchor):
-    assert condensed_mass(anchor, STEEL).mass == pytest.approx(3291.6 + 1058.4, rel=0.03)
+    assert condensed_mass(anchor, STEEL).mass == pytest.approx(3291.6 + 1058.4, rel=0.01)
 
 
 def test_comparison_sees_a_lumped_mass_a_missing_cut_face_and_the_wrong_centre(anchor):

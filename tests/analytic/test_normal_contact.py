@@ -42,7 +42,7 @@ def test_elastic_bounce(share, time):
     coarse, fine = (bounce_errors(n, share=share, **time) for n in (10, 20))
     assert coarse[0] < 5e-3 and coarse[1] < 1e-2
     rates = np.log2(coarse / fine)
-    assert rates[0] > 2.5 and rates[1] == pytest.approx(2.0, abs=0.1)
+    assert rates[0] > 2.5 and rates[1] == pytest.approx(2.0, abs=0.03)
 
 
 def test_the_dissipative_pair_takes_speed_from_a_bounce():
@@ -92,11 +92,11 @@ def test_a_box_at_rest_presses_evenly(share):
     assert record.bodies[0].contact_force[2] == pytest.approx(weight, rel=1e-9)
     stress, contact = simulation.state.points.stress[:, 2, 2], simulation.evaluation.contacts[0].passes[-1]
     if share == 0:
-        assert stress == pytest.approx(-weight, rel=2e-2)
+        assert stress == pytest.approx(-weight, rel=1e-8)
         assert np.ptp(stress) < 1e-8 * weight
         assert contact.gap == pytest.approx(-weight / 50e6, rel=1e-8)
     else:
-        assert stress == pytest.approx(-weight, rel=0.1)
+        assert stress == pytest.approx(-weight, rel=0.02)
 
 
 class Indentation:
@@ -125,7 +125,7 @@ def test_hertz():
     """At a/R = 0.2, facets of a/4: force +4.4 %, +5.7 % with facets of a/8, of which finite strains make two thirds (they
     fall with a/R); radius 0.99."""
     found = Indentation(0.2, 0.05, penalty=1000.0)
-    assert found.ratio[-1] == pytest.approx(1.04, abs=0.03)
+    assert found.ratio[-1] == pytest.approx(1.04, abs=0.015)
     assert np.log2(found.force[1] / found.force[0]) == pytest.approx(1.5, abs=0.03)
     assert found.radius == pytest.approx(1.0, abs=0.05)
 

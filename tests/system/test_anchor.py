@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from demo_scripts import demo
 
+from hybrid.runtime.data import DEMOS
+from hybrid.scene.file import load_scene
 from hybrid.setup.build import build
 
 
@@ -43,7 +45,7 @@ def test_tension_is_positive_finite_and_of_the_size_of_the_resistance(drag):
     assert tension.mean() > 10e3
     assert (tension[-20:] > 0).all()  # before it digs in, the anchor leaps at the first pull and the line slackens
     resistance = -np.array([r.bodies[0].contact_force[0] for r in of(records, "drag")])
-    assert tension[-20:].mean() == pytest.approx(resistance[-20:].mean(), rel=0.2)
+    assert tension[-20:].mean() == pytest.approx(resistance[-20:].mean(), rel=0.06)
 
 
 def test_soil_in_front_heaves(drag):
@@ -55,12 +57,21 @@ def test_soil_in_front_heaves(drag):
 
 
 def test_energy_of_the_drag_balances(drag):
-    """Pull = stored + dissipated to 10 %: what the transfer between points and grid loses, never a gain over 2 %."""
+    """On cells of 0.4 m, where the anchor leaps, transfer between points and grid loses 8.4 % of what is put in."""
     _, records = drag
     before, after = of(records, "settle")[-1].energies, of(records, "drag")[-1].energies
     put_in = after["pull"] + before["potential"] - after["potential"]
     error = after["error"] - before["error"]
-    assert -0.10 * put_in < error < 0.02 * put_in
+    assert error == pytest.approx(-0.084 * put_in, abs=0.015 * put_in)
+
+
+@pytest.mark.slow
+def test_energy_of_the_demo_balances():
+    """demos/anchor.toml: 2.8 % of the work of the pull is lost, nearly all of it in the landing, 0.3 % in the drag."""
+    records = list(build(load_scene(DEMOS / "anchor.toml")).steps())
+    before, after = of(records, "settle")[-1].energies, of(records, "drag")[-1].energies
+    assert after["error"] == pytest.approx(-0.028 * after["pull"], abs=0.004 * after["pull"])
+    assert abs(after["error"] - before["error"]) < 0.01 * after["pull"]
 
 
 def test_no_point_leaves_the_grid(drag):

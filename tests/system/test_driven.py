@@ -167,7 +167,7 @@ def test_work_on_a_plate_over_all_of_the_soil_is_of_second_order(share):
     """Trapezoidal rule of a smooth force: missed 1.4e-3 of the work in 4 steps, 2.2e-5 in 32, rates 2.00."""
     energies = [pressed(steps, 1.06, share).energies for steps in (4, 8, 16)]
     missed = np.array([e["error"] / e["drive"] for e in energies])
-    assert rates(missed) == pytest.approx(2.0, abs=0.02)
+    assert rates(missed) == pytest.approx(2.0, abs=0.005)
     assert abs(missed[-1]) < 1e-4
 
 

@@ -49,11 +49,18 @@ def prepared(described, seed=1, size=2e-3, updates=0):
     free = simulation.model.bodies[0].free
     for _ in range(updates):
         deeper = np.array([0.0, 0.0, -3e-3, 0.0, 0.0, 0.0])[free]
-        changed = step.augment(step.evaluate(step.moved(step.predictor(), np.zeros(step.pattern.size), deeper)))
-        assert changed
+        before = multipliers(step)
+        assert step.augment(step.evaluate(step.moved(step.predictor(), np.zeros(step.pattern.size), deeper)))
+        assert np.abs(multipliers(step) - before).max() > 0.1 * multipliers(step).max()
     soil = size * rng.standard_normal(step.pattern.size)
     body = np.array([2e-3, -1e-3, -3e-3, 0.02, -0.03, 0.04])[free]
     return step, step.moved(step.predictor(), soil, body)
+
+
+def multipliers(step):
+    """[N], of corners and samples of the body."""
+    pair = step.bodies[0].pair
+    return np.concatenate([held.pressure for held in (pair.corners, pair.samples) if held is not None])
 
 
 def dense_tangent(step):

@@ -128,7 +128,7 @@ def observed_rate(feature, law, spoil=lambda K, touch: K, seed=7, rotation_only=
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("feature", INSIDE)
 def test_remainder_is_second_order(feature, law, rotation_only):
-    assert observed_rate(feature, law, rotation_only=rotation_only) == pytest.approx(2.0, abs=0.1)
+    assert observed_rate(feature, law, rotation_only=rotation_only) == pytest.approx(2.0, abs=0.02)
 
 
 @pytest.mark.parametrize("law", LAWS)
@@ -195,4 +195,4 @@ def test_slope_test_fails_on_a_broken_tangent(feature, law, spoil):
 
 def test_without_turning_normal_is_right_on_a_face():
     """The broken variant breaks what it says and nothing else."""
-    assert observed_rate("face", "frictionless", without_turning_normal) == pytest.approx(2.0, abs=0.1)
+    assert observed_rate("face", "frictionless", without_turning_normal) == pytest.approx(2.0, abs=0.01)

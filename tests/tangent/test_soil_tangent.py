@@ -170,7 +170,7 @@ IDS = [f"{name}{fbar}" for fbar in ("", " f-bar") for name in ("gimp", "mpm", "p
 def test_stiffness_is_the_derivative_of_the_internal_force(law, basis, plane, fbar):
     soil, step, displacement = block(law, basis, plane, fbar=fbar)
     K, pattern = stiffness(soil, step, displacement)
-    assert observed_rate(soil, step, displacement, K, pattern.free) == pytest.approx(2.0, abs=0.1)
+    assert observed_rate(soil, step, displacement, K, pattern.free) == pytest.approx(2.0, abs=0.01)
 
 
 @pytest.mark.parametrize("law", SAND)

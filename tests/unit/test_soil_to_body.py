@@ -195,3 +195,21 @@ def test_clearance_is_the_distance_at_the_start():
     wanted = [closest(tuple(y), np.inf, surface.tree)[4] for y in corners.start]
     np.testing.assert_allclose(corners.clearance, wanted, atol=1e-15)
     assert corners.clearance.min() < 0.0 < corners.clearance.max()
+
+
+# ---------------------------------------------------------------- energy
+
+
+def test_energy_is_that_of_the_springs_whether_they_stick_or_slip():
+    """Σ p²/(2 ε_N) + |t|²/(2 ε_T); slip works μ p along the way from the start less what the spring keeps, μ p/ε_T."""
+    surface, rng = box(), np.random.default_rng(5)
+    y = np.column_stack([rng.uniform(-0.5, 0.5, (40, 2)), rng.uniform(-0.499, -0.49, 40)])
+    corners = corners_in(surface, y, y + rng.uniform(-0.005, 0.005, (40, 3)) * (1, 1, 0))
+    touch = touch_of(corners, surface)
+    stiffness, along = corners.stiffness[touch.active], touch.force + touch.pressure[:, None] * touch.normal
+    size = np.linalg.norm(along, axis=1)
+    assert 5 < touch.slip.sum() < len(touch) - 5
+    energy = 0.5 * touch.pressure**2 / stiffness + 0.5 * size**2 / (RATIO * stiffness)
+    assert touch.energy == pytest.approx(energy.sum(), rel=1e-12)
+    way = np.linalg.norm(y - corners.anchor, axis=1)[touch.active] - size / (RATIO * stiffness)
+    assert touch.dissipated == pytest.approx((size * way)[touch.slip].sum(), rel=1e-12)
