@@ -67,7 +67,7 @@ def corners_in(surface, y, anchor, pose=(np.zeros(3), np.eye(3)), touching=True)
         np.zeros((m, 3)), np.zeros(m), np.zeros(m))
 
 
-def touch_of(corners, surface, pose=(np.zeros(3), np.eye(3)), place=None, mu=MU):
+def contact_of(corners, surface, pose=(np.zeros(3), np.eye(3)), place=None, mu=MU):
     return soil_to_body.evaluate(
         corners, corners.position if place is None else place, *pose, surface, mu, RATIO)
 

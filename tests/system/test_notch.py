@@ -84,15 +84,15 @@ def test_soil_pressed_into_the_notch(geometry):
     simulation = pressing(geometry, 0.205, 20)
     lifts = []
     for record in simulation.steps():
-        touch = simulation.evaluation.contacts[0].corners
-        left = touch.normal[:, 0] > 0
-        assert record.rejections == 0 and 2 * left.sum() == len(touch) >= 8
+        contact = simulation.evaluation.contacts[0].corners
+        left = contact.normal[:, 0] > 0
+        assert record.rejections == 0 and 2 * left.sum() == len(contact) >= 8
         flank = np.stack([np.where(left, 1, -1), 0 * left, -np.ones(len(left))], axis=1)
-        np.testing.assert_allclose(touch.normal, flank / np.sqrt(2), atol=1e-9)
+        np.testing.assert_allclose(contact.normal, flank / np.sqrt(2), atol=1e-9)
         fx, _, fz = record.bodies[0].contact_force
         assert abs(fx) < 1e-6 * fz
         stiffness = simulation.scene.bodies[0].penalty * 1e6 * 0.1**2 / 4
-        assert fz == pytest.approx(-2 * stiffness * touch.gap[left].sum() / np.sqrt(2), rel=1e-6)
+        assert fz == pytest.approx(-2 * stiffness * contact.gap[left].sum() / np.sqrt(2), rel=1e-6)
         lifts.append(fz)
     assert (np.diff(lifts) > 0).all() and lifts[-1] > 2e4
 

@@ -63,7 +63,7 @@ def corners_at(feature, seed=4):
                    1e5 * (1 + np.arange(m)), np.ones(m, bool), anchor, np.zeros((m, 3)), np.zeros(m), np.zeros(m))
 
 
-def touch_at(corners, law, place=None, pose=(CENTRE, ROTATION)):
+def contact_at(corners, law, place=None, pose=(CENTRE, ROTATION)):
     place = corners.position if place is None else place
     return soil_to_body.evaluate(corners, place, *pose, SURFACE, LAWS[law], RATIO)
 
@@ -78,9 +78,9 @@ def test_places_have_the_features_they_are_named_after():
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("feature", INSIDE)
 def test_law_is_in_the_state_it_is_named_after(feature, law):
-    touch = touch_at(corners_at(feature), law)
-    assert len(touch) == len(INSIDE[feature])
-    assert (touch.slip == (law == "slip")).all()
+    contact = contact_at(corners_at(feature), law)
+    assert len(contact) == len(INSIDE[feature])
+    assert (contact.slip == (law == "slip")).all()
 
 
 # ------------------------------------------------------------ the whole tangent: corners and body together
@@ -90,35 +90,35 @@ def residual(corners, law, step):
     """Forces on corners and the body's residual after a step (3 m + 6,) of places, centre and rotation."""
     place = corners.position + step[:-6].reshape(-1, 3)
     pose = CENTRE + step[-6:-3], exp_so3(step[-3:]) @ ROTATION
-    touch = touch_at(corners, law, place, pose)
-    assert len(touch) == len(corners)
-    return np.concatenate([touch.force.ravel(), assembly.add_residual(touch, corners, None)])
+    contact = contact_at(corners, law, place, pose)
+    assert len(contact) == len(corners)
+    return np.concatenate([contact.force.ravel(), assembly.add_residual(contact, corners, None)])
 
 
-def tangent(touch):
+def tangent(contact):
     """Derivative of `residual` from D, Q and K_ww, and the block ∂(body residual)/∂x_c as it enters K_wu."""
-    ww, Q = assembly.body_tangent(touch)
-    m = len(touch)
+    ww, Q = assembly.body_tangent(contact)
+    m = len(contact)
     K = np.zeros((3 * m + 6, 3 * m + 6))
     for n in range(m):
         own = slice(3 * n, 3 * n + 3)
-        K[own, own] = touch.tangent[n]
+        K[own, own] = contact.tangent[n]
         K[own, -6:] = Q[n]
-        arm, force = assembly.skew(touch.arm[n:n + 1])[0], assembly.skew(touch.force[n:n + 1])[0]
-        K[-6:-3, own] = -touch.tangent[n]
-        K[-3:, own] = force - arm @ touch.tangent[n]
+        arm, force = assembly.skew(contact.arm[n:n + 1])[0], assembly.skew(contact.force[n:n + 1])[0]
+        K[-6:-3, own] = -contact.tangent[n]
+        K[-3:, own] = force - arm @ contact.tangent[n]
     K[-6:, -6:] = ww
     return K
 
 
-def observed_rate(feature, law, spoil=lambda K, touch: K, seed=7, rotation_only=False):
+def observed_rate(feature, law, spoil=lambda K, contact: K, seed=7, rotation_only=False):
     corners = corners_at(feature)
     zero = np.zeros(3 * len(corners) + 6)
     direction = np.random.default_rng(seed).standard_normal(len(zero))
     if rotation_only:
         direction[:-3] = 0.0
-    touch = touch_at(corners, law)
-    base, slope = residual(corners, law, zero), spoil(tangent(touch), touch) @ direction
+    contact = contact_at(corners, law)
+    base, slope = residual(corners, law, zero), spoil(tangent(contact), contact) @ direction
     sizes = 4e-5 / 2.0 ** np.arange(4)
     remainders = [np.linalg.norm(residual(corners, law, h * direction) - base - h * slope) for h in sizes]
     return np.polyfit(np.log(sizes), np.log(remainders), 1)[0]
@@ -135,7 +135,7 @@ def test_remainder_is_second_order(feature, law, rotation_only):
 @pytest.mark.parametrize("feature", INSIDE)
 def test_tangent_equals_central_differences(feature, law):
     corners = corners_at(feature)
-    exact, h = tangent(touch_at(corners, law)), 1e-6
+    exact, h = tangent(contact_at(corners, law)), 1e-6
     columns = [residual(corners, law, h * e) - residual(corners, law, -h * e) for e in np.eye(len(exact))]
     assert np.abs(np.array(columns).T / (2 * h) - exact).max() < 1e-7 * np.abs(exact).max()
 
@@ -144,40 +144,40 @@ def test_tangent_equals_central_differences(feature, law):
 def test_force_is_the_gradient_of_the_stored_energy(feature, law):
     """Where the normal turns, the tangential part of the law has no potential."""
     corners = corners_at(feature)
-    touch, h = touch_at(corners, law), 1e-6
+    contact, h = contact_at(corners, law), 1e-6
     for n, i in itertools.product(range(len(corners)), range(3)):
         shift = np.zeros((len(corners), 3))
         shift[n, i] = h
-        there, back = (touch_at(corners, law, corners.position + s * shift).energy for s in (1, -1))
-        slope, scale = (there - back) / (2 * h), np.abs(touch.force).max()
-        assert slope == pytest.approx(touch.force[n, i], rel=1e-6, abs=1e-6 * scale)
+        there, back = (contact_at(corners, law, corners.position + s * shift).energy for s in (1, -1))
+        slope, scale = (there - back) / (2 * h), np.abs(contact.force).max()
+        assert slope == pytest.approx(contact.force[n, i], rel=1e-6, abs=1e-6 * scale)
 
 
 # ------------------------------------------------------------ broken variants must be noticed
 
 
-def without_turning_normal(K, touch):
+def without_turning_normal(K, contact):
     """D of a face everywhere, as if N did not turn at edges and vertices."""
     K = K.copy()
-    for n in range(len(touch)):
-        N = touch.force[n] / np.linalg.norm(touch.force[n])
-        stiffness = np.linalg.norm(touch.force[n]) / -touch.gap[n]
+    for n in range(len(contact)):
+        N = contact.force[n] / np.linalg.norm(contact.force[n])
+        stiffness = np.linalg.norm(contact.force[n]) / -contact.gap[n]
         K[3 * n:3 * n + 3, 3 * n:3 * n + 3] = stiffness * np.outer(N, N)
     return K
 
 
-def symmetric(K, touch):
+def symmetric(K, contact):
     """Without the -μ ε s N^T that makes slip unsymmetric."""
-    m = 3 * len(touch)
+    m = 3 * len(contact)
     K = K.copy()
     K[:m, :m] = 0.5 * (K[:m, :m] + K[:m, :m].T)
     return K
 
 
-def without_turning_force(K, touch):
+def without_turning_force(K, contact):
     """Without the terms of a force that turns with the body."""
     K = K.copy()
-    K[-3:, -3:] -= np.einsum("nij,njk->ik", assembly.skew(touch.arm), assembly.skew(touch.force))
+    K[-3:, -3:] -= np.einsum("nij,njk->ik", assembly.skew(contact.arm), assembly.skew(contact.force))
     return K
 
 

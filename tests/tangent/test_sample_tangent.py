@@ -33,43 +33,44 @@ def made(count=3, seed=2, pressure=0.0):
                   np.full(count, pressure), np.zeros(count, int), np.zeros((count, 3))), place
 
 
-def residual(held, place, law, step):
+def residual(samples, place, law, step):
     """(count, 18) forces, moments and forces on corners after a step (6 + 12 count,) of the pose and the corners."""
     pose = CENTRE + step[:3], exp_so3(step[3:6]) @ ROTATION
-    touch = body_to_soil.evaluate(held, place + step[6:].reshape(-1, 3), *pose, LAWS[law], RATIO)
-    assert len(touch) == len(held)
-    on_corner = touch.shares[:, :, None] * touch.force[:, None]
-    return np.concatenate([-touch.force, -np.cross(touch.arm, touch.force), on_corner.reshape(len(held), 12)], axis=1)
+    contact = body_to_soil.evaluate(samples, place + step[6:].reshape(-1, 3), *pose, LAWS[law], RATIO)
+    assert len(contact) == len(samples)
+    on_corner = contact.shares[:, :, None] * contact.force[:, None]
+    moment = np.cross(contact.arm, contact.force)
+    return np.concatenate([-contact.force, -moment, on_corner.reshape(len(samples), 12)], axis=1)
 
 
-def exact(held, place, law):
+def exact(samples, place, law):
     """The same derivative (count, 18, 6 + 12 count) from the tangent."""
-    touch = body_to_soil.evaluate(held, place, CENTRE, ROTATION, LAWS[law], RATIO)
-    out = np.zeros((len(held), 18, 6 + 12 * len(held)))
-    for n in range(len(held)):
-        out[n, :, :6] = touch.matrix[n, :, :6]
-        out[n, :, 6 + 12 * n:18 + 12 * n] = touch.matrix[n, :, 6:]
+    contact = body_to_soil.evaluate(samples, place, CENTRE, ROTATION, LAWS[law], RATIO)
+    out = np.zeros((len(samples), 18, 6 + 12 * len(samples)))
+    for n in range(len(samples)):
+        out[n, :, :6] = contact.matrix[n, :, :6]
+        out[n, :, 6 + 12 * n:18 + 12 * n] = contact.matrix[n, :, 6:]
     return out
 
 
 @pytest.mark.parametrize("pressure", [0.0, 700.0])
 @pytest.mark.parametrize("law", LAWS)
 def test_tangent_equals_central_differences(law, pressure):
-    held, place = made(pressure=pressure)
+    samples, place = made(pressure=pressure)
     h, columns = 1e-6, []
     for e in np.eye(6 + place.size):
-        columns.append((residual(held, place, law, h * e) - residual(held, place, law, -h * e)) / (2 * h))
-    tangent = exact(held, place, law)
+        columns.append((residual(samples, place, law, h * e) - residual(samples, place, law, -h * e)) / (2 * h))
+    tangent = exact(samples, place, law)
     scale = np.abs(tangent).max()
     np.testing.assert_allclose(np.moveaxis(columns, 0, -1), tangent, atol=2e-8 * scale)
 
 
 def rate(law, spoil=lambda K: K):
-    held, place = made()
+    samples, place = made()
     direction = np.random.default_rng(5).standard_normal(6 + place.size)
-    base, slope = residual(held, place, law, 0 * direction), spoil(exact(held, place, law)) @ direction
+    base, slope = residual(samples, place, law, 0 * direction), spoil(exact(samples, place, law)) @ direction
     sizes = 4e-5 / 2.0 ** np.arange(4)
-    left = [np.linalg.norm(residual(held, place, law, h * direction) - base - h * slope) for h in sizes]
+    left = [np.linalg.norm(residual(samples, place, law, h * direction) - base - h * slope) for h in sizes]
     return np.polyfit(np.log(sizes), np.log(left), 1)[0]
 
 
@@ -88,32 +89,34 @@ def test_slope_test_fails_without_one_variation(term, monkeypatch):
 
 
 def test_normal_force_is_the_gradient_of_the_stored_energy():
-    held, place = made()
-    touch = body_to_soil.evaluate(held, place, CENTRE, ROTATION, 0.0, RATIO)
+    samples, place = made()
+    contact = body_to_soil.evaluate(samples, place, CENTRE, ROTATION, 0.0, RATIO)
     for n in range(place.size):
         shift = np.zeros(place.size)
         shift[n] = 1e-6
-        there, back = (body_to_soil.evaluate(held, place + s * shift.reshape(-1, 3), CENTRE, ROTATION, 0.0, RATIO).energy
-                       for s in (1, -1))
-        force = (touch.shares[:, :, None] * touch.force[:, None]).reshape(-1)[n]
-        assert (there - back) / 2e-6 == pytest.approx(force, rel=1e-6, abs=1e-5 * np.abs(touch.force).max())
+        there, back = (
+            body_to_soil.evaluate(samples, place + s * shift.reshape(-1, 3), CENTRE, ROTATION, 0.0, RATIO).energy
+            for s in (1, -1))
+        force = (contact.shares[:, :, None] * contact.force[:, None]).reshape(-1)[n]
+        assert (there - back) / 2e-6 == pytest.approx(force, rel=1e-6, abs=1e-5 * np.abs(contact.force).max())
 
 
 @pytest.mark.parametrize("law", LAWS)
 def test_force_and_moment_cancel(law):
-    held, place = made()
-    touch = body_to_soil.evaluate(held, place, CENTRE, ROTATION, LAWS[law], RATIO)
-    on_corner = touch.shares[:, :, None] * touch.force[:, None]
-    np.testing.assert_allclose(on_corner.sum(axis=1), touch.force, rtol=1e-12)
-    arm = place[held.corner] - CENTRE
-    np.testing.assert_allclose(np.cross(arm, on_corner).sum(axis=1), np.cross(touch.arm, touch.force), atol=1e-9)
+    samples, place = made()
+    contact = body_to_soil.evaluate(samples, place, CENTRE, ROTATION, LAWS[law], RATIO)
+    on_corner = contact.shares[:, :, None] * contact.force[:, None]
+    np.testing.assert_allclose(on_corner.sum(axis=1), contact.force, rtol=1e-12)
+    arm = place[samples.corner] - CENTRE
+    np.testing.assert_allclose(np.cross(arm, on_corner).sum(axis=1), np.cross(contact.arm, contact.force), atol=1e-9)
 
 
 def test_slip_moves_the_anchor_to_the_limit_and_keeps_the_force():
-    held, place = made()
-    touch = body_to_soil.evaluate(held, place, CENTRE, ROTATION, LAWS["slip"], RATIO)
-    assert touch.slip.all() and touch.dissipated > 0
-    anchor = Frame.from_corners(place[held.corner]).local_coordinates(touch.anchor)[0]
-    again = body_to_soil.evaluate(replace(held, anchor=anchor, origin=anchor), place, CENTRE, ROTATION, LAWS["slip"], RATIO)
-    np.testing.assert_allclose(again.force, touch.force, rtol=1e-10)
-    assert again.dissipated == pytest.approx(0.0, abs=1e-9 * touch.dissipated)
+    samples, place = made()
+    contact = body_to_soil.evaluate(samples, place, CENTRE, ROTATION, LAWS["slip"], RATIO)
+    assert contact.slip.all() and contact.dissipated > 0
+    anchor = Frame.from_corners(place[samples.corner]).local_coordinates(contact.anchor)[0]
+    from_there = replace(samples, anchor=anchor, origin=anchor)
+    again = body_to_soil.evaluate(from_there, place, CENTRE, ROTATION, LAWS["slip"], RATIO)
+    np.testing.assert_allclose(again.force, contact.force, rtol=1e-10)
+    assert again.dissipated == pytest.approx(0.0, abs=1e-9 * contact.dissipated)

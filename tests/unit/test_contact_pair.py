@@ -63,8 +63,8 @@ def test_force_energy_and_overlap_are_those_of_both_passes():
     np.testing.assert_allclose(nodal.sum(axis=0) + residual[:3], 0.0, atol=1e-12 * np.abs(nodal).sum())
     assert found.energy == found.corners.energy + found.samples.energy > 0.0
     assert found.largest_overlap == max(-found.corners.gap.min(), -found.samples.gap.min()) > 0.01
-    squares = np.concatenate([pair.corners.stiffness[found.corners.active], pair.samples.stiffness[found.samples.active]])
-    assert pair.springs(found) == pytest.approx(np.linalg.norm(squares), rel=1e-12)
+    stiffness = [pair.corners.stiffness[found.corners.active], pair.samples.stiffness[found.samples.active]]
+    assert pair.springs(found) == pytest.approx(np.linalg.norm(np.concatenate(stiffness)), rel=1e-12)
 
 
 def test_without_contact_nothing_acts():
@@ -130,7 +130,8 @@ def test_history_hands_on_what_touches():
     np.testing.assert_array_equal(history.sample, pair.samples.id[found.samples.active])
     _, following = pair_of(history=history)
     again = following.evaluate(np.zeros((grid.node_count, 3)), POSE)
-    np.testing.assert_array_equal(following.corners.position, history.position[np.isin(history.id, following.corners.id)])
+    followed = np.isin(history.id, following.corners.id)
+    np.testing.assert_array_equal(following.corners.position, history.position[followed])
     assert again.corners.dissipated <= found.corners.energy
 
 

@@ -4,12 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from contact_bed import RIGHT_HAND, ball, bed, body_at, box, found_in_bed, touch_of
+from contact_bed import RIGHT_HAND, ball, bed, body_at, box, contact_of, found_in_bed
 
 from hybrid.body.closest import closest
 from hybrid.contact import soil_to_body
 from hybrid.contact.corners import SIGNS
-from hybrid.contact.first_contact import predicted_contact_points
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Scene, Soil, Stage, Time
 from hybrid.setup.build import build
 from hybrid.state import ContactHistory
@@ -95,9 +94,9 @@ def test_corner_search_equals_brute_force(surface, position, reach):
 def test_history_is_followed_until_it_leaves_the_reach():
     surface, body = ball(), body_at((0.4, 0.4, 0.24))
     _, first = found_in_bed(surface, body)
-    touch = touch_of(first, surface, (body.position - (0, 0, 0.01), body.rotation))
+    contact = contact_of(first, surface, (body.position - (0, 0, 0.01), body.rotation))
     shifted = first.position + 0.003
-    history = soil_to_body.commit(first, shifted, touch)
+    history = soil_to_body.commit(first, shifted, contact)
     _, second = found_in_bed(surface, body, history)
     common = np.isin(second.id, first.id)
     at = np.searchsorted(first.id, second.id[common])
@@ -113,20 +112,8 @@ def test_history_is_followed_until_it_leaves_the_reach():
 def test_points_that_have_gone_astray_take_their_corners_with_them():
     surface, body = ball(), body_at((0.4, 0.4, 0.24))
     _, first = found_in_bed(surface, body)
-    history = soil_to_body.commit(first, first.position, touch_of(first, surface, (body.position, body.rotation)))
+    history = soil_to_body.commit(first, first.position, contact_of(first, surface, (body.position, body.rotation)))
     point = first.id[0] // 8
     stays = np.arange(len(bed()[1])) != point
     _, second = found_in_bed(surface, body, history, included=stays)
     np.testing.assert_array_equal(second.id, first.id[first.id // 8 != point])
-
-
-def test_corners_that_go_beyond_their_clearance_are_met():
-    """Two corners over a box, as far away as they may go unseen: one stops just short of the box, one goes into it."""
-    surface = box()     # its top is at z = 0.5
-    start = np.array([[0.1, 0.2, 0.6], [0.1, 0.2, 0.6]])
-    end = start - [[0.0, 0.0, 0.099], [0.0, 0.0, 0.25]]
-    body = body_at(np.zeros(3), np.eye(3))
-    place, side = predicted_contact_points(
-        start, end, body, (body.position, body.rotation), surface, np.array([0.1, 0.1]))
-    np.testing.assert_allclose(place[:, 2], [0.501, 0.5], atol=1e-4)
-    np.testing.assert_allclose(side, [[0, 0, 0], [0, 0, 1]], atol=1e-12)

@@ -4,12 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from contact_bed import MU, RATIO, RIGHT_HAND, ball, body_at, box, corners_in, found_in_bed, touch_of
+from contact_bed import MU, RATIO, RIGHT_HAND, ball, body_at, box, contact_of, corners_in, found_in_bed
 
 from hybrid.body.attitude import exp_so3
 from hybrid.body.closest import closest
 from hybrid.contact import assembly, soil_to_body
-from hybrid.contact.first_contact import predicted_contact_points
 
 # ---------------------------------------------------------------- action and reaction, objectivity
 
@@ -20,11 +19,11 @@ def test_force_and_moment_cancel_to_round_off():
     nodes = np.stack([a.ravel() for a in np.meshgrid(*grid.axes, indexing="ij")], axis=1)
     move = 0.004 * np.random.default_rng(2).standard_normal(nodes.shape)
     pose = body.position + (0.003, 0.001, -0.004), exp_so3(np.array([0.02, 0.05, -0.03])) @ body.rotation
-    touch = touch_of(corners, surface, pose, corners.moved(move))
-    assert len(touch) > 20 and 0 < touch.slip.sum() < len(touch)
+    contact = contact_of(corners, surface, pose, corners.moved(move))
+    assert len(contact) > 20 and 0 < contact.slip.sum() < len(contact)
     force = np.zeros_like(nodes)
-    on_body = assembly.add_residual(touch, corners, force)
-    scale = np.abs(touch.force).sum()
+    on_body = assembly.add_residual(contact, corners, force)
+    scale = np.abs(contact.force).sum()
     np.testing.assert_allclose(force.sum(axis=0) + on_body[:3], 0.0, atol=1e-13 * scale)
     moment = np.cross(nodes + move - pose[0], force).sum(axis=0) + on_body[3:]
     np.testing.assert_allclose(moment, 0.0, atol=1e-13 * scale)
@@ -34,10 +33,10 @@ def test_tangent_of_a_rigid_motion_of_everything_vanishes_in_translation():
     """Moving corners and body together changes no force: D and Q cancel."""
     surface, body = ball(), body_at((0.41, 0.38, 0.21), RIGHT_HAND)
     _, corners = found_in_bed(surface, body)
-    touch = touch_of(corners, surface, (body.position - (0, 0, 0.01), body.rotation))
-    ww, Q = assembly.body_tangent(touch)
-    np.testing.assert_allclose(touch.tangent + Q[:, :, :3], 0.0, atol=1e-12 * np.abs(Q).max())
-    np.testing.assert_allclose(ww[:3, :3], touch.tangent.sum(axis=0), atol=1e-12 * np.abs(ww).max())
+    contact = contact_of(corners, surface, (body.position - (0, 0, 0.01), body.rotation))
+    ww, Q = assembly.body_tangent(contact)
+    np.testing.assert_allclose(contact.tangent + Q[:, :, :3], 0.0, atol=1e-12 * np.abs(Q).max())
+    np.testing.assert_allclose(ww[:3, :3], contact.tangent.sum(axis=0), atol=1e-12 * np.abs(ww).max())
 
 
 def test_law_is_objective():
@@ -46,18 +45,18 @@ def test_law_is_objective():
     y = rng.standard_normal((40, 3))
     y *= (rng.uniform(0.22, 0.249, 40) / np.linalg.norm(y, axis=1))[:, None]
     corners = corners_in(surface, y, y + 0.002 * rng.standard_normal(y.shape), pose)
-    touch = touch_of(corners, surface, pose)
+    contact = contact_of(corners, surface, pose)
     Q, shift = exp_so3(np.array([-0.8, 0.5, 2.0])), np.array([3.0, -1.0, 2.0])
     turned_pose = Q @ pose[0] + shift, Q @ pose[1]
-    turned = touch_of(corners, surface, turned_pose, corners.position @ Q.T + shift)
-    assert 0 < touch.slip.sum() < len(touch)
-    np.testing.assert_array_equal(turned.slip, touch.slip)
-    np.testing.assert_allclose(turned.gap, touch.gap, rtol=1e-11)
-    np.testing.assert_allclose(turned.anchor, touch.anchor, atol=1e-14)
-    np.testing.assert_allclose(turned.force, touch.force @ Q.T, atol=1e-11 * np.abs(touch.force).max())
-    expected = Q @ touch.tangent @ Q.T
+    turned = contact_of(corners, surface, turned_pose, corners.position @ Q.T + shift)
+    assert 0 < contact.slip.sum() < len(contact)
+    np.testing.assert_array_equal(turned.slip, contact.slip)
+    np.testing.assert_allclose(turned.gap, contact.gap, rtol=1e-11)
+    np.testing.assert_allclose(turned.anchor, contact.anchor, atol=1e-14)
+    np.testing.assert_allclose(turned.force, contact.force @ Q.T, atol=1e-11 * np.abs(contact.force).max())
+    expected = Q @ contact.tangent @ Q.T
     np.testing.assert_allclose(turned.tangent, expected, atol=1e-10 * np.abs(expected).max())
-    assert turned.energy == pytest.approx(touch.energy, rel=1e-11)
+    assert turned.energy == pytest.approx(contact.energy, rel=1e-11)
 
 
 # ---------------------------------------------------------------- anchors
@@ -70,63 +69,30 @@ def test_anchor_without_expected_motion_is_the_place_at_the_start():
     np.testing.assert_allclose(corners.anchor, corners.start, atol=1e-15)
 
 
-def test_anchor_is_where_the_expected_path_meets_the_surface():
-    surface, body = box(), body_at((0.0, 0.0, 0.51))        # 10 mm above the bed z = 0
-    start = np.array([[0.1, 0.2, 0.0], [0.3, -0.1, -0.012]])
-    pose = np.array([0.04, 0.0, 0.49]), np.eye(3)           # 20 mm down, 40 mm along x
-    anchor, side = predicted_contact_points(start, start, body, pose, surface, np.zeros(2))
-    np.testing.assert_array_equal(side, [[0.0, 0.0, -1.0], [0.0, 0.0, 0.0]])
-    np.testing.assert_allclose(anchor[0], [0.08, 0.2, -0.5], atol=2e-5)     # half way
-    np.testing.assert_allclose(anchor[1], [0.26, -0.1, -0.502], atol=1e-12)  # not met: the end of the path
-
-
-def test_rolling_without_sliding_winds_up_no_friction():
-    """From where it touches, a corner under a rolling ball hardly moves along the surface; from where it
-    stood at the start of the step it moves a³/(3r²)."""
-    surface, r, way, depth = ball(rings=90), 0.25, 0.04, 0.0002
-    lowest = -surface.vertices[:, 2].min()
-    body = body_at((0.0, 0.0, lowest - depth))
-    pose = np.array([way, 0.0, lowest - depth]), exp_so3(np.array([0.0, way / r, 0.0]))
-    corner = np.array([[way + 0.002, 0.0, 0.0]])
-    start = (corner - body.position) @ body.rotation
-    anchor, _ = predicted_contact_points(corner, corner, body, pose, surface, np.zeros(1))
-    end = (corner - pose[0]) @ pose[1]
-    normal = end / np.linalg.norm(end)
-
-    def along(anchor):
-        z = (end - anchor)[0]
-        return np.linalg.norm(z - normal[0] * (z @ normal[0]))
-
-    a = way + 0.002
-    assert along(start) == pytest.approx(a**3 / (3 * r**2), rel=0.15)
-    assert along(anchor) < 0.05 * along(start)
-    assert abs(closest(anchor[0], np.inf, surface.tree)[4]) < 2e-5
-
-
 @pytest.mark.parametrize("touching", [True, False])
 def test_slip_moves_the_anchor_to_the_friction_limit(touching):
     surface = box()
     corners = corners_in(surface, [[0.2, 0.1, -0.49]], [0.21, 0.12, -0.495], touching=touching)
-    touch = touch_of(corners, surface)
+    contact = contact_of(corners, surface)
     pressure = 2e4 * 0.01
-    assert touch.slip.all()
-    z = corners.start[0] - touch.anchor[0]
+    assert contact.slip.all()
+    z = corners.start[0] - contact.anchor[0]
     assert RATIO * 2e4 * np.hypot(z[0], z[1]) == pytest.approx(MU * pressure, rel=1e-12)
-    assert np.hypot(*touch.force[0, :2]) == pytest.approx(MU * pressure, rel=1e-12)
-    assert touch.force[0] @ (0.01, 0.02, 0.0) < 0.0         # against the way from the anchor
-    history = soil_to_body.commit(corners, corners.position, touch)
-    again = touch_of(replace(corners, touching=history.touching, anchor=history.anchor), surface)
-    np.testing.assert_allclose(again.force, touch.force, rtol=1e-12)
+    assert np.hypot(*contact.force[0, :2]) == pytest.approx(MU * pressure, rel=1e-12)
+    assert contact.force[0] @ (0.01, 0.02, 0.0) < 0.0         # against the way from the anchor
+    history = soil_to_body.commit(corners, corners.position, contact)
+    again = contact_of(replace(corners, touching=history.touching, anchor=history.anchor), surface)
+    np.testing.assert_allclose(again.force, contact.force, rtol=1e-12)
     assert again.dissipated == pytest.approx(0.0, abs=1e-12)
 
 
 def test_stick_leaves_the_anchor():
     surface = box()
     corners = corners_in(surface, [[0.2, 0.1, -0.49]], [0.201, 0.1, -0.495])
-    touch = touch_of(corners, surface)
-    assert not touch.slip.any() and touch.dissipated == 0.0
-    np.testing.assert_array_equal(touch.anchor, corners.anchor)
-    np.testing.assert_allclose(touch.force[0, :2], (-RATIO * 2e4 * 0.001, 0.0), atol=1e-9)
+    contact = contact_of(corners, surface)
+    assert not contact.slip.any() and contact.dissipated == 0.0
+    np.testing.assert_array_equal(contact.anchor, corners.anchor)
+    np.testing.assert_allclose(contact.force[0, :2], (-RATIO * 2e4 * 0.001, 0.0), atol=1e-9)
 
 
 def slide(surface, mu=MU, steps=30):
@@ -135,11 +101,11 @@ def slide(surface, mu=MU, steps=30):
     forces, work = [], 0.0
     for angle in np.linspace(0, 3.0, steps):
         y = np.array([[-0.6 + 0.9 * np.sin(angle), -0.31 + 0.2 * angle, -0.49]])
-        touch = touch_of(corners, surface, place=y, mu=mu)
-        history = soil_to_body.commit(corners, y, touch)
+        contact = contact_of(corners, surface, place=y, mu=mu)
+        history = soil_to_body.commit(corners, y, contact)
         corners = replace(corners, position=y, start=y, touching=history.touching, anchor=history.anchor)
-        forces.append(touch.force[0])
-        work += touch.dissipated
+        forces.append(contact.force[0])
+        work += contact.dissipated
     return np.array(forces), work
 
 
@@ -158,9 +124,9 @@ def test_friction_work_is_force_times_way():
 
 
 def test_without_friction_the_force_is_normal():
-    touch = touch_of(corners_in(box(), [[0.2, 0.1, -0.49]], [0.5, 0.5, -0.4]), box(), mu=0.0)
-    np.testing.assert_allclose(touch.force, [[0.0, 0.0, 200.0]], atol=1e-9)
-    assert not touch.slip.any()
+    contact = contact_of(corners_in(box(), [[0.2, 0.1, -0.49]], [0.5, 0.5, -0.4]), box(), mu=0.0)
+    np.testing.assert_allclose(contact.force, [[0.0, 0.0, 200.0]], atol=1e-9)
+    assert not contact.slip.any()
 
 
 # ---------------------------------------------------------------- clearance
@@ -174,8 +140,9 @@ def touched(clearance):
     found = []
     for seed, way in enumerate((0.0, 0.005, 0.02, 0.08)):
         motion = way * np.random.default_rng(seed).standard_normal((len(corners), 3))
-        touch = touch_of(corners, surface, (body.position - [0.0, 0.0, way], body.rotation), corners.position + motion)
-        found.append((touch.active, touch.force))
+        pose = body.position - [0.0, 0.0, way], body.rotation
+        contact = contact_of(corners, surface, pose, corners.position + motion)
+        found.append((contact.active, contact.force))
     return found
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from contact_bed import box, corners_in, touch_of
+from contact_bed import box, contact_of, corners_in
 
 from hybrid.contact.tunnelling import count_tunnelled
 
@@ -14,11 +14,11 @@ CENTRE = np.zeros(3), np.eye(3)
 def passed(start, end, half=HALF):
     """Number of corners found to pass that go from `start` to `end` [m], given as seen from the body."""
     surface = box(half=half)
-    outside = touch_of(corners_in(surface, start, start), surface).gap
+    outside = contact_of(corners_in(surface, start, start), surface).gap
     assert not len(outside), "starts within the body"
     corners = corners_in(surface, start, start, touching=False)
     place = np.atleast_2d(np.array(end, float))
-    return count_tunnelled(corners, touch_of(corners, surface, place=place), place, *CENTRE, surface, DEPTH)
+    return count_tunnelled(corners, contact_of(corners, surface, place=place), place, *CENTRE, surface, DEPTH)
 
 
 def test_soil_that_flows_round_an_edge_does_not_pass():

@@ -1,0 +1,71 @@
+"""Predicted first-contact points of open corners: anchors of friction, and the side of the body where it is touched."""
+
+import numpy as np
+import pytest
+from contact_bed import RIGHT_HAND, ball, body_at, box
+
+from hybrid.body.attitude import exp_so3
+from hybrid.body.closest import closest
+from hybrid.contact.first_contact import predicted_contact_points
+
+
+def test_anchor_is_where_the_predicted_path_reaches_the_surface():
+    surface, body = box(), body_at((0.0, 0.0, 0.51))        # 10 mm above the bed z = 0
+    start = np.array([[0.1, 0.2, 0.0], [0.3, -0.1, -0.012]])
+    pose = np.array([0.04, 0.0, 0.49]), np.eye(3)           # 20 mm down, 40 mm along x
+    anchor, side = predicted_contact_points(start, start, body, pose, surface, np.zeros(2))
+    np.testing.assert_array_equal(side, [[0.0, 0.0, -1.0], [0.0, 0.0, 0.0]])
+    np.testing.assert_allclose(anchor[0], [0.08, 0.2, -0.5], atol=2e-5)     # half way
+    np.testing.assert_allclose(anchor[1], [0.26, -0.1, -0.502], atol=1e-12)  # not met: the end of the path
+
+
+def test_rolling_without_sliding_has_no_friction():
+    """From where it touches, a corner under a rolling ball hardly moves along the surface; from where it
+    stood at the start of the step it moves a³/(3r²)."""
+    surface, r, way, depth = ball(rings=90), 0.25, 0.04, 0.0002
+    lowest = -surface.vertices[:, 2].min()
+    body = body_at((0.0, 0.0, lowest - depth))
+    pose = np.array([way, 0.0, lowest - depth]), exp_so3(np.array([0.0, way / r, 0.0]))
+    corner = np.array([[way + 0.002, 0.0, 0.0]])
+    start = (corner - body.position) @ body.rotation
+    anchor, _ = predicted_contact_points(corner, corner, body, pose, surface, np.zeros(1))
+    end = (corner - pose[0]) @ pose[1]
+    normal = end / np.linalg.norm(end)
+
+    def along(anchor):
+        z = (end - anchor)[0]
+        return np.linalg.norm(z - normal[0] * (z @ normal[0]))
+
+    a = way + 0.002
+    assert along(start) == pytest.approx(a**3 / (3 * r**2), rel=0.15)
+    assert along(anchor) < 0.05 * along(start)
+    assert abs(closest(anchor[0], np.inf, surface.tree)[4]) < 2e-5
+
+
+def test_corners_that_move_beyond_their_clearance_touch():
+    """Two corners over a box, with their distance as clearance: one stops just short of the box, one goes into it."""
+    surface = box()     # its top is at z = 0.5
+    start = np.array([[0.1, 0.2, 0.6], [0.1, 0.2, 0.6]])
+    end = start - [[0.0, 0.0, 0.099], [0.0, 0.0, 0.25]]
+    body = body_at(np.zeros(3), np.eye(3))
+    place, side = predicted_contact_points(
+        start, end, body, (body.position, body.rotation), surface, np.array([0.1, 0.1]))
+    np.testing.assert_allclose(place[:, 2], [0.501, 0.5], atol=1e-4)
+    np.testing.assert_allclose(side, [[0, 0, 0], [0, 0, 1]], atol=1e-12)
+
+
+def test_a_corner_inside_at_the_start_is_left_where_it_is():
+    """It did not come in by any side in this step."""
+    body, start = body_at(rotation=RIGHT_HAND), np.array([[0.1, 0.2, 0.3]])
+    pose = body.position, body.rotation
+    point, side = predicted_contact_points(start, start + 0.01, body, pose, box(), np.zeros(1))
+    np.testing.assert_allclose(point, start @ RIGHT_HAND, atol=1e-15)
+    assert not side.any()
+
+
+def test_a_corner_on_the_surface_to_round_off_touches_where_it_stands():
+    body, start = body_at(), np.array([[0.1, 0.2, 0.5 - 1e-12]])
+    end = start - (0.05, 0.0, 0.02)
+    point, side = predicted_contact_points(start, end, body, (body.position, body.rotation), box(), np.zeros(1))
+    np.testing.assert_allclose(point, start, atol=2e-5)
+    np.testing.assert_array_equal(side, [[0.0, 0.0, 1.0]])
