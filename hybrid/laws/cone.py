@@ -1,5 +1,5 @@
-"""Return mapping to a cone in principal stress, its apex included; von Mises, Drucker-Prager and Willam-Warnke are
-cases of it.
+"""Return mapping to a cone in principal stress, including its apex; von Mises, Drucker-Prager and Willam-Warnke are
+special cases.
 
     f = g(θ) √J2(s) + η p - k(α)        p = tr τ / 3, tension positive
     k(α) = max(k0 + h α, k_r)           linear hardening (h > 0) or softening to a residual strength
@@ -11,13 +11,14 @@ that depends on the ratio e of the extension meridian to the compression meridia
     g = [4 (1-e²) cos²θ + (2e-1)²] / [2 (1-e²) cosθ + (2e-1) √(4 (1-e²) cos²θ + 5e² - 4e)]      cos 3θ = 3√3/2 J3/J2^1.5
 
 from 1/e in extension (θ = 0) to 1 in compression (θ = 60°). Dilation has a section of its own, with a ratio ē. Flow is
-along the deviator, so θ is that of the trial state and the return has a closed form, whatever the section, with nothing
-to iterate (a circular cone has the potential √J2 + η̄ p):
+along the deviator, so θ is that of the trial state and the return has a closed form for any section, without iteration
+(a circular cone has the potential √J2 + η̄ p):
 
     Δγ = f_trial / (g G + K η η̄ + h/√3)      s = (1 - GΔγ/√J2_tr) s_tr      p = p_tr - K η̄ Δγ
 
-Where k_r is met within the increment, the same holds with k = k_r and h = 0. Where the deviator would turn over, the
-stress goes to the apex p = k/η. All of the trial deviator then flows, Δα = √(2/3 e_tr:e_tr), so the apex is closed too.
+Where k reaches k_r within the increment, the same holds with k = k_r and h = 0. Where the deviator would change its
+sign, the stress returns to the apex p = k/η. The whole trial deviator is then plastic, Δα = √(2/3 e_tr:e_tr), so the
+apex has a closed form too.
 The algorithmic tangent follows by differentiation (circular, without hardening, it is that of de Souza Neto, Perić and
 Owen, Computational Methods for Plasticity, 2008, section 8.3). With n = e_tr/|e_tr|, m normal to it in the deviatoric
 plane towards larger θ and D the denominator of Δγ,
@@ -42,7 +43,8 @@ NO_HISTORY = np.zeros(0)
 class Cone(Hencky):
     """Elastic constants and strength per point, scalars or (n,) arrays; `young` fixes n.
 
-    parameters: (n, 9) columns K, G, η, η̄_c, k0, e, h, k_r, ē. Raises LawError where softening outruns elasticity.
+    parameters: (n, 9) columns K, G, η, η̄_c, k0, e, h, k_r, ē. Raises LawError where softening is steeper than the
+    elastic unloading, so that a point has no unique response.
     """
 
     plastic = True
@@ -68,13 +70,13 @@ class Cone(Hencky):
 
     @property
     def symmetric(self):
-        """Whether flow is associated, on a circular cone; at an apex hardening spoils it."""
+        """Whether all tangents are symmetric: associated flow on a circular cone, without hardening of an apex."""
         eta, eta_bar, _, ratio, slope, _, dilation_ratio = self.parameters[:, 2:].T
         apex = eta * slope != 0.0
         return bool(np.all((eta == eta_bar) & (ratio == 1.0) & (dilation_ratio == 1.0) & ~apex))
 
     def respond(self, strain, plastic_strain=None):
-        """Response to trial principal strains (n, 3) after accumulated plastic strain (n,), none when left out."""
+        """Response to trial principal strains (n, 3) after accumulated plastic strain (n,), zero if left out."""
         history = NO_HISTORY
         if self.hardens:
             history = np.zeros(len(strain)) if plastic_strain is None else plastic_strain
@@ -95,8 +97,8 @@ class Cone(Hencky):
         return g * norm / np.sqrt(2) + eta * mean - np.maximum(strength + slope * plastic_strain, residual)
 
 
-def joined(laws, members):
-    """One law from laws of parts of the points; members: their point ids. All Hencky, or all of them cones."""
+def merge(laws, members):
+    """One law from laws of parts of the points; members: their point ids. A Cone if any of them is plastic."""
     n = sum(len(ids) for ids in members)
     whole = Cone.__new__(Cone) if any(law.plastic for law in laws) else Hencky.__new__(Hencky)
     rows = [_rows(law, whole.plastic) for law in laws]
@@ -111,7 +113,7 @@ def joined(laws, members):
 
 
 def _rows(law, plastic):
-    """Parameters of a law, of an elastic one with a strength that is never met where other points are `plastic`."""
+    """Parameters of a law; an elastic law gets an unlimited strength where other points are `plastic`."""
     if law.plastic or not plastic:
         return law.parameters
     unlimited = np.tile([0.0, 0.0, UNLIMITED, 1.0, 0.0, 0.0, 1.0], (len(law.parameters), 1))
@@ -150,37 +152,37 @@ def _return_map(strain, history, parameters, stress, elastic, tangent):
                 k, h = residual, 0.0
         excess = g * root + eta * pressure - k
         if excess <= 0.0:
-            _put(stress[p], elastic[p], tangent[p], K, G, e, 1.0, pressure)
+            _set_elastic(stress[p], elastic[p], tangent[p], K, G, e, 1.0, pressure)
             continue
-        swell = 0.0  # η̄'
+        dilation_slope = 0.0  # η̄'
         if dilation_ratio != 1.0:
-            g_bar, swell = _section(e, norm, dilation_ratio)
+            g_bar, dilation_slope = _section(e, norm, dilation_ratio)
             eta_bar /= g_bar
-            swell *= -eta_bar / g_bar
-        steep = g * G + K * eta * eta_bar
-        denominator = steep + h / np.sqrt(3.0) if hardens else steep
+            dilation_slope *= -eta_bar / g_bar
+        elastic_part = g * G + K * eta * eta_bar
+        denominator = elastic_part + h / np.sqrt(3.0) if hardens else elastic_part
         multiplier = excess / denominator
-        to_floor = hardens and k + h * multiplier / np.sqrt(3.0) < residual
-        if to_floor:
-            denominator, multiplier = steep, (excess + k - residual) / steep
+        to_residual = hardens and k + h * multiplier / np.sqrt(3.0) < residual
+        if to_residual:
+            denominator, multiplier = elastic_part, (excess + k - residual) / elastic_part
         if eta > 0.0 and root < G * multiplier:
             if hardens:
                 k += h * np.sqrt(2.0 / 3.0) * norm
                 if k < residual:
                     k, h = residual, 0.0
-            _put(stress[p], elastic[p], tangent[p], K, G, e, 0.0, k / eta)
+            _set_elastic(stress[p], elastic[p], tangent[p], K, G, e, 0.0, k / eta)
             _apex_tangent(tangent[p], e, norm, np.sqrt(2.0 / 3.0) * h / eta if hardens else 0.0)
         else:
             scale = max(1.0 - G * multiplier / root, 0.0)
-            _put(stress[p], elastic[p], tangent[p], K, G, e, scale, pressure - K * eta_bar * multiplier)
-            swell *= K * multiplier / norm
-            turn = slope * (root - G * multiplier) / norm - eta * swell
-            _flow_tangent(tangent[p], K, G, eta, eta_bar, g, turn, swell, scale, e, norm, denominator)
+            _set_elastic(stress[p], elastic[p], tangent[p], K, G, e, scale, pressure - K * eta_bar * multiplier)
+            mean_m = dilation_slope * (K * multiplier / norm)
+            flow_m = slope * (root - G * multiplier) / norm - eta * mean_m
+            _flow_tangent(tangent[p], K, G, eta, eta_bar, g, flow_m, mean_m, scale, e, norm, denominator)
 
 
 @njit(cache=True)
-def _put(stress, elastic, tangent, K, G, e, scale, mean):
-    """Stress, elastic strain and the elastic part of the tangent of a deviator that shrinks by `scale`."""
+def _set_elastic(stress, elastic, tangent, K, G, e, scale, mean):
+    """Stress, elastic strain and tangent of a deviator scaled by `scale` and a mean stress, without plastic terms."""
     for i in range(3):
         stress[i] = 2 * G * scale * e[i] + mean
         elastic[i] = scale * e[i] + mean / (3 * K)
@@ -189,25 +191,26 @@ def _put(stress, elastic, tangent, K, G, e, scale, mean):
 
 
 @njit(cache=True)
-def _apex_tangent(matrix, e, norm, rise):
+def _apex_tangent(matrix, e, norm, slope):
     for j in range(3):
-        along = rise * e[j] / norm if norm > 0.0 else 0.0
+        along = slope * e[j] / norm if norm > 0.0 else 0.0
         for i in range(3):
             matrix[i, j] = along
 
 
 @njit(cache=True)
-def _flow_tangent(matrix, K, G, eta, eta_bar, g, turn, swell, scale, e, norm, denominator):
-    """Add the terms of plastic flow; turn and swell: factors of m in D ∂Δγ/∂ε and in -∂p/∂ε."""
+def _flow_tangent(matrix, K, G, eta, eta_bar, g, flow_m, mean_m, scale, e, norm, denominator):
+    """Add the terms of plastic flow; flow_m, mean_m: factors of m in D ∂Δγ/∂ε and in -∂p/∂ε."""
     inverse, share = 1.0 / norm, 1.0 / denominator
     m = (0.0, 0.0, 0.0)
-    if turn != 0.0 or swell != 0.0:  # m = (1 × n)/|1|, towards larger θ for e0 > e1 > e2; at equal values g' is zero
+    if flow_m != 0.0 or mean_m != 0.0:  # m = (1 × n)/|1|, towards larger θ for e0 > e1 > e2; at equal values g' is zero
         order = (e[0] - e[1]) * (e[1] - e[2]) * (e[0] - e[2])
         unit = (inverse if order > 0.0 else -inverse) / np.sqrt(3.0)
         m = (unit * (e[2] - e[1]), unit * (e[0] - e[2]), unit * (e[1] - e[0]))
     for j in range(3):
         n = e[j] * inverse
-        grow = (np.sqrt(2.0) * G * g * n + turn * m[j] + eta * K) * share
-        turned, mean = 2 * G * (1.0 - scale) * n - np.sqrt(2.0) * G * grow, K * eta_bar * grow + swell * m[j]
+        d_multiplier = (np.sqrt(2.0) * G * g * n + flow_m * m[j] + eta * K) * share
+        along_n = 2 * G * (1.0 - scale) * n - np.sqrt(2.0) * G * d_multiplier
+        mean = K * eta_bar * d_multiplier + mean_m * m[j]
         for i in range(3):
-            matrix[i, j] += turned * e[i] * inverse - mean
+            matrix[i, j] += along_n * e[i] * inverse - mean

@@ -2,15 +2,15 @@
 
     f = √J2(s) + η p - ξ c(α)        flow potential √J2 + η̄ p        p = tr τ / 3, tension positive
 
-`cone` tells which meridian of the Mohr-Coulomb pyramid the cone passes through:
+`cone` names the meridian of the Mohr-Coulomb pyramid that the cone passes through:
 
     "compression"   η = 6 sinφ / √3(3 - sinφ)    ξ = 6 cosφ / √3(3 - sinφ)    strongest, circumscribes the pyramid
     "extension"     the same with 3 + sinφ                                    inner edges
     "plane strain"  η = 3 tanφ / √(9 + 12 tan²φ) ξ = 3 / √(9 + 12 tan²φ)      same collapse load in plane strain
 
 η̄ is η of the dilation angle; equal angles are associated flow. The cohesion hardens or softens linearly with the
-equivalent plastic strain, c(α) = max(c0 + H α, c_r). Softening gathers in bands one cell wide, so its results depend on
-the cells. Return and tangent are those of `hybrid.laws.cone`.
+equivalent plastic strain, c(α) = max(c0 + H α, c_r). Softening localises in bands one cell wide, so its results depend
+on the cells. Return and tangent are those of `hybrid.laws.cone`.
 """
 
 import numpy as np

@@ -12,8 +12,8 @@ REFERENCE_PRESSURE = 100e3
 def sand(relative_density, buoyant=False):
     """Parameters [SI, degrees] as a dict with the names of a scene's material.
 
-    Density under water is the buoyant unit weight divided by g: the weight is right, the inertia of the pore water
-    is left out.
+    Density under water is the buoyant unit weight divided by g, which gives the right weight without the inertia of
+    the pore water.
     """
     weight = 19 + 0.016 * relative_density - 9.81 if buoyant else 15 + 0.04 * relative_density
     return {

@@ -1,14 +1,15 @@
-"""A law of one's own, given from Python to a scene whose `soil.material` has `law = "user"` and the density:
+"""A user's law, given from Python to a scene whose `soil.material` has `law = "user"` and the density:
 
     def clay(points, stress):
-        return MyLaw(...)          # an object that keeps the contract of `hybrid.laws`
+        return MyLaw(...)          # an object with the interface of `hybrid.laws`
 
-    hybrid.run(scene, law=clay)    # or hybrid.setup.build.build(scene, law=clay)
+    hybrid.run(scene, law=clay)    # or hybrid.build(scene, law=clay)
 
-It is asked once for a law of all points: `points` are PointConstants (position, half, volume, mass), `stress` (n, 3)
-[Pa] is the initial stress along x, y and z. The law's answers are checked for shape at every call; a point with an
-answer that is no finite number counts as failed, so that the increment is halved. Try a new law with
-`hybrid.check_law` first: it compares the tangent with finite differences. demos/user_law.py is an example."""
+The function is called once and returns the law of all points: `points` are PointConstants (position, half_width,
+volume, mass), `stress` (n, 3) [Pa] is the initial stress along x, y and z. The shapes of the law's results are
+checked at every call; a point with a result that is not a finite number counts as failed, so that the increment is
+halved. Check a new law with `hybrid.check_law` first: it compares the tangent with finite differences. demos/user_law.py is an example.
+"""
 
 import numpy as np
 
@@ -18,9 +19,9 @@ from hybrid.runtime.errors import LawError
 MEMBERS = ("young", "plastic", "respond", "energy", "strain")
 
 
-class Guarded:
-    """A user's law, each of whose answers is checked: `n` points. Its tangents are taken for unsymmetric, as a law
-    derived from another inherits what that says of its own."""
+class CheckedLaw:
+    """A user's law of `n` points whose results are checked. Its tangents are taken for unsymmetric, because a law that
+    is derived from another one inherits `symmetric` from it, right or wrong."""
 
     symmetric = False
 
@@ -30,7 +31,7 @@ class Guarded:
         self.name = type(law).__name__
 
     def respond(self, strain, plastic_strain):
-        return answer(self.law, strain, plastic_strain)
+        return checked_response(self.law, strain, plastic_strain)
 
     def energy(self, elastic):
         return _array(self.law.energy(elastic), (self.n,), "energy(elastic)")
@@ -40,27 +41,27 @@ class Guarded:
 
 
 def adopt(law, n):
-    """The law made by a user for `n` points, guarded. Raises LawError when it does not keep the contract."""
+    """CheckedLaw of a user's law for `n` points. Raises LawError if it has not the interface of `hybrid.laws`."""
     missing = [name for name in MEMBERS if not hasattr(law, name)]
     if missing:
-        raise LawError(f"a law needs {', '.join(MEMBERS)} (hybrid.laws tells what they are); {type(law).__name__} has "
-                       f"no {', '.join(missing)}. A class derived from hybrid.laws.hencky.Hencky has all of them")
-    guarded = Guarded(law, n)
-    if not np.all(guarded.young > 0):
-        raise LawError(f"{guarded.name}.young goes down to {guarded.young.min():g} Pa: must be positive, contact takes "
-                       "its stiffness from it")
-    at_rest = guarded.respond(guarded.strain(np.zeros((n, 3))), np.zeros(n))
+        raise LawError(f"a law needs {', '.join(MEMBERS)} (see hybrid.laws); {type(law).__name__} has no "
+                       f"{', '.join(missing)}. A class derived from hybrid.laws.hencky.Hencky has all of them")
+    checked = CheckedLaw(law, n)
+    if not np.all(checked.young > 0):
+        raise LawError(f"{checked.name}.young goes down to {checked.young.min():g} Pa: must be positive, because "
+                       "contact takes its stiffness from it; give Young's modulus of each point")
+    at_rest = checked.respond(checked.strain(np.zeros((n, 3))), np.zeros(n))
     if at_rest.failed.any():
-        raise LawError(f"{guarded.name} has no finite stress for {np.count_nonzero(at_rest.failed)} points without "
-                       "stress or history; it must have one there")
-    return guarded
+        raise LawError(f"{checked.name} has no finite stress for {np.count_nonzero(at_rest.failed)} points without "
+                       "stress and plastic strain; return a finite one there")
+    return checked
 
 
-def answer(law, strain, plastic_strain):
-    """Response of a law with shapes as in its contract; points where it is not finite have failed. Raises LawError."""
+def checked_response(law, strain, plastic_strain):
+    """Response of a law, checked for its shapes; points where it is not finite have failed. Raises LawError."""
     response = law.respond(strain.copy(), plastic_strain.copy())
     if not hasattr(response, "stress"):
-        raise LawError(f"{type(law).__name__}.respond must give a hybrid.laws.Response, not a "
+        raise LawError(f"{type(law).__name__}.respond must return a hybrid.laws.Response, not a "
                        f"{type(response).__name__}; write return Response(stress, elastic, tangent)")
     n = len(strain)
     shapes = {"stress": (n, 3), "elastic": (n, 3), "tangent": (n, 3, 3)}
@@ -72,7 +73,7 @@ def answer(law, strain, plastic_strain):
 
 
 def _array(value, shape, name):
-    """`value` as a contiguous array of its own of floats, of the shape that the contract asks for."""
+    """`value` as a new contiguous array of floats; LawError for another shape."""
     try:
         value = np.array(value, float, order="C")
     except (TypeError, ValueError) as error:

@@ -2,7 +2,7 @@
 
     f = √J2(s) - ξ s_u(α)        s_u(α) = max(s_u0 + H α, s_r)        associated flow, no plastic volume change
 
-`cone` tells in which state the strength is that of Tresca with the same s_u, as for Drucker-Prager with φ = 0:
+`cone` names the state in which the strength is that of Tresca with the same s_u, as for Drucker-Prager with φ = 0:
 
     "compression", "extension"   ξ = 2/√3    triaxial, |σ1 - σ3| = 2 s_u
     "plane strain"               ξ = 1       plane strain and simple shear, τ = s_u

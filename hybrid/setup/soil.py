@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hybrid.laws.cone import joined
+from hybrid.laws.cone import merge
 from hybrid.laws.user import adopt
 from hybrid.runtime.errors import SceneError
 from hybrid.scene.material import of_layer
@@ -67,7 +67,7 @@ def lay_out(described, grid, gravity, own_law=None):
     else:
         laws = [build_law(s, k0[s.points] * vertical[s.points], s.top - constants.position[s.points, 2])
                 for s in strata]
-        law = laws[0] if len(laws) == 1 else joined(laws, [s.points for s in strata])
+        law = laws[0] if len(laws) == 1 else merge(laws, [s.points for s in strata])
     if stress.any():
         _refuse_yielding(law, stress, top - constants.position[:, 2])
     return constants, stress, law

@@ -7,7 +7,7 @@ import pytest
 
 from hybrid.laws import Response, plastic_increment
 from hybrid.laws.check import check_law
-from hybrid.laws.cone import Cone, joined
+from hybrid.laws.cone import Cone, merge
 from hybrid.laws.drucker_prager import DruckerPrager
 from hybrid.laws.hencky import Hencky
 from hybrid.laws.user import adopt
@@ -157,12 +157,12 @@ def test_joined_laws_answer_as_their_parts():
     parts = [Hencky(E[members[0]], POISSON),
              VonMises(E[members[1]], POISSON, 1e4, **CLAY),
              WillamWarnke(E[members[2]], POISSON, *ANGLES, C, hardening=1e6)]
-    found = joined(parts, members).respond(strain, alpha)
+    found = merge(parts, members).respond(strain, alpha)
     for name, ids in zip(names, members):
         wanted = LAWS[name].respond(strain, alpha)
         np.testing.assert_allclose(found.stress[ids], wanted.stress[ids], rtol=1e-12)
         np.testing.assert_allclose(found.tangent[ids], wanted.tangent[ids], rtol=1e-12)
-    assert type(joined([Hencky(E, POISSON)], [np.arange(N)])) is Hencky
+    assert type(merge([Hencky(E, POISSON)], [np.arange(N)])) is Hencky
 
 
 def test_too_steep_softening_is_refused():
@@ -236,7 +236,7 @@ def test_a_law_that_counts_plastic_strain_otherwise_is_found():
 
 
 @pytest.mark.parametrize("respond, words", [
-    (lambda r: (r.stress, r.elastic, r.tangent), "must give a hybrid.laws.Response, not a tuple"),
+    (lambda r: (r.stress, r.elastic, r.tangent), "must return a hybrid.laws.Response, not a tuple"),
     (lambda r: replace(r, stress=r.stress[:, 0]), r"stress of a law has shape \(400,\), must be \(400, 3\)"),
     (lambda r: replace(r, tangent=np.eye(3)), r"tangent of a law has shape \(3, 3\), must be \(400, 3, 3\)"),
     (lambda r: replace(r, elastic="none"), "elastic of a law must be an array of numbers"),
