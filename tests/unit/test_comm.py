@@ -1,0 +1,90 @@
+"""Reductions over points: their values, and that halves of the points in two processes give what all of them give."""
+
+from dataclasses import replace
+from threading import Barrier, Thread, get_ident
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from hybrid.runtime import comm
+from hybrid.state import Points
+from hybrid.step import energy, loads
+
+
+def test_values_and_what_nothing_gives():
+    values = np.array([3.0, 0.0, 4.0])
+    assert comm.total(values) == 7.0 and comm.total(np.ones((4, 2))).tolist() == [4.0, 4.0]
+    assert comm.count(values) == 2 and comm.anywhere(values) and not comm.anywhere(values < 0)
+    assert comm.number(values) == 3 and comm.norm(values) == 5.0 and comm.largest(values) == 4.0
+    assert comm.maximum(-1 - values) == -1.0 and comm.minimum(values) == 0.0 and comm.largest(-1 - values) == 0.0
+    none = values[:0]
+    assert [f(none) for f in (comm.total, comm.count, comm.number, comm.largest, comm.norm)] == [0.0] * 5
+    assert (comm.maximum(none), comm.minimum(none, 2.0), comm.anywhere(none)) == (0.0, 2.0, False)
+
+
+@pytest.fixture
+def processes(monkeypatch):
+    """processes(function, *halves): results of function(half), each in a thread that stands for a process."""
+    def run(function, *halves):
+        barrier, shared, local = Barrier(len(halves), timeout=30), [None] * len(halves), {}
+        results = [None] * len(halves)
+
+        def over_processes(mine, combine):
+            shared[local[get_ident()]] = mine
+            barrier.wait()
+            found = shared[0]
+            for other in shared[1:]:
+                found = combine(found, other)
+            barrier.wait()
+            return found
+
+        def work(rank):
+            local[get_ident()] = rank
+            results[rank] = function(halves[rank])
+
+        monkeypatch.setattr(comm, "_over_processes", over_processes)
+        threads = [Thread(target=work, args=(rank,)) for rank in range(len(halves))]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        monkeypatch.undo()
+        return results
+    return run
+
+
+@pytest.mark.parametrize("name", ["total", "count", "number", "largest", "maximum", "minimum", "anywhere", "norm"])
+def test_every_process_gets_the_result_of_all(processes, name):
+    values, function = np.random.default_rng(1).random(11), getattr(comm, name)
+    assert processes(function, values[:4], values[4:]) == pytest.approx([function(values)] * 2, rel=1e-15)
+    assert processes(function, values[:0], values) == pytest.approx([function(values)] * 2, rel=1e-15)
+
+
+def points(n, seed=2):
+    rng = np.random.default_rng(seed)
+    vectors, matrices = (lambda: rng.standard_normal((n, 3))), (lambda: rng.standard_normal((n, 3, 3)))
+    return Points(vectors(), vectors(), vectors(), np.abs(vectors()), matrices(), matrices(), matrices(), rng.random(n))
+
+
+def part(points, chosen):
+    return replace(points, **{name: value[chosen] for name, value in vars(points).items() if value is not None})
+
+
+def test_energies_and_works_of_soil_are_those_of_all_processes(processes):
+    soil, mass = points(9), np.random.default_rng(3).random(9)
+    initial, gravity = np.random.default_rng(4).random((9, 3)), np.array([0.0, 0.0, -9.81])
+
+    def found(chosen):
+        constants = SimpleNamespace(mass=mass[chosen], position=initial[chosen])
+        model = SimpleNamespace(gravity=gravity, scheme=SimpleNamespace(inertia=True), soil=SimpleNamespace(
+            constants=constants, stored_energy=lambda given: float(comm.total(given.plastic_strain))))
+        ramp = loads.Loads(gravity).during(0.0, 2.0, (0.0, 1.0))
+        own = part(soil, chosen)
+        return [*energy.soil_energies(model, own).values(),
+                ramp.work(0.5, 1.0, mass[chosen], initial[chosen], own.velocity)]
+
+    every = found(slice(None))
+    assert np.abs(every).min() > 0.1
+    for each in processes(found, slice(0, 3), slice(3, None)):
+        assert each == pytest.approx(every, rel=1e-13)
