@@ -54,6 +54,21 @@ def test_mean_gradient_is_that_of_cell_centres():
     np.testing.assert_allclose(gradients(mean, (3, 3, 3), displacement), wanted, atol=1e-12)
 
 
+def test_only_axes_that_deform_are_scaled():
+    """In plane strain b_trial has the determinant of ΔF_0 squared, and no strain across the plane."""
+    axes, rng = (np.linspace(0.0, 1.0, 6), np.linspace(0.0, 1.0, 5), np.array([0.0])), np.random.default_rng(6)
+    place = np.column_stack([rng.uniform(0.1, 0.9, (200, 2)), np.zeros(200)])
+    half = np.tile([0.05, 0.05, 0.5], (200, 1))
+    basis = evaluate_basis(place, half, axes)
+    mean = mean_basis(place, half, axes, basis)
+    displacement = 0.03 * rng.standard_normal((30, 3)) * (1, 1, 0)
+    trial = Kinematics(200, fbar=True)(basis, (6, 5, 1), displacement, np.tile(np.eye(3), (200, 1, 1)), mean)
+    volume = 1 / np.linalg.det(trial.mean_inverse)
+    assert np.abs(volume / np.linalg.det(trial.increment) - 1).max() > 0.01
+    np.testing.assert_allclose(trial.strain.sum(axis=1), np.log(volume), atol=1e-12)
+    np.testing.assert_allclose(np.abs(trial.strain).min(axis=1), 0.0, atol=1e-12)
+
+
 def test_mean_gradient_of_a_moving_point_is_continuous():
     axes = GRIDS["graded"]
     position, half = scattered(axes)
