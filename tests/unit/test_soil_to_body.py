@@ -167,16 +167,18 @@ def test_clearance_is_the_distance_at_the_start():
 # ---------------------------------------------------------------- energy
 
 
-def test_energy_is_that_of_the_springs_whether_they_stick_or_slip():
-    """Σ p²/(2 ε_N) + |t|²/(2 ε_T); slip works μ p along the way from the start less what the spring keeps, μ p/ε_T."""
+@pytest.mark.parametrize("touching, path", [(True, 1.0), (False, 3.0)])
+def test_energy_is_that_of_the_springs_whether_they_stick_or_slip(touching, path):
+    """Σ p²/(2 ε_N) + |t|²/(2 ε_T). Slip works μ p along the path, less what the spring keeps, μ p/ε_T: the path from
+    the anchor of corners that touched before, from the start of the step of others."""
     surface, rng = box(), np.random.default_rng(5)
     y = np.column_stack([rng.uniform(-0.5, 0.5, (40, 2)), rng.uniform(-0.499, -0.49, 40)])
-    corners = corners_in(surface, y, y + rng.uniform(-0.005, 0.005, (40, 3)) * (1, 1, 0))
-    touch = touch_of(corners, surface)
-    stiffness, along = corners.stiffness[touch.active], touch.force + touch.pressure[:, None] * touch.normal
+    slide = rng.uniform(-0.005, 0.005, (40, 3)) * (1, 1, 0)
+    touch = touch_of(corners_in(surface, y - 3 * slide, y - slide, touching=touching), surface, place=y)
+    stiffness, along = 2e4, touch.force + touch.pressure[:, None] * touch.normal
     size = np.linalg.norm(along, axis=1)
-    assert 5 < touch.slip.sum() < len(touch) - 5
+    assert len(touch) == 40 and 5 < touch.slip.sum() < 35
     energy = 0.5 * touch.pressure**2 / stiffness + 0.5 * size**2 / (RATIO * stiffness)
     assert touch.energy == pytest.approx(energy.sum(), rel=1e-12)
-    way = np.linalg.norm(y - corners.anchor, axis=1)[touch.active] - size / (RATIO * stiffness)
-    assert touch.dissipated == pytest.approx((size * way)[touch.slip].sum(), rel=1e-12)
+    slipped = path * np.linalg.norm(slide, axis=1) - size / (RATIO * stiffness)
+    assert touch.dissipated == pytest.approx((size * slipped)[touch.slip].sum(), rel=1e-12)

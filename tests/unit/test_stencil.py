@@ -25,7 +25,8 @@ def test_places_are_those_of_the_offsets():
     assert [stencil.offset_of_place(s) for s in range(PLACES)] == OFFSETS
     assert stencil.place_of_offset(0, 0, 0) == CENTRE and PLACES == SPAN**3
     assert all(stencil.in_stencil(*offset) for offset in OFFSETS)
-    assert not any(stencil.in_stencil(*(3 * np.eye(3, dtype=int)[axis] * sign)) for axis in range(3) for sign in (-1, 1))
+    far = (REACH + 1) * np.eye(3, dtype=int)
+    assert not any(stencil.in_stencil(*offset) for offset in [*far, *-far])
 
 
 def test_places_of_nodes_of_one_cell():
