@@ -36,7 +36,8 @@ def largest(values):
 
 def maximum(values, empty=0.0):
     """Largest of values of any sign, over all processes; `empty` if there is no value."""
-    return -minimum(-np.asarray(values), -empty)
+    found = float(_over_processes(np.max(values, initial=-np.inf), np.maximum))
+    return empty if found == -np.inf else found
 
 
 def minimum(values, empty=0.0):
