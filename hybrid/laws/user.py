@@ -8,7 +8,8 @@
 The function is called once and returns the law of all points: `points` are PointConstants (position, half_width,
 volume, mass), `stress` (n, 3) [Pa] is the initial stress along x, y and z. The shapes of the law's results are
 checked at every call; a point with a result that is not a finite number counts as failed, so that the increment is
-halved. Check a new law with `hybrid.check_law` first: it compares the tangent with finite differences. demos/user_law.py is an example.
+halved. Check a new law with `hybrid.check_law` first: it compares the tangent with finite differences.
+demos/user_law.py is an example.
 """
 
 import numpy as np

@@ -6,8 +6,8 @@
 η, ξ and η̄_c are those of triaxial compression (`hybrid.laws.drucker_prager`). In extension g = 1/e makes them those of
 the extension meridian, where they are smaller by e, and η̄_c by ē: strength and dilation angle are right on both. With
 one η̄ for all θ, plastic flow near extension would gain energy where η̄ > e η, as with ψ = φ. Flow is along the
-deviator, so for e < 1 it is associated in its volume change only. The cohesion hardens or softens as that of Drucker-Prager.
-Section, return and tangent are those of `hybrid.laws.cone`.
+deviator, so for e < 1 it is associated in its volume change only. The cohesion hardens or softens as that of
+Drucker-Prager. Section, return and tangent are those of `hybrid.laws.cone`.
 """
 
 import numpy as np

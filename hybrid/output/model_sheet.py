@@ -4,7 +4,7 @@ import numpy as np
 
 from hybrid.body.rigid import FREEDOMS
 from hybrid.linalg.stencil_pattern import make_pattern
-from hybrid.scene.material import USES, of_layer, span
+from hybrid.scene.soil import USES, of_layer, span
 from hybrid.soil.workspace import keeps_tangents
 
 # [bytes], as measured

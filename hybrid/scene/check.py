@@ -7,7 +7,7 @@ module has what relates several keys, or a key to names and files.
 from math import cos, hypot, radians, sin
 
 from hybrid.scene.check_grid import grid_faults
-from hybrid.scene.material import material_faults
+from hybrid.scene.check_material import material_faults
 from hybrid.scene.table import need, range_faults, shown
 from hybrid.scheme import Scheme
 
@@ -15,7 +15,7 @@ from hybrid.scheme import Scheme
 def faults(scene):
     """Texts of all faults of a Scene whose values already have their declared types."""
     yield from range_faults(scene)
-    yield from _name("name", scene.name)
+    yield from _plain_name("name", scene.name)
     yield from grid_faults(scene)
     yield from _soil("soil", scene.soil, scene.grid)
     if scene.grid.z.start is not None and scene.grid.z.end is not None:
@@ -32,18 +32,18 @@ def faults(scene):
     first = scene.stages[0].gravity[0] if scene.stages else 1.0
     yield from need(not scene.soil.geostatic or scene.soil.held or first == 1.0, "stage.0.gravity", first,
                     "1 at the start of soil in geostatic stress", "set soil.geostatic = false to turn gravity on")
-    yield from _distinct("soil.layer", scene.soil.layers)
-    yield from _distinct("body", scene.bodies)
-    yield from _distinct("stage", scene.stages)
+    yield from _distinct_names("soil.layer", scene.soil.layers)
+    yield from _distinct_names("body", scene.bodies)
+    yield from _distinct_names("stage", scene.stages)
 
 
-def _name(key, name):
+def _plain_name(key, name):
     # Names become folders and files of the output.
     plain = name.strip() == name != "" and name not in (".", "..") and not set(name) & set("/\\\0\n")
     return need(plain, key, repr(name), "a plain file name", "use letters, digits, - and _")
 
 
-def _distinct(key, items):
+def _distinct_names(key, items):
     names = [item.name for item in items]
     for i, name in enumerate(names):
         yield from need(name not in names[:i], f"{key}.{i}.name", repr(name),
@@ -81,7 +81,7 @@ def _soil(key, soil, grid):
 
 
 def _body(key, body, inertia):
-    yield from _name(f"{key}.name", body.name)
+    yield from _plain_name(f"{key}.name", body.name)
     yield from need(body.geometry.is_file(), f"{key}.geometry", body.geometry, "an existing file",
                     "the path is relative to the scene file, or to the working folder from Python")
     if body.rotation is not None:
@@ -103,7 +103,7 @@ def _body(key, body, inertia):
 
 
 def _spatial_spin(body):
-    """Spin (3,) about the axes of space, in which rotations are held and driven; round-off of the turn left out."""
+    """Spin (3,) about the axes of space, in which rotations are held and driven; without the round-off of the rotation."""
     if body.rotation is None or not any(body.rotation[:3]):
         return body.spin
     length, angle = hypot(*body.rotation[:3]), radians(body.rotation[3])
@@ -133,26 +133,26 @@ def _time(key, time):
         yield from need(value is None or time.scheme == scheme, f"{key}.{name}", value,
                         f"left out with scheme = {time.scheme!r}", f"or set scheme = {scheme!r}")
     if time.scheme == "newmark":
-        yield from _pair(key, Scheme.newmark(time.beta, time.gamma))
+        yield from _newmark_pair(key, Scheme.newmark(time.beta, time.gamma))
     if time.smallest is not None:
         yield from need(time.smallest <= time.step, f"{key}.smallest", time.smallest,
                         f"at most step = {shown(time.step)} s", "leave it out for step/64")
     if time.accuracy is not None:
-        yield from need(time.inertia, f"{key}.accuracy", time.accuracy, "left out in a quasi-static scene, where time "
-                        "is only the order of events", "choose time.step, or set time.inertia = true")
+        yield from need(time.inertia, f"{key}.accuracy", time.accuracy, "left out in a quasi-static scene, which has no "
+                        "error of time integration", "choose time.step, or set time.inertia = true")
 
 
-def _pair(key, scheme):
+def _newmark_pair(key, scheme):
     yield from need(0.5 <= scheme.gamma <= 1, f"{key}.gamma", scheme.gamma, "from 0.5 to 1",
-                    "less than 0.5 grows without bound; 0.5 has no numerical damping")
+                    "below 0.5 the motion grows without bound, 0.5 has no numerical damping")
     yield from need(scheme.beta >= scheme.gamma / 2, f"{key}.beta", scheme.beta,
                     f"at least gamma/2 = {shown(scheme.gamma / 2)}", "(0.25, 0.5) and (0.5625, 1) are stable")
 
 
 def _stage(key, stage, time):
-    yield from _name(f"{key}.name", stage.name)
+    yield from _plain_name(f"{key}.name", stage.name)
     if stage.beta is not None or stage.gamma is not None:
-        yield from _pair(key, Scheme.newmark(time.beta, time.gamma).with_pair(stage.beta, stage.gamma))
+        yield from _newmark_pair(key, Scheme.newmark(time.beta, time.gamma).with_pair(stage.beta, stage.gamma))
     if stage.step is not None and time.smallest is not None:
         yield from need(stage.step >= time.smallest, f"{key}.step", stage.step,
                         f"at least time.smallest = {shown(time.smallest)} s", "leave it out for time.step")

@@ -10,7 +10,7 @@ def grid_faults(scene):
     collapsed = [name for name in "xyz" if getattr(scene.grid, name).collapsed]
     yield from need(len(collapsed) < 3, "grid", ", ".join(collapsed) + " collapsed",
                     "one axis at least uncollapsed", "set collapsed = false where the soil deforms")
-    yield from _travel(scene)
+    yield from _moving_grid(scene)
 
 
 def _axis(key, axis):
@@ -36,7 +36,7 @@ def _axis(key, axis):
         yield from _cells(key, axis)
 
 
-def _travel(scene):
+def _moving_grid(scene):
     """Faults of a grid that moves with a body."""
     grid, soil = scene.grid, scene.soil
     names = [body.name for body in scene.bodies]
@@ -61,16 +61,16 @@ def _travel(scene):
             ends = getattr(axis, margin)
             yield from need(ends is None or min(ends) >= least, f"{key}.{margin}", ends,
                             f"two distances of at least {shown(least)}", reason)
-        if not 0 < axis.doublings < 9:     # a fault of its own
+        yield from need(axis.window is None or soil.geostatic, f"{key}.window", axis.window,
+                        "left out without geostatic stress, in which the soil that enters is at rest",
+                        "or set soil.geostatic = true")
+        if not 0 < axis.doublings < 9:     # out of its range: a fault of its own
             continue
         cells, block = (axis.end - axis.start) / axis.size, 2**axis.doublings
         fits = abs(cells / block - round(cells / block)) < 1e-6
         yield from need(fits, f"{key}.end", axis.end, f"start = {shown(axis.start)} plus a multiple of size times "
                         f"2^doublings = {shown(axis.size * block)}",
-                        f"use {shown(axis.start + axis.size * block * max(1, round(cells / block)))}")
-        yield from need(axis.window is None or soil.geostatic, f"{key}.window", axis.window,
-                        "left out without geostatic stress, in which the soil that enters is at rest",
-                        "or set soil.geostatic = true")
+                        f"use {shown(axis.start + axis.size * block * max(1, round(cells / block)))} m")
 
 
 def _nodes(key, axis):

@@ -7,7 +7,7 @@ from types import NoneType
 from typing import Literal, get_args, get_origin, get_type_hints
 
 from hybrid.scene import Layer, Material, Scene
-from hybrid.scene.material import KEYS, NUMBERS, USES
+from hybrid.scene.soil import KEYS, NUMBERS, USES
 from hybrid.scene.table import Range, described, file_name, required_in_file, shown
 
 DRAFT = "https://json-schema.org/draft/2020-12/schema"

@@ -1,6 +1,7 @@
-"""The soil of a scene: the box of material points, its material and layers."""
+"""The soil of a scene: the box of material points, its material and layers; values of each law and of each layer."""
 
-from typing import Literal
+from dataclasses import fields
+from typing import Literal, get_type_hints
 
 from hybrid.scene.table import key, table
 
@@ -103,3 +104,42 @@ class Soil:
     k0: float | None = key("ratio of horizontal to vertical initial stress; left out: from the material", "-",
                            default=None, above=0, remedy="leave it out for the material's own")
     layers: tuple[Layer, ...] = key("ranges of z with other values", default=(), name="layer")
+
+
+# ------------------------------------------------------------------ values of laws and layers
+
+PRESET = ("relative_density", "buoyant")
+ELASTIC = ("young", "poisson", "reference_young", "stiffness_exponent")
+FRICTION = ("friction_angle", "dilation_angle", "cohesion", "hardening", "residual_cohesion")
+USES = {  # values that each law uses, apart from its name and the density
+    "hencky": (*PRESET, *ELASTIC),
+    "drucker-prager": (*PRESET, *ELASTIC, *FRICTION, "cone"),
+    "willam-warnke": (*PRESET, *ELASTIC, *FRICTION),
+    "von-mises": (*ELASTIC, "strength", "strength_gradient", "hardening", "residual_strength", "cone"),
+    "user": (),
+}
+NUMBERS = tuple(name for name, hint in get_type_hints(Material).items() if hint == float | None)
+KEYS = {f.name: f for f in fields(Material)}
+
+
+def of_layer(material, layer):
+    """Material of a layer: soil.material with the layer's law and values in place of its own.
+
+    A stiffness replaces the other kind of stiffness, and a relative density every value of soil.material.
+    """
+    law, own = layer.law or material.law, layer.material
+    inherited = {"density", *USES[law]}
+    if "relative_density" in own:
+        inherited.difference_update(NUMBERS)
+    if "young" in own:
+        inherited -= {"reference_young", "stiffness_exponent"}
+    if "reference_young" in own:
+        inherited.discard("young")
+    return Material(**{**{name: getattr(material, name) for name in inherited}, **own, "law": law})
+
+
+def span(layer, soil, grid):
+    """(bottom, top) [m] of a layer as given; an end left out is that of the soil."""
+    lower = grid.z.start if soil.lower is None else soil.lower[2]
+    upper = grid.z.end if soil.top is None else soil.top
+    return (lower if layer.bottom is None else layer.bottom), (upper if layer.top is None else layer.top)

@@ -67,7 +67,7 @@ def build_line(described, body_mesh, properties):
 
 
 def connect_to_soil(described, body, soil):
-    """The body with contact springs as stiff as `soil` asks for and, with a second pass, samples of its surface."""
+    """The body with the contact stiffness that follows from `soil` and, with a second pass, samples of its surface."""
     body = rigid.with_stiffness(body, soil.law.young, soil.constants.volume)
     if not described.second_pass:
         return body
@@ -83,4 +83,5 @@ def refuse_overlap(body, motion, points, basis):
         raise SceneError(
             f"body {body.name!r} overlaps the soil at the start: {count} corners of the points' domains lie up to "
             f"{depth:.3g} m inside the body, limit {limit:.3g} m; set body.rest_on to the height of the soil's "
-            "surface, or raise body.position. A body cannot start embedded: drive it in, with body.driven and body.velocity")
+            "surface, or raise body.position. A body cannot start embedded: drive it in, with body.driven and "
+            "body.velocity")

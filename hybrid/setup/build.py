@@ -28,7 +28,7 @@ def build(scene, *, body_force=None, law=None):
         return _assemble(scene, [], body_force, law)
     try:
         return _assemble(validate(changed), texts, body_force, law)
-    except SceneError as error:     # say that the values in the message are not those of the file
+    except SceneError as error:     # its values are not those of the file
         given = scene.accuracy if isinstance(scene.accuracy, str) else scene.accuracy.like
         raise SceneError(f"{error}\n  These values are not those of the scene: accuracy = {given!r} changed them "
                          f"({'; '.join(texts)}). Choose values of the scene that also fit after this change, or leave "

@@ -11,7 +11,7 @@ from hybrid.laws.sand import sand, stiffness_from_stress
 from hybrid.laws.von_mises import VonMises
 from hybrid.laws.willam_warnke import WillamWarnke
 from hybrid.runtime.errors import SceneError
-from hybrid.scene.material import NUMBERS
+from hybrid.scene.soil import NUMBERS
 
 
 def material_values(material):

@@ -12,7 +12,7 @@ import numpy as np
 from hybrid.laws.cone import merge
 from hybrid.laws.user import adopt
 from hybrid.runtime.errors import SceneError
-from hybrid.scene.material import of_layer
+from hybrid.scene.soil import of_layer
 from hybrid.setup.law import build_law, coefficient_at_rest, material_values
 from hybrid.soil.model import BLEND, Soil
 from hybrid.soil.points import at_rest, overburden, tile

@@ -6,7 +6,7 @@ from small_scene import refused
 from hybrid.runtime.errors import SceneError
 from hybrid.scene import Layer, Material
 from hybrid.scene.file import load_scene, scene_from_dict
-from hybrid.scene.material import KEYS, NUMBERS, USES, of_layer
+from hybrid.scene.soil import KEYS, NUMBERS, USES, of_layer
 from hybrid.scene.table import described
 from hybrid.setup.build import build
 

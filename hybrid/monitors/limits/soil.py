@@ -3,7 +3,7 @@
 import numpy as np
 
 from hybrid.laws.cone import UNLIMITED
-from hybrid.scene.material import of_layer
+from hybrid.scene.soil import of_layer
 
 POISSON = 0.45      # from which on soil without F-bar locks: failure cases locking and locking_cells
 

@@ -1,49 +1,10 @@
-"""Materials and layers: the values that each law uses, those that a layer inherits, and the faults of both."""
-
-from dataclasses import fields
-from typing import get_type_hints
+"""The material and layers of a scene: values that the law needs, refuses or limits, and layers that overlap."""
 
 from hybrid.scene.read import did_you_mean
-from hybrid.scene.soil import Material
+from hybrid.scene.soil import KEYS, NUMBERS, USES, Material, of_layer, span
 from hybrid.scene.table import described, range_fault, shown
 
-PRESET = ("relative_density", "buoyant")
-ELASTIC = ("young", "poisson", "reference_young", "stiffness_exponent")
-FRICTION = ("friction_angle", "dilation_angle", "cohesion", "hardening", "residual_cohesion")
-USES = {  # of each law, apart from its name and the density
-    "hencky": (*PRESET, *ELASTIC),
-    "drucker-prager": (*PRESET, *ELASTIC, *FRICTION, "cone"),
-    "willam-warnke": (*PRESET, *ELASTIC, *FRICTION),
-    "von-mises": (*ELASTIC, "strength", "strength_gradient", "hardening", "residual_strength", "cone"),
-    "user": (),
-}
-NUMBERS = tuple(name for name, hint in get_type_hints(Material).items() if hint == float | None)
-KEYS = {f.name: f for f in fields(Material)}
-
 RESIDUALS = {"residual_cohesion": "cohesion", "residual_strength": "strength"}
-
-
-def of_layer(material, layer):
-    """Material of a layer: soil.material with the layer's law and values in place of its own.
-
-    A stiffness replaces the other kind of stiffness, and a relative density every value of soil.material.
-    """
-    law, own = layer.law or material.law, layer.material
-    inherited = {"density", *USES[law]}
-    if "relative_density" in own:
-        inherited.difference_update(NUMBERS)
-    if "young" in own:
-        inherited -= {"reference_young", "stiffness_exponent"}
-    if "reference_young" in own:
-        inherited.discard("young")
-    return Material(**{**{name: getattr(material, name) for name in inherited}, **own, "law": law})
-
-
-def span(layer, soil, grid):
-    """(bottom, top) [m] of a layer as given; an end left out is that of the soil."""
-    lower = grid.z.start if soil.lower is None else soil.lower[2]
-    upper = grid.z.end if soil.top is None else soil.top
-    return (lower if layer.bottom is None else layer.bottom), (upper if layer.top is None else layer.top)
 
 
 def material_faults(soil, grid):
