@@ -5,7 +5,7 @@
     exp(Θ̃) exp(δΦ~) = exp((Θ + δΘ)~)  with  δΦ = T δΘ          to first order
 
     cay(Θ) = (I - Θ̃/2)^-1 (I + Θ̃/2)     about Θ by 2 atan(θ/2)  Cayley: rational, and
-    cay(Θ) - I = Θ̃ (cay(Θ) + I)/2        a turned arm moves by Θ × its mean over the turn
+    cay(Θ) - I = Θ̃ (cay(Θ) + I)/2        a rotated arm changes by Θ × the mean of before and after
     cay(Θ) cay(δΦ) = cay(Θ + δΘ)          with  δΘ = (I + Θ̃/2 + ΘΘᵀ/4) δΦ
 
 | symbol | meaning                                              | shape  | unit |
@@ -113,7 +113,7 @@ def cayley_vector(rotation):
 
 
 def cayley_rate(theta):
-    """dΘ/dΦ (3, 3) of the Cayley vector `theta` (3,) [-] with respect to a turn δΦ from the right."""
+    """dΘ/dΦ (3, 3) of the Cayley vector `theta` (3,) [-] with respect to a rotation δΦ from the right."""
     return np.eye(3) + 0.5 * skew(theta) + 0.25 * np.outer(theta, theta)
 
 
@@ -127,6 +127,6 @@ def rotation_from_axis_angle(axis, angle):
     if axis.shape != (3,) or not (np.isfinite(length) and length > 0.0):
         raise SceneError(
             f"rotation axis {axis.tolist()} has no direction: it must be three finite numbers, not all zero; "
-            "give for example (0, 0, 1) for a turn about the vertical"
+            "give for example (0, 0, 1) for a rotation about the vertical"
         )
     return exp_so3(angle / length * axis)

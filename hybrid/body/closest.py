@@ -114,12 +114,12 @@ def search(y0, y1, y2, reach, tree, side=NO_SIDE, limit=OPPOSITE):
     while True:
         if node < leaves:
             node *= 2
-            near = _box_distance(y0, y1, y2, boxes, node)
-            far = _box_distance(y0, y1, y2, boxes, node + 1)
-            if far < near:
-                near, far, node = far, near, node + 1
-            waiting = 2 * waiting + (1 if far <= best else 0)
-            if near <= best:
+            nearer = _box_distance(y0, y1, y2, boxes, node)
+            farther = _box_distance(y0, y1, y2, boxes, node + 1)
+            if farther < nearer:
+                nearer, farther, node = farther, nearer, node + 1
+            waiting = 2 * waiting + (1 if farther <= best else 0)
+            if nearer <= best:
                 continue
         else:
             for k in range(first[node - leaves], first[node - leaves + 1]):

@@ -9,7 +9,7 @@
 | r      | attachment on the body, from the centre, body frame | (3,) | m   |
 | X      | target, in space                                 | (3,)  | m    |
 | l0, k  | unstretched length and stiffness                 | -     | m, N/m |
-| f      | tension, negative in a line that takes thrust    | -     | N    |
+| f      | tension, negative where a line carries compression | -   | N    |
 
 The unknowns are (δc, δφ) with R <- exp(δφ~) R. Frozen: r, X, l0, k.
 """
@@ -36,12 +36,12 @@ def line_force(position, rotation, attachment, target, length, stiffness, tensio
 
     position (3,) [m] and rotation (3, 3) of the body; attachment (3,) [m] from its centre in the body
     frame; target (3,) [m]; length [m], stiffness [N/m]. Returns tension [N], residual (6,) = [N, N m about
-    the centre], which is minus what the line does to the body, its tangent (6, 6) with respect to (δc,
+    the centre], minus the force and moment of the line on the body, its tangent (6, 6) with respect to (δc,
     spatial δφ), and energy [J].
 
-    A slack line (`tension_only` and not longer than `length`) gives zeros, also when both its ends
+    A slack line (`tension_only` and not longer than `length`) gives zeros, even if both its ends
     coincide. Raises SceneError unless length and stiffness are positive, StepError when the ends of a line
-    that takes thrust coincide, as it then has no direction.
+    that carries compression coincide, as it then has no direction.
     """
     _check(length, stiffness)
     arm = rotation @ attachment
@@ -52,7 +52,7 @@ def line_force(position, rotation, attachment, target, length, stiffness, tensio
         return 0.0, np.zeros(6), np.zeros((6, 6)), 0.0
     if distance <= 1e-12 * length:
         raise StepError(
-            f"pull line: its ends are {distance:g} m apart, so a line that takes thrust has no direction "
+            f"pull line: its ends are {distance:g} m apart, so a line that carries compression has no direction "
             f"(limit {1e-12 * length:g} m); use tension_only = true, or move the target away from the body"
         )
 

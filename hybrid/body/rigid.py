@@ -196,8 +196,8 @@ def _impose_guide_rates(body, state):
     oscillate about zero."""
     rotation, algorithmic = state.rotation, state.algorithmic
 
-    def imposed(rates, own):    # rates (6,) of translation in space and of turns in the body frame
-        rates = np.where(body.free, np.concatenate([rates[:3], rotation @ rates[3:]]), own)
+    def imposed(rates, guide):  # rates (6,): translation in space, rotation in the body frame; guide: both in space
+        rates = np.where(body.free, np.concatenate([rates[:3], rotation @ rates[3:]]), guide)
         return np.concatenate([rates[:3], rotation.T @ rates[3:]])
 
     first = imposed(np.concatenate([state.velocity, state.spin]), body.drive)

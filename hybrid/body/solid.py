@@ -113,7 +113,7 @@ def check_pieces(mesh):
     piece = connected_components(joined, directed=False)[1]
     pieces = len(np.unique(piece[mesh.tets[:, 0]]))
     if pieces > 1:
-        raise GeometryError(f"{label(mesh)} is in {pieces} pieces, but a body is one solid; fuse them with BooleanUnion")
+        raise GeometryError(f"{label(mesh)} is in {pieces} pieces, but a body is one solid: fuse with BooleanUnion")
 
 
 def check_watertight(mesh, boundary):

@@ -64,7 +64,7 @@ class ContactSurface:
 def build_surface(vertices, triangles):
     """ContactSurface of `triangles` (t, 3) int into `vertices` (n, 3) [m]; unused vertices are dropped.
 
-    Triangles meet where they share vertex numbers, so coinciding vertices must have been merged. Raises
+    Triangles are connected where they share vertex numbers, so coinciding vertices must have been merged. Raises
     GeometryError for no triangles, coordinates that are not finite, numbers out of range, a triangle
     without area, an edge of more than two triangles, or neighbours of opposite orientation.
     """
@@ -140,11 +140,11 @@ def _edge_normals(triangles, normals, edges):
             f"contact surface: the triangles at {len(wrong)} edge(s), first ({a}, {b}), are oriented against "
             "each other; orient all counter-clockwise seen from outside")
 
-    own = np.repeat(normals, 3, axis=0)
+    face_normal = np.repeat(normals, 3, axis=0)
     total = np.zeros((len(sharing), 3))
-    np.add.at(total, edge, own)
-    # sine of the angle to the neighbour; a fold by half a turn has none, but there the sum vanishes
-    sine = np.linalg.norm(np.cross(own, total[edge]), axis=1)
+    np.add.at(total, edge, face_normal)
+    # sine of the angle to the edge's normal; where two faces lie on each other it is 0, but there the sum vanishes
+    sine = np.linalg.norm(np.cross(face_normal, total[edge]), axis=1)
     length = np.linalg.norm(total, axis=1)[edge]
     if (length < FLAT).any():
         a, b = ends[np.argmin(length)]
@@ -194,14 +194,14 @@ def _build_tree(corners, face, kind):
     centroids, lower, upper = corners.mean(axis=1), corners.min(axis=1), corners.max(axis=1)
     members = [None, np.arange(len(corners))]
     for node in range(1, leaves):
-        own = members[node]
-        axis = np.argmax(np.ptp(centroids[own], axis=0))
-        own = own[np.argsort(centroids[own, axis], kind="stable")]
-        members += [np.sort(own[: len(own) // 2]), np.sort(own[len(own) // 2:])]
+        inside = members[node]
+        axis = np.argmax(np.ptp(centroids[inside], axis=0))
+        inside = inside[np.argsort(centroids[inside, axis], kind="stable")]
+        members += [np.sort(inside[: len(inside) // 2]), np.sort(inside[len(inside) // 2:])]
     boxes = np.zeros((2 * leaves, 6))
     for node in range(1, 2 * leaves):
         boxes[node] = np.hstack((lower[members[node]].min(axis=0), upper[members[node]].max(axis=0)))
     order = np.concatenate(members[leaves:])
-    first = np.cumsum([0] + [len(own) for own in members[leaves:]])
+    first = np.cumsum([0] + [len(leaf) for leaf in members[leaves:]])
     v0, v1, v2 = (corners[order, k] for k in range(3))
     return Tree(boxes, first, order, np.hstack((v0, v1 - v0, v2 - v0, face[order])), None, None, kind)

@@ -192,7 +192,7 @@ def commit(corners, position, contact):
 def _project(y, start, radius, tree, points):
     """Fill `points` for corners now at y (m, 3). A corner that remembers its side of the body, or has a multiplier, is
     projected wherever it is; any other one is skipped within its clearance or outside the body's bounds."""
-    y_start, clearance, sides, multiplier = start       # once: inside the loop each access would count references
+    y_start, clearance, sides, multiplier = start       # once, because each access in the loop would count references
     gap, triangle, feature, foot, weights = points
     for n in range(len(y)):
         side = sides[n, 0], sides[n, 1], sides[n, 2]
@@ -211,7 +211,7 @@ def _project(y, start, radius, tree, points):
 @njit(cache=True)
 def _law(corners, points, coulomb, tree, out):
     """The law of the module's head at every closed corner."""
-    y, y_anchor, origin, stiffness, multiplier = corners      # once: see _project
+    y, y_anchor, origin, stiffness, multiplier = corners      # unpacked once, as in _project
     gap, triangle, feature, foot, _ = points
     force, tangent, slip, anchor, side, energy, dissipated = out
     G, M, g_t, t, K = np.empty((3, 3)), np.empty((3, 3)), np.empty(3), np.empty(3), np.empty((3, 3))

@@ -4,7 +4,7 @@ A plate of 40 mm is thrown at elastic soil at 5 m/s, over corners s = 0.1 m apar
 equilibria at the end of a long step, the plate stopped by the soil and the plate beyond it, the second is nearer to the
 first guess v Δt. What is known is that all of the soil under the plate stays under it.
 
-The program walks the path of every corner and halves a step that carries one through a body (`contact.passage`).
+The program walks the path of every corner and halves a step that carries one through a body (`contact.tunnelling`).
 How fast the plate is thrown back is another matter (`bounce_step`).
 """
 
