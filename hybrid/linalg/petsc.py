@@ -193,7 +193,7 @@ class BlockSystem:
                 solution = self._x.array
                 return solution[:len(soil)].copy(), solution[len(soil):].copy(), total
             if self._way + 1 == len(self._ways):
-                raise StepError(_advice(why))
+                raise StepError(f"linear solver: {why}")
             self._prepare(self._way + 1)
 
     def _tried(self, ksp, tolerance):
@@ -216,11 +216,6 @@ def _lift(values, places):
     diagonal = values[places]
     if (small := np.abs(diagonal) < LEAST).any():
         values[places[small]] = np.where(diagonal[small] == 0.0, ZERO, np.copysign(LEAST, diagonal[small]))
-
-
-def _advice(what):
-    return (f"linear solver: {what}; hold components of bodies that nothing supports, shorten the step, or set "
-            'solver.linear = "direct" to see whether the system is singular')
 
 
 @contextmanager

@@ -33,7 +33,8 @@ def remedies(model, reason="", errors=(), tolerance=0.0):
     shorter = "a smaller time.step" if dynamic else "a smaller time.step with more stage.steps"
     if "linear solver" in reason:
         direct = ['solver.linear = "direct"'] if model.solver.linear == "krylov" else []
-        return (*direct, shorter, *(() if dynamic else ("time.inertia = true",)))
+        held = ["body.held for components of bodies that nothing supports"] if model.bodies else []
+        return (*direct, shorter, *([] if dynamic else [*held, "time.inertia = true"]))
     if "residual" not in reason:    # the increment is too long: rotation, search of contact, inverted soil
         return (shorter,)
     changes = [shorter]

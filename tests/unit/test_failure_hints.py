@@ -73,6 +73,8 @@ def test_remedies_fit_the_scene():
     assert linear == ('solver.linear = "direct"', "a smaller time.step")
     direct = remedies(quasi_static(solver=Solver(linear="direct")), "linear solver: no convergence")
     assert direct == ("a smaller time.step with more stage.steps", "time.inertia = true")
+    body = quasi_static(bodies=[box(0.2, 0.2, 0.2, rest_on=0.0)])
+    assert any("body.held" in change for change in remedies(body, "linear solver: a diagonal block is singular"))
     assert accuracy_remedies(build(soil_scene()).model)[0] == "a larger time.accuracy"
 
 

@@ -136,11 +136,11 @@ def pushed(system, uu):
     return count
 
 
-def test_a_singular_system_is_reported_with_advice():
+def test_a_singular_system_is_reported_with_its_cause():
     system, _ = filled(50, 3, "krylov")
     system.clear()
     system.values[...] = 0.0
-    with pytest.raises(StepError, match="direct"):
+    with pytest.raises(StepError, match=r"^linear solver: (a diagonal block is singular|no convergence in \d+ iterations)"):
         system.factor()
         system.solve(np.ones(50), np.ones(3))
 
