@@ -140,7 +140,8 @@ def test_a_singular_system_is_reported_with_its_cause():
     system, _ = filled(50, 3, "krylov")
     system.clear()
     system.values[...] = 0.0
-    with pytest.raises(StepError, match=r"^linear solver: (a diagonal block is singular|no convergence in \d+ iterations)"):
+    reason = r"^linear solver: (a diagonal block is singular|no convergence in \d+ iterations)"
+    with pytest.raises(StepError, match=reason):
         system.factor()
         system.solve(np.ones(50), np.ones(3))
 
