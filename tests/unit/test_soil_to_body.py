@@ -174,11 +174,11 @@ def test_energy_is_that_of_the_springs_whether_they_stick_or_slip(touching, path
     surface, rng = box(), np.random.default_rng(5)
     y = np.column_stack([rng.uniform(-0.5, 0.5, (40, 2)), rng.uniform(-0.499, -0.49, 40)])
     slide = rng.uniform(-0.005, 0.005, (40, 3)) * (1, 1, 0)
-    touch = touch_of(corners_in(surface, y - 3 * slide, y - slide, touching=touching), surface, place=y)
-    stiffness, along = 2e4, touch.force + touch.pressure[:, None] * touch.normal
+    contact = contact_of(corners_in(surface, y - 3 * slide, y - slide, touching=touching), surface, place=y)
+    stiffness, along = 2e4, contact.force + contact.pressure[:, None] * contact.normal
     size = np.linalg.norm(along, axis=1)
-    assert len(touch) == 40 and 5 < touch.slip.sum() < 35
-    energy = 0.5 * touch.pressure**2 / stiffness + 0.5 * size**2 / (RATIO * stiffness)
-    assert touch.energy == pytest.approx(energy.sum(), rel=1e-12)
+    assert len(contact) == 40 and 5 < contact.slip.sum() < 35
+    energy = 0.5 * contact.pressure**2 / stiffness + 0.5 * size**2 / (RATIO * stiffness)
+    assert contact.energy == pytest.approx(energy.sum(), rel=1e-12)
     slipped = path * np.linalg.norm(slide, axis=1) - size / (RATIO * stiffness)
-    assert touch.dissipated == pytest.approx((size * slipped)[touch.slip].sum(), rel=1e-12)
+    assert contact.dissipated == pytest.approx((size * slipped)[contact.slip].sum(), rel=1e-12)
