@@ -11,9 +11,13 @@ from hybrid.setup.build import build
 def run(scene, out=None, overrides=(), resume=False, quiet=False, body_force=None, law=None):
     """Run a Scene, or the scene file at a path, and return its Simulation.
 
-    out: folder of results, default out/<scene name>; overrides: "key.path=value" texts for a scene file; resume:
-    continue from the folder's checkpoint; quiet: no progress line; body_force, law: as `hybrid.setup.build.build` takes them.
-    Raises HybridError with what to change.
+    out               folder of the results, default out/<scene name>
+    overrides         "key.path=value" texts for a scene file
+    resume            continue from the checkpoint in that folder
+    quiet             no progress line
+    body_force, law   as in `hybrid.setup.build.build`
+
+    Raises HybridError, whose message names what to change.
     """
     if isinstance(scene, (str, Path)):
         scene = load_scene(scene, overrides)

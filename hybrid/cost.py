@@ -1,4 +1,4 @@
-"""Prediction of what the steps of a scene cost: parts of a step, timed on its first state, times their number in a step.
+"""Prediction of the cost of a scene: parts of a step, timed on its first state, times their number in a step.
 
     step = Σ seconds of a part x its number
 
@@ -14,16 +14,16 @@ n Newton iterations, m of them with a new tangent, are `ITERATIONS`, as measured
 takes more of all: increments are rejected, updates are shortened, and each increment numbers the unknowns anew.
 Measured, by the number of cells along the body, tangents in full ones:
 
-| scene                  | cells | n   | evaluations / n | tangents / n | Krylov iterations / predicted from the first state |
-|------------------------|-------|-----|-----------------|--------------|----------------------------------------------------|
-| drag, 0.4 m, 300 steps | 9     | 4.1 | 1.6             | 0.85         | 0.65                                               |
-| anchor, 0.2 m, 125     | 18    | 5.9 | 1.7             | 0.7          | 0.5                                                |
-| drag, 0.2 m, 975       | 18    | 7.8 | -               | 0.65         | 0.75, 0.85 at the end                              |
-| drag, 0.1 m, 230       | 36    | 9.5 | -               | -            | -                                                  |
+| scene                  | cells | n   | evaluations / n | tangents / n | Krylov iterations / those on the first state |
+|------------------------|-------|-----|-----------------|--------------|----------------------------------------------|
+| drag, 0.4 m, 300 steps | 9     | 4.1 | 1.6             | 0.85         | 0.65                                         |
+| anchor, 0.2 m, 125     | 18    | 5.9 | 1.7             | 0.7          | 0.5                                          |
+| drag, 0.2 m, 975       | 18    | 7.8 | -               | 0.65         | 0.75, 0.85 at the end                        |
+| drag, 0.1 m, 230       | 36    | 9.5 | -               | -            | -                                            |
 
-Hence `_in_plastic_soil`: n = 1.5 √cells, 0.8 of the Krylov iterations on the first state, 1.05 increments. A moving grid
-takes in more points when the body sinks: all is multiplied by the growth of their number. Scenes differ from this by up
-to a factor of two.
+Hence `_in_plastic_soil`: n = 1.5 √cells, 0.8 of the Krylov iterations on the first state, 1.05 increments. A moving
+grid takes in more points when the body sinks: all is multiplied by the growth of their number. Scenes differ from this
+by up to a factor of two.
 
 The first state is disturbed a little. Points are drawn together by a thousandth: at their initial places a domain lies
 in one cell and its point couples 8 nodes, but once it moves up to 27. Bodies are lowered by a twentieth of a cell, so

@@ -1,11 +1,11 @@
-"""Time integration: one rule for soil nodes, for the centre of a body and for its turn in the body frame.
+"""Time integration: one rule for soil nodes, for the centre of a body and for its rotation in the body frame.
 
     a_{n+1} = (Δu - Δt v_n)/(βΔt²) - (1/(2β) - 1) a_n           v_{n+1} = v_n + Δt [(1-γ) a_n + γ a_{n+1}]
     (1-αf) v̇_{n+1} + αf v̇_n = (1-αm) a_{n+1} + αm a_n
 
-Equilibrium is asked of v̇ at the end of the step, whatever the scheme, so no force is ever averaged over a step.
+Equilibrium holds with v̇ at the end of the step for every scheme, so forces are never averaged over a step.
 
-| symbol   | meaning                                                       | of soil, of a turn | unit             |
+| symbol   | meaning                                                       | soil, rotation     | unit             |
 |----------|---------------------------------------------------------------|--------------------|------------------|
 | Δu       | increment of the step: displacement or rotation vector Θ      | (N, 3), (3,)       | m, rad           |
 | v, v̇     | rate and its true time derivative                             | (N, 3), (3,)       | m/s, m/s²        |
@@ -18,9 +18,9 @@ Equilibrium is asked of v̇ at the end of the step, whatever the scheme, so no f
 | generalised_alpha | (2ρ∞-1)/(ρ∞+1), ρ∞/(ρ∞+1) | ½ + αf - αm, ¼ (γ + ½)²     | 2             | times ρ∞ a step  |
 | energy_momentum   | 0, 0                      | 1/2, 1/4, Cayley rotations  | 2             | kept             |
 
-Only generalised alpha carries a as history besides v̇; where there is none yet, at the start or after a stage with
-another scheme, a = v̇. That is wrong by O(Δt), which moves v once by O(Δt²) and keeps the second order; so does a
-change of Δt. What energy-momentum does to rotations is in `hybrid.body.motion`.
+Only generalised alpha carries a besides v̇. Where it is not known yet, at the start or after a stage with another
+scheme, a = v̇. The error of that is O(Δt); it changes v once by O(Δt²), so the scheme stays of second order. The same
+holds for a change of Δt. `hybrid.body.motion` describes rotations with energy-momentum.
 
 Sources: J. Chung and G. M. Hulbert, J. Appl. Mech. 60 (1993) 371-375 (the parameters); M. Arnold and O. Brüls,
 Multibody Syst. Dyn. 18 (2007) 185-202 (the form with a); O. Brüls and A. Cardona, J. Comput. Nonlinear Dyn. 5 (2010)
@@ -33,8 +33,8 @@ from typing import Literal
 
 @dataclass(frozen=True)
 class Scheme:
-    """β, γ, αm, αf and the map of rotations; `inertia` False leaves out every mass term, so that time is only the
-    order of events."""
+    """β, γ, αm, αf and the map of rotations. inertia: False leaves out every mass term; time then only orders the
+    loads."""
 
     beta: float = 0.25
     gamma: float = 0.5
@@ -71,12 +71,12 @@ class Scheme:
 
     @property
     def auxiliary(self):
-        """Whether a is history of its own besides v̇."""
+        """Whether the scheme carries a besides v̇."""
         return self.inertia and (self.alpha_m != 0.0 or self.alpha_f != 0.0)
 
     @property
     def damps(self):
-        """Whether it is of first order, and takes energy from all that swings within some steps."""
+        """Whether it is of first order and damps all oscillations within some steps."""
         return self.inertia and self.gamma > 0.5 and not self.auxiliary
 
     def mass_factor(self, dt):
@@ -88,10 +88,10 @@ class Scheme:
         return self.gamma / (self.beta * dt) if self.inertia else 1.0 / dt
 
     def advance(self, increment, rate, second, algorithmic, dt):
-        """What a step of `dt` [s] that moved by `increment` makes of v_n `rate`, v̇_n `second` and a_n `algorithmic`.
+        """(v_{n+1} - v_n, v̇_{n+1}, a_{n+1}) after a step of `dt` [s] with displacement `increment`.
 
-        All of one shape. `algorithmic` None stands for v̇_n, and is what other schemes than generalised alpha return.
-        Returns v_{n+1} - v_n, v̇_{n+1} and a_{n+1}; without inertia the rate becomes the mean one of the step.
+        rate, second, algorithmic: v_n, v̇_n and a_n, all of one shape; an `algorithmic` of None stands for v̇_n, and is
+        returned by schemes that do not carry a. Without inertia v_{n+1} is the mean rate of the step.
         """
         if not self.inertia:
             return increment / dt - rate, 0.0 * increment, None

@@ -38,17 +38,17 @@ class Simulation:
 
     scene, model, state   what is modelled, what stays the same in a stage, the last accepted State
     meshes                TetMesh of each body
-    travel                how the grid moves with a body, None for a grid that stays
-    level                 what `accuracy` has changed in the scene, as text
+    moving_grid           how the grid follows a body, None for a grid that does not move
+    level                 texts about what `accuracy` has changed in the scene
     evaluation            Evaluation that led to the state, None before the first step
     increment             [s] that the next step of this stage tries first, None: all of it
     imbalance             of the initial state, None for soil that is held or weighs nothing
     """
 
-    def __init__(self, scene, model, state, meshes, travel=None, level=""):
+    def __init__(self, scene, model, state, meshes, moving_grid=None, level=""):
         map_large_arrays()      # PETSc is loaded by now
         self.scene, self.model, self.state, self.meshes = scene, model, state, meshes
-        self.travel, self.level = travel, level
+        self.moving_grid, self.level = moving_grid, level
         self.initial_bodies = list(state.bodies)
         self.evaluation, self.increment = None, None
         workspace = Workspace(model)
@@ -82,8 +82,8 @@ class Simulation:
     def resume(self, state, increment=None):
         """Continue from `state`, with an increment of `increment` [s] first."""
         self.state, self.increment = state, increment
-        if self.travel:
-            self.model = self.travel.model(self.model, state.ground)
+        if self.moving_grid:
+            self.model = self.moving_grid.model_with(self.model, state.ground)
 
     @property
     def total_steps(self):
@@ -102,9 +102,9 @@ class Simulation:
 
     @property
     def most_points(self):
-        """Largest number of points in the grid: of now, or of the time when the body that the grid follows has sunk."""
+        """Number of points in the grid, now or when the body that it follows has sunk, whichever is larger."""
         now = len(self.state.points)
-        return max(now, self.travel.points_when_sunk(self.model, self.state)) if self.travel else now
+        return max(now, self.moving_grid.points_when_sunk(self.model, self.state)) if self.moving_grid else now
 
     def contact_forces(self, b):
         """Force of the soil on each surface vertex of body b at the last accepted step, (V, 3) [N]."""
@@ -177,8 +177,8 @@ class Simulation:
         if stage.pull:
             self.state = model.lay_out_lines(self.state)
         for stage_step in range(max(1, self.state.step - first + 1), stage.steps + 1):
-            if self.travel:
-                self.model, self.state, moved = self.travel.follow(self.model, self.state)
+            if self.moving_grid:
+                self.model, self.state, moved = self.moving_grid.follow(self.model, self.state)
                 if moved:
                     model = model.with_soil(self.model.soil)
                     workspace.renew(model)

@@ -1,4 +1,4 @@
-"""What changes in time, as plain arrays, and the one function that turns a trial into history.
+"""The committed state: everything that changes in time, as plain arrays.
 
 | symbol | field                    | shape     | unit   |
 |--------|--------------------------|-----------|--------|
@@ -6,24 +6,24 @@
 | v_p    | Points.velocity          | (n, 3)    | m/s    |
 | a_p    | Points.acceleration      | (n, 3)    | m/s²   |
 | -      | Points.algorithmic       | (n, 3)    | m/s²   |
-| l_p    | Points.half_width              | (n, 3)    | m      |
+| l_p    | Points.half_width        | (n, 3)    | m      |
 | F      | Points.deformation       | (n, 3, 3) | -      |
-| b_e    | Points.b_elastic           | (n, 3, 3) | -      |
+| b_e    | Points.b_elastic         | (n, 3, 3) | -      |
 | σ      | Points.stress (Cauchy)   | (n, 3, 3) | Pa     |
 | α      | Points.plastic_strain    | (n,)      | -      |
 | C      | Points.affine            | (n, k, 3, 3) | 1/s, 1/s² |
-| -      | Points.inactive               | (n,) bool | -      |
+| -      | Points.inactive          | (n,) bool | -      |
 | c      | BodyState.position       | (3,)      | m      |
 | R      | BodyState.rotation       | (3, 3)    | -      |
 | ċ, c̈  | velocity, acceleration   | (3,)      | m/s, m/s² |
 | W, A   | spin, spin_rate (body frame) | (3,)  | rad/s, rad/s² |
 | -      | algorithmic (space, body frame) | (6,) | m/s², rad/s² |
 
-C, the gradients of v, a and the algorithmic acceleration, is there with affine transfer only. Inactive points have
-gone astray and take no part any more; None where none has. The algorithmic acceleration a of `hybrid.scheme` is None
-where it is no history of its own.
+`affine`, the gradients C of velocity, acceleration and algorithmic acceleration, is None unless soil.transfer is
+"affine". `inactive` marks points that have been deactivated (`hybrid.soil.lost_points`), None if there are none.
+`algorithmic`, the acceleration a of `hybrid.scheme`, is None for schemes that do not carry it.
 
-A step computes a *new* State and never writes into the committed one, so a rejected step costs nothing to undo.
+A step computes a new State and never writes into the committed one, so rejecting it costs nothing.
 """
 
 from dataclasses import dataclass, field
@@ -33,7 +33,7 @@ import numpy as np
 
 @dataclass
 class Points:
-    """Material points: history that a step carries forward. Shapes in the module's table."""
+    """History of the material points. Shapes in the module's table."""
 
     position: np.ndarray
     velocity: np.ndarray
@@ -53,10 +53,12 @@ class Points:
 
 @dataclass(frozen=True)
 class PointConstants:
-    """What a point keeps for as long as it is neither split nor merged.
+    """Constants of the material points, which change only where points are split or merged.
 
-    position: (n, 3) [m] and half_width: (n, 3) [m] at the start; volume: (n,) [m³]; mass: (n,) [kg]; geostatic_gradient: (n, 3) [Pa/m],
-    growth with height of the principal stress at rest, None without geostatic stress.
+    position, half_width  (n, 3) [m] at the start
+    volume                (n,) [m³] at the start
+    mass                  (n,) [kg]
+    geostatic_gradient    (n, 3) [Pa/m] of the principal stress at rest along z, None without geostatic stress
     """
 
     position: np.ndarray
@@ -71,7 +73,7 @@ class PointConstants:
 
 @dataclass(frozen=True)
 class Population:
-    """Material points with all that belongs to them: history, constants, and a row of the law's values for each."""
+    """Material points with their history, their constants and their rows of the law's parameters."""
 
     points: Points
     constants: PointConstants
@@ -83,10 +85,12 @@ class Population:
 
 @dataclass(frozen=True)
 class Ground:
-    """What a scene cannot tell of its soil any more once the grid travels.
+    """Soil data that cannot be rebuilt from the scene once the grid has moved.
 
-    fine, window: (3, 2) lattice numbers of the layout; made: (a, b, c) bool, blocks whose soil has been laid out;
-    constants, rows: of the points that are solved; behind: all of those that the window has left, None if none is kept.
+    fine, window     (3, 2) numbers of the layout along each axis
+    made             (a, b, c) bool, blocks whose soil has been laid out
+    constants, rows  of the points in the grid
+    behind           points that the window has left behind, None where they are removed
     """
 
     fine: np.ndarray
@@ -99,17 +103,17 @@ class Ground:
 
 @dataclass
 class ContactHistory:
-    """Corners near one body that are followed as material points from step to step.
+    """Corners close to one body, which are followed as material points from step to step.
 
     id        (m,) increasing, 8 p + corner of point p's domain
-    position  (m, 3) [m] where the grid has carried the corner
+    position  (m, 3) [m] of the corner, which moves with the grid
     touching  (m,) bool, in contact at the last accepted step
-    anchor    (m, 3) [m] body frame, where friction would be zero; meaningful while touching
+    anchor    (m, 3) [m] body frame, reference point of the tangential spring; defined while touching
     side      (m, 3) body frame, outward normal of the body where the corner touches, else 0
     pressure  (m,) [N] multiplier of the augmented Lagrangian, 0 under plain penalty
 
-    and of the body's samples that touch in the second pass: sample (k,) their numbers, sample_anchor (k, 3) [m] in
-    space, sample_pressure (k,) [N]
+    and the body's samples in contact in the second pass: sample (k,) their numbers, sample_anchor (k, 3) [m] in space,
+    sample_pressure (k,) [N]
     """
 
     id: np.ndarray
@@ -132,8 +136,11 @@ class ContactHistory:
 class BodyState:
     """Motion of one rigid body.
 
-    target    far end of its pull line (3,) [m]
-    reaction  (6,) [N, N m about the centre] of the guides of held and driven components, zero for free ones
+    position     (3,) [m] centre of mass; rotation: (3, 3) from the body frame to space
+    velocity, acceleration  (3,) [m/s, m/s²] of the centre of mass
+    spin, spin_rate         (3,) [rad/s, rad/s²] in the body frame
+    target       (3,) [m] far end of its pull line, None before the line is laid out
+    reaction     (6,) [N, N m about the centre] of the guides of held and driven components, zero for free ones
     algorithmic  (6,) acceleration and spin rate that generalised-alpha carries, None for other schemes
     """
 
@@ -150,8 +157,13 @@ class BodyState:
 
 @dataclass
 class State:
-    """Everything a run needs to go on: time [s], outer step number, points, bodies, work done so far [J], and the
-    ground where the grid travels."""
+    """Everything that a run needs to continue.
+
+    time      [s]; step: number of the last outer step
+    points    Points; bodies: a BodyState for each body; contacts: a ContactHistory for each body
+    work      [J] done since the start, {name: value} (`hybrid.step.energy`)
+    ground    Ground, None where the grid does not move
+    """
 
     time: float
     step: int

@@ -41,7 +41,7 @@ def _assemble(scene, accuracy, body_force, law):
     loads = Loads(gravity, body_force).during(0.0, 0.0, (scene.stages[0].gravity[0],) * 2)
     meshes = [mesh_of(described) for described in scene.bodies]
     placed = [build_body(*pair, loads.on_bodies(0.0)) for pair in zip(scene.bodies, meshes)]
-    grid, travel, layouts = build_grid(scene, placed)
+    grid, moving_grid, layouts = build_grid(scene, placed)
     soil, points = build_soil(scene, grid, loads, law)
     motions, contacts = [motion for _, motion in placed], [ContactHistory.empty() for _ in placed]
     bodies = [connect_to_soil(described, body, soil) for described, (body, _) in zip(scene.bodies, placed)]
@@ -49,10 +49,10 @@ def _assemble(scene, accuracy, body_force, law):
         refuse_overlap(body, motion, points, soil.basis)
     model = Model(soil, tuple(bodies), build_scheme(scene.time), loads, scene.solver)
     state = State(0.0, 0, points, motions, contacts)
-    if travel is not None:
-        travel.lay_out = lambda grid: lay_out(scene.soil, grid, gravity)
-        state.ground = travel.start(layouts, soil)
-    return Simulation(scene, model, state, meshes, travel, accuracy)
+    if moving_grid is not None:
+        moving_grid.lay_out = lambda grid: lay_out(scene.soil, grid, gravity)
+        state.ground = moving_grid.first_ground(layouts, soil)
+    return Simulation(scene, model, state, meshes, moving_grid, accuracy)
 
 
 def build_scheme(time):

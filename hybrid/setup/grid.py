@@ -5,13 +5,13 @@ import numpy as np
 from hybrid.body import rigid
 from hybrid.grid.axes import FACES, graded_nodes, make_grid, uniform_nodes
 from hybrid.grid.moving_axis import MovingAxis
-from hybrid.step.moving_grid import Travel
+from hybrid.step.moving_grid import MovingGrid
 
 
 def build_grid(scene, placed=()):
-    """(Grid with its held faces, Travel or None, its layouts) for bodies `placed`, each a RigidBody and BodyState.
+    """(Grid with its held faces, MovingGrid or None, its layouts) for bodies `placed`, each a RigidBody and BodyState.
 
-    The Travel and its layouts are None where the grid stands still.
+    The MovingGrid and its layouts are None where the grid stands still.
     """
     described = (scene.grid.x, scene.grid.y, scene.grid.z)
     extent = np.array([(axis.start, axis.end) for axis in described])
@@ -23,10 +23,10 @@ def build_grid(scene, placed=()):
         return make_grid(axes, extent, faces, scene.soil.held), None, None
     names = [body.name for body, _ in placed]
     followed = names.index(scene.grid.follow) if scene.grid.follow else 0
-    travel = Travel(followed, moving, axes, extent, faces,
+    moving_grid = MovingGrid(followed, moving, axes, extent, faces,
                     np.broadcast_to(scene.soil.points_per_axis, 3), scene.grid.behind == "freeze")
-    layouts = travel.fit(rigid.bounding_box(*placed[followed]))
-    return travel.grid(layouts), travel, layouts
+    layouts = moving_grid.layouts_for(rigid.bounding_box(*placed[followed]))
+    return moving_grid.grid(layouts), moving_grid, layouts
 
 
 def axis_nodes(axis):

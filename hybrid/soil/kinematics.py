@@ -86,7 +86,7 @@ class Kinematics:
     def __call__(self, basis, shape, displacement, b_elastic, mean=None, inactive=None, keep=None):
         """TrialStrain from nodal increments (N, 3) [m] and committed b_e (n, 3, 3).
 
-        mean: the basis of F-bar; inactive: (n,) bool, points that may be inverted; keep: a TrialStrain that stays valid.
+        mean: the basis of F-bar; inactive: (n,) bool, points that may be inverted; keep: a TrialStrain to stay valid.
         """
         assert keep is None or keep.valid, "a trial strain cannot be kept after its buffers have been overwritten"
         buffers = next(one for one in self._sets if keep is None or one is not keep._buffers)
@@ -95,8 +95,9 @@ class Kinematics:
         if mean is not None:
             _volumes(mean.first, mean.value, mean.gradient, shape[1], shape[2], nodal,
                      buffers.mean_inverse, self._mean_volume)
-        _trial_squares(basis.first, basis.value, basis.gradient, shape[1], shape[2], nodal, b_elastic, self._mean_volume,
-                       deforms, int(deforms.sum()), buffers.increment, buffers.inverse, self._squares, self._inverted)
+        _trial_squares(basis.first, basis.value, basis.gradient, shape[1], shape[2], nodal, b_elastic,
+                       self._mean_volume, deforms, int(deforms.sum()), buffers.increment, buffers.inverse,
+                       self._squares, self._inverted)
         put_principal(self._squares, buffers.strain, buffers.directions)
         _logarithms(buffers.strain)
         return TrialStrain(buffers, np.flatnonzero(self._inverted if inactive is None else self._inverted & ~inactive))
@@ -216,8 +217,8 @@ def update_strains(trial, elastic, stress, old, deforms):
     """F = ΔF F_n, b_e = Σ exp(2 ε_i) n_i ⊗ n_i of the elastic strains ε (n, 3) after the return, and Cauchy stress
     σ = τ / det F of the Kirchhoff stress τ (n, 3, 3) [Pa]; each (n, 3, 3). deforms: (3,) bool, axes that deform.
 
-    F beyond WORN is begun anew: loose sand that the grid carries apart would otherwise grow until det F is round-off,
-    and then less than nothing.
+    F is reset to an isotropic stretch of the same volume when any |F_ij| > F_LIMIT: in loose sand that the grid pulls
+    apart, F would grow until det F is round-off, and then negative.
     """
     deformation, squares, cauchy = (np.empty_like(old.deformation) for _ in range(3))
     _carry_on(trial.increment, old.deformation, elastic, trial.directions, stress, deforms, deformation, squares,

@@ -146,7 +146,7 @@ class Soil:
             workspace=workspace or SoilWorkspace(self))
 
     def small_support(self, step):
-        """(N,) bool, nodes with less than SMALL_SUPPORT of the mass that the densest soil all around would give them."""
+        """(N,) bool, nodes with less than SMALL_SUPPORT of the mass that the densest soil around them would give."""
         densest = largest(self.constants.mass / self.constants.volume)
         return step.mass < SMALL_SUPPORT * densest * self.grid.volumes
 

@@ -158,7 +158,7 @@ class Step:
     def search_radius_ratio(self, unknowns):
         """Largest ratio of the path of soil and body towards each other to the reach of the corner search."""
         moved = None
-        if self.soil is not None and self.bodies:   # of the points: a node with little mass may move far without any effect
+        if self.soil is not None and self.bodies:   # of points: a node with little mass may move far without effect
             moved = interpolate(self.soil.basis, self.model.soil.grid.shape, unknowns.displacement)
         return max((travel_ratio(b.body, b.state, b.pose(unknowns), b.reach, self.model.soil.grid, self.state.points,
                                  moved) for b in self.bodies), default=0.0)

@@ -1,4 +1,4 @@
-"""What a step that failed reports: where, value and limit, then causes and remedies (`hybrid.monitors.failure_hints`)."""
+"""Message of a step that failed: place, value and limit, then causes and remedies (`hybrid.monitors.failure_hints`)."""
 
 from hybrid.monitors.failure_hints import accuracy_remedies, advice, either
 
@@ -12,10 +12,12 @@ def not_converged(step, outcome, smallest):
 
 
 def not_accurate(step, error, allowed, accuracy, smallest):
-    """Text for an increment that is not accurate at the `smallest` length [s]; error: LocalError; allowed: [m] share of
-    the increment in the `accuracy` [m] of the outer step."""
-    return (f"{_where(step)}: it adds {error.length:.3g} m to the error of {error.of}, limit {allowed:.3g} m, its share "
-            f"of {accuracy:.3g} m a step (time.accuracy times the smallest cell), and it cannot be shorter than "
+    """Text for an increment that is not accurate at the `smallest` length [s].
+
+    error: LocalError; allowed: [m] share of the increment in the `accuracy` [m] of the outer step.
+    """
+    return (f"{_where(step)}: it adds {error.length:.3g} m to the error of {error.of}, limit {allowed:.3g} m, its "
+            f"share of {accuracy:.3g} m a step (time.accuracy times the smallest cell), and it cannot be shorter than "
             f"{smallest:.3g} s (time.smallest). Use {either(accuracy_remedies(step.model))}. All accepted steps are "
             "kept")
 

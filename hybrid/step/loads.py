@@ -1,9 +1,9 @@
-"""What acts on soil and bodies from outside: gravity, of which a stage may let a share act, and a given body force.
+"""Loads on soil and bodies: gravity, of which a stage may apply a share, and a given body force.
 
     b(t) = s(t) g   on bodies          b_p(t) = s(t) g + f(t, X_p)   on points          [m/s²]
 
-The share s goes linearly from `low` to `high` between `begin` and `end`; X_p are the points' initial positions.
-Potential energy counts all of gravity, so that whatever else b is shows as work of the load.
+The share s changes linearly from `low` to `high` between `begin` and `end`; X_p are the points' initial positions.
+Potential energy is that of the whole of gravity, so the rest of b appears as work of the load.
 """
 
 from collections.abc import Callable

@@ -1,15 +1,15 @@
-"""A grid that goes with a body: fine cells around it, coarser ones farther away, and none where it does not matter.
+"""A grid that moves with a body: fine cells around it, coarser ones farther away, none beyond its window.
 
-Between two outer steps the grid may be laid anew, as it carries no state (`hybrid.grid.moving_axis`). Then
+The grid carries no state, so between two outer steps it may be replaced (`hybrid.grid.moving_axis`). Then
 
-    1. points whose block of the lattice is no longer in the window are left behind: kept still, or forgotten;
-       kept ones that it takes in again are solved again
-    2. blocks that it takes in for the first time are filled with points at rest, in geostatic equilibrium
-    3. points are halved where cells have become finer, joined where coarser (`hybrid.soil.refinement`)
-    4. domains are fitted to their new cells, and corners near bodies follow their points to their new numbers
+    1. points whose block is no longer in the window are left behind: frozen, or removed; frozen ones take part again
+       when the window returns to their block
+    2. blocks that enter the window for the first time are filled with points at rest, in geostatic equilibrium
+    3. points are split where cells have become finer, merged where coarser (`hybrid.soil.refinement`)
+    4. domains are fitted to their new cells, and contact follows its points to their new numbers
 
-Points with a corner near a body stay as they are. Where a window ends short of the axis, soil is held at least along
-that axis. What energy soil takes along in 1 and loses in 3 is booked as work "left".
+Points with a corner that contact follows are neither split nor merged. At an end of the window inside the axis, soil
+is held at least along that axis. The energy of soil left behind in 1 and the energy lost in 3 are work "left".
 """
 
 from dataclasses import replace
@@ -28,15 +28,15 @@ from hybrid.state import Ground, Population
 from hybrid.step.energy import soil_energies
 
 
-class Travel:
-    """How the grid of a scene travels.
+class MovingGrid:
+    """How the grid of a scene moves.
 
-    body      number of the body that it goes with
-    moving_axes  {axis: MovingAxis} of those that travel; axes: nodes [m] of the others; extent (3, 2) [m]
-    faces     dict face -> condition, as `make_grid` takes it
-    lay_out   function of a Grid that gives (PointConstants, principal stress at rest (n, 3), law) of soil filling it
-    per_axis  (3,) points to a cell along each axis
-    keep      whether soil left behind is kept
+    body         number of the body that it follows
+    moving_axes  {axis: MovingAxis} of those that move; axes: nodes [m] of the others; extent (3, 2) [m]
+    faces        dict face -> condition, as `make_grid` takes it
+    lay_out      function of a Grid that gives (PointConstants, principal stress at rest (n, 3), law) of soil filling it
+    per_axis     (3,) points per cell along each axis
+    keep         whether soil left behind is frozen, else it is removed
     """
 
     def __init__(self, body, moving_axes, axes, extent, faces, per_axis, keep, lay_out=None):
@@ -45,8 +45,8 @@ class Travel:
 
     # -------------------------------------------------------------- layout
 
-    def fit(self, box, before=None):
-        """{axis: AxisLayout} for a body in `box` (2, 3) [m]."""
+    def layouts_for(self, box, before=None):
+        """{axis: AxisLayout} for a body in `box` (2, 3) [m]; before: those of now, None at the start."""
         return {axis: moving.layout_for(*box[:, axis], before and before[axis])
                 for axis, moving in self.moving_axes.items()}
 
@@ -63,7 +63,7 @@ class Travel:
                     faces[face] = "roller"
         return make_grid(axes, extent, faces)
 
-    def start(self, layouts, soil):
+    def first_ground(self, layouts, soil):
         """Ground of a Soil that fills the grid of `layouts`."""
         blocks = [self.moving_axes[a].cells // self.moving_axes[a].block if a in layouts else 1 for a in range(3)]
         made = np.zeros(blocks, bool)
@@ -72,40 +72,48 @@ class Travel:
 
     def _blocks(self, layouts):
         """Slices of the blocks in the window."""
-        return tuple(slice(*(w // self.moving_axes[a].block for w in layouts[a].window)) if a in layouts else slice(None)
-                     for a in range(3))
+        def of_axis(axis):
+            if axis not in layouts:
+                return slice(None)
+            first, end = layouts[axis].window
+            return slice(first // self.moving_axes[axis].block, end // self.moving_axes[axis].block)
 
-    def _number(self, position):
-        """Block (n, 3) that each place [m] is in, or the nearest one."""
+        return tuple(of_axis(axis) for axis in range(3))
+
+    def _block_of(self, position):
+        """Block (n, 3) that each position (n, 3) [m] is in, or the nearest one."""
         block = np.zeros(position.shape, int)
         for axis, moving in self.moving_axes.items():
             at = (position[:, axis] - moving.start) // (moving.block * moving.size)
             block[:, axis] = np.clip(at, 0, moving.cells // moving.block - 1)
         return block
 
-    # -------------------------------------------------------------- laying anew
+    # -------------------------------------------------------------- replacing the grid
 
     def follow(self, model, state):
-        """(Model, State, whether they are new) with the grid where the body now wants it."""
+        """(Model, State, whether they are new) with the grid for the present place of the body.
+
+        Raises StepError where the body returns to soil that was removed.
+        """
         body = model.bodies[self.body]
         before = _layouts(state.ground, self.moving_axes)
-        layouts = self.fit(rigid.bounding_box(body, state.bodies[self.body]), before)
+        layouts = self.layouts_for(rigid.bounding_box(body, state.bodies[self.body]), before)
         if layouts == before:
             return model, state, False
         if not self._keep:
             self._refuse_return(body.name, state, before, layouts)
         grid = self.grid(layouts)
         here = Population(state.points, model.soil.constants, model.soil.law.rows)
-        here, origin, behind = self._taken_along(layouts, here, state.ground.behind)
-        here, made = self._filled(layouts, grid, here, state.ground.made)
+        here, origin, behind = self._inside_window(layouts, here, state.ground.behind)
+        here, made = self._fill_new_blocks(layouts, grid, here, state.ground.made)
         origin = np.concatenate([origin, np.full(len(here) - len(origin), -1)])
-        free = _unfollowed(state.contacts, origin)
+        free = _without_contact(state.contacts, origin)
         if here.points.inactive is not None:
             free &= ~here.points.inactive
         here, number = self._refinement(model.soil).adapt(here, grid, model.soil.law, free)
         origin = np.where(number >= 0, origin[number], -1)
         ground = Ground(_array(layouts, "fine"), _array(layouts, "window"), made, here.constants, here.rows, behind)
-        new = self.model(model, ground)
+        new = self.model_with(model, ground)
         points = replace(here.points, half_width=updated_half(
             new.soil.domain, here.constants.half_width, here.points.deformation, here.points.position, grid.axes))
         work = dict(state.work)
@@ -115,28 +123,28 @@ class Travel:
         return new, replace(state, points=points, contacts=contacts, work=work, ground=ground), True
 
     def points_when_sunk(self, model, state):
-        """Points in the grid when the body has sunk under the surface of the soil: there fine cells are full of them.
-        Those of now where it neither sinks nor is driven down, or is there already."""
+        """Number of points in the grid when the body has sunk below the surface of the soil, where its fine cells are
+        full of them; the present number where it cannot move down, or is there already."""
         body, points = model.bodies[self.body], state.points
         box = rigid.bounding_box(body, state.bodies[self.body])
         depth = box[1, 2] - (points.position[:, 2] + points.half_width[:, 2]).max()
         if depth <= 0.0 or not (body.free[2] or body.drive[2]):
             return len(points)
-        return len(self.lay_out(self.grid(self.fit(box - (0.0, 0.0, depth))))[0])
+        return len(self.lay_out(self.grid(self.layouts_for(box - (0.0, 0.0, depth))))[0])
 
-    def model(self, model, ground):
-        """`model` of the points and the grid of a Ground."""
+    def model_with(self, model, ground):
+        """`model` with the points and the grid of a Ground."""
         return model.with_soil(replace(model.soil, grid=self.grid(_layouts(ground, self.moving_axes)),
                                        constants=ground.constants, law=model.soil.law.with_rows(ground.rows)))
 
-    def _taken_along(self, layouts, here, behind):
-        """(Population in the window, the numbers of its points before or -1, Population left behind or None)."""
+    def _inside_window(self, layouts, here, behind):
+        """(Population in the window, former numbers of its points or -1, Population left behind or None)."""
         inside = self._inside(layouts, here.points.position)
         origin = np.flatnonzero(inside)
         gone, here = select(here, ~inside), select(here, inside)
         if not self._keep:
             return here, origin, None
-        gone = replace(gone, points=_still(gone.points))
+        gone = replace(gone, points=_at_standstill(gone.points))
         behind = gone if behind is None else concatenate(behind, gone)
         back = self._inside(layouts, behind.points.position)
         if back.any():
@@ -145,33 +153,33 @@ class Travel:
         return here, origin, behind
 
     def _refuse_return(self, name, state, before, layouts):
-        """StepError where the window takes in soil again that it left behind and that was removed."""
+        """StepError where the window returns to blocks whose soil was removed."""
         again = np.zeros_like(state.ground.made)
         again[self._blocks(layouts)] = True
         again[self._blocks(before)] = False
         if np.any(again & state.ground.made):
-            raise StepError(f"{name} goes back at t = {state.time:.4g} s to soil that the window left behind and that "
-                            'was removed; set grid.behind = "freeze", or widen grid.x.window, y or z')
+            raise StepError(f"{name} returns at t = {state.time:.4g} s to soil that the window has left behind and "
+                            'that was removed; set grid.behind = "freeze", or widen grid.x.window, y or z')
 
     def _inside(self, layouts, position):
-        block, window = self._number(position), self._blocks(layouts)
+        block, window = self._block_of(position), self._blocks(layouts)
         return np.all([(block[:, a] >= (s.start or 0)) & (s.stop is None or block[:, a] < s.stop)
                        for a, s in enumerate(window)], axis=0)
 
-    def _filled(self, layouts, grid, here, made):
-        """Population with points at rest in the blocks that are taken in for the first time, and what is made then."""
+    def _fill_new_blocks(self, layouts, grid, here, made):
+        """Population with points at rest in blocks that enter the window for the first time, and the new `made`."""
         window = self._blocks(layouts)
         if made[window].all():
             return here, made
         constants, stress, law = self.lay_out(grid)
-        new = np.flatnonzero(~made[tuple(self._number(constants.position).T)])
+        new = np.flatnonzero(~made[tuple(self._block_of(constants.position).T)])
         points = at_rest(constants, stress, law.strain(stress))
         made = made.copy()
         made[window] = True
         return concatenate(here, select(Population(points, constants, law.rows), new)), made
 
     def _refinement(self, soil):
-        """PointRefinement of the moving axes; only graded ones change points."""
+        """PointRefinement of the moving axes; points are split and merged along graded ones only."""
         axes = tuple(axis for axis, moving in self.moving_axes.items() if moving.around is not None)
         start, size = np.zeros(3), soil.constants.half_width.min(axis=0) * 2 * self._per_axis
         for axis, moving in self.moving_axes.items():
@@ -181,7 +189,7 @@ class Travel:
 
 
 def _array(layouts, name):
-    """(3, 2) numbers of layouts; zero along axes that do not travel."""
+    """(3, 2) numbers of layouts; zero along axes that do not move."""
     return np.array([getattr(layouts[a], name) if a in layouts else (0, 0) for a in range(3)])
 
 
@@ -190,21 +198,24 @@ def _layouts(ground, moving_axes):
             for axis in moving_axes}
 
 
-def _still(points):
-    """Points that do not move any more."""
+def _at_standstill(points):
+    """Points without any velocity or acceleration."""
     rest = {name: np.zeros_like(getattr(points, name)) for name in ("velocity", "acceleration", "algorithmic", "affine")
             if getattr(points, name) is not None}
     return replace(points, **rest)
 
 
-def _unfollowed(contacts, origin):
-    """(n,) bool, points none of whose corners a contact follows; origin: numbers (n,) they had before."""
+def _without_contact(contacts, origin):
+    """(n,) bool, points without a corner that contact follows; origin: (n,) their former numbers, -1 for new ones."""
     followed = np.concatenate([np.zeros(0, np.int64), *[contact.id // 8 for contact in contacts]])
     return ~np.isin(origin, followed)
 
 
 def _renumbered(contact, origin, before):
-    """ContactHistory by the points' new numbers; corners of points that are no more are forgotten."""
+    """ContactHistory by the new numbers of its points; corners of points that were removed are dropped.
+
+    origin: (n,) former numbers, -1 for new points; before: former number of points.
+    """
     number = np.full(before, -1)
     number[origin[origin >= 0]] = np.flatnonzero(origin >= 0)
     point = number[contact.id // 8]

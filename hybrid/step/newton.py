@@ -18,7 +18,7 @@ SHORTEST = 1 / 16  # of a Newton update, tried by the line search
 ENOUGH = 0.8
 # Share of the soil at the apex, from which the predictor is no good start. Sand that opens everywhere has no tangent:
 # a block that its own weight throws up takes 3 iterations from rest, and 5 to 15 from the predictor if it converges at
-# all (share 0.15 to 0.92). In front of an anchor the share is 0.02, and 60 steps from rest take a third more iterations.
+# all (share 0.15 to 0.92). In front of an anchor the share is 0.02; 60 steps from rest take a third more iterations.
 OPENED = 0.1
 # Stiff contact dominates the linear residual, so a loose Krylov tolerance leaves the soil unconverged and can open
 # contacts spuriously: the tolerance is divided by (stiffness of contact) / (STIFF E h), but not below FINEST.

@@ -89,7 +89,7 @@ def moved(simulation, x):
     """Model and state once the body of `simulation` has been carried to `x` [m]."""
     state = simulation.state
     body = replace(state.bodies[0], position=np.array([x, *state.bodies[0].position[1:]]))
-    return simulation.travel.follow(simulation.model, replace(state, bodies=[body]))[:2]
+    return simulation.moving_grid.follow(simulation.model, replace(state, bodies=[body]))[:2]
 
 
 def test_a_body_that_comes_back_finds_the_soil_it_left():
@@ -155,7 +155,7 @@ def test_points_that_come_in_when_the_body_sinks():
     body, simulation = scene.bodies[0], build(scene)
     now, most = len(simulation.state.points), simulation.most_points
     sunk = replace(scene, bodies=(replace(body, position=(1.6, 0.0, -0.3)),), soil=replace(scene.soil, top=-0.8))
-    assert most == len(simulation.travel.lay_out(build(sunk).model.soil.grid)[0]) > 1.2 * now
+    assert most == len(simulation.moving_grid.lay_out(build(sunk).model.soil.grid)[0]) > 1.2 * now
     assert simulation.sheet()["modelled"]["most material points"].startswith(f"{most}, once")
     stays = build(replace(scene, bodies=(replace(body, driven=("x",), velocity=(1.0, 0.0, 0.0),
                                                  held=("y", "z", *body.held)),)))

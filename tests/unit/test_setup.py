@@ -49,8 +49,8 @@ def test_a_window_leaves_no_soil_out_above_the_body():
 
 
 def test_a_grid_that_stands_still_has_no_layouts():
-    grid, travel, layouts = setup_grid.build_grid(scene())
-    assert grid.shape == (3, 3, 5) and travel is None and layouts is None
+    grid, moving_grid, layouts = setup_grid.build_grid(scene())
+    assert grid.shape == (3, 3, 5) and moving_grid is None and layouts is None
     assert not grid.fixed.reshape(3, 3, 5, 3)[1, 1, -1].any()       # z_max is free, the others are rollers
 
 
