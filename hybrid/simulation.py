@@ -22,7 +22,7 @@ from hybrid.monitors.initial_equilibrium import initial_imbalance
 from hybrid.monitors.limits import limit_warnings
 from hybrid.output.model_sheet import model_sheet
 from hybrid.output.record import BodyRecord, Record
-from hybrid.runtime import timing
+from hybrid.runtime import comm, timing
 from hybrid.runtime.errors import HybridError, StepError
 from hybrid.runtime.memory import map_large_arrays
 from hybrid.step.energy import balance_error, energies
@@ -103,7 +103,7 @@ class Simulation:
     @property
     def most_points(self):
         """Number of points in the grid, now or when the body that it follows has sunk, whichever is larger."""
-        now = len(self.state.points)
+        now = comm.number(self.state.points)
         return max(now, self.moving_grid.points_when_sunk(self.model, self.state)) if self.moving_grid else now
 
     def contact_forces(self, b):
@@ -218,7 +218,7 @@ class Simulation:
         return Record(
             step=state.step, stage=stage, stage_step=stage_step, time=state.time, dt=report.dt,
             increments=report.increments, iterations=report.iterations, rejections=report.rejections,
-            residual=evaluation.error, contacts=sum(len(terms.contact) for terms in evaluation.bodies),
+            residual=evaluation.error, contacts=int(comm.total([len(terms.contact) for terms in evaluation.bodies])),
             seconds=timing.collect(), energies=energy,
             bodies=[_body_record(terms, state) for terms in evaluation.bodies], time_error=report.error,
             krylov=report.krylov,

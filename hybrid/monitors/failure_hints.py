@@ -5,6 +5,7 @@ The limits are those at which runs of the failure study fail: small cuts, stretc
 
 import numpy as np
 
+from hybrid.runtime.comm import anywhere, largest, maximum, minimum
 from hybrid.soil.domains import cells_wide
 
 CUT = 1e-4          # mass of a node over that of a full one [-]: nodes below have stopped runs without inertia
@@ -62,7 +63,8 @@ def probable_causes(step, evaluation):
         return ()
     model, causes = step.model, []
     quasi_static = not model.scheme.inertia
-    lost = evaluation is not None and quasi_static and model.bodies and not any(map(len, evaluation.contacts))
+    lost = (evaluation is not None and quasi_static and model.bodies
+            and not anywhere([len(contact) for contact in evaluation.contacts]))
     residual = evaluation and evaluation.norms.get("soil [N]")
     limit = roundoff_force(model.soil, step.pattern.size)
     if lost:
@@ -76,7 +78,7 @@ def probable_causes(step, evaluation):
                       "modulus")
     if quasi_static:
         mass = step.soil.mass[step.pattern.free.any(axis=1)]
-        least = mass.min() / mass.max() if mass.size else 1.0
+        least = minimum(mass, 1.0) / maximum(mass, 1.0)
         if least < CUT and not model.soil.ghost_factor:
             causes.append(f"A node of a nearly empty cell carries {least:.1g} of the mass of a full one, limit {CUT:g} "
                           "without inertia: set soil.ghost = 0.033")
@@ -89,7 +91,7 @@ def roundoff_force(soil, unknowns):
     """Norm [N] of the forces on so many unknowns that come from strains of a few times the machine precision."""
     parameters = getattr(soil.law, "parameters", None)
     modulus = soil.law.young if parameters is None else np.maximum(soil.law.young, parameters[:, 0])
-    stiffness = np.max(modulus * soil.constants.volume ** (2 / 3), initial=0.0)
+    stiffness = largest(modulus * soil.constants.volume ** (2 / 3))
     return 10 * np.finfo(float).eps * stiffness * np.sqrt(unknowns)
 
 
@@ -99,7 +101,7 @@ def overstretched_domains(model, points):
     if model.scheme.inertia or soil.held:
         return ()
     widths = cells_wide(soil.constants.half_width, points.deformation, points.position, soil.grid.axes)
-    widest = np.where(np.linalg.norm(points.deformation, axis=2) > STRETCHED, widths, 0.0).max()
+    widest = largest(np.where(np.linalg.norm(points.deformation, axis=2) > STRETCHED, widths, 0.0))
     if widest < DOMAIN_WIDTH:
         return ()
     return (f"Soil is stretched so far that the domain of a point would be {widest:.2g} cells wide, limit "

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hybrid.runtime.comm import total
+from hybrid.runtime.comm import anywhere, total
 
 TOLERANCE = 1e-6  # share of the weight from which a run warns; round-off is below 1e-12
 
@@ -55,7 +55,7 @@ def initial_imbalance(step, evaluation):
     size, grid = np.linalg.norm(force, axis=1), step.model.soil.grid
     node = np.unravel_index(int(np.argmax(size)), grid.shape)
     place = tuple(float(nodes[i]) for nodes, i in zip(grid.axes, node))
-    return InitialImbalance(float(total(size)) / weight, place, bool(step.soil.points.stress.any()))
+    return InitialImbalance(float(total(size)) / weight, place, anywhere(step.soil.points.stress))
 
 
 def _remedy(stage, scheme):

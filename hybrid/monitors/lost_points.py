@@ -6,6 +6,7 @@ A warning of each kind is given when there are such points, and again when their
 import numpy as np
 
 from hybrid.monitors.monitor import Monitor
+from hybrid.runtime.comm import count, number, total
 from hybrid.soil import lost_points
 from hybrid.soil.basis import evaluate_basis
 
@@ -17,20 +18,20 @@ class LostPoints(Monitor):
 
     def __init__(self, model, state):
         super().__init__(model, state)
-        self._reported = {kind: np.count_nonzero(found) for kind, found, *_ in _kinds(model.soil, state.points)}
+        self._reported = {kind: count(found) for kind, found, *_ in _kinds(model.soil, state.points)}
 
     def warnings(self, view):
         """Kind, number, mass, first few points and places, and what it means."""
         constants, points = view.model.soil.constants, view.state.points
         for kind, found, words, meaning in _kinds(view.model.soil, points):
-            ids = np.flatnonzero(found)
-            if len(ids) < max(1, AGAIN[kind] * self._reported[kind]):
+            ids, lost = np.flatnonzero(found), count(found)
+            if lost < max(1, AGAIN[kind] * self._reported[kind]):
                 continue
-            self._reported[kind] = len(ids)
-            mass = constants.mass[ids].sum()
-            yield (kind, len(ids)), (
-                f"{len(ids)} of {len(found)} points {words} at t = {view.state.time:.4g} s ({mass:.4g} kg, "
-                f"{mass / constants.mass.sum():.2g} of the mass): "
+            self._reported[kind] = lost
+            mass = total(constants.mass[ids])
+            yield (kind, lost), (
+                f"{lost} of {number(found)} points {words} at t = {view.state.time:.4g} s ({mass:.4g} kg, "
+                f"{mass / total(constants.mass):.2g} of the mass): "
                 f"{lost_points.list_points(ids, points.position[ids])}. {meaning}")
 
 

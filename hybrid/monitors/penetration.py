@@ -10,6 +10,7 @@ should be by the overlap that is left.
 import numpy as np
 
 from hybrid.monitors.monitor import Monitor
+from hybrid.runtime.comm import maximum, total
 
 LIMIT = {False: 1.0, True: 0.1}     # overlap over the height of a domain, without multipliers and with them
 SHARE = 0.25                        # of the force on a body, carried by corners deeper than LIMIT
@@ -25,9 +26,9 @@ class Penetration(Monitor):
                 continue
             limit = LIMIT[body.augmented]
             depth, force = _depths(contact.corners, view.state.contacts[b], view.state.points)
-            share = force[depth > limit].sum() / max(force.sum(), 1e-300)
+            share = total(force[depth > limit]) / max(total(force), 1e-300)
             if share > SHARE:
-                yield b, _text(body, view.state.time, depth.max(), limit, share)
+                yield b, _text(body, view.state.time, maximum(depth), limit, share)
 
 
 def _depths(contact, history, points):

@@ -4,6 +4,7 @@ import numpy as np
 
 from hybrid.body.rigid import FREEDOMS
 from hybrid.linalg.stencil_pattern import make_pattern
+from hybrid.runtime.comm import number
 from hybrid.scene.soil import USES, of_layer, span
 from hybrid.soil.workspace import keeps_tangents
 
@@ -34,7 +35,7 @@ def model_sheet(scene, model, imbalance=None, level="", most_points=0):
         "grid cells": " x ".join(map(str, cells)),
         **_moving_grid(scene),
         "smallest cell [m]": soil.grid.smallest_cell,
-        "material points": len(soil.constants),
+        "material points": number(soil.constants),
         **({"most material points": f"{most_points}, once the body has sunk"} if growth > 1 else {}),
         "soil unknowns": pattern.size,
         "body unknowns": model.body_unknowns,

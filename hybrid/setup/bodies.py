@@ -11,6 +11,7 @@ from hybrid.body.rigid import FREEDOMS, Line, RigidBody
 from hybrid.body.samples import surface_samples
 from hybrid.body.surface import build_surface
 from hybrid.contact.corners import overlap
+from hybrid.runtime.comm import minimum
 from hybrid.runtime.errors import SceneError
 from hybrid.state import BodyState
 
@@ -71,14 +72,14 @@ def connect_to_soil(described, body, soil):
     body = rigid.with_stiffness(body, soil.law.young, soil.constants.volume)
     if not described.second_pass:
         return body
-    return replace(body, samples=surface_samples(body.surface, 2 * soil.constants.half_width.min()))
+    return replace(body, samples=surface_samples(body.surface, 2 * minimum(soil.constants.half_width)))
 
 
 def refuse_overlap(body, motion, points, basis):
     """SceneError when the body starts deeper in the soil than contact springs bear: they would throw it out."""
     half = points.half_width if basis == "gimp" else np.zeros_like(points.half_width)
     depth, count = overlap(points.position, half, motion, body.surface)
-    limit = 0.1 * points.half_width.min()
+    limit = 0.1 * minimum(points.half_width)
     if depth > limit:
         raise SceneError(
             f"body {body.name!r} overlaps the soil at the start: {count} corners of the points' domains lie up to "

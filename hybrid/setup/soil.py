@@ -11,6 +11,7 @@ import numpy as np
 
 from hybrid.laws.cone import merge
 from hybrid.laws.user import adopt
+from hybrid.runtime.comm import anywhere, largest
 from hybrid.runtime.errors import SceneError
 from hybrid.scene.soil import of_layer
 from hybrid.setup.law import build_law, coefficient_at_rest, material_values
@@ -35,7 +36,7 @@ def build_soil(scene, grid, loads, law=None):
     described = scene.soil
     constants, stress, law = lay_out(described, grid, loads.gravity, law)
     points = at_rest(constants, stress, law.strain(stress))
-    if scene.time.inertia and not stress.any():
+    if scene.time.inertia and not anywhere(stress):
         points.acceleration[:] = loads.on_points(0.0, constants.position)  # no stress carries the weight yet
     soil = Soil(grid, constants, law, basis=described.basis, domain=described.domain, held=described.held,
                 fbar=described.fbar, ghost_factor=described.ghost, stray=described.stray,
@@ -68,7 +69,7 @@ def lay_out(described, grid, gravity, own_law=None):
         laws = [build_law(s, k0[s.points] * vertical[s.points], s.top - constants.position[s.points, 2])
                 for s in strata]
         law = laws[0] if len(laws) == 1 else merge(laws, [s.points for s in strata])
-    if stress.any():
+    if anywhere(stress):
         _refuse_yielding(law, stress, top - constants.position[:, 2])
     return constants, stress, law
 
@@ -146,7 +147,7 @@ def initial_stress(described, constants, density, k0, vertical, gravity):
 def _refuse_yielding(law, stress, depth):
     """SceneError where the law cannot carry the stress at rest."""
     response = law.respond(law.strain(stress), np.zeros(len(stress)))
-    excess = np.abs(response.stress - stress).max(axis=1) - 1e-9 * np.abs(stress).max()
+    excess = np.abs(response.stress - stress).max(axis=1) - 1e-9 * largest(np.abs(stress))
     p = int(np.argmax(excess))
     if excess[p] > 0:
         shown = ", ".join(f"{value / 1e3:.4g}" for value in stress[p])

@@ -18,6 +18,7 @@ import dataclasses
 
 import numpy as np
 
+from hybrid.runtime.comm import largest
 from hybrid.soil.principal import from_principal
 from hybrid.state import PointConstants, Points, Population
 
@@ -80,7 +81,7 @@ def _risen(population, height, law):
     """Stresses changed as at rest by heights (n,) [m]; those that do not change keep their bits."""
     points = population.points
     change = population.constants.geostatic_gradient * height[:, None]
-    some = np.flatnonzero(np.abs(change).max(axis=1) > NEITHER * np.abs(points.stress).max(initial=0.0))
+    some = np.flatnonzero(np.abs(change).max(axis=1) > NEITHER * largest(np.abs(points.stress)))
     if len(some) == 0:
         return population
     few = select(population, some)

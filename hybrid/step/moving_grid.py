@@ -19,6 +19,7 @@ import numpy as np
 from hybrid.body import rigid
 from hybrid.grid.axes import FACES, make_grid
 from hybrid.grid.moving_axis import AxisLayout
+from hybrid.runtime.comm import maximum, minimum, number
 from hybrid.runtime.errors import StepError
 from hybrid.soil.domains import updated_half
 from hybrid.soil.points import at_rest
@@ -127,10 +128,10 @@ class MovingGrid:
         full of them; the present number where it cannot move down, or is there already."""
         body, points = model.bodies[self.body], state.points
         box = rigid.bounding_box(body, state.bodies[self.body])
-        depth = box[1, 2] - (points.position[:, 2] + points.half_width[:, 2]).max()
+        depth = box[1, 2] - maximum(points.position[:, 2] + points.half_width[:, 2])
         if depth <= 0.0 or not (body.free[2] or body.drive[2]):
-            return len(points)
-        return len(self.lay_out(self.grid(self.layouts_for(box - (0.0, 0.0, depth))))[0])
+            return number(points)
+        return number(self.lay_out(self.grid(self.layouts_for(box - (0.0, 0.0, depth))))[0])
 
     def model_with(self, model, ground):
         """`model` with the points and the grid of a Ground."""
@@ -181,7 +182,7 @@ class MovingGrid:
     def _refinement(self, soil):
         """PointRefinement of the moving axes; points are split and merged along graded ones only."""
         axes = tuple(axis for axis, moving in self.moving_axes.items() if moving.around is not None)
-        start, size = np.zeros(3), soil.constants.half_width.min(axis=0) * 2 * self._per_axis
+        start, size = np.zeros(3), np.array([minimum(w) for w in soil.constants.half_width.T]) * 2 * self._per_axis
         for axis, moving in self.moving_axes.items():
             start[axis], size[axis] = moving.start, moving.size
         doublings = max((self.moving_axes[axis].doublings for axis in axes), default=0)

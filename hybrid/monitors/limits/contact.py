@@ -3,6 +3,7 @@
 import numpy as np
 
 from hybrid.body.attitude import rotation_from_axis_angle
+from hybrid.runtime.comm import maximum, minimum, total
 
 # Each number is the one from which a failure case of the study goes wrong.
 STIFFNESS_RATIO = 10.0      # p_f times the depth of soil [-]: below it contact springs take a tenth of the displacement
@@ -16,7 +17,7 @@ def low_penalty(scene, model):
     if model.soil.held:
         return
     soil, across = model.soil.constants, ~model.soil.grid.collapsed[:2]
-    soil_depth = float((soil.position + soil.half_width)[:, 2].max() - (soil.position - soil.half_width)[:, 2].min())
+    soil_depth = maximum((soil.position + soil.half_width)[:, 2]) - minimum((soil.position - soil.half_width)[:, 2])
     for described, body in zip(scene.bodies, model.bodies):
         depth = min([soil_depth, *np.ptp(initial_vertices(described, body), axis=0)[:2][across]])
         ratio = described.penalty * depth
@@ -41,7 +42,7 @@ def narrow_body(scene, model):
     half, across = model.soil.constants.half_width, ~model.soil.grid.collapsed[:2]
     if model.soil.basis != "gimp" or not across.any():
         return
-    spacing, cell = 2 * float(half[:, :2][:, across].min()), model.soil.grid.smallest_cell
+    spacing, cell = 2 * minimum(half[:, :2][:, across]), model.soil.grid.smallest_cell
     for described, body in zip(scene.bodies, model.bodies):
         if body.second_pass == 1.0:
             continue
@@ -58,7 +59,7 @@ def light_body(scene, model):
     soil, grid = model.soil, model.soil.grid
     if soil.held or not model.scheme.inertia:
         return
-    density = float(soil.constants.mass.sum() / soil.constants.volume.sum())
+    density = float(total(soil.constants.mass) / total(soil.constants.volume))
     for described, body in zip(scene.bodies, model.bodies):
         across = np.minimum(np.ptp(initial_vertices(described, body), axis=0), np.ptp(grid.extent, axis=1))[:2]
         rows = body.mass.mass / (density * across.prod() * grid.smallest_cell)

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from hybrid.runtime.comm import maximum, minimum
+
 # [rad] a step: from here on the attitude of a free body is wrong by 0.05 rad after a rotation of 10 rad (failure study)
 ROTATION = {"schemes of first order": 0.03, "energy-momentum": 0.2, "schemes of second order": 0.4}
 TUMBLING = 0.02     # sine between spin and angular momentum: below it a body rotates about one axis, without error
@@ -61,7 +63,7 @@ def _reached(soil):
     for axis, nodes in enumerate(soil.grid.axes):
         if len(nodes) > 1:
             x, half = soil.constants.position[:, axis], soil.constants.half_width[:, axis]
-            within = (nodes >= (x - half).min() - 1e-9) & (nodes <= (x + half).max() + 1e-9)
+            within = (nodes >= minimum(x - half) - 1e-9) & (nodes <= maximum(x + half) + 1e-9)
             inside &= within.reshape([-1 if a == axis else 1 for a in range(3)])
     return inside.ravel()
 
