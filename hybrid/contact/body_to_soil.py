@@ -24,7 +24,7 @@ from numba import njit
 from hybrid.contact.assembly import skew
 from hybrid.contact.exposed_faces import Frame, U, V, assign, crossing, exposed_faces
 from hybrid.grid.numbering import node_indices
-from hybrid.linalg.stencil import Blocks, entry, in_stencil, place_of_offset
+from hybrid.linalg.stencil import Blocks, in_stencil, offset_in_row, place_of_offset, row_start
 from hybrid.runtime.comm import total
 
 SLOPES = np.stack([U, V])  # c_αa = ∂w_a/∂ξ^α
@@ -244,10 +244,10 @@ def _add_tangent(node, weight, K, Q, rows, shape, sparsity, blocks):
                 # corners more than a cell apart, as domains stretch, have no entries for each other
                 if row[w] < 0 or not in_stencil(di, dj, dk):
                     continue
-                s = place_of_offset(di, dj, dk)
+                offset = offset_in_row(sparsity, v, place_of_offset(di, dj, dk))
                 for i in range(3):
                     if dof[v, i] >= 0:
-                        at = entry(sparsity, v, i, s)
+                        at = row_start(sparsity, v, i) + offset
                         for k in range(3):
                             if dof[w, k] >= 0:
                                 values[at] += (W[t, 0] * M[i, k] + W[t, 1] * M[i, 3 + k]

@@ -75,6 +75,18 @@ def in_stencil(i, j, k):
 
 
 @njit(cache=True)
+def offset_in_row(sparsity, v, s):
+    """Number of entries before those for the node at place s, the same in all rows of node v."""
+    return sparsity.slot[sparsity.row[v], s]
+
+
+@njit(cache=True)
+def row_start(sparsity, v, i):
+    """Index among the values of the first entry of row (v, i), a free component of v."""
+    return sparsity.indptr[sparsity.dof[v, i]]
+
+
+@njit(cache=True)
 def entry(sparsity, v, i, s):
     """Index among the values of the first entry of row (v, i), a free component of v, for the node at place s."""
     return sparsity.indptr[sparsity.dof[v, i]] + sparsity.slot[sparsity.row[v], s]

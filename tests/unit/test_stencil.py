@@ -50,6 +50,8 @@ def test_entries_are_those_of_the_pattern():
         columns = [pattern.dof[w, k] for k in range(3) if pattern.dof[w, k] >= 0]
         for i in np.flatnonzero(pattern.dof[v] >= 0):
             at = entry(pattern.sparsity, v, i, stencil.place_of_offset(*offset))
+            offset_in_row = stencil.offset_in_row(pattern.sparsity, v, stencil.place_of_offset(*offset))
+            assert at == stencil.row_start(pattern.sparsity, v, i) + offset_in_row
             assert pattern.indices[at:at + len(columns)].tolist() == columns
             assert pattern.indptr[pattern.dof[v, i]] <= at < pattern.indptr[pattern.dof[v, i] + 1]
             found += len(columns)
