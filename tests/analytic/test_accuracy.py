@@ -176,7 +176,7 @@ def test_the_error_of_a_run_follows_the_tolerance(name, largest, power):
 def test_a_broken_estimate_does_not_follow_the_tolerance(monkeypatch):
     """One order too many asks for too little where steps are short: 0.6."""
     right = error_estimate._of_body
-    monkeypatch.setattr(error_estimate, "_of_body", lambda *given: right(*given) * given[-1] / 0.02)
+    monkeypatch.setattr(error_estimate, "_of_body", lambda b, pose: right(b, pose) * b.dt / 0.02)
     assert slope() < 0.7
 
 

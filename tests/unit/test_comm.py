@@ -1,6 +1,8 @@
 """Reductions over points: their values, and that halves of the points in two processes give what all of them give."""
 
+import ast
 from dataclasses import replace
+from pathlib import Path
 from threading import Barrier, Thread, get_ident
 from types import SimpleNamespace
 
@@ -88,3 +90,62 @@ def test_energies_and_works_of_soil_are_those_of_all_processes(processes):
     assert np.abs(every).min() > 0.1
     for each in processes(found, slice(0, 3), slice(3, None)):
         assert each == pytest.approx(every, rel=1e-13)
+
+
+# ------------------------------------------------------------------ who reduces arrays of points otherwise
+
+PACKAGE = Path(comm.__file__).parents[1]
+REDUCTIONS = {"sum", "max", "min", "mean", "any", "all", "count_nonzero", "argmax", "argmin", "norm", "median", "ptp"}
+ARRAYS = set("""position half half_width velocity acceleration algorithmic deformation b_elastic stress plastic_strain
+    affine inactive inverted mass volume gap slip force pressure stiffness contact_stiffness touching clearance active
+    parameters displacement found loose left moved fixed share depth strength excess size""".split())
+LOCAL = {   # module and function: why a process may do it by itself
+    "soil/lost_points.py deactivate": "nothing to change among its own points",
+    "contact/corners.py find_corners": "whether points have domains at all",
+    "contact/exposed_faces.py _covered": "radius and box of a search among its own points",
+    "step/search_reach.py search_reach": "speed of a body",
+    "step/search_reach.py travel_ratio": "path of a body",
+    "monitors/force_oscillation.py warnings": "force on a body",
+    "monitors/initial_equilibrium.py initial_imbalance": "place that a message names",
+    "monitors/limits/soil.py softening": "point that a message names",
+    "monitors/limits/stepping.py singular_stiffness": "held nodes of the grid, which all processes know",
+    "monitors/missed_contact.py _deepest": "vertex of a body among its own points",
+    "setup/law.py build_law": "refusal of its own points",
+    "setup/soil.py _refuse_yielding": "refusal of its own points",
+    "cost.py _disturbed": "box around the soil of a measurement that one process makes",
+}
+
+
+def jitted(function):
+    return any("njit" in ast.unparse(decorator) for decorator in function.decorator_list)
+
+
+def reductions(node, function=""):
+    """(function, source) of each reduction over the first axis, or all, of what is named like an array of points."""
+    for child in ast.iter_child_nodes(node):
+        if isinstance(child, ast.FunctionDef):
+            if not jitted(child):
+                yield from reductions(child, child.name)
+            continue
+        yield from reductions(child, function)
+        if not isinstance(child, ast.Call) or not isinstance(child.func, ast.Attribute):
+            continue
+        axes = [ast.unparse(keyword.value) for keyword in child.keywords if keyword.arg == "axis"]
+        names = {getattr(inner, "attr", getattr(inner, "id", "")) for inner in ast.walk(child)} & ARRAYS
+        if child.func.attr in REDUCTIONS and names and axes in ([], ["0"]) and not ast.unparse(child).startswith("comm."):
+            yield function, ast.unparse(child)
+
+
+def test_points_are_reduced_by_comm_alone():
+    found = {}
+    for folder in ("soil", "contact", "step", "monitors", "setup", "linalg", "."):
+        for path in sorted((PACKAGE / folder).glob("*.py" if folder == "." else "**/*.py")):
+            for function, source in reductions(ast.parse(path.read_text(encoding="utf-8"))):
+                found.setdefault(f"{path.relative_to(PACKAGE)} {function}", []).append(source)
+    assert {place: source for place, source in found.items() if place not in LOCAL} == {}
+    assert set(LOCAL) <= set(found)
+
+
+def test_a_reduction_by_numpy_is_found():
+    source = "def f(points):\n    return np.max(points.mass)\n\ndef g(points):\n    return points.position.sum(axis=1)"
+    assert list(reductions(ast.parse(source))) == [("f", "np.max(points.mass)")]

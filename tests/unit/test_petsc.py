@@ -192,3 +192,12 @@ def test_light_nodes_cost_few_iterations_as_their_far_entries_are_kept(monkeypat
     assert light <= whole + 1
     monkeypatch.setattr(model, "SMALL_SUPPORT", 0.0)
     assert hardly_filled(0.03, material=sand) > 1.5 * light
+
+
+def test_diagonals_that_sweeps_take_for_zero_are_lifted_with_their_sign():
+    """Not what is larger, nor what is no diagonal. An exact zero stays far below what sweeps invert: they diverge, and
+    the next way is taken."""
+    values = np.array([2.0, 1e-20, -1e-20, 0.0, -3.0, 1e-30])
+    petsc._lift(values, np.array([0, 1, 2, 3, 4]))
+    assert values.tolist() == [2.0, petsc.LEAST, -petsc.LEAST, petsc.ZERO, -3.0, 1e-30]
+    assert 2e-14 < petsc.LEAST and 0.0 < petsc.ZERO < 1e-200
