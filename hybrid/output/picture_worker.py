@@ -35,7 +35,7 @@ def draw(arrays, colours):
         plotter.add_mesh(soil, ambient=0.35, diffuse=0.65, specular=0.0, **shown)
     if len(arrays["vertices"]):
         add_body(pyvista, plotter, arrays, shown)
-    light(pyvista, plotter)
+    add_lights(pyvista, plotter)
     lower, upper = bounds(arrays)
     aim_camera(plotter, lower, upper)
     plotter.enable_anti_aliasing("ssaa")
@@ -94,7 +94,7 @@ def add_body(pyvista, plotter, arrays, shown):
     plotter.add_silhouette(surface, color="black", line_width=5)
 
 
-def light(pyvista, plotter):
+def add_lights(pyvista, plotter):
     """Three far lights, one along each axis: white stays white on the cut face, and sides differ."""
     for position, strength in (((0, -1, 0), 1.0), ((0, 0, 1), 0.86), ((-1, 0, 0), 0.6)):
         plotter.add_light(pyvista.Light(position=position, focal_point=(0, 0, 0), intensity=strength))

@@ -153,8 +153,8 @@ class Drawing:
         folder = self._folder.name
         command = [sys.executable, "-m", "hybrid.output.picture_worker", os.path.join(folder, "given.npz"),
                    os.path.join(folder, "drawn.png"), self._caption]
-        # A session of its own, so that an interrupt from the keyboard does not end the child. Messages go to a file, as a
-        # pipe is not read while the run continues.
+        # A session of its own, so that an interrupt from the keyboard does not end the child. Messages go to a file, as
+        # a pipe is not read while the run continues.
         with open(os.path.join(folder, "messages"), "wb") as messages:
             self._child = subprocess.Popen(command, env=environment, start_new_session=True, stderr=messages,
                                            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
