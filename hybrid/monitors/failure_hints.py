@@ -20,9 +20,11 @@ def advice(step, outcome, settings):
     outcome: of Newton's method (`reason`, `errors`, `evaluation` or None); settings: with its `tolerance`.
     """
     causes = probable_causes(step, outcome.evaluation)
-    changes = remedies(step.model, outcome.reason, outcome.errors, settings.tolerance)
-    start = "Otherwise use " if causes else "Use "
-    return ". ".join([*causes, start + either(changes)])
+    changes = either(remedies(step.model, outcome.reason, outcome.errors, settings.tolerance))
+    text = ". ".join([*causes, f"Otherwise use {changes}" if causes else f"Use {changes}"])
+    if step.soil is None or step.model.scheme.inertia:
+        return text
+    return text + ". Without inertia a step also fails where the load exceeds what the soil can carry"
 
 
 def remedies(model, reason="", errors=(), tolerance=0.0):
@@ -82,8 +84,6 @@ def probable_causes(step, evaluation):
         if least < CUT and not model.soil.ghost_factor:
             causes.append(f"A node of a nearly empty cell carries {least:.1g} of the mass of a full one, limit {CUT:g} "
                           "without inertia: set soil.ghost = 0.033")
-        if not lost:
-            causes.append("Without inertia a step also fails where the load exceeds what the soil can carry")
     return tuple(causes)
 
 

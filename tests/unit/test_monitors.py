@@ -84,7 +84,7 @@ def test_lost_contact_is_named_as_the_cause():
     outcome = SimpleNamespace(evaluation=evaluation, reason="residual 1.00e+00 after 15 iterations", errors=(1.0, 1.0))
     text = advice(step, outcome, Solver())
     assert text.startswith("No corner") and "Otherwise use a smaller time.step with more stage.steps" in text
-    assert "time.accuracy" not in text
+    assert "time.accuracy" not in text and text.endswith("where the load exceeds what the soil can carry")
     workspace.destroy()
     step, evaluation, workspace = started(rest_on=-0.004)
     assert not any("No corner" in cause for cause in probable_causes(step, evaluation))
