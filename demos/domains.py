@@ -162,7 +162,7 @@ def squeezed(rule, already=0.0, cells=16, steps=40):
 
 
 def turn(simulation, degrees):
-    """Soil that has turned by `degrees` before the start, without strain: only its domains can tell."""
+    """Soil that has turned by `degrees` before the start, without strain: only its domains differ."""
     simulation.state.points.deformation[:] = turned(degrees)
 
 

@@ -1,4 +1,4 @@
-"""What a grid that travels with a body saves, and what it costs in accuracy.
+"""What does a grid that goes with a body save, and what does it cost in accuracy?
 
 A smooth plough half as deep as its cells are many is pressed into soil while it slides along, once through a uniform
 fine grid and then through grids that travel with it: a window of soil, cells that double away from the body, and both.
