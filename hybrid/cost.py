@@ -40,7 +40,7 @@ import numpy as np
 
 from hybrid.body import rigid
 from hybrid.output.model_sheet import PICTURES, growing_memory
-from hybrid.runtime import timing
+from hybrid.runtime import comm, timing
 from hybrid.runtime.memory import peak_memory
 from hybrid.soil.model import Refusal
 from hybrid.step.energy import energies
@@ -138,7 +138,7 @@ def predict(simulation):
         right = random.normal(size=len(evaluation.soil)), random.normal(size=len(evaluation.body))
         krylov = parts.time("solution", lambda: step.system.solve(*right))[2]
         parts.time("end", lambda: _end(step, evaluation))
-    growth = simulation.most_points / max(1, len(state.points))
+    growth = simulation.most_points / max(1, comm.number(state.points))
     more = (growth - 1) * growing_memory(model.soil, step.pattern, model.solver)
     more += PICTURES * bool(simulation.scene.output.pictures)
     workspace.destroy()
@@ -171,7 +171,7 @@ def _in_plastic_soil(cells):
 def _disturbed(state, cell):
     """`state` as it may be after some steps; no point leaves the grid, whose smallest cell is `cell` [m]."""
     position = state.points.position
-    centre = 0.5 * (position.min(axis=0) + position.max(axis=0))
+    centre = np.array([0.5 * (comm.minimum(x) + comm.maximum(x)) for x in position.T])
     return replace(
         state, points=replace(state.points, position=centre + (1 - DRAWN) * (position - centre)),
         bodies=[replace(b, position=b.position - (0.0, 0.0, LOWERED * cell)) for b in state.bodies])

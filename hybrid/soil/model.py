@@ -18,7 +18,7 @@ import numpy as np
 from hybrid.grid.axes import Grid
 from hybrid.grid.colouring import Slabs, make_slabs
 from hybrid.laws import Response, plastic_increment
-from hybrid.runtime.comm import largest, total
+from hybrid.runtime.comm import count, largest, number, total
 from hybrid.scene import Soil as SoilScene
 from hybrid.soil import fbar, ghost, lost_points, transfer
 from hybrid.soil.basis import Basis, evaluate_basis
@@ -156,11 +156,11 @@ class Soil:
         points = step.points
         strain = step.workspace.trial_strain(step.basis, self.grid.shape, displacement, points.b_elastic, step.mean,
                                              points.inactive, keep and keep.strain)
-        if len(strain.inverted):
+        if number(strain.inverted):
             return Refusal(f"turns soil inside out at {lost_points.list_points(strain.inverted)}")
         response = self.law.respond(strain.strain, points.plastic_strain)
         failed = () if response.failed is None else np.flatnonzero(_active_only(points, response.failed))
-        if len(failed):
+        if number(failed):
             return Refusal(f"leaves the soil's law without a stress at {lost_points.list_points(failed)}")
         stress = from_principal(response.stress, strain.directions)
         volume = _active_only(points, self.constants.volume)
@@ -208,7 +208,7 @@ class Soil:
             return 0.0
         x, y, z = (np.abs(trial.response.tangent[:, i, i]) for i in range(3))   # a maximum along short axes is slow
         lost = np.maximum(np.maximum(x, y), z) < NO_STIFFNESS * self.law.young
-        return float(total(lost) / total(np.ones(len(lost))))
+        return count(lost) / number(lost)
 
     def accept(self, step, trial, displacement, velocity_gain, acceleration, algorithmic=None):
         """New Points from nodal increments of displacement and velocity and from the new accelerations, all (N, 3)."""
