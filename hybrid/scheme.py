@@ -1,4 +1,6 @@
-"""Time integration: one rule for soil nodes, for the centre of a body and for its rotation in the body frame.
+"""Time integration: one rule for soil nodes, the centre of a body and its rotation in the body frame.
+
+FORMULATION (26), (27):
 
     a_{n+1} = (Δu - Δt v_n)/(βΔt²) - (1/(2β) - 1) a_n           v_{n+1} = v_n + Δt [(1-γ) a_n + γ a_{n+1}]
     (1-αf) v̇_{n+1} + αf v̇_n = (1-αm) a_{n+1} + αm a_n

@@ -1,4 +1,4 @@
-"""Deformation of the points during a step, and what follows from it on acceptance.
+"""Deformation of the points during a step, and what follows from it on acceptance: FORMULATION (8), (9).
 
     ΔF = I + Σ_v Δu_v ⊗ ∇_n S_v      b_trial = ΔF b_e ΔF^T      ε = ½ ln b_trial = Σ ε_i n_i ⊗ n_i
 

@@ -1,4 +1,4 @@
-"""A body in one increment, and its terms in the equations.
+"""A body in one increment, and its terms in the equations: FORMULATION (33), (37) and its contact.
 
     R_w = inertia - weight + line + Σ contact        on the body's free unknowns        [N, N m]
 """

@@ -1,4 +1,4 @@
-"""Energy of a committed state and the balance of a run.
+"""Energy of a committed state and the balance of a run: FORMULATION (51).
 
     stored = kinetic + elastic + potential + contact springs + line
     stored(t) - stored(0) + plastic + friction + left = work of pull, drive and load + error

@@ -1,4 +1,4 @@
-"""Residual and tangent of one increment, for soil and bodies together.
+"""Residual and tangent of one increment, for soil and bodies together: FORMULATION (1) and (2).
 
     R(u, w) = (R_u, R_w)        `hybrid.step.soil_terms`, `hybrid.step.body_terms`
 

@@ -1,4 +1,4 @@
-"""Local error of an increment in time, and the length of the next one that keeps it small.
+"""Local error of an increment in time, and the length of the next one that keeps it small: FORMULATION (28), (29).
 
 With e the error that one increment adds to a position, C_u and C_v the leading terms that the scheme of
 `hybrid.scheme` gets wrong in displacement and velocity,

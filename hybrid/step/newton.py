@@ -2,7 +2,7 @@
 
     K δ = -R      u <- u + s δ      s = 1, 1/2, ... 1/16, until |R| falls enough      while |R| > tolerance
 
-The settings are those of the scene, `hybrid.scene.Solver`.
+The linear systems K δ = -R are solved to FORMULATION (48). The settings are those of the scene, `hybrid.scene.Solver`.
 """
 
 from dataclasses import dataclass, replace

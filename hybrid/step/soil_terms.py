@@ -1,4 +1,4 @@
-"""The soil's terms in the equations of one increment.
+"""The soil's terms in the equations of one increment: FORMULATION (1), its first row.
 
     R_u = f_int + m a - m b + Σ contact        on the free nodal unknowns        [N]
 

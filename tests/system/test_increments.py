@@ -81,6 +81,19 @@ def test_an_easy_step_is_one_increment(geometry):
     assert len(report.evaluation.contacts[0].corners) >= 4      # the hit was in it
 
 
+def test_accept_returns_the_complete_new_state(geometry):
+    """Within an outer step time goes on; with its end the state has that time, without round-off, and the next number."""
+    simulation = ready(scene(geometry))
+    state = replace(simulation.state, time=1 / 3, step=4)
+    step = begin(simulation.model, state, LENGTH / 2, True, Workspace(simulation.model))
+    evaluation = newton.solve(step).evaluation
+    part, whole = step.accept(evaluation), step.accept(evaluation, end=0.34)
+    assert (part.time, part.step) == (1 / 3 + LENGTH / 2, 4) and (whole.time, whole.step) == (0.34, 5)
+    for path, array in dict(arrays(part)).items():
+        assert np.array_equal(array, dict(arrays(whole))[path]), path
+    assert part.work == whole.work and (state.time, state.step) == (1 / 3, 4)
+
+
 @pytest.mark.parametrize("iterations", [2, 3])
 def test_a_hard_step_is_rejected_and_halved(geometry, iterations):
     """Too few iterations allowed: shorter increments need fewer, and the outer step still ends on time."""
