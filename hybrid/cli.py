@@ -93,7 +93,7 @@ def _command(commands, name, function, text):
 
 def _scene_arguments(sub):
     sub.add_argument("scene", type=Path, metavar="SCENE", help="scene file (TOML)")
-    _set_argument(sub, "key=value", "replace values of the scene, such as time.step=0.01 body.0.friction=0.3")
+    _set_argument(sub, "key=value", "replace values of the scene, such as time.step=0.01 body.anchor.friction=0.3")
 
 
 def _set_argument(sub, metavar, text):

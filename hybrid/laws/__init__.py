@@ -1,4 +1,6 @@
-"""Constitutive laws in principal logarithmic strain, one per file. The interface of a law, of a user's law too:
+"""Constitutive laws in principal logarithmic strain (FORMULATION (10)), one per file.
+
+The interface of a law, of a user's law too:
 
     young                                          (n,) [Pa] Young's modulus, which contact stiffness follows
     plastic                                        whether the law has plastic strain

@@ -1,5 +1,5 @@
 """Return mapping to a cone in principal stress, including its apex; von Mises, Drucker-Prager and Willam-Warnke are
-special cases.
+special cases (FORMULATION (15) to (18)).
 
     f = g(θ) √J2(s) + η p - k(α)        p = tr τ / 3, tension positive
     k(α) = max(k0 + h α, k_r)           linear hardening (h > 0) or softening to a residual strength

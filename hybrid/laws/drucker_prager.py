@@ -1,4 +1,4 @@
-"""Drucker-Prager: a circular cone through one meridian of the Mohr-Coulomb pyramid, non-associated.
+"""Drucker-Prager: a circular cone through one meridian of the Mohr-Coulomb pyramid (FORMULATION (19)), non-associated.
 
     f = √J2(s) + η p - ξ c(α)        flow potential √J2 + η̄ p        p = tr τ / 3, tension positive
 

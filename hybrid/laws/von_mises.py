@@ -1,4 +1,4 @@
-"""Von Mises: undrained clay of the shear strength s_u, a cone without friction.
+"""Von Mises: undrained clay of the shear strength s_u, a cone without friction (FORMULATION (19)).
 
     f = √J2(s) - ξ s_u(α)        s_u(α) = max(s_u0 + H α, s_r)        associated flow, no plastic volume change
 

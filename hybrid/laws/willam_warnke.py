@@ -1,4 +1,4 @@
-"""Willam-Warnke section: a cone on both meridians of the Mohr-Coulomb pyramid, smooth and convex between them.
+"""Willam-Warnke section: a cone on both meridians of the Mohr-Coulomb pyramid, smooth and convex (FORMULATION (18)).
 
     f = g(θ, e) √J2(s) + η p - ξ c(α)        e = (3 - sinφ) / (3 + sinφ)
     Δε_p = Δγ (s / 2√J2 + η̄ 1 / 3)           η̄ = η̄_c / g(θ, ē)        ē = (3 - sinψ) / (3 + sinψ)

@@ -125,8 +125,10 @@ def range_faults(value, path=""):
 def range_fault(value, declared, path):
     """Nothing where `value`, or each number of it, lies in the range of a Key, else the one fault."""
     numbers = value if isinstance(value, tuple) else (value,)
-    unit = "" if declared.unit in ("", "-") else f" {declared.unit}"
-    limit = f"{declared.range}{unit}{' each' * (numbers is value)}"
+    limit = str(declared.range)
+    if declared.unit not in ("", "-"):
+        limit += f", in {declared.unit}" if limit == "positive" else f" {declared.unit}"
+    limit += " each" * (numbers is value)
     return need(all(number in declared.range for number in numbers), path, value, limit, declared.remedy)
 
 

@@ -1,6 +1,6 @@
 """The law of a soil layer: material values, the preset of a relative density, K0, stiffness that follows stress.
 
-    E = E_ref (K0 σ_v / 100 kPa)^m      unless the scene gives one constant Young's modulus
+    E = E_ref (K0 σ_v / 100 kPa)^m      unless the scene gives one constant Young's modulus (FORMULATION (20))
 """
 
 import numpy as np

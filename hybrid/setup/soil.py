@@ -1,6 +1,6 @@
 """The soil of a scene: points, layers, initial stress and the law of all points.
 
-    σ_zz = -(weight above) / area      σ_xx = σ_yy = K0 σ_zz
+    σ_zz = -(weight above) / area      σ_xx = σ_yy = K0 σ_zz      (FORMULATION (21))
 
 Layers are resolved in `find_strata`; the law of each is made in `hybrid.setup.law`.
 """

@@ -10,8 +10,6 @@ from small_scene import SCENE, refused
 from hybrid.runtime.errors import SceneError
 from hybrid.scene import Axis, Body, Grid, Material, Pull, Scene, Soil, Stage, Time
 from hybrid.scene.file import load_scene, scene_from_dict, toml_value, validate
-from hybrid.scene.read import build_table
-from hybrid.scene.table import key, table
 
 DEMOS = Path(__file__).parents[2] / "demos"
 
@@ -151,18 +149,6 @@ def test_all_wrong_keys_are_named_at_once(path):
     for words in ("unknown key 'time.stp' (did you mean 'step'?)", "body.0.density = 'heavy': expected a number",
                   "body.0.held.0 = 'u'", "body.0.held.1 = 'v'", "gravity = [0, 0]: expected a list of 3 numbers"):
         assert words in message
-
-
-def test_an_old_name_of_a_key_is_refused_with_the_new_one():
-    @table
-    class Sample:
-        """A table."""
-
-        stiffness: float = key("of the spring", "N/m", formerly=("spring", "hardness"))
-
-    assert build_table(Sample, {"stiffness": 2}, "body.0", Path()) == Sample(2.0)
-    with pytest.raises(SceneError, match="body.0.hardness: this key is now called 'stiffness'; of the spring"):
-        build_table(Sample, {"hardness": 2.0, "stiffness": 2.0}, "body.0", Path())
 
 
 def test_missing_keys_and_files(path, tmp_path):

@@ -13,7 +13,6 @@ from hybrid.runtime.errors import SceneError
 from hybrid.scene import Layer, Material, Scene
 from hybrid.scene.file import apply_override, scene_from_dict
 from hybrid.scene.reference import json_schema, page, tables
-from hybrid.scene.table import Range
 
 DEMOS = Path(__file__).parents[2] / "demos"
 
@@ -106,14 +105,3 @@ def test_the_command(capsys, tmp_path):
     assert (tmp_path / "keys.md").read_text(encoding="utf-8") == page()
     assert main(["schema", "--out", str(tmp_path / "no" / "folder.json")]) == 2
     assert "cannot be written (No such file or directory); name a file in an existing" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize("given, words, inside, outside", [
-    ({"above": 0}, "positive", 1e-9, 0), ({"at_least": 0}, "at least 0", 0, -1e-9), ({"below": 2}, "below 2", 1, 2),
-    ({"at_least": 0, "at_most": 1}, "from 0 to 1", 1, 1.1), ({"at_least": 0, "below": 90}, "from 0 to below 90", 0, 90),
-    ({"above": 1, "at_most": 2}, "above 1 and at most 2", 2, 1), ({"at_most": 3}, "at most 3", 3, 3.1),
-    ({"above": -1, "below": 0.5}, "above -1 and below 0.5", 0, -1), ({}, "", 7, None)])
-def test_ranges(given, words, inside, outside):
-    assert str(Range(**given)) == words and inside in Range(**given)
-    assert outside is None or outside not in Range(**given)
-    assert bool(Range(**given)) == bool(given) and float("nan") not in Range(above=0)
