@@ -73,7 +73,7 @@ def drawn(frame, lower, upper, first):
     worker.add_body(pyvista, plotter, frame, shown)
     block = np.array(worker.bounds({**first, "vertices": first["vertices"][:0]}))
     plotter.add_mesh(pyvista.Box(block.T.ravel()).extract_all_edges(), color="#808080", line_width=3, lighting=False)
-    worker.light(pyvista, plotter)
+    worker.add_lights(pyvista, plotter)
     worker.aim_camera(plotter, lower, upper)
     plotter.enable_anti_aliasing("ssaa")
     image = Image.fromarray(plotter.screenshot(None, return_img=True))

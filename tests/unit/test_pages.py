@@ -81,6 +81,13 @@ def test_pictures_of_the_gallery_are_small():
             assert path.stat().st_size <= (THUMBNAIL if path.suffix == ".png" else ANIMATION), path.name
 
 
+def test_script_of_the_pictures_uses_what_there_is():
+    from hybrid.output import picture_worker
+
+    script = text(ROOT / "demos/gallery/draw.py")
+    assert all(hasattr(picture_worker, name) for name in re.findall(r"\bworker\.(\w+)", script))
+
+
 def test_geometry_and_scene_of_the_how_to_are_right(tmp_path):
     page = ROOT / "demos/own-geometry.md"
     (geometry,), (scene,) = blocks(page, "geo"), blocks(page, "toml")
