@@ -20,6 +20,8 @@ The Cayley vector is twice the vector part of the unit quaternion over its scala
 Sources: J. C. Simo and K. K. Wong, Int. J. Numer. Meth. Engng 31 (1991) 19-52 (T and the update on SO(3));
 S. W. Shepperd, J. Guidance and Control 1 (1978) 223-224 (quaternion from a matrix without cancellation);
 M. D. Shuster, J. Astronaut. Sci. 41 (1993) 439-517 (Cayley's vector, named after Rodrigues or Gibbs there).
+
+Equations: FORMULATION (31), (35).
 """
 
 import math

@@ -10,6 +10,8 @@ A node at r_i from the centre of mass moves by w_i = Δc + Δφ × r_i = C_i Δq
 | C      | condensation matrix               | (3n, 6) | 1 | m |
 
 Rows run node by node: x, y, z of node 0, then of node 1.
+
+Equations: FORMULATION (30).
 """
 
 import numpy as np

@@ -12,6 +12,8 @@
 | f      | tension, negative where a line carries compression | -   | N    |
 
 The unknowns are (δc, δφ) with R <- exp(δφ~) R. Frozen: r, X, l0, k.
+
+Equations: FORMULATION (37).
 """
 
 import math

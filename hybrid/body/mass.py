@@ -18,6 +18,8 @@ Nothing is reassembled when the body moves: J rotates with it.
 | J        | inertia        | (3, 3) | kg m²       |
 | C^T M C  | matrix         | (6, 6) | kg .. kg m² |
 | C^T f    | gravity_load   | (6, 3) | kg, kg m    |
+
+Equations: FORMULATION (30).
 """
 
 import logging

@@ -35,6 +35,8 @@ D. Lewis and J. C. Simo, J. Nonlinear Sci. 4 (1994) 253-299 (with the Cayley map
 
 Frozen during a step: the committed BodyState, m and J. The rotation of a step must stay clearly below π, because the
 logarithm cannot distinguish θ from θ - 2π: `rotation_angle` returns it.
+
+Equations: FORMULATION (32) to (34), (36).
 """
 
 from dataclasses import replace

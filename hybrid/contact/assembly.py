@@ -5,7 +5,7 @@ With F the force of the penalty on a corner (as a residual), r = x_c - c, B = [I
 
     residual B^T F          K = B^T D B - B^T F̃ E_φ + E_φ^T F̃ [I, -I, 0]
 
-(formulation section 6). δx_c = Σ_v N_v δu_v distributes the first block over the nodes of the corner's cell. Corner and
+(FORMULATION (42)). δx_c = Σ_v N_v δu_v distributes the first block over the nodes of the corner's cell. Corner and
 body get opposite forces: the columns of B cancel, so force and moment vanish in sum to round-off.
 """
 

@@ -14,6 +14,8 @@ the tangential spring. With u = δx_s - Σ w_a δx_a, h_β = n·δe_β and m_α�
 
 gives the full tangent. Between steps the anchor is a material point of the soil, kept in space, so that a sample may go
 on to the next face. Frozen during a step: the face of each sample, ε_N and ξ_0.
+
+Equations: FORMULATION (45).
 """
 
 from dataclasses import dataclass

@@ -12,6 +12,8 @@ and the step is solved again with the same tangent, until the forces of the rema
 acting. The criterion is not the overlaps: where there are more corners than nodes, not every corner can lie on a curved
 surface, and neighbouring corners exchange multipliers over many updates (a sphere in a block: hundreds). So the number
 of updates in a step is limited, and the next step starts from the multipliers reached.
+
+Equations: FORMULATION (46).
 """
 
 from dataclasses import dataclass, replace

@@ -15,6 +15,8 @@ pressure of p_f E per unit of overlap. With the stiffness of a point at each sit
 edges would have twice and vertices four times the stiffness of their area: a platen then overlaps a cube by 2.5 to
 9.1 mm instead of 7.3 mm everywhere (tests/analytic/test_platen.py). In standard MPM all eight corners of a point
 coincide and share its stiffness.
+
+Equations: FORMULATION (39).
 """
 
 from dataclasses import dataclass

@@ -12,6 +12,8 @@ the nearest one whose extent |ξ^α| <= 1 contains the sample at the end of the 
 bends, the extents of neighbouring faces leave a wedge between them; there an extent grows with the distance from its
 face. As in contact/first_contact.py, a contact that closes in this step has its anchor where the predicted path crosses
 the face.
+
+Equations: FORMULATION (44).
 """
 
 from dataclasses import dataclass

@@ -11,6 +11,8 @@ at the end of the step, the friction of the step in which the contact closes wou
 constant in a step, so the anchor adds nothing to the tangent. Without motion the anchor is the place at the start.
 
 The side of the body by which the path enters is remembered: in a thin body the opposite side may soon be nearer.
+
+Equations: FORMULATION (43).
 """
 
 import math

@@ -5,7 +5,7 @@
     stick  |ε_T g_t| <= μ p :  f = -p N + ε_T g_t
     slip   otherwise        :  f = -p N + μ p s,  s = g_t/|g_t|
 
-(formulation section 6; the seed paper's eqs 3-6), all in the body frame. f is the residual of the penalty, minus the
+(FORMULATION (38) to (41); the seed paper's eqs 3-6), all in the body frame. f is the residual of the penalty, minus the
 force on the corner. Because the normal turns with y at an edge or a vertex, ∂N/∂y = G = (A - N N^T)/g there, and
 
     M = ∂g_t/∂y = P - (N·z) G - N (G z)^T

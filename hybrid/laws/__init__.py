@@ -23,6 +23,8 @@ has the same form as at small strain.
 
 A user's law needs no change here: `hybrid.laws.user` shows how it is given and `hybrid.laws.check` tests it. A law with
 linear elasticity can derive from `hybrid.laws.hencky.Hencky` and define `respond` alone.
+
+Equations: FORMULATION (10).
 """
 
 from dataclasses import dataclass

@@ -27,6 +27,8 @@ plane towards larger θ and D the denominator of Δγ,
     ∂τ/∂ε = 2G (1 - GΔγ/√J2_tr) (I - 1⊗1/3) + K 1⊗1 + 2 G²Δγ/√J2_tr n⊗n - (√2 G n + K η̄ 1) ⊗ ∂Δγ/∂ε
             - K η̄' Δγ/|e_tr| 1⊗m
     ∂τ/∂ε = √(2/3) h/η 1⊗n        at the apex
+
+Equations: FORMULATION (15) to (18).
 """
 
 import numpy as np

@@ -11,6 +11,8 @@
 η̄ is η of the dilation angle; equal angles are associated flow. The cohesion hardens or softens linearly with the
 equivalent plastic strain, c(α) = max(c0 + H α, c_r). Softening localises in bands one cell wide, so its results depend
 on the cells. Return and tangent are those of `hybrid.laws.cone`.
+
+Equations: FORMULATION (19).
 """
 
 import numpy as np

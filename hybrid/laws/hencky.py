@@ -1,6 +1,8 @@
 """Hencky elasticity: a linear law between principal Kirchhoff stress and logarithmic strain (FORMULATION (14)).
 
     τ_i = K tr ε + 2 G dev(ε)_i          ψ = ½ K (tr ε)² + G dev ε : dev ε
+
+Equations: FORMULATION (14).
 """
 
 import copy

@@ -3,6 +3,8 @@
 With Dr in percent: E50ref = 0.6 MPa Dr, φ = 28 + 0.125 Dr, ψ = max(0, -2 + 0.125 Dr), m = 0.7 - Dr/320,
 γ_dry = 15 + 0.04 Dr, γ_buoyant = 19 + 0.016 Dr - 9.81 kN/m³; ν = 0.25, c = 0.3 kPa, K0 = 1 - sin φ.
 Stiffness follows the initial horizontal stress: E = E50ref (K0 σ_v / 100 kPa)^m.
+
+Equations: FORMULATION (20).
 """
 
 GRAVITY = 9.81

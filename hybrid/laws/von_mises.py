@@ -8,6 +8,8 @@
     "plane strain"               ξ = 1       plane strain and simple shear, τ = s_u
 
 In terms of the uniaxial yield stress, σ_y = √3 ξ s_u. Return and tangent are those of `hybrid.laws.cone`.
+
+Equations: FORMULATION (19).
 """
 
 import numpy as np

@@ -8,6 +8,8 @@ the extension meridian, where they are smaller by e, and η̄_c by ē: strength 
 one η̄ for all θ, plastic flow near extension would gain energy where η̄ > e η, as with ψ = φ. Flow is along the
 deviator, so for e < 1 it is associated in its volume change only. The cohesion hardens or softens as that of
 Drucker-Prager. Section, return and tangent are those of `hybrid.laws.cone`.
+
+Equations: FORMULATION (18).
 """
 
 import numpy as np

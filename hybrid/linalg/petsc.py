@@ -15,6 +15,8 @@ Either is made from a part of the entries (`hybrid.linalg.precond_pattern`): wit
 15 600 unknowns takes 0.04 s instead of 0.35 s, and GMRES 8 iterations instead of 4 to 1e-3, in the same time.
 
 All matrices stay allocated while the pattern is the same; values are edited in place. Options prefix: "hybrid_".
+
+Equations: FORMULATION (2), (47).
 """
 
 from contextlib import contextmanager

@@ -4,7 +4,7 @@ With N_v the hat function of node v, Φ_v its integral and l the half-width of t
 
     S_v = [Φ_v(x + l) - Φ_v(x - l)] / 2l          dS_v/dx = [N_v(x + l) - N_v(x - l)] / 2l
 
-(Charlton, Coombs & Augarde 2017; formulation section 2). l = 0 gives the standard MPM. Because a domain is never
+(Charlton, Coombs & Augarde 2017; FORMULATION (3)). l = 0 gives the standard MPM. Because a domain is never
 wider than its cell, at most three nodes an axis carry a point.
 
 | symbol     | field   | shape     | unit |

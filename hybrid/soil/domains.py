@@ -11,6 +11,8 @@ volume, so it turns with the soil, whatever the shape of the domain at the start
 
 A domain is kept no wider than the cell that holds its centre (so three nodes an axis suffice) and inside the grid.
 Domains of n points a cell along an axis therefore tile a bar only until it is stretched n times.
+
+Equations: FORMULATION (4).
 """
 
 import numpy as np

@@ -23,6 +23,8 @@ The replacement at the element's centre is that of de Souza Neto, Perić, Dutko 
 3277-3296, for material points Coombs et al., Comput. Methods Appl. Mech. Eng. 333 (2018) 1-21. Their force keeps the
 gradient g_v everywhere; this one is the derivative of the energy, the mean dilatation of Simo, Taylor & Pister, ibid.
 51 (1985) 177-208.
+
+Equations: FORMULATION (22) to (24).
 """
 
 import numpy as np

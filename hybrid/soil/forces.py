@@ -4,7 +4,7 @@ With τ the Kirchhoff stress, g_v = ΔF^-T ∇_n S_v the current gradient and V0
 
     f_v,i = Σ_p V0 τ_ij g_v,j = Σ_p P_ij ∂_n,j S_v       P = V0 τ ΔF^-T
 
-(formulation section 3; there with σ = τ/J and V = J V0). Its derivative is in `hybrid.soil.stiffness`.
+(FORMULATION (11); there with σ = τ/J and V = J V0). Its derivative is in `hybrid.soil.stiffness`.
 """
 
 import numpy as np

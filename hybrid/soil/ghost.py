@@ -13,6 +13,8 @@ the step, no stress stays behind.
 
 After Coombs, Int. J. Numer. Methods Eng. 124 (2023) 4841-4875, who takes γ = E/30 and h³/3 in place of h: the same for
 h = 1 m up to the third, but a stiffness has to scale with h for the condition not to depend on the size of the cells.
+
+Equations: FORMULATION (25).
 """
 
 from dataclasses import dataclass

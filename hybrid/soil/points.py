@@ -1,4 +1,7 @@
-"""Creation of material points that tile the cells of a grid, and their geostatic stress."""
+"""Creation of material points that tile the cells of a grid, and their geostatic stress.
+
+Equations: FORMULATION (21).
+"""
 
 import numpy as np
 

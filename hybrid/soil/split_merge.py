@@ -12,6 +12,8 @@ Two points with the same law under admissible stresses are joined to one under a
 domain is convex.
 
 What is lost is what one point cannot hold: the energy of motions and strains of the two against each other.
+
+Equations: FORMULATION (49), (50).
 """
 
 import dataclasses

@@ -2,7 +2,7 @@
 
     K_vw,ik   = Σ_p V0 g_v,j A_ijkl g_w,l           A_ijkl = ∂τ_ij/∂l_kl - τ_il δ_jk
 
-(formulation section 3; g, τ and V0 as in `hybrid.soil.forces`, A in `hybrid.soil.tangent`).
+(FORMULATION (12); g, τ and V0 as in `hybrid.soil.forces`, A in `hybrid.soil.tangent`).
 
 The nodes of a point that differ in z only are a *stack*: their free components are neighbours in every row of the
 matrix. So B_ij,q = V0 A_ijkl g_w,l is formed once for the free components q = (w, k) of a point, and a row takes

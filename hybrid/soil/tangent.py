@@ -11,6 +11,8 @@ and κ_ab -> (D_aa - D_ab)/(2 b_a) where two principal values meet. So in the fr
     A = Σ_ab P_ab ⊗ Q_ab        P_ab = n_a ⊗ n_b        Q_aa = Σ_c A_aacc P_cc        Q_ab = A_abab P_ab + A_abba P_ba
 
 summed over a first and then over b; and Â is the same with P_ab = n_a ⊗ ΔF^-1 n_b.
+
+Equations: FORMULATION (12), (13).
 """
 
 import numpy as np

@@ -18,6 +18,8 @@ gradients too: what the way there and back takes off them acts as damping of fir
 
 Affine: Jiang, Schroeder, Selle, Teran & Stomakhin, ACM Trans. Graph. 34 (2015) 51; blended: Stomakhin, Schroeder,
 Chai, Teran & Selle, ibid. 32 (2013) 102.
+
+Equations: FORMULATION (5) to (7).
 """
 
 import numpy as np
