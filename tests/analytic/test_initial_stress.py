@@ -13,8 +13,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hybrid.cli import format_sheet
 from hybrid.monitors.initial_equilibrium import initial_imbalance
+from hybrid.output.sheet_text import format_sheet
 from hybrid.scene import Axis, Faces, Grid, Layer, Material, Scene, Soil, Solver, Stage, Time
 from hybrid.setup.build import build
 from hybrid.step.equations import begin
