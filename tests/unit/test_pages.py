@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from hybrid.body.mesh import generate
+from hybrid.cli import parser
 from hybrid.scene.file import load_scene
 
 ROOT = Path(__file__).parents[2]
@@ -51,6 +52,14 @@ def test_files_that_a_page_names_exist(page):
     """Scenes, scripts, tests and geometries by their path from the root."""
     names = set(re.findall(r"\b((?:demos|tests|geometry|hybrid)/[\w./-]+\.(?:toml|py|geo|md|json))\b", text(page)))
     assert not [name for name in names if not (ROOT / name).exists()]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_commands_that_a_page_names_exist(page):
+    """`./run COMMAND` and `hybrid COMMAND`, but scenes and `./run test`, which the script `run` knows."""
+    commands = next(action.choices for action in parser()._actions if action.choices)
+    named = re.findall(r"(?:\./run|`hybrid|^ +hybrid) ([a-z]+)(?![\w./])", text(page), re.MULTILINE)
+    assert not set(named) - set(commands) - {"test"}
 
 
 def test_readme_is_short():
