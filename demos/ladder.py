@@ -23,8 +23,8 @@ import ladder_wave as wave
 import numpy as np
 
 from hybrid.runtime.errors import StepError
-from hybrid.study.problems import cantilever, footing, manufactured
-from hybrid.study.problems import column as columns
+from hybrid.study.precision.problems import cantilever, footing, manufactured
+from hybrid.study.precision.problems import column as columns
 
 OUT = Path("out/ladder")
 STANDARD = {"basis": "mpm", "domain": "none", "transfer": "increments"}

@@ -31,7 +31,7 @@ import numpy as np
 import hybrid
 from hybrid.output.figures import Curve, comparison
 from hybrid.output.history import read_history
-from hybrid.study.problems.sphere import SAMPLES, law, missed, overrides
+from hybrid.study.precision.problems.sphere import SAMPLES, law, missed, overrides
 
 SCENE, OUT = Path(__file__).with_suffix(".toml"), Path("out/rolling_sphere")
 FRICTION = (0.0, 0.1, 0.2, 0.4, 1.0)

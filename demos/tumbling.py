@@ -45,7 +45,7 @@ from pathlib import Path
 import numpy as np
 
 from hybrid.output.figures import convergence
-from hybrid.study.problems.tumbling import HEAVY, SCHEMES, TUMBLING, advance, errors, period
+from hybrid.study.precision.problems.tumbling import HEAVY, SCHEMES, TUMBLING, advance, errors, period
 
 OUT = Path("out/tumbling")
 ORDERS = (2, 1, 2, 2, 2)

@@ -57,21 +57,23 @@ def parser():
     sub.add_argument("names", nargs="*", metavar="NAME", default=[], help="scenes to copy (default: list all)")
     sub.add_argument("--to", type=Path, metavar="DIR", default=Path(), help="folder to copy to (default: this one)")
 
-    sub = _command(commands, "bench", bench, "measure the speed of set cases on this machine")
+    sub = _command(commands, "bench", bench, "measure the speed of the benchmark cases on this machine")
     sub.add_argument("cases", nargs="*", metavar="CASE", default=[], help=", ".join(CASES) + " (default: all)")
     sub.add_argument("--quick", action="store_true", help="the smallest size of each case")
-    sub.add_argument("--out", type=Path, metavar="FILE.json", help="write what is measured, with machine and versions")
-    sub.add_argument("--peer", type=Path, metavar="PYTHON", help="a Python with Kratos MPM, to run beside in `block`")
+    sub.add_argument("--out", type=Path, metavar="FILE.json", help="write the measurements, with machine and versions")
+    sub.add_argument("--peer", type=Path, metavar="PYTHON", help="a Python with Kratos MPM, run as well in `block`")
 
     sub = _command(commands, "study", study, "chart speed against accuracy, or where methods fail")
     sub.add_argument("study", choices=["precision", "failure"], metavar="STUDY",
-                     help="precision: error against cost; failure: known ways to fail, with plain method and remedy")
-    sub.add_argument("problems", nargs="*", metavar="PROBLEM", default=[], help="some of its problems (default: all)")
-    sub.add_argument("--quick", action="store_true", help="a few settings of each problem, once")
+                     help="precision: error against cost; failure: known failure modes, with plain method and remedies")
+    sub.add_argument("problems", nargs="*", metavar="NAME", default=[],
+                     help="some of its problems or failure modes (default: all; --list shows them)")
+    sub.add_argument("--quick", action="store_true", help="a few settings of each problem or failure mode, once")
     sub.add_argument("--out", type=Path, metavar="DIR", help="folder of records and figures (default: out/STUDY)")
-    sub.add_argument("--resume", action="store_true", help="keep the records of the folder and measure the others")
-    sub.add_argument("--peer", type=Path, metavar="PYTHON", help="a Python with Kratos MPM, to run beside in `column`")
+    sub.add_argument("--resume", action="store_true", help="keep the records of the folder and run the missing settings")
+    sub.add_argument("--peer", type=Path, metavar="PYTHON", help="a Python with Kratos MPM, run as well in `column`")
     sub.add_argument("--draw", action="store_true", help="draw the figures from the folder's records, run nothing")
+    sub.add_argument("--list", action="store_true", help="list the names of its problems or failure modes, run nothing")
 
     sub = _command(commands, "schema", schema, "print the JSON Schema of scene files, for completion in an editor")
     sub.add_argument("--page", action="store_true", help="print all keys as a page in Markdown instead")
@@ -181,27 +183,31 @@ def bench(options):
 
 
 def study(options):
-    """`hybrid study`: records of every problem, figures, and a table: of precision, each curve's place behind the
-    front; of failure, how often each method does what."""
+    """`hybrid study`: records of every problem, figures, and a table: of precision, how close each curve comes to the
+    Pareto front; of failure, the number of outcomes of each kind."""
     from hybrid.bench.peer import checked
     from hybrid.bench.table import table
     from hybrid.runtime.jit_notice import compilation_notice
 
-    chosen, out = import_module(f"hybrid.study.{options.study}"), options.out or Path("out") / options.study
+    report, runner = (import_module(f"hybrid.study.{options.study}.{name}") for name in ("report", "runner"))
+    out = options.out or Path("out") / options.study
     if options.peer is not None and options.study != "precision":
         raise SceneError(f"--peer: study {options.study} has no peer; precision has one, in `column`")
+    if options.list:
+        print(table(report.listing()))
+        return
     more = {"peer": checked(options.peer)} if options.study == "precision" else {}
     path = out / "records.json"
     if options.draw and not path.is_file():
         raise SceneError(f"--draw: there is no {path}; run the study first, or name its folder by --out")
     with compilation_notice():
         if options.draw:
-            records = chosen.load(path)[1]
-            print(*chosen.draw(path, out), sep="\n")
+            records = runner.load(path)[1]
+            print(*report.draw(path, out), sep="\n")
         else:
-            records = chosen.run(options.problems, options.quick, out, options.resume,
+            records = runner.run(options.problems, options.quick, out, options.resume,
                                  lambda text: print(text, flush=True), **more)
-    print(table(chosen.table(records)))
+    print(table(report.table(records)))
 
 
 def schema(options):

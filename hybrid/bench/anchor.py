@@ -1,6 +1,6 @@
 """The drag anchor of demos/anchor.toml: steps, iterations, and where the time goes."""
 
-from hybrid.bench.soils import sizes, stepped, warm
+from hybrid.bench.timed_steps import sizes, timed_steps, warm
 from hybrid.runtime.data import DEMOS
 from hybrid.scene.file import load_scene
 from hybrid.setup.build import build
@@ -15,7 +15,7 @@ def run(options):
     warm()
     simulation = build(load_scene(DEMOS / "anchor.toml", QUICK if options.quick else []))
     size = sizes(simulation)
-    records, seconds = stepped(simulation)
+    records, seconds = timed_steps(simulation)
     phases = sorted({phase for record in records for phase in record.seconds})
     rows = []
     for stage in dict.fromkeys(record.stage for record in records):

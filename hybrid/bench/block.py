@@ -9,7 +9,8 @@ import numba
 import numpy as np
 
 from hybrid.bench.peer import ask
-from hybrid.bench.soils import SAND, block, sizes, stepped, warm
+from hybrid.bench.scenes import SAND, block
+from hybrid.bench.timed_steps import sizes, timed_steps, warm
 from hybrid.setup.build import build
 
 ROUNDS, THREADS, STEPS, STEP = 3, 2, 5, 0.01
@@ -37,7 +38,7 @@ def run(options):
 def ours(cells):
     """Row of a run of our own."""
     simulation = build(block(cells, 1 / cells[0], SAND, steps=STEPS))
-    records, seconds = stepped(simulation)
+    records, seconds = timed_steps(simulation)
     sunk = simulation.state.points.position[:, 2] - simulation.initial_position[:, 2]
     tolerance = simulation.scene.solver.tolerance
     return row("hybrid", seconds, [record.iterations for record in records], tolerance, sizes(simulation), sunk.min(),

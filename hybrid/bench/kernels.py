@@ -5,7 +5,8 @@ from time import perf_counter
 
 import numpy as np
 
-from hybrid.bench.soils import block, off_the_lattice, sizes, warm
+from hybrid.bench.scenes import block, contracted
+from hybrid.bench.timed_steps import sizes, warm
 from hybrid.contact.contact_pair import ContactPair
 from hybrid.setup.build import build
 from hybrid.soil.basis import evaluate_basis
@@ -21,7 +22,7 @@ def run(options):
     cells = (6, 6, 4) if options.quick else (20, 20, 15)
     described = block(cells, 0.05, body=(0.2, 50.0))
     simulation = build(described)
-    model, state = simulation.model, off_the_lattice(simulation.state)
+    model, state = simulation.model, contracted(simulation.state)
     soil, workspace = model.soil, Workspace(model)
     step = begin(model, state, 0.01, False, workspace)
     unknowns = pressed(step)

@@ -1,4 +1,4 @@
-"""The self-weight column of `hybrid.study.problems.column` in the MPM application of Kratos Multiphysics.
+"""The self-weight column of `hybrid.study.precision.problems.column` in the MPM application of Kratos Multiphysics.
 
     PYTHON kratos_column.py '{"cells": 16, "length": 50.0, "steps": 40, "young": 1e4, "law": "Hencky", ...}'
 

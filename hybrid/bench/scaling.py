@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from hybrid.bench.soils import block, exponent, sizes, stepped, warm
+from hybrid.bench.scenes import block
+from hybrid.bench.timed_steps import exponent, sizes, timed_steps, warm
 from hybrid.setup.build import build
 
 HEIGHTS = (9, 13, 19, 29)      # cells, twice as many along x and y: 9 700 to 302 000 unknowns
@@ -17,7 +18,7 @@ def run(options):
     for height in (2, 3) if options.quick else HEIGHTS:
         simulation = build(block((2 * height, 2 * height, height), 0.5 / height, steps=STEPS))
         size = sizes(simulation)
-        records, seconds = stepped(simulation)
+        records, seconds = timed_steps(simulation)
         newton, krylov = (sum(getattr(record, name) for record in records) for name in ("iterations", "krylov"))
         phases = {f"{name} [s]": sum(record.seconds.get(name, 0.0) for record in records) / STEPS for name in PHASES}
         rows.append({**size, "s a step": float(np.median(seconds[1:])), "s a Newton iteration": sum(seconds) / newton,

@@ -11,7 +11,8 @@ from time import perf_counter
 import numpy as np
 
 from hybrid.bench.kernels import pressed
-from hybrid.bench.soils import ELASTIC, SAND, block, off_the_lattice, warm
+from hybrid.bench.scenes import ELASTIC, SAND, block, contracted
+from hybrid.bench.timed_steps import warm
 from hybrid.runtime.errors import StepError
 from hybrid.scene import Solver
 from hybrid.setup.build import build
@@ -48,7 +49,7 @@ def run(options):
     rows = []
     for name, cells, size, chosen, filled, solvers in cases(options.quick):
         simulation = build(block(cells, size, **chosen))
-        state = off_the_lattice(simulation.state) if filled == 1.0 else _lifted(simulation, filled)
+        state = contracted(simulation.state) if filled == 1.0 else _lifted(simulation, filled)
         for linear in solvers:
             rows.append(_solved(name, linear, simulation.model, state))
     return rows

@@ -1,6 +1,6 @@
 """Probable causes of a step that failed, and what to change in its scene, the most effective change first.
 
-The limits are those at which runs of the failure study fail: small cuts, stretched domains, hardly any weight.
+The limits are those at which runs of the failure study fail: modes cuts, domain_gap and round_off.
 """
 
 import numpy as np

@@ -4,7 +4,7 @@ path.
 The return mapping takes the plastic strain of an increment along the direction at its end, and the shape functions of
 points stay as they were at its begin. With inertia the time step has reasons of its own to be short. Without it only
 convergence sets the increments: a bank that slumps by a twentieth of its height in one of them comes to rest 31 %
-short, converged to 1e-6 (failure case plastic_step).
+short, converged to 1e-6 (failure mode plastic_step).
 """
 
 from hybrid.monitors.monitor import Monitor

@@ -8,8 +8,8 @@ import numpy as np
 from hybrid.output.figures import PAGE, figure
 
 # Told apart in grey too: the worse, the darker; what fails silently is crossed besides.
-LOOKS = {"right": "#cfe8d5", "degraded": "#f2d479", "said": "#6f9fc8", "silent": "#9c2a1c"}
-WORDS = {"right": "right", "degraded": "degraded", "said": "failed and said so", "silent": "failed silently"}
+LOOKS = {"right": "#cfe8d5", "degraded": "#f2d479", "reported": "#6f9fc8", "silent": "#9c2a1c"}
+WORDS = {"right": "right", "degraded": "degraded", "reported": "failed and reported", "silent": "failed silently"}
 MISSING = "#ffffff"
 
 

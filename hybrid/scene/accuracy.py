@@ -16,7 +16,7 @@ soil, solver and bodies; steps stay as given. The size is the largest one up to 
 where the soil does.
 
 Both change only values that the scene leaves at their defaults, apart from cells and, of a level, steps. accuracy.json
-has the numbers of both, made from the records of the study by `hybrid.study.levels`.
+has the numbers of both, made from the records of the study by `hybrid.study.precision.fit_accuracy`.
 """
 
 import json

@@ -1,1 +1,1 @@
-"""Studies of the methods over problems with known answers: speed against accuracy."""
+"""Studies of the method: speed against accuracy (precision), and the known ways in which runs fail (failure)."""

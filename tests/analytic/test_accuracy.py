@@ -20,7 +20,7 @@ from hybrid.step import error_estimate, increments, newton
 from hybrid.step.equations import begin
 from hybrid.step.error_estimate import leading_factor, rotation_error
 from hybrid.step.workspace import Workspace
-from hybrid.study.problems import tumbling
+from hybrid.study.precision.problems import tumbling
 from hybrid.study.scenes import SCHEMES, box, elastic, plane, scene, sphere
 
 RULES = {"newmark": Scheme.newmark(), "stiffer": Scheme.newmark(0.4, 0.5), "alpha 0.8": Scheme.generalised_alpha(0.8),

@@ -1,5 +1,5 @@
 """A cantilever bent right down, in plane strain, against the elastica and a beam of Hencky fibres
-(hybrid/study/problems/cantilever.py)."""
+(hybrid/study/precision/problems/cantilever.py)."""
 
 import functools
 
@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hybrid.runtime.errors import StepError
-from hybrid.study.problems import cantilever as ladder
+from hybrid.study.precision.problems import cantilever as ladder
 
 
 @functools.cache

@@ -15,7 +15,7 @@ from hybrid.step.energy import balance_error, energies
 from hybrid.step.equations import begin
 from hybrid.step.loads import Loads
 from hybrid.step.workspace import Workspace
-from hybrid.study.problems.column import SELF_WEIGHT
+from hybrid.study.precision.problems.column import SELF_WEIGHT
 
 YOUNG, DENSITY, GRAVITY, LENGTH = SELF_WEIGHT.young, SELF_WEIGHT.density, SELF_WEIGHT.gravity, SELF_WEIGHT.length
 WEIGHT = SELF_WEIGHT.weight

@@ -1,11 +1,11 @@
-"""The compaction column of 50 m against Lambert's W (hybrid/study/problems/column.py); see also test_column.py."""
+"""The compaction column of 50 m against Lambert's W (hybrid/study/precision/problems/column.py); see also test_column.py."""
 
 import functools
 
 import numpy as np
 import pytest
 
-from hybrid.study.problems import column as ladder
+from hybrid.study.precision.problems import column as ladder
 
 CELLS = (16, 32, 64, 128)
 STANDARD = {"basis": "mpm", "domain": "none"}

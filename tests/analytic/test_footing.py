@@ -1,4 +1,4 @@
-"""A smooth rigid strip footing on weightless soil in plane strain against Prandtl's Nc (hybrid/study/problems/footing.py).
+"""A smooth rigid strip footing on weightless soil in plane strain against Prandtl's Nc (hybrid/study/precision/problems/footing.py).
 
 On 2, 4, 8 cells under half the footing, 20 steps:
 
@@ -13,7 +13,7 @@ import functools
 
 import pytest
 
-from hybrid.study.problems import footing as ladder
+from hybrid.study.precision.problems import footing as ladder
 
 CURED, PLAIN = {"fbar": True}, {}      # options of the soil
 

@@ -7,7 +7,7 @@ With L² = |J W|² < 2T J2, 2T = W·J W, W1 never changes sign and
     λ² = (J2 - J1)(2T J3 - L²)/(J1 J2 J3)        m = (J3 - J2)(L² - 2T J1) / [(J2 - J1)(2T J3 - L²)]
 
 (Landau and Lifshitz, Mechanics, sec. 37, with axes 1 and 3 exchanged). For ε = 1e-2 this is 41.5092195 s, for 1e-3
-57.4628489 s. The driver is that of hybrid/study/problems/tumbling.py.
+57.4628489 s. The driver is that of hybrid/study/precision/problems/tumbling.py.
 """
 
 from dataclasses import replace
@@ -17,7 +17,7 @@ import pytest
 from demo_scripts import demo
 
 from hybrid.body.motion import inertia_residual, updated
-from hybrid.study.problems import tumbling
+from hybrid.study.precision.problems import tumbling
 
 DEMO = demo("tumbling")
 FREE = tumbling.TUMBLING

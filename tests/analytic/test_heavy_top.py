@@ -4,7 +4,7 @@
 
 so that u = cosθ goes between two roots of a cubic, u'² = f(u) (Landau and Lifshitz, Mechanics, sec. 35): from rest of
 the axis at u0 the top nods to u1 and back in the time 2 ∫ du/√f. P is weight times arm; inertia, moment and driver
-are about the fixed point (hybrid/study/problems/tumbling.py).
+are about the fixed point (hybrid/study/precision/problems/tumbling.py).
 """
 
 from dataclasses import replace
@@ -17,7 +17,7 @@ from scipy.integrate import quad
 from hybrid.body import motion
 from hybrid.body.attitude import log_so3, right_tangent
 from hybrid.body.motion import inertia_residual, momentum_rate
-from hybrid.study.problems import tumbling
+from hybrid.study.precision.problems import tumbling
 
 DEMO = demo("tumbling")
 TOP, DURATION = tumbling.HEAVY, 1.2

@@ -1,11 +1,11 @@
-"""Manufactured solutions in one and three dimensions: orders in space and time (hybrid/study/problems/manufactured.py)."""
+"""Manufactured solutions in one and three dimensions: orders in space and time (hybrid/study/precision/problems/manufactured.py)."""
 
 import functools
 
 import numpy as np
 import pytest
 
-from hybrid.study.problems import manufactured as ladder
+from hybrid.study.precision.problems import manufactured as ladder
 
 QUIET, LARGE, DRIFTING = ladder.Wave(1e-4), ladder.Wave(0.05), ladder.Wave(0.05, 5.0)
 STANDARD = {"basis": "mpm", "domain": "none", "transfer": "increments"}

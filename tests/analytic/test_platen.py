@@ -14,11 +14,11 @@ import functools
 import numpy as np
 import pytest
 
+from hybrid.bench.timed_steps import newton_iterations
 from hybrid.runtime.errors import StepError
 from hybrid.step import newton
-from hybrid.study.problems import platen
-from hybrid.study.problems.platen import AREA, IDEAL, YOUNG, in_series
-from hybrid.study.steps import iterations
+from hybrid.study.precision.problems import platen
+from hybrid.study.precision.problems.platen import AREA, IDEAL, YOUNG, in_series
 
 
 class Press:
@@ -115,7 +115,7 @@ def test_energy_of_the_drive():
 
 def test_stiff_springs_cost_no_iterations(monkeypatch):
     """Linear systems are solved the more tightly the stiffer contact is; else Newton's method gets nowhere."""
-    soft, stiff = (iterations(platen.press(penalty=penalty, steps=4).records) for penalty in (50.0, 1e7))
+    soft, stiff = (newton_iterations(platen.press(penalty=penalty, steps=4).records) for penalty in (50.0, 1e7))
     assert stiff < 2 * soft
     monkeypatch.setattr(newton, "STIFF", float("inf"))
     with pytest.raises(StepError, match="after 15 iterations"):

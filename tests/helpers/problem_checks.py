@@ -1,4 +1,4 @@
-"""What every problem of a study has to keep (hybrid.study.sweep), whatever it computes."""
+"""Checks and measures that hold for every problem of the study of precision (hybrid.study.precision.problem)."""
 
 import json
 from inspect import signature
@@ -7,10 +7,11 @@ import numpy as np
 
 
 def check(problem, takes=None):
-    """Curves have settings, quick ones are among them with the same values, which survive JSON and which solve, or
-    what it hands them to, takes."""
+    """Curves have settings with distinct labels; the quick settings are among them, with the same values; values can be
+    stored as JSON and are valid arguments of `solve`, or of `takes`, the function that solve passes them to."""
     full, quick = problem.curves(False), problem.curves(True)   # quick may be empty
-    assert isinstance(problem.TITLE, str) and problem.ERRORS and "default" in full
+    assert isinstance(problem.title, str) and problem.errors and "default" in full
+    assert (problem.transferable is None) == (problem.length == "")
     for curve, settings in quick.items():
         assert set(map(str, settings)) <= set(map(str, full[curve]))
     for settings in full.values():
@@ -22,11 +23,11 @@ def check(problem, takes=None):
 
 
 def solved(problem, curve, last=None):
-    """Found of the quick settings of a curve, or of the `last` so many of them."""
+    """RunResults of the quick settings of a curve, or of its `last` ones."""
     return [problem.solve(**values) for _, values in problem.curves(True)[curve][-(last or 0):]]
 
 
 def orders(found, error):
-    """Observed, over successive halvings of the cells."""
+    """Observed orders over successive halvings of the cells."""
     errors = np.array([f.errors[error] for f in found])
     return np.log2(errors[:-1] / errors[1:])

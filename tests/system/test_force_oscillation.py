@@ -7,16 +7,16 @@ import pytest
 
 from hybrid.monitors import StepView, force_oscillation
 from hybrid.monitors.force_oscillation import ForceOscillation
-from hybrid.study.failures import ringing as case
+from hybrid.study.failure.registry import MODES
 
 
 @pytest.mark.parametrize("method, count", [
     ("Newmark", 1), ("generalised-alpha, ρ∞ = 0", 0), ("Newmark (0.5625, 1)", 0)])
 def test_a_plate_on_a_column(method, count):
-    found = case.solve(2.0, **case.METHODS[method])
-    assert len(found.told) == count and (found.error > 0.25) == bool(count)
+    found = MODES["force_oscillation"].observe(method, (2.0,))
+    assert len(found.messages) == count and (found.error > 0.25) == bool(count)
     assert all("limit 60%" in text and "reverses 8 times" in text and "spectral_radius = 0" in text
-               for text in found.told)
+               for text in found.messages)
 
 
 @pytest.mark.parametrize("force, oscillates", [

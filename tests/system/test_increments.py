@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from hybrid import simulation as simulation_module
-from hybrid.bench.soils import block
+from hybrid.bench.scenes import block
 from hybrid.body import rigid
 from hybrid.linalg import system_cache as cache_module
 from hybrid.runtime.errors import StepError

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from hybrid.study.failures import squeezed
+from hybrid.study.failure.registry import MODES
 
 
 @pytest.mark.parametrize("share, error, more, words", [
@@ -13,7 +13,8 @@ from hybrid.study.failures import squeezed
     (0.9, 0.3, {"enforcement": "augmented"}, "limit 0.1; .*not converged: raise solver.augmentations")])
 def test_a_layer_squeezed_under_a_platen(share, error, more, words):
     """A second row of corners touches from a share of 0.8 on, with ten times the penalty from 0.97 on."""
-    found = squeezed.solve(share, **more)
-    assert len(found.told) == (words is not None)
+    mode = MODES["squeezed_layer"]
+    found = mode.relevant(mode.solve(share, **more))
+    assert len(found.messages) == (words is not None)
     assert found.error > error if words else found.error < error
-    assert not words or re.search(words, found.told[0])
+    assert not words or re.search(words, found.messages[0])

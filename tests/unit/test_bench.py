@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from hybrid import bench, cli
-from hybrid.bench import block, kratos_parts, soils, stamp
+from hybrid.bench import block, kratos_parts, scenes, stamp
 from hybrid.bench.table import table
+from hybrid.bench.timed_steps import sizes
 from hybrid.runtime.errors import HybridError
 from hybrid.setup.build import build
 
@@ -92,7 +93,7 @@ def test_counts_of_the_block(measured):
 
 
 def test_the_block_is_that_of_the_peer():
-    sheet = soils.sizes(build(soils.block()))
+    sheet = sizes(build(scenes.block()))
     assert sheet["points"] == 46_552 and sheet["unknowns"] == unknowns((23, 23, 11))
 
 

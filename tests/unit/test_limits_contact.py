@@ -7,7 +7,7 @@ import pytest
 from hybrid.monitors.limits import contact, stepping
 from hybrid.scene import Pull
 from hybrid.setup.build import build
-from hybrid.study.problems import platen
+from hybrid.study.precision.problems import platen
 from hybrid.study.scenes import SCHEMES, box, plane
 
 

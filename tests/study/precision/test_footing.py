@@ -1,0 +1,45 @@
+"""The strip footing as a problem of a study."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import problem_checks
+import pytest
+
+from hybrid.study.precision.problems import footing
+
+ERROR = "Nc, φ = 20°"
+CURED = "GIMP, F-bar, ghost, direct solver"
+
+
+def test_default_comes_down_slowly(recorded):
+    """Soil that locks: 26, 17, 11 %, order 0.7 in the cell size."""
+    found = recorded(footing, "default")
+    assert (problem_checks.orders(found, ERROR) > 0.5).all() and 0.05 < found[-1].errors[ERROR] < 0.15
+    assert set(found[0].errors) == set(footing.ERRORS) and math.isnan(found[0].errors["Nc, φ = 0"])
+
+
+def test_a_wrong_answer_is_seen(monkeypatch, recorded):
+    """With F-bar it is right to 5 %; a cone matched to compression instead of plane strain is far too strong."""
+    right = recorded(footing, CURED)[1]
+    assert right.errors[ERROR] < 0.06
+    material = footing.material
+    monkeypatch.setattr(footing, "material", lambda angle: replace(material(angle), cone="compression"))
+    assert footing.solve(**right.values).errors[ERROR] > 0.2
+
+
+def test_clay_without_a_cure_locks():
+    assert footing.solve(across=2, angle=0).errors["Nc, φ = 0"] == pytest.approx(0.85, abs=0.02)
+
+
+def test_a_graded_grid_has_fewer_unknowns():
+    """Uniform down to a width, then each cell 1.3 times the one before, to the same depth or a little farther."""
+    even, graded = footing.nodes(0.25, 4.0), footing.nodes(0.25, 4.0, 1.3)
+    assert even[-1] == 4.0 and len(graded) < len(even) and 4.0 <= graded[-1] < 5.5
+    gaps = (graded[1:] - graded[:-1])[8:]
+    assert gaps == pytest.approx(0.25 * 1.3 ** (1 + np.arange(len(gaps))))
+
+
+def test_labels_and_values():
+    problem_checks.check(footing.PROBLEM)

@@ -1,0 +1,45 @@
+"""The platen of a study: the error is the overlap of the penalty, of first order in 1/p_f and blind to cells."""
+
+import numpy as np
+import pytest
+from problem_checks import check
+
+from hybrid.runtime.errors import StepError
+from hybrid.study.precision.problems import platen
+
+
+def rate(found, error):
+    """Power of the penalty factor that an error of two runs, with 50 and 1000 /m, falls with."""
+    return np.log(found[0].errors[error] / found[1].errors[error]) / np.log(20)
+
+
+def test_contract():
+    check(platen.PROBLEM)
+
+
+@pytest.mark.parametrize("error", ["force", "height"])
+def test_error_falls_with_the_penalty(error, recorded):
+    assert rate(recorded(platen, "penalty"), error) == pytest.approx(1.0, abs=0.05)
+
+
+def test_along_default_only_the_penalty_is_seen(recorded):
+    """Cells change nothing: the cube is pressed evenly. Springs in series say what is left."""
+    coarse, fine = (r.errors for r in recorded(platen, "default"))
+    assert coarse["force"] == pytest.approx(fine["force"], rel=1e-4)
+    assert coarse["force"] == pytest.approx(1 - platen.in_series(50.0)[0] / platen.IDEAL, rel=1e-4)
+    assert max(coarse["springs"], fine["springs"]) < 1e-5
+
+
+def test_a_wrong_ideal_is_found(monkeypatch, replayed):
+    monkeypatch.setattr(platen, "IDEAL", 1.05 * platen.IDEAL)
+    assert abs(rate(replayed(platen, "penalty"), "force")) < 0.5
+
+
+def test_multipliers_have_no_springs(recorded):
+    found = recorded(platen, "augmented Lagrangian")[0].errors
+    assert np.isnan(found["springs"]) and found["force"] < 1e-4
+
+
+def test_a_failure_is_raised():
+    with pytest.raises(StepError):
+        platen.solve(solver={"tolerance": 1e-14, "iterations": 1})

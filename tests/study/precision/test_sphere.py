@@ -1,0 +1,42 @@
+"""The rolling sphere of a study: errors fall with the square of the spacing, as the height of the bumps does."""
+
+import numpy as np
+import pytest
+from problem_checks import check
+
+from hybrid.runtime.errors import StepError
+from hybrid.study.precision.problems import sphere
+
+
+def rates(found):
+    coarse, fine = (f.errors for f in found)
+    return {name: np.log2(coarse[name] / fine[name]) for name in sphere.PROBLEM.errors}
+
+
+def test_contract():
+    check(sphere.PROBLEM, sphere.rides)
+
+
+def test_errors_fall_with_the_square_of_the_spacing(recorded):
+    """Measured: 2.0 of the distance and 1.7 of the spin."""
+    assert rates(recorded(sphere, "default")) == pytest.approx({"distance": 2.0, "spin": 2.0}, abs=0.5)
+
+
+def test_a_wrong_law_is_found(monkeypatch, replayed):
+    """A sphere that has no inertia of turning goes 40 % farther when it rolls."""
+    right = sphere.law
+    monkeypatch.setattr(sphere, "law", lambda mu, time: (1.4 * right(mu, time)[0], 0.6 * right(mu, time)[1]))
+    assert all(abs(rate) < 0.3 for rate in rates(replayed(sphere, "default")).values())
+
+
+def test_what_is_counted(quick, recorded):
+    counted = recorded(sphere, "default")[0]
+    size, rides = quick.again[sphere](**counted.values)
+    assert counted.newton == sum(ride.newton for ride in rides)
+    assert size == 6 and len(rides) == 4 and [ride.mu for ride in rides] == [0.2, 0.2, 0.4, 0.4]
+    assert all(ride.newton >= 100 and ride.seconds > 0 and ride.time == pytest.approx(1.0) for ride in rides)
+
+
+def test_a_failure_is_raised():
+    with pytest.raises(StepError):
+        sphere.solve(changes=["solver.iterations=1", "time.smallest=0.01"])

@@ -1,0 +1,71 @@
+"""`accuracy` of a scene: what it changes, what it leaves, and that it buys what it says."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from hybrid.runtime.errors import SceneError
+from hybrid.scene import Axis, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time, accuracy
+from hybrid.setup.build import build
+
+HEIGHT, YOUNG, DENSITY = 10.0, 1e4, 80.0
+
+
+def column(accuracy=None, solver=Solver(), z=None):
+    """A column that its weight compresses by a quarter, in eight quasi-static steps of eight cells."""
+    side = Axis(start=0.0, end=1.0, size=1.0, collapsed=True)
+    return Scene(
+        name="column", grid=Grid(side, side, z or Axis(start=0.0, end=HEIGHT, size=HEIGHT / 8), Faces()),
+        soil=Soil(Material(law="hencky", young=YOUNG, poisson=0.0, density=DENSITY), geostatic=False),
+        gravity=(0.0, 0.0, -10.0), time=Time(step=1.0, inertia=False), stages=(Stage("load", 8, gravity=(0.0, 1.0)),),
+        accuracy=accuracy, solver=solver, output=Output(every=5, pictures=(1, 8), checkpoint=0))
+
+
+def test_levels_change_cells_steps_and_tolerances():
+    scene, told = accuracy.apply_accuracy(column("reference"))
+    level = accuracy.levels()["reference"]
+    assert (scene.grid.z.size, scene.time.step, scene.stages[0].steps) == (HEIGHT / 16, 0.5, 16)
+    assert scene.output == Output(every=10, pictures=(2, 16), checkpoint=0)
+    own = dataclasses.replace(column("draft"), stages=(Stage("load", 8, 0.5, gravity=(0.0, 1.0)),))
+    assert accuracy.apply_accuracy(own)[0].stages[0].step == 0.5 * accuracy.levels()["draft"].step == 1.0
+    assert (scene.solver.tolerance, scene.solver.linear_tolerance) == (level.tolerance, level.linear_tolerance)
+    assert scene.accuracy is None and "cells x 0.5" in told[0]
+    assert build(column("reference")).sheet()["modelled"]["accuracy"] == told
+
+
+def test_what_a_scene_gives_of_the_solver_stays():
+    scene, _ = accuracy.apply_accuracy(column("draft", Solver(tolerance=1e-9, linear_tolerance=1e-8)))
+    assert (scene.solver.tolerance, scene.solver.linear_tolerance) == (1e-9, 1e-8)
+
+
+def test_without_accuracy_nothing_changes():
+    assert accuracy.apply_accuracy(column()) == (column(), [])
+    assert "accuracy" not in build(column()).sheet()["modelled"]
+    ours, standard = column(), accuracy.apply_accuracy(column("standard"))[0]
+    assert dataclasses.replace(standard, solver=ours.solver) == ours
+
+
+def test_cells_given_one_by_one_are_refused():
+    axis = Axis(nodes=(0.0, 5.0, 10.0))
+    with pytest.raises(SceneError, match="grid.z.nodes: accuracy cannot change cells"):
+        build(column("draft", z=axis))
+
+
+def test_a_level_that_does_not_exist_names_the_nearest():
+    with pytest.raises(SceneError, match="accuracy = 'drafts': unknown .did you mean 'draft'"):
+        build(column("drafts"))
+
+
+def test_a_draft_is_cheaper_and_a_reference_nearer():
+    """Iterations times unknowns, which no machine changes; errors against the exact stress of the deformed column."""
+    work, errors = [], []
+    for name in ("draft", "standard", "reference"):
+        simulation = build(column(name))
+        iterations = sum(record.iterations for record in simulation.steps())
+        points, constants = simulation.state.points, simulation.model.soil.constants
+        exact = -DENSITY * 10.0 * (HEIGHT - constants.position[:, 2])
+        errors.append(np.average(np.abs(points.stress[:, 2, 2] - exact), weights=constants.volume))
+        work.append(iterations * len(simulation.evaluation.soil))
+    assert work[0] * 1.5 < work[1] and work[1] * 1.5 < work[2]
+    assert errors[0] > 2 * errors[1] > 4 * errors[2]
