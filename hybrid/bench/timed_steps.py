@@ -14,8 +14,8 @@ def warm():
         list(build(block((3, 3, 2), 0.1, material, (0.1, 50.0), steps=1)).steps())
 
 
-def timed_steps(simulation, most=None, after=lambda record: None):
-    """(Records of all steps, or of `most` steps, wall time [s] of each).
+def timed_steps(simulation, *, after=lambda record: None):
+    """(Records of all steps, wall time [s] of each).
 
     after(record) is called after each step; its time is not counted. Raises StepError if a step fails.
     """
@@ -24,8 +24,6 @@ def timed_steps(simulation, most=None, after=lambda record: None):
         seconds.append(perf_counter() - begin)
         records.append(record)
         after(record)
-        if len(records) == most:
-            break
         begin = perf_counter()
     return records, seconds
 

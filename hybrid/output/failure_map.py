@@ -55,7 +55,7 @@ def draw_maps(path, maps, mark):
                 axes.set_xticks(range(len(first)), [_label(a) for a in first], fontsize=5.5)
                 axes.set_yticks(range(len(second)), [_label(b) for b in second], fontsize=5.5)
                 axes.set_xlabel(case.parameters[0], fontsize=6, labelpad=1)
-                axes.set_ylabel(case.parameters[1], fontsize=6, labelpad=1)
+                axes.set_ylabel(case.parameters[1], fontsize=6, labelpad=4)
             unused += list(row[len(case.kinds):])
         _finish(drawing, unused, mark)
     return path
@@ -92,7 +92,9 @@ def _title(axes, number, text):
 
 
 def _label(value):
-    return f"{value:g}" if isinstance(value, (int, float)) else str(value)
+    if not isinstance(value, (int, float)):
+        return str(value)
+    return f"{value:.0e}".replace("+0", "").replace("-0", "-") if abs(value) >= 1e4 else f"{value:g}"
 
 
 def _finish(drawing, unused, mark):

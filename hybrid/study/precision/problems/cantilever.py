@@ -147,7 +147,7 @@ def bend(size, points_per_axis=2, height=1.0, steps=STEPS, full=False, ghost=GHO
         face = points.position[last] + points.deformation[last, :, 0] * constants.half_width[last, :1]
         tips.append(face.mean(axis=0) - (LENGTH, 0.0, 0.5 * height))
 
-    records, seconds = timed_steps(simulation, see_tip)
+    records, seconds = timed_steps(simulation, after=see_tip)
     tips, points = np.array(tips), simulation.state.points
     return Bent(-tips[:, 2], -tips[:, 0], constants.position, points.position, points.stress,
                 newton_iterations(records), len(simulation.evaluation.soil), sum(seconds))

@@ -175,7 +175,7 @@ def vibrate(solution, cells, steps, scheme=(), force=None, solver=TIGHT, **soil)
         before, cells_of = cells_of, np.floor(simulation.state.points.position / size)
         crossed += np.count_nonzero(cells_of != before)
 
-    records, seconds = timed_steps(simulation, see_crossings)
+    records, seconds = timed_steps(simulation, after=see_crossings)
     points = simulation.state.points
     missed = (points.position - X - solution.motion(solution.duration, X)[0])[:, solution.axes] / solution.amplitude
     wrong = points.stress - solution.stress(solution.duration, X)
