@@ -1,91 +1,110 @@
-"""Monitors: each warning is given once, and its remedies fit the scene."""
+"""Monitors on steps made up for them: when each warns, how often, and with which values."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
-from hybrid.monitors import MONITORS, Monitors, StepView
-from hybrid.monitors.energy_balance import EnergyBalance
-from hybrid.monitors.failure_hints import advice, probable_causes
-from hybrid.monitors.monitor import Monitor
-from hybrid.scene import Solver, Time
+from hybrid.body.attitude import exp_so3
+from hybrid.monitors.domain_exit import DomainExit
+from hybrid.monitors.lost_points import LostPoints
+from hybrid.monitors.monitor import Monitor, StepView
+from hybrid.monitors.penetration import Penetration
 from hybrid.setup.build import build
-from hybrid.step.equations import begin
-from hybrid.step.workspace import Workspace
-from hybrid.study.scenes import box, soil_scene
+from hybrid.study.scenes import soil_scene, steel
 
 
-def test_a_warning_is_given_once_for_each_key():
-    class Numbers(Monitor):
+@pytest.fixture(scope="module")
+def simulation():
+    """A box of 0.2 m above the middle of elastic soil in a grid of 0.8 m."""
+    return build(soil_scene([steel(0.2, 0.2, 0.2, position=(0.4, 0.4, 0.0), rest_on=0.1)]))
+
+
+def view(simulation, state, contacts=()):
+    report = SimpleNamespace(evaluation=SimpleNamespace(contacts=contacts))
+    return StepView(simulation.model, state, simulation.model.scheme, report, {})
+
+
+def test_a_monitor_gives_the_first_text_of_each_key():
+    class Counting(Monitor):
         def warnings(self, view):
-            for number in view:
-                yield number, f"number {number}"
+            yield from view
 
-    monitor = Numbers(None, None)
-    assert monitor.notes((1, 2)) == ("number 1", "number 2") and monitor.given(2) and not monitor.given(3)
-    assert monitor.notes((2, 3)) == ("number 3",)
-    assert monitor.notes((1, 2, 3)) == ()
-
-
-def test_a_run_has_every_monitor_and_a_calm_step_no_note():
-    simulation = build(soil_scene(steps=1))
-    (record,) = simulation.steps()
-    assert record.notes == () and len(MONITORS) == 7 == len(set(MONITORS))
-    assert len(Monitors(simulation.model, simulation.state)._monitors) == len(MONITORS)
+    monitor = Counting(None, None)
+    assert monitor.notes([("a", "one"), ("b", "two"), ("a", "three")]) == ("one", "two")
+    assert monitor.notes([("b", "four"), ("c", "five")]) == ("five",)
+    assert monitor.given("a") and not monitor.given("d")
 
 
-def balance(errors, stored=100.0, bodies=(), inertia=True, damps=False, accuracy=None):
-    """Notes of steps with these errors [J] of the balance."""
-    monitor = EnergyBalance(None, None)
-    view = {"model": SimpleNamespace(bodies=bodies), "scheme": SimpleNamespace(inertia=inertia, damps=damps),
-            "report": SimpleNamespace(error=accuracy)}
-    return [note for time, error in enumerate(errors) for note in monitor.notes(StepView(
-        state=SimpleNamespace(time=time), energy={"kinetic": stored, "elastic": 0.0, "contact": 0.0, "error": error},
-        **view))]
+# ------------------------------------------------------------------ bodies that leave the grid
 
 
-def test_energy_within_its_limits_gives_no_note():
-    assert balance([0.0, 24.0, -25.0, 0.0]) == [] and balance([0.0, 0.0], stored=0.0) == []
+def moved(simulation, position, rotation=None):
+    body = simulation.state.bodies[0]
+    rotation = body.rotation if rotation is None else rotation
+    return replace(simulation.state, bodies=[replace(body, position=np.array(position), rotation=rotation)])
 
 
-def test_a_gain_and_a_loss_are_reported_once_each():
-    gain, loss = balance([0.0, 30.0, 40.0, -20.0, -80.0])
-    assert gain.startswith("energy balance: unaccounted gain of 30 J at t = 1 s (30% of the largest") and "25%" in gain
-    assert loss.startswith("energy balance: unaccounted loss of 60 J in the step to t = 3 s (60% of") and "50%" in loss
-    assert balance([0.0, -80.0], damps=True) == [] == balance([0.0, -80.0], inertia=False)
+@pytest.mark.parametrize("position, words", [
+    ((0.1 - 1e-5, 0.4, 0.2), "x = -1e-05 m, limit x = 0 m"), ((0.4, 0.75, 0.2), "y = 0.85 m, limit y = 0.8 m"),
+    ((0.4, 0.4, -0.35), "z = -0.45 m, limit z = -0.4 m")])
+def test_each_face_that_a_body_passes_is_named_once(simulation, position, words):
+    monitor = DomainExit(simulation.model, simulation.state)
+    assert monitor.notes(view(simulation, simulation.state)) == ()
+    text, = monitor.notes(view(simulation, moved(simulation, position)))
+    assert words in text and f"grid.{words[0]}.{'end' if '0.8 m' in words else 'start'} outwards" in text
+    assert monitor.notes(view(simulation, moved(simulation, position))) == ()
 
 
-@pytest.mark.parametrize("scene, present, absent", [
-    ({"bodies": (1,)}, ["time.accuracy = 1e-3", "body.penalty", "damps"], ["stage.steps"]),
-    ({}, ["a smaller time.step", "damps"], ["body.penalty", "Contact"]),
-    ({"accuracy": 1e-5}, ["a smaller time.accuracy"], ["time.accuracy ="]),
-    ({"damps": True}, ["a smaller time.step"], ["a scheme that damps"]),
-    ({"inertia": False, "bodies": (1,)}, ["stage.steps"], ["time.accuracy", "time.step", "damps"])])
-def test_remedies_of_a_gain_fit_the_scene(scene, present, absent):
-    text, = balance([0.0, 50.0], **scene)
-    assert all(words in text for words in present) and not any(words in text for words in absent)
+def test_neither_the_open_top_nor_a_face_passed_from_the_start_counts(simulation):
+    assert DomainExit(simulation.model, simulation.state).notes(view(simulation, moved(simulation, (0.4, 0.4, 9.0)))) == ()
+    outside = moved(simulation, (0.05, 0.4, 0.2))
+    assert DomainExit(simulation.model, outside).notes(view(simulation, outside)) == ()
 
 
-def started(**more):
-    """(Step of a quasi-static scene with a box, its Evaluation at rest, Workspace)."""
-    body = box(0.2, 0.2, 0.2, held=("x", "y", "rx", "ry", "rz"), position=(0.4, 0.4, 0.0), **more)
-    simulation = build(soil_scene([body], time=Time(step=1.0, inertia=False), gravity=(0.0, 0.0, -9.81)))
-    workspace = Workspace(simulation.model)
-    step = begin(simulation.model, simulation.state, 1.0, False, workspace)
-    return step, step.evaluate(step.at_rest()), workspace
+def test_the_turned_surface_counts(simulation):
+    """An edge of the box reaches 0.1 √2 m."""
+    monitor, turned = DomainExit(simulation.model, simulation.state), exp_so3(np.array([0.0, 0.0, np.pi / 4]))
+    assert monitor.notes(view(simulation, moved(simulation, (0.12, 0.4, 0.2)))) == ()
+    assert "x = -0.02142 m" in monitor.notes(view(simulation, moved(simulation, (0.12, 0.4, 0.2), turned)))[0]
 
 
-def test_lost_contact_is_named_as_the_cause():
-    """Without inertia, and only where no body has contact; round-off of the stiffness is then no cause."""
-    step, evaluation, workspace = started(rest_on=0.1)
-    causes = probable_causes(step, evaluation)
-    assert causes[0].startswith("No corner of the soil touches body any more") and "body.rest_on" in causes[0]
-    assert "time.inertia = true" in causes[0] and not any("round-off" in cause for cause in causes)
-    outcome = SimpleNamespace(evaluation=evaluation, reason="residual 1.00e+00 after 15 iterations", errors=(1.0, 1.0))
-    text = advice(step, outcome, Solver())
-    assert text.startswith("No corner") and "Otherwise use a smaller time.step with more stage.steps" in text
-    assert "time.accuracy" not in text and text.endswith("where the load exceeds what the soil can carry")
-    workspace.destroy()
-    step, evaluation, workspace = started(rest_on=-0.004)
-    assert not any("No corner" in cause for cause in probable_causes(step, evaluation))
-    workspace.destroy()
+# ------------------------------------------------------------------ penetration
+
+
+def penetrating(simulation, gaps, forces):
+    """View of corners of the first points with these gaps [m] and normal forces [N]; domains are 0.1 m high."""
+    count = len(gaps)
+    corners = SimpleNamespace(gap=np.array(gaps), normal=np.tile([0.0, 0.0, 1.0], (count, 1)),
+                              force=np.outer(forces, [0.0, 0.0, -1.0]))
+    contact = type("Pair", (), {"corners": type("Corners", (), {**vars(corners), "__len__": lambda self: count})()})()
+    history = SimpleNamespace(id=8 * np.arange(count), touching=np.ones(count, bool))
+    return view(simulation, replace(simulation.state, contacts=[history]), (contact,))
+
+
+def test_a_quarter_of_the_force_beyond_a_layer_is_too_much(simulation):
+    monitor = Penetration(simulation.model, simulation.state)
+    assert simulation.state.points.half_width[:2] == pytest.approx(0.05)
+    assert monitor.notes(penetrating(simulation, [-0.11, -0.09], [24.0, 76.0])) == ()
+    text, = monitor.notes(penetrating(simulation, [-0.11, -0.09], [26.0, 74.0]))
+    assert "up to 1.1 of the height" in text and "limit 1;" in text and "carry 26%" in text
+
+
+# ------------------------------------------------------------------ points that get lost
+
+
+def test_inactive_points_are_counted_again_when_they_have_doubled(simulation):
+    monitor, points = LostPoints(simulation.model, simulation.state), simulation.state.points
+
+    def notes(lost):
+        inactive = np.arange(len(points)) < lost
+        return monitor.notes(view(simulation, replace(simulation.state, points=replace(points, inactive=inactive))))
+
+    assert notes(0) == ()
+    text, = notes(3)
+    mass = simulation.model.soil.constants.mass
+    assert text.startswith(f"3 of {len(points)} points are inactive") and f"({mass[:3].sum():.4g} kg" in text
+    assert notes(5) == ()
+    text, = notes(6)
+    assert text.startswith("6 of") and f"{6 / len(points):.2g} of the mass" in text

@@ -185,9 +185,9 @@ def test_affine_transfer_keeps_linear_fields(case):
     np.testing.assert_allclose(found, np.broadcast_to(slope, found.shape), atol=1e-9)
 
 
-@pytest.mark.parametrize("transfer", ["increments", "blended", "affine"])
-def test_rates_that_points_take_up(transfer):
-    """A uniform gain moves all points alike, whatever they carry on top; momentum is that of the nodes."""
+@pytest.mark.parametrize("transfer, share", [("increments", 0.0), ("blended", 0.05), ("affine", 1.0)])
+def test_rates_that_points_take_up(transfer, share):
+    """Momentum is that of the nodes, and `share` of the velocity theirs: what the grid does not see loses as much."""
     soil, points = soil_on(NODES["graded"])
     soil = replace(soil, transfer=transfer)
     step = soil.begin(points, np.zeros(3))
@@ -200,4 +200,6 @@ def test_rates_that_points_take_up(transfer):
     assert (after.affine is None) == (transfer != "affine")
     wanted = points.velocity + interpolate(step.basis, soil.grid.shape, gain)
     lost = np.sum(mass[:, None] * (after.velocity - wanted) ** 2)
+    nodal = interpolate(step.basis, soil.grid.shape, step.velocity + gain)
+    np.testing.assert_allclose(after.velocity, (1 - share) * wanted + share * nodal, atol=1e-12)
     assert (lost < 1e-20 * size) == (transfer == "increments")
