@@ -112,7 +112,6 @@ LOCAL = {   # module and function: why a process may do it by itself
     "monitors/missed_contact.py _deepest": "vertex of a body among its own points",
     "setup/law.py build_law": "refusal of its own points",
     "setup/soil.py _refuse_yielding": "refusal of its own points",
-    "cost.py _disturbed": "box around the soil of a measurement that one process makes",
 }
 
 
