@@ -204,7 +204,7 @@ class Simulation:
         return self.model.for_stage(stage.held, stage.beta, stage.gamma, loads)
 
     def _control(self, length, begun):
-        """Increment control of a stage with outer steps of `length` [s]; one that has `begun` goes on with its last
+        """Increment control of a stage with outer steps of `length` [s]; one that has `begun` continues with its last
         increment."""
         time, cell = self.scene.time, self.model.soil.grid.smallest_cell
         return Control(begun and self.increment or length, time.smallest or length / (4096 if time.accuracy else 64),

@@ -11,8 +11,8 @@ from numba import njit, prange
 from hybrid.soil.basis import with_margin
 from hybrid.soil.principal import compose, principal, put_principal
 
-# Entries of F beyond which it tells nothing of a domain, which is no wider than its cell; and the most that soil has
-# expanded along every axis where F is begun anew.
+# F is reset to an isotropic stretch of the same volume when any |F_ij| > F_LIMIT, as a domain is never wider than its
+# cell; that stretch is capped at STRETCH_LIMIT.
 F_LIMIT, STRETCH_LIMIT = 100.0, 10.0
 
 

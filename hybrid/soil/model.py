@@ -8,7 +8,7 @@
 The model never changes in a run. An evaluation gives a SoilTrial, whose strains lie in buffers of the SoilWorkspace, or
 a Refusal with the reason why there is none.
 
-Soil whose displacements are all held is never evaluated: its points only lend their corners to contact.
+Soil whose displacements are all held is never evaluated: its points only provide corners for contact.
 """
 
 from dataclasses import KW_ONLY, dataclass, field
@@ -39,7 +39,7 @@ BLEND = 0.05            # share of the nodes' velocity in transfer = "blended", 
 
 @dataclass(frozen=True)
 class Refusal:
-    """Trial displacements that have no evaluation; reason: a clause that says what they would do."""
+    """Trial displacements that have no evaluation; reason: what they would do, as a clause."""
 
     reason: str
 

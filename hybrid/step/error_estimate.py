@@ -61,7 +61,7 @@ def leading_factor(scheme):
 
 def local_error(step, evaluation):
     """LocalError of a converged `evaluation` of `step`, over soil and bodies."""
-    errors = [LocalError(0.0, "nothing that moves")]
+    errors = [LocalError(0.0, "a scene without free components")]
     if step.soil is not None:
         errors.append(LocalError(_of_soil(step, evaluation), "the soil"))
     for b in step.bodies:
@@ -82,9 +82,9 @@ def _of_body(b, pose):
     """|e_c| + r |e_Θ| [m] of a BodyStep at its converged pose."""
     new = updated(b.body.mass.inertia, b.state, *pose, b.dt, b.scheme)
     factor = leading_factor(b.scheme) * b.dt**2
-    way = factor * (new.acceleration - b.state.acceleration)
+    displacement = factor * (new.acceleration - b.state.acceleration)
     rotation = b.state.rotation @ rotation_error(b.state, new, b.scheme, b.dt)
-    return np.linalg.norm(way * b.free[:3]) + b.body.radius * np.linalg.norm(rotation * b.free[3:])
+    return np.linalg.norm(displacement * b.free[:3]) + b.body.radius * np.linalg.norm(rotation * b.free[3:])
 
 
 def rotation_error(old, new, scheme, dt):

@@ -25,7 +25,7 @@ class Model:
 
     @property
     def gravity(self):
-        """All of it, (3,) [m/s²]."""
+        """The whole of gravity, whatever share of it acts, (3,) [m/s²]."""
         return self.loads.gravity
 
     @property

@@ -52,7 +52,7 @@ def travel_ratio(body, state, pose, reach, grid, points, moved):
 
 def _distance_of_cells(grid, box):
     """Distance (N,) [m], along the axis where it is largest, from a box (2, 3) [m] to the cells around each node. The
-    outermost cells go on beyond the grid, as corners outside move with them."""
+    outermost cells extend beyond the grid, as corners outside move with their nodes."""
     apart = []
     for nodes, lower, upper in zip(grid.axes, *box):
         before, after = np.append(-np.inf, nodes[:-1]), np.append(nodes[1:], np.inf)

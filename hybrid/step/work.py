@@ -27,14 +27,14 @@ def work_after(step, evaluation, points, bodies):
 
 
 def _of_drive(terms):
-    """Mean reaction of the guides times the way that they impose."""
+    """Mean reaction of the guides times the displacement that they impose."""
     before, now = terms.step.state.reaction, terms.reaction
     mean = now if before is None else 0.5 * (before + now)
     return float(mean @ (terms.step.dt * terms.step.body.drive))
 
 
 def _of_pull(terms):
-    """Mean force of the line times the way of its far end."""
+    """Mean force of the line times the displacement of its far end."""
     force = -0.5 * (terms.step.line_force + terms.trial.line[:3])
     return float(force @ (terms.step.dt * terms.step.body.line.velocity))
 

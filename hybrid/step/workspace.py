@@ -1,4 +1,4 @@
-"""Memory that the steps of one model use in turn, so that no step allocates it anew."""
+"""Memory that the steps of one model use in turn, so that a step allocates as little as possible."""
 
 from hybrid.linalg.system_cache import Systems
 from hybrid.soil.workspace import SoilWorkspace
