@@ -27,7 +27,7 @@ from hybrid.step.model import Model
 from hybrid.step.search_reach import travel_ratio
 from hybrid.step.work import work_after
 
-LARGEST_ROTATION = 2.0  # [rad] of a body in a step; beyond π it cannot be distinguished from a rotation in the opposite direction
+LARGEST_ROTATION = 2.0  # [rad] of a body in a step; beyond π it equals a smaller rotation in the opposite direction
 
 
 @dataclass(frozen=True)
