@@ -58,7 +58,7 @@ def model_sheet(scene, model, imbalance=None, level="", most_points=0):
 
 def _moving_grid(scene):
     """Row about a grid that follows a body, if it does."""
-    axes = [name for name in "xyz" if getattr(scene.grid, name).travels]
+    axes = [name for name in "xyz" if getattr(scene.grid, name).moves]
     followed = scene.grid.follow or scene.bodies[0].name if axes else ""
     return {"grid follows": f"{followed}, along {', '.join(axes)}"} if axes else {}
 
@@ -187,7 +187,7 @@ def not_modelled(scene, model, pattern):
 
 def _outside_the_window(grid, soil):
     """Texts about the cells and the soil that a grid that follows a body does without."""
-    axes = {name: axis for name, axis in zip("xyz", (grid.x, grid.y, grid.z)) if axis.travels}
+    axes = {name: axis for name, axis in zip("xyz", (grid.x, grid.y, grid.z)) if axis.moves}
     windows = [name for name, axis in axes.items() if axis.window]
     whole = 1
     for name, nodes in zip("xyz", soil.grid.axes):

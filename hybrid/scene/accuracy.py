@@ -192,7 +192,7 @@ def _fitted(scene, name, size):
     if axis.nodes is not None:
         raise SceneError(f"grid.{name}.nodes: accuracy cannot change cells that are given one by one; give "
                          f"grid.{name}.size, or leave accuracy out")
-    (start, end), block = axis.fine or (axis.start, axis.end), 2**axis.doublings if axis.travels else 1
+    (start, end), block = axis.fine or (axis.start, axis.end), 2**axis.doublings if axis.moves else 1
     ends = [corner[number] for corner in (scene.soil.lower, scene.soil.upper) if corner]
     ends += [scene.soil.top] * (name == "z" and scene.soil.top is not None)
     inside = [(place - start) / (end - start) for place in ends if start < place < end]

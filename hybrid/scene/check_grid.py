@@ -16,7 +16,7 @@ def grid_faults(scene):
 def _axis(key, axis):
     kinds = [name for name, given in (("nodes", axis.nodes is not None), ("fine", axis.fine is not None),
                                       ("collapsed", axis.collapsed)) if given]
-    if kinds or not axis.travels:
+    if kinds or not axis.moves:
         kinds += [name for name in ("around", "window") if getattr(axis, name) is not None][:1]
     if len(kinds) > 1:
         yield f"{key}: {' and '.join(kinds)} exclude each other; keep one of them"
@@ -40,7 +40,7 @@ def _moving_grid(scene):
     """Faults of a grid that moves with a body."""
     grid, soil = scene.grid, scene.soil
     names = [body.name for body in scene.bodies]
-    if not grid.travels:
+    if not grid.moves:
         yield from need(grid.follow is None, "grid.follow", grid.follow, "left out",
                         "or give an axis `around` or `window` [m], which lets it move with a body")
         return
@@ -54,7 +54,7 @@ def _moving_grid(scene):
                     "leave `around` and `window` out")
     for name in "xyz":
         axis, key = getattr(grid, name), f"grid.{name}"
-        if not axis.travels or axis.start is None or axis.end is None or not (axis.size or 0) > 0:
+        if not axis.moves or axis.start is None or axis.end is None or not (axis.size or 0) > 0:
             continue
         for margin, least, reason in (("around", axis.size, "the body would touch cells that are not the smallest"),
                                       ("window", 0.0, "they are measured outwards from the body's bounding box")):

@@ -35,7 +35,7 @@ class Axis:
                          "widest cells", "-", default=3, at_least=1, at_most=8, remedy="3 is usual")
 
     @property
-    def travels(self):
+    def moves(self):
         """Whether the nodes move with a body."""
         return self.around is not None or self.window is not None
 
@@ -77,6 +77,6 @@ class Grid:
         default="freeze")
 
     @property
-    def travels(self):
+    def moves(self):
         """Whether an axis moves with a body."""
-        return any(axis.travels for axis in (self.x, self.y, self.z))
+        return any(axis.moves for axis in (self.x, self.y, self.z))

@@ -82,7 +82,7 @@ def table(cls=None, *, kw_only=False):
         return lambda cls: table(cls, kw_only=kw_only)
     cls = dataclass(frozen=True, kw_only=kw_only)(cls)
     if cls.__doc__:     # None under python -OO
-        cls.__doc__ += "\n\n" + "\n".join(_line(f) for f in fields(cls))
+        cls.__doc__ = cls.__doc__.rstrip() + "\n\n" + "\n".join(_line(f) for f in fields(cls))
     return cls
 
 

@@ -11,26 +11,26 @@ from hybrid.step.moving_grid import MovingGrid
 def build_grid(scene, placed=()):
     """(Grid with its held faces, MovingGrid or None, its layouts) for bodies `placed`, each a RigidBody and BodyState.
 
-    The MovingGrid and its layouts are None where the grid stands still.
+    The MovingGrid and its layouts are None if the grid does not move.
     """
     described = (scene.grid.x, scene.grid.y, scene.grid.z)
     extent = np.array([(axis.start, axis.end) for axis in described])
-    axes = [None if axis.travels else axis_nodes(axis) for axis in described]
+    axes = [None if axis.moves else axis_nodes(axis) for axis in described]
     moving = {number: build_moving_axis(axis, upwards=number == 2)
-              for number, axis in enumerate(described) if axis.travels}
+              for number, axis in enumerate(described) if axis.moves}
     faces = {face: getattr(scene.grid.faces, face) for face in FACES}
     if not moving:
         return make_grid(axes, extent, faces, scene.soil.held), None, None
     names = [body.name for body, _ in placed]
     followed = names.index(scene.grid.follow) if scene.grid.follow else 0
-    moving_grid = MovingGrid(followed, moving, axes, extent, faces,
-                    np.broadcast_to(scene.soil.points_per_axis, 3), scene.grid.behind == "freeze")
+    moving_grid = MovingGrid(followed, moving, axes, extent, faces, np.broadcast_to(scene.soil.points_per_axis, 3),
+                             scene.grid.behind == "freeze")
     layouts = moving_grid.layouts_for(rigid.bounding_box(*placed[followed]))
     return moving_grid.grid(layouts), moving_grid, layouts
 
 
 def axis_nodes(axis):
-    """Coordinates [m] of the nodes along an axis that stands still; a collapsed axis has one node."""
+    """Coordinates [m] of the nodes along an axis that does not move; a collapsed axis has one node."""
     if axis.collapsed:
         return np.array([0.5 * (axis.start + axis.end)])
     if axis.nodes is not None:

@@ -23,15 +23,15 @@ def column(accuracy=None, solver=Solver(), z=None):
 
 
 def test_levels_change_cells_steps_and_tolerances():
-    scene, told = accuracy.apply_accuracy(column("reference"))
+    scene, texts = accuracy.apply_accuracy(column("reference"))
     level = accuracy.levels()["reference"]
     assert (scene.grid.z.size, scene.time.step, scene.stages[0].steps) == (HEIGHT / 16, 0.5, 16)
     assert scene.output == Output(every=10, pictures=(2, 16), checkpoint=0)
     own = dataclasses.replace(column("draft"), stages=(Stage("load", 8, 0.5, gravity=(0.0, 1.0)),))
     assert accuracy.apply_accuracy(own)[0].stages[0].step == 0.5 * accuracy.levels()["draft"].step == 1.0
     assert (scene.solver.tolerance, scene.solver.linear_tolerance) == (level.tolerance, level.linear_tolerance)
-    assert scene.accuracy is None and "cells x 0.5" in told[0]
-    assert build(column("reference")).sheet()["modelled"]["accuracy"] == told
+    assert scene.accuracy is None and "cells x 0.5" in texts[0]
+    assert build(column("reference")).sheet()["modelled"]["accuracy"] == texts
 
 
 def test_what_a_scene_gives_of_the_solver_stays():

@@ -79,7 +79,7 @@ def test_a_stage_may_have_a_pair_of_newmark_whatever_the_scheme(path):
         assert load_scene(path, [f"time.scheme={scheme}", *pair]).stages[0].gamma == 1.0
 
 
-def test_all_faults_are_told_at_once(path):
+def test_all_faults_are_listed_at_once(path):
     message = refused(path, "time.beta=0.1", "stage.0.steps=0", "body.0.friction=-1")
     assert "3 faults" in message
     assert all(key in message for key in ("time.beta", "stage.0.steps", "body.0.friction"))

@@ -27,7 +27,7 @@ def column(target, z=None, soil=(), solver=Solver(), bodies=()):
         stages=(Stage("load", 40, gravity=(0.0, 1.0)),), solver=solver, output=Output(every=0, checkpoint=0))
 
 
-def settled(*target, **values):
+def with_target(*target, **values):
     """Scene and texts under the settings of BEAM."""
     return accuracy.apply_target(column(Target(*target), **values), Target(*target), {"beam": BEAM})
 
@@ -52,14 +52,14 @@ def test_a_column_of_another_height_keeps_to_its_target():
     assert 1.5 * cheap < dear
 
 
-def test_cells_and_options_are_taken_and_told():
+def test_cells_and_options_are_set_and_reported():
     """1.5 m across 4.5 cells are 0.33 m; 12 m are 36 of them."""
-    scene, told = settled("beam", 0.05, 1.5)
+    scene, texts = with_target("beam", 0.05, 1.5)
     assert scene.accuracy is None and scene.grid.z.size == pytest.approx(1 / 3) and scene.grid.x.collapsed
     assert (scene.soil.ghost, scene.soil.points_per_axis, scene.solver.line_search) == (0.033, 3, False)
     assert scene.stages == column(None).stages and scene.time == column(None).time
-    assert "error 0.02 of beam (fine): 4.5 cells in its depth, here 1.5 m" in told and "h = 0.3333 m" in told
-    assert "soil.ghost = 0.033" in told and "solver.line_search = false" in told
+    assert "error 0.02 of beam (fine): 4.5 cells in its depth, here 1.5 m" in texts and "h = 0.3333 m" in texts
+    assert "soil.ghost = 0.033" in texts and "solver.line_search = false" in texts
 
 
 def test_it_is_on_the_sheet():
@@ -68,21 +68,21 @@ def test_it_is_on_the_sheet():
 
 
 def test_the_cheapest_that_is_near_enough_is_taken():
-    assert settled("beam", 0.5, 1.0)[0].grid.z.size == 0.5
-    assert settled("beam", 0.02, 1.0)[0].grid.z.size == pytest.approx(12 / 54)
+    assert with_target("beam", 0.5, 1.0)[0].grid.z.size == 0.5
+    assert with_target("beam", 0.02, 1.0)[0].grid.z.size == pytest.approx(12 / 54)
 
 
-def test_what_a_scene_gives_itself_stays():
-    scene, told = settled("beam", 0.02, 1.0, soil={"ghost": 0.1})
-    assert (scene.soil.ghost, scene.soil.points_per_axis) == (0.1, 3) and "soil.ghost = 0.1 kept" in told
+def test_values_that_a_scene_gives_stay():
+    scene, texts = with_target("beam", 0.02, 1.0, soil={"ghost": 0.1})
+    assert (scene.soil.ghost, scene.soil.points_per_axis) == (0.1, 3) and "soil.ghost = 0.1 kept" in texts
 
 
 def test_springs_of_contact_scale_with_the_length():
     """p_f L is what counts; a penalty that is given stays."""
     body = Body(GEOMETRY / "box.geo", 1000.0)
-    scene, told = settled("beam", 0.02, 1.5, bodies=(body, dataclasses.replace(body, name="b", penalty=7.0)))
+    scene, texts = with_target("beam", 0.02, 1.5, bodies=(body, dataclasses.replace(body, name="b", penalty=7.0)))
     assert [b.penalty for b in scene.bodies] == [20.0, 7.0]
-    assert "body.0.penalty = 20" in told and "body.1.penalty = 7 kept" in told
+    assert "body.0.penalty = 20" in texts and "body.1.penalty = 7 kept" in texts
 
 
 @pytest.mark.parametrize("axis, soil, size", [
@@ -93,9 +93,9 @@ def test_springs_of_contact_scale_with_the_length():
     (Axis(start=0.0, end=12.0, size=0.1, around=(1.0, 1.0)), {"top": 10.0}, 0.5),          # in blocks of 2^3
     (Axis(start=0.0, end=0.3, size=0.1), {}, 0.3)])
 def test_the_next_smaller_size_that_fits(axis, soil, size):
-    scene, told = settled("beam", 0.5, 1.0, z=axis, soil=soil)
+    scene, texts = with_target("beam", 0.5, 1.0, z=axis, soil=soil)
     assert scene.grid.z.size == pytest.approx(size)
-    assert ("fitted" in told[1]) == (size != 0.5)
+    assert ("fitted" in texts[1]) == (size != 0.5)
 
 
 # ---------------------------------------------------------------- what is refused
