@@ -1,7 +1,7 @@
 """The verification ladder of the soil: six rungs from a column to a footing, each with its closed form.
 
     columns        two columns under their own weight, Lambert's W: order of GIMP, failure of standard MPM
-    cantilever     bent right down in plane strain, against elastica and a beam of Hencky fibres
+    cantilever     bent down by most of its length in plane strain, against elastica and a beam of Hencky fibres
     manufactured   orders in space and time, of points at rest, shaken and drifting; a swirl in three dimensions
     wave           a pulse in a bar: speed, shape, energy under four schemes
     dimensions     column, cantilever and bar again in three dimensions: the same numbers at what cost

@@ -143,7 +143,7 @@ def wave(path, rides, module):
         energy.set_ylabel("energy / that of the start")
         energy.set_ylim(0, 1.05)
         energy.legend(loc="lower left", fontsize=7)
-        letters((shape, energy), ("pulse, thrown back by both ends", "energy"))
+        letters((shape, energy), ("pulse, reflected by both ends", "energy"))
     return path
 
 

@@ -1,9 +1,9 @@
-"""A pulse of small strain runs along a bar, is thrown back by the free end and by the wall, and should be as it was.
+"""A pulse of small strain runs along a bar, is reflected by the free end and by the wall, and should return unchanged.
 
     wall |-----/\\------------- free      c = √(E/ρ), ν = 0;  u = A exp(-(Z - z0 - ct)²/2w²)
     z = 0     z0 ->               L      Riemann: v = -c u'
 
-The free end throws it back upright, the wall upside down: after 2L/c it is its own negative. Speed: place of the
+The free end reflects it upright, the wall upside down: after 2L/c it is its own negative. Speed: place of the
 maximum before the first end is reached. Energy: kinetic of the points and elastic.
 """
 
