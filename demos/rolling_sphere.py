@@ -11,8 +11,8 @@ Six unknowns, 3 200 points, 820 triangles, 100 steps of 0.01 s: 1 to 2 s for eac
 To the first pass of contact the slope is a lattice of corners, s = r/2 apart: a ride over bumps of s²/(4r) = 16 mm,
 in the air for 5 to 9 steps. rolling_sphere.toml shows how its penalty was chosen. Errors fall as spacing and facets
 are refined together (and the penalty grows as s⁻³, which shrinks the overlap with the bumps; only the track of the
-sphere is then modelled). The second pass integrates over the flat faces between the corners, so nothing bounces: what is left is
-the sphere's own facets. Largest errors over the five μ:
+sphere is then modelled). The second pass integrates over the flat faces between the corners, so nothing bounces: what
+is left is the error of the sphere's own facets. Largest errors over the five μ:
 
                   first pass                              second pass
     spacing s     0.125 m   0.0625 m   0.03125 m          0.125 m
