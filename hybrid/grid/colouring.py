@@ -7,15 +7,14 @@ additions at a node does not depend on the number of threads, so results are bit
 Within a slab points go cell by cell: what one adds to is still in the processor's cache when the next one comes.
 """
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 WIDTH = 2
 
 
-@dataclass(frozen=True)
-class Slabs:
+class Slabs(NamedTuple):
     """order: (n,) points sorted by slab; start: (slabs + 1,) offsets into `order`."""
 
     order: np.ndarray

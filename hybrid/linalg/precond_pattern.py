@@ -22,7 +22,7 @@ import numpy as np
 from numba import njit, prange
 
 from hybrid.grid.numbering import node_number
-from hybrid.linalg.stencil import PLACES, entry, offset_of_place
+from hybrid.linalg.stencil import PLACES, offset_of_place
 
 
 def reduced_entries(pattern, shape, small_support):
@@ -30,7 +30,7 @@ def reduced_entries(pattern, shape, small_support):
     between nodes of one cell or in the columns of light nodes."""
     chosen = np.empty(len(pattern.indices), np.bool_)
     nodes = np.flatnonzero(pattern.row >= 0)
-    _choose(nodes, small_support, shape, pattern.sparsity, chosen)
+    _choose(nodes, small_support, pattern.free, shape, pattern.sparsity, chosen)
     return chosen
 
 
@@ -59,8 +59,8 @@ def _take(values, chosen, near):
 
 
 @njit(cache=True, parallel=True)
-def _choose(nodes, small_support, shape, sparsity, chosen):
-    dof, slot = sparsity.dof, sparsity.slot
+def _choose(nodes, small_support, free, shape, sparsity, chosen):
+    dof, _, slot, indptr = sparsity
     for r in prange(len(nodes)):
         v = nodes[r]
         for s in range(PLACES):
@@ -71,9 +71,9 @@ def _choose(nodes, small_support, shape, sparsity, chosen):
             kept = small_support[w] or max(abs(i), abs(j), abs(k)) <= 1
             width = 0
             for k in range(3):
-                width += dof[w, k] >= 0
+                width += free[w, k]
             for i in range(3):
-                if dof[v, i] >= 0:
-                    at = entry(sparsity, v, i, s)
+                if free[v, i]:
+                    at = indptr[dof[v, i]] + slot[r, s]
                     for k in range(width):
                         chosen[at + k] = kept

@@ -17,7 +17,7 @@ wider than its cell, at most three nodes an axis carry a point.
 The second index is the axis, the third the node counted from `first`. Fixed during a step.
 """
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit, prange
@@ -27,9 +27,8 @@ from hybrid.runtime.errors import StepError
 SNAP = 1e-8  # a domain end this close to a node (as a fraction of the cell) is moved onto it: no hair-thin overlaps
 
 
-@dataclass(frozen=True)
-class Basis:
-    """Basis of all points at the start of a step; shapes in the module's table."""
+class Basis(NamedTuple):
+    """Basis of all points at the start of a step; shapes in the module's table. Kernels take it whole."""
 
     first: np.ndarray
     count: np.ndarray
@@ -37,23 +36,23 @@ class Basis:
     gradient: np.ndarray
 
 
-def evaluate_basis(position, half, axes):
-    """Basis of points at `position` (n, 3) [m] with domain half-widths `half` (n, 3) [m], zero for standard MPM.
+def evaluate_basis(position, half_width, axes):
+    """Basis of points at `position` (n, 3) [m] with domain half-widths (n, 3) [m], zero for standard MPM.
 
     Raises StepError when a domain reaches outside the grid.
     """
     n = len(position)
     basis = Basis(np.zeros((n, 3), np.int32), np.ones((n, 3), np.int32), np.zeros((n, 3, 3)), np.zeros((n, 3, 3)))
-    astray = np.empty(n, np.bool_)
+    outside = np.empty(n, np.bool_)
     for axis, nodes in enumerate(axes):
         if len(nodes) == 1:
             basis.value[:, axis, 0] = 1.0
             continue
-        _axis_basis(position, half, nodes, axis, basis.first, basis.count, basis.value, basis.gradient, astray)
-        if astray.any():
-            outside = np.flatnonzero(astray)[-1]
+        _axis_basis(position, half_width, nodes, axis, basis, outside)
+        if outside.any():
+            p = np.flatnonzero(outside)[-1]
             raise StepError(
-                f"point {outside} at {'xyz'[axis]} = {position[outside, axis]:.6g} m left the grid "
+                f"point {p} at {'xyz'[axis]} = {position[p, axis]:.6g} m left the grid "
                 f"[{nodes[0]:.6g}, {nodes[-1]:.6g}] m; enlarge grid.{'xyz'[axis]} or shorten the step")
     return basis
 
@@ -124,11 +123,12 @@ def support(x, half, nodes):
 
 
 @njit(cache=True, parallel=True)
-def _axis_basis(position, half, nodes, axis, first, count, value, slope, outside):
-    """Fill one axis of the basis; outside: (n,) bool, points that are not in the grid."""
+def _axis_basis(position, half_width, nodes, axis, basis, outside):
+    """Fill one axis of the basis; outside: (n,) bool, points whose domains reach outside the grid."""
+    first, count, value, gradient = basis
     slack = 1e-9 * (nodes[-1] - nodes[0])
     for p in prange(len(position)):
-        x, l = position[p, axis], half[p, axis]
+        x, l = position[p, axis], half_width[p, axis]
         outside[p] = not (x - l >= nodes[0] - slack and x + l <= nodes[-1] + slack)
         if outside[p]:
             continue
@@ -138,7 +138,7 @@ def _axis_basis(position, half, nodes, axis, first, count, value, slope, outside
         for a in range(j - i + 1):
             if l > 0.0:
                 value[p, axis, a] = hat_integral(low, high, i + a, nodes) / (high - low)
-                slope[p, axis, a] = (hat(high, i + a, nodes) - hat(low, i + a, nodes)) / (high - low)
+                gradient[p, axis, a] = (hat(high, i + a, nodes) - hat(low, i + a, nodes)) / (high - low)
             else:
                 value[p, axis, a] = hat(x, i + a, nodes)
-                slope[p, axis, a] = (2 * a - 1) / (nodes[j] - nodes[i])
+                gradient[p, axis, a] = (2 * a - 1) / (nodes[j] - nodes[i])

@@ -27,13 +27,14 @@ gradient g_v everywhere; this one is the derivative of the energy, the mean dila
 Equations: FORMULATION (22) to (24).
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit, prange
 
 from hybrid.soil.basis import Basis, support
-from hybrid.soil.forces import gradients
-from hybrid.soil.stiffness import WIDTH, add_row, contract, find_stacks, free_components, scratch
-from hybrid.soil.tangent import point_tangent
+from hybrid.soil.forces import current_gradients, reference_gradients
+from hybrid.soil.rows import WIDTH
 
 
 def mean_basis(position, half, axes, basis):
@@ -59,34 +60,41 @@ def _mean_values(x, half, nodes, axis, value):
             value[p, axis, a + 1] += 0.5 * share
 
 
+class MeanDilatation(NamedTuple):
+    """What F-bar adds to a trial: values m_v (n, 3, 3) of the mean basis, ΔF_0^-1 (n, 3, 3), and the axes that deform
+    (3,) bool."""
+
+    value: np.ndarray
+    inverse: np.ndarray
+    deforms: np.ndarray
+
+
+def mean_dilatation(step, collapsed, trial):
+    """MeanDilatation of a `trial` (TrialStrain) of a `step` (SoilStep); collapsed: (3,) bool, axes of the grid."""
+    return MeanDilatation(step.mean.value, trial.mean_inverse, ~collapsed)
+
+
 def add_force(step, shape, collapsed, trial, stress, volume, force):
     """Add V0 q H_v to nodal forces (N, 3) [N]; stress: (n, 3, 3) Kirchhoff [Pa]; volume: (n,) initial [m³]."""
-    basis, mean, slabs = step.basis, step.mean, step.slabs
-    _add_force(slabs.order, slabs.start, basis.first, basis.count, basis.value, mean.value, basis.gradient, shape[1],
-               shape[2], trial.inverse, trial.mean_inverse, ~collapsed, np.count_nonzero(~collapsed), stress, volume,
-               force)
-
-
-def add_stiffness(step, shape, collapsed, trial, principal_stress, tangent, volume, pattern, values):
-    """Add the consistent tangent with F-bar to the entries `values` of a matrix of sparsity `pattern`."""
-    basis, mean, slabs = step.basis, step.mean, step.slabs
-    _add_stiffness(slabs.order, slabs.start, basis.first, basis.count, basis.value, mean.value, basis.gradient, shape[1],
-                   shape[2], trial.inverse, trial.mean_inverse, ~collapsed, trial.strain, trial.directions,
-                   principal_stress, tangent, volume, pattern.dof, pattern.row, pattern.slot, pattern.indptr, values)
+    dilatation = mean_dilatation(step, collapsed, trial)
+    _add_force(step.slabs, step.basis, shape, trial.inverse, dilatation, stress, volume, force)
 
 
 @njit(cache=True, parallel=True)
-def _add_force(order, start, first, count, value, mean, slope, ny, nz, inverse, mean_inverse, deforms, axes, stress,
-               volume, force):
-    slabs = len(start) - 1
+def _add_force(slabs, basis, shape, inverse, dilatation, stress, volume, force):
+    (order, start), (first, count, value, gradient) = slabs, basis
+    mean_value, mean_inverse, deforms = dilatation
+    axes = np.sum(deforms)
     for colour in range(2):
-        for pair in prange((slabs - colour + 1) // 2):
+        for pair in prange((len(start) - colour) // 2):
             slab = 2 * pair + colour
             node, g, h = np.empty(27, np.int64), np.empty((27, 3)), np.empty((27, 3))
             for n in range(start[slab], start[slab + 1]):
                 p = order[n]
-                m = gradients(p, first, count, value, slope, ny, nz, inverse, node, g)
-                gradients(p, first, count, mean, slope, ny, nz, mean_inverse, node, h)
+                m = reference_gradients(p, first, count, value, gradient, shape, node, g)
+                reference_gradients(p, first, count, mean_value, gradient, shape, node, h)
+                current_gradients(inverse[p], m, g)
+                current_gradients(mean_inverse[p], m, h)
                 q = 0.0
                 for i in range(3):
                     if deforms[i]:
@@ -96,10 +104,19 @@ def _add_force(order, start, first, count, value, mean, slope, ny, nz, inverse, 
                         force[node[a], i] += q * (h[a, i] - g[a, i])
 
 
+@njit(cache=True)
+def subtract(h, g, m, H):
+    """Fill H_v = h_v - g_v of the m nodes of a point, each (27, 3)."""
+    for a in range(m):
+        for i in range(3):
+            H[a, i] = h[a, i] - g[a, i]
+
+
 @njit(cache=True, fastmath={"contract"})
-def _projections(A, directions, stress, deforms, c, e):
-    """Fill c = C:P/n and e = P:C/n; returns q and κ. C_ijkl = A_ijkl + τ_il δ_jk."""
+def project(A, directions, stress, volume, deforms, ce):
+    """Fill c = C:P/n and e = P:C/n, the two parts of `ce` (2, 3, 3), of one point; returns V0, q and κ. C_ijkl = A_ijkl + τ_il δ_jk."""
     axes, q, kappa = np.sum(deforms), 0.0, 0.0
+    c, e = ce[0], ce[1]
     for i in range(3):
         for j in range(3):
             tau = 0.0
@@ -118,16 +135,18 @@ def _projections(A, directions, stress, deforms, c, e):
     for i in range(3):
         if deforms[i]:
             kappa += c[i, i] / axes
-    return q, kappa
+    return volume, q, kappa
 
 
 @njit(cache=True, fastmath={"contract"})
-def _forms(unknown, size, volume, g, h, c, e, kappa, q, H, B, S):
-    """Fill H_v of the nodes of a point and S_ij of its free components, in nine rows of WIDTH, and add to B_ij, which
-    is V0 A_ijkl g_w,l, what H makes of it."""
-    for a in range(len(H)):
-        for i in range(3):
-            H[a, i] = h[a, i] - g[a, i]
+def add_mean_dilatation(unknown, size, scalars, ce, g, h, H, B, S):
+    """Fill S_ij of the free components of a point, and add the terms of F-bar to B_ij, which is V0 A_ijkl g_w,l; both
+    in nine rows of WIDTH.
+
+    unknown: (2, size) as `free_components` fills it; scalars, ce: as `project` gives them; g, h, H: (27, 3). Nine
+    arguments: a tuple of arrays that a thread has allocated costs 4 % of the assembly.
+    """
+    (volume, q, kappa), c, e = scalars, ce[0], ce[1]
     for n in range(size):
         w, k = unknown[0, n], unknown[1, n]
         own = volume * H[w, k]
@@ -140,31 +159,3 @@ def _forms(unknown, size, volume, g, h, c, e, kappa, q, H, B, S):
             at = (3 * i + k) * WIDTH + np.uintp(n)
             B[at] -= volume * q * H[w, i]
             S[at] -= volume * q * h[w, i]
-
-
-@njit(cache=True, parallel=True)
-def _add_stiffness(order, start, first, count, value, mean, slope, ny, nz, inverse, mean_inverse, deforms, strain,
-                   directions, stress, tangent, volume, dof, row, slot, indptr, values):
-    slabs = len(start) - 1
-    for colour in range(2):
-        for pair in prange((slabs - colour + 1) // 2):
-            slab = 2 * pair + colour
-            node, g, code, unknown, stack, place = scratch()
-            h, H, B, S = np.empty((27, 3)), np.empty((27, 3)), np.empty(9 * 81), np.empty(9 * 81)
-            A, work, c, e = np.empty(81), np.empty((3, 81)), np.empty((3, 3)), np.empty((3, 3))
-            for n in range(start[slab], start[slab + 1]):
-                p = order[n]
-                m = gradients(p, first, count, value, slope, ny, nz, inverse, node, g)
-                gradients(p, first, count, mean, slope, ny, nz, mean_inverse, node, h)
-                stacks = free_components(count[p], node, dof, code, unknown, stack)
-                point_tangent(directions[p], directions[p], strain[p], stress[p], tangent[p], A, work)
-                q, kappa = _projections(A, directions[p], stress[p], deforms, c, e)
-                contract(A, g, volume[p], unknown, stack[1, stacks], B)
-                _forms(unknown, stack[1, stacks], volume[p], g[:m], h[:m], c, e, kappa, q, H[:m], B, S)
-                for a in range(m):
-                    if find_stacks(row[node[a]], code[a], stack, stacks, slot, place):
-                        for i in range(3):
-                            if dof[node[a], i] >= 0:
-                                begin, x = indptr[dof[node[a], i]], np.uintp(3 * i) * WIDTH
-                                add_row(values, begin, place, stack, stacks, B, x, g[a, 0], g[a, 1], g[a, 2])
-                                add_row(values, begin, place, stack, stacks, S, x, H[a, 0], H[a, 1], H[a, 2])

@@ -10,46 +10,45 @@ With τ the Kirchhoff stress, g_v = ΔF^-T ∇_n S_v the current gradient and V0
 import numpy as np
 from numba import njit, prange
 
+from hybrid.grid.numbering import node_number
+
 
 def internal_force(basis, slabs, shape, trial, stress, volume):
     """Nodal internal force (N, 3) [N] from Kirchhoff stress (n, 3, 3) [Pa] and initial volumes (n,) [m³]."""
     force = np.zeros((int(np.prod(shape)), 3))
-    _internal_force(slabs.order, slabs.start, basis.first, basis.count, basis.value, basis.gradient, shape[1], shape[2],
-                    trial.inverse, stress, volume, force)
+    _internal_force(slabs, basis, shape, trial.inverse, stress, volume, force)
     return force
 
 
 @njit(cache=True)
-def gradients(p, first, count, value, slope, ny, nz, inverse, node, g):
-    """Nodes and current gradients ∇S of one point; returns how many."""
-    m, f = reference_gradients(p, first, count, value, slope, ny, nz, node, g), inverse[p]
+def current_gradients(inverse, m, g):
+    """Turn m gradients ∇_n S (m, 3) of one point into g = ΔF^-T ∇_n S; inverse: its ΔF^-1 (3, 3)."""
     for a in range(m):
         g0, g1, g2 = g[a, 0], g[a, 1], g[a, 2]
         for j in range(3):
-            g[a, j] = g0 * f[0, j] + g1 * f[1, j] + g2 * f[2, j]
-    return m
+            g[a, j] = g0 * inverse[0, j] + g1 * inverse[1, j] + g2 * inverse[2, j]
 
 
 @njit(cache=True)
-def reference_gradients(p, first, count, value, slope, ny, nz, node, g):
+def reference_gradients(p, first, count, value, gradient, shape, node, g):
     """Nodes and gradients ∇_n S of one point; returns how many."""
     m = 0
     for a in range(count[p, 0]):
         for b in range(count[p, 1]):
-            along_x, along_y = slope[p, 0, a] * value[p, 1, b], value[p, 0, a] * slope[p, 1, b]
+            along_x, along_y = gradient[p, 0, a] * value[p, 1, b], value[p, 0, a] * gradient[p, 1, b]
             both = value[p, 0, a] * value[p, 1, b]
             for c in range(count[p, 2]):
-                node[m] = ((first[p, 0] + a) * ny + first[p, 1] + b) * nz + first[p, 2] + c
-                g[m, 0], g[m, 1], g[m, 2] = along_x * value[p, 2, c], along_y * value[p, 2, c], both * slope[p, 2, c]
+                node[m] = node_number(shape, first[p, 0] + a, first[p, 1] + b, first[p, 2] + c)
+                g[m, 0], g[m, 1], g[m, 2] = along_x * value[p, 2, c], along_y * value[p, 2, c], both * gradient[p, 2, c]
                 m += 1
     return m
 
 
 @njit(cache=True, parallel=True)
-def _internal_force(order, start, first, count, value, slope, ny, nz, inverse, stress, volume, force):
-    slabs = len(start) - 1
+def _internal_force(slabs, basis, shape, inverse, stress, volume, force):
+    (order, start), (first, count, value, gradient) = slabs, basis     # at no cost, unlike access in the loops
     for colour in range(2):
-        for pair in prange((slabs - colour + 1) // 2):
+        for pair in prange((len(start) - colour) // 2):
             slab, P = 2 * pair + colour, np.empty((3, 3))
             for n in range(start[slab], start[slab + 1]):
                 p = order[n]
@@ -57,22 +56,22 @@ def _internal_force(order, start, first, count, value, slope, ny, nz, inverse, s
                     for j in range(3):
                         P[i, j] = volume[p] * (stress[p, i, 0] * inverse[p, j, 0] + stress[p, i, 1] * inverse[p, j, 1]
                                                + stress[p, i, 2] * inverse[p, j, 2])
-                _add_force(p, first, count, value, slope, ny, nz, P, force)
+                _add_force(p, first, count, value, gradient, shape, P, force)
 
 
 @njit(cache=True, fastmath={"contract"})
-def _add_force(p, first, count, value, slope, ny, nz, P, force):
+def _add_force(p, first, count, value, gradient, shape, P, force):
     """Add P_ij ∂_n,j S_v of one point; what nodes that differ in z only share is formed once."""
     for a in range(count[p, 0]):
         for b in range(count[p, 1]):
-            along_x, along_y = slope[p, 0, a] * value[p, 1, b], value[p, 0, a] * slope[p, 1, b]
+            along_x, along_y = gradient[p, 0, a] * value[p, 1, b], value[p, 0, a] * gradient[p, 1, b]
             along_z = value[p, 0, a] * value[p, 1, b]
             fx, gx = P[0, 0] * along_x + P[0, 1] * along_y, P[0, 2] * along_z
             fy, gy = P[1, 0] * along_x + P[1, 1] * along_y, P[1, 2] * along_z
             fz, gz = P[2, 0] * along_x + P[2, 1] * along_y, P[2, 2] * along_z
-            v = ((first[p, 0] + a) * ny + first[p, 1] + b) * nz + first[p, 2]
+            v = node_number(shape, first[p, 0] + a, first[p, 1] + b, first[p, 2])
             for c in range(count[p, 2]):
-                s, d = value[p, 2, c], slope[p, 2, c]
+                s, d = value[p, 2, c], gradient[p, 2, c]
                 force[v + c, 0] += fx * s + gx * d
                 force[v + c, 1] += fy * s + gy * d
                 force[v + c, 2] += fz * s + gz * d

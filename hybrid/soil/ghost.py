@@ -77,12 +77,12 @@ def _fill(first, count, modulus, reached, weighted):
 
 def add_force(ghost, grid, displacement, force):
     """Add the penalty's force at nodal increments (N, 3) [m] to `force` (N, 3) [N]."""
-    _add_force(ghost.faces, ghost.modulus, *grid.axes, _thickness(grid), displacement, force)
+    _add_force(ghost.faces, ghost.modulus, grid.axes, _thickness(grid), displacement, force)
 
 
 def add_stiffness(ghost, grid, pattern, values):
     """Add the penalty's stiffness to the entries `values` of a matrix of sparsity `pattern`."""
-    _add_stiffness(ghost.faces, ghost.modulus, *grid.axes, _thickness(grid), pattern.sparsity, values)
+    _add_stiffness(ghost.faces, ghost.modulus, grid.axes, _thickness(grid), pattern.sparsity, values)
 
 
 def _thickness(grid):
@@ -110,9 +110,10 @@ def _line(nodes, first, thickness, normal, factor):
 
 
 @njit(cache=True)
-def _face(face, x, y, z, thickness, node, local, matrix):
+def _face(face, axes, thickness, node, local, matrix):
     """Nodes of a face, their local numbers (`hybrid.linalg.stencil`) and the matrix (12, 12) of γ = 1; returns how many."""
     fx, fy, fz = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    x, y, z = axes
     nx = _line(x, face[0], thickness[0], face[3] == 0, fx)
     ny = _line(y, face[1], thickness[1], face[3] == 1, fy)
     nz = _line(z, face[2], thickness[2], face[3] == 2, fz)
@@ -130,10 +131,10 @@ def _face(face, x, y, z, thickness, node, local, matrix):
 
 
 @njit(cache=True)
-def _add_force(faces, modulus, x, y, z, thickness, displacement, force):
+def _add_force(faces, modulus, axes, thickness, displacement, force):
     node, local, matrix = np.empty(12, np.int64), np.empty(12, np.int64), np.empty((12, 12))
     for f in range(len(faces)):
-        m = _face(faces[f], x, y, z, thickness, node, local, matrix)
+        m = _face(faces[f], axes, thickness, node, local, matrix)
         for r in range(m):
             for s in range(m):
                 for i in range(3):
@@ -141,16 +142,17 @@ def _add_force(faces, modulus, x, y, z, thickness, displacement, force):
 
 
 @njit(cache=True)
-def _add_stiffness(faces, modulus, x, y, z, thickness, sparsity, values):
+def _add_stiffness(faces, modulus, axes, thickness, sparsity, values):
+    dof = sparsity.dof
     node, local, matrix = np.empty(12, np.int64), np.empty(12, np.int64), np.empty((12, 12))
     for f in range(len(faces)):
-        m = _face(faces[f], x, y, z, thickness, node, local, matrix)
+        m = _face(faces[f], axes, thickness, node, local, matrix)
         for r in range(m):
             for s in range(m):
                 rank = 0
                 for i in range(3):
-                    held = sparsity.dof[node[s], i] < 0
-                    if sparsity.dof[node[r], i] >= 0 and not held:
+                    held = dof[node[s], i] < 0
+                    if dof[node[r], i] >= 0 and not held:
                         at = entry(sparsity, node[r], i, relative_place(local[r], local[s])) + rank
                         values[at] += modulus[f] * matrix[r, s]
                     rank += not held

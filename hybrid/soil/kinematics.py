@@ -5,9 +5,12 @@
 F-bar (`hybrid.soil.fbar`) scales ΔF before b_trial is formed, so that its determinant is that of ΔF_0.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit, prange
 
+from hybrid.grid.numbering import node_number
 from hybrid.soil.basis import with_margin
 from hybrid.soil.principal import compose, principal, put_principal
 
@@ -71,6 +74,23 @@ class _Buffers:
         self.version = 0
 
 
+class _TrialArrays(NamedTuple):
+    """ΔF, ΔF^-1 and b_trial (n, 3, 3), and whether det ΔF <= 0 (n,) bool."""
+
+    increment: np.ndarray
+    inverse: np.ndarray
+    squares: np.ndarray
+    inverted: np.ndarray
+
+
+class _UpdatedArrays(NamedTuple):
+    """F, b_e and σ [Pa] of the next state, each (n, 3, 3)."""
+
+    deformation: np.ndarray
+    squares: np.ndarray
+    cauchy: np.ndarray
+
+
 class Kinematics:
     """Evaluates trial strains of n points into buffers that it owns, so that no evaluation touches new memory.
 
@@ -93,11 +113,9 @@ class Kinematics:
         buffers.version += 1
         deforms, nodal = np.array(shape) > 1, with_margin(displacement, shape)
         if mean is not None:
-            _volumes(mean.first, mean.value, mean.gradient, shape[1], shape[2], nodal,
-                     buffers.mean_inverse, self._mean_volume)
-        _trial_squares(basis.first, basis.value, basis.gradient, shape[1], shape[2], nodal, b_elastic,
-                       self._mean_volume, deforms, int(deforms.sum()), buffers.increment, buffers.inverse,
-                       self._squares, self._inverted)
+            _volumes(mean, shape, nodal, buffers.mean_inverse, self._mean_volume)
+        _trial_squares(basis, shape, nodal, b_elastic, self._mean_volume, deforms,
+                       _TrialArrays(buffers.increment, buffers.inverse, self._squares, self._inverted))
         put_principal(self._squares, buffers.strain, buffers.directions)
         _logarithms(buffers.strain)
         return TrialStrain(buffers, np.flatnonzero(self._inverted if inactive is None else self._inverted & ~inactive))
@@ -121,27 +139,28 @@ def invert(a, out):
 
 
 @njit(cache=True, parallel=True)
-def _volumes(first, value, slope, ny, nz, u, inverse, volume):
+def _volumes(basis, shape, u, inverse, volume):
+    first, _, value, gradient = basis
     chunk = 256
-    for block in prange((len(first) + chunk - 1) // chunk):
+    for block in prange((len(volume) + chunk - 1) // chunk):
         F = np.empty((3, 3))
-        for p in range(block * chunk, min(len(first), (block + 1) * chunk)):
-            _gradient(p, first, value, slope, ny, nz, u, F)
+        for p in range(block * chunk, min(len(volume), (block + 1) * chunk)):
+            _gradient(p, first, value, gradient, shape, u, F)
             for i in range(3):
                 F[i, i] += 1.0
             volume[p] = invert(F, inverse[p])
 
 
 @njit(cache=True, parallel=True, error_model="numpy")
-def _trial_squares(first, value, slope, ny, nz, u, elastic, mean_volume, deforms, axes, increment, inverse, squares,
-                   inverted):
-    """ΔF, its inverse, and b_trial; what F-bar scales with where there is a mean volume."""
-    chunk = 256
-    for block in prange((len(first) + chunk - 1) // chunk):
+def _trial_squares(basis, shape, u, elastic, mean_volume, deforms, out):
+    """Fill `out` (_TrialArrays). mean_volume: (n,) det ΔF_0 of F-bar, or (0,)."""
+    (first, _, value, gradient), (increment, inverse, squares, inverted) = basis, out
+    chunk, axes = 256, np.sum(deforms)
+    for block in prange((len(increment) + chunk - 1) // chunk):
         half, scaled = np.empty((3, 3)), np.empty((3, 3))
-        for p in range(block * chunk, min(len(first), (block + 1) * chunk)):
+        for p in range(block * chunk, min(len(increment), (block + 1) * chunk)):
             F = increment[p]
-            _gradient(p, first, value, slope, ny, nz, u, F)
+            _gradient(p, first, value, gradient, shape, u, F)
             for i in range(3):
                 F[i, i] += 1.0
             volume = invert(F, inverse[p])
@@ -165,15 +184,15 @@ def _logarithms(values):
 
 
 @njit(cache=True, fastmath={"contract"})
-def _gradient(p, first, value, slope, ny, nz, u, out):
+def _gradient(p, first, value, gradient, shape, u, out):
     """Σ_v u_v ⊗ ∇S_v at one point, summed along z first: the products of the other axes are the same for a column."""
     xx, xy, xz, yx, yy, yz, zx, zy, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     s0, s1, s2 = value[p, 2, 0], value[p, 2, 1], value[p, 2, 2]
-    d0, d1, d2 = slope[p, 2, 0], slope[p, 2, 1], slope[p, 2, 2]
+    d0, d1, d2 = gradient[p, 2, 0], gradient[p, 2, 1], gradient[p, 2, 2]
     for a in range(3):
         for b in range(3):
-            v = ((first[p, 0] + a) * ny + first[p, 1] + b) * nz + first[p, 2]
-            along_x, along_y = slope[p, 0, a] * value[p, 1, b], value[p, 0, a] * slope[p, 1, b]
+            v = node_number(shape, first[p, 0] + a, first[p, 1] + b, first[p, 2])
+            along_x, along_y = gradient[p, 0, a] * value[p, 1, b], value[p, 0, a] * gradient[p, 1, b]
             along_z = value[p, 0, a] * value[p, 1, b]
             sx = u[v, 0] * s0 + u[v + 1, 0] * s1 + u[v + 2, 0] * s2
             sy = u[v, 1] * s0 + u[v + 1, 1] * s1 + u[v + 2, 1] * s2
@@ -221,8 +240,8 @@ def update_strains(trial, elastic, stress, old, deforms):
     apart, F would grow until det F is round-off, and then negative.
     """
     deformation, squares, cauchy = (np.empty_like(old.deformation) for _ in range(3))
-    _carry_on(trial.increment, old.deformation, elastic, trial.directions, stress, deforms, deformation, squares,
-              cauchy)
+    _update(trial.increment, trial.directions, elastic, stress, old.deformation, deforms,
+            _UpdatedArrays(deformation, squares, cauchy))
     return deformation, squares, cauchy
 
 
@@ -232,12 +251,13 @@ def logarithmic(b):
 
 
 @njit(cache=True, parallel=True, error_model="numpy", fastmath={"contract"})
-def _carry_on(increment, old, strain, directions, stress, deforms, deformation, squares, cauchy):
+def _update(increment, directions, strain, stress, old, deforms, out):
+    deformation, squares, cauchy = out
     for p in prange(len(old)):
         F = deformation[p]
         _product(increment[p], old[p], F)
         if _largest(F) > F_LIMIT:
-            _begin_anew(F, deforms)
+            _reset(F, deforms)
         share = 1.0 / determinant(F)
         compose(np.exp(2 * strain[p, 0]), np.exp(2 * strain[p, 1]), np.exp(2 * strain[p, 2]), directions[p], squares[p])
         for i in range(3):
@@ -255,7 +275,7 @@ def _largest(F):
 
 
 @njit(cache=True)
-def _begin_anew(F, deforms):
+def _reset(F, deforms):
     """The same stretch along all axes that deform, with the volume of F where that is not beyond reason."""
     stretch = min(abs(determinant(F)) ** (1.0 / np.sum(deforms)), STRETCH_LIMIT)
     for i in range(3):

@@ -67,7 +67,7 @@ def _mark_filled(first, count, active, filled):
 
 
 def deactivate(old, new, leaving):
-    """`new` Points, except that those inactive in `old` or `leaving` (n,) bool stay as in `old`, at rest and inactive."""
+    """`new` Points, except that those `leaving` (n,) bool or inactive in `old` stay as in `old`, at rest, inactive."""
     inactive = leaving if old.inactive is None else old.inactive | leaving
     if not inactive.any():
         return new

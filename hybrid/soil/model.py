@@ -193,12 +193,7 @@ class Soil:
         """Add the tangent of `trial` at all points to the soil block (entries `values`)."""
         volume = _active_only(step.points, self.constants.volume)
         tangent = step.workspace.law_tangent(trial.response.tangent)
-        if self.fbar:
-            fbar.add_stiffness(step, self.grid.shape, self.grid.collapsed, trial.strain, trial.response.stress,
-                               tangent, volume, pattern, values)
-        else:
-            add_stiffness(step.basis, step.slabs, self.grid.shape, trial.strain, trial.response.stress, tangent, volume,
-                          pattern, values)
+        add_stiffness(step, self.grid, trial.strain, trial.response.stress, tangent, volume, pattern, values)
         if step.cuts:
             ghost.add_stiffness(step.cuts, self.grid, pattern, values)
 

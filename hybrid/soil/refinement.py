@@ -10,9 +10,9 @@ have 2 r_i <= FINE, i being the direction of F e_j. Between the two limits nothi
 and merged alternately.
 
 Not split are points that F stretches by more than DISTORTION_LIMIT along j, whose halves would lie far apart, and
-points at the end of the grid of which one half would lie outside. Halves are neighbours that shared the box of one point
-of twice their width at the start; they are merged only while they lie side by side. No point becomes narrower than
-those of the finest cells, or wider than those of the coarsest.
+points at the end of the grid of which one half would lie outside. Halves are neighbours that at the start shared the box
+of one point of twice their width; they are merged only while they lie side by side. No point becomes narrower than those
+of the finest cells, or wider than those of the coarsest.
 """
 
 from dataclasses import dataclass
@@ -32,8 +32,8 @@ SAME = 1e-6   # of the narrowest points: initial coordinates that differ by less
 class PointRefinement:
     """Splits and merges points to fit the cells of a grid.
 
-    axes: along which points may change; start: (3,) [m] first node of the axes; width: (3,) [m] of the narrowest points;
-    per_axis: (3,) points in a cell along each axis; doublings: how often a width may double.
+    axes: along which points may change; start: (3,) [m] first node of the axes; width: (3,) [m] of the narrowest
+    points; per_axis: (3,) points in a cell along each axis; doublings: how often a width may double.
     """
 
     axes: tuple[int, ...]

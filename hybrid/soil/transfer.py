@@ -22,10 +22,23 @@ Chai, Teran & Selle, ibid. 32 (2013) 102.
 Equations: FORMULATION (5) to (7).
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit, prange
 
+from hybrid.grid.numbering import node_number
 from hybrid.soil.basis import with_margin
+
+
+class _PointFields(NamedTuple):
+    """What points give to the grid: position (n, 3) [m], mass (n,) [kg], fields (f, n, 3) and the gradients C_p of the
+    first k of them, affine (n, k, 3, 3)."""
+
+    position: np.ndarray
+    mass: np.ndarray
+    fields: np.ndarray
+    affine: np.ndarray
 
 
 def points_to_grid(basis, slabs, axes, position, mass, *fields, affine=None):
@@ -34,8 +47,7 @@ def points_to_grid(basis, slabs, axes, position, mass, *fields, affine=None):
     affine = np.empty((len(position), 0, 3, 3)) if affine is None else np.ascontiguousarray(affine)
     nodes = int(np.prod([len(a) for a in axes]))
     m, nodal = np.zeros(nodes), np.zeros((len(fields), nodes, 3))
-    _project(slabs.order, slabs.start, basis.first, basis.count, basis.value, *axes, position, mass, np.stack(fields),
-             affine, m, nodal)
+    _points_to_grid(slabs, basis, tuple(axes), _PointFields(position, mass, np.stack(fields), affine), m, nodal)
     filled = m > 0
     nodal[:, filled] /= m[filled, None]
     return m, *nodal
@@ -44,31 +56,33 @@ def points_to_grid(basis, slabs, axes, position, mass, *fields, affine=None):
 def interpolate(basis, shape, nodal):
     """Values (n, 3) at the points of a nodal field (N, 3)."""
     out = np.empty((len(basis.first), 3))
-    _interpolate(basis.first, basis.value, shape[1], shape[2], with_margin(nodal, shape), out)
+    _interpolate(basis, tuple(shape), with_margin(nodal, shape), out)
     return out
 
 
 def grid_to_points(basis, axes, position, fields):
     """Values (n, 3) and C_p of k nodal fields, each (N, 3), at points of `position` (n, 3) [m]: a list of values, and
     (n, k, 3, 3)."""
-    seen, affine = [np.empty((len(position), 3)) for _ in fields], np.empty((len(position), len(fields), 3, 3))
+    values, affine = [np.empty((len(position), 3)) for _ in fields], np.empty((len(position), len(fields), 3, 3))
     shape = [len(nodes) for nodes in axes]
     for f, nodal in enumerate(fields):
-        _take_up(basis.first, basis.value, *axes, position, with_margin(nodal, shape), seen[f], affine[:, f])
-    return seen, affine
+        _grid_to_points(basis, tuple(axes), position, with_margin(nodal, shape), values[f], affine[:, f])
+    return values, affine
 
 
 @njit(cache=True, parallel=True, fastmath={"contract"})
-def _project(order, start, first, count, value, x, y, z, position, mass, fields, affine, m, nodal):
-    slabs = len(start) - 1
+def _points_to_grid(slabs, basis, axes, points, m, nodal):
+    (order, start), (x, y, z), (position, mass, fields, affine) = slabs, axes, points
+    first, count, value, _ = basis
+    shape = len(x), len(y), len(z)
     for colour in range(2):
-        for half in prange((slabs - colour + 1) // 2):
-            slab = 2 * half + colour
+        for pair in prange((len(start) - colour) // 2):
+            slab = 2 * pair + colour
             for n in range(start[slab], start[slab + 1]):
                 p = order[n]
                 for a in range(count[p, 0]):
                     for b in range(count[p, 1]):
-                        v = ((first[p, 0] + a) * len(y) + first[p, 1] + b) * len(z) + first[p, 2]
+                        v = node_number(shape, first[p, 0] + a, first[p, 1] + b, first[p, 2])
                         along = mass[p] * value[p, 0, a] * value[p, 1, b]
                         for c in range(count[p, 2]):
                             m[v + c] += along * value[p, 2, c]
@@ -88,12 +102,14 @@ def _project(order, start, first, count, value, x, y, z, position, mass, fields,
 
 
 @njit(cache=True, parallel=True, fastmath={"contract"})
-def _interpolate(first, value, ny, nz, nodal, out):
+def _interpolate(basis, shape, nodal, out):
+    first, value = basis.first, basis.value
     for p in prange(len(first)):
         q0, q1, q2, w0, w1, w2 = 0.0, 0.0, 0.0, value[p, 2, 0], value[p, 2, 1], value[p, 2, 2]
         for a in range(3):
             for b in range(3):
-                v, w = ((first[p, 0] + a) * ny + first[p, 1] + b) * nz + first[p, 2], value[p, 0, a] * value[p, 1, b]
+                v = node_number(shape, first[p, 0] + a, first[p, 1] + b, first[p, 2])
+                w = value[p, 0, a] * value[p, 1, b]
                 q0 += w * (nodal[v, 0] * w0 + nodal[v + 1, 0] * w1 + nodal[v + 2, 0] * w2)
                 q1 += w * (nodal[v, 1] * w0 + nodal[v + 1, 1] * w1 + nodal[v + 2, 1] * w2)
                 q2 += w * (nodal[v, 2] * w0 + nodal[v + 1, 2] * w1 + nodal[v + 2, 2] * w2)
@@ -101,9 +117,11 @@ def _interpolate(first, value, ny, nz, nodal, out):
 
 
 @njit(cache=True, parallel=True, fastmath={"contract"})
-def _take_up(first, value, x, y, z, position, nodal, seen, affine):
-    """Values q and C_p of one field, summed along z, then y, then x; weight times arm stands for the slope of the
-    basis. Beyond the last node of the grid there is no weight, and any arm will do."""
+def _grid_to_points(basis, axes, position, nodal, out, affine):
+    """Values q and C_p of one field, summed along z, then y, then x; weight times arm stands for the gradient of
+    the basis. Beyond the last node of the grid the weight is zero, and the arm does not matter."""
+    (x, y, z), first, value = axes, basis.first, basis.value
+    shape = len(x), len(y), len(z)
     for p in prange(len(first)):
         k, top, w0, w1, w2 = first[p, 2], len(z) - 1, value[p, 2, 0], value[p, 2, 1], value[p, 2, 2]
         r0, r1, r2 = z[k] - position[p, 2], z[min(k + 1, top)] - position[p, 2], z[min(k + 2, top)] - position[p, 2]
@@ -115,7 +133,7 @@ def _take_up(first, value, x, y, z, position, nodal, seen, affine):
             t0, t1, t2, tx, ty, tz, ux, uy, uz, squares = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
             for b in range(3):
                 r1 = y[min(first[p, 1] + b, len(y) - 1)] - position[p, 1]
-                v = ((first[p, 0] + a) * len(y) + first[p, 1] + b) * len(z) + k
+                v = node_number(shape, first[p, 0] + a, first[p, 1] + b, k)
                 s0 = nodal[v, 0] * w0 + nodal[v + 1, 0] * w1 + nodal[v + 2, 0] * w2
                 s1 = nodal[v, 1] * w0 + nodal[v + 1, 1] * w1 + nodal[v + 2, 1] * w2
                 s2 = nodal[v, 2] * w0 + nodal[v + 1, 2] * w1 + nodal[v + 2, 2] * w2
@@ -146,7 +164,7 @@ def _take_up(first, value, x, y, z, position, nodal, seen, affine):
             xz += ux * w
             yz += uy * w
             zz += uz * w
-        seen[p, 0], seen[p, 1], seen[p, 2] = q0, q1, q2
+        out[p, 0], out[p, 1], out[p, 2] = q0, q1, q2
         # no gradient along a collapsed axis, nor for a point of standard MPM that sits on a node: it has no arm
         dx = 1.0 / dx if dx > 0.0 and len(x) > 1 else 0.0
         dy = 1.0 / dy if dy > 0.0 and len(y) > 1 else 0.0

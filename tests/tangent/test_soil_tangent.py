@@ -208,7 +208,7 @@ def test_slope_test_fails_without_geometric_or_plastic_terms(law):
         trial = soil.evaluate(step, displacement)
         pattern = make_pattern(step.active, soil.grid.fixed, soil.grid.shape)
         values = np.zeros(len(pattern.indices))
-        add_stiffness(step.basis, step.slabs, soil.grid.shape, trial.strain, 0 * trial.response.stress,
+        add_stiffness(step, soil.grid, trial.strain, 0 * trial.response.stress,
                       trial.response.tangent, soil.constants.volume, pattern, values)
         K = csr_matrix((values, pattern.indices, pattern.indptr))
     assert observed_rate(soil, step, displacement, K, pattern.free) < 1.2
@@ -249,7 +249,10 @@ def test_kept_tangent_follows_the_trial(law):
 
 def test_slope_test_fails_without_the_terms_of_fbar():
     soil, step, displacement = block("hencky", fbar=True)
-    K, pattern = stiffness(replace(soil, fbar=False), step, displacement)
+    pattern = make_pattern(step.active, soil.grid.fixed, soil.grid.shape)
+    values = np.zeros(len(pattern.indices))
+    soil.add_stiffness(replace(step, mean=None), soil.evaluate(step, displacement), pattern, values)
+    K = csr_matrix((values, pattern.indices, pattern.indptr))
     assert observed_rate(soil, step, displacement, K, pattern.free) < 1.2
 
 

@@ -46,9 +46,9 @@ def test_a_collapsed_axis_stays_as_it_is():
 @pytest.mark.parametrize("limit", [F_LIMIT, np.inf])
 def test_soil_that_is_carried_apart_for_long(monkeypatch, limit):
     """2000 steps: volumes of 1.1 to 5 200 times the first, or none that is a number where F may grow."""
-    plain = kinematics._carry_on.py_func
+    plain = kinematics._update.py_func
     monkeypatch.setitem(plain.__globals__, "F_LIMIT", limit)
-    monkeypatch.setattr(kinematics, "_carry_on", plain)
+    monkeypatch.setattr(kinematics, "_update", plain)
     F, volumes = np.eye(3), []
     with np.errstate(all="ignore"):
         for _ in range(2000):

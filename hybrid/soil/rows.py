@@ -1,0 +1,117 @@
+"""Adding what one point contributes to the rows of the soil block.
+
+The nodes of a point that differ in z only are a *stack*: their free components are neighbours in every row of the
+matrix. A contribution is first formed for all free components q = (w, k) of a point,
+
+    B_ij,q = V0 A_ijkl g_w,l
+
+in nine rows of WIDTH numbers. A matrix row (v, i) then takes Σ_j g_v,j B_ij,q in contiguous runs, one for each stack.
+"""
+
+import numpy as np
+from numba import njit
+
+from hybrid.linalg.stencil import local_number, relative_place
+from hybrid.soil.tangent import FIVE, FOUR, NINE, ONE, SIX, THREE, TWO
+
+WIDTH = np.uintp(81)    # the most free components of a point: 27 nodes of 3
+
+
+@njit(cache=True)
+def scratch():
+    """Arrays that a thread fills for one point after another: node (27,), g (27, 3), local (27,), unknown (2, 81),
+    stack (2, 10), place (9,)."""
+    return (np.empty(27, np.int64), np.empty((27, 3)), np.empty(27, np.int64), np.empty((2, 81), np.int64),
+            np.empty((2, 10), np.int64), np.empty(9, np.int64))
+
+
+@njit(cache=True)
+def free_components(count, node, dof, local, unknown, stack):
+    """Free components of the nodes of one point; returns the number of stacks that have any.
+
+    count: (3,) nodes along the axes; local: (m,) local numbers of the nodes (`hybrid.linalg.stencil`); unknown: (2, q)
+    number of the node among those of the point, and component. stack: (2, s) local number of the first node with a free
+    component, and number of the stack's first component; one more column ends the last stack.
+    """
+    m, q, stacks = 0, 0, 0
+    for a in range(count[0]):
+        for b in range(count[1]):
+            stack[1, stacks] = q
+            for c in range(count[2]):
+                local[m] = local_number(a, b, c)
+                for k in range(3):
+                    if dof[node[m], k] >= 0:
+                        if q == stack[1, stacks]:
+                            stack[0, stacks] = local[m]
+                        unknown[0, q], unknown[1, q] = m, k
+                        q += 1
+                m += 1
+            if q > stack[1, stacks]:
+                stacks += 1
+    stack[1, stacks] = q
+    return stacks
+
+
+@njit(cache=True)
+def find_stacks(row, local, stack, stacks, slot, place):
+    """Fill `place` with the offsets of the stacks in the rows of a node with number `local`; False when the node has no
+    rows."""
+    if row >= 0:
+        for s in range(stacks):
+            place[s] = slot[row, relative_place(local, stack[0, s])]
+    return row >= 0
+
+
+@njit(cache=True, fastmath={"contract"})
+def contract(A, g, volume, unknown, size, B):
+    """B_ij,q = V0 A_ijkl g_w,l of the free components q = (w, k), in nine rows of WIDTH."""
+    for q in range(size):
+        w, k, at = np.uintp(unknown[0, q]), np.uintp(3 * unknown[1, q]), np.uintp(q)
+        x, y, z = volume * g[w, 0], volume * g[w, 1], volume * g[w, 2]
+        for _ in range(9):
+            B[at] = A[k] * x + A[k + ONE] * y + A[k + TWO] * z
+            at += WIDTH
+            k += NINE
+
+
+@njit(cache=True, fastmath={"contract"})
+def add_row(values, begin, place, stack, stacks, B, x, gradient):
+    """Add g_j B_ij,q to the row that begins at `begin`, with the three components g_j; x is where B_i0 begins."""
+    gx, gy, gz = gradient
+    for s in range(stacks):
+        at, q, length = np.uintp(begin + place[s]), x + np.uintp(stack[1, s]), stack[1, s + 1] - stack[1, s]
+        if length == 9:
+            _add_six(values, at, B, q, gx, gy, gz)
+            _add_three(values, at + SIX, B, q + SIX, gx, gy, gz)
+        elif length == 6:
+            _add_six(values, at, B, q, gx, gy, gz)
+        else:
+            for _ in range(length):
+                values[at] += gx * B[q] + gy * B[q + WIDTH] + gz * B[q + WIDTH + WIDTH]
+                at += ONE
+                q += ONE
+
+
+@njit(cache=True, fastmath={"contract"})
+def _add_six(values, at, B, x, gx, gy, gz):
+    """Six neighbouring entries. All is read before anything is written, so that no addition waits for another."""
+    y = x + WIDTH
+    z = y + WIDTH
+    one = values[at] + gx * B[x] + gy * B[y] + gz * B[z]
+    two = values[at + ONE] + gx * B[x + ONE] + gy * B[y + ONE] + gz * B[z + ONE]
+    three = values[at + TWO] + gx * B[x + TWO] + gy * B[y + TWO] + gz * B[z + TWO]
+    four = values[at + THREE] + gx * B[x + THREE] + gy * B[y + THREE] + gz * B[z + THREE]
+    five = values[at + FOUR] + gx * B[x + FOUR] + gy * B[y + FOUR] + gz * B[z + FOUR]
+    six = values[at + FIVE] + gx * B[x + FIVE] + gy * B[y + FIVE] + gz * B[z + FIVE]
+    values[at], values[at + ONE], values[at + TWO] = one, two, three
+    values[at + THREE], values[at + FOUR], values[at + FIVE] = four, five, six
+
+
+@njit(cache=True, fastmath={"contract"})
+def _add_three(values, at, B, x, gx, gy, gz):
+    y = x + WIDTH
+    z = y + WIDTH
+    one = values[at] + gx * B[x] + gy * B[y] + gz * B[z]
+    two = values[at + ONE] + gx * B[x + ONE] + gy * B[y + ONE] + gz * B[z + ONE]
+    three = values[at + TWO] + gx * B[x + TWO] + gy * B[y + TWO] + gz * B[z + TWO]
+    values[at], values[at + ONE], values[at + TWO] = one, two, three
