@@ -67,7 +67,8 @@ def light_body(scene, model):
             plural = "" if f"{rows:.2g}" == "1" else "s"
             yield (f"{body.name} has the mass of {rows:.2g} row{plural} of cells under it, limit {CELL_ROWS:g}: when "
                    "it hits the soil it rebounds from the nodes instead of being stopped by a wave. Use a cell size of "
-                   f"at most {grid.smallest_cell * rows / CELL_ROWS:.2g} m, drive the body, or set time.inertia = false")
+                   f"at most {grid.smallest_cell * rows / CELL_ROWS:.2g} m, drive the body, or set time.inertia = "
+                   "false")
 
 
 def driven_past_grid_end(scene, model):
