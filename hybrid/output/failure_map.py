@@ -1,4 +1,4 @@
-"""Maps of outcomes: which method holds where, over one parameter or two."""
+"""Maps of the outcomes of a failure study: each method over one parameter or two."""
 
 from dataclasses import dataclass
 from string import ascii_lowercase
@@ -7,15 +7,15 @@ import numpy as np
 
 from hybrid.output.figures import PAGE, figure
 
-# Told apart in grey too: the worse, the darker; what fails silently is crossed besides.
-LOOKS = {"right": "#cfe8d5", "degraded": "#f2d479", "reported": "#6f9fc8", "silent": "#9c2a1c"}
-WORDS = {"right": "right", "degraded": "degraded", "reported": "failed and reported", "silent": "failed silently"}
+# Distinct in grey too: the worse, the darker; silent failures have a cross as well.
+COLOURS = {"right": "#cfe8d5", "degraded": "#f2d479", "reported": "#6f9fc8", "silent": "#9c2a1c"}
+LABELS = {"right": "right", "degraded": "degraded", "reported": "failed and reported", "silent": "failed silently"}
 MISSING = "#ffffff"
 
 
 @dataclass(frozen=True)
 class Map:
-    """A case: its title, its one or two parameters, {method: {setting: kind}}, and which method is the default."""
+    """A failure mode: title, one or two parameters, {method: {setting: kind of outcome}}, and the default method."""
 
     title: str
     parameters: tuple
@@ -23,8 +23,8 @@ class Map:
     default: str
 
 
-def draw_atlas(path, maps, mark):
-    """A panel a case over one parameter, a row a method in it, two panels abreast; `mark` in the corner."""
+def draw_one_parameter_maps(path, maps, mark):
+    """A panel for each mode over one parameter, with a row for each method, in two columns; `mark` in the corner."""
     rows = (len(maps) + 1) // 2
     pairs = [maps[i:i + 2] for i in range(0, len(maps), 2)]
     heights = [max(len(m.kinds) for m in pair) + 2.6 for pair in pairs]
@@ -41,8 +41,8 @@ def draw_atlas(path, maps, mark):
     return path
 
 
-def draw_maps(path, maps, mark):
-    """A row a case over two parameters, a panel a method in it."""
+def draw_two_parameter_maps(path, maps, mark):
+    """A row for each mode over two parameters, with a panel for each method."""
     columns = max(len(m.kinds) for m in maps)
     with figure(path, PAGE, 1.9 * len(maps) + 0.35) as drawing:
         panels = drawing.subplots(len(maps), columns, squeeze=False)
@@ -62,8 +62,8 @@ def draw_maps(path, maps, mark):
 
 
 def _paint(axes, kinds):
-    """Squares of the kinds, a list of rows; None where nothing was tried."""
-    shown = np.array([[_colour(LOOKS.get(kind, MISSING)) for kind in row] for row in kinds], np.uint8)
+    """Squares of the kinds, a list of rows; None where there was no run."""
+    shown = np.array([[_colour(COLOURS.get(kind, MISSING)) for kind in row] for row in kinds], np.uint8)
     axes.imshow(shown, aspect="auto", interpolation="nearest")
     y, x = np.nonzero([[kind == "silent" for kind in row] for row in kinds])
     axes.plot(x, y, "x", color="white", markersize=3, markeredgewidth=0.8)
@@ -100,7 +100,7 @@ def _label(value):
 def _finish(drawing, unused, mark):
     for axes in unused:
         axes.set_axis_off()
-    drawing.suptitle(" ", fontsize=7)   # keeps room for the legend
-    squares = [drawing.axes[0].plot([], [], "s", color=LOOKS[kind], label=WORDS[kind])[0] for kind in LOOKS]
-    drawing.legend(handles=squares, loc="upper center", ncol=len(LOOKS), fontsize=6.5)
+    drawing.suptitle(" ", fontsize=7)   # room for the legend
+    squares = [drawing.axes[0].plot([], [], "s", color=COLOURS[kind], label=LABELS[kind])[0] for kind in COLOURS]
+    drawing.legend(handles=squares, loc="upper center", ncol=len(COLOURS), fontsize=6.5)
     drawing.supxlabel(mark, fontsize=5, x=0.99, ha="right", color="#777777")

@@ -6,7 +6,7 @@ derived from it.
 
 from pathlib import Path
 
-from hybrid.output.failure_map import Map, draw_atlas, draw_maps
+from hybrid.output.failure_map import Map, draw_one_parameter_maps, draw_two_parameter_maps
 from hybrid.study.failure.outcome import KINDS, load
 from hybrid.study.failure.registry import MODES
 
@@ -20,8 +20,8 @@ def draw(path, out):
     panels = [panel(name, own) for name in MODES if (own := [o for o in outcomes if o.case == name])]
     mark = f"commit {str(marks['commit'])[:8]}, numpy {marks['versions']['numpy']}"
     rows, maps = ([p for p in panels if len(p.parameters) == n] for n in (1, 2))
-    return ([draw_atlas(Path(out) / "atlas.png", rows, mark)] if rows else []) + (
-        [draw_maps(Path(out) / "maps.png", maps, mark)] if maps else [])
+    return ([draw_one_parameter_maps(Path(out) / "atlas.png", rows, mark)] if rows else []) + (
+        [draw_two_parameter_maps(Path(out) / "maps.png", maps, mark)] if maps else [])
 
 
 def panel(name, outcomes):
