@@ -1,7 +1,7 @@
-"""Benchmarks: what the program takes for scenes of known size, with the machine it ran on, as JSON.
+"""Benchmarks: time and memory of the program for scenes of known size, recorded as JSON with the machine.
 
-A case is a module with one function, `run(options) -> list of rows`, a row being a dict of numbers and texts with the
-same keys all through. Counts of a row do not depend on the machine; its times do.
+A case is a module with one function, `run(options) -> list of rows`, a row being a dict of numbers and texts; all
+rows of a case have the same keys. The counts in a row do not depend on the machine; its times do.
 """
 
 import json
@@ -17,23 +17,23 @@ CASES = {
     "sphere": "demos/rolling_sphere.toml in 300 steps",
     "scaling": "a block of soil under gravity, from 10 000 to 300 000 unknowns",
     "solvers": "the linear solvers for one tangent, easy and hard",
-    "block": "the peer's block of 46 552 points, beside the peer where there is one",
+    "block": "the peer's block of 46 552 points, also run by the peer if there is one",
 }
 
 
 @dataclass(frozen=True)
 class Options:
-    """quick: the smallest size of every case, for its counts; peer: Python with Kratos MPM, or None."""
+    """quick: the smallest size of every case, to check its counts; peer: path of a Python with Kratos MPM, or None."""
 
     quick: bool = False
     peer: Path | None = None
 
 
-def run(names=(), options=Options(), out=None, tell=print):
-    """Run the cases of those names (all if none), tell a table of each, and return what is written to `out` as JSON:
-    {"stamp": ..., "cases": {name: {"rows", "seconds", "peak_MiB"}}}. What is done is written after each case.
+def run(names=(), options=Options(), out=None, log=print):
+    """Run the cases of these names (all if none), log a table of each, and return {"stamp": ..., "cases": {name:
+    {"rows", "seconds", "peak_MiB"}}}, which is also written to `out` as JSON after each case.
 
-    Raises KeyError for a name that is none of CASES.
+    Raises KeyError for a name that is not among CASES.
     """
     from hybrid.bench.stamp import stamp
     from hybrid.bench.table import table
@@ -44,8 +44,9 @@ def run(names=(), options=Options(), out=None, tell=print):
     result = {"stamp": {"date": began, "quick": options.quick, **stamp()}, "cases": {}}
     for name, module in modules.items():
         result["cases"][name] = case = measured(module.run, options)
-        tell(f"\n{name}: {CASES[name]}\n{table(case['rows'])}\n"
-             f"  {case['seconds']:.3g} s in all, {case['peak_MiB']:.0f} MiB at most")
+        smallest = "; --quick: its smallest size" * options.quick
+        log(f"\n{name}: {CASES[name]}{smallest}\n{table(case['rows'])}\n"
+            f"  {case['seconds']:.3g} s in all, peak memory {case['peak_MiB']:.0f} MiB")
         if out is not None:
             Path(out).parent.mkdir(parents=True, exist_ok=True)
             Path(out).write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
@@ -53,7 +54,7 @@ def run(names=(), options=Options(), out=None, tell=print):
 
 
 def measured(work, options):
-    """Rows of a case, with its wall time and the most memory that was held meanwhile."""
+    """Rows of a case, its wall time [s] and its peak memory [MiB]."""
     from hybrid.bench.stamp import forget_peak
     from hybrid.runtime.memory import peak_memory
 

@@ -1,4 +1,4 @@
-"""The drag anchor of demos/anchor.toml: steps, iterations, and where the time goes."""
+"""The drag anchor of demos/anchor.toml: steps, iterations, and the time of each phase."""
 
 from hybrid.bench.timed_steps import sizes, timed_steps, warm
 from hybrid.runtime.data import DEMOS
@@ -11,7 +11,7 @@ QUICK = [*COARSE, "stage.0.steps=4", "stage.1.steps=2"]
 
 
 def run(options):
-    """A row for each stage: its steps, iterations, and the seconds of each phase; files are not written."""
+    """A row for each stage: steps, iterations, and seconds of each phase; no files are written."""
     warm()
     simulation = build(load_scene(DEMOS / "anchor.toml", QUICK if options.quick else []))
     size = sizes(simulation)

@@ -1,8 +1,8 @@
-"""A block of soil falls into its own weight: 46 552 points, plastic from the first step, and the same in a peer.
+"""A block of soil under sudden gravity: 46 552 points, plastic from the first step; also run by a peer.
 
-1 x 1 x 0.5 m in 23 x 23 x 11 cells, E = 10 MPa, ν = 0.3, ρ = 1800 kg/m³, φ = 32°, ψ = 2°, c = 1 kPa, gravity at once,
-rollers at base and sides, Newmark, 5 steps of 0.01 s. Where a Python with Kratos MPM is given, both take turns with as
-many threads, and the last rows tell the peer's times over ours.
+1 x 1 x 0.5 m in 23 x 23 x 11 cells, E = 10 MPa, ν = 0.3, ρ = 1800 kg/m³, φ = 32°, ψ = 2°, c = 1 kPa, full gravity at
+once, rollers at base and sides, Newmark, 5 steps of 0.01 s. If a Python with Kratos MPM is given, both run alternately
+on the same number of threads, and the last row gives the peer's times over ours.
 """
 
 import numba
@@ -18,7 +18,7 @@ PEER_TOLERANCE = 1e-4   # of the peer's residual relative to its first; ours is 
 
 
 def run(options):
-    """A row for each run, and one with ratios when there is a peer."""
+    """A row for each run, and a row of ratios if there is a peer."""
     warm()
     cells, rounds = ((6, 6, 3), 1) if options.quick else ((23, 23, 11), ROUNDS)
     before = numba.get_num_threads()
@@ -36,7 +36,7 @@ def run(options):
 
 
 def ours(cells):
-    """Row of a run of our own."""
+    """Row of a run of this program."""
     simulation = build(block(cells, 1 / cells[0], SAND, steps=STEPS))
     records, seconds = timed_steps(simulation)
     sunk = simulation.state.points.position[:, 2] - simulation.initial_position[:, 2]
@@ -46,16 +46,17 @@ def ours(cells):
 
 
 def peers(cells, python, threads):
-    """Row of a run of the peer. Raises HybridError with its last words where it fails."""
-    told = ask(python, "kratos_block.py", {"cells": cells, "size": 1 / cells[0], "steps": STEPS, "step": STEP,
+    """Row of a run of the peer. Raises HybridError with the end of its output if it fails."""
+    answer = ask(python, "kratos_block.py", {"cells": cells, "size": 1 / cells[0], "steps": STEPS, "step": STEP,
                                            "tolerance": PEER_TOLERANCE, "material": SAND}, threads)
-    size = {"points": told["points"], "unknowns": None, "entries": None}
-    return row(f"kratos {told['version'].partition('-')[0]}", told["seconds"], told["newton"], PEER_TOLERANCE, size,
-               told["lowest [m]"])
+    size = {"points": answer["points"], "unknowns": None, "entries": None}
+    return row(f"kratos {answer['version'].partition('-')[0]}", answer["seconds"], answer["newton"], PEER_TOLERANCE,
+               size, answer["lowest [m]"])
 
 
 def row(program, seconds, newton, tolerance, size, lowest, krylov=None):
-    """Of one run: mean and later steps, iterations of Newton's method and of the linear solver."""
+    """Row of one run: mean time of all and median of later steps, iterations of Newton's method and of the linear
+    solver."""
     return {"program": program, "s a step": float(np.mean(seconds)), "s a later step": float(np.median(seconds[1:])),
             "s a Newton iteration": sum(seconds) / sum(newton), "Newton": sum(newton),
             "Krylov": None if krylov is None else sum(krylov), "tolerance": tolerance,
@@ -63,7 +64,7 @@ def row(program, seconds, newton, tolerance, size, lowest, krylov=None):
 
 
 def ratios(rows):
-    """The peer's times over ours, of the medians over the rounds."""
+    """Row of the peer's medians over ours, both over the rounds."""
     own, other = ([r for r in rows if (r["program"] == "hybrid") == mine] for mine in (True, False))
     ratio = dict.fromkeys(rows[0])
     for name in ("s a step", "s a later step", "s a Newton iteration", "Newton", "lowest [mm]"):

@@ -1,4 +1,4 @@
-"""Each part of a step by itself, on soil that yields under a cube of steel, off the lattice that it starts from."""
+"""Each part of a step alone, on soil that yields under a cube of steel, its points moved from their initial lattice."""
 
 from dataclasses import replace
 from time import perf_counter
@@ -17,7 +17,7 @@ REPEAT = 7
 
 
 def run(options):
-    """Rows of the parts: median time, also for each point and each entry of the soil block."""
+    """A row for each part: median time, in all, per point and per entry of the soil block."""
     warm()
     cells = (6, 6, 4) if options.quick else (20, 20, 15)
     described = block(cells, 0.05, body=(0.2, 50.0))
@@ -62,8 +62,8 @@ def run(options):
 
 
 def pressed(step, share=0.02):
-    """Unknowns in which the cube goes down by `share` of a cell and the soil follows less the deeper and the farther
-    it is: enough for it to yield."""
+    """Unknowns with the cube moved down by a `share` of a cell and the soil following it, less with depth and with
+    distance: enough for the soil to yield."""
     grid, (pose,) = step.model.soil.grid, step.at_rest().poses
     nodes = np.stack([a.ravel() for a in np.meshgrid(*grid.axes, indexing="ij")], axis=1)
     surface = step.state.points.position[:, 2].max()
@@ -84,7 +84,7 @@ def _pair(step):
 
 
 def _median(work):
-    """Median wall time [s] of `work`, done once before."""
+    """Median wall time [s] of `work`, after one call that is not timed."""
     work()
     times = []
     for _ in range(REPEAT):

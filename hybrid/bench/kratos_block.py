@@ -2,10 +2,10 @@
 
     PYTHON kratos_block.py '{"cells": [23, 23, 11], "size": 0.0435, "steps": 5, "step": 0.01, ...}'
 
-in an empty folder, which meshes and settings are written to. In a Python apart from ours:
-pip install KratosMultiphysics KratosMPMApplication KratosLinearSolversApplication. A line RESULT ends in JSON: seconds
-and Newton iterations of each step, how far the soil has sunk, the peak of memory. Its Mohr-Coulomb law has corners
-where ours has a cone. One layer of empty cells lies above. Implicit Newmark, its default multigrid solver.
+in an empty folder, in which it writes meshes and settings. In a separate Python environment: pip install
+KratosMultiphysics KratosMPMApplication KratosLinearSolversApplication. It prints a line RESULT with JSON: seconds and
+Newton iterations of each step, largest settlement, peak memory. Its yield surface is the Mohr-Coulomb pyramid, ours a
+cone. One layer of empty cells lies above. Implicit Newmark, its default multigrid solver.
 """
 
 import json
@@ -23,7 +23,7 @@ def main(cells, size, steps, step, tolerance, material):
     run.fall(0.0, 0.0, -9.81)
     if failed := run.steps():
         sys.exit(failed)
-    run.tell(**{"lowest [m]": min(moved[2] for moved in run.read("MP_DISPLACEMENT"))})
+    run.report(**{"lowest [m]": min(moved[2] for moved in run.read("MP_DISPLACEMENT"))})
 
 
 if __name__ == "__main__":

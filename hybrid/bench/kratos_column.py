@@ -2,10 +2,10 @@
 
     PYTHON kratos_column.py '{"cells": 16, "length": 50.0, "steps": 40, "young": 1e4, "law": "Hencky", ...}'
 
-in an empty folder, which meshes and settings are written to; PYTHON as for kratos_block.py. Plane strain, a cell wide,
-2 x 2 points a cell at Gauss's places, static. A line RESULT ends in JSON: seconds and Newton iterations of each step,
-why it failed or "", initial heights [m] and vertical stress [Pa] of the points, and its unknowns at the end, the
-vertical displacements of the two columns of nodes of cells with points in them.
+in an empty folder, in which it writes meshes and settings; PYTHON as for kratos_block.py. Plane strain, a cell wide, 2
+x 2 points a cell at Gauss's positions, static. It prints a line RESULT with JSON: seconds and Newton iterations of each
+step, the reason of a failure or "", initial heights [m] and vertical stress [Pa] of the points, and its unknowns at the
+end, the vertical displacements of the two columns of nodes of cells with points in them.
 """
 
 import json
@@ -26,7 +26,7 @@ def main(cells, length, steps, young, density, gravity, law, tolerance):
     heights = [place[1] for place in run.read("MP_COORD")]
     failed = run.steps(lambda number: run.fall(0.0, -gravity * number / steps, 0.0))
     top = max(place[1] for place in run.read("MP_COORD"))
-    run.tell(failed=failed, heights=heights, stress=[stress[1] for stress in run.read("MP_CAUCHY_STRESS_VECTOR")],
+    run.report(failed=failed, heights=heights, stress=[stress[1] for stress in run.read("MP_CAUCHY_STRESS_VECTOR")],
              unknowns=2 * math.ceil(top / size))
 
 

@@ -1,6 +1,6 @@
-"""What scripts for the MPM application of Kratos Multiphysics share: meshes of boxes, supports, and the steps.
+"""Common parts of the scripts for the MPM application of Kratos Multiphysics: meshes of boxes, supports, time steps.
 
-For the peer's own Python, which has this folder on its path and knows nothing of this package.
+Run by the peer's own Python, with this folder on its path and without this package.
 """
 
 import itertools
@@ -26,7 +26,7 @@ class Lattice:
         return found
 
     def nodes(self, axis=None, ends=()):
-        """Indices of the nodes, or of those that are `ends` along an axis."""
+        """Indices of all nodes, or of those whose index along an axis is in `ends`."""
         found = itertools.product(*(range(n + 1) for n in self.cells))
         return [index for index in found if axis is None or index[axis] in ends]
 
@@ -55,8 +55,8 @@ class Lattice:
 
 
 def write_meshes(cells, size, above=0):
-    """A box of soil of `cells`, two or three numbers, and its grid, which has some layers more `above`; parts x, y, z
-    of the grid are the nodes of its sides and of its bottom."""
+    """A box of soil of `cells`, two or three numbers, and its grid, which has `above` more layers of cells at the top;
+    parts x, y, z of the grid are the nodes of its sides and of its bottom."""
     cells, (element, material_point) = list(cells), KINDS[len(cells)]
     grid = Lattice([*cells[:-1], cells[-1] + above], size)
     ends = [(0, n) for n in cells[:-1]] + [(0,)]
@@ -67,7 +67,7 @@ def write_meshes(cells, size, above=0):
 
 
 def write_material(law, points, density, young, poisson, cohesion=1e15, friction_angle=0.0, dilation_angle=0.0):
-    """material.json of a law with `points` in an element; angles in degrees. Without more it is elastic."""
+    """material.json of a law with `points` in an element; angles in degrees. The defaults make it elastic."""
     values = {
         "DENSITY": density, "YOUNG_MODULUS": young, "POISSON_RATIO": poisson, "COHESION": cohesion,
         "INTERNAL_FRICTION_ANGLE": friction_angle, "INTERNAL_DILATANCY_ANGLE": dilation_angle,
@@ -79,7 +79,8 @@ def write_material(law, points, density, young, poisson, cohesion=1e15, friction
 
 
 def settings(step, steps, dimensions, rollers, tolerance, **solver):
-    """What Kratos is asked to do on grid.mdpa and soil.mdpa; rollers: axes that sub model parts of those names hold."""
+    """Parameters of Kratos for grid.mdpa and soil.mdpa; rollers: axes whose displacement is fixed on the parts of that
+    name."""
     def roller(axis):
         return {
             "python_module": "assign_vector_variable_process", "kratos_module": "KratosMultiphysics",
@@ -118,19 +119,20 @@ class Run:
         self.points, self.seconds, self.newton = self.model["MPM_Material"], [], []
 
     def read(self, variable):
-        """Values of a variable of MPMApplication, a list with one for each point."""
+        """Values of a variable of MPMApplication, one for each point."""
         variable, info = getattr(self.variables, variable), self.points.ProcessInfo
         return [point.CalculateOnIntegrationPoints(variable, info)[0] for point in self.points.Elements]
 
     def fall(self, *acceleration):
-        """Gravity [m/s²] that acts on the points from now on."""
+        """Set the gravity [m/s²] that acts on the points."""
         acceleration = self.kratos.Vector(list(acceleration))
         for point in self.points.Elements:
             for variable in (self.variables.MP_VOLUME_ACCELERATION, self.variables.MP_ACCELERATION):
                 point.SetValuesOnIntegrationPoints(variable, [acceleration], self.points.ProcessInfo)
 
     def steps(self, before=lambda number: None):
-        """Take all steps, `before` being called with the number of each; returns what failed, empty if nothing."""
+        """Take all steps and call `before` with the number of each; returns the reason of a failure, else an empty
+        text."""
         analysis, solver = self.analysis, self.analysis._GetSolver()
         while analysis.KeepAdvancingSolutionLoop():
             before(len(self.seconds) + 1)
@@ -146,8 +148,8 @@ class Run:
                 return f"step {len(self.seconds)} did not converge in {self.newton[-1]} iterations"
         return ""
 
-    def tell(self, **more):
-        """Print the line RESULT that ends in JSON."""
+    def report(self, **more):
+        """Print the line RESULT with times, iterations and `more` as JSON."""
         print("\nRESULT", json.dumps({
             "seconds": self.seconds, "newton": self.newton, "points": self.points.NumberOfElements(), **more,
             "threads": self.kratos.ParallelUtilities.GetNumThreads(),

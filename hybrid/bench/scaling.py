@@ -1,4 +1,4 @@
-"""Time of a step against the number of unknowns: the block of `hybrid.bench.block` in finer and finer cells."""
+"""Time of a step against the number of unknowns: the block of `hybrid.bench.block` on successively finer grids."""
 
 import numpy as np
 
@@ -12,7 +12,7 @@ PHASES = ("soil", "assemble", "factor", "solve", "transfer", "update")   # of a 
 
 
 def run(options):
-    """A row for each size, and in each the powers of the unknowns with which times and iterations go up to it."""
+    """A row for each size, with the powers of the number of unknowns with which times and iterations grow up to it."""
     warm()
     rows = []
     for height in (2, 3) if options.quick else HEIGHTS:

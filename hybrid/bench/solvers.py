@@ -1,8 +1,8 @@
-"""The linear solvers for one tangent: where it is easy, and where contact is stiff, cells small or hardly filled.
+"""The linear solvers for single tangents: well-conditioned ones, and with stiff contact, small or hardly filled cells.
 
-The tangent is that of a block under a cube that goes down by a share of a cell; without a cube, that of the block in
-free fall with every node shaken. The right-hand side is the residual there. What is told is the relative residual that
-is left, and of the Krylov method the iterations to 1e-3.
+The tangent is that of a block under a cube that moves down by a share of a cell; without a cube, that of the block in
+free fall with random displacements of all nodes. The right-hand side is the residual in that state. Rows give the
+relative residual after the solve and the Krylov iterations to 1e-3.
 """
 
 from dataclasses import replace
@@ -56,7 +56,7 @@ def run(options):
 
 
 def _lifted(simulation, filled):
-    """State of a block that reaches into the next layer of cells by a share `filled` of it."""
+    """State of a block that fills a share `filled` of the next layer of cells."""
     state, cell = simulation.state, simulation.model.soil.grid.smallest_cell
     up = state.points.position + (0.0, 0.0, filled * cell)
     low = up[:, 2].min() - state.points.half_width[0, 2]
@@ -89,7 +89,7 @@ def _solved(name, linear, model, state):
 
 
 def _shaken(step):
-    """Unknowns with every free node off its place by up to a 500th of a cell, the same each time."""
+    """Unknowns with random displacements of all free nodes, up to a 500th of a cell, the same in every run."""
     grid = step.model.soil.grid
     shaken = np.random.default_rng(1).uniform(-1, 1, (grid.node_count, 3)) * 0.002 * grid.smallest_cell
     shaken[grid.fixed] = 0.0
@@ -98,8 +98,8 @@ def _shaken(step):
 
 
 def _residual(step, found, soil, body):
-    """Norm of what is left of the right-hand side, relative to it, by the difference of residuals a little way along
-    the solution, so that nothing need be known of how the matrix is kept."""
+    """Norm of the remaining residual over that of the right-hand side. The product of matrix and solution is the
+    difference of two residuals a small step along the solution, so the format of the matrix does not matter."""
     share = 1e-6
     before = np.concatenate([found.soil, found.body])
     moved = step.evaluate(step.moved(found.unknowns, soil, body, share))

@@ -1,4 +1,4 @@
-"""The rolling sphere of demos/rolling_sphere.toml in 300 steps: six unknowns, so all but the contact is overhead."""
+"""The rolling sphere of demos/rolling_sphere.toml in 300 steps: with six unknowns, all but contact is overhead."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from hybrid.setup.build import build
 
 
 def run(options):
-    """One row: time of a step without the first, iterations, and the way of the sphere [m]."""
+    """One row: median time of a step without the first one, iterations, and distance of the sphere [m]."""
     warm()
     steps = 15 if options.quick else 300
     simulation = build(load_scene(DEMOS / "rolling_sphere.toml", [f"time.step={1 / 300}", f"stage.0.steps={steps}"]))

@@ -1,4 +1,4 @@
-"""What a measurement has to name: machine, versions, commit, threads."""
+"""Stamp of a measurement: machine, versions, commit, threads."""
 
 import os
 import platform
@@ -9,7 +9,7 @@ from hybrid.output.summary import machine, versions
 
 
 def stamp():
-    """Dict of the machine, the versions of what computes, git's commit (None outside a repository) and threads."""
+    """Dict of the machine, the versions of the libraries, git's commit (None outside a repository) and threads."""
     import numba
 
     return {
@@ -21,7 +21,8 @@ def stamp():
 
 
 def commit(folder):
-    """Hash of the commit that `folder` is at, "+" if files differ from it; None where git knows nothing of it."""
+    """Hash of the commit that `folder` is at, "+" appended if files differ from it; None if git does not track the
+    folder."""
     def git(*arguments):
         return subprocess.run(["git", "-C", str(folder), *arguments], capture_output=True, text=True, check=True).stdout
 
@@ -34,7 +35,7 @@ def commit(folder):
 
 
 def forget_peak():
-    """Start the count of this process's largest memory anew, where the system lets it."""
+    """Reset the peak memory of this process, if the system allows it."""
     try:
         with open("/proc/self/clear_refs", "w", encoding="ascii") as file:
             file.write("5")

@@ -4,7 +4,7 @@
 def table(rows):
     """Text with a line of headings and one for each row (dicts with the same keys), columns aligned."""
     if not rows:
-        return "  nothing"
+        return "  no rows"
     cells = [list(rows[0])] + [[_text(value) for value in row.values()] for row in rows]
     widths = [max(map(len, column)) for column in zip(*cells)]
     left = [isinstance(value, str) for value in rows[0].values()]

@@ -25,8 +25,8 @@ def scene(name, grid, material, bodies, step, stages, soil=(), time=(), solver=(
 
 def soil_scene(bodies=(), x=(0.0, 0.8), y=(0.0, 0.8), z=(-0.4, 0.4), size=0.2, faces=ROLLERS, young=1e6, poisson=0.0,
                steps=4, time=Time(step=0.01), gravity=(0.0, 0.0, 0.0), solver=Solver(linear="direct"), **soil):
-    """Scene of elastic soil below z = 0 on a grid with cells of `size` [m]; x, y, z: (start, end) or an Axis; soil: further
-    values of that table."""
+    """Scene of elastic soil below z = 0 on a grid with cells of `size` [m]; x, y, z: (start, end) or an Axis; soil:
+    further values of that table."""
     axes = [a if isinstance(a, Axis) else Axis(*a, size) for a in (x, y, z)]
     material = Material(law="hencky", young=young, poisson=poisson, density=1800.0)
     return Scene(name="block", grid=Grid(*axes, faces), soil=Soil(material, **{"top": 0.0, "geostatic": False, **soil}),

@@ -19,7 +19,7 @@ from hybrid.setup.build import build
 def measured(tmp_path_factory):
     """What `hybrid bench --quick --out FILE` writes, and prints."""
     path, told = tmp_path_factory.mktemp("bench") / "folder/figures.json", []
-    result = bench.run(options=bench.Options(quick=True), out=path, tell=told.append)
+    result = bench.run(options=bench.Options(quick=True), out=path, log=told.append)
     assert json.loads(path.read_text()) == result
     return result, "\n".join(told)
 
@@ -128,7 +128,7 @@ def test_ratios_to_a_peer(peer):
     assert ratio["Krylov"] is None
 
 
-def test_a_peer_that_fails_is_told(peer):
+def test_a_failing_peer_is_reported(peer):
     with pytest.raises(HybridError, match="no module named KratosMultiphysics; --peer wants"):
         block.peers([1, 1, 1], peer, 1)
 

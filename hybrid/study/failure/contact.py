@@ -21,14 +21,14 @@ GRAVITY = 9.81  # [m/s²]
 def penalty(factor, **body):
     """Contact too soft: springs in series with the soil take a share of the displacement. Or too stiff for the solver.
 
-    A rigid platen presses an elastic cube by a quarter (the problem `platen`). With the height l = 0.6 m + δ of the cube
-    under a platen at 0.6 m,
+    A rigid platen presses an elastic cube by a quarter (the problem `platen`). With the height l = 0.6 m + δ of the
+    cube under a platen at 0.6 m,
 
         F = p_f E A δ = A E ln(L/l) L/l         ideal, δ = 0: 245.49 kN
 
-    so the error is about 2.7 / p_f, p_f in 1/m; the contact takes 1 / (1 + p_f L) of the displacement. Multipliers remove the
-    overlap whatever the penalty, given enough updates. Stiffness up to 1e11 /m loses no accuracy here; Newton's method only
-    reaches round-off earlier. Its effect on impacts is shown in `bounce_map`.
+    so the error is about 2.7 / p_f, p_f in 1/m; the contact takes 1 / (1 + p_f L) of the displacement. Multipliers
+    remove the overlap whatever the penalty, given enough updates. Stiffness up to 1e11 /m loses no accuracy here;
+    Newton's method only reaches round-off earlier. Its effect on impacts is shown in `bounce_map`.
     """
     pressed = platen.press(penalty=factor, steps=10, **body)
     return Observation(abs(pressed.force / platen.IDEAL - 1), messages(pressed.simulation, pressed.records))
@@ -38,17 +38,17 @@ LAYER, SIDE, YOUNG = 0.2, 0.8, 1e6      # [m], [m], [Pa]
 
 
 def squeezed_layer(share, penalty=50.0, **body):
-    """Hardly any soil left under a body: it overlaps the soil by more than a point's domain, and a second row of corners
-    comes into contact.
+    """Hardly any soil left under a body: it overlaps the soil by more than a point's domain, and a second row of
+    corners comes into contact.
 
     A rigid platen presses a layer of one cell, two points high, against the base (quasi-static, ν = 0). With the height
     l = l_p + δ of the layer under a platen at l_p,
 
         F = p_f E A δ = A E ln(L/l) L/l        δ = 0 with multipliers
 
-    As soon as the overlap δ exceeds the height l/2 of a domain, the corners between the two points are inside the platen
-    too. Every row represents the whole area, so the pressure is counted twice, and three times at the base. Multipliers
-    remove the overlap, but five updates a step do not suffice when the force doubles in a step.
+    As soon as the overlap δ exceeds the height l/2 of a domain, the corners between the two points are inside the
+    platen too. Every row represents the whole area, so the pressure is counted twice, and three times at the base.
+    Multipliers remove the overlap, but five updates a step do not suffice when the force doubles in a step.
     """
     steps, low = 20, (1 - share) * LAYER
     axis, up = Axis(start=0.0, end=SIDE, size=LAYER), Axis(start=0.0, end=2 * LAYER, size=LAYER)
@@ -70,7 +70,8 @@ def _layer_force(height):
 
 def _series_force(low, penalty):
     """Force [N] under a platen at `low` [m] with contact springs in series."""
-    return _layer_force(brentq(lambda h: penalty * YOUNG * SIDE**2 * (h - low) - _layer_force(h), low, LAYER, xtol=1e-14))
+    height = brentq(lambda h: penalty * YOUNG * SIDE**2 * (h - low) - _layer_force(h), low, LAYER, xtol=1e-14)
+    return _layer_force(height)
 
 
 def stick_threshold(ratio, tangential=1.0, parts=1):
@@ -80,17 +81,18 @@ def stick_threshold(ratio, tangential=1.0, parts=1):
 
         a = max(0, g (sin θ - μ cos θ))         d = a t² / 2
 
-    Friction that acts only after a displacement lets the block creep: a spring k = ε_T/ε_N p_f E A oscillates over
-    2 m g sin θ / k, which is 70 μm by default. At μ = tan θ exactly nothing stops a moving block, and it keeps the speed at
-    which the spring breaks loose: g sin θ / ω, ω = √(k/m), or g sin θ Δt / 2 if a step is longer than that. The error is that of
-    the displacement in 0.4 s, relative to that of a block without friction.
+    Friction that acts only after a displacement lets the block creep: a spring k = ε_T/ε_N p_f E A oscillates over 2 m
+    g sin θ / k, which is 70 μm by default. At μ = tan θ exactly nothing stops a moving block, and it keeps the speed at
+    which the spring breaks loose: g sin θ / ω, ω = √(k/m), or g sin θ Δt / 2 if a step is longer than that. The error
+    is that of the displacement in 0.4 s, relative to that of a block without friction.
     """
     slope, step, steps = np.arctan(0.5), 0.01, 40
     block = box(4.0, 4.0, 0.25, rest_on=0.0, friction=ratio * np.tan(slope), held=("y", "rx", "ry", "rz"),
                 tangential=tangential)
     gravity = GRAVITY * np.array([np.sin(slope), 0.0, -np.cos(slope)])
     simulation, _, texts = simulate(plane(
-        block, parts * steps, step / parts, stiffness=1e7, settle=5, gravity=tuple(gravity), solver={"tolerance": 1e-8}))
+        block, parts * steps, step / parts, stiffness=1e7, settle=5, gravity=tuple(gravity),
+        solver={"tolerance": 1e-8}))
     way, time = simulation.state.bodies[0].position[0], steps * step
     free, exact = 0.5 * gravity[0] * time**2, 0.5 * max(0.0, gravity[0] * (1 - ratio)) * time**2
     return Observation(abs(way - exact) / free, texts)
@@ -99,13 +101,13 @@ def stick_threshold(ratio, tangential=1.0, parts=1):
 def tangential_stiffness(ratio, changes=()):
     """Tangential springs too soft: a rolling body creeps.
 
-    A sphere rolls down a slope of 45° without slip (the problem `sphere`, μ = 1), on corners or, with the second pass, on a
-    smooth surface.
+    A sphere rolls down a slope of 45° without slip (the problem `sphere`, μ = 1), on corners or, with the second pass,
+    on a smooth surface.
 
         d = 5/14 g t² sin θ        ω = 5/7 g sin θ t / r
 
-    The spring ε_T of a sticking point is unstretched when contact closes and is released when it opens. The sphere therefore
-    slides by a share of its way: a softer spring has to be stretched farther to carry the same friction.
+    The spring ε_T of a sticking point is unstretched when contact closes and is released when it opens. The sphere
+    therefore slides by a share of its way: a softer spring has to be stretched farther to carry the same friction.
     """
     changed = [*rolling.overrides(1.0), *changes, f"body.0.tangential={ratio}"]
     simulation, _, texts = simulate(load_scene(DEMOS / "rolling_sphere.toml", changed))
@@ -125,9 +127,9 @@ def thin_wall(ratio, **body):
 
         F = p_f E t L d         of a wall of thickness t and length L, pressed down by d
 
-    A row of corners under the edge carries s L p_f E d, and there are t/s rows of them, rounded up or down depending on the
-    position of the wall: the larger error of two positions counts. Samples of the body represent the area that they expose
-    to the soil.
+    A row of corners under the edge carries s L p_f E d, and there are t/s rows of them, rounded up or down depending on
+    the position of the wall: the larger error of two positions counts. Samples of the body represent the area that they
+    expose to the soil.
     """
     thickness = ratio * SPACING
     exact = PENALTY * YOUNG * thickness * 0.3 * 2 * STEP
@@ -169,8 +171,8 @@ def coarse_corners(ratio, **body):
 
         p_f E π d² (r - d/3) = 4/3 π r³ ρ g
 
-    if the plane is smooth; between four corners s apart its lowest point is up to r - √(r² - s²/2) deeper, and a sphere of
-    r < s/√2 falls between them. The larger error of the two positions counts.
+    if the plane is smooth; between four corners s apart its lowest point is up to r - √(r² - s²/2) deeper, and a sphere
+    of r < s/√2 falls between them. The larger error of the two positions counts.
     """
     return max((_rest(ratio, offset, **body) for offset in (0.0, 0.5)), key=lambda o: o.error)
 

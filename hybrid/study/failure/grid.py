@@ -21,7 +21,8 @@ def crossing(ratio, **soil):
     """Cell crossing: with standard shape functions the force of a point jumps to other nodes as it crosses a cell face.
 
     A column of 32 cells, ν = 0, is loaded by its own weight. It is softer from setting to setting; at ρgL/E = 1 its top
-    sinks through about 16 cells. With GIMP the force passes gradually from one cell to the next. Exact: σ_zz = -ρ g (L - Z).
+    sinks through about 16 cells. With GIMP the force passes gradually from one cell to the next. Exact: σ_zz = -ρ g (L
+    - Z).
     """
     simulation = build(_column(ratio, Axis(start=0.0, end=1.0, size=1.0, collapsed=True), **soil))
     records = list(simulation.steps())
@@ -80,10 +81,10 @@ def domain_gap(stretch, points=2, **soil):
           |  |
           |__|      law  τ = E/2 (λ² - 1), so P = τ/λ = E/2 (λ - 1/λ) always grows: the bar itself never tears
 
-    Domains of n points a cell cover the bar until one is as wide as a cell, λ = n. They are cut off there, because wider
-    ones would reach nodes outside the sparsity pattern. Points without domains can leave cells empty from λ = n on;
-    domains of constant width leave gaps at once. Exact: Cauchy's stress is that of dead load, σ = ρ g (initial height
-    above the lower end).
+    Domains of n points a cell cover the bar until one is as wide as a cell, λ = n. They are cut off there, because
+    wider ones would reach nodes outside the sparsity pattern. Points without domains can leave cells empty from λ = n
+    on; domains of constant width leave gaps at once. Exact: Cauchy's stress is that of dead load, σ = ρ g (initial
+    height above the lower end).
     """
     weight, size = DENSITY * GRAVITY * LENGTH, LENGTH / 16
     young = 2 * weight / (stretch - 1 / stretch)
@@ -110,11 +111,11 @@ def cuts(ratio, **soil):
           |       /          /     that grows in 5 quasi-static steps; its edges reach a share s into the cells
           |______/__________/__ x
 
-    A node whose functions reach only a corner of length s h carries s⁴ of the mass and stiffness of a full node, in plane
-    strain: its displacement is arbitrary, and Newton's method stalls on it. The initial position does not decide, because
-    the block moves on through the cells as it leans: each setting is run at three positions and the largest error counts.
-    The ghost penalty couples such cells to their neighbours. Reference: the mean displacement along x on a grid four times
-    as fine (64 cells, 20 steps, ghost = 0.0033), within 0.5 % of that of 32 cells.
+    A node whose functions reach only a corner of length s h carries s⁴ of the mass and stiffness of a full node, in
+    plane strain: its displacement is arbitrary, and Newton's method stalls on it. The initial position does not decide,
+    because the block moves on through the cells as it leans: each setting is run at three positions and the largest
+    error counts. The ghost penalty couples such cells to their neighbours. Reference: the mean displacement along x on
+    a grid four times as fine (64 cells, 20 steps, ghost = 0.0033), within 0.5 % of that of 32 cells.
     """
     return Observation(max(abs(_lean(ratio, share, **soil) / EXACT[ratio] - 1) for share in POSITIONS))
 
@@ -122,9 +123,9 @@ def cuts(ratio, **soil):
 def cut_ghost(share, ghost, **values):
     """Small cuts and the ghost penalty: how strong the penalty has to be, and how much it stiffens the soil.
 
-    The leaning block of `cuts` at ρ g L / E = 0.2, over the share of a cell by which it is moved through the grid and the
-    factor of the penalty. If the penalty is too weak, the run stops at some positions; if it is too strong, the block
-    becomes stiff, because it is few cells thick and inner cells are coupled too. Reference: as for `cuts`.
+    The leaning block of `cuts` at ρ g L / E = 0.2, over the share of a cell by which it is moved through the grid and
+    the factor of the penalty. If the penalty is too weak, the run stops at some positions; if it is too strong, the
+    block becomes stiff, because it is few cells thick and inner cells are coupled too. Reference: as for `cuts`.
     """
     return Observation(abs(_lean(0.2, share, ghost=ghost, **values) / EXACT[0.2] - 1))
 
@@ -169,8 +170,8 @@ def singular(name, linear="krylov"):
     A point at the centre of its cell resists no hourglass mode, and soil without inertia that nothing holds has no
     defined position. The stiffness is singular to round-off, so whether it can be factorised is accidental. Either the
     load is carried, or a message names what is missing; a crash or meaningless numbers are failures. ν = 0 and own
-    weight, 2 quasi-static steps. Exact: the mean of σ_zz is -ρ g L/2 by equilibrium alone if nodes are free; 0 if all are
-    held.
+    weight, 2 quasi-static steps. Exact: the mean of σ_zz is -ρ g L/2 by equilibrium alone if nodes are free; 0 if all
+    are held.
     """
     cells, points, faces = SCENES[name]
     axes = [Axis(start=0.0, end=n * CELL, size=CELL) for n in (*cells[:2], cells[2] + 1)]
@@ -189,8 +190,8 @@ GRIDS = {"short": {"end": 3.2}, "window": {"end": 6.4, "window": (1.0, 1.0)}, "l
 def grid_end(way, grid):
     """The end of the grid: there is no soil beyond it, so a body dragged over it meets no resistance.
 
-    A box 0.8 m wide slides over elastic soil in plane strain and is pressed 20 mm into it on its way, quasi-statically. Its
-    front starts 1.2 m from the end of a grid; the lift is compared with that on a grid of 6.4 m after the same way.
+    A box 0.8 m wide slides over elastic soil in plane strain and is pressed 20 mm into it on its way, quasi-statically.
+    Its front starts 1.2 m from the end of a grid; the lift is compared with that on a grid of 6.4 m after the same way.
 
     A grid that moves with the body (`grid.x.window`) takes in the soil ahead at rest and stores the soil left behind.
     """
@@ -229,7 +230,8 @@ MODES = {
         methods={"standard MPM": STANDARD, "constant domains": {"domain": "none"},
                  "1 point a cell": {"points": 1}, "updated domains": {}, "3 points a cell": {"points": 3},
                  "4 points a cell": {"points": 4}}, default="updated domains",
-        message=r"cells wide, limit .*soil\.points_per_axis|points_per_axis = .*limit 2|soil\.(basis|domain) = .*Set soil\.",
+        message=r"cells wide, limit .*soil\.points_per_axis|points_per_axis = .*limit 2|"
+                r"soil\.(basis|domain) = .*Set soil\.",
         full=(1.1, 1.5, 1.8, 2.5, 3.5, 5.0), quick=(1.5, 5.0), solve=domain_gap),
     "rotated_domains": Mode(
         title="rotated soil", parameters=("rotation before the load [degrees]",),

@@ -14,7 +14,8 @@ from hybrid.study.failure.registry import MODES
 def run(names=(), quick=False, out=Path("out/failure"), resume=False, log=print):
     """Run the modes of these names (all if none), write outcomes and figures to the folder `out`; returns outcomes.
 
-    resume: keep the outcomes of the folder and run the settings that are missing. Raises SceneError for an unknown name.
+    resume: keep the outcomes of the folder and run the settings that are missing. Raises SceneError for an unknown
+    name.
     """
     names = list(names) or list(MODES)
     if unknown := [name for name in names if name not in MODES]:

@@ -25,11 +25,11 @@ def locking(poisson, cells=4, **soil):
         wall |==========   beam of 4 x 1 m under its weight, plane strain, small strains, 4 cells through its height;
              |             Poisson's ratio ν approaches 1/2
 
-    In plane strain the linear functions of a cell have one isochoric mode less than the cell has constraints, so without a
-    remedy the sag tends to 0 as K/G = 2(1 + ν)/3(1 - 2ν) grows. F-bar takes the volume change from the mean of the cell.
-    Over the cells, the error without F-bar is proportional to (K/G) (h/H)² while it is small, so that ten times the bulk
-    modulus takes three times the cells along each axis; with F-bar it does not depend on ν. Reference: the mean sag with
-    F-bar on 32 cells through the height, which is SAG times that of Timoshenko's beam,
+    In plane strain the linear functions of a cell have one isochoric mode less than the cell has constraints, so
+    without a remedy the sag tends to 0 as K/G = 2(1 + ν)/3(1 - 2ν) grows. F-bar takes the volume change from the mean
+    of the cell. Over the cells, the error without F-bar is proportional to (K/G) (h/H)² while it is small, so that ten
+    times the bulk modulus takes three times the cells along each axis; with F-bar it does not depend on ν. Reference:
+    the mean sag with F-bar on 32 cells through the height, which is SAG times that of Timoshenko's beam,
 
         q/E (L⁴ (1 - ν²)/20 I + 4/5 (1 + ν) L²/H),    16 cells give the same to 0.1 %
 
@@ -61,8 +61,8 @@ def flow_locking(cells, **soil):
               |                  E = 10⁴ s_u, ν = 0.3, pressed down until the clay flows (the problem `footing`)
               |______________
 
-    Fully developed flow of von Mises' law is isochoric, and linear cells have more constraints than modes for it: the load
-    keeps rising with the settlement, more slowly on finer cells. Exact: Prandtl's F/(B s_u) = 2 + π.
+    Fully developed flow of von Mises' law is isochoric, and linear cells have more constraints than modes for it: the
+    load keeps rising with the settlement, more slowly on finer cells. Exact: Prandtl's F/(B s_u) = 2 + π.
     """
     clay = Material(law="von-mises", poisson=0.3, strength=footing.COHESION, density=1.0, cone="plane strain",
                     young=footing.STIFFNESS * footing.COHESION)
@@ -93,8 +93,9 @@ def apex(share, law="drucker-prager"):
         |__________|   k = ξ c; all but the layer at the floor can carry the tension of the apex, p_t = k/η = c cotφ
 
     With ψ = 0 the flank returns the trial stress at constant p, so a p beyond the apex is kept: sand that is elastic in
-    tension. A return to the apex allows flow in all directions and leaves no stiffness; inertia carries the points. Exact:
-    the upper half of the bed, held back by p_t alone, rises by ½ (g - p_t/ρL) t², and no point carries more than p_t.
+    tension. A return to the apex allows flow in all directions and leaves no stiffness; inertia carries the points.
+    Exact: the upper half of the bed, held back by p_t alone, rises by ½ (g - p_t/ρL) t², and no point carries more than
+    p_t.
     """
     length, density, gravity, angle, young, duration, steps = 4.0, 1600.0, 10.0, 30.0, 1e7, 0.4, 20
     weight, size = density * gravity * length, length / 8
@@ -140,7 +141,10 @@ def dilatancy(share, law="drucker-prager"):
     material = Material(law="user", density=density) if own else Material(
         law=law, young=young, poisson=SAND["poisson"], density=density, **angles)
     grid = Grid(collapsed(), collapsed(), Axis(start=0.0, end=length, size=length / 16), Faces())
-    unchecked = (lambda p, stress: DruckerPrager(np.full(len(p), young), SAND["poisson"], *angles.values())) if own else None
+    unchecked = None
+    if own:
+        def unchecked(p, stress):
+            return DruckerPrager(np.full(len(p), young), SAND["poisson"], *angles.values())
     simulation, records, texts = simulate(loaded_by_weight(
         "column", grid, Soil(material, geostatic=False), 10, -SAND["gravity"], solver=Solver(linear="direct")),
         law=unchecked)
@@ -174,13 +178,13 @@ def softening(cells, scaled=False):
     """Softening: failure localises in one row of cells, so the dissipated energy is proportional to their size.
 
         ^ ^ ^ ^    bed of 8 m, cemented, ν = 0, cohesion c that is lost after a plastic strain of c/|H|; all of it moves
-        |     |    upwards by 1 m/s when its floor stops, breaks off at the floor and flies on. One layer of cells opens,
-        |_____|    by a width proportional to h, and the others unload
+        |     |    upwards by 1 m/s when its floor stops, breaks off at the floor and flies on. One layer of cells
+        |_____|    opens, by a width proportional to h, and the others unload
 
     Only a fracture energy G_f per unit area is a property of the soil. With w(H) = ∫ σ dλ of a point stretched with its
-    sides held, G_f = h w(H): the softening H is chosen for cells of h0 = 1 m. For other cells it has to be H h/h0 (crack
-    band: Z. P. Bažant and B. H. Oh, Matériaux et Constructions 16 (1983) 155-177). Reference: the bed flies on at
-    √(v² - 2 G_f/ρL), less what its waves keep.
+    sides held, G_f = h w(H): the softening H is chosen for cells of h0 = 1 m. For other cells it has to be H h/h0
+    (crack band: Z. P. Bažant and B. H. Oh, Matériaux et Constructions 16 (1983) 155-177). Reference: the bed flies on
+    at √(v² - 2 G_f/ρL), less what its waves keep.
     """
     length, density, speed, duration, steps = 8.0, 1000.0, 1.0, 0.15, 60
     size = length / cells
@@ -219,11 +223,11 @@ def rest(steps, settle=0, **soil):
         |_______|
 
     Soil that starts without stress oscillates by its own sag for ever, because nothing damps it. With the stress of its
-    weight it is at rest to round-off; without the disturbance no bit of it changes in 10 000 steps. With it, the surface
-    leaves the cell faces on which it lay, and a new node above it carries hardly any mass: the stress of the uppermost
-    point, ρ g h/4, is lost, once. The top moves by 1 % of the sag on 4 cells, by 0.1 % on 16, and by no more after 10 000
-    steps. Reference: half the range of the top after the start, over the sag ρ g L²/2M, M = E (1 - ν)/(1 + ν)(1 - 2ν), is
-    0 but for the disturbance.
+    weight it is at rest to round-off; without the disturbance no bit of it changes in 10 000 steps. With it, the
+    surface leaves the cell faces on which it lay, and a new node above it carries hardly any mass: the stress of the
+    uppermost point, ρ g h/4, is lost, once. The top moves by 1 % of the sag on 4 cells, by 0.1 % on 16, and by no more
+    after 10 000 steps. Reference: half the range of the top after the start, over the sag ρ g L²/2M, M = E (1 - ν)/(1 +
+    ν)(1 - 2ν), is 0 but for the disturbance.
     """
     length, density, gravity, young, poisson, speed = 2.0, 1800.0, 9.81, 1e7, 0.3, 1e-6
     size = length / 4
@@ -254,7 +258,8 @@ MODES = {
     "locking": Mode(parameters=("Poisson's ratio",), full=tuple(SAG), quick=(0.3, 0.4999), **BEAM_LOCKING),
     "locking_cells": Mode(
         parameters=("Poisson's ratio", "cells through the beam's height"),
-        full=tuple((nu, cells) for nu in SAG for cells in (2, 4, 8, 16)), quick=((0.3, 4), (0.4999, 4)), **BEAM_LOCKING),
+        full=tuple((nu, cells) for nu in SAG for cells in (2, 4, 8, 16)), quick=((0.3, 4), (0.4999, 4)),
+        **BEAM_LOCKING),
     "flow_locking": Mode(
         title="locking of plastic flow", parameters=("cells under half a footing",),
         measure="error of the load at collapse", right=0.05, wrong=0.25,

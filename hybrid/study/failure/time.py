@@ -28,24 +28,26 @@ ADAPTIVE = {"accuracy": 1e-3}       # values of the table [time]
 
 
 def large_rotation_step(angle, **time):
-    """Steps that rotate a body too far: rotation vectors are additive only while small, and ambiguous beyond half a turn.
+    """Steps that rotate a body too far: rotation vectors are additive only while small, and ambiguous beyond half a
+    turn.
 
-    A box of 1 x 0.7 x 0.3 m tumbles freely about its intermediate axis, through ten radians of its spin W(0), |Θ| radians
-    a step.
+    A box of 1 x 0.7 x 0.3 m tumbles freely about its intermediate axis, through ten radians of its spin W(0), |Θ|
+    radians a step.
 
         J Ẇ + W × J W = 0      R' = R W̃          attitude integrated to round-off (`tumbling.reference`)
 
     A step loses a share of |Θ|³ of the attitude, of |Θ|² with the dissipative pair: after 10 rad that is 0.24 |Θ|² with
-    Newmark's (1/4, 1/2), 1.0 |Θ|² with energy-momentum, 1.5 |Θ| with (0.5625, 1), measured. Beyond 2 rad the program halves
-    the step, because log(R_nᵀ R) takes a rotation by |Θ| > π for one by 2π - |Θ| the other way. Smaller steps are all
-    accepted; only `time.accuracy` estimates their error.
+    Newmark's (1/4, 1/2), 1.0 |Θ|² with energy-momentum, 1.5 |Θ| with (0.5625, 1), measured. Beyond 2 rad the program
+    halves the step, because log(R_nᵀ R) takes a rotation by |Θ| > π for one by 2π - |Θ| the other way. Smaller steps
+    are all accepted; only `time.accuracy` estimates their error.
     """
     spin, total = np.array([0.3, 1.0, 0.3]), 10.0     # [rad/s], [rad]
     side, speed = Axis(start=-0.5, end=0.5, size=0.5), np.linalg.norm(spin)
     step, steps = angle / speed, round(total / angle)
     simulation, _, texts = simulate(scene(
         "rotation", Grid(side, side, Axis(start=-3.0, end=-2.0, size=0.5), Faces()), elastic(1e6),
-        [box(1.0, 0.7, 0.3, spin=tuple(spin))], step, [Stage("fly", steps)], {"held": True}, time, {"tolerance": 1e-10}))
+        [box(1.0, 0.7, 0.3, spin=tuple(spin))], step, [Stage("fly", steps)], {"held": True}, time,
+        {"tolerance": 1e-10}))
     top = tumbling.Top(simulation.masses[0].inertia, spin, np.eye(3), np.zeros(3), np.zeros(3))
     error, _ = tumbling.apart(simulation.state.bodies[0], tumbling.reference(top, steps * step))
     return Observation(error, texts)
@@ -63,10 +65,10 @@ def bounce_step(ratio, **time):
 
         T_c = π √(m/k)        k = p_f E A        and leaves it with 1 m/s
 
-    Schemes without damping evaluate the force at the ends of steps only. If T_c is much shorter than Δt, a box that reaches
-    the plane after a share s of a step leaves with 3 - 4 s times its speed (s < 2/3): with up to nine times its energy, or
-    hardly any. The largest error of three values of s counts. Energy-momentum is Newmark's scheme where nothing rotates.
-    The dissipative pair only loses energy, 22 % of the speed with ten steps in T_c.
+    Schemes without damping evaluate the force at the ends of steps only. If T_c is much shorter than Δt, a box that
+    reaches the plane after a share s of a step leaves with 3 - 4 s times its speed (s < 2/3): with up to nine times its
+    energy, or hardly any. The largest error of three values of s counts. Energy-momentum is Newmark's scheme where
+    nothing rotates. The dissipative pair only loses energy, 22 % of the speed with ten steps in T_c.
     """
     step = ratio * np.pi * np.sqrt(MASS / (STIFFNESS * SIDE**2))
     return _worst([_bounce(step, start, **time) for start in (0.1, 0.5, 0.9)])
@@ -75,8 +77,8 @@ def bounce_step(ratio, **time):
 def bounce_map(step, stiffness, **time):
     """Time step and penalty: the stiffer the contact, the shorter the step that resolves it.
 
-    The bounce of `bounce_step`, whose contact time T_c = π √(m / (p_f E A)) is 70 ms at p_f E = 1 MPa/m, over time step and
-    penalty: runs fail above the line Δt = T_c / 2. The larger error of two values of s counts.
+    The bounce of `bounce_step`, whose contact time T_c = π √(m / (p_f E A)) is 70 ms at p_f E = 1 MPa/m, over time step
+    and penalty: runs fail above the line Δt = T_c / 2. The larger error of two values of s counts.
     """
     return _worst([_bounce(step, start, stiffness, **time) for start in (0.5, 0.9)])
 
@@ -109,9 +111,9 @@ def force_oscillation(courant, **time):
 
         F = ρ c v A         c = √(E/ρ), the Courant number is c Δt / h
 
-    The penalty spring and the first cell oscillate against each other and contact is lost in every period: F jumps between
-    0 and 2 to 4 times ρ c v A at any time step, while its mean is right. The error is the root mean square of F / (ρ c v A)
-    - 1 over the last four fifths of 1.6 L/c, when a front that extends over some cells has passed.
+    The penalty spring and the first cell oscillate against each other and contact is lost in every period: F jumps
+    between 0 and 2 to 4 times ρ c v A at any time step, while its mean is right. The error is the root mean square of F
+    / (ρ c v A) - 1 over the last four fifths of 1.6 L/c, when a front that extends over some cells has passed.
     """
     plate = driven(1.0, 1.0, 0.5, velocity=(0.0, 0.0, -SPEED), position=(CELL / 2, CELL / 2, 0.0), rest_on=LENGTH)
     _, records, texts = simulate(_impact(plate, courant * CELL / WAVE, 1.6, time))
@@ -127,9 +129,9 @@ def light_body(ratio, **time):
 
         M v' = -ρ c A v         v(t) = v exp(-t/τ)         τ = M / (ρ c A)
 
-    The nodes at the surface carry half a row of cells, ρ h A / 2, as one mass. A heavier body is stopped by many rows in
-    turn; a lighter one meets a mass at rest and a contact spring, and is thrown back: at its initial speed in that model, at
-    up to three times that speed if the step is longer than the contact (`bounce_step`).
+    The nodes at the surface carry half a row of cells, ρ h A / 2, as one mass. A heavier body is stopped by many rows
+    in turn; a lighter one meets a mass at rest and a contact spring, and is thrown back: at its initial speed in that
+    model, at up to three times that speed if the step is longer than the contact (`bounce_step`).
     """
     body = box(1.0, 1.0, 0.5, density=ratio * DENSITY * CELL**3 / 0.5, velocity=(0.0, 0.0, -SPEED),
                position=(CELL / 2, CELL / 2, 0.0), rest_on=LENGTH, held=("x", "y", "rx", "ry", "rz"))
@@ -150,15 +152,16 @@ def tunnelling(way, checked=True, **body):
     plate on the other side of the soil.
 
     A plate of 40 mm is thrown at elastic soil at 5 m/s, over corners s = 0.1 m apart, from 10 mm above it. Of the two
-    equilibria at the end of a long step, the plate stopped by the soil and the plate beyond it, the second is closer to the
-    first guess v Δt. Exact: all of the soil under the plate stays under it.
+    equilibria at the end of a long step, the plate stopped by the soil and the plate beyond it, the second is closer to
+    the first guess v Δt. Exact: all of the soil under the plate stays under it.
 
     The program checks the path of every corner and halves a step in which one passes through a body
     (`hybrid.contact.tunnelling`). The speed of the plate after the impact is the subject of `bounce_step`.
     """
     speed, spacing, duration = 5.0, 0.1, 0.12
     step = way * spacing / speed
-    plate = steel(0.5, 0.5, 0.04, size=0.25, rest_on=0.01, position=(0.4, 0.4, 0.0), velocity=(0.0, 0.0, -speed), **body)
+    plate = steel(0.5, 0.5, 0.04, size=0.25, rest_on=0.01, position=(0.4, 0.4, 0.0), velocity=(0.0, 0.0, -speed),
+                  **body)
     plain = {"line_search": False, "tangent_tolerance": 0.0, "loosest_tolerance": 0.0}
     solver = Solver(tolerance=1e-4, **({} if checked else plain))
     thrown = soil_scene([plate], z=(-0.8, 0.6), young=5e6, poisson=0.2, time=Time(step=step), solver=solver,
@@ -178,9 +181,9 @@ def plastic_step(steps, share=1, smallest=None):
           |_______|__ x   moves out by 0.13 m; above 3.8 s_u its shape and locking keep it standing
 
     A return mapping takes the direction of flow at the end of an increment, and points keep the basis of its start.
-    Newton's method may find no state at all, which halving the increment cures; or it converges to a displacement 31 % too
-    small, which no residual shows. The largest growth of a point's plastic strain in an increment does. Reference: the mean
-    displacement along x in 100 steps, within 1 % of that in 5 to 50 (with the same cells, which lock).
+    Newton's method may find no state at all, which halving the increment cures; or it converges to a displacement 31 %
+    too small, which no residual shows. The largest growth of a point's plastic strain in an increment does. Reference:
+    the mean displacement along x in 100 steps, within 1 % of that in 5 to 50 (with the same cells, which lock).
     """
     length, density, gravity = 2.0, 1800.0, 10.0
     size, strength = length / 8, density * gravity * length / 5.0
@@ -198,14 +201,14 @@ def plastic_step(steps, share=1, smallest=None):
 def round_off(share, **solver):
     """Hardly any weight: the residual relative to the acting forces cannot fall below the round-off of the stiffness.
 
-        | . . . |   block of 1 x 1 x 2 m between rollers, K = 8.3 MPa, ν = 0.3, under a share of gravity, in 2 quasi-static
-        | . . . |   steps, initially without stress
+        | . . . |   block of 1 x 1 x 2 m between rollers, K = 8.3 MPa, ν = 0.3, under a share of gravity, in 2
+        | . . . |   quasi-static steps, initially without stress
         |_______|
 
-    F = 1 + strain resolves a strain to 2e-16, stress to K 2e-16 = 2e-9 Pa, and forces over faces of h² to 5e-10 N. A weight
-    of 20 kN and a tolerance of 1e-6 leave a margin of 7 powers of ten. With less weight the tolerance is below round-off
-    and has to be looser. Without any, all forces vanish, and nothing may be divided by them. Exact: the mean of σ_zz is
-    -ρ g L/2 by equilibrium alone.
+    F = 1 + strain resolves a strain to 2e-16, stress to K 2e-16 = 2e-9 Pa, and forces over faces of h² to 5e-10 N. A
+    weight of 20 kN and a tolerance of 1e-6 leave a margin of 7 powers of ten. With less weight the tolerance is below
+    round-off and has to be looser. Without any, all forces vanish, and nothing may be divided by them. Exact: the mean
+    of σ_zz is -ρ g L/2 by equilibrium alone.
     """
     size, height, density, gravity = 0.5, 2.0, 1000.0, 10.0
     side = Axis(start=0.0, end=1.0, size=size)
@@ -225,7 +228,8 @@ MODES = {
     "large_rotation_step": Mode(
         title="steps of large rotations", parameters=("rotation in a step [rad]",),
         measure="angle to the exact attitude after a rotation by 10 rad [rad]", right=0.015, wrong=0.05,
-        methods={**DISSIPATIVE, "energy-momentum": SCHEMES["energy-momentum"], "Newmark": {}, "time.accuracy": ADAPTIVE},
+        methods={**DISSIPATIVE, "energy-momentum": SCHEMES["energy-momentum"], "Newmark": {},
+                 "time.accuracy": ADAPTIVE},
         default="Newmark", message=r"rotates by .* rad a step.*limit.*time\.accuracy",
         full=(0.03, 0.1, 0.3, 0.5, 1.0, 3.0), quick=(1.0,), solve=large_rotation_step),
     "bounce_step": Mode(

@@ -4,9 +4,9 @@ Levels. A level sets the loosest tolerance that changes the error of every probl
 compared with the tightest tolerance that converged. Cells and steps are doubled or halved; the default curves of the
 records show the cost and the gain of a halving.
 
-Targets. Each problem contributes its Pareto front of error against work (Newton iterations times unknowns; the seconds of
-runs this small are overhead). Only runs that differ in cells and options count, because the time steps of a problem are
-not those of another scene. Errors are rounded up to two digits, and to the smallest error that is certain.
+Targets. Each problem contributes its Pareto front of error against work (Newton iterations times unknowns; the seconds
+of runs this small are overhead). Only runs that differ in cells and options count, because the time steps of a problem
+are not those of another scene. Errors are rounded up to two digits, and to the smallest error that is certain.
 """
 
 import json

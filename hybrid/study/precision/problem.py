@@ -20,9 +20,9 @@ class Problem:
     length, transferable(values): for problems that a scene can name in `accuracy`: which length of the problem the
         cells are counted across, in words; the settings that a scene can take over from a run of these values
         (`hybrid.study.precision.settings.transferable`), None where it cannot.
-    certain: smallest value of the first error that means something; a smaller one is accidental.
-    peers(): Records of other programs, taken elsewhere.
-    peer_curves(quick), peer_solve(python, **values): curves and RunResult of Kratos MPM, where it can solve the problem.
+    certain: smallest value of the first error that means something; a smaller one is accidental. peers(): Records of
+    other programs, taken elsewhere. peer_curves(quick), peer_solve(python, **values): curves and RunResult of Kratos
+    MPM, where it can solve the problem.
     """
 
     title: str

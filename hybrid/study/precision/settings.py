@@ -1,4 +1,5 @@
-"""Methods and tolerances that curves share: their labels in figures, and the values of a scene's tables they stand for."""
+"""Methods and tolerances that curves share: their labels in figures, and the values of a scene's tables they stand
+for."""
 
 TABLES = ("soil", "solver", "body")     # among the values of a run: tables that a scene has as well
 
@@ -32,7 +33,8 @@ def newton_tolerances(**values):
 
 
 def krylov_tolerances(**values):
-    """Settings of a curve over the Krylov tolerance, used in every Newton iteration; `values`: all others of the run."""
+    """Settings of a curve over the Krylov tolerance, used in every Newton iteration; `values`: all others of the
+    run."""
     return [(f"{t:.0e}", with_solver(values, linear_tolerance=t, loosest_tolerance=t))
             for t in LINEAR_TOLERANCES]
 
@@ -44,7 +46,8 @@ def few(curves, counts):
 
 def transferable(values, cells, *own):
     """Settings of a run that a scene can take over, as a dict for JSON; None if the run's values include others than
-    the TABLES and those named in `own`, which define the problem. cells: number of cells across the problem's length."""
+    the TABLES and those named in `own`, which define the problem. cells: number of cells across the problem's
+    length."""
     if set(values) - {*TABLES, *own}:
         return None
     return {"cells": cells, **{name: values.get(name, {}) for name in TABLES}}

@@ -27,8 +27,8 @@ def keeping(function, kept):
 
 @pytest.fixture(scope="session")
 def quick(tmp_path_factory):
-    """records(name): of `hybrid study precision NAME --quick`, without figures; again[problem]: a stand-in for the function
-    of COMPUTES that returns the stored results, for tests that evaluate them against another reference."""
+    """records(name): of `hybrid study precision NAME --quick`, without figures; again[problem]: a stand-in for the
+    function of COMPUTES that returns the stored results, for tests that evaluate them against another reference."""
     again = {}
 
     @functools.cache
@@ -55,7 +55,8 @@ def recorded(quick):
 
 @pytest.fixture
 def replayed(quick, recorded, monkeypatch):
-    """replayed(problem, curve): RunResults of the quick settings of a curve, evaluated again from the stored results."""
+    """replayed(problem, curve): RunResults of the quick settings of a curve, evaluated again from the stored
+    results."""
     def of(problem, curve):
         values = [record.values for record in recorded(problem, curve)]
         monkeypatch.setattr(problem, COMPUTES[problem], quick.again[problem])

@@ -1,4 +1,5 @@
-"""The short anchor drag of a study: how its error is measured, and that the grid of the reference comes nearest to it."""
+"""The short anchor drag of a study: how its error is measured, and that the grid of the reference comes nearest to
+it."""
 
 import json
 

@@ -53,7 +53,8 @@ def test_levels_are_read_as_they_were_written(tmp_path, monkeypatch):
 
 def test_the_problems_that_ship_are_those_of_the_records_that_ship():
     recorded = fit_accuracy.references(record.load(report.RECORDED)[1])
-    assert accuracy.problems() == recorded and set(recorded) == {name for name, problem in report.PROBLEMS.items() if problem.length}
+    assert accuracy.problems() == recorded
+    assert set(recorded) == {name for name, problem in report.PROBLEMS.items() if problem.length}
 
 
 def test_records_that_differ_in_steps_or_name_a_peer_do_not_count():

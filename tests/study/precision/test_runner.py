@@ -79,7 +79,8 @@ def test_unknown_problem():
 
 
 def test_the_quick_study_of_every_problem(quick):
-    """All problems with quick settings complete them, except one curve that fails on purpose; each has a panel per cost."""
+    """All problems with quick settings complete them, except one curve that fails on purpose; each has a panel per
+    cost."""
     records = [r for name, problem in runner.PROBLEMS.items() if problem.curves(True) for r in quick.records(name)]
     assert set(runner.PROBLEMS) - {r.problem for r in records} == {"anchor"}     # takes too long
     assert {(r.problem, r.curve) for r in records if r.failed} == {("cantilever", "default")}

@@ -1,9 +1,9 @@
 """A drag anchor is lowered onto loose sand, settles for a second and is dragged for 0.6 s, until its fluke digs in.
 
 The scene is demos/anchor.toml with a shorter drag; the values of its solver table count as the default. No exact
-solution is known: errors are differences from a fine run with cells of 0.2 m, Δt = 0.02 s and tight tolerances. Its path
-of the centre of mass and its line tension are kept in anchor_reference.json (`write_reference`). An error much smaller
-than the difference between that run and a finer one shows only that two runs of this program agree.
+solution is known: errors are differences from a fine run with cells of 0.2 m, Δt = 0.02 s and tight tolerances. Its
+path of the centre of mass and its line tension are kept in anchor_reference.json (`write_reference`). An error much
+smaller than the difference between that run and a finer one shows only that two runs of this program agree.
 """
 
 import json
@@ -29,8 +29,8 @@ TIGHT = {"tolerance": 1e-5, "linear_tolerance": 1e-4, "tangent_tolerance": 0.0}
 
 
 def curves(quick):
-    """Cell sizes; methods at 0.4 and 0.3 m; time step and tolerance at 0.2 m, where the cells are those of the reference.
-    quick: none, because one run takes too long."""
+    """Cell sizes; methods at 0.4 and 0.3 m; time step and tolerance at 0.2 m, where the cells are those of the
+    reference. quick: none, because one run takes too long."""
     if quick:
         return {}
     return {
@@ -77,7 +77,8 @@ def dragged(**values):
 
 
 def course(records):
-    """Time (n,) [s] since the pull began, position (n, 3) [m] of the centre of mass, line tension (n,) [N] of the drag."""
+    """Time (n,) [s] since the pull began, position (n, 3) [m] of the centre of mass, line tension (n,) [N] of the
+    drag."""
     pulled = [record for record in records if record.stage == "drag"]
     begun = max(record.time for record in records if record.stage == "settle")
     bodies = [record.bodies[0] for record in pulled]

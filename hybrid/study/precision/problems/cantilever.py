@@ -19,9 +19,10 @@ dz/dZ = λ^-n. It drops 8.240 m, shortens 5.511 m. The difference goes with (H/L
 The load is shared by the last two columns of points, 3/2 and -1/2 of it, so that its line is the end face.
 
 The study compares the tip with the beam of Hencky fibres. The beam is itself a model: the finest grids converge to a
-position 0.4 % from it, so smaller errors are accidental. With a scene's defaults no run is completed: domain corners that
-only just reach into a cell leave its nodes without stiffness, and the line search requires the residual to fall where it
-has to rise first. All curves except "default" therefore use the ghost penalty, and no line search unless their label says so.
+position 0.4 % from it, so smaller errors are accidental. With a scene's defaults no run is completed: domain corners
+that only just reach into a cell leave its nodes without stiffness, and the line search requires the residual to fall
+where it has to rise first. All curves except "default" therefore use the ghost penalty, and no line search unless their
+label says so.
 """
 
 import functools

@@ -9,8 +9,8 @@ Gravity is turned on in equal quasi-static steps. Errors: Σ |σ_zz - exact| V /
 AMPLE 1.1 (Coombs, Augarde, AMPLE: a material point learning environment, 2020) is measured on the same column in plane
 strain, one cell wide, with the same error. Its seconds are CPU time of the whole run in GNU Octave, on another machine.
 Its unknowns are the vertical displacements of two columns of nodes; rollers hold all others. Kratos's MPM application,
-standard points, is run as well if it is given. With ν = 0 the cross-section keeps its area, so σ_zz does not depend on the
-law: Kratos is also run with a neo-Hookean law, τ = E/2 (λ² - 1), under which the column becomes shorter.
+standard points, is run as well if it is given. With ν = 0 the cross-section keeps its area, so σ_zz does not depend on
+the law: Kratos is also run with a neo-Hookean law, τ = E/2 (λ² - 1), under which the column becomes shorter.
 """
 
 from dataclasses import dataclass

@@ -6,14 +6,15 @@
           |______________________   Nc = F / (B c) = 5.14159, 14.8347, 30.1396 for φ = 0, 20°, 30°
 
 Nc = (e^(π tanφ) tan²(45° + φ/2) - 1) cotφ, 2 + π for φ = 0, is that of Mohr-Coulomb's law; the cone matched in plane
-strain with associated flow has the same (φ = 0: √J2 = c, von Mises). Contact acts at the corners of the points' domains,
-a spacing s apart; a footing whose edge lies half-way between two of them presses on exactly its own width. Soil that
-heaves beside it only just reaches into empty cells; some runs then stop unless a ghost penalty couples these cells to
-their neighbours.
+strain with associated flow has the same (φ = 0: √J2 = c, von Mises). Contact acts at the corners of the points'
+domains, a spacing s apart; a footing whose edge lies half-way between two of them presses on exactly its own width.
+Soil that heaves beside it only just reaches into empty cells; some runs then stop unless a ghost penalty couples these
+cells to their neighbours.
 
 The study runs φ = 20°, where the defaults complete the run; φ = 0 has an error of its own. At 20° the force still grows
 by 1.5 % over the last tenth of the settlement, so errors below one or two per cent are accidental. Other parameters are
-varied with F-bar, the ghost penalty and the direct solver, because the Krylov method breaks down in some runs with F-bar.
+varied with F-bar, the ghost penalty and the direct solver, because the Krylov method breaks down in some runs with
+F-bar.
 """
 
 from dataclasses import dataclass
@@ -139,8 +140,8 @@ def curves(quick=False):
 
 
 def transfer(values):
-    """Settings that a scene can take over from a run on equal cells in the default number of steps, else None; also None
-    for contact springs softer than the default, which reduce an excessive force and so hide some of the error."""
+    """Settings that a scene can take over from a run on equal cells in the default number of steps, else None; also
+    None for contact springs softer than the default, which reduce an excessive force and so hide some of the error."""
     body = {"penalty": Body.penalty, **values.get("body", {})}
     found = transferable(values, values["across"] + 0.25, "across")
     if found is None or body["penalty"] < Body.penalty:

@@ -134,8 +134,8 @@ class Swirl(Solution):
 
 @dataclass(frozen=True)
 class Vibration:
-    """Displacement (n, 3) of the points at the end; errors [-] of displacement and stress; cell faces crossed per point;
-    increments, Newton iterations, unknowns, seconds of the run."""
+    """Displacement (n, 3) of the points at the end; errors [-] of displacement and stress; cell faces crossed per
+    point; increments, Newton iterations, unknowns, seconds of the run."""
 
     moved: np.ndarray
     displacement: float

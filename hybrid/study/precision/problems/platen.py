@@ -67,8 +67,8 @@ def _slow(counts, **values):
 
 
 def scene(penalty=50.0, cell=0.4, steps=20, solver=None, **body):
-    """Scene of the press: `penalty` [1/m], cells of `cell` [m]; solver, body: values of the solver and of the platen that
-    differ from the defaults."""
+    """Scene of the press: `penalty` [1/m], cells of `cell` [m]; solver, body: values of the solver and of the platen
+    that differ from the defaults."""
     axis = Axis(start=0.0, end=LENGTH, size=cell)
     parameters = {"length": 1.2, "width": 1.2, "height": 0.4, "size": body.pop("size", 10.0)}
     platen = Body(GEOMETRY / "box.geo", 1000.0, parameters=parameters, position=(0.4, 0.4, 0.0), rest_on=LENGTH,

@@ -3,10 +3,10 @@
     slides, tan θ > 3.5 μ:   d = ½ g t² (sin θ - μ cos θ)     ω = 5 μ g cos θ t / (2 r)
     rolls:                   d = 5/14 g t² sin θ              ω = 5/7 g sin θ t / r
 
-θ = 45°, r = 0.25 m (Fig. 2a of Bird et al., UKACM 2024); the scene is demos/rolling_sphere.toml. A run is four rides:
-μ = 0.2 slides and μ = 0.4 rolls, each from two starts half a corner spacing apart, because the first pass of contact
-samples a lattice of corners and the result depends by some per cent on where in the lattice a ride starts. Errors are root
-mean squares over the rides, times and iterations are sums.
+θ = 45°, r = 0.25 m (Fig. 2a of Bird et al., UKACM 2024); the scene is demos/rolling_sphere.toml. A run is four rides: μ
+= 0.2 slides and μ = 0.4 rolls, each from two starts half a corner spacing apart, because the first pass of contact
+samples a lattice of corners and the result depends by some per cent on where in the lattice a ride starts. Errors are
+root mean squares over the rides, times and iterations are sums.
 """
 
 from dataclasses import dataclass, replace
@@ -24,7 +24,7 @@ from hybrid.study.precision.record import RunResult
 GRAVITY, RADIUS, SLOPE = 9.81, 0.25, np.pi / 4
 SPACING = 0.125     # [m] of the corners
 MU, STARTS = (0.2, 0.4), (0.0, 0.5)     # starts in spacings
-SAMPLES = ["body.0.second_pass=1.0", "body.0.penalty=400.0"]  # of the body, instead of corners: smooth, so contact can be stiff
+SAMPLES = ["body.0.second_pass=1.0", "body.0.penalty=400.0"]  # smooth contact, which can be stiff
 
 
 def law(mu, time, radius=RADIUS):
@@ -36,7 +36,8 @@ def law(mu, time, radius=RADIUS):
 
 
 def missed(mu, time, distance, spin):
-    """Relative errors [-] of distance and spin at a time; of the spin relative to that of rolling if the exact one is 0."""
+    """Relative errors [-] of distance and spin at a time; of the spin relative to that of rolling if the exact one is
+    0."""
     exact, rolling = law(mu, time), law(1.0, time)
     return distance / exact[0] - 1, (spin - exact[1]) / (exact[1] or rolling[1])
 

@@ -34,8 +34,8 @@ COUNTS = (25, 50, 100, 200, 400, 800)
 
 @dataclass(frozen=True)
 class Top:
-    """A body that rotates about a fixed point: inertia (3, 3) [kg m²] about it, force (3,) [N] constant in space, arm (3,)
-    [m] of the force in the body frame, initial spin (3,) [rad/s] and rotation (3, 3)."""
+    """A body that rotates about a fixed point: inertia (3, 3) [kg m²] about it, force (3,) [N] constant in space, arm
+    (3,) [m] of the force in the body frame, initial spin (3,) [rad/s] and rotation (3, 3)."""
 
     inertia: np.ndarray
     spin: np.ndarray
