@@ -1,0 +1,72 @@
+"""Figures of studies, drawn from made-up records: what is in their panels."""
+
+from contextlib import contextmanager
+
+import numpy as np
+import pytest
+
+from hybrid.output import failure_map, figures, work_precision
+from hybrid.output.failure_map import LOOKS, WORDS, Map, draw_atlas, draw_maps
+from hybrid.output.work_precision import Panel, Series
+
+PANELS = [
+    Panel("column", "stress error", [
+        Series("default", [1.0, 10.0], [0.1, 0.01], [0.0, 0.1]), Series("fine", [20.0, 2.0], [0.02, 0.2], [0.0, 0.0], 1),
+        Series("other program", [5.0], [0.3], [0.0], foreign=True)], [(1.0, 0.1), (10.0, 0.01)]),
+    *(Panel(name, "error", [Series("default", [1.0], [0.1], [0.0])], []) for name in ("wave", "footing"))]
+LINE = Map("apex", ("cohesion",), {"plain": {(0.0,): "silent", (10.0,): "right"}, "remedy": {(10.0,): "reported"}}, "plain")
+PLANE = Map("cuts", ("share", "ghost"), {"plain": {(0.1, 0.0): "degraded", (0.1, 1e5): "right", (0.2, 0.0): "silent"}},
+            "plain")
+
+
+@pytest.fixture
+def drawn(monkeypatch):
+    """Figures of the modules, kept when they are written."""
+    kept, figure = [], figures.figure
+
+    @contextmanager
+    def keeping(*args, **values):
+        with figure(*args, **values) as drawing:
+            yield drawing
+            kept.append(drawing)
+
+    for module in (failure_map, work_precision):
+        monkeypatch.setattr(module, "figure", keeping)
+    return kept
+
+
+def test_error_against_cost(drawn, tmp_path):
+    path = work_precision.work_precision(tmp_path / "time.png", PANELS, "seconds", "a machine")
+    assert path.read_bytes().startswith(b"\x89PNG") and len(drawn[0].axes) == 4
+    first, *_, unused = drawn[0].axes
+    assert first.get_xscale() == first.get_yscale() == "log" and not unused.axison
+    assert (first.get_title(loc="left"), first.get_xlabel(), first.get_ylabel()) == (
+        "(a) column", "seconds", "stress error")
+    labels = [text.get_text() for text in first.get_legend().get_texts()]
+    assert labels == ["default", "fine (1 failed)", "other program"]
+    curves = {bars.get_label(): bars.lines[0] for bars in first.containers}
+    assert curves["fine (1 failed)"].get_xdata().tolist() == [2.0, 20.0]       # in the order of their costs
+    assert curves["other program"].get_linestyle() == ":" != curves["default"].get_linestyle()
+
+
+def test_map_over_one_parameter(drawn, tmp_path):
+    assert draw_atlas(tmp_path / "atlas.png", [LINE], "a machine").is_file()
+    axes, unused = drawn[0].axes
+    assert [text.get_text() for text in axes.get_yticklabels()] == ["plain", "remedy"]
+    assert [text.get_fontweight() for text in axes.get_yticklabels()] == ["bold", "normal"]
+    assert [text.get_text() for text in axes.get_xticklabels()] == ["0", "10"] and not unused.axison
+    shown = axes.images[0].get_array()
+    for (row, column), kind in {(0, 0): "silent", (0, 1): "right", (1, 1): "reported"}.items():
+        assert shown[row, column].tolist() == failure_map._colour(LOOKS[kind])
+    assert shown[1, 0].tolist() == [255, 255, 255]      # not tried
+    crosses, = (line for line in axes.lines if line.get_marker() == "x")
+    assert np.transpose(crosses.get_data()).tolist() == [[0.0, 0.0]]
+    assert [text.get_text() for text in drawn[0].legends[0].get_texts()] == list(WORDS.values())
+
+
+def test_map_over_two_parameters(drawn, tmp_path):
+    assert draw_maps(tmp_path / "maps.png", [PLANE], "a machine").is_file()
+    axes, = drawn[0].axes
+    assert axes.get_title(loc="left") == "(a) cuts: plain (default)"
+    assert [text.get_text() for text in axes.get_yticklabels()] == ["0", "1e5"]
+    assert axes.images[0].get_array().shape == (2, 2, 3)
