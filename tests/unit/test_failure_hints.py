@@ -7,11 +7,21 @@ import numpy as np
 import pytest
 
 from hybrid.monitors import StepView
-from hybrid.monitors.failure_hints import accuracy_remedies, either, overstretched_domains, remedies, roundoff_force
+from hybrid.monitors.failure_hints import (
+    accuracy_remedies,
+    advice,
+    either,
+    overstretched_domains,
+    probable_causes,
+    remedies,
+    roundoff_force,
+)
 from hybrid.monitors.plastic_increment import LIMIT, PlasticIncrement
 from hybrid.scene import Solver, Time
 from hybrid.setup.build import build
 from hybrid.soil.domains import cells_wide
+from hybrid.step.equations import begin
+from hybrid.step.workspace import Workspace
 from hybrid.study.scenes import box, soil_scene
 
 
@@ -85,3 +95,28 @@ def test_the_remedy_that_works_comes_first():
     assert "solver.tolerance" in remedies(model, reason, (1.0, 5e-5, 5e-5, 5e-5), 1e-6)[0]
     assert remedies(model, "box rotates by 3 rad in 1 s, limit 2 rad") == ("a smaller time.step",)
     assert either(("a",)) == "a" and either(("a", "b")) == "a or b" and either(("a", "b", "c")) == "a, b, or c"
+
+
+def started(**more):
+    """(Step of a quasi-static scene with a box, its Evaluation at rest, Workspace)."""
+    body = box(0.2, 0.2, 0.2, held=("x", "y", "rx", "ry", "rz"), position=(0.4, 0.4, 0.0), **more)
+    simulation = build(soil_scene([body], time=Time(step=1.0, inertia=False), gravity=(0.0, 0.0, -9.81)))
+    workspace = Workspace(simulation.model)
+    step = begin(simulation.model, simulation.state, 1.0, False, workspace)
+    return step, step.evaluate(step.at_rest()), workspace
+
+
+def test_lost_contact_is_named_as_the_cause():
+    """Without inertia, and only where no body has contact; round-off of the stiffness is then no cause."""
+    step, evaluation, workspace = started(rest_on=0.1)
+    causes = probable_causes(step, evaluation)
+    assert causes[0].startswith("No corner of the soil touches body any more") and "body.rest_on" in causes[0]
+    assert "time.inertia = true" in causes[0] and not any("round-off" in cause for cause in causes)
+    outcome = SimpleNamespace(evaluation=evaluation, reason="residual 1.00e+00 after 15 iterations", errors=(1.0, 1.0))
+    text = advice(step, outcome, Solver())
+    assert text.startswith("No corner") and "Otherwise use a smaller time.step with more stage.steps" in text
+    assert "time.accuracy" not in text and text.endswith("where the load exceeds what the soil can carry")
+    workspace.destroy()
+    step, evaluation, workspace = started(rest_on=-0.004)
+    assert not any("No corner" in cause for cause in probable_causes(step, evaluation))
+    workspace.destroy()

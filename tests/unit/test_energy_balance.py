@@ -1,0 +1,40 @@
+"""The monitor of the energy balance: a warning has value, limit and a remedy that fits the scene."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from hybrid.monitors import StepView
+from hybrid.monitors.energy_balance import EnergyBalance
+
+
+def balance(errors, stored=100.0, bodies=(), inertia=True, damps=False, accuracy=None):
+    """Notes of steps with these errors [J] of the balance."""
+    monitor = EnergyBalance(None, None)
+    view = {"model": SimpleNamespace(bodies=bodies), "scheme": SimpleNamespace(inertia=inertia, damps=damps),
+            "report": SimpleNamespace(error=accuracy)}
+    return [note for time, error in enumerate(errors) for note in monitor.notes(StepView(
+        state=SimpleNamespace(time=time), energy={"kinetic": stored, "elastic": 0.0, "contact": 0.0, "error": error},
+        **view))]
+
+
+def test_energy_within_its_limits_gives_no_note():
+    assert balance([0.0, 24.0, -25.0, 0.0]) == [] and balance([0.0, 0.0], stored=0.0) == []
+
+
+def test_a_gain_and_a_loss_are_reported_once_each():
+    gain, loss = balance([0.0, 30.0, 40.0, -20.0, -80.0])
+    assert gain.startswith("energy balance: unaccounted gain of 30 J at t = 1 s (30% of the largest") and "25%" in gain
+    assert loss.startswith("energy balance: unaccounted loss of 60 J in the step to t = 3 s (60% of") and "50%" in loss
+    assert balance([0.0, -80.0], damps=True) == [] == balance([0.0, -80.0], inertia=False)
+
+
+@pytest.mark.parametrize("scene, present, absent", [
+    ({"bodies": (1,)}, ["time.accuracy = 1e-3", "body.penalty", "damps"], ["stage.steps"]),
+    ({}, ["a smaller time.step", "damps"], ["body.penalty", "Contact"]),
+    ({"accuracy": 1e-5}, ["a smaller time.accuracy"], ["time.accuracy ="]),
+    ({"damps": True}, ["a smaller time.step"], ["a scheme that damps"]),
+    ({"inertia": False, "bodies": (1,)}, ["stage.steps"], ["time.accuracy", "time.step", "damps"])])
+def test_remedies_of_a_gain_fit_the_scene(scene, present, absent):
+    text, = balance([0.0, 50.0], **scene)
+    assert all(words in text for words in present) and not any(words in text for words in absent)
