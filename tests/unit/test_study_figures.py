@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hybrid.output import failure_map, figures, work_precision
-from hybrid.output.failure_map import LOOKS, WORDS, Map, draw_atlas, draw_maps
+from hybrid.output.failure_map import COLOURS, LABELS, Map, draw_one_parameter_maps, draw_two_parameter_maps
 from hybrid.output.work_precision import Panel, Series
 
 PANELS = [
@@ -50,22 +50,22 @@ def test_error_against_cost(drawn, tmp_path):
 
 
 def test_map_over_one_parameter(drawn, tmp_path):
-    assert draw_atlas(tmp_path / "atlas.png", [LINE], "a machine").is_file()
+    assert draw_one_parameter_maps(tmp_path / "atlas.png", [LINE], "a machine").is_file()
     axes, unused = drawn[0].axes
     assert [text.get_text() for text in axes.get_yticklabels()] == ["plain", "remedy"]
     assert [text.get_fontweight() for text in axes.get_yticklabels()] == ["bold", "normal"]
     assert [text.get_text() for text in axes.get_xticklabels()] == ["0", "10"] and not unused.axison
     shown = axes.images[0].get_array()
     for (row, column), kind in {(0, 0): "silent", (0, 1): "right", (1, 1): "reported"}.items():
-        assert shown[row, column].tolist() == failure_map._colour(LOOKS[kind])
+        assert shown[row, column].tolist() == failure_map._colour(COLOURS[kind])
     assert shown[1, 0].tolist() == [255, 255, 255]      # not tried
     crosses, = (line for line in axes.lines if line.get_marker() == "x")
     assert np.transpose(crosses.get_data()).tolist() == [[0.0, 0.0]]
-    assert [text.get_text() for text in drawn[0].legends[0].get_texts()] == list(WORDS.values())
+    assert [text.get_text() for text in drawn[0].legends[0].get_texts()] == list(LABELS.values())
 
 
 def test_map_over_two_parameters(drawn, tmp_path):
-    assert draw_maps(tmp_path / "maps.png", [PLANE], "a machine").is_file()
+    assert draw_two_parameter_maps(tmp_path / "maps.png", [PLANE], "a machine").is_file()
     axes, = drawn[0].axes
     assert axes.get_title(loc="left") == "(a) cuts: plain (default)"
     assert [text.get_text() for text in axes.get_yticklabels()] == ["0", "1e5"]
