@@ -16,6 +16,9 @@ from numba import njit, prange
 
 from hybrid.grid.numbering import node_indices, node_number
 from hybrid.linalg.stencil import PLACES, Sparsity, offset_of_place
+from hybrid.runtime.errors import SceneError
+
+LIMIT = np.iinfo(np.int32).max      # of unknowns and entries: PETSc's indices, and ours, have 32 bits
 
 
 @dataclass(frozen=True)
@@ -44,8 +47,13 @@ class Pattern:
 
 
 def make_pattern(active, fixed, shape):
-    """Pattern for active nodes (N,) bool and held components (N, 3) bool on a grid of `shape` nodes."""
+    """Pattern for active nodes (N,) bool and held components (N, 3) bool on a grid of `shape` nodes.
+
+    Raises SceneError when unknowns or entries are more than index arrays of 32 bits can number, before memory for them
+    is allocated.
+    """
     free = active[:, None] & ~fixed
+    check_size(*count_unknowns_and_entries(free, shape))
     dof = np.full(free.shape, -1, np.int32)
     dof[free] = np.arange(np.count_nonzero(free))
     row = np.full(len(active), -1, np.int32)
@@ -54,10 +62,45 @@ def make_pattern(active, fixed, shape):
     slot = np.full((len(nodes), PLACES), -1, np.int32)
     indptr = np.zeros(np.count_nonzero(free) + 1, np.int32)
     width = _fill_slots(nodes, free, shape, slot)
-    indptr[1:] = np.cumsum(np.repeat(width, free[nodes].sum(axis=1)))
+    indptr[1:] = np.cumsum(np.repeat(width, free[nodes].sum(axis=1)), dtype=np.int64)
     indices = np.empty(indptr[-1], np.int32)
     _fill_indices(nodes, shape, Sparsity(dof, row, slot, indptr), indices)
     return Pattern(dof, row, slot, indptr, indices, free, diagonal_places(indptr, indices))
+
+
+def count_unknowns_and_entries(free, shape):
+    """Numbers of unknowns and of entries for free components (N, 3) bool on a grid of `shape` nodes.
+
+    Where the largest possible number of entries is within LIMIT, that number, which takes no time, else the exact one.
+    """
+    unknowns = int(np.count_nonzero(free))
+    bound = 3 * PLACES * unknowns
+    return unknowns, bound if bound <= LIMIT else int(_count_entries(free, tuple(shape)))
+
+
+def check_size(unknowns, entries):
+    """Raises SceneError when there are more than LIMIT unknowns or entries of the soil block."""
+    for count, what in ((unknowns, "unknowns"), (entries, "entries")):
+        if count > LIMIT:
+            raise SceneError(f"the matrix of the soil has {count} {what}, the limit is {LIMIT} (indices of 32 bits); use "
+                             "larger cells far from the body (grid.x.fine, grid.x.growth), larger cells everywhere "
+                             "(grid.x.size), or a shorter axis; y and z alike")
+
+
+@njit(cache=True)
+def _count_entries(free, shape):
+    """Number of entries, in 64 bits, of rows (v, i) for free components (N, 3) bool."""
+    entries = np.int64(0)
+    for v in range(len(free)):
+        rows = free[v].sum()
+        if rows == 0:
+            continue
+        i, j, k = node_indices(shape, v)
+        for s in range(PLACES):
+            di, dj, dk = offset_of_place(s)
+            if 0 <= i + di < shape[0] and 0 <= j + dj < shape[1] and 0 <= k + dk < shape[2]:
+                entries += rows * free[v + node_number(shape, di, dj, dk)].sum()
+    return entries
 
 
 @njit(cache=True, parallel=True)

@@ -111,6 +111,7 @@ class Kinematics:
         assert keep is None or keep.valid, "a trial strain cannot be kept after its buffers have been overwritten"
         buffers = next(one for one in self._sets if keep is None or one is not keep._buffers)
         buffers.version += 1
+        shape = tuple(shape)
         deforms, nodal = np.array(shape) > 1, with_margin(displacement, shape)
         if mean is not None:
             _volumes(mean, shape, nodal, buffers.mean_inverse, self._mean_volume)

@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 from scipy import sparse
 
+from hybrid.linalg import stencil_pattern
 from hybrid.linalg.precond_pattern import reduced_entries
 from hybrid.linalg.stencil_pattern import make_pattern
+from hybrid.runtime.errors import SceneError
 
 
 def brute_force(active, fixed, shape):
@@ -92,3 +94,27 @@ def test_near_entries_are_of_one_cell_or_in_columns_of_light_nodes(name):
 def test_nothing_active():
     pattern = make_pattern(np.zeros(8, bool), np.zeros((8, 3), bool), (2, 2, 2))
     assert pattern.size == 0 and len(pattern.indices) == 0 and len(pattern.diagonal) == 0
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_entries_are_counted_before_they_are_allocated(name, monkeypatch):
+    """The bound where it is within the limit, the exact number where it is not."""
+    active, fixed, shape = case(name)
+    free, pattern = active[:, None] & ~fixed, make_pattern(active, fixed, shape)
+    bound = 3 * 125 * pattern.size
+    assert stencil_pattern.count_unknowns_and_entries(free, shape) == (pattern.size, bound)
+    monkeypatch.setattr(stencil_pattern, "LIMIT", bound - 1)
+    assert stencil_pattern.count_unknowns_and_entries(free, shape) == (pattern.size, len(pattern.indices))
+
+
+def test_too_many_entries_or_unknowns_are_refused(monkeypatch):
+    """At the limit of 32 bits; and by make_pattern before it allocates, shown with a lower limit."""
+    stencil_pattern.check_size(2**31 - 1, 2**31 - 1)
+    for unknowns, entries, what in ((2**31, 1, "2147483648 unknowns"), (1, 2**31, "2147483648 entries")):
+        with pytest.raises(SceneError, match=f"{what}, the limit is 2147483647.*grid.x.size"):
+            stencil_pattern.check_size(unknowns, entries)
+    active, fixed, shape = case("all free")
+    monkeypatch.setattr(stencil_pattern, "LIMIT", len(make_pattern(active, fixed, shape).indices) - 1)
+    monkeypatch.setattr(stencil_pattern, "_fill_slots", None)
+    with pytest.raises(SceneError, match="entries, the limit is"):
+        make_pattern(active, fixed, shape)
