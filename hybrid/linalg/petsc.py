@@ -1,18 +1,20 @@
-"""The block system in PETSc: the only place that knows how it is stored and solved.
+"""The block system in PETSc: the only module that knows how it is stored and solved.
 
     | K_uu  K_uw | |δu|     |R_u|
     | K_wu  K_ww | |δw| = - |R_w|
 
-K_uu is sparse (AIJ) over the free soil unknowns, the others are dense and as thin as the bodies' free unknowns. The
-preconditioner is the upper block factorisation: an approximate inverse M^-1 of K_uu and the exact Schur complement
-K_ww - K_wu M^-1 K_uw, formed with one application of M^-1 per body unknown. M^-1 is a symmetric Gauss-Seidel sweep over
-the blocks of nodes, or an incomplete factor, the other one where GMRES gets nowhere with that; or, for checks, a direct
-factor. Sweeps need no factor, keep a positive matrix positive and do not mind stiff contact: they come first where the
-soil's tangent is symmetric. By blocks rather than by rows they take sand 13 iterations instead of 14 (19 600 unknowns)
-and 15 to 25 instead of 25 to 28 (103 000), to 1e-2.
+K_uu is sparse (AIJ) over the free soil unknowns. The other blocks are dense, with one row or column for each free
+unknown of the bodies. The preconditioner is the upper block factorisation: an approximate inverse M^-1 of K_uu and the
+exact Schur complement K_ww - K_wu M^-1 K_uw, formed with one application of M^-1 per body unknown.
 
-Either is made from a part of the entries (`hybrid.linalg.precond_pattern`): with those between nodes of one cell a factor of
-15 600 unknowns takes 0.04 s instead of 0.35 s, and GMRES 8 iterations instead of 4 to 1e-3, in the same time.
+M^-1 is a symmetric Gauss-Seidel (SSOR) sweep over the blocks of nodes, or ILU(0); if GMRES stagnates with one, the other
+is used. A direct factor is available for verification. Sweeps need no factor, keep a positive definite matrix positive
+definite and are not slowed down by stiff contact, so they are used first where the soil's tangent is symmetric. In sand,
+sweeps by blocks take 13 iterations instead of the 14 by rows (19 600 unknowns) and 15 to 25 instead of 25 to 28
+(103 000), to 1e-2.
+
+Both are made from a part of the entries (`hybrid.linalg.precond_pattern`): with the entries between nodes of one cell, a
+factor of 15 600 unknowns takes 0.04 s instead of 0.35 s, and GMRES 8 iterations instead of 4 to 1e-3, in the same time.
 
 All matrices stay allocated while the pattern is the same; values are edited in place. Options prefix: "hybrid_".
 
@@ -32,12 +34,12 @@ DIRECT = {"ksp_type": "preonly", "pc_type": "lu", "pc_factor_mat_solver_type": "
 # depend on the scale of rows and columns, so only an exact zero is refused.
 INCOMPLETE = {"ksp_type": "preonly", "pc_type": "ilu", "pc_factor_zeropivot": 0.0}
 # Forward and back, PETSc's default. It inverts the block of a node's rows, which are of one sparsity, unless a shift or
-# relaxation is asked for, but takes a lone pivot below 2e-14 for zero: diagonals are lifted to LEAST [N/m]. An exact
-# zero, which would end in an error, becomes ZERO, with which sweeps diverge.
+# relaxation is set, but takes a single pivot below 2e-14 for zero: diagonals are raised to SMALLEST_DIAGONAL [N/m]. An
+# exact zero, which would end in an error, becomes ZERO_DIAGONAL, with which sweeps diverge.
 SWEEPS = {"ksp_type": "preonly", "pc_type": "sor"}
-LEAST, ZERO = 1e-13, 1e-300
-LABOURED = 60   # iterations after which one way gives way to the other
-MOST = 300
+SMALLEST_DIAGONAL, ZERO_DIAGONAL = 1e-13, 1e-300
+SWITCH_AFTER = 60       # iterations after which the other preconditioner is used
+MAX_ITERATIONS = 300
 COMM = PETSc.COMM_SELF
 CHOSEN_BY_USER = set(PETSc.Options().getAll())  # PETSC_OPTIONS of the environment override ours
 
@@ -45,28 +47,28 @@ CHOSEN_BY_USER = set(PETSc.Options().getAll())  # PETSC_OPTIONS of the environme
 class BlockSystem:
     """Storage and solution of the block system for one sparsity pattern.
 
-    near: Near, what sweeps and the incomplete factor are made from, None for all of K_uu; sweeps: whether they come
-    first, before the factor.
+    reduced: ReducedMatrix that sweeps and the incomplete factor are made from, None for all of K_uu; sweeps: whether
+    sweeps are used first, before the factor.
     values: entries of K_uu in the order of the pattern; uw (n, m), wu (m, n), ww (m, m): dense blocks.
     """
 
-    def __init__(self, indptr, indices, body_unknowns, linear, tolerance, near=None, sweeps=False):
+    def __init__(self, indptr, indices, body_unknowns, linear, tolerance, reduced=None, sweeps=False):
         n, m = len(indptr) - 1, body_unknowns
         self.values = np.empty(len(indices))    # filled by the first assembly
         self.uw, self.wu = np.zeros((n, m), order="F"), np.zeros((m, n), order="F")
         self.ww, self._schur = np.zeros((m, m), order="F"), np.zeros((m, m), order="F")
         self.soil_unknowns, self.body_unknowns = n, m
         self._tolerance = tolerance
-        self._coupled, self._blocks, self._near, self._prepared = bool(n and m), [], None, set()
+        self._coupled, self._blocks, self._reduced, self._prepared = bool(n and m), [], None, set()
         if n:
             self._uu = PETSc.Mat().createAIJWithArrays((n, n), (indptr, indices, self.values), comm=COMM)
             self._blocks.append(self._uu)
-            if near is not None and linear != "direct":
-                self._near = near
+            if reduced is not None and linear != "direct":
+                self._reduced = reduced
                 # adding a product, as nests do, takes PETSc a third longer by groups of like rows than row by row
                 self._uu.setOption(PETSc.Mat.Option.USE_INODES, False)
-                self._uu_near = PETSc.Mat().createAIJWithArrays(
-                    (n, n), (near.indptr, near.indices, near.values), comm=COMM)
+                self._uu_reduced = PETSc.Mat().createAIJWithArrays(
+                    (n, n), (reduced.indptr, reduced.indices, reduced.values), comm=COMM)
         if m:
             self._ww = PETSc.Mat().createDense((m, m), array=self.ww, comm=COMM)
             self._blocks.append(self._ww)
@@ -74,17 +76,17 @@ class BlockSystem:
             self._join()
             exact = linear == "direct" or not n
             first, last = (SWEEPS, INCOMPLETE) if sweeps else (INCOMPLETE, SWEEPS)
-            ways = [(DIRECT, MOST)] if exact else [(first, LABOURED), (last, MOST)]
-            self._ways, self._way = [self._krylov(*way) for way in ways], 0
+            inverses = [(DIRECT, MAX_ITERATIONS)] if exact else [(first, SWITCH_AFTER), (last, MAX_ITERATIONS)]
+            self._solvers, self._current = [self._krylov(*inverse) for inverse in inverses], 0
             self._x, self._b = self._matrix.createVecs()
-            given = (indptr, indices) if self._near is None else (near.indptr, near.indices)
-            self._diagonal = diagonal_places(*given) if len(ways) > 1 else np.zeros(0, int)
+            given = (indptr, indices) if self._reduced is None else (reduced.indptr, reduced.indices)
+            self._diagonal = diagonal_places(*given) if len(inverses) > 1 else np.zeros(0, int)
 
     def _join(self):
         """The matrix, and what the preconditioner is made from; alone or as nests with the coupling blocks."""
         n, m = self.soil_unknowns, self.body_unknowns
         self._matrix = self._blocks[0]
-        self._preconditioner = self._matrix if self._near is None else self._uu_near
+        self._preconditioner = self._matrix if self._reduced is None else self._uu_reduced
         if self._coupled:
             uw = PETSc.Mat().createDense((n, m), array=self.uw, comm=COMM)
             wu = PETSc.Mat().createDense((m, n), array=self.wu, comm=COMM)
@@ -119,20 +121,20 @@ class BlockSystem:
             options = {**inverse, "ksp_type": "gmres"}
         else:
             options = {"ksp_type": "preonly", "pc_type": "lu"}
-        with _entered(options):
+        with _options_set(options):
             ksp.setFromOptions()
         return ksp, options
 
     def destroy(self):
         """Release the memory of matrices and factors at once, rather than when Python gets to it."""
         if self._blocks:
-            for ksp in (self._ways[way][0] for way in self._prepared):
+            for ksp in (self._solvers[number][0] for number in self._prepared):
                 if self._coupled:  # PETSc keeps the inner solvers of a Schur field split alive, factor and all
                     ksp.getPC().getFieldSplitSubKSP()[0].getPC().reset()
                 ksp.reset()
-            things = [ksp for ksp, _ in self._ways]
+            things = [ksp for ksp, _ in self._solvers]
             things += [self._preconditioner, self._matrix, *self._blocks, self._x, self._b]
-            things += [self._uu_near] if self._near is not None else []
+            things += [self._uu_reduced] if self._reduced is not None else []
             for thing in things:
                 thing.destroy()
 
@@ -143,10 +145,10 @@ class BlockSystem:
 
     def factor(self):
         """Prepare the preconditioner after assembly."""
-        if self._near is not None:
-            self._near.take(self.values)
-            _lift(self._near.values, self._diagonal)
-            self._uu_near.assemble()
+        if self._reduced is not None:
+            self._reduced.update(self.values)
+            _lift(self._reduced.values, self._diagonal)
+            self._uu_reduced.assemble()
         else:
             _lift(self.values, self._diagonal)
         for block in self._blocks:
@@ -155,13 +157,13 @@ class BlockSystem:
             matrix.stateIncrease()
         self._prepare(0)
 
-    def _prepare(self, way):
-        """Take this one of the ways from now on, with the present values."""
-        (ksp, options), self._way = self._ways[way], way
+    def _prepare(self, number):
+        """Use this solver from now on, with the present values."""
+        (ksp, options), self._current = self._solvers[number], number
         ksp.setOperators(self._matrix, self._preconditioner)
-        with _entered(options):  # the parts of a field split read theirs at the first set-up
+        with _options_set(options):  # the parts of a field split read theirs at the first set-up
             ksp.setUp()
-        self._prepared.add(way)
+        self._prepared.add(number)
         if self._coupled:
             self._form_schur(ksp)
 
@@ -174,7 +176,7 @@ class BlockSystem:
             if np.any(self.uw[:, a]):
                 b.array = self.uw[:, a]
                 soil.solve(b, x)
-                with np.errstate(invalid="ignore"):     # sweeps over a singular row: the next way is taken
+                with np.errstate(invalid="ignore"):     # sweeps over a singular row: the next solver is used
                     self._schur[:, a] -= self.wu @ x.array
         self._sp.stateIncrease()
 
@@ -189,17 +191,17 @@ class BlockSystem:
         self._b.array = -np.concatenate([soil, body])
         total = 0
         while True:
-            why, count = self._tried(self._ways[self._way][0], tolerance)
+            failure, count = self._attempt(self._solvers[self._current][0], tolerance)
             total += count
-            if not why:
+            if not failure:
                 solution = self._x.array
                 return solution[:len(soil)].copy(), solution[len(soil):].copy(), total
-            if self._way + 1 == len(self._ways):
-                raise StepError(f"linear solver: {why}")
-            self._prepare(self._way + 1)
+            if self._current + 1 == len(self._solvers):
+                raise StepError(f"linear solver: {failure}")
+            self._prepare(self._current + 1)
 
-    def _tried(self, ksp, tolerance):
-        """(Why there is no solution, "" where there is; Krylov iterations)."""
+    def _attempt(self, ksp, tolerance):
+        """(Why there is no solution, "" if there is one; number of Krylov iterations)."""
         if "hybrid_ksp_rtol" not in CHOSEN_BY_USER:
             _, *others = ksp.getTolerances()
             ksp.setTolerances(self._tolerance if tolerance is None else tolerance, *others)
@@ -214,14 +216,15 @@ class BlockSystem:
 
 
 def _lift(values, places):
-    """Keep the diagonal, at these places of the values, off what sweeps take for zero."""
+    """Raise diagonal entries, at these places of the values, that sweeps would take for zero."""
     diagonal = values[places]
-    if (small := np.abs(diagonal) < LEAST).any():
-        values[places[small]] = np.where(diagonal[small] == 0.0, ZERO, np.copysign(LEAST, diagonal[small]))
+    if (small := np.abs(diagonal) < SMALLEST_DIAGONAL).any():
+        raised = np.copysign(SMALLEST_DIAGONAL, diagonal[small])
+        values[places[small]] = np.where(diagonal[small] == 0.0, ZERO_DIAGONAL, raised)
 
 
 @contextmanager
-def _entered(options):
+def _options_set(options):
     """Options under our prefix, except those the user set, for as long as the block lasts: the database is global
     and would hand them to the next system in the same process."""
     database = PETSc.Options("hybrid_")

@@ -1,13 +1,19 @@
-"""The part of the soil block that its incomplete factor, or sweeps, are made of.
+"""Entries of the soil block that its preconditioner, an incomplete factor or sweeps, is made from.
 
-A point near a cell's face couples nodes two cells apart, which makes three quarters of the entries but carries little,
-so they are left out. Not so those of light nodes, which a few points barely reach (`hybrid.soil.model.LIGHT`): what
-such a node has with far ones is as large as what it has with its neighbours. They are a twentieth of the nodes. Krylov
-iterations with an incomplete factor in sand before an anchor, 120 000 unknowns, to 1e-2, without the columns of light
-nodes, with those of less than a hundredth, a tenth and a half of the mass of a node in whole soil: 150 and more, 61, 9,
-6, for 9.0, 9.7, 10.3 and 12 of 40 million entries. The rows of light nodes do as well as their columns.
+A point close to a cell's face couples nodes two cells apart. These entries are three quarters of all but small, so they
+are left out, except in the columns of nodes with small support (`hybrid.soil.model.SMALL_SUPPORT`), which few points
+reach: such a node is coupled with distant nodes as strongly as with its neighbours. About one node in twenty is of that
+kind. Krylov iterations with an incomplete factor, sand in front of an anchor, 120 000 unknowns, to 1e-2:
 
-So where a block of 12 000 unknowns just reaches into its last cells, to 1e-3, without and with light nodes:
+| columns kept of nodes with less than this share of their mass in whole soil | iterations  | million entries of 40 |
+|------------------------------------------------------------------------------|-------------|-----------------------|
+| none                                                                         | 150 or more | 9.0                   |
+| 0.01                                                                         | 61          | 9.7                   |
+| 0.1                                                                          | 9           | 10.3                  |
+| 0.5                                                                          | 6           | 12                    |
+
+Their rows serve as well as their columns. Iterations without and with these columns for a block of 12 000 unknowns that
+just reaches into its last cells, to 1e-3:
 
 | share of the last cells filled | 0.3    | 0.1    | 0.01    | 0.001    |
 |--------------------------------|--------|--------|---------|----------|
@@ -26,8 +32,8 @@ from hybrid.linalg.stencil import PLACES, offset_of_place
 
 
 def reduced_entries(pattern, shape, small_support):
-    """Entries (entries,) bool of `pattern`, on a grid of `shape` nodes of which some are `small_support` (N,) bool, that are
-    between nodes of one cell or in the columns of light nodes."""
+    """(entries,) bool, entries of `pattern` between nodes of one cell or in the columns of nodes with `small_support`
+    (N,) bool, on a grid of `shape` nodes."""
     chosen = np.empty(len(pattern.indices), np.bool_)
     nodes = np.flatnonzero(pattern.row >= 0)
     _choose(nodes, small_support, pattern.free, shape, pattern.sparsity, chosen)
@@ -47,15 +53,15 @@ class ReducedMatrix:
             self._chosen = self._chosen.astype(np.int32)    # half of what is read besides the values
         self.indices, self.values = indices[self._chosen], np.empty(len(self._chosen))
 
-    def take(self, values):
+    def update(self, values):
         """Fill `values` of this from the entries of the whole matrix."""
-        _take(values, self._chosen, self.values)
+        _copy_chosen(values, self._chosen, self.values)
 
 
 @njit(cache=True, parallel=True)
-def _take(values, chosen, near):
+def _copy_chosen(values, chosen, out):
     for n in prange(len(chosen)):
-        near[n] = values[chosen[n]]
+        out[n] = values[chosen[n]]
 
 
 @njit(cache=True, parallel=True)

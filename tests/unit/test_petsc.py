@@ -109,10 +109,10 @@ def test_sweeps_take_the_unknowns_of_a_node_together(monkeypatch, m):
 
 
 @pytest.mark.parametrize("part", [False, True])
-@pytest.mark.parametrize("least, way", [(petsc.LEAST, 0), (0.0, 1)])
+@pytest.mark.parametrize("least, way", [(petsc.SMALLEST_DIAGONAL, 0), (0.0, 1)])
 def test_a_node_that_weighs_nothing_does_not_stop_the_sweeps(monkeypatch, least, way, part):
     """A lone component of 1e-17 N/m, among nodes whose blocks PETSc inverts."""
-    monkeypatch.setattr(petsc, "LEAST", least)
+    monkeypatch.setattr(petsc, "SMALLEST_DIAGONAL", least)
     uu = csr_matrix(block_diag([nodes(100, 4 * np.eye(3)), [[1e-17]]]))
     near = ReducedMatrix(uu.indptr, uu.indices, np.ones(uu.nnz, bool)) if part else None
     system = BlockSystem(uu.indptr, uu.indices, 3, "krylov", 1e-10, near, sweeps=True)
@@ -121,7 +121,7 @@ def test_a_node_that_weighs_nothing_does_not_stop_the_sweeps(monkeypatch, least,
     system.factor()
     residual = np.ones(300)
     soil, body, _ = system.solve(np.append(residual, 0.0), np.ones(3))
-    assert system._way == way
+    assert system._current == way
     np.testing.assert_allclose(uu[:300, :300] @ soil[:300] + system.uw[:300] @ body, -1.0, atol=1e-8)
     system.destroy()
 
@@ -199,5 +199,5 @@ def test_diagonals_that_sweeps_take_for_zero_are_lifted_with_their_sign():
     the next way is taken."""
     values = np.array([2.0, 1e-20, -1e-20, 0.0, -3.0, 1e-30])
     petsc._lift(values, np.array([0, 1, 2, 3, 4]))
-    assert values.tolist() == [2.0, petsc.LEAST, -petsc.LEAST, petsc.ZERO, -3.0, 1e-30]
-    assert 2e-14 < petsc.LEAST and 0.0 < petsc.ZERO < 1e-200
+    assert values.tolist() == [2.0, petsc.SMALLEST_DIAGONAL, -petsc.SMALLEST_DIAGONAL, petsc.ZERO_DIAGONAL, -3.0, 1e-30]
+    assert 2e-14 < petsc.SMALLEST_DIAGONAL and 0.0 < petsc.ZERO_DIAGONAL < 1e-200
