@@ -4,7 +4,7 @@ import numpy as np
 
 from hybrid.body.rigid import FREEDOMS
 from hybrid.linalg.stencil_pattern import make_pattern
-from hybrid.runtime.comm import number
+from hybrid.runtime.comm import maximum, minimum, number
 from hybrid.scene.soil import USES, of_layer, span
 from hybrid.soil.workspace import keeps_tangents
 
@@ -139,7 +139,7 @@ def _pattern(soil):
         if len(nodes) == 1:
             continue
         x, half = soil.constants.position[:, axis], soil.constants.half_width[:, axis]
-        reached = (nodes >= _at_or_below(nodes, (x - half).min())) & (nodes <= _at_or_above(nodes, (x + half).max()))
+        reached = (nodes >= _at_or_below(nodes, minimum(x - half))) & (nodes <= _at_or_above(nodes, maximum(x + half)))
         active &= reached.reshape([-1 if a == axis else 1 for a in range(3)])
     return make_pattern(active.ravel(), soil.grid.fixed, soil.grid.shape)
 
