@@ -198,10 +198,10 @@ class _Timed:
 
     def time(self, part, work):
         """Result of `work`, whose time counts for `part`."""
-        begin = perf_counter()
+        started = perf_counter()
         result = work()
         if self._rounds > 1:
-            self._times[part].append(perf_counter() - begin)
+            self._times[part].append(perf_counter() - started)
             self._spent += self._times[part][-1]
         return result
 

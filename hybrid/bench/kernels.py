@@ -88,7 +88,7 @@ def _median(work):
     work()
     times = []
     for _ in range(REPEAT):
-        begin = perf_counter()
+        started = perf_counter()
         work()
-        times.append(perf_counter() - begin)
+        times.append(perf_counter() - started)
     return float(np.median(times))

@@ -72,7 +72,7 @@ def _solved(name, linear, model, state):
     unknowns = pressed(step) if model.bodies else _shaken(step)
     found = step.evaluate(unknowns)
     step.assemble(found)
-    begin = perf_counter()
+    started = perf_counter()
     step.system.factor()
     factored = perf_counter()
     row = {"tangent": name, "solver": linear, "unknowns": step.pattern.size + len(found.body),
@@ -84,7 +84,7 @@ def _solved(name, linear, model, state):
         iterations, left, failed = 0, 1.0, str(error).partition(";")[0]
     solved = perf_counter()
     step.system.destroy()
-    return {**row, "iterations": iterations, "left": left, "factor [s]": factored - begin,
+    return {**row, "iterations": iterations, "left": left, "factor [s]": factored - started,
             "solve [s]": solved - factored, "failed": failed}
 
 
