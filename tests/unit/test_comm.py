@@ -96,8 +96,8 @@ def test_energies_and_works_of_soil_are_those_of_all_processes(processes):
 
 PACKAGE = Path(comm.__file__).parents[1]
 REDUCTIONS = {"sum", "max", "min", "mean", "any", "all", "count_nonzero", "argmax", "argmin", "norm", "median", "ptp"}
-ARRAYS = set("""half half_width deformation b_elastic stress plastic_strain affine inactive inverted mass volume gap slip
-    contact_stiffness contact_pressure touching clearance active parameters strength""".split())
+ARRAYS = set("""half half_width deformation b_elastic stress plastic_strain affine inactive inverted mass volume gap
+    slip contact_stiffness contact_pressure touching clearance active parameters strength""".split())
 LOCAL = {   # module: why a process may do it by itself
     "soil/lost_points.py": "nothing to change among its own points",
     "contact/corners.py": "whether points have domains at all",
@@ -124,8 +124,9 @@ def reductions(node, function=""):
             continue
         axes = [ast.unparse(keyword.value) for keyword in child.keywords if keyword.arg == "axis"]
         names = {getattr(inner, "attr", getattr(inner, "id", "")) for inner in ast.walk(child)} & ARRAYS
-        if child.func.attr in REDUCTIONS and names and axes in ([], ["0"]) and not ast.unparse(child).startswith("comm."):
-            yield function, ast.unparse(child)
+        source = ast.unparse(child)
+        if child.func.attr in REDUCTIONS and names and axes in ([], ["0"]) and not source.startswith("comm."):
+            yield function, source
 
 
 def test_points_are_reduced_by_comm_alone():

@@ -58,7 +58,8 @@ def test_each_face_that_a_body_passes_is_named_once(simulation, position, words)
 
 
 def test_neither_the_open_top_nor_a_face_passed_from_the_start_counts(simulation):
-    assert DomainExit(simulation.model, simulation.state).notes(view(simulation, moved(simulation, (0.4, 0.4, 9.0)))) == ()
+    above, monitor = moved(simulation, (0.4, 0.4, 9.0)), DomainExit(simulation.model, simulation.state)
+    assert monitor.notes(view(simulation, above)) == ()
     outside = moved(simulation, (0.05, 0.4, 0.2))
     assert DomainExit(simulation.model, outside).notes(view(simulation, outside)) == ()
 

@@ -20,8 +20,8 @@ def simulation():
     bodies = (box(0.4, 0.4, 0.2, name="free", position=(0.5, 0.5, 1.0), velocity=(0.0, SPEED, 0.0)),
               box(0.4, 0.4, 0.2, name="driven", position=(1.5, 1.5, 1.0), velocity=(SPEED, 0.0, 0.0), driven=("x",),
                   held=("rx", "ry", "rz")))
-    return build(scene("two", Grid(side, side, Axis(start=-0.5, end=0.0, size=0.5), Faces()), elastic(1e6), bodies, 0.01,
-                       [Stage("fly", 1)], soil={"held": True}, gravity=tuple(WEIGHT)))
+    return build(scene("two", Grid(side, side, Axis(start=-0.5, end=0.0, size=0.5), Faces()), elastic(1e6), bodies,
+                       0.01, [Stage("fly", 1)], soil={"held": True}, gravity=tuple(WEIGHT)))
 
 
 def freedoms(body):
@@ -38,7 +38,8 @@ def test_a_stage_holds_more_components_of_every_body(simulation):
 
 
 def test_a_stage_may_have_its_own_rule_and_loads(simulation):
-    stage = simulation.model.for_stage(beta=0.5625, gamma=1.0, loads=simulation.model.loads.during(0.0, 1.0, (0.0, 0.5)))
+    loads = simulation.model.loads.during(0.0, 1.0, (0.0, 0.5))
+    stage = simulation.model.for_stage(beta=0.5625, gamma=1.0, loads=loads)
     assert (stage.scheme.beta, stage.scheme.gamma) == (0.5625, 1.0) and simulation.model.scheme.beta == 0.25
     assert not stage.loads.gravity_alone and np.array_equal(stage.gravity, WEIGHT)
     assert np.array_equal(stage.loads.on_bodies(1.0), 0.5 * WEIGHT)

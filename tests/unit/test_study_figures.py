@@ -11,10 +11,12 @@ from hybrid.output.work_precision import Panel, Series
 
 PANELS = [
     Panel("column", "stress error", [
-        Series("default", [1.0, 10.0], [0.1, 0.01], [0.0, 0.1]), Series("fine", [20.0, 2.0], [0.02, 0.2], [0.0, 0.0], 1),
+        Series("default", [1.0, 10.0], [0.1, 0.01], [0.0, 0.1]),
+        Series("fine", [20.0, 2.0], [0.02, 0.2], [0.0, 0.0], 1),
         Series("other program", [5.0], [0.3], [0.0], foreign=True)], [(1.0, 0.1), (10.0, 0.01)]),
     *(Panel(name, "error", [Series("default", [1.0], [0.1], [0.0])], []) for name in ("wave", "footing"))]
-LINE = Map("apex", ("cohesion",), {"plain": {(0.0,): "silent", (10.0,): "right"}, "remedy": {(10.0,): "reported"}}, "plain")
+LINE = Map("apex", ("cohesion",), {
+    "plain": {(0.0,): "silent", (10.0,): "right"}, "remedy": {(10.0,): "reported"}}, "plain")
 PLANE = Map("cuts", ("share", "ghost"), {"plain": {(0.1, 0.0): "degraded", (0.1, 1e5): "right", (0.2, 0.0): "silent"}},
             "plain")
 
