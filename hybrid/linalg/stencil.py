@@ -40,6 +40,10 @@ class Blocks(NamedTuple):
     wu: np.ndarray
 
 
+# Offset (i, j, k) of the node at each place (PLACES, 3): a table is faster than divisions.
+OFFSETS = np.array(np.unravel_index(np.arange(PLACES), (SPAN, SPAN, SPAN))).T.copy() - REACH
+
+
 @njit(cache=True)
 def local_number(a, b, c):
     """Number of node (a, b, c), counted from a first node; 0 <= a, b, c < SPAN."""
@@ -65,7 +69,7 @@ def place_of_offset(i, j, k):
 @njit(cache=True)
 def offset_of_place(s):
     """Offset (i, j, k) of the node at place s."""
-    return s // (SPAN * SPAN) - REACH, s // SPAN % SPAN - REACH, s % SPAN - REACH
+    return OFFSETS[s, 0], OFFSETS[s, 1], OFFSETS[s, 2]
 
 
 @njit(cache=True)
