@@ -1,12 +1,16 @@
 """Inactive points take no part: neither mass, force, stiffness nor plastic work comes from them."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from hybrid.scene import Axis, Faces, Grid, Stage
+from hybrid.scheme import Scheme
 from hybrid.setup.build import build
+from hybrid.soil.transfer import interpolate
+from hybrid.step import error_estimate
 from hybrid.study.scenes import scene
 
 SAND = {"law": "drucker-prager", "young": 1e6, "poisson": 0.3, "friction_angle": 30.0, "dilation_angle": 0.0,
@@ -47,3 +51,19 @@ def test_what_remains_is_what_the_others_give(case):
     np.testing.assert_allclose(trial.force, force, atol=1e-12 * np.abs(force).max())
     step, trial = evaluated(soil, points, displacement)
     assert soil.plastic_work(step, trial) > 1.2 * work     # inactive ones would have worked too
+
+
+def test_the_error_in_time_is_that_of_the_others(case):
+    soil, points, lost, _ = case
+    step = soil.begin(points, np.zeros(3))
+    acceleration = np.random.default_rng(2).standard_normal((soil.grid.node_count, 3))
+
+    def error(**history):
+        own = SimpleNamespace(basis=step.basis, points=replace(points, **history))
+        increment = SimpleNamespace(model=SimpleNamespace(soil=soil, scheme=Scheme.newmark()), soil=own, dt=0.1)
+        return error_estimate._of_soil(increment, SimpleNamespace(rates=(None, acceleration)))
+
+    new = interpolate(step.basis, soil.grid.shape, acceleration)
+    mass, squares = soil.constants.mass[~lost], np.sum((new - points.acceleration)[~lost] ** 2, axis=1)
+    assert error(inactive=lost) == pytest.approx(0.1**2 / 12 * np.sqrt(mass @ squares / mass.sum()), rel=1e-12)
+    assert abs(error() / error(inactive=lost) - 1) > 1e-3
