@@ -152,3 +152,36 @@ def test_corners_that_pass_through_are_counted():
     near, far = POSE, (POSE[0] - (0.0, 0.0, 0.6), POSE[1])
     counts = [pair.tunnelled(pair.evaluate(displacement, pose), displacement, pose, 0.005) for pose in (near, far)]
     assert counts[0] == 0 < counts[1] <= above.sum()
+
+
+# ------------------------------------------------------------------ multipliers
+
+
+def by_id(held):
+    return dict(zip(held.id.tolist(), held.pressure))
+
+
+def test_multipliers_are_handed_on_to_the_next_step():
+    """Those of corners and samples in contact, by their ids."""
+    grid, pair = pair_of()
+    still = np.zeros((grid.node_count, 3))
+    pair.augment(pair.evaluate(still, POSE))
+    contact = pair.evaluate(still, POSE)
+    _, following = pair_of(history=pair.commit(contact, still))
+    for name in ("corners", "samples"):
+        before, after = by_id(getattr(pair, name)), by_id(getattr(following, name))
+        active = getattr(pair, name).id[getattr(contact, name).active].tolist()
+        assert len(active) > 4 and min(before[c] for c in active) > 0
+        assert {c: after[c] for c in active} == {c: before[c] for c in active}
+        assert not any(value for c, value in after.items() if c not in active)
+
+
+def test_corners_that_lose_contact_lose_their_multipliers():
+    grid, pair = pair_of()
+    still, raised = np.zeros((grid.node_count, 3)), (POSE[0] + (0.0, 0.0, 0.035), POSE[1])
+    pair.augment(pair.evaluate(still, POSE))
+    contact = pair.evaluate(still, raised)
+    lost = np.ones(len(pair.corners), bool)
+    lost[contact.corners.active] = False
+    history = pair.commit(contact, still)
+    assert (pair.corners.pressure[lost] > 0).any() and not history.pressure[lost].any()
