@@ -180,7 +180,7 @@ def test_corners_keep_their_points_and_their_order():
     new = moving_grid._renumbered(history, origin, before=8)
     assert new.id.tolist() == [0, 7, 17, 21, 27]
     np.testing.assert_array_equal(new.pressure, [56, 63, 17, 21, 3])
-    assert moving_grid._unfollowed([history], origin).tolist() == [False, True, False, False]
+    assert moving_grid._without_contact([history], origin).tolist() == [False, True, False, False]
     assert new.touching.tolist() == [True, True, False, True, False]
 
 
