@@ -104,7 +104,8 @@ def swing(geometry):
 
     def run(phase, steps, speed=0.5, tolerance=1e-12, **time):
         described = hung(geometry, Time(phase / frequency / steps, **time), steps, speed, tolerance)
-        simulation = Simulation(described, replace(first.model, scheme=build_scheme(described.time)), first.state, [])
+        simulation = Simulation(described, replace(first.model, scheme=build_scheme(described.time),
+                                                   solver=described.solver), first.state, [])
         simulation.state.bodies[0].velocity[0] = speed
         motion = [simulation.state.bodies[0]]
         for record in simulation.steps():
