@@ -1,1 +1,1 @@
-"""The background grid: axes, axes that go with a body, colouring of its cells."""
+"""The background grid: axes, axes that move with a body, node numbers, colouring for parallel sums."""

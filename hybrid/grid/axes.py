@@ -2,7 +2,7 @@
 
 Node v = (i ny + j) nz + k. An axis with a single node is *collapsed*: its basis function is the constant 1, its
 displacement is fixed, and points on it represent a given thickness (plane strain, one-dimensional columns).
-The grid carries no state; it is read-only during a run.
+The grid has no state of its own and is never modified; a moving grid replaces it by another one.
 """
 
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ def uniform_nodes(start, end, size):
 
 
 def graded_nodes(start, end, size, fine, growth):
-    """Nodes [m] with cells of `size` inside the interval `fine`, growing outwards by at most `growth` a cell."""
+    """Nodes [m] with cells of `size` inside the interval `fine`; outwards, each is at most `growth` times the last."""
     inner = uniform_nodes(*fine, size)
     size = inner[1] - inner[0]
     left = fine[0] - np.cumsum(_growing_cells(fine[0] - start, size, growth))[::-1]
@@ -43,7 +43,7 @@ def _growing_cells(distance, size, growth):
     count = 1
     while length(growth, count) < distance:
         count += 1
-    from scipy.optimize import brentq  # late: not every grid is graded
+    from scipy.optimize import brentq  # imported only if a grid is graded
 
     ratio = brentq(lambda r: length(r, count) - distance, 1e-3, growth, xtol=1e-15)
     return size * ratio ** np.arange(1, count + 1)
@@ -55,8 +55,8 @@ class Grid:
 
     axes: three increasing arrays of node coordinates [m]; length 1 when collapsed.
     extent: (3, 2) lower and upper end of each axis [m]; a collapsed axis keeps its thickness here.
-    fixed: (n_nodes, 3) bool, displacement components held by the faces.
-    closed: (3, 2) bool, the lower and upper face of each axis hold the soil back, at least along that axis.
+    fixed: (N, 3) bool, displacement components of the nodes that the boundary conditions of the faces fix.
+    closed: (3, 2) bool, whether the lower and the upper face of each axis fix at least the normal displacement.
     """
 
     axes: tuple[np.ndarray, np.ndarray, np.ndarray]
@@ -79,7 +79,7 @@ class Grid:
 
     @cached_property
     def volumes(self):
-        """(N,) [m³] of the box around each node, half of the way to its neighbours."""
+        """(N,) [m³] volume of the box around each node, which ends halfway to its neighbours."""
         widths = [np.ptp(e) * np.ones(1) if len(a) == 1 else 0.5 * (np.diff(a, prepend=a[0]) + np.diff(a, append=a[-1]))
                   for a, e in zip(self.axes, self.extent)]
         return np.einsum("i,j,k->ijk", *widths).ravel()
@@ -91,10 +91,10 @@ class Grid:
 
 
 def make_grid(axes, extent, faces, all_fixed=False):
-    """Grid from node arrays, axis extents (3, 2) [m] and a dict face -> "free" | "roller" | "fixed".
+    """Grid from node arrays [m], axis extents (3, 2) [m] and a dict face -> "free" | "roller" | "fixed".
 
-    Raises SceneError when neighbouring cells differ by more than a factor of two: a point's domain may be as wide as
-    its own cell and must not reach beyond the next one.
+    all_fixed: fix all components of all nodes. Raises SceneError when the sizes of neighbouring cells differ by more
+    than a factor of two: the domain of a point may be as wide as its cell and must not reach beyond the next cell.
     """
     axes = tuple(np.ascontiguousarray(a, dtype=float) for a in axes)
     for name, nodes in zip("xyz", axes):
@@ -102,8 +102,8 @@ def make_grid(axes, extent, faces, all_fixed=False):
         if len(cells) > 1:
             jump = np.max(np.maximum(cells[1:] / cells[:-1], cells[:-1] / cells[1:]))
             if jump > 2 * (1 + 1e-9):
-                raise SceneError(f"grid.{name}: neighbouring cells differ by a factor of {jump:.3g}, the limit is 2; "
-                                 "lower `growth` or move `fine` away from the ends")
+                raise SceneError(f"grid.{name}: the sizes of neighbouring cells differ by a factor of {jump:.3g}, the "
+                                 f"limit is 2; lower grid.{name}.growth, or move grid.{name}.fine away from the ends")
     shape = tuple(len(a) for a in axes)
     fixed = np.zeros(shape + (3,), dtype=bool)
     for axis in range(3):

@@ -1,10 +1,10 @@
-"""Colouring that lets two threads add into the same nodal arrays without locks.
+"""Colouring of the points, so that threads add to the same nodal arrays without locks.
 
-Points are grouped by slabs of two cells along the longest axis. A point reaches at most two nodes ahead of its first
-one, so slabs of the same parity never share a node. All even slabs run at once, then all odd ones; the order of
-additions at a node does not depend on the number of threads, so results are bitwise reproducible.
+Points are grouped into slabs of two cells along the longest axis. A point adds to at most three successive nodes along
+it, so slabs of the same parity never share a node. All even slabs are processed in parallel, then all odd ones; the
+order of additions at a node does not depend on the number of threads, so results are bitwise reproducible.
 
-Within a slab points go cell by cell: what one adds to is still in the processor's cache when the next one comes.
+Within a slab the points are sorted by cell: the nodal values of a point are in the processor's cache for the next one.
 """
 
 from typing import NamedTuple

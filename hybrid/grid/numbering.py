@@ -5,7 +5,7 @@ from numba import njit
 
 @njit(cache=True)
 def node_number(shape, i, j, k):
-    """Number of node (i, j, k); of an offset (i, j, k) between two nodes: the difference of their numbers."""
+    """Number of node (i, j, k). For an offset (i, j, k) of two nodes: the difference of their numbers."""
     return (i * shape[1] + j) * shape[2] + k
 
 

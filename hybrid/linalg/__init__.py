@@ -1,1 +1,1 @@
-"""Sparsity of the soil block, what preconditioners are made of, PETSc."""
+"""Sparsity of the soil block, its reduced matrix for the preconditioner, and the block system in PETSc."""

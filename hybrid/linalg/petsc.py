@@ -7,16 +7,17 @@ K_uu is sparse (AIJ) over the free soil unknowns. The other blocks are dense, wi
 unknown of the bodies. The preconditioner is the upper block factorisation: an approximate inverse M^-1 of K_uu and the
 exact Schur complement K_ww - K_wu M^-1 K_uw, formed with one application of M^-1 per body unknown.
 
-M^-1 is a symmetric Gauss-Seidel (SSOR) sweep over the blocks of nodes, or ILU(0); if GMRES stagnates with one, the other
-is used. A direct factor is available for verification. Sweeps need no factor, keep a positive definite matrix positive
-definite and are not slowed down by stiff contact, so they are used first where the soil's tangent is symmetric. In sand,
-sweeps by blocks take 13 iterations instead of the 14 by rows (19 600 unknowns) and 15 to 25 instead of 25 to 28
-(103 000), to 1e-2.
+M^-1 is a symmetric Gauss-Seidel (SSOR) sweep over the blocks of nodes, or ILU(0); if GMRES stagnates with one of them,
+the other is used. A direct factor is available for verification. A sweep needs no factor, preserves positive
+definiteness and does not converge more slowly with stiff contact, so it is used first where the soil's tangent is
+symmetric. In sand, to a relative residual of 1e-2, sweeps over blocks take 13 GMRES iterations, sweeps over rows 14
+(19 600 unknowns); with 103 000 unknowns they take 15 to 25, and 25 to 28.
 
-Both are made from a part of the entries (`hybrid.linalg.precond_pattern`): with the entries between nodes of one cell, a
-factor of 15 600 unknowns takes 0.04 s instead of 0.35 s, and GMRES 8 iterations instead of 4 to 1e-3, in the same time.
+Both are computed from a part of the entries (`hybrid.linalg.precond_pattern`): with only the entries that couple nodes
+of one cell, the factor of 15 600 unknowns takes 0.04 s instead of 0.35 s, and GMRES needs 8 iterations instead of 4 to
+1e-3, in the same time.
 
-All matrices stay allocated while the pattern is the same; values are edited in place. Options prefix: "hybrid_".
+All matrices stay allocated while the pattern is unchanged; values are edited in place. Options prefix: "hybrid_".
 
 Equations: FORMULATION (2), (47).
 """
@@ -30,25 +31,25 @@ from hybrid.linalg.stencil_pattern import diagonal_places
 from hybrid.runtime.errors import StepError
 
 DIRECT = {"ksp_type": "preonly", "pc_type": "lu", "pc_factor_mat_solver_type": "mumps"}
-# A node that a domain barely overlaps has a tiny row and a far tinier pivot; elimination without pivoting does not
-# depend on the scale of rows and columns, so only an exact zero is refused.
+# A node that domains hardly overlap has a row with very small entries and an even smaller pivot. Elimination without
+# pivoting does not depend on the scale of rows and columns, so only a pivot of exactly zero is an error.
 INCOMPLETE = {"ksp_type": "preonly", "pc_type": "ilu", "pc_factor_zeropivot": 0.0}
-# Forward and back, PETSc's default. It inverts the block of a node's rows, which are of one sparsity, unless a shift or
-# relaxation is set, but takes a single pivot below 2e-14 for zero: diagonals are raised to SMALLEST_DIAGONAL [N/m]. An
-# exact zero, which would end in an error, becomes ZERO_DIAGONAL, with which sweeps diverge.
+# A forward and a backward sweep, PETSc's default. PETSc inverts the diagonal block of each node (its rows have the same
+# sparsity) unless a shift or relaxation is set, but treats a scalar pivot below 2e-14 as zero: diagonals are raised to
+# SMALLEST_DIAGONAL [N/m]. An exact zero would be an error; it is replaced by ZERO_DIAGONAL, with which sweeps diverge.
 SWEEPS = {"ksp_type": "preonly", "pc_type": "sor"}
 SMALLEST_DIAGONAL, ZERO_DIAGONAL = 1e-13, 1e-300
 SWITCH_AFTER = 60       # iterations after which the other preconditioner is used
 MAX_ITERATIONS = 300
 COMM = PETSc.COMM_SELF
-CHOSEN_BY_USER = set(PETSc.Options().getAll())  # PETSC_OPTIONS of the environment override ours
+CHOSEN_BY_USER = set(PETSc.Options().getAll())  # PETSC_OPTIONS of the environment take precedence
 
 
 class BlockSystem:
     """Storage and solution of the block system for one sparsity pattern.
 
-    reduced: ReducedMatrix that sweeps and the incomplete factor are made from, None for all of K_uu; sweeps: whether
-    sweeps are used first, before the factor.
+    reduced: ReducedMatrix from which sweeps and the incomplete factor are computed, None for all of K_uu; sweeps:
+    whether sweeps are tried before the incomplete factor.
     values: entries of K_uu in the order of the pattern; uw (n, m), wu (m, n), ww (m, m): dense blocks.
     """
 
@@ -65,7 +66,8 @@ class BlockSystem:
             self._blocks.append(self._uu)
             if reduced is not None and linear != "direct":
                 self._reduced = reduced
-                # adding a product, as nests do, takes PETSc a third longer by groups of like rows than row by row
+                # y += A x, which nested matrices use, takes PETSc a third longer with inodes (groups of rows with the
+                # same sparsity) than row by row
                 self._uu.setOption(PETSc.Mat.Option.USE_INODES, False)
                 self._uu_reduced = PETSc.Mat().createAIJWithArrays(
                     (n, n), (reduced.indptr, reduced.indices, reduced.values), comm=COMM)
@@ -83,7 +85,7 @@ class BlockSystem:
             self._diagonal = diagonal_places(*given) if len(inverses) > 1 else np.zeros(0, int)
 
     def _join(self):
-        """The matrix, and what the preconditioner is made from; alone or as nests with the coupling blocks."""
+        """Form the system matrix and the preconditioner's matrix; with bodies and soil both are nested matrices."""
         n, m = self.soil_unknowns, self.body_unknowns
         self._matrix = self._blocks[0]
         self._preconditioner = self._matrix if self._reduced is None else self._uu_reduced
@@ -99,7 +101,7 @@ class BlockSystem:
             self._preconditioner = PETSc.Mat().createNest([[soil, uw], [wu, self._ww]], comm=COMM)
 
     def _krylov(self, inverse, most):
-        """(KSP of at most so many iterations, its options); inverse: options of what stands for that of K_uu."""
+        """(KSP with at most `most` iterations, its options); inverse: PETSc options of M^-1."""
         ksp = PETSc.KSP().create(COMM)
         ksp.setOptionsPrefix("hybrid_")
         ksp.setOperators(self._matrix, self._preconditioner)
@@ -126,10 +128,10 @@ class BlockSystem:
         return ksp, options
 
     def destroy(self):
-        """Release the memory of matrices and factors at once, rather than when Python gets to it."""
+        """Release the memory of matrices and factors now, not when Python's garbage collector runs."""
         if self._blocks:
             for ksp in (self._solvers[number][0] for number in self._prepared):
-                if self._coupled:  # PETSc keeps the inner solvers of a Schur field split alive, factor and all
+                if self._coupled:  # PETSc keeps the inner solvers of a Schur field split, and their factors
                     ksp.getPC().getFieldSplitSubKSP()[0].getPC().reset()
                 ksp.reset()
             things = [ksp for ksp, _ in self._solvers]
@@ -139,7 +141,7 @@ class BlockSystem:
                 thing.destroy()
 
     def clear(self):
-        """Zero what is assembled anew by adding: all blocks but K_uu, which is filled."""
+        """Set all blocks except K_uu to zero, because assembly adds to them; K_uu is overwritten."""
         for block in (self.uw, self.wu, self.ww):
             block[...] = 0.0
 
@@ -152,23 +154,23 @@ class BlockSystem:
         else:
             _lift(self.values, self._diagonal)
         for block in self._blocks:
-            block.assemble()    # which forgets the inverse of the diagonal that sweeps keep
+            block.assemble()    # also discards the inverse of the diagonal that PETSc stores for sweeps
         for matrix in (self._matrix, self._preconditioner):
             matrix.stateIncrease()
         self._prepare(0)
 
     def _prepare(self, number):
-        """Use this solver from now on, with the present values."""
+        """Make solver `number` the current one and set it up with the current values."""
         (ksp, options), self._current = self._solvers[number], number
         ksp.setOperators(self._matrix, self._preconditioner)
-        with _options_set(options):  # the parts of a field split read theirs at the first set-up
+        with _options_set(options):  # the parts of a field split read their options at the first set-up
             ksp.setUp()
         self._prepared.add(number)
         if self._coupled:
             self._form_schur(ksp)
 
     def _form_schur(self, ksp):
-        """S = K_ww - K_wu M^-1 K_uw; coupling only exists where corners touch, so zero columns cost nothing."""
+        """Form S = K_ww - K_wu M^-1 K_uw. Columns of K_uw are zero for bodies without contact, and are skipped."""
         soil = ksp.getPC().getFieldSplitSubKSP()[0]
         x, b = self._uu.createVecs()
         self._schur[...] = self.ww
@@ -176,15 +178,15 @@ class BlockSystem:
             if np.any(self.uw[:, a]):
                 b.array = self.uw[:, a]
                 soil.solve(b, x)
-                with np.errstate(invalid="ignore"):     # sweeps over a singular row: the next solver is used
+                with np.errstate(invalid="ignore"):     # a sweep over a singular row is not finite
                     self._schur[:, a] -= self.wu @ x.array
         self._sp.stateIncrease()
 
     def solve(self, soil, body, tolerance=None):
         """Increments (n,), (m,) that cancel residuals (n,), (m,), and the number of Krylov iterations.
 
-        tolerance: relative, of the Krylov method, None for that of the system.
-        Raises StepError when the Krylov method does not converge or meets a singular factor.
+        tolerance: relative tolerance of the Krylov method, None for that of the system.
+        Raises StepError when the Krylov method converges with neither preconditioner, or a diagonal block is singular.
         """
         if not self._blocks:
             return np.zeros(0), np.zeros(0), 0
@@ -201,7 +203,7 @@ class BlockSystem:
             self._prepare(self._current + 1)
 
     def _attempt(self, ksp, tolerance):
-        """(Why there is no solution, "" if there is one; number of Krylov iterations)."""
+        """(Reason of failure, "" if there is none; number of Krylov iterations)."""
         if "hybrid_ksp_rtol" not in CHOSEN_BY_USER:
             _, *others = ksp.getTolerances()
             ksp.setTolerances(self._tolerance if tolerance is None else tolerance, *others)
@@ -216,7 +218,7 @@ class BlockSystem:
 
 
 def _lift(values, places):
-    """Raise diagonal entries, at these places of the values, that sweeps would take for zero."""
+    """Raise the diagonal entries `values[places]` that PETSc would treat as zero in a sweep, keeping their sign."""
     diagonal = values[places]
     if (small := np.abs(diagonal) < SMALLEST_DIAGONAL).any():
         raised = np.copysign(SMALLEST_DIAGONAL, diagonal[small])
@@ -225,8 +227,8 @@ def _lift(values, places):
 
 @contextmanager
 def _options_set(options):
-    """Options under our prefix, except those the user set, for as long as the block lasts: the database is global
-    and would hand them to the next system in the same process."""
+    """Set options with the prefix "hybrid_", except those that the user has set, inside a `with` block only: PETSc's
+    database is global, and the options would also apply to the next system of the process."""
     database = PETSc.Options("hybrid_")
     own = [key for key in options if f"hybrid_{key}" not in CHOSEN_BY_USER]
     for key in own:

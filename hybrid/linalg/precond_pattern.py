@@ -1,19 +1,20 @@
-"""Entries of the soil block that its preconditioner, an incomplete factor or sweeps, is made from.
+"""Entries of the soil block from which its preconditioner, an incomplete factor or sweeps, is computed.
 
-A point close to a cell's face couples nodes two cells apart. These entries are three quarters of all but small, so they
-are left out, except in the columns of nodes with small support (`hybrid.soil.model.SMALL_SUPPORT`), which few points
-reach: such a node is coupled with distant nodes as strongly as with its neighbours. About one node in twenty is of that
-kind. Krylov iterations with an incomplete factor, sand in front of an anchor, 120 000 unknowns, to 1e-2:
+A point whose domain overlaps two cells couples nodes two cells apart. These entries are three quarters of all entries
+but small, so they are omitted, except in the columns of nodes with small support (`hybrid.soil.model.SMALL_SUPPORT`):
+the few points around such a node couple it with distant nodes as strongly as with its neighbours. About one node in
+twenty has small support. Krylov iterations with an incomplete factor, sand in front of an anchor, 120 000 unknowns, to
+1e-2:
 
-| columns kept of nodes with less than this share of their mass in whole soil | iterations  | million entries of 40 |
+| columns kept: nodes with less than this share of their mass in filled cells  | iterations  | million entries of 40 |
 |------------------------------------------------------------------------------|-------------|-----------------------|
 | none                                                                         | 150 or more | 9.0                   |
 | 0.01                                                                         | 61          | 9.7                   |
 | 0.1                                                                          | 9           | 10.3                  |
 | 0.5                                                                          | 6           | 12                    |
 
-Their rows serve as well as their columns. Iterations without and with these columns for a block of 12 000 unknowns that
-just reaches into its last cells, to 1e-3:
+Keeping the rows of these nodes instead is equally effective. Iterations without and with their columns, for a block of
+12 000 unknowns whose last layer of cells is partly filled, to 1e-3 ("-": no convergence):
 
 | share of the last cells filled | 0.3    | 0.1    | 0.01    | 0.001    |
 |--------------------------------|--------|--------|---------|----------|
@@ -41,7 +42,7 @@ def reduced_entries(pattern, shape, small_support):
 
 
 class ReducedMatrix:
-    """Entries of a matrix of sparsity (indptr, indices) that `chosen` (entries,) bool marks.
+    """The entries of a matrix of sparsity (indptr, indices) that are selected by `chosen` (entries,) bool.
 
     indptr, indices, values: compressed rows.
     """
@@ -50,11 +51,11 @@ class ReducedMatrix:
         self._chosen = np.flatnonzero(chosen)
         self.indptr = np.searchsorted(self._chosen, indptr).astype(np.int32)
         if len(chosen) < np.iinfo(np.int32).max:
-            self._chosen = self._chosen.astype(np.int32)    # half of what is read besides the values
+            self._chosen = self._chosen.astype(np.int32)    # halves the memory that `update` reads besides values
         self.indices, self.values = indices[self._chosen], np.empty(len(self._chosen))
 
     def update(self, values):
-        """Fill `values` of this from the entries of the whole matrix."""
+        """Copy the selected entries of `values`, those of the full matrix, to this matrix."""
         _copy_chosen(values, self._chosen, self.values)
 
 

@@ -1,14 +1,14 @@
-"""The stencil of the soil block: 5 x 5 x 5 nodes, and where an entry of the matrix is stored.
+"""The stencil of the soil block, 5 x 5 x 5 nodes, and the position of an entry among the values of the matrix.
 
-Two nodes of one point lie within REACH nodes of each other along every axis. Node w = v + (i, j, k) has the *place*
+The indices of two nodes of one point differ by at most REACH along every axis. Node w = v + (i, j, k) has the *place*
 
     s = ((i + 2) 5 + j + 2) 5 + k + 2           0 <= s < PLACES = 125,  CENTRE = 62 for w = v
 
-in the stencil of v. Nodes (a, b, c), counted from a common first node as those of a point or of a cell are, have the
-*local number* (a 5 + b) 5 + c; the place of one in the stencil of another is the difference of these plus CENTRE.
+in the stencil of v. Node (a, b, c), counted from the first node of a point or of a cell, has the *local number*
+(a 5 + b) 5 + c. The place of w in the stencil of v is the local number of w, minus that of v, plus CENTRE.
 
-Row (v, i) of the matrix belongs to component i of node v. Its entries for the free components of node w follow each
-other, from `entry(sparsity, v, i, s)` on. This is the only module that knows the size of the stencil.
+Row (v, i) of the matrix belongs to component i of node v. Its entries for the free components of node w are contiguous
+and begin at `entry(sparsity, v, i, s)`. This is the only module that depends on the size of the stencil.
 """
 
 from typing import NamedTuple
@@ -23,7 +23,7 @@ CENTRE = PLACES // 2
 
 
 class Sparsity(NamedTuple):
-    """What kernels need to find an entry; fields as in `hybrid.linalg.stencil_pattern.Pattern`."""
+    """Arrays with which kernels locate an entry; fields as in `hybrid.linalg.stencil_pattern.Pattern`."""
 
     dof: np.ndarray
     row: np.ndarray
@@ -32,15 +32,15 @@ class Sparsity(NamedTuple):
 
 
 class Blocks(NamedTuple):
-    """Values that kernels add to: uu the entries of K_uu in the order of the pattern, uw (n, m) and wu (m, n) dense
-    blocks of the n soil unknowns and the m unknowns of one body."""
+    """Matrix values to which kernels add: uu, entries of K_uu in the order of the pattern; uw (n, m) and wu (m, n),
+    dense blocks that couple the n soil unknowns with the m unknowns of one body."""
 
     uu: np.ndarray
     uw: np.ndarray
     wu: np.ndarray
 
 
-# Offset (i, j, k) of the node at each place (PLACES, 3): a table is faster than divisions.
+# Offset (i, j, k) of the node at each place (PLACES, 3). A table lookup is faster than divisions.
 OFFSETS = np.array(np.unravel_index(np.arange(PLACES), (SPAN, SPAN, SPAN))).T.copy() - REACH
 
 
@@ -74,7 +74,7 @@ def offset_of_place(s):
 
 @njit(cache=True)
 def in_stencil(i, j, k):
-    """Whether two nodes at an offset (i, j, k) have entries for each other."""
+    """Whether two nodes at an offset (i, j, k) are coupled by entries of the matrix."""
     return abs(i) <= REACH and abs(j) <= REACH and abs(k) <= REACH
 
 

@@ -1,10 +1,10 @@
 """Numbering of the unknowns and sparsity of the soil block.
 
-Only displacement components of nodes that carry mass and are not held are unknowns. Two nodes are coupled when some
-point may see both: they lie within two cells of each other along every axis, a 5x5x5 stencil. That pattern depends on
-the set of active nodes alone, so it is kept for as long as the set stays the same, however the points move.
+The unknowns are the displacement components of nodes with mass that are not fixed. Two nodes are coupled if the domain
+of one point can reach both: their indices differ by at most two along every axis, a 5x5x5 stencil. The pattern depends
+on the set of active nodes only, so it is reused while that set is unchanged, however the points move.
 
-All free components of a node are numbered in sequence and its rows share one layout, hence an entry is found without
+The free components of a node have consecutive numbers and its rows have the same layout, so an entry is located without
 a search:  values[indptr[dof[v, i]] + slot[row[v], stencil(w - v)] + (rank of component k among the free ones of w)].
 """
 
@@ -18,7 +18,7 @@ from hybrid.grid.numbering import node_indices, node_number
 from hybrid.linalg.stencil import PLACES, Sparsity, offset_of_place
 from hybrid.runtime.errors import SceneError
 
-LIMIT = np.iinfo(np.int32).max      # of unknowns and entries: PETSc's indices, and ours, have 32 bits
+LIMIT = np.iinfo(np.int32).max      # largest number of unknowns and of entries: indices have 32 bits
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Pattern:
 
     @cached_property
     def sparsity(self):
-        """What kernels need to find an entry."""
+        """Arrays with which kernels locate an entry."""
         return Sparsity(self.dof, self.row, self.slot, self.indptr)
 
     @property
@@ -47,10 +47,10 @@ class Pattern:
 
 
 def make_pattern(active, fixed, shape):
-    """Pattern for active nodes (N,) bool and held components (N, 3) bool on a grid of `shape` nodes.
+    """Pattern for active nodes (N,) bool and fixed components (N, 3) bool on a grid of `shape` nodes.
 
-    Raises SceneError when unknowns or entries are more than index arrays of 32 bits can number, before memory for them
-    is allocated.
+    Raises SceneError, before memory is allocated, when there are more unknowns or entries than indices of 32 bits can
+    number.
     """
     free = active[:, None] & ~fixed
     check_size(*count_unknowns_and_entries(free, shape))
@@ -71,7 +71,7 @@ def make_pattern(active, fixed, shape):
 def count_unknowns_and_entries(free, shape):
     """Numbers of unknowns and of entries for free components (N, 3) bool on a grid of `shape` nodes.
 
-    Where the largest possible number of entries is within LIMIT, that number, which takes no time, else the exact one.
+    The number of entries is its upper bound, which costs nothing, if that is within LIMIT, else the exact number.
     """
     unknowns = int(np.count_nonzero(free))
     bound = 3 * PLACES * unknowns
@@ -79,17 +79,17 @@ def count_unknowns_and_entries(free, shape):
 
 
 def check_size(unknowns, entries):
-    """Raises SceneError when there are more than LIMIT unknowns or entries of the soil block."""
+    """Raises SceneError when the soil block has more than LIMIT unknowns or entries."""
     for count, what in ((unknowns, "unknowns"), (entries, "entries")):
         if count > LIMIT:
-            raise SceneError(f"the matrix of the soil has {count} {what}, the limit is {LIMIT} (indices of 32 bits); use "
-                             "larger cells far from the body (grid.x.fine, grid.x.growth), larger cells everywhere "
-                             "(grid.x.size), or a shorter axis; y and z alike")
+            raise SceneError(f"the matrix of the soil has {count} {what}, the limit is {LIMIT} (indices of 32 bits); "
+                             "use larger cells far from the body (grid.x.fine, grid.x.growth), larger cells everywhere "
+                             "(grid.x.size), or a shorter axis (grid.x.end), along y and z as well as x")
 
 
 @njit(cache=True)
 def _count_entries(free, shape):
-    """Number of entries, in 64 bits, of rows (v, i) for free components (N, 3) bool."""
+    """Number of entries for free components (N, 3) bool, as an integer of 64 bits."""
     entries = np.int64(0)
     for v in range(len(free)):
         rows = free[v].sum()
@@ -105,7 +105,7 @@ def _count_entries(free, shape):
 
 @njit(cache=True, parallel=True)
 def diagonal_places(indptr, indices):
-    """Places (n,) of the diagonal among the entries of compressed rows that are in order and all have one."""
+    """Indices (n,) of the diagonal entries among the values of compressed rows; rows are sorted and contain theirs."""
     places = np.empty(len(indptr) - 1, np.int64)
     for i in prange(len(places)):
         places[i] = indptr[i] + np.searchsorted(indices[indptr[i]:indptr[i + 1]], i)

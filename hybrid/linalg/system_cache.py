@@ -1,5 +1,5 @@
-"""Keeps the numbering and the pattern while the set of active nodes stays the same, and the matrices while the set of
-nodes with small support does too."""
+"""Reuse of the sparsity pattern while the set of active nodes is unchanged, and of the matrices while the set of nodes
+with small support is unchanged too."""
 
 import numpy as np
 
@@ -9,18 +9,18 @@ from hybrid.linalg.stencil_pattern import make_pattern
 
 
 class Systems:
-    """Pattern and BlockSystem of the last request."""
+    """Pattern and BlockSystem of the last call of `get`."""
 
     def __init__(self, model):
         self._model = model
         self._active, self._small_support, self._pattern, self._system = None, None, None, None
 
     def renew(self, model):
-        """Go on with another model."""
+        """Use another model, whose pattern may differ, from the next call of `get` on."""
         self._model, self._active = model, None
 
     def destroy(self):
-        """Release the matrices: PETSc keeps them until they are destroyed, whatever Python does."""
+        """Release the matrices. PETSc keeps them until they are destroyed, even if Python holds no reference."""
         if self._system:
             self._system.destroy()
         self._active, self._pattern, self._system = None, None, None

@@ -4,15 +4,15 @@ With N_v the hat function of node v, Φ_v its integral and l the half-width of t
 
     S_v = [Φ_v(x + l) - Φ_v(x - l)] / 2l          dS_v/dx = [N_v(x + l) - N_v(x - l)] / 2l
 
-(Charlton, Coombs & Augarde 2017; FORMULATION (3)). l = 0 gives the standard MPM. Because a domain is never
-wider than its cell, at most three nodes an axis carry a point.
+(Charlton, Coombs & Augarde 2017; FORMULATION (3)). l = 0 gives the standard MPM. A domain is never wider than its cell,
+so at most three nodes an axis have non-zero values for a point.
 
-| symbol     | field   | shape     | unit |
-|------------|---------|-----------|------|
-| first node | first   | (n, 3)    | -    |
-| how many   | count   | (n, 3)    | -    |
-| S_v        | value   | (n, 3, 3) | -    |
-| dS_v/dx    | gradient | (n, 3, 3) | 1/m  |
+| symbol          | field    | shape     | unit |
+|-----------------|----------|-----------|------|
+| first node      | first    | (n, 3)    | -    |
+| number of nodes | count    | (n, 3)    | -    |
+| S_v             | value    | (n, 3, 3) | -    |
+| dS_v/dx         | gradient | (n, 3, 3) | 1/m  |
 
 The second index is the axis, the third the node counted from `first`. Fixed during a step.
 """
@@ -24,11 +24,11 @@ from numba import njit, prange
 
 from hybrid.runtime.errors import StepError
 
-SNAP = 1e-8  # a domain end this close to a node (as a fraction of the cell) is moved onto it: no hair-thin overlaps
+SNAP = 1e-8  # [-] of a cell: a domain end closer to a node is moved to the node, so that overlaps are never thinner
 
 
 class Basis(NamedTuple):
-    """Basis of all points at the start of a step; shapes in the module's table. Kernels take it whole."""
+    """Basis of all points at the start of a step; shapes in the module's table. Kernels take it as one argument."""
 
     first: np.ndarray
     count: np.ndarray
@@ -58,8 +58,9 @@ def evaluate_basis(position, half_width, axes):
 
 
 def with_margin(nodal, shape):
-    """Nodal values (N, k) with zeros behind them, so that kernels may read three nodes along every axis from the first
-    one of any point: loops of fixed length are several times as fast, and nodes beyond a point's count have no weight.
+    """Nodal values (N, k) followed by zeros, so that kernels may read three nodes along every axis for any point.
+
+    Loops of fixed length are several times as fast; nodes beyond the `count` of a point have zero values in its basis.
     """
     nodes, margin = len(nodal), 2 * (shape[1] * shape[2] + shape[2] + 1)
     out = np.zeros((nodes + margin, *nodal.shape[1:]))
@@ -69,9 +70,9 @@ def with_margin(nodal, shape):
 
 @njit(cache=True)
 def find_cell(x, nodes):
-    """Index of the cell of `nodes` that holds x, clipped to the grid."""
+    """Index of the cell of `nodes` that contains x, clipped to the grid."""
     last = len(nodes) - 2
-    cell = min(max(int((x - nodes[0]) / (nodes[-1] - nodes[0]) * (last + 1)), 0), last)   # were they all equal
+    cell = min(max(int((x - nodes[0]) / (nodes[-1] - nodes[0]) * (last + 1)), 0), last)   # first guess: equal cells
     while cell > 0 and x < nodes[cell]:
         cell -= 1
     while cell < last and x >= nodes[cell + 1]:
@@ -81,7 +82,7 @@ def find_cell(x, nodes):
 
 @njit(cache=True)
 def hat_integral(low, high, v, nodes):
-    """Integral over [low, high] of the hat function of node v, free of cancellation for thin overlaps."""
+    """Integral [m] over [low, high] of the hat function of node v, without cancellation for thin overlaps."""
     total = 0.0
     if v > 0:
         h = nodes[v] - nodes[v - 1]
@@ -106,7 +107,7 @@ def hat(x, v, nodes):
 
 @njit(cache=True)
 def support(x, half, nodes):
-    """Nodes and ends of a domain: (first node, last node, lower end, upper end), the ends snapped to the grid."""
+    """(first node, last node, lower end, upper end) of a domain, ends closer than SNAP to a node moved to the node."""
     low, high = x - half, x + half
     i = j = find_cell(low, nodes)
     while j < len(nodes) - 2 and high >= nodes[j + 1]:
@@ -124,7 +125,7 @@ def support(x, half, nodes):
 
 @njit(cache=True, parallel=True)
 def _axis_basis(position, half_width, nodes, axis, basis, outside):
-    """Fill one axis of the basis; outside: (n,) bool, points whose domains reach outside the grid."""
+    """Fill one axis of the basis, and `outside` (n,) bool: points whose domains reach outside the grid."""
     first, count, value, gradient = basis
     slack = 1e-9 * (nodes[-1] - nodes[0])
     for p in prange(len(position)):

@@ -1,16 +1,16 @@
-"""Domains of the points: boxes along the axes whose half-widths follow the deformation.
+"""Domains of the points: boxes aligned with the axes, whose half-widths l follow the deformation.
 
     none      l_i = l0_i
     stretch   l_i = l0_i U_ii,  U the right stretch of F = R U
     diagonal  l_i = l0_i |F_ii|
     moments   l_i = s √Σ_j (F_ij l0_j)²,  s such that Π l = J Π l0 over the axes that deform
 
-U belongs to the axes of the start: soil that has turned by 90 degrees and is stretched then has domains that widen the
-wrong way. `moments` gives the box the second moments Σ_j (F_ij l0_j)²/3 of the deformed domain along the axes, and its
-volume, so it turns with the soil, whatever the shape of the domain at the start (`demos/domains.py` compares all).
+U refers to the initial axes: if soil rotates by 90 degrees and is then stretched, its domains widen along the wrong
+axis. With `moments` the box has the second moments Σ_j (F_ij l0_j)²/3 of the deformed domain along the axes, and its
+volume; so it follows rotations, whatever the initial shape of the domain (`demos/domains.py` compares all rules).
 
-A domain is kept no wider than the cell that holds its centre (so three nodes an axis suffice) and inside the grid.
-Domains of n points a cell along an axis therefore tile a bar only until it is stretched n times.
+The width of a domain is limited to the cell that contains its centre (so that three nodes an axis suffice) and to the
+grid. With n points a cell along an axis, domains therefore tile a bar only up to a stretch of n.
 
 Equations: FORMULATION (4).
 """
@@ -37,8 +37,8 @@ def updated_half(rule, initial_half, deformation, position, axes):
 
 
 def cells_wide(initial_half, deformation, position, axes):
-    """Extents (n, 3) along the axes of the deformed domains of points at `position`, over the widths of their cells;
-    0 along a collapsed axis. Beyond 1 a domain is cut off."""
+    """Widths (n, 3) [-] of the deformed domains of points at `position` (n, 3) [m] along the axes, relative to their
+    cells; 0 along a collapsed axis. Domains with a relative width above 1 are limited to their cell."""
     wide = 2 * initial_half * np.linalg.norm(deformation, axis=2)
     for axis, nodes in enumerate(axes):
         if len(nodes) == 1:
@@ -50,7 +50,7 @@ def cells_wide(initial_half, deformation, position, axes):
 
 
 def _stretch(rule, deformation):
-    """Factors (n, 3) on the half-widths, of rules that scale each axis by itself."""
+    """Factors (n, 3) on the half-widths, for the rules that scale each axis independently."""
     if rule == "diagonal":
         return np.abs(np.einsum("nii->ni", deformation))
     if rule == "stretch":
@@ -85,7 +85,7 @@ def _limit(initial, position, x, y, z, half):
 
 @njit(cache=True)
 def _limited(half, initial, x, nodes):
-    """Half-width of a domain at x: not too thin, no wider than its cell and inside the grid."""
+    """Half-width of a domain at x: at least THINNEST `initial`, no wider than its cell, and inside the grid."""
     if len(nodes) == 1:
         return initial
     cell, room = find_cell(x, nodes), min(x - nodes[0], nodes[-1] - x)

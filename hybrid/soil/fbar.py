@@ -1,28 +1,29 @@
-"""F-bar: points take the volume change of the cells around them, so that linear elements do not lock.
+"""F-bar: the volume change of a point is that of the cells around it, so that linear elements do not lock.
 
-The volume ratio J = det ΔF of a point is replaced by that of the mean gradient over the cells its domain overlaps, each
-cell's taken at its centre:
+The volume ratio J = det ΔF of a point is replaced by det ΔF_0, where ΔF_0 is the mean, over the cells that the point's
+domain overlaps, of the gradients at the centres of these cells:
 
     ΔF_0 = I + Σ_v Δu_v ⊗ ∇_n M_v         ∂M_v/∂x = dS_v/dx · m_v(y) m_v(z)   and so on
     ΔF̄ = s ΔF along the axes that deform, of which there are n,      s = (det ΔF_0 / det ΔF)^(1/n)
 
-with m_v = Σ_K ½ |domain ∩ K| / |domain| over the cells K at node v. Nodes are those of the point's basis, a linear
-displacement gives ΔF_0 = ΔF, and a point that moves into a cell sees it gradually. Replacing F by F̄ in the stored
-energy gives the internal force, so energy and both momenta stay what they are and the elastic tangent is symmetric:
+with m_v = Σ_K ½ |domain ∩ K| / |domain| over the cells K at node v. The nodes are those of the point's basis; a linear
+displacement gives ΔF_0 = ΔF; and the weight of a cell that a point enters grows continuously from zero. The internal
+force is the derivative of the stored energy of F̄, so energy and both momenta are conserved as without F-bar, and the
+elastic tangent is symmetric:
 
     f_v = Σ_p V0 [τ g_v + q H_v]        g_v = ΔF^-T ∇_n S_v,  h_v = ΔF_0^-T ∇_n M_v,  H_v = h_v - g_v,  q = P:τ / n
     K_vw = Σ_p V0 [g_v A g_w + (c g_v) H_w + H_v (e g_w) + κ H_v H_w + q (w-transposed g_v g_w - h_v h_w)]
 
-P the identity on the axes that deform, C_ijkl = ∂τ_ij/∂l_kl, c = C:P/n, e = P:C/n, κ = P:C:P/n². A row takes two forms
-in the free components (w, k) of a point, in runs as in `hybrid.soil.stiffness`:
+P the identity on the axes that deform, C_ijkl = ∂τ_ij/∂l_kl, c = C:P/n, e = P:C/n, κ = P:C:P/n². A row is the
+contraction of two arrays over the free components (w, k) of a point, added in runs as in `hybrid.soil.rows`:
 
     K_vw,ik = Σ_p g_v,j B_ij + H_v,j S_ij        B_ij = V0 [A_ijkl g_w,l + c_ij H_w,k - q δ_jk H_w,i]
                                                  S_ij = V0 [δ_ij (κ H_w,k + e_kl g_w,l) - q δ_jk h_w,i]
 
-The replacement at the element's centre is that of de Souza Neto, Perić, Dutko & Owen, Int. J. Solids Struct. 33 (1996)
-3277-3296, for material points Coombs et al., Comput. Methods Appl. Mech. Eng. 333 (2018) 1-21. Their force keeps the
-gradient g_v everywhere; this one is the derivative of the energy, the mean dilatation of Simo, Taylor & Pister, ibid.
-51 (1985) 177-208.
+The value at the element's centre is used by de Souza Neto, Perić, Dutko & Owen, Int. J. Solids Struct. 33 (1996)
+3277-3296, and for material points by Coombs et al., Comput. Methods Appl. Mech. Eng. 333 (2018) 1-21. Their force has
+the gradient g_v in all terms; the force used here is the derivative of the energy, as in the mean dilatation method of
+Simo, Taylor & Pister, ibid. 51 (1985) 177-208.
 
 Equations: FORMULATION (22) to (24).
 """
@@ -38,7 +39,7 @@ from hybrid.soil.rows import WIDTH
 
 
 def mean_basis(position, half, axes, basis):
-    """Basis whose values are m_v: with the slopes of `basis` it gives ∇_n M_v where that gives ∇_n S_v."""
+    """Basis with the values m_v and the gradients of `basis`: evaluated as `basis` for ∇_n S_v, it gives ∇_n M_v."""
     value = np.zeros_like(basis.value)
     for axis, nodes in enumerate(axes):
         _mean_values(position[:, axis], half[:, axis], nodes, axis, value)
@@ -61,7 +62,7 @@ def _mean_values(x, half, nodes, axis, value):
 
 
 class MeanDilatation(NamedTuple):
-    """What F-bar adds to a trial: values m_v (n, 3, 3) of the mean basis, ΔF_0^-1 (n, 3, 3), and the axes that deform
+    """Data of F-bar for a trial: values m_v (n, 3, 3) of the mean basis, ΔF_0^-1 (n, 3, 3), and the axes that deform
     (3,) bool."""
 
     value: np.ndarray
@@ -114,7 +115,7 @@ def subtract(h, g, m, H):
 
 @njit(cache=True, fastmath={"contract"})
 def project(A, directions, stress, volume, deforms, ce):
-    """Fill c = C:P/n and e = P:C/n, the two parts of `ce` (2, 3, 3), of one point; returns V0, q and κ. C_ijkl = A_ijkl + τ_il δ_jk."""
+    """Fill `ce` (2, 3, 3) with c = C:P/n and e = P:C/n of one point, C_ijkl = A_ijkl + τ_il δ_jk; returns V0, q, κ."""
     axes, q, kappa = np.sum(deforms), 0.0, 0.0
     c, e = ce[0], ce[1]
     for i in range(3):
@@ -140,11 +141,11 @@ def project(A, directions, stress, volume, deforms, ce):
 
 @njit(cache=True, fastmath={"contract"})
 def add_mean_dilatation(unknown, size, scalars, ce, g, h, H, B, S):
-    """Fill S_ij of the free components of a point, and add the terms of F-bar to B_ij, which is V0 A_ijkl g_w,l; both
-    in nine rows of WIDTH.
+    """Fill S_ij for the free components of a point, and add the terms of F-bar to B_ij, which contains V0 A_ijkl g_w,l;
+    both in nine rows of WIDTH.
 
-    unknown: (2, size) as `free_components` fills it; scalars, ce: as `project` gives them; g, h, H: (27, 3). Nine
-    arguments: a tuple of arrays that a thread has allocated costs 4 % of the assembly.
+    unknown: (2, size) as `free_components` fills it; scalars, ce: from `project`; g, h, H: (27, 3). There are nine
+    arguments because arrays that each thread allocates, passed as a tuple, cost 4 % of the assembly time.
     """
     (volume, q, kappa), c, e = scalars, ce[0], ce[1]
     for n in range(size):

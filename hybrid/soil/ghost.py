@@ -1,18 +1,19 @@
-"""Ghost penalty: stiffness where the soil fills only a sliver of a cell.
+"""Ghost penalty: stiffness for nodes at the boundary of the soil, where it fills only a small part of a cell.
 
-A node that hardly any soil reaches has hardly any stiffness, so the condition of the system grows without bound as the
-cut gets small, and the node is thrown about by what little residual it has. The penalty ties the gradients of
-displacement together across faces between a boundary cell (filled, with an empty neighbour) and any filled cell:
+The stiffness of a node vanishes with the part of its cells that soil fills. The condition number of the system then
+grows without bound, and a small residual moves the node far. The penalty acts on the jump of the displacement gradient
+across each face that a boundary cell (filled, with an empty neighbour) shares with any filled cell:
 
     f_v = Σ_faces γ h ∫ [∂_n N_v] [∂_n Δu] dΓ            K_vw = Σ_faces γ h ∫ [∂_n N_v][∂_n N_w] dΓ I
 
 [∂_n N] the jump over the face of the derivative along its normal; h the mean of the two cells along the normal [m]; γ a
-modulus [Pa], a factor times the mean Young's modulus of the points that reach the two cells. A linear field has no
-jump: constant strain, translation and rotation are free. Rows sum to zero, so no momentum is added; and as Δu is of
-the step, no stress stays behind.
+modulus [Pa], a factor times the mean Young's modulus of the points whose domains overlap the two cells. A linear field
+has no jump: the penalty does not resist constant strain, translation or rotation. Rows sum to zero, so no momentum is
+added. Δu is the increment of the step, so no stress remains in the next one.
 
-After Coombs, Int. J. Numer. Methods Eng. 124 (2023) 4841-4875, who takes γ = E/30 and h³/3 in place of h: the same for
-h = 1 m up to the third, but a stiffness has to scale with h for the condition not to depend on the size of the cells.
+After Coombs, Int. J. Numer. Methods Eng. 124 (2023) 4841-4875, who uses γ = E/30 and h³/3 in place of h. For h = 1 m
+the two differ by the factor 1/3 only; but the stiffness has to scale with h for the condition number not to depend on
+the cell size.
 
 Equations: FORMULATION (25).
 """
@@ -28,14 +29,15 @@ from hybrid.linalg.stencil import entry, local_number, relative_place
 
 @dataclass(frozen=True)
 class Ghost:
-    """Faces (m, 4) of one step: lower cell's first node i, j, k and the axis of the normal; modulus: γ (m,) [Pa]."""
+    """Penalty of one step. faces: (m, 4) indices i, j, k of the lower cell's first node, and axis of the normal;
+    modulus: γ (m,) [Pa]."""
 
     faces: np.ndarray
     modulus: np.ndarray
 
 
 def find_faces(basis, grid, modulus):
-    """Ghost of the cells that the domains of a basis reach; modulus: (n,) of the points [Pa]."""
+    """Ghost of the cells that the domains of a basis overlap; modulus: (n,) [Pa] of the points."""
     reached, weighted = np.zeros((2, *(max(1, n - 1) for n in grid.shape)))
     _fill(basis.first, basis.count, modulus, reached, weighted)
     filled = reached > 0
@@ -57,7 +59,7 @@ def find_faces(basis, grid, modulus):
 
 
 def _pairs(cells, axis):
-    """Views of the cells below and above the faces across an axis."""
+    """Views of the cells below and above the faces normal to an axis."""
     below = [slice(None)] * 3
     above = list(below)
     below[axis], above[axis] = slice(None, -1), slice(1, None)
@@ -66,7 +68,7 @@ def _pairs(cells, axis):
 
 @njit(cache=True)
 def _fill(first, count, modulus, reached, weighted):
-    """Number of points that reach each cell, and the sum of their moduli."""
+    """Fill the number of points whose domains overlap each cell, and the sum of their moduli [Pa]."""
     for p in range(len(first)):
         for i in range(first[p, 0], first[p, 0] + max(1, count[p, 0] - 1)):
             for j in range(first[p, 1], first[p, 1] + max(1, count[p, 1] - 1)):
@@ -76,7 +78,7 @@ def _fill(first, count, modulus, reached, weighted):
 
 
 def add_force(ghost, grid, displacement, force):
-    """Add the penalty's force at nodal increments (N, 3) [m] to `force` (N, 3) [N]."""
+    """Add the penalty's force for nodal increments (N, 3) [m] to `force` (N, 3) [N]."""
     _add_force(ghost.faces, ghost.modulus, grid.axes, _thickness(grid), displacement, force)
 
 
@@ -91,8 +93,8 @@ def _thickness(grid):
 
 @njit(cache=True)
 def _line(nodes, first, thickness, normal, factor):
-    """One axis of a face: how many nodes, and their matrix into `factor` (3, 3): jumps times jumps along the normal,
-    else the mass matrix of the cell."""
+    """Fill `factor` (3, 3) with the matrix of a face along one axis: products of the jumps along the normal, else the
+    mass matrix of the cell. Returns the number of nodes along the axis."""
     if len(nodes) == 1:
         factor[0, 0] = thickness
         return 1
@@ -111,7 +113,8 @@ def _line(nodes, first, thickness, normal, factor):
 
 @njit(cache=True)
 def _face(face, axes, thickness, node, local, matrix):
-    """Nodes of a face, their local numbers (`hybrid.linalg.stencil`) and the matrix (12, 12) of γ = 1; returns how many."""
+    """Fill the nodes of a face, their local numbers (`hybrid.linalg.stencil`) and the matrix (12, 12) for γ = 1;
+    returns the number of nodes."""
     fx, fy, fz = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
     x, y, z = axes
     nx = _line(x, face[0], thickness[0], face[3] == 0, fx)

@@ -1,8 +1,8 @@
-"""Deformation of the points during a step, and what follows from it on acceptance: FORMULATION (8), (9).
+"""Deformation of the points during a step, and update of F, b_e and stress on acceptance: FORMULATION (8), (9).
 
     ΔF = I + Σ_v Δu_v ⊗ ∇_n S_v      b_trial = ΔF b_e ΔF^T      ε = ½ ln b_trial = Σ ε_i n_i ⊗ n_i
 
-F-bar (`hybrid.soil.fbar`) scales ΔF before b_trial is formed, so that its determinant is that of ΔF_0.
+With F-bar (`hybrid.soil.fbar`) ΔF is scaled to det ΔF = det ΔF_0 before b_trial is formed.
 """
 
 from typing import NamedTuple
@@ -14,22 +14,22 @@ from hybrid.grid.numbering import node_number
 from hybrid.soil.basis import with_margin
 from hybrid.soil.principal import compose, principal, put_principal
 
-# F is reset to an isotropic stretch of the same volume when any |F_ij| > F_LIMIT, as a domain is never wider than its
-# cell; that stretch is capped at STRETCH_LIMIT.
+# F is reset to an isotropic stretch of the same volume when any |F_ij| > F_LIMIT; that stretch is capped at
+# STRETCH_LIMIT. A domain is never wider than its cell, so F beyond the limit does not change it.
 F_LIMIT, STRETCH_LIMIT = 100.0, 10.0
 
 
 class TrialStrain:
-    """Trial kinematics of all points, in buffers that a later evaluation writes again.
+    """Trial kinematics of all points, in buffers that a later evaluation overwrites.
 
     increment     (n, 3, 3) ΔF
     inverse       (n, 3, 3) ΔF^-1
     strain        (n, 3) principal logarithmic trial strain
-    directions    (n, 3, 3) its directions, as columns
+    directions    (n, 3, 3) principal directions of the strain, as columns
     mean_inverse  (n, 3, 3) ΔF_0^-1 of F-bar, else None
     inverted      numbers of the points with det ΔF <= 0
 
-    `valid` is False once the buffers have been written again; reading the arrays is an AssertionError from then on.
+    `valid` is False after the buffers have been overwritten; from then on, reading the arrays raises an AssertionError.
     """
 
     def __init__(self, buffers, inverted):
@@ -66,7 +66,7 @@ class TrialStrain:
 
 
 class _Buffers:
-    """Memory of one TrialStrain; version: how often it has been written."""
+    """Memory of one TrialStrain; version: number of evaluations that have written to it."""
 
     def __init__(self, n, fbar):
         self.increment, self.inverse, self.directions = (np.empty((n, 3, 3)) for _ in range(3))
@@ -92,10 +92,10 @@ class _UpdatedArrays(NamedTuple):
 
 
 class Kinematics:
-    """Evaluates trial strains of n points into buffers that it owns, so that no evaluation touches new memory.
+    """Evaluates trial strains of n points into its own buffers, so that no evaluation allocates memory.
 
-    There are two sets of buffers: one trial can be kept while others are evaluated. The second set takes no memory
-    until a trial is kept for the first time.
+    There are two sets of buffers, so that one trial can be kept while others are evaluated. The pages of the second set
+    are not used, and take no physical memory, until a trial is kept for the first time.
     """
 
     def __init__(self, n, fbar=False):
@@ -106,7 +106,8 @@ class Kinematics:
     def __call__(self, basis, shape, displacement, b_elastic, mean=None, inactive=None, keep=None):
         """TrialStrain from nodal increments (N, 3) [m] and committed b_e (n, 3, 3).
 
-        mean: the basis of F-bar; inactive: (n,) bool, points that may be inverted; keep: a TrialStrain to stay valid.
+        mean: the basis of F-bar; inactive: (n,) bool, points that are not listed in `inverted`; keep: a TrialStrain
+        whose buffers are not overwritten.
         """
         assert keep is None or keep.valid, "a trial strain cannot be kept after its buffers have been overwritten"
         buffers = next(one for one in self._sets if keep is None or one is not keep._buffers)
@@ -124,7 +125,7 @@ class Kinematics:
 
 @njit(cache=True, error_model="numpy")
 def invert(a, out):
-    """Inverse of a 3x3 matrix into `out`, not finite where it has none; returns the determinant."""
+    """Fill `out` with the inverse of a 3x3 matrix, not finite if the matrix is singular; returns the determinant."""
     c00 = a[1, 1] * a[2, 2] - a[1, 2] * a[2, 1]
     c01 = a[1, 2] * a[2, 0] - a[1, 0] * a[2, 2]
     c02 = a[1, 0] * a[2, 1] - a[1, 1] * a[2, 0]
@@ -178,7 +179,7 @@ def _trial_squares(basis, shape, u, elastic, mean_volume, deforms, out):
 
 
 def _logarithms(values):
-    """½ ln of principal values (n, 3) of b, in their place."""
+    """Replace the principal values (n, 3) of b by ½ ln of them, in place."""
     np.maximum(values, 1e-300, out=values)
     np.log(values, out=values)
     values *= 0.5
@@ -186,7 +187,8 @@ def _logarithms(values):
 
 @njit(cache=True, fastmath={"contract"})
 def _gradient(p, first, value, gradient, shape, u, out):
-    """Σ_v u_v ⊗ ∇S_v at one point, summed along z first: the products of the other axes are the same for a column."""
+    """Fill `out` with Σ_v u_v ⊗ ∇S_v at one point. The sum over z is the innermost, because all nodes of a column along
+    z share the products of the other axes."""
     xx, xy, xz, yx, yy, yz, zx, zy, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     s0, s1, s2 = value[p, 2, 0], value[p, 2, 1], value[p, 2, 2]
     d0, d1, d2 = gradient[p, 2, 0], gradient[p, 2, 1], gradient[p, 2, 2]
@@ -214,7 +216,7 @@ def _gradient(p, first, value, gradient, shape, u, out):
 
 @njit(cache=True, fastmath={"contract"})
 def determinant(a):
-    """Of a 3x3 matrix."""
+    """Determinant of a 3x3 matrix."""
     return (a[0, 0] * (a[1, 1] * a[2, 2] - a[1, 2] * a[2, 1]) - a[0, 1] * (a[1, 0] * a[2, 2] - a[1, 2] * a[2, 0])
             + a[0, 2] * (a[1, 0] * a[2, 1] - a[1, 1] * a[2, 0]))
 
@@ -234,11 +236,11 @@ def _product_transposed(a, b, out):
 
 
 def update_strains(trial, elastic, stress, old, deforms):
-    """F = ΔF F_n, b_e = Σ exp(2 ε_i) n_i ⊗ n_i of the elastic strains ε (n, 3) after the return, and Cauchy stress
-    σ = τ / det F of the Kirchhoff stress τ (n, 3, 3) [Pa]; each (n, 3, 3). deforms: (3,) bool, axes that deform.
+    """Updated F = ΔF F_n, b_e = Σ exp(2 ε_i) n_i ⊗ n_i and Cauchy stress σ = τ / det F [Pa], each (n, 3, 3).
 
-    F is reset to an isotropic stretch of the same volume when any |F_ij| > F_LIMIT: in loose sand that the grid pulls
-    apart, F would grow until det F is round-off, and then negative.
+    elastic: ε (n, 3), elastic strains after the stress return; stress: Kirchhoff τ (n, 3, 3) [Pa]; old: Points at the
+    start of the step; deforms: (3,) bool, axes that deform. F is reset to an isotropic stretch of the same volume when
+    any |F_ij| > F_LIMIT: where the grid pulls loose sand apart, F would grow until det F is round-off, then negative.
     """
     deformation, squares, cauchy = (np.empty_like(old.deformation) for _ in range(3))
     _update(trial.increment, trial.directions, elastic, stress, old.deformation, deforms,
@@ -277,7 +279,7 @@ def _largest(F):
 
 @njit(cache=True)
 def _reset(F, deforms):
-    """The same stretch along all axes that deform, with the volume of F where that is not beyond reason."""
+    """Reset F to the isotropic stretch (det F)^(1/n) along the n axes that deform, at most STRETCH_LIMIT."""
     stretch = min(abs(determinant(F)) ** (1.0 / np.sum(deforms)), STRETCH_LIMIT)
     for i in range(3):
         for j in range(3):

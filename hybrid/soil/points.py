@@ -1,4 +1,4 @@
-"""Creation of material points that tile the cells of a grid, and their geostatic stress.
+"""Creation of material points whose domains tile the cells of a grid, and their geostatic stress.
 
 Equations: FORMULATION (21).
 """
@@ -10,9 +10,10 @@ from hybrid.state import PointConstants, Points
 
 
 def tile(grid, lower, upper, per_axis, density):
-    """Points that tile the cells between `lower` and `upper` (3,) [m], `per_axis` (3,) along each cell edge.
+    """PointConstants that tile the cells from `lower` to `upper` (3,) [m], `per_axis` (3,) points along each cell edge.
 
-    Raises SceneError when the box does not end on grid lines or holds no cell.
+    Raises SceneError when the box does not end on grid lines or contains no cell. For the soil of a scene
+    `hybrid.setup.soil.soil_box` has checked the ends before, and names the one key.
     """
     centres, halves = [], []
     for axis, nodes in enumerate(grid.axes):
@@ -23,7 +24,8 @@ def tile(grid, lower, upper, per_axis, density):
             continue
         edges = nodes[_line(nodes, lower[axis], axis):_line(nodes, upper[axis], axis) + 1]
         if len(edges) < 2:
-            raise SceneError(f"soil: no cell between {'xyz'[axis]} = {lower[axis]:g} and {upper[axis]:g} m")
+            raise SceneError(f"the soil contains no cell along {'xyz'[axis]}: it reaches from {lower[axis]:g} to "
+                             f"{upper[axis]:g} m; set soil.lower and soil.upper (or soil.top) at least a cell apart")
         width = np.diff(edges) / per_axis[axis]
         offsets = np.arange(per_axis[axis]) + 0.5
         centres.append((edges[:-1, None] + width[:, None] * offsets).ravel())
@@ -37,15 +39,18 @@ def tile(grid, lower, upper, per_axis, density):
 def _line(nodes, x, axis):
     nearest = int(np.argmin(np.abs(nodes - x)))
     if abs(nodes[nearest] - x) > 1e-6 * np.diff(nodes).min():
-        raise SceneError(f"soil ends at {'xyz'[axis]} = {x:g} m, between grid lines; "
-                         f"the nearest grid line is at {nodes[nearest]:.6g} m")
+        name = "xyz"[axis]
+        key = f"soil.lower[{axis}] or soil.upper[{axis}]{' (soil.top)' * (axis == 2)}"
+        raise SceneError(f"{key} = {x:g}: must be on a grid line, because points fill whole cells, and the nearest "
+                         f"line along {name} is at {nodes[nearest]:.6g} m; set the end of the soil to that, or choose "
+                         f"grid.{name}.start and grid.{name}.size so that a line lies at {x:g} m")
     return nearest
 
 
 def overburden(constants, gravity):
     """Vertical stress (n,) [Pa], compression positive: weight of all points above a point and half its own, per area.
 
-    That is what the internal forces of a tiled box of soil in horizontal layers balance its weight with, to round-off,
+    With this stress the internal forces of a tiled box of soil in horizontal layers balance its weight to round-off,
     whatever the densities: GIMP integrates hat functions exactly over domains that end at nodes.
     """
     _, first, level = np.unique(constants.position[:, 2], return_index=True, return_inverse=True)
@@ -55,7 +60,7 @@ def overburden(constants, gravity):
 
 
 def at_rest(constants, principal_stress, elastic_strain):
-    """Points at rest that carry principal stresses (n, 3) [Pa] along the axes with elastic strains (n, 3)."""
+    """Points at rest with principal stresses (n, 3) [Pa] along the axes, and the elastic strains (n, 3) of these."""
     n = len(constants)
     diagonal = np.arange(3)
     stress, elastic = np.zeros((n, 3, 3)), np.zeros((n, 3, 3))
@@ -63,5 +68,5 @@ def at_rest(constants, principal_stress, elastic_strain):
     elastic[:, diagonal, diagonal] = np.exp(2 * elastic_strain)
     return Points(
         position=constants.position.copy(), velocity=np.zeros((n, 3)), acceleration=np.zeros((n, 3)),
-        half_width=constants.half_width.copy(), deformation=np.tile(np.eye(3), (n, 1, 1)), b_elastic=elastic, stress=stress,
-        plastic_strain=np.zeros(n))
+        half_width=constants.half_width.copy(), deformation=np.tile(np.eye(3), (n, 1, 1)), b_elastic=elastic,
+        stress=stress, plastic_strain=np.zeros(n))

@@ -1,8 +1,8 @@
-"""Principal values and directions of symmetric 3x3 matrices, and back, by Jacobi rotations: exact for repeated values,
-where closed formulas lose digits.
+"""Principal values and directions of symmetric 3x3 matrices by Jacobi rotations, and the matrices from them.
 
-Matrices are turned LANES at a time. They lie side by side, entry by entry, so that every operation runs along them in
-the processor's vector registers, and all take as many sweeps as the slowest needs: nearly always four.
+Jacobi rotations keep full accuracy for repeated values, where closed formulas lose digits. LANES matrices are rotated
+together. Entry ij of all of them is contiguous in memory, so that every operation uses the processor's vector
+registers; sweeps are repeated until the slowest matrix has converged, nearly always four times.
 """
 
 import numpy as np
@@ -20,7 +20,7 @@ def principal(matrices):
 
 
 def from_principal(values, directions):
-    """Tensors Σ values_i n_i ⊗ n_i, (n, 3) and (n, 3, 3) to (n, 3, 3)."""
+    """Tensors Σ values_i n_i ⊗ n_i (n, 3, 3) from values (n, 3) and directions (n, 3, 3), its columns n_i."""
     out = np.empty_like(directions)
     _from_principal(values, directions, out)
     return out
@@ -28,7 +28,7 @@ def from_principal(values, directions):
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
 def _diagonalise(a, v, m):
-    """Eigenvalues of the first m matrices into a[:3]; component i of their eigenvector j into v[j, i]."""
+    """Fill a[:3] with the eigenvalues of the first m matrices, and v[j, i] with component i of their eigenvectors j."""
     for i in range(3):
         for j in range(3):
             for n in range(m):
@@ -47,7 +47,7 @@ def _diagonalise(a, v, m):
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
 def _rotate(app, aqq, apq, arp, arq, vp, vq, m):
-    """Turn entry pq of m matrices to zero; the tangent of the angle without a branch."""
+    """Rotate m matrices so that entry pq becomes zero. The tangent of the angle is computed without a branch."""
     for n in range(m):
         apart = aqq[n] - app[n]
         size = abs(apart) + np.sqrt(apart * apart + 4.0 * apq[n] * apq[n]) + 1e-300
@@ -67,9 +67,9 @@ def _rotate(app, aqq, apq, arp, arq, vp, vq, m):
 
 @njit(cache=True, parallel=True)
 def put_principal(matrices, values, directions):
-    """As `principal`, into arrays.
+    """Fill `values` (n, 3) and `directions` (n, 3, 3) as `principal` returns them.
 
-    A block has entries 00 11 22 01 02 12 of its matrices in a (6, LANES), eigenvectors in v (3, 3, LANES).
+    For each block of LANES matrices a (6, LANES) holds the entries 00 11 22 01 02 12, v (3, 3, LANES) the eigenvectors.
     """
     for block in prange((len(matrices) + LANES - 1) // LANES):
         a, v, begin = np.empty((6, LANES)), np.empty((3, 3, LANES)), block * LANES
@@ -95,7 +95,7 @@ def _from_principal(values, directions, out):
 
 @njit(cache=True, fastmath={"contract"})
 def compose(first, second, third, n, out):
-    """Put a tensor of three principal values and directions n_i, the columns of n (3, 3), into `out` (3, 3)."""
+    """Fill `out` (3, 3) with the tensor of three principal values and directions n_i, the columns of n (3, 3)."""
     for i in range(3):
         x, y, z = first * n[i, 0], second * n[i, 1], third * n[i, 2]
         for j in range(3):

@@ -1,18 +1,18 @@
-"""Which points are split and merged, so that every cell has the number of points that the scene asks for.
+"""Selection of the points to split and to merge, so that each cell keeps about `soil.points_per_axis` points an axis.
 
 Along the spatial axis i a point with initial half-widths l and deformation F has the width ratio
 
     r_i = 2 n_i √Σ_j (F_ij l_j)² / h_i
 
-to a point at the start of a run, of which n_i lie in a cell of size h_i. A point is split along its material axis
-j = argmax |F_ij| l_j where r_i >= COARSE. Two halves along j are merged where both, and the point that they would make,
-have 2 r_i <= FINE, i being the direction of F e_j. Between the two limits nothing changes, so that points are not split
-and merged alternately.
+relative to an initial point, n_i of which lie in a cell of size h_i. A point is split along its material axis
+j = argmax |F_ij| l_j where r_i >= COARSE. Two halves along j are merged where both of them, and the merged point, have
+2 r_i <= FINE, i being the direction of F e_j. Between the two limits nothing changes, so that points are not split and
+merged alternately.
 
-Not split are points that F stretches by more than DISTORTION_LIMIT along j, whose halves would lie far apart, and
-points at the end of the grid of which one half would lie outside. Halves are neighbours that at the start shared the box
-of one point of twice their width; they are merged only while they lie side by side. No point becomes narrower than those
-of the finest cells, or wider than those of the coarsest.
+Points are not split if F stretches them by more than DISTORTION_LIMIT along j, as their halves would lie far apart, or
+if one half would lie outside the grid. Halves are neighbours whose initial domains together form the initial domain of
+one point of twice their width; they are merged only while their domains are still adjacent. No point becomes narrower
+than those of the finest cells, or wider than those of the coarsest.
 """
 
 from dataclasses import dataclass
@@ -22,18 +22,19 @@ import numpy as np
 from hybrid.soil.lost_points import DISTORTION_LIMIT
 from hybrid.soil.split_merge import concatenate, merge, select, split
 
-COARSE = 1.9  # width ratio to split at; a point of a cell twice as large, at rest, has 2
-FINE = 1.5    # width ratio to merge at; the point that two halves make in a cell twice as large, at rest, has 1
-GAP = 0.5     # of their width, that two halves may be away from lying side by side
-SAME = 1e-6   # of the narrowest points: initial coordinates that differ by less are the same
+COARSE = 1.9  # [-] width ratio at which a point is split; an undeformed point from a cell twice as large has 2
+FINE = 1.5    # [-] width ratio at which halves are merged; an undeformed merged point in a cell twice as large has 1
+GAP = 0.5     # [-] of their width: largest gap of two halves that are merged
+SAME = 1e-6   # [-] of the narrowest points' width: initial coordinates that differ by less are treated as equal
 
 
 @dataclass(frozen=True)
 class PointRefinement:
     """Splits and merges points to fit the cells of a grid.
 
-    axes: along which points may change; start: (3,) [m] first node of the axes; width: (3,) [m] of the narrowest
-    points; per_axis: (3,) points in a cell along each axis; doublings: how often a width may double.
+    axes: material axes along which points may be split and merged; start: (3,) [m] first node of each axis; width: (3,)
+    [m] of the narrowest points; per_axis: (3,) points in a cell along each axis; doublings: the widest points have
+    2^doublings times that width.
     """
 
     axes: tuple[int, ...]
@@ -43,9 +44,9 @@ class PointRefinement:
     doublings: int
 
     def adapt(self, population, grid, law, free):
-        """(Population that fits the cells of `grid`, numbers (n,) that its points had before, -1 for new ones).
+        """(Population that fits the cells of `grid`, previous numbers (n,) of its points, -1 for new points).
 
-        free: (n,) bool, points that may change.
+        free: (n,) bool, points that may be split or merged.
         """
         current = population, np.arange(len(population)), free
         for change in (self._split, self._merge):
@@ -59,7 +60,7 @@ class PointRefinement:
         return current[:2]
 
     def _split(self, j, population, grid, law, free):
-        """(n,) bool, points that are too wide along the material axis j, and the Population of their halves."""
+        """(n,) bool, points to split along the material axis j, and the Population of their halves."""
         share = _shares(population)
         wide = _ratio(share, self.per_axis, grid, population.points.position) >= COARSE
         wide &= share.argmax(axis=2) == j
@@ -69,7 +70,7 @@ class PointRefinement:
         return mask, split(select(population, mask), j, law)
 
     def _merge(self, j, population, grid, law, free):
-        """(n,) bool, halves along j that are too narrow, and the Population of the points that they make."""
+        """(n,) bool, halves along the material axis j to merge, and the Population of the merged points."""
         share, half = _shares(population), population.constants.half_width
         direction = share[:, :, j].argmax(axis=1)                       # the spatial axis closest to F e_j
         share[:, :, j] *= 2
@@ -88,9 +89,9 @@ class PointRefinement:
         return merged, merge(select(population, a), select(population, b), j, law)
 
     def _pairs(self, j, position, half):
-        """Numbers of the lower and of the upper half of each pair of points that are halves along j at the start.
+        """Numbers of the lower and of the upper half of each pair of points that are halves along j.
 
-        position, half: (n, 3) [m], both at the start.
+        position, half: (n, 3) [m], initial positions and half-widths.
         """
         low = np.rint((position - half - self.start) / (SAME * self.width)).astype(np.int64)
         size = np.rint(2 * half / (SAME * self.width)).astype(np.int64)
@@ -103,7 +104,7 @@ class PointRefinement:
         return order[::2], order[1::2]
 
     def _side_by_side(self, j, population, grid, a, b, direction):
-        """(pairs,) bool, pairs that still touch, and of which the merged point is not too wide for its cell."""
+        """(pairs,) bool, pairs whose domains are still adjacent and whose merged point is not too wide for its cell."""
         points, half = population.points, population.constants.half_width
         mean = 0.5 * (points.deformation[a, :, j] + points.deformation[b, :, j])
         width = 2 * half[a, j]
@@ -138,7 +139,7 @@ def cell_sizes(grid, position):
 
 
 def _shares(population):
-    """|F_ij| l_j (n, 3, 3) [m]: part of material axis j in the half-width along spatial axis i."""
+    """|F_ij| l_j (n, 3, 3) [m]: contribution of material axis j to the half-width along spatial axis i."""
     return np.abs(population.points.deformation) * population.constants.half_width[:, None, :]
 
 

@@ -1,11 +1,11 @@
-"""Adding what one point contributes to the rows of the soil block.
+"""Assembly of the contribution of one point to the rows of the soil block.
 
-The nodes of a point that differ in z only are a *stack*: their free components are neighbours in every row of the
-matrix. A contribution is first formed for all free components q = (w, k) of a point,
+The nodes of a point that differ in z only form a *stack*: the entries for their free components are contiguous in every
+row of the matrix. A contribution is first formed for all free components q = (w, k) of a point,
 
     B_ij,q = V0 A_ijkl g_w,l
 
-in nine rows of WIDTH numbers. A matrix row (v, i) then takes Σ_j g_v,j B_ij,q in contiguous runs, one for each stack.
+in nine rows of WIDTH numbers. Σ_j g_v,j B_ij,q is then added to matrix row (v, i) in contiguous runs, one a stack.
 """
 
 import numpy as np
@@ -14,12 +14,12 @@ from numba import njit
 from hybrid.linalg.stencil import local_number, relative_place
 from hybrid.soil.tangent import FIVE, FOUR, NINE, ONE, SIX, THREE, TWO
 
-WIDTH = np.uintp(81)    # the most free components of a point: 27 nodes of 3
+WIDTH = np.uintp(81)    # largest number of free components of a point: 27 nodes of 3
 
 
 @njit(cache=True)
 def scratch():
-    """Arrays that a thread fills for one point after another: node (27,), g (27, 3), local (27,), unknown (2, 81),
+    """Arrays that a thread reuses for all its points: node (27,), g (27, 3), local (27,), unknown (2, 81),
     stack (2, 10), place (9,)."""
     return (np.empty(27, np.int64), np.empty((27, 3)), np.empty(27, np.int64), np.empty((2, 81), np.int64),
             np.empty((2, 10), np.int64), np.empty(9, np.int64))
@@ -27,11 +27,12 @@ def scratch():
 
 @njit(cache=True)
 def free_components(count, node, dof, local, unknown, stack):
-    """Free components of the nodes of one point; returns the number of stacks that have any.
+    """Find the free components of the nodes of one point; returns the number of stacks that have any.
 
-    count: (3,) nodes along the axes; local: (m,) local numbers of the nodes (`hybrid.linalg.stencil`); unknown: (2, q)
-    number of the node among those of the point, and component. stack: (2, s) local number of the first node with a free
-    component, and number of the stack's first component; one more column ends the last stack.
+    count: (3,) nodes along the axes; node: (m,) numbers of the nodes; dof: (N, 3) unknown number or -1. Fills
+    local: (m,) local numbers of the nodes (`hybrid.linalg.stencil`); unknown: (2, q) index of the node among those of
+    the point, and component; stack: (2, s) local number of the first node with a free component, and index of the
+    stack's first component. One more column of `stack` marks the end of the last one.
     """
     m, q, stacks = 0, 0, 0
     for a in range(count[0]):
@@ -54,8 +55,8 @@ def free_components(count, node, dof, local, unknown, stack):
 
 @njit(cache=True)
 def find_stacks(row, local, stack, stacks, slot, place):
-    """Fill `place` with the offsets of the stacks in the rows of a node with number `local`; False when the node has no
-    rows."""
+    """Fill `place` with the offsets of the stacks in the rows of a node with local number `local`; False if the node
+    has no rows (row < 0)."""
     if row >= 0:
         for s in range(stacks):
             place[s] = slot[row, relative_place(local, stack[0, s])]
@@ -64,7 +65,7 @@ def find_stacks(row, local, stack, stacks, slot, place):
 
 @njit(cache=True, fastmath={"contract"})
 def contract(A, g, volume, unknown, size, B):
-    """B_ij,q = V0 A_ijkl g_w,l of the free components q = (w, k), in nine rows of WIDTH."""
+    """Fill B with B_ij,q = V0 A_ijkl g_w,l of the free components q = (w, k), in nine rows of WIDTH."""
     for q in range(size):
         w, k, at = np.uintp(unknown[0, q]), np.uintp(3 * unknown[1, q]), np.uintp(q)
         x, y, z = volume * g[w, 0], volume * g[w, 1], volume * g[w, 2]
@@ -76,7 +77,7 @@ def contract(A, g, volume, unknown, size, B):
 
 @njit(cache=True, fastmath={"contract"})
 def add_row(values, begin, place, stack, stacks, B, x, gradient):
-    """Add g_j B_ij,q to the row that begins at `begin`, with the three components g_j; x is where B_i0 begins."""
+    """Add Σ_j g_j B_ij,q to the matrix row that begins at `begin`; gradient: g_j (3,); x: index of B_i0,0 in B."""
     gx, gy, gz = gradient
     for s in range(stacks):
         at, q, length = np.uintp(begin + place[s]), x + np.uintp(stack[1, s]), stack[1, s + 1] - stack[1, s]
@@ -94,7 +95,7 @@ def add_row(values, begin, place, stack, stacks, B, x, gradient):
 
 @njit(cache=True, fastmath={"contract"})
 def _add_six(values, at, B, x, gx, gy, gz):
-    """Six neighbouring entries. All is read before anything is written, so that no addition waits for another."""
+    """Add to six contiguous entries. All reads precede all writes, so that no addition has to wait for another."""
     y = x + WIDTH
     z = y + WIDTH
     one = values[at] + gx * B[x] + gy * B[y] + gz * B[z]

@@ -1,17 +1,16 @@
-"""Points that are added, taken away, halved and joined, with all that belongs to them.
+"""Selection, concatenation, splitting and merging of points, with all their arrays.
 
-A point can be halved along an axis j of its domain at the start, and two halves be joined again:
+A point can be split along an axis j of its initial domain, and two halves can be merged again:
 
-    x = x_p ± ½ l_j F e_j     v = v_p + C_v (x - x_p)     V0 = V0_p / 2      the rest as it was
+    x = x_p ± ½ l_j F e_j     v = v_p + C_v (x - x_p)     V0 = V0_p / 2      all else unchanged
     m = Σ m_i      x, v, a, C = Σ m_i (·)_i / m      τ, F, α = Σ V0_i (·)_i / V0      det F V0 = Σ det F_i V0_i
 
-Mass, momentum, volume, the integral of the stress and that of the plastic strain are kept by construction, and the
-centre of mass. The Kirchhoff stress of two halves differs by what it would at rest, τ = τ_p ± ½ l_j F_zj dτ_rest/dz, so
-that soil at rest stays in equilibrium where a cell is halved. The elastic strain is the one that carries the stress.
-Two points with the same law under admissible stresses are joined to one under an admissible stress, as the elastic
-domain is convex.
+Mass, centre of mass, momentum, volume and the integrals of stress and plastic strain are conserved by construction.
+The Kirchhoff stresses of two halves differ by the geostatic gradient, τ = τ_p ± ½ l_j F_zj dτ_rest/dz, so that soil at
+rest stays in equilibrium where a cell is split. The elastic strain is computed from the stress. Two points with the
+same law and admissible stresses are merged to a point with an admissible stress: the elastic domain is convex.
 
-What is lost is what one point cannot hold: the energy of motions and strains of the two against each other.
+Merging loses the energy of the relative motion and of the strain difference of the two points.
 
 Equations: FORMULATION (49), (50).
 """
@@ -24,12 +23,12 @@ from hybrid.runtime.comm import largest
 from hybrid.soil.principal import from_principal
 from hybrid.state import PointConstants, Points, Population
 
-FLAT = 1e-2      # [-] of the volume of two halves, that their mean F leaves
-NEITHER = 1e-12  # [-] rise of stress within a point, relative to the stress, that is none
+FLAT = 1e-2      # [-] det of the mean F over the mean det F of two halves, below which the mean F is not used
+NEITHER = 1e-12  # [-] change of stress within a point, relative to the largest stress, that is treated as zero
 
 
 def select(population, ids):
-    """Population of the points `ids`, an index array or a mask."""
+    """Population of the points `ids`, an index array or a mask (n,) bool."""
     def of(item):
         return None if item is None else item[ids]
 
@@ -37,7 +36,8 @@ def select(population, ids):
 
 
 def concatenate(first, second):
-    """Both populations, the second one's points behind those of the first; what only one has is zero in the other."""
+    """Both populations, the points of the second after those of the first. An array that only one has is zero for the
+    other."""
     def both(a, b):
         if a is None and b is None:
             return None
@@ -55,7 +55,7 @@ def _mapped(function, *items):
 
 
 def split(population, axis, law):
-    """The two halves of every point along `axis` of its domain at the start, lower ones first: 2n points."""
+    """Population of the two halves of every point along `axis` of its initial domain: n lower, then n upper halves."""
     points, constants = population.points, population.constants
     out = concatenate(population, population)
     sign = np.repeat([-0.5, 0.5], len(population))[:, None]
@@ -80,7 +80,7 @@ def split(population, axis, law):
 
 
 def _risen(population, height, law):
-    """Stresses changed as at rest by heights (n,) [m]; those that do not change keep their bits."""
+    """Population with the geostatic stress change over heights (n,) [m]; stresses that do not change stay bitwise."""
     points = population.points
     change = population.constants.geostatic_gradient * height[:, None]
     some = np.flatnonzero(np.abs(change).max(axis=1) > NEITHER * largest(np.abs(points.stress)))
@@ -95,7 +95,7 @@ def _risen(population, height, law):
 
 
 def merge(first, second, axis, law):
-    """One point for each pair of points that are halves of it along `axis` of the domains at the start."""
+    """Population of merged points, one for each pair of halves along `axis` of the initial domains."""
     a, b = first.constants, second.constants
     mass, volume = a.mass + b.mass, a.volume + b.volume
 
@@ -113,7 +113,8 @@ def merge(first, second, axis, law):
     double = np.ones(3)
     double[axis] = 2.0
     constants = PointConstants(
-        0.5 * (a.position + b.position), a.half_width * double, volume, mass, by_volume(a.geostatic_gradient, b.geostatic_gradient))
+        0.5 * (a.position + b.position), a.half_width * double, volume, mass,
+        by_volume(a.geostatic_gradient, b.geostatic_gradient))
     deformation = by_volume(p.deformation, q.deformation)
     deformation = _with_volume(deformation, by_volume(np.linalg.det(p.deformation), np.linalg.det(q.deformation)))
     points = Points(
@@ -126,8 +127,8 @@ def merge(first, second, axis, law):
 
 
 def _with_volume(deformation, ratio):
-    """F (n, 3, 3) scaled to det F = `ratio` (n,) along the axes that deform anywhere; where F is all but flat, as the
-    mean of two that have turned against each other, the same stretch along all of these."""
+    """F (n, 3, 3) scaled to det F = `ratio` (n,) along the axes that deform at any point. Where det F < FLAT `ratio`,
+    as for the mean of two opposite rotations, the result is an isotropic stretch along these axes."""
     deforms = np.any(deformation != np.eye(3), axis=(0, 1)) | np.any(deformation != np.eye(3), axis=(0, 2))
     if not deforms.any():
         return deformation
@@ -143,7 +144,7 @@ def _kirchhoff(points):
 
 
 def _stressed(population, stress, law):
-    """The population under Kirchhoff stresses (n, 3, 3) [Pa], with the elastic strain that carries them."""
+    """The population with Kirchhoff stresses (n, 3, 3) [Pa] and the elastic strains that belong to them."""
     points = population.points
     principal, directions = np.linalg.eigh(stress)
     elastic = law.with_rows(population.rows).strain(principal)

@@ -1,4 +1,4 @@
-"""Tangent of one point.
+"""Consistent tangent of one point in the current configuration, A, and pulled back to that of the step's start, Â.
 
     A_ijkl = ∂τ_ij/∂l_kl - τ_il δ_jk            Â_imkn = ΔF^-1_mj A_ijkl ΔF^-1_nl
 
@@ -6,11 +6,11 @@ In the principal frame of b_trial A has 21 entries. With D = ∂τ_i/∂ε_j and
 
     A_aacc = D_ac - τ_a δ_ac       A_abab = b_b κ_ab       A_abba = b_a κ_ab - τ_a       κ_ab = (τ_a - τ_b)/(b_a - b_b)
 
-and κ_ab -> (D_aa - D_ab)/(2 b_a) where two principal values meet. So in the frame of the grid A is a sum of nine dyads,
+and κ_ab -> (D_aa - D_ab)/(2 b_a) for equal principal values. In the frame of the grid A is thus a sum of nine dyads,
 
     A = Σ_ab P_ab ⊗ Q_ab        P_ab = n_a ⊗ n_b        Q_aa = Σ_c A_aacc P_cc        Q_ab = A_abab P_ab + A_abba P_ba
 
-summed over a first and then over b; and Â is the same with P_ab = n_a ⊗ ΔF^-1 n_b.
+summed over a first and then over b. Â is the same sum with P_ab = n_a ⊗ ΔF^-1 n_b.
 
 Equations: FORMULATION (12), (13).
 """
@@ -18,15 +18,17 @@ Equations: FORMULATION (12), (13).
 import numpy as np
 from numba import njit
 
-# Unsigned indices: numba looks for a negative one at every access otherwise, which costs more than the addition.
+# Unsigned indices: numba tests at every access whether a signed one is negative, which costs more than the sum.
 ONE, TWO, THREE, FOUR, FIVE, SIX, SEVEN, EIGHT, NINE = (np.uintp(i) for i in range(1, 10))
 
 
 @njit(cache=True, fastmath={"contract"})
 def point_tangent(first, second, strain, stress, tangent, A, work):
-    """A_ijkl (81,) of one point, at 9 (3i + j) + 3k + l, where `first` and `second` are the directions n_a as columns;
-    Â where `second` is ΔF^-1 times them. strain, stress: principal trial strains and Kirchhoff stresses (3,), tangent:
-    D (3, 3), work: (3, 81) scratch."""
+    """Fill A (81,) with A_ijkl of one point, entry ijkl at 9 (3i + j) + 3k + l.
+
+    first, second: (3, 3) directions n_a as columns; if `second` has ΔF^-1 n_a as columns instead, the result is Â.
+    strain, stress: (3,) principal trial strains and Kirchhoff stresses; tangent: D (3, 3); work: (3, 81) scratch.
+    """
     P, Q, R = work[0], work[1], work[2]
     for a in range(3):
         for b in range(3):
@@ -54,8 +56,8 @@ def point_tangent(first, second, strain, stress, tangent, A, work):
 
 @njit(cache=True, fastmath={"contract"})
 def _combine(out, at, B, p, q, r, x, y, z):
-    """Nine entries of x B_p + y B_q + z B_r. All is read before anything is written, so that they are formed side by
-    side in the processor's vector registers."""
+    """Nine entries of x B_p + y B_q + z B_r. All reads precede all writes, so that the compiler can use the processor's
+    vector registers."""
     at, p, q, r = np.uintp(at), np.uintp(p), np.uintp(q), np.uintp(r)
     one = x * B[p] + y * B[q] + z * B[r]
     two = x * B[p + ONE] + y * B[q + ONE] + z * B[r + ONE]
@@ -73,7 +75,7 @@ def _combine(out, at, B, p, q, r, x, y, z):
 
 @njit(cache=True)
 def pulled_back(inverse, directions, out):
-    """ΔF^-1 n_a of one point, as columns."""
+    """Fill `out` (3, 3) with ΔF^-1 n_a of one point as columns; inverse: ΔF^-1 (3, 3); directions: n_a as columns."""
     for m in range(3):
         for a in range(3):
             out[m, a] = (inverse[m, 0] * directions[0, a] + inverse[m, 1] * directions[1, a]

@@ -3,18 +3,19 @@
     m_v = Σ_p S_vp m_p      q_v = Σ_p S_vp m_p q_p / m_v      (projection with the lumped mass: v, a)
     q_p = Σ_v S_vp q_v                                        (interpolation)
 
-Mass and momentum are conserved to round-off because the basis is a partition of unity; so is angular momentum by
-the projection, because the basis reproduces positions.
+Mass and momentum are conserved to round-off because the basis is a partition of unity. The projection also conserves
+angular momentum, because the basis reproduces positions.
 
-How points take up the rates of the nodes, Δv_v = v_v,n+1 - v_v,n, is a choice (`soil.transfer`):
+`soil.transfer` selects how velocities of the points follow from those of the nodes, with Δv_v = v_v,n+1 - v_v,n:
 
-    increments   v_p + Σ S_vp Δv_v                                       keeps what the grid does not see
-    blended      (1 - s) of that and s Σ S_vp v_v,n+1                    s of what the grid does not see goes a step
+    increments   v_p + Σ S_vp Δv_v                                       keeps what the grid does not resolve
+    blended      (1 - s) [v_p + Σ S_vp Δv_v] + s Σ S_vp v_v,n+1          damps this by the share s in each step
     affine       Σ S_vp v_v,n+1, and C_p (x_v - x_p) in the projection   C_p = Σ S_vp v_v ⊗ (x_v - x_p) D_p^-1,
                                                                          D_p = Σ S_vp (x_v - x_p) ⊗ (x_v - x_p)
 
-D_p is diagonal on a tensor-product grid. Accelerations are always taken from the nodes, by affine transfer with their
-gradients too: what the way there and back takes off them acts as damping of first order in Δt.
+D_p is diagonal on a tensor-product grid. Accelerations of the points are always interpolated from the nodes; with
+affine transfer their gradients are too, because projection and interpolation without gradients smooth the
+accelerations, which acts as damping of first order in Δt.
 
 Affine: Jiang, Schroeder, Selle, Teran & Stomakhin, ACM Trans. Graph. 34 (2015) 51; blended: Stomakhin, Schroeder,
 Chai, Teran & Selle, ibid. 32 (2013) 102.
@@ -32,8 +33,8 @@ from hybrid.soil.basis import with_margin
 
 
 class _PointFields(NamedTuple):
-    """What points give to the grid: position (n, 3) [m], mass (n,) [kg], fields (f, n, 3) and the gradients C_p of the
-    first k of them, affine (n, k, 3, 3)."""
+    """Data of the points that are projected: position (n, 3) [m], mass (n,) [kg], fields (f, n, 3), and affine
+    (n, k, 3, 3), the gradients C_p of the first k fields."""
 
     position: np.ndarray
     mass: np.ndarray
@@ -42,8 +43,10 @@ class _PointFields(NamedTuple):
 
 
 def points_to_grid(basis, slabs, axes, position, mass, *fields, affine=None):
-    """Nodal mass (N,) [kg] and fields (N, 3) from those of the points at `position` (n, 3) [m], each (n, 3), the first
-    k of them with C_p `affine` (n, k, 3, 3) if there are any; zero where no point reaches."""
+    """Nodal mass (N,) [kg], and a nodal field (N, 3) for each field (n, 3) of the points; zero at nodes without mass.
+
+    position: (n, 3) [m]; mass: (n,) [kg]; affine: (n, k, 3, 3), the gradients C_p of the first k fields, or None.
+    """
     affine = np.empty((len(position), 0, 3, 3)) if affine is None else np.ascontiguousarray(affine)
     nodes = int(np.prod([len(a) for a in axes]))
     m, nodal = np.zeros(nodes), np.zeros((len(fields), nodes, 3))
@@ -54,15 +57,17 @@ def points_to_grid(basis, slabs, axes, position, mass, *fields, affine=None):
 
 
 def interpolate(basis, shape, nodal):
-    """Values (n, 3) at the points of a nodal field (N, 3)."""
+    """Values (n, 3) of a nodal field (N, 3) at the points."""
     out = np.empty((len(basis.first), 3))
     _interpolate(basis, tuple(shape), with_margin(nodal, shape), out)
     return out
 
 
 def grid_to_points(basis, axes, position, fields):
-    """Values (n, 3) and C_p of k nodal fields, each (N, 3), at points of `position` (n, 3) [m]: a list of values, and
-    (n, k, 3, 3)."""
+    """Values and gradients C_p of k nodal fields, each (N, 3), at points at `position` (n, 3) [m].
+
+    Returns a list of k arrays (n, 3), and C_p (n, k, 3, 3).
+    """
     values, affine = [np.empty((len(position), 3)) for _ in fields], np.empty((len(position), len(fields), 3, 3))
     shape = [len(nodes) for nodes in axes]
     for f, nodal in enumerate(fields):
@@ -118,8 +123,11 @@ def _interpolate(basis, shape, nodal, out):
 
 @njit(cache=True, parallel=True, fastmath={"contract"})
 def _grid_to_points(basis, axes, position, nodal, out, affine):
-    """Values q and C_p of one field, summed along z, then y, then x; weight times arm stands for the gradient of
-    the basis. Beyond the last node of the grid the weight is zero, and the arm does not matter."""
+    """Values q and gradients C_p of one field, summed along z, then y, then x.
+
+    C_p uses weight times arm, S_vp (x_v - x_p), where the gradient of the field would use ∇S_vp. Beyond the last node
+    of the grid the weight is zero, so that any arm may be used there.
+    """
     (x, y, z), first, value = axes, basis.first, basis.value
     shape = len(x), len(y), len(z)
     for p in prange(len(first)):
@@ -165,7 +173,7 @@ def _grid_to_points(basis, axes, position, nodal, out, affine):
             yz += uy * w
             zz += uz * w
         out[p, 0], out[p, 1], out[p, 2] = q0, q1, q2
-        # no gradient along a collapsed axis, nor for a point of standard MPM that sits on a node: it has no arm
+        # D_p is zero along a collapsed axis, and for a point of standard MPM at the position of a node: no gradient
         dx = 1.0 / dx if dx > 0.0 and len(x) > 1 else 0.0
         dy = 1.0 / dy if dy > 0.0 and len(y) > 1 else 0.0
         dz = 1.0 / dz if dz > 0.0 and len(z) > 1 else 0.0
