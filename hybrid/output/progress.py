@@ -58,8 +58,8 @@ def describe(record, steps, remaining):
         f"{clock(remaining)} left",
         f"t {record.time:.3f} s",
         f"dt {record.dt:.3g} s",
-        f"{record.iterations} it",
-        f"res {record.residual:.1e}",
+        f"{record.iterations} iterations",
+        f"residual {record.residual:.1e}",
         f"{record.contacts} contacts",
     ]
     parts += [f"tension {force(body.line_tension)}" for body in record.bodies if body.line_tension]

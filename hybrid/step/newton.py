@@ -107,10 +107,15 @@ def _newton(step, solver, evaluation):
             return Outcome(None, iteration, krylov, tuple(errors), f"the update {evaluation.reason}")
         # assembling and factoring the soil block costs several solutions; the bodies' few unknowns cost nothing
         current = bool(step.pattern.size) and evaluation.error < good * errors[-1]
-    norms = ", ".join(f"{value:.3g} {name}" for name, value in evaluation.norms.items())
     return Outcome(evaluation, solver.iterations, krylov, tuple(errors),
                    f"residual {evaluation.error:.2e} after {solver.iterations} iterations, "
-                   f"tolerance {solver.tolerance:.0e} ({norms})")
+                   f"tolerance {solver.tolerance:.0e} ({_with_units(evaluation.norms)})")
+
+
+def _with_units(norms):
+    """Text such as "soil 0.879 N, anchor 12 N m" from norms {"soil [N]": 0.879, "anchor [N m]": 12}."""
+    parts = ((*key.removesuffix("]").rsplit(" [", 1), value) for key, value in norms.items())
+    return ", ".join(f"{name} {value:.3g} {unit}" for name, unit, value in parts)
 
 
 def _forcing(solver, errors, last):
