@@ -1,4 +1,4 @@
-"""How should the domains of points follow the soil? Four rules and none (standard points) in plane strain.
+"""How should the domains of points follow the soil? Four rules, and standard points without domains, in plane strain.
 
     none      l = l0            stretch   l = l0 U_ii            diagonal   l = l0 F_ii
     moments   l_i ~ √Σ_j (F_ij l0_j)², of the volume J V0
@@ -10,10 +10,10 @@ Prescribed: a block of 16 x 16 cells of 0.1 m, 4 points a cell, moves homogeneou
     force     of a uniform pressure on the nodes inside, where it should vanish; root mean square over pressure x face
 
 Solved: a column is squeezed to 3/4 by its weight and let go again; a block spins by one turn.
-Beyond the cell: a bar is drawn out, and domains that would be wider than their cell are cut off there.
+Beyond the cell: a bar is stretched, and the width of domains is limited to that of their cell.
 
-With n points a cell along the bar, domains that follow it are exact up to a stretch of n; from 2n on cells may stay
-empty, and the bar parts. Unchanging domains are wrong from the start and part from n + 1, standard points from n.
+With n points a cell along the bar, domains that follow it are exact up to a stretch of n; from 2n on cells may be
+empty, and the bar separates. Constant domains are wrong from the start and separate from n + 1, standard points from n.
 
     .venv/bin/python demos/domains.py          a minute; draws out/domains/domains.png
 """
@@ -62,8 +62,8 @@ MOTIONS = {  # deformation gradient at a share s of the way
     "sheared to 1": lambda s: sheared(s),
     "squeezed to 0.8, sheared to 1": lambda s: sheared(s) @ stretched(0.8),
     "turned to 90 deg": lambda s: turned(90 * s),
-    "drawn to 1.25, turned to 90 deg": lambda s: turned(90 * s) @ stretched(1.25),
-    "turned to 90 deg, drawn to 1.5": lambda s: stretched(1 + 0.5 * s) @ turned(90),
+    "stretched to 1.25, turned to 90 deg": lambda s: turned(90 * s) @ stretched(1.25),
+    "turned to 90 deg, stretched to 1.5": lambda s: stretched(1 + 0.5 * s) @ turned(90),
     "turned to 360 deg": lambda s: turned(360 * s)}
 WAY = np.linspace(0.1, 1.0, 10)
 
@@ -196,15 +196,15 @@ def spinning(rule, turns=1, steps=100, period=2.0):
     return stress, left / start, 0.5 * mass @ np.sum(rest**2, axis=1) / start
 
 
-# ------------------------------------------------------------------ a bar drawn out
+# ------------------------------------------------------------------ a bar that is stretched
 
 
-def drawn_out(stretch, per_cell, rule="stretch", already=0.0, cells=8, steps=60):
-    """(stretch, error of the stress, empty cells) of a bar whose end is drawn out, a row for each step.
+def stretched_bar(stretch, per_cell, rule="stretch", already=0.0, cells=8, steps=60):
+    """(stretch, error of the stress, empty cells) of a bar whose end is pulled, a row for each step.
 
     The bar lies along x with its lateral strain held, E = 1 MPa, ν = 0: σ = E ln λ / λ everywhere. Nodes in the last
-    cell and beyond are moved as λ says, the others find equilibrium. The error is the root mean square over the bar's
-    first three quarters, over E / e, the largest stress that the law has in tension.
+    cell and beyond are moved as λ prescribes, the others are in equilibrium. The error is the root mean square over the
+    bar's first three quarters, relative to E / e, the largest stress of the law in tension.
     """
     young, length = 1e6, float(cells)
     side = Axis(start=0.0, end=1.0, collapsed=True)
@@ -315,19 +315,19 @@ def draw(folder):
 
 
 def show():
-    print("prescribed, worst on the way                volume       gap   overlap     force")
+    print("prescribed, worst on the way                    volume       gap   overlap     force")
     for name, motion in MOTIONS.items():
         for rule in RULES:
-            print(f"{name:33s} {rule:9s}" + "".join(f"{v:10.4f}" for v in prescribed(rule, motion)))
+            print(f"{name:37s} {rule:9s}" + "".join(f"{v:10.4f}" for v in prescribed(rule, motion)))
     print("\nsolved         column: stress under load, left      the same, turned by 90 deg first        one spin:"
           " stress [Pa], energy left, not rigid")
     for rule in RULES:
         values = *squeezed(rule), *squeezed(rule, 90), *spinning(rule)
         print(f"{rule:9s}" + "".join(f"{v:18.5g}" for v in values))
-    print("\nbar drawn out: points a cell, largest stretch with no error of the stress, error then, cells empty from")
+    print("\nbar stretched: points a cell, largest stretch with no error of the stress, error then, cells empty from")
     for rule in ("stretch", "none", "mpm"):
         for count in (2, 3, 4):
-            rows = drawn_out(1.2 * count, count, rule, steps=60)
+            rows = stretched_bar(1.2 * count, count, rule, steps=60)
             good = rows[rows[:, 1] < 1e-6]
             upto, then = (good[-1, 0], rows[min(len(good), len(rows) - 1), 1]) if len(good) else (1.0, rows[0, 1])
             print(f"{rule:9s} {count} {upto:10.3f} {then:12.2g} {parts(count, rule):10.2f}")

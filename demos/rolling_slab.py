@@ -1,4 +1,4 @@
-"""Does a sphere roll and slide as Coulomb's law says on a slope that deforms? r = 1 m, m = 5000 kg, μ = 0 to 1.
+"""Does a sphere roll and slide according to Coulomb's law on a slope that deforms? r = 1 m, m = 5000 kg, μ = 0 to 1.
 
 The sphere of demos/rolling_sphere.py on an elastic slab of 1 GPa, with the same laws (see there). Two ways to it, with
 the errors of distance / spin [%] after 1 s:

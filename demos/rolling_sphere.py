@@ -1,4 +1,4 @@
-"""Does a sphere roll and slide down a rough slope as Coulomb's law says? Fig. 2a of Bird et al. (UKACM 2024).
+"""Does a sphere roll and slide down a rough slope according to Coulomb's law? Fig. 2a of Bird et al. (UKACM 2024).
 
          O ->        r = 0.25 m on a slope of θ = 45°, friction μ = 0 to 1, one second from rest.
       =========      The slope is held: points' domains under penalty contact.

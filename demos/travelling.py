@@ -1,6 +1,6 @@
 """What does a grid that goes with a body save, and what does it cost in accuracy?
 
-A smooth plough half as deep as its cells are many is pressed into soil while it slides along, once through a uniform
+A smooth plough is pressed 0.08 m into soil while it slides 1.6 m along, once through a uniform
 fine grid and then through grids that travel with it: a window of soil, cells that double away from the body, and both.
 Prints for each: points, unknowns, wall time and Newton iterations, largest difference of the vertical force and
 difference of the drive's work from those of the uniform grid.

@@ -34,8 +34,8 @@ and of 0.01 s, a dozen periods and fifty nods:
 
 Newmark's (1/4, 1/2) has the smallest error; its E and π oscillate with an amplitude of order Δt² and do not drift.
 Energy-momentum keeps both to round-off, at five times the error of attitude: a Cayley turn lags behind its angle.
-Generalised alpha costs hardly any accuracy at ρ∞ = 0.8. The dissipative pair of Newmark's is for settling only: under it
-the top falls over.
+Generalised alpha costs hardly any accuracy at ρ∞ = 0.8. The dissipative pair of Newmark's is for settling only: under
+it the top falls over.
 
     .venv/bin/python demos/tumbling.py
 """

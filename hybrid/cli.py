@@ -70,7 +70,8 @@ def parser():
                      help="some of its problems or failure modes (default: all; --list shows them)")
     sub.add_argument("--quick", action="store_true", help="a few settings of each problem or failure mode, once")
     sub.add_argument("--out", type=Path, metavar="DIR", help="folder of records and figures (default: out/STUDY)")
-    sub.add_argument("--resume", action="store_true", help="keep the records of the folder and run the missing settings")
+    sub.add_argument("--resume", action="store_true",
+                     help="keep the records of the folder and run the missing settings")
     sub.add_argument("--peer", type=Path, metavar="PYTHON", help="a Python with Kratos MPM, run as well in `column`")
     sub.add_argument("--draw", action="store_true", help="draw the figures from the folder's records, run nothing")
     sub.add_argument("--list", action="store_true", help="list the names of its problems or failure modes, run nothing")

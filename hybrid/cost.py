@@ -25,12 +25,12 @@ Hence `_in_plastic_soil`: n = 1.5 √cells, 0.8 of the Krylov iterations on the 
 grid takes in more points when the body sinks: all is multiplied by the growth of their number. Scenes differ from this
 by up to a factor of two.
 
-The first state is disturbed a little. Points are drawn together by a thousandth: at their initial places a domain lies
-in one cell and its point couples 8 nodes, but once it moves up to 27. Bodies are lowered by a twentieth of a cell, so
-that what rests on the soil touches it. Every part is done once before it is timed, so that compiling and first
-allocations do not count. Writing files is left out; its memory is small, as files are written piece by piece. Memory is
-the peak of the process so far, the factor of this step included, plus what points that come in and the drawing of
-pictures add.
+The first state is disturbed a little. Distances of the points from their centre are scaled by 0.999: at its initial
+position a domain lies in one cell and its point couples 8 nodes; after a small motion it couples up to 27. Bodies are
+lowered by a twentieth of a cell, so that those that rest on the soil are in contact. Every part is done once before it
+is timed, so that compiling and first allocations do not count. Writing files is not timed; its memory is small, as
+files are written piece by piece. Memory is the peak of the process so far, which includes the factor of this step, plus
+the memory of points that enter a moving grid and of drawing pictures.
 """
 
 from dataclasses import dataclass, replace

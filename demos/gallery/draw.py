@@ -3,8 +3,8 @@
     .venv/bin/python demos/gallery/draw.py thumbnail out/anchor/soil_step_100.png demos/gallery/anchor.png
     .venv/bin/python demos/gallery/draw.py animation out/anchor demos/gallery/anchor.gif
 
-A thumbnail is the picture without its white border, 480 pixels wide at most, in as many colours as fit in 60 kB. The animation has a frame
-for each pair of soil_*.vtu and body_*.vtu in the folder of the run, all seen from the same place.
+A thumbnail is the picture without its white border, 480 pixels wide at most, in as many colours as fit in 60 kB. The
+animation has a frame for each pair of soil_*.vtu and body_*.vtu in the folder of the run, with the same camera.
 """
 
 import sys
@@ -62,7 +62,7 @@ def arrays(folder, step):
 
 
 def drawn(frame, lower, upper, first):
-    """Image of one frame, seen so that the box [lower, upper] just fits, with the edges of the soil of the first one."""
+    """Image of one frame that the box [lower, upper] just fills, with the edges of the soil of the frame `first`."""
     import pyvista
 
     plotter = pyvista.Plotter(off_screen=True, window_size=worker.WINDOW, lighting="none")

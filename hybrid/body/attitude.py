@@ -93,7 +93,7 @@ def quaternion(rotation):
 def log_so3(rotation):
     """Rotation vector (3,) [rad] with length in [0, π] of `rotation` (3, 3).
 
-    Taken from the quaternion, so that neither a tiny angle nor one near π loses digits.
+    Computed from the quaternion, so that neither a very small angle nor one close to π loses digits.
     """
     q = quaternion(rotation)
     sine = math.sqrt(np.dot(q[1:], q[1:]))

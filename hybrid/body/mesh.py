@@ -32,8 +32,8 @@ WRAPPERS = {  # by suffix: .geo statements that make a volume of a file without 
 def generate(path, parameters=None, size=None):
     """Mesh the geometry file at `path` and return a validated TetMesh.
 
-    `parameters` maps names declared by the file to numbers [SI units; angles as the file says]; `size` [m] is
-    the edge length of the tetrahedra, short for the parameter of that name.
+    `parameters` maps names declared by the file to numbers [SI units; angles in the unit that the file states]; `size`
+    [m] is the edge length of the tetrahedra, short for the parameter of that name.
     Raises GeometryError with the reason when the file, a parameter, a group or the mesh is unusable.
     """
     path = Path(path)

@@ -25,8 +25,8 @@ changes by the mean of the moments at both ends, π - π_n = Δt (ṗ_n + ṗ)/2
     ṗ = 2 (π - π_n)/Δt - ṗ_n            Ẇ = J^-1 (R^T ṗ - W × J W)
 
 and Ẇ carries ṗ from step to step. Its tangent, with G = 2/Δt and δΘ = D δΦ, is δṗ = G (G R J D R^T - π~) δφ.
-(W + W_n)/2 is along Θ, so R_n^T R does not change it, and the kinetic energy changes by Δt (W + W_n)/2 · R_n^T times the
-mean moment: without a moment it is constant. A constant force F on an arm r of the body has the mean moment
+(W + W_n)/2 is along Θ, so R_n^T R does not change it, and the kinetic energy changes by Δt (W + W_n)/2 · R_n^T times
+the mean moment: without a moment it is constant. A constant force F on an arm r of the body has the mean moment
 (r_n + r)/2 × F, and a Cayley rotation moves the arm by R_n Θ × (r_n + r)/2: the work of F equals the gain of kinetic
 energy exactly, and a heavy top keeps its energy. (With the exponential map the first holds and the second does not.)
 

@@ -46,7 +46,7 @@ from hybrid.state import ContactHistory
 
 @dataclass(frozen=True)
 class CornerContact:
-    """Corners in contact at a trial state; m of them, in space unless said otherwise.
+    """Corners in contact at a trial state; m of them; vectors in the axes of space unless stated otherwise.
 
     active: (m,) indices into Corners; gap: (m,) [m], negative; normal: (m, 3) outward from the body
     force: (m, 3) [N], minus the force on the corner

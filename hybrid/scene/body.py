@@ -36,7 +36,7 @@ class Body:
                                        default_factory=dict)
     position: Vector | None = key("place of the geometry's origin; left out: (0, 0, 0)", "m", default=None)
     rotation: tuple[float, float, float, float] | None = key(
-        "(ax, ay, az, angle): axis and angle of a rotation about the geometry's origin; left out: as drawn", "-, deg",
+        "(ax, ay, az, angle): axis and angle of a rotation about the geometry's origin; left out: none", "-, deg",
         default=None)
     rest_on: float | None = key("height z of the lowest contact vertex, instead of position z; left out: as positioned",
                                 "m", default=None)

@@ -103,7 +103,7 @@ def _body(key, body, inertia):
 
 
 def _spatial_spin(body):
-    """Spin (3,) about the axes of space, in which rotations are held and driven; without the round-off of the rotation."""
+    """Spin (3,) about the axes of space, in which rotations are held and driven, without the rotation's round-off."""
     if body.rotation is None or not any(body.rotation[:3]):
         return body.spin
     length, angle = hypot(*body.rotation[:3]), radians(body.rotation[3])
@@ -138,8 +138,9 @@ def _time(key, time):
         yield from need(time.smallest <= time.step, f"{key}.smallest", time.smallest,
                         f"at most step = {shown(time.step)} s", "leave it out for step/64")
     if time.accuracy is not None:
-        yield from need(time.inertia, f"{key}.accuracy", time.accuracy, "left out in a quasi-static scene, which has no "
-                        "error of time integration", "choose time.step, or set time.inertia = true")
+        yield from need(time.inertia, f"{key}.accuracy", time.accuracy,
+                        "left out in a quasi-static scene, which has no error of time integration",
+                        "choose time.step, or set time.inertia = true")
 
 
 def _newmark_pair(key, scheme):

@@ -5,8 +5,8 @@
     accept   a new committed state          if converged, and accurate where the scene sets time.accuracy
     reject   a shorter increment            otherwise
 
-Newton's method sets the increment: it is halved after a failure and doubled after an easy solution. With time.accuracy the
-estimated error sets it (`hybrid.step.error_estimate`).
+Newton's method sets the increment: it is halved after a failure and doubled after an easy solution. With time.accuracy
+the estimated error sets it (`hybrid.step.error_estimate`).
 """
 
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""The compaction column of 50 m against Lambert's W (hybrid/study/precision/problems/column.py); see also test_column.py."""
+"""The compaction column of 50 m against Lambert's W (hybrid/study/precision/problems/column.py); see test_column.py."""
 
 import functools
 

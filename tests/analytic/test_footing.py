@@ -1,4 +1,6 @@
-"""A smooth rigid strip footing on weightless soil in plane strain against Prandtl's Nc (hybrid/study/precision/problems/footing.py).
+"""A smooth rigid strip footing on weightless soil in plane strain against Prandtl's Nc.
+
+The problem: hybrid/study/precision/problems/footing.py.
 
 On 2, 4, 8 cells under half the footing, 20 steps:
 
@@ -61,8 +63,8 @@ def test_without_a_cure_clay_locks():
 
 
 def test_the_ghost_penalty_steadies_it():
-    """Soil that heaves beside the footing just reaches into empty cells: in wide and deep domains some runs stop there
-    (four cells at φ = 0, step 14 of 20). A tenth of the usual penalty is enough for all."""
+    """Soil that heaves beside the footing fills a small part of the cells above: in wide and deep blocks of soil some
+    runs stop there (four cells at φ = 0, step 14 of 20). A tenth of the usual penalty is enough for all."""
     found = press(0, 2, width=6.0, depth=3.0, ghost=0.0033, **CURED)
     assert found.iterations < 110 and abs(found.factor[-1] / ladder.prandtl(0) - 1) < 0.03
 

@@ -1,8 +1,8 @@
-"""Soil that starts under stress: it stays still where it is in equilibrium, and where it is not, that is measured, told
-and settles.
+"""Soil with initial stress: it stays at rest in equilibrium; otherwise the imbalance is measured and reported, and the
+soil settles.
 
-Behind a vertical cut of height H nothing holds the horizontal stress K0 ρ g z. In a block of length L the forces out of
-balance are the thrust K0 ρ g H²/2, but for what the held base takes: half of the lowest of n cells with 2 points each,
+At a vertical cut of height H the horizontal stress K0 ρ g z is not balanced. In a block of length L the residual force
+is the thrust K0 ρ g H²/2, less the part on the fixed base: half of the lowest of n cells with 2 points each,
 
     share = K0 H/2L (1 - 1/n + 3/8n²)         of the weight
 """
@@ -35,7 +35,7 @@ VARIANTS = {
 
 
 def level(x=SIDE, y=FLAT, material=STIFF, steps=5, time=(), **soil):
-    """Level soil to z = 0 on a graded grid, in plane strain unless `y` says otherwise."""
+    """Level soil to z = 0 on a graded grid, in plane strain unless `y` is given."""
     return Scene(name="level", grid=Grid(x, y, UP), soil=Soil(material, top=0.0, **soil),
                  time=Time(step=0.04, **dict(time)), stages=(Stage("rest", steps),), solver=Solver(linear="direct"))
 
@@ -103,10 +103,10 @@ def test_the_thrust_behind_a_cut_is_measured(cells, basis):
     K0 = 0.3 / 0.7
     assert simulation.imbalance.share == pytest.approx(K0 / 4 * (1 - 1 / cells + 3 / (8 * cells**2)), rel=1e-10)
     place = simulation.imbalance.place
-    assert place[0] == 2.0 and place[2] == pytest.approx(-1.0 + 1.0 / cells)       # deep, at the face
+    assert place[0] == 2.0 and place[2] == pytest.approx(-1.0 + 1.0 / cells)       # at the base of the face
 
 
-def test_sheet_and_first_record_tell_of_it():
+def test_model_sheet_and_first_record_report_the_imbalance():
     """With the place and a remedy that depends on what the first stage does; once in a run, never where all is well."""
     simulation = build(cut(steps=3))
     sheet = format_sheet(simulation.sheet())
@@ -114,7 +114,8 @@ def test_sheet_and_first_record_tell_of_it():
     notes = [(record.step, note) for record in simulation.steps() for note in record.notes]
     assert len(notes) == 1 and notes[0][0] == 1
     assert notes[0][1].startswith(
-        "initial imbalance: 8.3 % of the weight, largest at node (2, 0.5, -0.75) m, is not balanced at the start, limit")
+        "initial imbalance: 8.3 % of the weight, largest at node (2, 0.5, -0.75) m, is not balanced at the start, "
+        "limit")
     assert "stage.gamma = 1" in notes[0][1] and "stage.gravity = [0.0, 1.0]" in notes[0][1]
     halfway, resumed = build(cut(steps=3)), build(cut(steps=3))
     next(halfway.steps())

@@ -1,4 +1,7 @@
-"""Manufactured solutions in one and three dimensions: orders in space and time (hybrid/study/precision/problems/manufactured.py)."""
+"""Manufactured solutions in one and three dimensions: orders in space and time.
+
+The problem: hybrid/study/precision/problems/manufactured.py.
+"""
 
 import functools
 

@@ -122,8 +122,8 @@ class Indentation:
 
 
 def test_hertz():
-    """At a/R = 0.2, facets of a/4: force +4.4 %, +5.7 % with facets of a/8, of which finite strains make two thirds (they
-    fall with a/R); radius 0.99."""
+    """At a/R = 0.2, facets of a/4: force +4.4 %, +5.7 % with facets of a/8. Two thirds of this are finite strains,
+    which decrease with a/R. Radius of contact: 0.99 of Hertz."""
     found = Indentation(0.2, 0.05, penalty=1000.0)
     assert found.ratio[-1] == pytest.approx(1.04, abs=0.015)
     assert np.log2(found.force[1] / found.force[0]) == pytest.approx(1.5, abs=0.03)

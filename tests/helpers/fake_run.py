@@ -1,4 +1,4 @@
-"""A run that only pretends: a state given in closed form for each step, told to observers as the time loop would."""
+"""A run without a solver: the state of each step is given in closed form, and observers are called as by a run."""
 
 from dataclasses import dataclass
 from types import SimpleNamespace

@@ -1,4 +1,4 @@
-"""A small valid scene file, and what is said of it when something in it is wrong."""
+"""A small valid scene file, and the messages of SceneError for variants of it with a fault."""
 
 import pytest
 

@@ -34,10 +34,11 @@ def collapse(strength=YIELD, **soil):
 
 @pytest.mark.parametrize("soil", [{}, {"fbar": True}, {"basis": "mpm"}], ids=["gimp", "f-bar", "mpm"])
 def test_survives_only_with_the_ghost_penalty(soil):
-    """Without it the run ends before the weight is on, and says why; what was accepted stays.
+    """Without it the run stops before the full weight is applied, with a reason; accepted steps are kept.
 
-    Round-off tells where: over 30 strengths that differ by 1e-8, at 0.35 to 0.7 of the weight (0.3 with F-bar; seen
-    once at 0.9), under the standard basis at 0.45 to 0.95 and once not at all. Hence the first to end of three.
+    Round-off decides at which share of the weight: over 30 strengths that differ by 1e-8, at 0.35 to 0.7 (with F-bar
+    0.3, once 0.9), with the standard basis at 0.45 to 0.95 and once not at all. Hence the earliest stop of three runs
+    is tested.
     """
     bare, reason = min((collapse(YIELD * (1 + nudge), **soil) for nudge in (0.0, 1e-8, 2e-8)),
                        key=lambda run: run[0].state.step)

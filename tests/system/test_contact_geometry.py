@@ -84,7 +84,7 @@ def test_samples_that_touch_keep_their_face_however_deep(geometry):
 
 
 def test_without_memory_of_the_side_the_force_flips(geometry, forgetful):
-    """The same plate: from half its thickness on it would be drawn into the soil."""
+    """The same plate: beyond half of its thickness contact would pull it into the soil."""
     force = lift(steel(0.3, 0.3, 0.04, position=(0.4, 0.4, 0.0)), 4)
     assert force[0] == pytest.approx(STEP * 0.09) and force[2] < -0.5 * STEP * 0.09 and force[3] == 0.0
 
@@ -120,7 +120,7 @@ def sharp(geometry, shape, size, second_pass):
 
 
 @pytest.mark.parametrize("shape", SHARP)
-def test_only_the_second_pass_sees_what_fits_between_corners(geometry, shape):
+def test_only_the_second_pass_resists_bodies_that_fit_between_corners(geometry, shape):
     """Corners are silent until the flanks reach them, 50 mm to either side; samples resist from the first touch.
 
     As facets of 20 mm are resolved the force tends to p_f E times the volume below the surface, d² L of an edge and

@@ -63,7 +63,7 @@ def test_the_prediction_leaves_the_simulation_as_it_is():
     assert sheet["all steps"].endswith("for 30") and sheet["assumed"][0].startswith("2 Newton iterations a step, 2 ")
 
 
-def test_points_on_their_first_lattice_would_tell_too_little():
+def test_points_at_their_initial_positions_would_underestimate_the_cost():
     """Once they move they couple 12 to 27 nodes instead of 8."""
     simulation = build(SCENES["elastic"]())
     state, grid = simulation.state, simulation.model.soil.grid
@@ -96,14 +96,15 @@ for linear in ("krylov", "direct"):
     base, simulation = peak_memory(), block(12, linear)
     predicted = predict(simulation).peak - base
     list(simulation.steps())
-    print(2**20 * simulation.sheet()["modelled"]["memory, estimated [MiB]"] - LIBRARIES, predicted, peak_memory() - base)
+    estimated = 2**20 * simulation.sheet()["modelled"]["memory, estimated [MiB]"] - LIBRARIES
+    print(estimated, predicted, peak_memory() - base)
 """
 
 
 def test_memory_of_a_run():
     """The peak grows as estimated from the sizes, and as measured by the prediction."""
-    told = subprocess.run([sys.executable, "-c", MEMORY], cwd=ROOT, capture_output=True, text=True, check=True).stdout
-    for estimated, predicted, run in np.array([line.split() for line in told.splitlines()], float):
+    output = subprocess.run([sys.executable, "-c", MEMORY], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    for estimated, predicted, run in np.array([line.split() for line in output.splitlines()], float):
         assert 0.5 < estimated / run < 2 and 0.5 < predicted / run < 1.02
 
 
@@ -141,8 +142,9 @@ def pressed(size, steps):
 
 def test_memory_of_a_grid_that_travels():
     """The peak grows as predicted, points included that come in; what the prediction has used itself is less."""
-    told = subprocess.run([sys.executable, "-c", TRAVELS], cwd=ROOT, capture_output=True, text=True, check=True).stdout
-    estimated, predicted, measured, run, most, points, growth = map(float, told.split())
+    command = [sys.executable, "-c", TRAVELS]
+    output = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    estimated, predicted, measured, run, most, points, growth = map(float, output.split())
     assert 0.5 < estimated / run < 2 and 0.5 < predicted / run < 2
     assert measured < 0.8 * run
     assert growth > 1.3 and 0.8 * most < points < 1.1 * most

@@ -1,6 +1,6 @@
-"""Rules for the domains of points ranked under stretch, rotation and shear, and where domains end that outgrow a cell.
+"""Rules for the domains of points: their errors under stretch, rotation and shear, and for domains wider than a cell.
 
-The figures are those that demos/domains.py prints: of its prescribed motions, of a column, of a bar drawn out.
+The figures are those that demos/domains.py prints: of its prescribed motions, of a column, of a bar that is stretched.
 """
 
 import numpy as np
@@ -25,13 +25,13 @@ def worst(rule, name, quantity="force"):
 
 
 @pytest.mark.parametrize("name", ["stretched to 1.5", "squeezed to 0.5"])
-def test_all_that_follow_a_stretch_are_exact_in_it(name):
+def test_rules_that_follow_a_stretch_are_exact_for_it(name):
     """Unchanging domains leave gaps or overlap; standard points are worse still."""
     assert max(worst(rule, name) for rule in ("stretch", "diagonal", "moments")) < 1e-12
     assert worst("none", name) > 0.03 and worst("mpm", name) > 2 * worst("none", name)
 
 
-def test_a_turn_makes_the_diagonal_collapse():
+def test_with_the_diagonal_a_rotation_collapses_domains():
     """F_ii = cos 90° = 0 leaves no domain; the others keep their volume, gaps of a fifth and 3 % of force."""
     assert worst("diagonal", "turned to 90 deg", "volume") > 0.99
     for rule in ("none", "stretch", "moments"):
@@ -40,13 +40,13 @@ def test_a_turn_makes_the_diagonal_collapse():
     assert worst("mpm", "turned to 90 deg") > 0.15
 
 
-def test_only_the_moments_turn_with_the_soil():
-    """U belongs to the axes of the start: after a quarter turn it widens domains the wrong way, like no rule at all."""
-    name = "turned to 90 deg, drawn to 1.5"
+def test_only_the_moments_rotate_with_the_soil():
+    """U refers to the initial axes: after a quarter turn it widens domains along the wrong axis, as without a rule."""
+    name = "turned to 90 deg, stretched to 1.5"
     assert worst("moments", name) < 1e-12
     assert worst("stretch", name) == pytest.approx(worst("none", name), rel=1e-6) and worst("stretch", name) > 0.15
     assert worst("diagonal", name) > 0.4
-    name = "drawn to 1.25, turned to 90 deg"
+    name = "stretched to 1.25, turned to 90 deg"
     assert worst("moments", name) < 0.8 * worst("stretch", name) < 0.15
 
 
@@ -116,15 +116,15 @@ def test_domains_cut_off_at_their_cell_are_a_basis(name, rule):
 
 
 @pytest.mark.parametrize("per_cell", [2, 3])
-def test_a_bar_is_exact_until_it_is_drawn_out_as_many_times_as_points_to_a_cell(per_cell):
-    """Then the domains, cut off at the width of a cell, leave gaps and the stress goes wrong. Unchanging domains
-    leave them from the start, standard points are wrong by a tenth when a point has crossed into another cell."""
-    rows = study.drawn_out(1.1 * per_cell, per_cell, steps=44)
+def test_a_bar_is_exact_up_to_a_stretch_of_the_points_in_a_cell(per_cell):
+    """Beyond it the domains, limited to the width of a cell, leave gaps and the stress is wrong. Constant domains leave
+    gaps from the start; standard points are wrong by a tenth when a point has moved into another cell."""
+    rows = study.stretched_bar(1.1 * per_cell, per_cell, steps=44)
     stretch, error = rows[:, 0], rows[:, 1]
     assert error[stretch < per_cell * (1 + 1e-9)].max() < 1e-12
     assert stretch[-1] > per_cell and error[-1] > 1e-3
     for rule, least in (("none", 5e-3), ("mpm", 0.05)):
-        other = study.drawn_out(1.3, per_cell, rule, steps=12)
+        other = study.stretched_bar(1.3, per_cell, rule, steps=12)
         assert other[-1, 1] > least
 
 

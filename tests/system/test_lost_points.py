@@ -1,4 +1,4 @@
-"""Points that leave the grid, are detached or distorted: reported by number, and handled as the scene says."""
+"""Points that leave the grid, are detached or distorted: reported by number, and handled according to `soil.stray`."""
 
 import numpy as np
 import pytest
@@ -72,7 +72,8 @@ def test_a_checkpoint_keeps_who_is_out(tmp_path):
         if record.step == 7:
             break
     checkpoint.save(tmp_path / "d.npz", again.state, again.scene)
-    np.testing.assert_array_equal(checkpoint.load(tmp_path / "d.npz", again.scene).points.inactive, again.state.points.inactive)
+    loaded = checkpoint.load(tmp_path / "d.npz", again.scene)
+    np.testing.assert_array_equal(loaded.points.inactive, again.state.points.inactive)
     assert again.state.points.inactive.any()
 
 
@@ -123,7 +124,7 @@ def test_stretched_points():
 
 
 def test_inverted_points_are_named():
-    """An update that turns soil inside out says where."""
+    """The message names the points at which an update inverts the soil (det ΔF <= 0)."""
     simulation = thrown("stop", steps=1)
     points = simulation.state.points
     points.velocity[:, 0] = -1e5 * (points.position[:, 0] - 1.2)

@@ -127,7 +127,7 @@ def test_a_window_gives_the_force_of_all_of_the_soil_the_better_the_wider(whole)
 
 
 def test_coarse_cells_at_the_body_do_not(whole):
-    """The comparison tells the difference: with cells of twice the size everywhere it fails."""
+    """The comparison is sensitive: with cells of twice the size everywhere it fails."""
     assert difference(forces(plough(size=0.4))[0], whole) > 0.03
 
 
@@ -186,14 +186,16 @@ def test_corners_keep_their_points_and_their_order():
 
 @pytest.mark.parametrize(("change", "text"), [
     (lambda s: replace(s, bodies=()), "grid.follow = None: must be a body of the scene"),
-    (lambda s: replace(s, grid=replace(s.grid, follow="anker")), "grid.follow = anker: must be a body of the scene: body"),
+    (lambda s: replace(s, grid=replace(s.grid, follow="anker")),
+     "grid.follow = anker: must be a body of the scene: body"),
     (lambda s: replace(s, grid=replace(s.grid, x=replace(s.grid.x, end=12.9))), "grid.x.end = 12.9: must be start = 0"),
     (lambda s: replace(s, grid=replace(s.grid, x=replace(s.grid.x, around=(-1.0, 0.4)))), "grid.x.around"),
     (lambda s: replace(s, grid=replace(s.grid, x=replace(s.grid.x, fine=(1.0, 2.0)))), "exclude each other"),
     (lambda s: replace(s, grid=replace(s.grid, x=replace(s.grid.x, doublings=0))), "grid.x.doublings"),
     (lambda s: replace(s, soil=replace(s.soil, geostatic=False)), "grid.x.window"),
     (lambda s: replace(s, soil=replace(s.soil, held=True)), "soil.held"),
-    (lambda s: replace(s, grid=Grid(*[Axis(0.0, 1.6, 0.2)] * 3, follow="body")), "grid.follow = body: must be left out"),
+    (lambda s: replace(s, grid=Grid(*[Axis(0.0, 1.6, 0.2)] * 3, follow="body")),
+     "grid.follow = body: must be left out"),
 ])
 def test_grids_that_cannot_travel_are_refused(change, text):
     with pytest.raises(SceneError, match=text.replace("(", r"\(")):

@@ -1,4 +1,4 @@
-"""Overlaps as deep as a point domain is high are reported before the force is wrong by a tenth."""
+"""Penetration by the height of a point domain is reported before the error of the force exceeds a tenth."""
 
 import re
 

@@ -150,7 +150,7 @@ def test_direct_and_krylov_agree(geometry):
 @pytest.mark.parametrize("fails", [False, True])
 def test_an_observer_that_fails_at_the_end_keeps_no_other_from_it(geometry, fails):
     """Nor does it hide why the run failed."""
-    told = []
+    outcomes = []
 
     class Observer:
         def __init__(self, fails):
@@ -165,7 +165,7 @@ def test_an_observer_that_fails_at_the_end_keeps_no_other_from_it(geometry, fail
         def finish(self, summary, simulation):
             if self.fails:
                 raise ValueError("no room left")
-            told.append(summary["outcome"])
+            outcomes.append(summary["outcome"])
 
     described = scene(geometry, steps=1, body={"velocity": (0.4, 0.1, -3.0)})
     if fails:
@@ -173,4 +173,4 @@ def test_an_observer_that_fails_at_the_end_keeps_no_other_from_it(geometry, fail
     simulation = build(described)
     with pytest.raises(StepError if fails else ValueError, match="step 1 failed" if fails else "no room left"):
         simulation.run([Observer(True), Observer(False)])
-    assert told == ["failed" if fails else "completed"]
+    assert outcomes == ["failed" if fails else "completed"]

@@ -48,7 +48,7 @@ def friction(angle):
 
 @pytest.mark.parametrize("law", [[], ["soil.material.dilation_angle=0"]], ids=["associated", "no dilation"])
 def test_a_slope_below_its_friction_angle_stands_with_the_stress_of_the_infinite_slope(law):
-    """Points carry a cell's mean stress: errors halve with the cells; a slope of 25 degrees is told apart."""
+    """Points carry a cell's mean stress: errors halve with the cells; a slope of 25 degrees is distinguished."""
     found = []
     for grid in (COARSE, []):
         simulation = slope(*grid, *law)
@@ -61,7 +61,7 @@ def test_a_slope_below_its_friction_angle_stands_with_the_stress_of_the_infinite
 
 
 def test_a_slope_above_its_friction_angle_slides():
-    """The run stops at the share of gravity that limit equilibrium gives, and says what stopped it. Without its ends
+    """The run stops at the share of gravity that limit equilibrium gives, with the reason. Without its ends
     the slope would slide at half of that; with 25 degrees of friction all of gravity does not move it."""
     with pytest.raises(StepError, match="residual .* after 15 iterations.*load exceeds what the soil can carry") as failure:
         list(slope(*friction(12)).steps())

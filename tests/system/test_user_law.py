@@ -44,16 +44,16 @@ def test_a_user_law_equal_to_one_of_the_package_gives_the_same_run():
     np.testing.assert_array_equal(own.state.points.position, theirs.state.points.position)
 
 
-def test_the_law_is_told_places_and_initial_stress():
-    told = []
+def test_the_law_gets_positions_and_initial_stress():
+    given = []
 
     def law(points, stress):
-        told.append((points.position.copy(), stress))
+        given.append((points.position.copy(), stress))
         return Hencky(np.full(len(points), 1e6), 0.2)
 
     described = replace(USER, soil=replace(USER.soil, geostatic=True, k0=0.6))
     points = build(described, law=law).state.points
-    (position, stress), = told
+    (position, stress), = given
     np.testing.assert_array_equal(position, points.position)
     np.testing.assert_allclose(stress[:, 2], 1800 * 9.81 * position[:, 2], rtol=1e-12)
     np.testing.assert_allclose(np.diagonal(points.stress, axis1=1, axis2=2), stress, rtol=1e-12)
@@ -91,7 +91,7 @@ class Brittle(Hencky):
 
 
 def test_points_without_a_stress_reject_the_step_and_are_named():
-    """Never a wrong stress in silence: smaller increments are tried, then the run stops and says which points."""
+    """A wrong stress is always reported: the increment is halved, then the run stops and names the points."""
     simulation = build(USER, law=lambda points, stress: Brittle(np.full(len(points), 1e6), 0.2))
     with pytest.raises(StepError, match=r"leaves the soil's law without a stress at points \d+, .* and \d+ more"):
         list(simulation.steps())

@@ -151,7 +151,7 @@ def test_tangent_with_a_second_pass_and_multipliers(geometry, share, friction, s
 
 @pytest.mark.parametrize("term", ["xi", "normal", "tau"])
 def test_slope_test_fails_on_a_broken_second_pass(geometry, term, monkeypatch):
-    """Weights that do not follow a sample, a normal that does not turn, a tangential gap that does not stretch: rate 1."""
+    """Rate 1 with fixed weights of a sample, with a fixed normal, and with a tangential gap that is not stretched."""
     step, unknowns = prepared(scene(geometry, "hencky", 50.0, second_pass=1.0))
     complete = body_to_soil._variations
     monkeypatch.setattr(body_to_soil, "_variations", lambda *args: replace(

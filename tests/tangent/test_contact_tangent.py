@@ -194,5 +194,5 @@ def test_slope_test_fails_on_a_broken_tangent(feature, law, spoil):
 
 
 def test_without_turning_normal_is_right_on_a_face():
-    """The broken variant breaks what it says and nothing else."""
+    """The broken variant spoils the named term and nothing else."""
     assert observed_rate("face", "frictionless", without_turning_normal) == pytest.approx(2.0, abs=0.01)

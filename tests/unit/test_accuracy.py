@@ -1,4 +1,4 @@
-"""`accuracy` of a scene: what it changes, what it leaves, and that it buys what it says."""
+"""`accuracy` of a scene: which settings it changes, which it keeps, and the accuracy and cost that result."""
 
 import dataclasses
 

@@ -86,8 +86,10 @@ def test_every_node_has_half_of_the_cells_around_it():
     assert grid.volumes.sum() == pytest.approx(whole, rel=1e-14)
     edges = [np.concatenate([[a[0]], 0.5 * (a[1:] + a[:-1]), [a[-1]]]) for a in AXES]
     for node, (i, j, k) in enumerate(np.ndindex(grid.shape)):
-        assert grid.volumes[node] == pytest.approx(np.prod([e[n + 1] - e[n] for e, n in zip(edges, (i, j, k))]), rel=1e-14)
-    assert make_grid((AXES[0], np.array([0.75]), AXES[2]), EXTENT, FREE).volumes.sum() == pytest.approx(whole, rel=1e-14)
+        volume = np.prod([e[n + 1] - e[n] for e, n in zip(edges, (i, j, k))])
+        assert grid.volumes[node] == pytest.approx(volume, rel=1e-14)
+    plane = make_grid((AXES[0], np.array([0.75]), AXES[2]), EXTENT, FREE)
+    assert plane.volumes.sum() == pytest.approx(whole, rel=1e-14)
 
 
 def test_collapsed_axis_is_held_and_has_one_node():

@@ -18,10 +18,10 @@ from hybrid.setup.build import build
 @pytest.fixture(scope="module")
 def measured(tmp_path_factory):
     """What `hybrid bench --quick --out FILE` writes, and prints."""
-    path, told = tmp_path_factory.mktemp("bench") / "folder/figures.json", []
-    result = bench.run(options=bench.Options(quick=True), out=path, log=told.append)
+    path, lines = tmp_path_factory.mktemp("bench") / "folder/figures.json", []
+    result = bench.run(options=bench.Options(quick=True), out=path, log=lines.append)
     assert json.loads(path.read_text()) == result
-    return result, "\n".join(told)
+    return result, "\n".join(lines)
 
 
 def rows(measured, case):
@@ -35,12 +35,12 @@ def unknowns(cells, empty=1):
 
 
 def test_every_case_is_there_with_machine_and_versions(measured):
-    result, told = measured
+    result, output = measured
     assert set(result["cases"]) == set(bench.CASES) and result["stamp"]["quick"]
     assert {"machine", "versions", "commit", "numba_threads", "date"} <= set(result["stamp"])
     assert result["stamp"]["versions"]["numpy"] == np.__version__ and result["stamp"]["machine"]["cpus"] >= 1
     for name, case in result["cases"].items():
-        assert case["seconds"] > 0 and case["peak_MiB"] > 50 and f"{name}: {bench.CASES[name]}" in told
+        assert case["seconds"] > 0 and case["peak_MiB"] > 50 and f"{name}: {bench.CASES[name]}" in output
         for row in case["rows"]:
             assert list(row) == list(case["rows"][0])      # one table
             assert all(value > 0 for key, value in row.items() if key in ("s", "ms", "s a step"))

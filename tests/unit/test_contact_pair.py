@@ -119,7 +119,7 @@ def test_augment_takes_the_pressures_as_multipliers():
     np.testing.assert_allclose(second.force, 2 * first.force, rtol=1e-10, atol=1e-9 * np.abs(first.force).max())
 
 
-def test_history_hands_on_what_touches():
+def test_history_contains_what_is_in_contact():
     grid, pair = pair_of()
     displacement, pose = moved(grid)
     found = pair.evaluate(displacement, pose)

@@ -1,4 +1,4 @@
-"""Corners of the points' domains: carried by the grid, found where they are near, followed while they stay near."""
+"""Corners of the points' domains: found close to a body, moved with the grid, and kept while they stay close."""
 
 from dataclasses import replace
 
@@ -109,7 +109,7 @@ def test_history_is_followed_until_it_leaves_the_reach():
     assert len(far) == 0
 
 
-def test_points_that_have_gone_astray_take_their_corners_with_them():
+def test_inactive_points_have_no_corners():
     surface, body = ball(), body_at((0.4, 0.4, 0.24))
     _, first = found_in_bed(surface, body)
     history = soil_to_body.commit(first, first.position, contact_of(first, surface, (body.position, body.rotation)))

@@ -26,7 +26,7 @@ from hybrid.study.scenes import box, soil_scene
 
 
 def test_width_of_a_domain_in_cells():
-    """Of a turned, drawn out domain, in cells of two sizes; nothing along a collapsed axis."""
+    """A rotated and stretched domain, in cells of two sizes; 0 along a collapsed axis."""
     axes = np.array([0.0, 1.0, 3.0]), np.zeros(1), np.array([0.0, 1.0, 2.0])
     quarter = np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [3.0, 0.0, 0.0]])    # x goes to z, three times as long
     found = cells_wide(np.full((2, 3), 0.25), np.array([np.eye(3), quarter]),

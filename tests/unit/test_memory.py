@@ -1,4 +1,4 @@
-"""What is freed goes back to the system, whatever the libraries that are loaded have told the allocator."""
+"""Freed large arrays go back to the system, whatever allocator options the loaded libraries have set."""
 
 import ctypes
 import subprocess
@@ -28,7 +28,7 @@ print((held() - before) / 8e7)
 
 
 @pytest.mark.skipif(not hasattr(ctypes.CDLL(None), "mallopt"), reason="another C library")
-@pytest.mark.parametrize("way, least, most", [("mapped", 0.0, 0.2), ("as told", 0.8, 1.2)])
+@pytest.mark.parametrize("way, least, most", [("mapped", 0.0, 0.2), ("as set", 0.8, 1.2)])
 def test_a_large_array_goes_back_when_it_is_freed(way, least, most):
-    told = subprocess.run([sys.executable, "-c", FREED, way], capture_output=True, text=True, check=True).stdout
-    assert least <= float(told) <= most
+    output = subprocess.run([sys.executable, "-c", FREED, way], capture_output=True, text=True, check=True).stdout
+    assert least <= float(output) <= most

@@ -1,4 +1,4 @@
-"""Pages: links and pictures exist, README is short and shows the files it names, equation numbers that modules cite exist.
+"""Pages: links, pictures and cited equation numbers exist, README is short and shows the files it names.
 
 Shape of README by its own rule: one minute to know what it is, five to a result, ten to one's own geometry.
 """

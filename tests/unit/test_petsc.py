@@ -50,12 +50,12 @@ def test_exact_schur_complement_makes_one_iteration_of_a_direct_factor():
     assert system.solve(np.ones(200), np.ones(6))[2] <= 2
 
 
-def test_a_factor_of_the_near_entries_gives_the_same_solution():
+def test_a_factor_of_the_reduced_matrix_gives_the_same_solution():
     _, K = filled(200, 3, "krylov")
     uu = csr_matrix(K[:200, :200])
-    near = abs(np.repeat(np.arange(200), np.diff(uu.indptr)) - uu.indices) < 80
-    assert 0.2 < near.mean() < 0.8
-    system = BlockSystem(uu.indptr, uu.indices, 3, "krylov", 1e-12, ReducedMatrix(uu.indptr, uu.indices, near))
+    kept = abs(np.repeat(np.arange(200), np.diff(uu.indptr)) - uu.indices) < 80
+    assert 0.2 < kept.mean() < 0.8
+    system = BlockSystem(uu.indptr, uu.indices, 3, "krylov", 1e-12, ReducedMatrix(uu.indptr, uu.indices, kept))
     residual = np.ones(203)
     for scale in (1.0, 3.0):
         system.values[:], system.uw[:], system.wu[:] = scale * uu.data, K[:200, 200:], K[200:, :200]
@@ -110,12 +110,12 @@ def test_sweeps_take_the_unknowns_of_a_node_together(monkeypatch, m):
 
 @pytest.mark.parametrize("part", [False, True])
 @pytest.mark.parametrize("least, way", [(petsc.SMALLEST_DIAGONAL, 0), (0.0, 1)])
-def test_a_node_that_weighs_nothing_does_not_stop_the_sweeps(monkeypatch, least, way, part):
+def test_a_node_with_hardly_any_stiffness_does_not_stop_the_sweeps(monkeypatch, least, way, part):
     """A lone component of 1e-17 N/m, among nodes whose blocks PETSc inverts."""
     monkeypatch.setattr(petsc, "SMALLEST_DIAGONAL", least)
     uu = csr_matrix(block_diag([nodes(100, 4 * np.eye(3)), [[1e-17]]]))
-    near = ReducedMatrix(uu.indptr, uu.indices, np.ones(uu.nnz, bool)) if part else None
-    system = BlockSystem(uu.indptr, uu.indices, 3, "krylov", 1e-10, near, sweeps=True)
+    kept = ReducedMatrix(uu.indptr, uu.indices, np.ones(uu.nnz, bool)) if part else None
+    system = BlockSystem(uu.indptr, uu.indices, 3, "krylov", 1e-10, kept, sweeps=True)
     system.values[:], system.ww[:], system.uw[:300], system.wu[:] = uu.data, 9 * np.eye(3), 0.01, 0.01
     system.wu[:, 300] = 0.0
     system.factor()
@@ -155,10 +155,10 @@ def test_memory_is_given_back():
     indptr = np.arange(0, n * k + 1, k, dtype=np.int32)
     indices = np.sort((np.arange(n)[:, None] + np.arange(k)) % n, axis=1).astype(np.int32).ravel()
     column = np.repeat(np.arange(n), k)
-    near = abs(indices - column) < k // 2
+    kept = abs(indices - column) < k // 2
     used = []
     for _ in range(6):
-        system = BlockSystem(indptr.copy(), indices.copy(), 3, "krylov", 1e-4, ReducedMatrix(indptr, indices, near))
+        system = BlockSystem(indptr.copy(), indices.copy(), 3, "krylov", 1e-4, ReducedMatrix(indptr, indices, kept))
         system.values[:], system.ww[:] = indices == column, np.eye(3)
         system.factor()
         system.solve(np.ones(n), np.ones(3))
@@ -186,12 +186,12 @@ def test_cells_hardly_filled_cost_no_iterations_with_the_ghost_penalty():
     assert max(counts.values()) <= counts[1.0] + 2
 
 
-def test_light_nodes_cost_few_iterations_as_their_far_entries_are_kept(monkeypatch):
+def test_nodes_with_small_support_cost_few_iterations_as_their_distant_entries_are_kept(monkeypatch):
     sand = {"law": "drucker-prager", "friction_angle": 33.0, "dilation_angle": 5.0, "cohesion": 1e5, "poisson": 0.3}
-    whole, light = (hardly_filled(filled, material=sand) for filled in (1.0, 0.03))
-    assert light <= whole + 1
+    full, partly = (hardly_filled(filled, material=sand) for filled in (1.0, 0.03))
+    assert partly <= full + 1
     monkeypatch.setattr(model, "SMALL_SUPPORT", 0.0)
-    assert hardly_filled(0.03, material=sand) > 1.5 * light
+    assert hardly_filled(0.03, material=sand) > 1.5 * partly
 
 
 def test_diagonals_that_sweeps_take_for_zero_are_lifted_with_their_sign():

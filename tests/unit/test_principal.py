@@ -19,7 +19,8 @@ def test_values_are_those_of_lapack_and_directions_build_the_matrix(n, scale):
     size = np.abs(matrices).max(initial=1.0)
     np.testing.assert_allclose(np.sort(values, axis=1), np.linalg.eigvalsh(matrices), atol=4e-15 * size)
     np.testing.assert_allclose(from_principal(values, directions), matrices, atol=1e-14 * size)
-    np.testing.assert_allclose(directions.swapaxes(1, 2) @ directions, np.broadcast_to(np.eye(3), (n, 3, 3)), atol=4e-15)
+    identity = np.broadcast_to(np.eye(3), (n, 3, 3))
+    np.testing.assert_allclose(directions.swapaxes(1, 2) @ directions, identity, atol=4e-15)
 
 
 @pytest.mark.parametrize("values", ((2.0, 2.0, 2.0), (1.0, 3.0, 3.0), (0.0, 0.0, 0.0), (1.0, 1.0 + 1e-13, 5.0)))

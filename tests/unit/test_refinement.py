@@ -10,7 +10,7 @@ from hybrid.state import PointConstants, Points, Population
 
 
 def soil_of_coarse_points(stretch):
-    """Cells of 0.1 m, points of cells twice as wide that F has stretched along x, and the PointRefinement of the cells."""
+    """(Population, Grid, law, PointRefinement): cells of 0.1 m, points of cells twice as wide, stretched along x."""
     grid, _, _ = bed()
     position = np.array([[0.3, 0.4, 0.0], [0.5, 0.4, 0.0]])
     half, n = np.full((2, 3), 0.05), 2
@@ -26,7 +26,7 @@ def soil_of_coarse_points(stretch):
 
 
 @pytest.mark.parametrize(("stretch", "count"), [(1.0, 16), (9.0, 16), (11.0, 8)])
-def test_points_that_are_drawn_out_are_not_thrown_apart(stretch, count):
+def test_points_stretched_beyond_the_limit_are_not_split(stretch, count):
     """Two points become eight each, but not along an axis that F stretches by more than ten."""
     population, grid, law, refinement = soil_of_coarse_points(stretch)
     adapted, _ = refinement.adapt(population, grid, law, np.ones(2, bool))
@@ -36,8 +36,8 @@ def test_points_that_are_drawn_out_are_not_thrown_apart(stretch, count):
     assert np.abs(adapted.points.position[:, 0] - 0.4).max() == pytest.approx(0.1 + moved)
 
 
-def test_no_half_is_put_beyond_the_grid():
-    """A point near the end of the grid, drawn out so far that a half of it would not lie in it any more."""
+def test_a_point_is_not_split_if_a_half_would_lie_outside_the_grid():
+    """A point near the end of the grid, stretched five times."""
     population, grid, law, refinement = soil_of_coarse_points(5.0)
     end = grid.axes[0][0]
     for place in (0.1, 0.124, 0.126, 0.13):

@@ -1,4 +1,4 @@
-"""Values of a scene: ranges and contradictions, and that each refusal says what to do."""
+"""Values of a scene: ranges and contradictions, and that each error names a remedy."""
 
 import dataclasses
 
@@ -149,7 +149,7 @@ def test_collapsed_axes_need_no_size(path):
 
 
 def test_every_field_of_the_scene_is_explained():
-    """Each class says what its fields are, with the unit."""
+    """Each class documents its fields, with the unit."""
     import hybrid.scene as module
 
     documented = [c for c in vars(module).values() if dataclasses.is_dataclass(c)]

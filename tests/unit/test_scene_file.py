@@ -1,4 +1,4 @@
-"""Scene files: what is read, and that each refusal says what to do."""
+"""Scene files: what is read, and that each error names a remedy."""
 
 import dataclasses
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Trial values of the soil: how long they are valid, what a refusal says, and what the workspace keeps."""
+"""Trial values of the soil: how long they are valid, the reason of a refusal, and what the workspace keeps."""
 
 from dataclasses import FrozenInstanceError, replace
 from weakref import ref

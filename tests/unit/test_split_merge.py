@@ -53,7 +53,7 @@ def assert_same(a, b, but=()):
 
 
 @pytest.mark.parametrize("axis", range(3))
-def test_halves_keep_what_their_whole_had(population, axis):
+def test_halves_conserve_the_totals_of_the_point(population, axis):
     assert_same(pop.split(population, axis, LAW), population)
 
 
@@ -66,7 +66,7 @@ def test_two_points_keep_what_they_had_in_one(population, axis):
 
 
 @pytest.mark.parametrize("axis", range(3))
-def test_halves_that_are_joined_again_are_what_they_were(population, axis):
+def test_merging_two_halves_gives_the_initial_point(population, axis):
     halves = pop.split(population, axis, LAW)
     whole = pop.merge(pop.select(halves, np.arange(COUNT)), pop.select(halves, np.arange(COUNT, 2 * COUNT)), axis, LAW)
     for part in ("points", "constants"):
@@ -76,7 +76,7 @@ def test_halves_that_are_joined_again_are_what_they_were(population, axis):
                                            atol=1e-12 * np.abs(value).max(), err_msg=name)
 
 
-def test_a_field_that_varies_linearly_is_seen_by_the_halves(population):
+def test_halves_have_the_velocity_of_the_affine_field(population):
     """The velocity of a half is that of the affine field at its place: angular momentum about any place is kept."""
     halves = pop.split(population, 1, LAW)
     step = halves.points.position[:COUNT] - population.points.position
@@ -111,12 +111,13 @@ def test_momentum_is_lost_where_the_mean_forgets_the_masses(population):
     """The conservation test fails on a mean by number."""
     first, second = pop.select(population, np.arange(25)), pop.select(population, np.arange(25, COUNT))
     whole = pop.merge(first, second, 0, LAW)
-    broken = replace(whole, points=replace(whole.points, velocity=0.5 * (first.points.velocity + second.points.velocity)))
+    mean = 0.5 * (first.points.velocity + second.points.velocity)
+    broken = replace(whole, points=replace(whole.points, velocity=mean))
     with pytest.raises(AssertionError, match="momentum"):
         assert_same(broken, pop.concatenate(first, second), but=["first centre"])
 
 
-def test_halves_that_turned_against_each_other_make_a_point_with_their_volume(population):
+def test_halves_with_opposite_rotations_merge_to_a_point_with_their_volume(population):
     """A quarter turn one way and the other: the mean of their F is flat, and no power of it is a volume."""
     turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     parts = pop.split(population, 0, LAW)

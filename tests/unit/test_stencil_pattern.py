@@ -78,17 +78,17 @@ def test_diagonal_and_entries_are_where_they_are_said_to_be(name):
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_near_entries_are_of_one_cell_or_in_columns_of_light_nodes(name):
+def test_reduced_entries_are_of_one_cell_or_in_columns_of_nodes_with_small_support(name):
     active, fixed, shape = case(name)
-    light = np.random.default_rng(3).random(len(active)) < 0.2
+    small = np.random.default_rng(3).random(len(active)) < 0.2
     node = np.nonzero(active[:, None] & ~fixed)[0]
     place = np.array(np.unravel_index(node, shape)).T
     pattern = make_pattern(active, fixed, shape)
-    for light in (np.zeros(len(active), bool), light):
+    for small in (np.zeros(len(active), bool), small):
         row = np.repeat(np.arange(pattern.size), np.diff(pattern.indptr))
         expected = np.abs(place[row] - place[pattern.indices]).max(axis=1, initial=0) <= 1
-        expected |= light[node[pattern.indices]]
-        assert np.array_equal(reduced_entries(pattern, shape, light), expected)
+        expected |= small[node[pattern.indices]]
+        assert np.array_equal(reduced_entries(pattern, shape, small), expected)
 
 
 def test_nothing_active():

@@ -14,19 +14,19 @@ def made(linear):
     return Systems(model), active, np.zeros_like(active)
 
 
-def test_other_light_nodes_keep_the_pattern_other_active_ones_keep_nothing():
-    systems, active, light = made("krylov")
-    first = systems.get(active, light)
-    assert systems.get(active.copy(), light.copy()) == first
-    light[np.flatnonzero(active)[7]] = True
-    pattern, system = systems.get(active, light)
+def test_a_change_of_small_support_keeps_the_pattern_and_a_change_of_active_nodes_does_not():
+    systems, active, small = made("krylov")
+    first = systems.get(active, small)
+    assert systems.get(active.copy(), small.copy()) == first
+    small[np.flatnonzero(active)[7]] = True
+    pattern, system = systems.get(active, small)
     assert pattern is first[0] and system is not first[1]
     active[np.flatnonzero(active)[3]] = False
-    third = systems.get(active, light)
+    third = systems.get(active, small)
     assert third[0] is not pattern and third[1] is not system
     assert third[0].size < pattern.size
 
 
-def test_light_nodes_do_not_matter_to_a_direct_factor():
-    systems, active, light = made("direct")
-    assert systems.get(active, ~light) == systems.get(active, light)
+def test_small_support_does_not_matter_to_a_direct_factor():
+    systems, active, small = made("direct")
+    assert systems.get(active, ~small) == systems.get(active, small)

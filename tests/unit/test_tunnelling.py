@@ -22,7 +22,8 @@ def passed(start, end, half=HALF):
 
 
 def test_soil_that_flows_round_an_edge_does_not_pass():
-    """In by the side, at x = 1, and next to the lower face, along whose normal it goes: 1.5 mm deep at most."""
+    """Entry through the side, at x = 1, close to the lower face; motion along the normal of that face. Largest depth:
+    1.5 mm."""
     assert passed([1.001, 0.0, -0.490], [0.995, 0.0, -0.4995]) == 0
     assert passed([1.001, 0.0, -0.490], [0.994, 0.0, -0.502]) == 0     # and out again
 

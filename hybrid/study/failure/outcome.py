@@ -7,7 +7,7 @@ from pathlib import Path
 
 from hybrid.output import atomic
 
-# From best to worst. Both of the last two have failed; "reported": a message or an error of the program says so.
+# From best to worst. Both of the last two have failed; "reported": a message or an error of the program states it.
 KINDS = ("right", "degraded", "reported", "silent")
 
 

@@ -129,7 +129,7 @@ def dilatancy(share, law="drucker-prager"):
         | . . . |   quasi-static steps; small strains. It yields from the start: σ_h = ν/(1-ν) σ_v is outside the cone
         |_______|   D = τ : Δε_p = (k + (η̄ - η) p) Δγ  >= 0  for pressures p < 0 only up to η̄ = η, that is ψ = φ
 
-    Beyond ψ = φ the column still stands and settles as its law says, so the error is not visible. Exact:
+    Beyond ψ = φ the column still stands and settles according to its law, so the error is not visible. Exact:
     σ_zz = -ρ g (L - Z), σ_xx from f = 0, and with both proportional to the depth, from ε_xx = 0,
 
         Δγ = -ε^e_xx / (s_xx/2√J2 + η̄/3)      ε_zz = ε^e_zz + Δγ (s_zz/2√J2 + η̄/3)      settlement -∫ ε_zz dZ

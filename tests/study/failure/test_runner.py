@@ -29,7 +29,8 @@ def toy(monkeypatch):
 def test_outcomes_are_classified_kept_and_drawn(toy, tmp_path):
     lines = []
     found = runner.run(["crossing"], out=tmp_path, log=lines.append)
-    assert [o.kind for o in found] == ["right", "degraded", "silent", "reported", "right", "degraded", "reported", "reported"]
+    assert [o.kind for o in found] == [
+        "right", "degraded", "silent", "reported", "right", "degraded", "reported", "reported"]
     assert found[3].message == "load too large; lower the load" and found[-1].message.startswith("step 3 failed")
     marks, read = outcome.load(tmp_path / "records.json")
     assert [o.key for o in read] == [o.key for o in found] and {"commit", "machine"} <= set(marks)

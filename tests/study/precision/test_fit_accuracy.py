@@ -14,10 +14,12 @@ from hybrid.study.precision.record import Record
 
 def records():
     def swept(problem, curve, errors):
-        return [Record(problem, curve, tolerance, {}, {"e": error}, (1.0,), 1, 1) for tolerance, error in errors.items()]
+        return [Record(problem, curve, tolerance, {}, {"e": error}, (1.0,), 1, 1)
+                for tolerance, error in errors.items()]
 
     easy = {"1e-6": 0.1, "1e-4": 0.1001, "1e-3": 0.102, "1e-2": 0.2}
-    return [*swept("a", "Newton tolerance", easy), *swept("b", "Newton tolerance", {"1e-8": 1.0, "1e-3": 1.04, "1e-2": 1.2}),
+    return [*swept("a", "Newton tolerance", easy),
+            *swept("b", "Newton tolerance", {"1e-8": 1.0, "1e-3": 1.04, "1e-2": 1.2}),
             *swept("a", "Krylov tolerance", {"1e-5": 0.1, "1e-2": 0.1})]
 
 
@@ -74,8 +76,8 @@ def test_the_penalty_is_given_by_length():
 
     half = fit_accuracy.references([pressed(2.0), pressed(100.0)])["footing"].settings        # soft springs by chance
     assert half == (Settings(0.015, "a, 100.0", 1.25, body={"penalty": 100.0}),)    # smaller errors are not certain
-    cube = fit_accuracy.references([Record("platen", "a", "x", {"cell": 0.2, "enforcement": "augmented"}, {"force": 0.1}, (1.0,),
-                                 1, 4)])["platen"].settings
+    record = Record("platen", "a", "x", {"cell": 0.2, "enforcement": "augmented"}, {"force": 0.1}, (1.0,), 1, 4)
+    cube = fit_accuracy.references([record])["platen"].settings
     assert cube == (Settings(0.1, "a, x", 4.0, body={"penalty": 40.0, "enforcement": "augmented"}),)
 
 

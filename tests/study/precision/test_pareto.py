@@ -5,8 +5,10 @@ from hybrid.study.precision.record import Record
 
 
 def records():
-    return [Record("p", "a", "1", {}, {"e": 0.1}, (1.0,), 1, 1), Record("p", "a", "2", {}, {"e": 0.01}, (4.0,), 1, 2),
-            Record("p", "b", "1", {}, {"e": 0.05}, (8.0,), 1, 9), Record("p", "b", "2", {}, {"e": 0.001}, (9.0,), 1, 10),
+    return [Record("p", "a", "1", {}, {"e": 0.1}, (1.0,), 1, 1),
+            Record("p", "a", "2", {}, {"e": 0.01}, (4.0,), 1, 2),
+            Record("p", "b", "1", {}, {"e": 0.05}, (8.0,), 1, 9),
+            Record("p", "b", "2", {}, {"e": 0.001}, (9.0,), 1, 10),
             Record("p", "c", "1", {}, reason="no"), Record("p", "d", "1", {}, {"e": float("nan")}, (0.1,), 1, 1)]
 
 

@@ -37,7 +37,7 @@ def test_a_wrong_body_is_found(monkeypatch):
 
 
 def test_updates_are_counted():
-    """Newton's method is quadratic: two to four updates a step, the last of which tells that it is done."""
+    """Newton's method is quadratic: two to four updates a step, the last of which is below the tolerance."""
     found = tumbling.solve("energy-momentum", 100)
     assert found.unknowns == 3 and 200 <= found.newton <= 500 and found.seconds > 0
 

@@ -20,9 +20,9 @@ The load is shared by the last two columns of points, 3/2 and -1/2 of it, so tha
 
 The study compares the tip with the beam of Hencky fibres. The beam is itself a model: the finest grids converge to a
 position 0.4 % from it, so smaller errors are accidental. With a scene's defaults no run is completed: domain corners
-that only just reach into a cell leave its nodes without stiffness, and the line search requires the residual to fall
-where it has to rise first. All curves except "default" therefore use the ghost penalty, and no line search unless their
-label says so.
+that overlap only a small part of a cell give its nodes hardly any stiffness, and the line search requires a decrease of
+the residual where it has to increase first. All curves except "default" therefore use the ghost penalty, and no line
+search unless their label names it.
 """
 
 import functools
