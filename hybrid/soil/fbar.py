@@ -14,8 +14,8 @@ elastic tangent is symmetric:
     f_v = Σ_p V0 [τ g_v + q H_v]        g_v = ΔF^-T ∇_n S_v,  h_v = ΔF_0^-T ∇_n M_v,  H_v = h_v - g_v,  q = P:τ / n
     K_vw = Σ_p V0 [g_v A g_w + (c g_v) H_w + H_v (e g_w) + κ H_v H_w + q (w-transposed g_v g_w - h_v h_w)]
 
-P the identity on the axes that deform, C_ijkl = ∂τ_ij/∂l_kl, c = C:P/n, e = P:C/n, κ = P:C:P/n². A row is the
-contraction of two arrays over the free components (w, k) of a point, added in runs as in `hybrid.soil.rows`:
+P the identity on the axes that deform, C_ijkl = ∂τ_ij/∂l_kl, c = C:P/n, e = P:C/n, κ = P:C:P/n². A row needs
+two arrays, B and S, over the free components (w, k) of a point, and is added in runs as in `hybrid.soil.rows`:
 
     K_vw,ik = Σ_p g_v,j B_ij + H_v,j S_ij        B_ij = V0 [A_ijkl g_w,l + c_ij H_w,k - q δ_jk H_w,i]
                                                  S_ij = V0 [δ_ij (κ H_w,k + e_kl g_w,l) - q δ_jk h_w,i]

@@ -80,7 +80,7 @@ def split(population, axis, law):
 
 
 def _risen(population, height, law):
-    """Population with the geostatic stress change over heights (n,) [m]; stresses that do not change stay bitwise."""
+    """Population with the geostatic stress change over heights (n,) [m]; all other stresses are bitwise unchanged."""
     points = population.points
     change = population.constants.geostatic_gradient * height[:, None]
     some = np.flatnonzero(np.abs(change).max(axis=1) > NEITHER * largest(np.abs(points.stress)))
