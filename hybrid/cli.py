@@ -62,6 +62,8 @@ def parser():
     sub.add_argument("--quick", action="store_true", help="the smallest size of each case")
     sub.add_argument("--out", type=Path, metavar="FILE.json", help="write the measurements, with machine and versions")
     sub.add_argument("--peer", type=Path, metavar="PYTHON", help="a Python with Kratos MPM, run as well in `block`")
+    sub.add_argument("--page", action="store_true",
+                     help="write the tables of demos/speed/README.md from demos/speed/bench.json, measure nothing")
 
     sub = _command(commands, "study", study, "chart speed against accuracy, or where methods fail")
     sub.add_argument("study", choices=["precision", "failure"], metavar="STUDY",
@@ -168,9 +170,16 @@ def demos(options):
 
 
 def bench(options):
-    """`hybrid bench`: tables of the cases, and a file of all that was measured."""
+    """`hybrid bench`: tables of the cases, and a file of all that was measured; or the pages made from that file."""
     from hybrid import bench as benchmarks
 
+    if options.page:
+        from hybrid.bench.pages import write_pages
+
+        if options.cases or options.quick or options.out or options.peer:
+            raise SceneError("--page: measures nothing; give it alone, after a run with --out demos/speed/bench.json")
+        print(*(f"written to {path}" for path in write_pages()), sep="\n")
+        return
     unknown = [name for name in options.cases if name not in CASES]
     if unknown:
         raise SceneError(f"bench {unknown[0]}: no such case; there are {', '.join(CASES)}")

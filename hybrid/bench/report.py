@@ -1,0 +1,105 @@
+"""A record of the benchmarks in Markdown: tables of all cases, and a summary in a paragraph."""
+
+from statistics import median
+
+from hybrid.bench.table import markdown, number, paragraph
+
+SIZES = ("points", "unknowns", "entries")
+
+
+def tables(record):
+    """Markdown of all cases of a record, with date, commit, machine and versions."""
+    stamp = record["stamp"]
+    machine, versions = stamp["machine"], [f"{name} {known}" for name, known in stamp["versions"].items() if known]
+    head = paragraph(f"Measured {_when(stamp)}; {machine['cpu']}, {machine['cpus']} processors, "
+                     f"{stamp['numba_threads']} threads, {machine['memory_GiB']} GiB; {machine['platform']}; "
+                     f"{', '.join(versions)}.")
+    sections = [title + "\n\n" + section(record["cases"][name]) for name, (title, section) in SECTIONS.items()
+                if name in record["cases"]]
+    return "\n".join([head, *sections])
+
+
+def summary(record):
+    """Paragraph with a few of the times in the tables, for README.md."""
+    cases, found = {name: case["rows"] for name, case in record["cases"].items()}, []
+    if "scaling" in cases:
+        steps = (f"{number(row['s a step'])} s with {number(row['unknowns'])}"
+                 for row in (cases["scaling"][0], cases["scaling"][-1]))
+        found.append(f"A plastic dynamic step takes {' and '.join(steps)} unknowns.")
+    if "anchor" in cases:
+        total, steps = (number(sum(row[key] for row in cases["anchor"])) for key in ("s", "steps"))
+        found.append(f"{steps} steps of the drag anchor take {total} s.")
+    return paragraph(" ".join([*found, f"Measured {_when(record['stamp'])}."]))
+
+
+def _when(stamp):
+    commit = stamp["commit"] or "unknown"
+    return (f"on {stamp['date'][:10]} at commit {commit[:7]}{' with changes' * commit.endswith('+')}"
+            + ", the smallest size of each case (`--quick`)" * stamp["quick"])
+
+
+def _sizes(row):
+    return ", ".join(f"{number(row[key])} {key}" for key in SIZES if row[key])
+
+
+def _block(case):
+    keys = ["s a step", "s a later step", "s a Newton iteration", "Newton", "Krylov", "tolerance", "lowest [mm]"]
+    rows = [[name, *(_median(case["rows"], name, key) for key in keys)]
+            for name in dict.fromkeys(row["program"] for row in case["rows"])]
+    return (paragraph(f"{_sizes(case['rows'][0])}. Medians over the runs; Newton and Krylov: iterations of all steps.")
+            + "\n" + markdown(["program", *keys], rows))
+
+
+def _median(rows, program, key):
+    values = [row[key] for row in rows if row["program"] == program and row[key] is not None]
+    return median(values) if values else None
+
+
+def _kernels(case):
+    first, keys = case["rows"][0], ["part", "ms", "ns a point", "ns an entry"]
+    return (paragraph(f"{_sizes(first)}; {number(first['corners'])} corners in contact, {number(first['flowing'])} "
+                      "points that yield.")
+            + "\n" + markdown(keys, [[row[key] for key in keys] for row in case["rows"]]))
+
+
+def _sphere(case):
+    steps, seconds, each, contact, newton = (
+        number(case["rows"][0][key]) for key in ("steps", "s", "ms a step", "contact [ms a step]", "iterations"))
+    return paragraph(f"{steps} steps of [rolling_sphere.toml](../rolling_sphere.toml) with {newton} Newton iterations "
+                     f"take {seconds} s: {each} ms a step, {contact} ms of them for contact.")
+
+
+def _anchor(case):
+    stages, counts = case["rows"], ("steps", "iterations", "rejections")
+    phases = [key for key in stages[0] if key not in ("stage", "s", *SIZES, *counts)]
+    phases.sort(key=lambda key: -sum(row[key] for row in stages))
+    names = {**{key: key for key in counts}, "s": "time [s]", **{key: f"{key} [s]" for key in phases}}
+    rows = [[name, *(row[key] for row in stages), sum(row[key] for row in stages)] for key, name in names.items()]
+    return (paragraph(f"[anchor.toml](../anchor.toml): {_sizes(stages[0])}; without start-up and files. Round-off "
+                      "decides which increments are rejected and halved.")
+            + "\n" + markdown(["", *(row["stage"] for row in stages), "all"], rows))
+
+
+def _scaling(case):
+    last = case["rows"][-1]
+    rows = [[key, *(row[key] for row in case["rows"])] for key in last if not key.startswith("power")]
+    step, krylov = (number(last[f"power of {key}"]) for key in ("s a step", "Krylov a Newton"))
+    return (paragraph(f"A block of plastic soil under gravity. The time of a step grows with the power {step} of the "
+                      f"unknowns, Krylov iterations with the power {krylov}, memory to "
+                      f"{number(case['peak_MiB'] / 1024)} GiB. Phases are in s a step.")
+            + "\n" + markdown(rows[0], rows[1:]))
+
+
+def _solvers(case):
+    keys = ["tangent", "unknowns", "solver", "iterations", "factor [s]", "solve [s]", "failed"]
+    keys = keys if any(row["failed"] for row in case["rows"]) else keys[:-1]
+    return (paragraph("Iterations to a residual of 1e-3 for one tangent. Where it is symmetric (elastic) the "
+                      "preconditioner of `krylov` is Gauss-Seidel sweeps, else the incomplete factor.")
+            + "\n" + markdown(keys, [[row[key] for key in keys] for row in case["rows"]]))
+
+
+SECTIONS = {
+    "block": ("## Falling block", _block), "kernels": ("## Parts of a step", _kernels),
+    "sphere": ("## Rolling sphere", _sphere), "anchor": ("## Drag anchor, by phase", _anchor),
+    "scaling": ("## Scaling", _scaling), "solvers": ("## Linear solver", _solvers),
+}
