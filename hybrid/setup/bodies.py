@@ -11,9 +11,11 @@ from hybrid.body.rigid import FREEDOMS, Line, RigidBody
 from hybrid.body.samples import surface_samples
 from hybrid.body.surface import build_surface
 from hybrid.contact.corners import overlap
-from hybrid.runtime.comm import minimum
+from hybrid.runtime.comm import anywhere, minimum
 from hybrid.runtime.errors import SceneError
 from hybrid.state import BodyState
+
+OVERLAP = 0.1   # half-widths of a point that a body may overlap the soil at the start
 
 
 def mesh_of(described):
@@ -79,10 +81,36 @@ def refuse_overlap(body, motion, points, basis):
     """SceneError when the body starts deeper in the soil than contact springs bear: they would throw it out."""
     half = points.half_width if basis == "gimp" else np.zeros_like(points.half_width)
     depth, count = overlap(points.position, half, motion, body.surface)
-    limit = 0.1 * minimum(points.half_width)
+    limit = OVERLAP * minimum(points.half_width)
     if depth > limit:
         raise SceneError(
             f"body {body.name!r} overlaps the soil at the start: {count} corners of the points' domains lie up to "
             f"{depth:.3g} m inside the body, limit {limit:.3g} m; set body.rest_on to the height of the soil's "
             "surface, or raise body.position. A body cannot start embedded: drive it in, with body.driven and "
             "body.velocity")
+
+
+def refuse_short(body, motion, points, soil):
+    """SceneError when the body touches no soil because it is too short along a collapsed axis.
+
+    There the soil's corners lie at the two ends of the slice. A corner that overlaps the body deeper than it lies inside
+    the body's end face would be pushed out along the axis, in which nothing moves. So one end of the slice has to lie
+    inside the body by as much as corners may overlap it. The second pass, of the body's samples, also finds a body that
+    ends within the reach of the search for corners, one cell.
+    """
+    half = points.half_width if soil.basis == "gimp" else np.zeros_like(points.half_width)
+    margin = OVERLAP * minimum(points.half_width)
+    if body.second_pass:
+        margin = -soil.grid.smallest_cell
+    lower, upper = rigid.bounding_box(body, motion)
+    for axis in np.flatnonzero(soil.grid.collapsed):
+        ends = points.position[:, axis] + np.array([[-1.0], [1.0]]) * half[:, axis]
+        if anywhere((ends > lower[axis] + margin) & (ends < upper[axis] - margin)):
+            continue
+        name = "xyz"[axis]
+        start, end = soil.grid.extent[axis]
+        raise SceneError(
+            f"body {body.name!r} touches no soil: along the collapsed axis {name} it reaches from {lower[axis]:.6g} to "
+            f"{upper[axis]:.6g} m, and the corners of the soil lie at the ends of the slice, {start:.6g} and {end:.6g} "
+            f"m. Make the body longer, so that it reaches beyond both by more than {max(margin, 0.0):.2g} m (its weight "
+            f"is that of its whole length), or the slice thinner with grid.{name}.start and grid.{name}.end")

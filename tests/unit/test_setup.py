@@ -15,6 +15,7 @@ from hybrid.setup import bodies, law
 from hybrid.setup import grid as setup_grid
 from hybrid.setup import soil as setup_soil
 from hybrid.setup.build import build
+from hybrid.study.scenes import box, collapsed, soil_scene
 
 ELASTIC = Material(law="hencky", young=1e6, poisson=0.25, density=1500.0)
 GEOMETRY = Path(hybrid.__file__).parents[1] / "geometry" / "box.geo"
@@ -146,3 +147,29 @@ def test_a_body_starts_outside_the_soil():
     sunk = scene(bodies=(Body(GEOMETRY, 1000.0, position=(0.5, 0.5, -0.2)),))
     with pytest.raises(SceneError, match="body 'body' overlaps the soil at the start: .* set body.rest_on"):
         build(sunk)
+
+
+def in_plane_strain(length, y=0.5, **more):
+    """Force [N] on a box pressed 1 mm into a slice from y = 0 to 1 m, in cells of 0.2 m."""
+    pressed = box(0.8, length, 0.4, held=("x", "y", "rx", "ry", "rz"), driven=("z",), velocity=(0.0, 0.0, -1e-3),
+                  position=(0.0, y, 0.0), rest_on=0.0, **more)
+    described = soil_scene([pressed], y=collapsed(1.0), steps=1, time=Time(1.0, inertia=False))
+    return next(build(described).steps()).bodies[0].contact_force[2]
+
+
+@pytest.mark.parametrize("length, y, more", [
+    (1.0, 0.5, {}), (0.6, 0.5, {}), (1.002, 0.5, {}), (1.0, 2.5, {}), (0.6, 0.5, {"second_pass": 1.0})])
+def test_a_body_no_longer_than_the_slice_is_refused(length, y, more):
+    """Also one whose end faces lie nearer to the soil's corners than its bottom will, and one beside the slice."""
+    reason = (rf"body 'body' touches no soil: along the collapsed axis y it reaches from {y - length / 2:g} to "
+              rf"{y + length / 2:g} m.* ends of the slice, 0 and 1 m.*body longer.*slice thinner with grid\.y\.start")
+    with pytest.raises(SceneError, match=reason):
+        in_plane_strain(length, y, **more)
+
+
+@pytest.mark.parametrize("length, y, more", [
+    (1.011, 0.5, {}), (1.2, 0.5, {}), (1.0, 0.6, {}), (1.0, 0.5, {"second_pass": 0.5}),
+    (0.7, 0.5, {"second_pass": 1.0})])
+def test_a_body_that_touches_the_slice_is_accepted(length, y, more):
+    """One end of the slice inside the body is enough, and with a second pass a body that ends near the slice's ends."""
+    assert in_plane_strain(length, y, **more) > 100.0
