@@ -49,7 +49,7 @@ def test_time_of_a_step(kind):
     again = predict(build(SCENES[kind]()))
     predicted = np.mean([first.step, again.step])
     taken = taken[-simulation.scene.stages[-1].steps:]  # the anchor falls through the air first
-    assert 0.5 < predicted / np.median(taken) < 2     # the mean would tell of what is compiled meanwhile
+    assert 0.5 < predicted / np.median(taken) < 2     # the mean would include compilation
     assert first.steps == simulation.state.step and set(first.seconds) == set(PARTS)
 
 

@@ -109,7 +109,7 @@ def one_step_on(simulation, state):
 
 @pytest.mark.parametrize("forgotten", ["pressure", "anchor", "sample_anchor", "sample_pressure"])
 def test_each_part_of_the_contact_history_matters(stopped, forgotten):
-    """The end is another when one of them is lost. (Sides tell at rims and thin plates only.)"""
+    """The final state differs when one of them is lost. (Sides matter at rims and thin plates only.)"""
     simulation, state, velocity = stopped
     (contact,) = state.contacts
     lost = replace(state, contacts=[replace(contact, **{forgotten: np.zeros_like(getattr(contact, forgotten))})])
