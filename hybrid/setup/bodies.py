@@ -93,10 +93,10 @@ def refuse_overlap(body, motion, points, basis):
 def refuse_short(body, motion, points, soil):
     """SceneError when the body touches no soil because it is too short along a collapsed axis.
 
-    There the soil's corners lie at the two ends of the slice. A corner that overlaps the body deeper than it lies inside
-    the body's end face would be pushed out along the axis, in which nothing moves. So one end of the slice has to lie
-    inside the body by as much as corners may overlap it. The second pass, of the body's samples, also finds a body that
-    ends within the reach of the search for corners, one cell.
+    There the soil's corners lie at the two ends of the slice. A corner that overlaps the body deeper than it lies
+    inside the body's end face would be pushed out along the axis, in which nothing moves. So one end of the slice has
+    to lie inside the body by as much as corners may overlap it. The second pass, of the body's samples, also finds a
+    body that ends within the reach of the search for corners, one cell.
     """
     half = points.half_width if soil.basis == "gimp" else np.zeros_like(points.half_width)
     margin = OVERLAP * minimum(points.half_width)
@@ -111,6 +111,6 @@ def refuse_short(body, motion, points, soil):
         start, end = soil.grid.extent[axis]
         raise SceneError(
             f"body {body.name!r} touches no soil: along the collapsed axis {name} it reaches from {lower[axis]:.6g} to "
-            f"{upper[axis]:.6g} m, and the corners of the soil lie at the ends of the slice, {start:.6g} and {end:.6g} "
-            f"m. Make the body longer, so that it reaches beyond both by more than {max(margin, 0.0):.2g} m (its weight "
-            f"is that of its whole length), or the slice thinner with grid.{name}.start and grid.{name}.end")
+            f"{upper[axis]:.6g} m, and the corners of the soil lie at the ends of the slice, {start:.6g} and "
+            f"{end:.6g} m. Make the body longer, so that it reaches beyond both by more than {max(margin, 0.0):.2g} m "
+            f"(its weight is that of its whole length), or the slice thinner with grid.{name}.start and grid.{name}.end")
