@@ -113,4 +113,5 @@ def refuse_short(body, motion, points, soil):
             f"body {body.name!r} touches no soil: along the collapsed axis {name} it reaches from {lower[axis]:.6g} to "
             f"{upper[axis]:.6g} m, and the corners of the soil lie at the ends of the slice, {start:.6g} and "
             f"{end:.6g} m. Make the body longer, so that it reaches beyond both by more than {max(margin, 0.0):.2g} m "
-            f"(its weight is that of its whole length), or the slice thinner with grid.{name}.start and grid.{name}.end")
+            f"(its weight is that of its whole length), or the slice thinner with grid.{name}.start and "
+            f"grid.{name}.end")
