@@ -8,7 +8,8 @@ On 2, 4, 8 cells under half the footing, 20 steps:
     F-bar and ghost            5.23, 5.21                      15.5, 15.4                      32.5, 32.0
     neither                    9.52, 7.65, 6.64                17.4, 16.5, 15.8                35.3, 33.5, 32.2
 
-Neither: still rising for φ = 0.
+Neither: still rising for φ = 0. With F-bar alone, four cells at 30° stop in step 2 in some versions and finish in others:
+round-off decides. A small ghost penalty finishes in all.
 """
 
 import functools
@@ -18,6 +19,7 @@ import pytest
 from hybrid.study.precision.problems import footing as ladder
 
 CURED, PLAIN = {"fbar": True}, {}      # options of the soil
+STEADY = {"fbar": True, "ghost": 0.0033}
 
 
 @functools.cache
@@ -70,10 +72,10 @@ def test_the_ghost_penalty_steadies_it():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("angle, across, cured, plain", [(0, 8, 0.01, 0.35), (20, 4, 0.03, 0.15), (20, 8, 0.03, 0.1),
-                                                         (30, 4, 0.07, 0.15)])
-def test_refined(angle, across, cured, plain):
-    assert abs(excess(angle, across, **CURED)) < cured < excess(angle, across, **PLAIN) < plain
+@pytest.mark.parametrize("angle, across, options, cured, plain", [
+    (0, 8, CURED, 0.01, 0.35), (20, 4, CURED, 0.03, 0.15), (20, 8, CURED, 0.03, 0.1), (30, 4, STEADY, 0.07, 0.15)])
+def test_refined(angle, across, options, cured, plain):
+    assert abs(excess(angle, across, **options)) < cured < excess(angle, across, **PLAIN) < plain
 
 
 @pytest.mark.slow
