@@ -67,7 +67,8 @@ class Effort:
 @dataclass(frozen=True)
 class CostEstimate:
     """seconds: of each of PARTS; krylov: iterations of the solution; effort: of a step; steps: of all stages; peak:
-    [bytes] of memory; growth: factor on the number of points, as a moving grid takes them in."""
+    [bytes] of memory; growth: factor on the number of points, as a moving grid takes them in; direct: whether the first
+    state needed a direct factor."""
 
     seconds: dict[str, float]
     krylov: int
@@ -75,6 +76,7 @@ class CostEstimate:
     steps: int
     peak: int
     growth: float = 1.0
+    direct: bool = False
 
     @property
     def iteration(self):
@@ -91,6 +93,7 @@ class CostEstimate:
         rows = {f"{part} [ms]": f"{1e3 * self.seconds[part]:.3g}" for part in PARTS}
         all_steps = self.steps * self.step
         grown = [f"{self.growth:.3g} times the points, once the body has sunk"] if self.growth > 1 else []
+        factor = ["a direct factor for each tangent, as on the first state"] if self.direct else []
         return {"predicted cost": {
             **rows,
             "Newton iteration [ms]": f"{1e3 * self.iteration:.3g}",
@@ -98,7 +101,7 @@ class CostEstimate:
             "all steps": f"{_duration(all_steps)} for {self.steps}",
             "uncertainty": f"{_duration(all_steps / FACTOR)} to {_duration(all_steps * FACTOR)}, as scenes differ",
             "peak memory [MiB]": round(self.peak / 2**20),
-            "assumed": [self.effort.assumed, *grown, "contact as at the start; writing of files not included"],
+            "assumed": [self.effort.assumed, *grown, *factor, "contact as at the start; writing of files not included"],
         }}
 
 
@@ -139,11 +142,13 @@ def predict(simulation):
         krylov = parts.time("solution", lambda: step.system.solve(*right))[2]
         parts.time("end", lambda: _end(step, evaluation))
     growth = simulation.most_points / max(1, comm.number(state.points))
-    more = (growth - 1) * growing_memory(model.soil, step.pattern, model.solver)
+    direct = workspace.systems.choice.direct
+    more = (growth - 1) * growing_memory(model.soil, step.pattern, model.solver, direct)
     more += PICTURES * bool(simulation.scene.output.pictures)
     workspace.destroy()
     timing.collect()
-    return CostEstimate(parts.median(), krylov, effort, simulation.total_steps, peak_memory() + round(more), growth)
+    return CostEstimate(parts.median(), krylov, effort, simulation.total_steps, peak_memory() + round(more), growth,
+                        direct)
 
 
 def _effort(model, state):

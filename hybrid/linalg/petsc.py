@@ -8,10 +8,11 @@ unknown of the bodies. The preconditioner is the upper block factorisation: an a
 exact Schur complement K_ww - K_wu M^-1 K_uw, formed with one application of M^-1 per body unknown.
 
 M^-1 is a symmetric Gauss-Seidel (SSOR) sweep over the blocks of nodes, or ILU(0); if GMRES stagnates with one of them,
-the other is used. A direct factor is available for verification. A sweep needs no factor, preserves positive
-definiteness and does not converge more slowly with stiff contact, so it is used first where the soil's tangent is
-symmetric. In sand, to a relative residual of 1e-2, sweeps over blocks take 13 GMRES iterations, sweeps over rows 14
-(19 600 unknowns); with 103 000 unknowns they take 15 to 25, and 25 to 28.
+the other is used. If it converges with neither, linear = "auto" allows the first more iterations, then takes a direct
+factor (MUMPS, of all of K_uu), and remembers which of them solved the system (`hybrid.linalg.solver_choice`). A sweep
+needs no factor, preserves positive definiteness and does not converge more slowly with stiff contact, so it is used
+first where the soil's tangent is symmetric. In sand, to a relative residual of 1e-2, sweeps over blocks take 13 GMRES
+iterations, sweeps over rows 14 (19 600 unknowns); with 103 000 unknowns they take 15 to 25, and 25 to 28.
 
 Both are computed from a part of the entries (`hybrid.linalg.precond_pattern`): with only the entries that couple nodes
 of one cell, the factor of 15 600 unknowns takes 0.04 s instead of 0.35 s, and GMRES needs 8 iterations instead of 4 to
@@ -27,6 +28,7 @@ from contextlib import contextmanager
 import numpy as np
 from petsc4py import PETSc
 
+from hybrid.linalg.solver_choice import SolverChoice
 from hybrid.linalg.stencil_pattern import diagonal_places
 from hybrid.runtime.errors import StepError
 
@@ -41,6 +43,7 @@ SWEEPS = {"ksp_type": "preonly", "pc_type": "sor"}
 SMALLEST_DIAGONAL, ZERO_DIAGONAL = 1e-13, 1e-300
 SWITCH_AFTER = 60       # iterations after which the other preconditioner is used
 MAX_ITERATIONS = 300
+SINGULAR = "finds the matrix singular"
 COMM = PETSc.COMM_SELF
 CHOSEN_BY_USER = set(PETSc.Options().getAll())  # PETSC_OPTIONS of the environment take precedence
 
@@ -49,17 +52,18 @@ class BlockSystem:
     """Storage and solution of the block system for one sparsity pattern.
 
     reduced: ReducedMatrix from which sweeps and the incomplete factor are computed, None for all of K_uu; sweeps:
-    whether sweeps are tried before the incomplete factor.
+    whether sweeps are tried before the incomplete factor; choice: SolverChoice, which outlives this system.
     values: entries of K_uu in the order of the pattern; uw (n, m), wu (m, n), ww (m, m): dense blocks.
     """
 
-    def __init__(self, indptr, indices, body_unknowns, linear, tolerance, reduced=None, sweeps=False):
+    def __init__(self, indptr, indices, body_unknowns, linear, tolerance, reduced=None, sweeps=False,
+                 choice=None):
         n, m = len(indptr) - 1, body_unknowns
         self.values = np.empty(len(indices))    # filled by the first assembly
         self.uw, self.wu = np.zeros((n, m), order="F"), np.zeros((m, n), order="F")
         self.ww, self._schur = np.zeros((m, m), order="F"), np.zeros((m, m), order="F")
         self.soil_unknowns, self.body_unknowns = n, m
-        self._tolerance = tolerance
+        self._tolerance, self._choice = tolerance, choice or SolverChoice(linear)
         self._coupled, self._blocks, self._reduced, self._prepared = bool(n and m), [], None, set()
         if n:
             self._uu = PETSc.Mat().createAIJWithArrays((n, n), (indptr, indices, self.values), comm=COMM)
@@ -78,8 +82,12 @@ class BlockSystem:
             self._join()
             exact = linear == "direct" or not n
             first, last = (SWEEPS, INCOMPLETE) if sweeps else (INCOMPLETE, SWEEPS)
-            inverses = [(DIRECT, MAX_ITERATIONS)] if exact else [(first, SWITCH_AFTER), (last, MAX_ITERATIONS)]
+            inverses = [] if exact else [(first, SWITCH_AFTER), (last, MAX_ITERATIONS)]
+            inverses += [(first, MAX_ITERATIONS)] if not exact and linear == "auto" else []
+            inverses += [(DIRECT, MAX_ITERATIONS)] if exact or linear == "auto" else []
             self._solvers, self._current = [self._krylov(*inverse) for inverse in inverses], 0
+            self._direct = len(inverses) - 1 if n and inverses[-1][0] is DIRECT else None
+            self._order, self._failed = [], ""
             self._x, self._b = self._matrix.createVecs()
             given = (indptr, indices) if self._reduced is None else (reduced.indptr, reduced.indices)
             self._diagonal = diagonal_places(*given) if len(inverses) > 1 else np.zeros(0, int)
@@ -104,7 +112,7 @@ class BlockSystem:
         """(KSP with at most `most` iterations, its options); inverse: PETSc options of M^-1."""
         ksp = PETSc.KSP().create(COMM)
         ksp.setOptionsPrefix("hybrid_")
-        ksp.setOperators(self._matrix, self._preconditioner)
+        ksp.setOperators(*self._operators(inverse is DIRECT))
         ksp.setType("gmres")
         ksp.setGMRESRestart(100)
         ksp.setPCSide(PETSc.PC.Side.RIGHT)
@@ -126,6 +134,10 @@ class BlockSystem:
         with _options_set(options):
             ksp.setFromOptions()
         return ksp, options
+
+    def _operators(self, direct):
+        """Matrix, and what the preconditioner is made from."""
+        return self._matrix, self._matrix if direct else self._preconditioner
 
     def destroy(self):
         """Release the memory of matrices and factors now, not when Python's garbage collector runs."""
@@ -157,17 +169,36 @@ class BlockSystem:
             block.assemble()    # also discards the inverse of the diagonal that PETSc stores for sweeps
         for matrix in (self._matrix, self._preconditioner):
             matrix.stateIncrease()
-        self._prepare(0)
+        first = self._choice.begin(self.soil_unknowns, self._direct)
+        self._order = [*range(first, len(self._solvers)), *range(first)]
+        self._prepare(first)
 
     def _prepare(self, number):
         """Make solver `number` the current one and set it up with the current values."""
-        (ksp, options), self._current = self._solvers[number], number
-        ksp.setOperators(self._matrix, self._preconditioner)
+        (ksp, options), self._current, self._failed = self._solvers[number], number, ""
+        ksp.setOperators(*self._operators(number == self._direct))
         with _options_set(options):  # the parts of a field split read their options at the first set-up
             ksp.setUp()
         self._prepared.add(number)
-        if self._coupled:
+        if number == self._direct:
+            self._choice.factors += 1
+            self._failed = self._factor_failure(ksp)
+        if self._coupled and not self._failed:
             self._form_schur(ksp)
+
+    def _factor_failure(self, ksp):
+        """Why there is no direct factor, "" if there is one."""
+        if self._coupled:
+            ksp = ksp.getPC().getFieldSplitSubKSP()[0]
+            ksp.setUp()
+        try:
+            code = ksp.getPC().getFactorMatrix().getMumpsInfog(1)
+        except PETSc.Error:     # the user chose another package
+            return ""
+        if code >= 0:
+            return ""
+        known = {-6: SINGULAR, -10: SINGULAR, -9: "runs out of memory", -13: "runs out of memory"}
+        return f"the direct factor {known.get(code, f'fails with error {code} of MUMPS')}"
 
     def _form_schur(self, ksp):
         """Form S = K_ww - K_wu M^-1 K_uw. Columns of K_uw are zero for bodies without contact, and are skipped."""
@@ -186,33 +217,51 @@ class BlockSystem:
         """Increments (n,), (m,) that cancel residuals (n,), (m,), and the number of Krylov iterations.
 
         tolerance: relative tolerance of the Krylov method, None for that of the system.
-        Raises StepError when the Krylov method converges with neither preconditioner, or a diagonal block is singular.
+        Raises StepError when no solver converges: each fails, or the direct factor does not fit in memory.
         """
         if not self._blocks:
             return np.zeros(0), np.zeros(0), 0
         self._b.array = -np.concatenate([soil, body])
-        total = 0
+        total, failures = 0, {}
         while True:
             failure, count = self._attempt(self._solvers[self._current][0], tolerance)
             total += count
             if not failure:
+                self._choice.solved(self._current, self._order[0], self._direct)
                 solution = self._x.array
                 return solution[:len(soil)].copy(), solution[len(soil):].copy(), total
-            if self._current + 1 == len(self._solvers):
-                raise StepError(f"linear solver: {failure}")
-            self._prepare(self._current + 1)
+            failures[self._current] = failure
+            self._next(failures)
+
+    def _next(self, failures):
+        """Prepare the solver that follows the current one; failures: texts by number of solver. StepError if none
+        follows."""
+        rest = self._order[self._order.index(self._current) + 1:]
+        if rest[:1] == [self._direct] and (refusal := self._choice.refusal(self.soil_unknowns)):
+            failures[self._direct], rest = refusal, rest[1:]
+        if not rest:    # of the iterative inverses, the last one; then the direct factor
+            iterative = [failures[number] for number in sorted(failures) if number != self._direct][-1:]
+            direct = [failures[self._direct]] if self._direct in failures else []
+            raise StepError(f"linear solver: {', and '.join(iterative + direct)}")
+        self._prepare(rest[0])
 
     def _attempt(self, ksp, tolerance):
         """(Reason of failure, "" if there is none; number of Krylov iterations)."""
+        if self._failed:
+            return self._failed, 0
         if "hybrid_ksp_rtol" not in CHOSEN_BY_USER:
             _, *others = ksp.getTolerances()
             ksp.setTolerances(self._tolerance if tolerance is None else tolerance, *others)
         try:
             ksp.solve(self._b, self._x)
         except PETSc.Error:
+            if self._current == self._direct:
+                return f"the direct factor {SINGULAR}", 0
             return "a diagonal block is singular", 0
         reason, count = ksp.getConvergedReason(), ksp.getIterationNumber()
         if reason < 0 or not np.isfinite(self._x.array).all():
+            if self._current == self._direct:
+                return f"the direct factor {SINGULAR} or nearly so (PETSc reason {reason})", count
             return f"no convergence in {count} iterations, PETSc reason {reason}", count
         return "", count
 

@@ -5,18 +5,22 @@ import numpy as np
 
 from hybrid.linalg.petsc import BlockSystem
 from hybrid.linalg.precond_pattern import ReducedMatrix, reduced_entries
+from hybrid.linalg.solver_choice import SolverChoice
 from hybrid.linalg.stencil_pattern import make_pattern
 
 
 class Systems:
-    """Pattern and BlockSystem of the last call of `get`."""
+    """Pattern and BlockSystem of the last call of `get`; `choice`: SolverChoice of all its systems."""
 
     def __init__(self, model):
         self._model = model
         self._active, self._small_support, self._pattern, self._system = None, None, None, None
+        self.choice = _choice(model)
 
     def renew(self, model):
         """Use another model, whose pattern may differ, from the next call of `get` on."""
+        if _kind(model) != _kind(self._model):
+            self.choice = _choice(model)
         self._model, self._active = model, None
 
     def destroy(self):
@@ -29,8 +33,8 @@ class Systems:
         """(Pattern, BlockSystem) for active nodes (N,) bool, some of them with small support (N,) bool."""
         small_support = np.zeros_like(active) if small_support is None else small_support
         same_nodes = self._active is not None and np.array_equal(active, self._active)
-        krylov = self._model.solver.linear == "krylov"
-        if not same_nodes or krylov and not np.array_equal(small_support, self._small_support):
+        reduced = self._model.solver.linear != "direct"
+        if not same_nodes or reduced and not np.array_equal(small_support, self._small_support):
             pattern = self._pattern if same_nodes else None
             self.destroy()      # frees the old matrices before the new ones are allocated
             grid = self._model.soil.grid
@@ -42,8 +46,17 @@ class Systems:
     def _make_system(self, small_support):
         model, pattern, solver = self._model, self._pattern, self._model.solver
         reduced = None
-        if solver.linear == "krylov":
+        if solver.linear != "direct":
             reduced = ReducedMatrix(pattern.indptr, pattern.indices,
                                     reduced_entries(pattern, model.soil.grid.shape, small_support))
         return BlockSystem(pattern.indptr, pattern.indices, model.body_unknowns, solver.linear,
-                           solver.linear_tolerance, reduced, model.soil.law.symmetric)
+                           solver.linear_tolerance, reduced, model.soil.law.symmetric, self.choice)
+
+
+def _kind(model):
+    """What a SolverChoice depends on: `solver.linear`, and whether an axis is collapsed."""
+    return model.solver.linear, bool(model.soil.grid.collapsed.any())
+
+
+def _choice(model):
+    return SolverChoice(*_kind(model))

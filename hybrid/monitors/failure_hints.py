@@ -35,9 +35,13 @@ def remedies(model, reason="", errors=(), tolerance=0.0):
     dynamic = model.scheme.inertia
     shorter = "a smaller time.step" if dynamic else "a smaller time.step with more stage.steps"
     if "linear solver" in reason:
-        direct = ['solver.linear = "direct"'] if model.solver.linear == "krylov" else []
+        direct = ['solver.linear = "auto"'] if model.solver.linear == "krylov" else []
+        if "does not fit" in reason:
+            direct = ["larger cells (grid.x.size and the others), or a machine with more memory"]
         held = ["body.held for components of bodies that nothing supports"] if model.bodies else []
-        return (*direct, shorter, *([] if dynamic else [*held, "time.inertia = true"]))
+        support = [] if dynamic else [*held, "time.inertia = true"]
+        singular = "direct factor finds the matrix singular" in reason     # a shorter step has the same stiffness
+        return (*support, shorter) if singular else (*direct, shorter, *support)
     if "residual" not in reason:    # the increment is too long: rotation, search of contact, inverted soil
         return (shorter,)
     changes = [shorter]

@@ -5,6 +5,7 @@ import numpy as np
 from hybrid.body.rigid import FREEDOMS
 from hybrid.linalg.stencil_pattern import make_pattern
 from hybrid.runtime.comm import maximum, minimum, number
+from hybrid.runtime.memory import direct_factor_memory
 from hybrid.scene.soil import USES, of_layer, span
 from hybrid.soil.workspace import keeps_tangents
 
@@ -14,7 +15,6 @@ PICTURES = 95e6         # process that draws pictures
 BYTES_PER_POINT = 1600  # history, constants, trial buffers and temporaries of one point
 BYTES_PER_ENTRY = 34    # entry of the soil block: value, index, incomplete factor and its temporaries
 KEPT_PER_POINT, KEPT_PER_ENTRY = 648, 8     # tangents kept within an increment: 81 numbers and one
-BYTES_OF_FILL = 1200    # direct factor, times n^(4/3) for nested dissection of n unknowns in three dimensions
 
 
 def model_sheet(scene, model, imbalance=None, level="", most_points=0):
@@ -43,6 +43,7 @@ def model_sheet(scene, model, imbalance=None, level="", most_points=0):
         "bodies": [_body(*pair) for pair in zip(scene.bodies, model.bodies)] or "none",
         "soil law": _law(scene.soil.material, soil.law) if not soil.held else "none, the soil is held",
         "basis": scene.soil.basis if not soil.held else "none, the soil is held",
+        "linear solver": _linear_solver(model, pattern.size),
         "soil tangent": _tangent(scene.soil, soil.law) if not soil.held else "none, the soil is held",
         "steps": " + ".join(f"{s.steps} ({s.name})" for s in scene.stages),
         "time integration": _schemes(scene, model.scheme),
@@ -63,13 +64,24 @@ def _moving_grid(scene):
     return {"grid follows": f"{followed}, along {', '.join(axes)}"} if axes else {}
 
 
-def growing_memory(soil, pattern, solver):
-    """Largest memory [bytes] of points, matrix and factor."""
+def growing_memory(soil, pattern, solver, direct=False):
+    """Largest memory [bytes] of points, matrix and factor; direct: whether a direct factor turned out to be needed."""
     kept = keeps_tangents(soil, solver)
     memory = ((BYTES_PER_POINT + KEPT_PER_POINT * kept) * len(soil.constants)
               + (BYTES_PER_ENTRY + KEPT_PER_ENTRY * kept) * len(pattern.indices))
-    fill = solver.linear == "direct" and not soil.grid.collapsed.any()
-    return memory + BYTES_OF_FILL * pattern.size ** (4 / 3) * fill
+    direct = direct or solver.linear == "direct"
+    return memory + direct * direct_factor_memory(pattern.size, bool(soil.grid.collapsed.any()))
+
+
+def _linear_solver(model, unknowns):
+    """How the linear systems are solved, and the memory of a direct factor of so many soil unknowns."""
+    if not unknowns:
+        return "direct, for the bodies alone"
+    factor = direct_factor_memory(unknowns, bool(model.soil.grid.collapsed.any()))
+    return {"krylov": "Krylov method",
+            "direct": "direct factor",
+            "auto": "Krylov method; where it fails, a direct factor of about "
+                    f"{max(1, round(factor / 2**20))} MiB if it fits"}[model.solver.linear]
 
 
 def _tangent(described, law):

@@ -80,7 +80,12 @@ def test_remedies_fit_the_scene():
     with_body = build(soil_scene([box(0.2, 0.2, 0.2, rest_on=0.0)])).model
     assert "a lower body.penalty" in remedies(with_body, **stalled)
     linear = remedies(build(soil_scene(solver=Solver(linear="krylov"))).model, "linear solver: no convergence")
-    assert linear == ('solver.linear = "direct"', "a smaller time.step")
+    assert linear == ('solver.linear = "auto"', "a smaller time.step")
+    singular = remedies(quasi_static(), "linear solver: ..., and the direct factor finds the matrix singular")
+    assert singular[0] == "time.inertia = true"
+    large = remedies(build(soil_scene(solver=Solver())).model, "linear solver: a direct factor does not fit: ...")
+    assert large[0].startswith("larger cells")
+    assert remedies(build(soil_scene(solver=Solver())).model, "linear solver: ...") == ("a smaller time.step",)
     direct = remedies(quasi_static(solver=Solver(linear="direct")), "linear solver: no convergence")
     assert direct == ("a smaller time.step with more stage.steps", "time.inertia = true")
     body = quasi_static(bodies=[box(0.2, 0.2, 0.2, rest_on=0.0)])

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from scipy.sparse import block_diag, csr_matrix, diags, identity, kron, random
 
-from hybrid.linalg import petsc
+from hybrid.linalg import petsc, solver_choice
 from hybrid.linalg.petsc import BlockSystem
 from hybrid.linalg.precond_pattern import ReducedMatrix
+from hybrid.linalg.solver_choice import SolverChoice
 from hybrid.runtime.errors import StepError
 from hybrid.scene import Solver, Time
 from hybrid.setup.build import build
@@ -30,7 +31,7 @@ def filled(n, m, linear, tolerance=1e-12, seed=0):
     return system, np.block([[uu.toarray(), system.uw], [system.wu, system.ww]])
 
 
-@pytest.mark.parametrize("linear", ["krylov", "direct"])
+@pytest.mark.parametrize("linear", ["auto", "krylov", "direct"])
 @pytest.mark.parametrize("n, m", [(200, 0), (200, 3), (200, 12), (0, 6)])
 def test_solves_the_block_system(linear, n, m):
     if n:
@@ -201,3 +202,63 @@ def test_diagonals_that_sweeps_take_for_zero_are_lifted_with_their_sign():
     petsc._lift(values, np.array([0, 1, 2, 3, 4]))
     assert values.tolist() == [2.0, petsc.SMALLEST_DIAGONAL, -petsc.SMALLEST_DIAGONAL, petsc.ZERO_DIAGONAL, -3.0, 1e-30]
     assert 2e-14 < petsc.SMALLEST_DIAGONAL and 0.0 < petsc.ZERO_DIAGONAL < 1e-200
+
+
+def badly_conditioned(linear, choice=None, singular=False):
+    """(BlockSystem, its matrix), which neither sweeps nor an incomplete factor solve within their iterations."""
+    turned = np.linalg.qr(np.random.default_rng(4).standard_normal((90, 90)))[0]
+    values = np.where(np.arange(90) % 2, -1.0, 1.0) * np.logspace(0, 8, 90)
+    uu = csr_matrix(np.ones((90, 90)) if singular else turned * values @ turned.T)
+    near = np.full(uu.nnz, True) if singular else abs(np.repeat(np.arange(90), 90) - uu.indices) < 3
+    reduced = ReducedMatrix(uu.indptr, uu.indices, near)
+    system = BlockSystem(uu.indptr, uu.indices, 0, linear, 1e-10, reduced, True, choice)
+    system.values[:] = uu.data
+    return system, uu
+
+
+def solved(system, uu):
+    """Krylov iterations with a new factor; the solution is checked."""
+    system.factor()
+    soil, _, count = system.solve(np.ones(uu.shape[0]), np.zeros(0))
+    np.testing.assert_allclose(uu @ soil, -1.0, atol=1e-6)
+    return count
+
+
+def test_a_direct_factor_follows_where_the_iterative_solvers_fail_and_is_remembered():
+    """Also by the next system, and its iterations count those that were in vain."""
+    choice = SolverChoice("auto")
+    system, uu = badly_conditioned("auto", choice)
+    assert solved(system, uu) > petsc.SWITCH_AFTER and choice.direct and choice.factors == 1
+    assert solved(system, uu) <= 2 and solved(*badly_conditioned("auto", choice)) <= 2 and choice.factors == 3
+    with pytest.raises(StepError, match="no convergence in .* iterations"):
+        solved(*badly_conditioned("krylov"))
+
+
+def test_more_iterations_come_before_the_direct_factor(monkeypatch):
+    """A chain of 60 nodes, with the diagonal as preconditioner, takes about as many iterations as it has nodes."""
+    uu = csr_matrix(diags([-np.ones(59), np.full(60, 2.0), -np.ones(59)], [-1, 0, 1]))
+    near = ReducedMatrix(uu.indptr, uu.indices, np.repeat(np.arange(60), np.diff(uu.indptr)) == uu.indices)
+    monkeypatch.setattr(petsc, "SWITCH_AFTER", 5)
+    choice = SolverChoice("auto")
+    system = BlockSystem(uu.indptr, uu.indices, 0, "auto", 1e-8, near, True, choice)
+    system._solvers[1][0].setTolerances(max_it=5)
+    system.values[:] = uu.data
+    first = solved(system, uu)
+    assert system._current == 2 and 20 < first <= 5 + 5 + 60 and not choice.direct
+    assert solved(system, uu) == first - 10 and system._current == 2 and choice.factors == 0
+
+
+def test_a_direct_factor_that_does_not_fit_in_memory_is_refused(monkeypatch):
+    monkeypatch.setattr(solver_choice, "available_memory", lambda: 100 * 2**10)
+    reason = r"^linear solver: no convergence in .* and a direct factor does not fit: it needs about .* MiB.*, limit"
+    choice = SolverChoice("auto")
+    with pytest.raises(StepError, match=reason):
+        solved(*badly_conditioned("auto", choice))
+    assert choice.factors == 0
+    assert solved(*badly_conditioned("direct")) <= 2      # which is the user's choice
+
+
+@pytest.mark.parametrize("linear", ["auto", "direct"])
+def test_a_matrix_that_is_singular_to_the_direct_factor_is_named(linear):
+    with pytest.raises(StepError, match="^linear solver: .*the direct factor finds the matrix singular"):
+        solved(*badly_conditioned(linear, singular=True))

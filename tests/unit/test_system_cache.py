@@ -30,3 +30,15 @@ def test_a_change_of_small_support_keeps_the_pattern_and_a_change_of_active_node
 def test_small_support_does_not_matter_to_a_direct_factor():
     systems, active, small = made("direct")
     assert systems.get(active, ~small) == systems.get(active, small)
+
+
+def test_the_choice_of_the_solver_outlives_pattern_and_model():
+    systems, active, light = made("auto")
+    choice = systems.choice
+    systems.get(active, light)
+    active[np.flatnonzero(active)[3]] = False
+    systems.get(active, light)
+    systems.renew(systems._model)
+    assert systems.choice is choice
+    systems.renew(made("krylov")[0]._model)
+    assert systems.choice is not choice and systems.choice.linear == "krylov"

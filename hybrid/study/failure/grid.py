@@ -159,7 +159,7 @@ SCENES = {  # cells along each axis, points a cell, faces
 }
 
 
-def singular(name, linear="krylov"):
+def singular(name, linear="auto"):
     """Singular stiffness: more modes of motion than points that resist them, or soil that no face holds.
 
         one cell     8 points in a cell of 0.5 m            all held    its nodes are all held: no unknowns
@@ -255,7 +255,8 @@ MODES = {
     "singular": Mode(
         title="singular scenes", parameters=("scene",),
         measure="error of the mean stress, or largest slip over the height", right=0.01, wrong=0.05,
-        methods={"direct solver": {"linear": "direct"}, "Krylov method": {}}, default="Krylov method",
+        methods={"direct solver": {"linear": "direct"}, "Krylov method": {"linear": "krylov"}, "automatic": {}},
+        default="automatic",
         message=r"points_per_axis = .*limit 2.*Set|nothing holds the soil along .*limit 1",
         full=tuple(SCENES), quick=("one cell", "unheld"), solve=singular),
     "grid_end": Mode(
