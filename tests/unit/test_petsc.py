@@ -204,14 +204,14 @@ def test_diagonals_that_sweeps_take_for_zero_are_lifted_with_their_sign():
     assert 2e-14 < petsc.SMALLEST_DIAGONAL and 0.0 < petsc.ZERO_DIAGONAL < 1e-200
 
 
-def badly_conditioned(linear, choice=None, singular=False):
+def badly_conditioned(linear, choice=None, singular=False, bodies=0):
     """(BlockSystem, its matrix), which neither sweeps nor an incomplete factor solve within their iterations."""
     turned = np.linalg.qr(np.random.default_rng(4).standard_normal((90, 90)))[0]
     values = np.where(np.arange(90) % 2, -1.0, 1.0) * np.logspace(0, 8, 90)
     uu = csr_matrix(np.ones((90, 90)) if singular else turned * values @ turned.T)
     near = np.full(uu.nnz, True) if singular else abs(np.repeat(np.arange(90), 90) - uu.indices) < 3
     reduced = ReducedMatrix(uu.indptr, uu.indices, near)
-    system = BlockSystem(uu.indptr, uu.indices, 0, linear, 1e-10, reduced, True, choice)
+    system = BlockSystem(uu.indptr, uu.indices, bodies, linear, 1e-10, reduced, True, choice)
     system.values[:] = uu.data
     return system, uu
 
@@ -232,6 +232,26 @@ def test_a_direct_factor_follows_where_the_iterative_solvers_fail_and_is_remembe
     assert solved(system, uu) <= 2 and solved(*badly_conditioned("auto", choice)) <= 2 and choice.factors == 3
     with pytest.raises(StepError, match="no convergence in .* iterations"):
         solved(*badly_conditioned("krylov"))
+
+
+@pytest.mark.parametrize("singular", [False, True])
+def test_a_direct_factor_that_follows_is_one_of_the_whole_matrix_also_with_bodies(singular):
+    """Few iterations, as the Schur complement is exact; remembered by the next systems once one is destroyed."""
+    choice, body = SolverChoice("auto"), np.ones((90, 3))
+    body[:, 1:] = np.random.default_rng(6).standard_normal((90, 2))
+    for attempt in range(3):
+        system, uu = badly_conditioned("auto", choice, singular, bodies=3)
+        system.uw[:], system.wu[:], system.ww[:] = body, body.T, 1e9 * np.eye(3)
+        system.factor()
+        if singular:
+            with pytest.raises(StepError, match="the direct factor finds the matrix singular"):
+                system.solve(np.ones(90), np.ones(3))
+        else:
+            soil, moved, count = system.solve(np.ones(90), np.ones(3))
+            np.testing.assert_allclose(uu @ soil + body @ moved, -1.0, atol=1e-6)
+            np.testing.assert_allclose(body.T @ soil + 1e9 * moved, -1.0, atol=1e-4)
+            assert choice.direct and (count <= 4) == (attempt > 0)
+        system.destroy()
 
 
 def test_more_iterations_come_before_the_direct_factor(monkeypatch):
