@@ -68,6 +68,7 @@ def test_a_kernel_that_takes_in_a_changed_function_is_compiled_again(tmp_path):
     (folder / "outer.py").write_text(
         "from numba import njit\nfrom hybrid.kernels.inner import f\n\n@njit(cache=True)\ndef g():\n    return f()\n")
     environment = {name: value for name, value in os.environ.items() if name != kernel_cache.VARIABLE}
+    environment["PYTHONDONTWRITEBYTECODE"] = "1"    # bytecode of a file changed within a second would be kept
 
     def run(value, **more):
         (folder / "inner.py").write_text(f"from numba import njit\n\n@njit(cache=True)\ndef f():\n    return {value}\n")
