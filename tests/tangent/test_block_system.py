@@ -46,14 +46,18 @@ def prepared(described, seed=1, size=2e-3, updates=0):
     points.velocity[:] = 0.1 * rng.standard_normal(points.velocity.shape)
     points.acceleration[:] = rng.standard_normal(points.acceleration.shape)
     step = begin(simulation.model, simulation.state, described.time.step, True, Workspace(simulation.model))
-    free = simulation.model.bodies[0].free
+
+    def of_all(increment):
+        """An increment (6,) of every body, its free components."""
+        return np.concatenate([np.array(increment)[body.free] for body in simulation.model.bodies])
+
     for _ in range(updates):
-        deeper = np.array([0.0, 0.0, -3e-3, 0.0, 0.0, 0.0])[free]
+        deeper = of_all([0.0, 0.0, -3e-3, 0.0, 0.0, 0.0])
         before = multipliers(step)
         assert step.augment(step.evaluate(step.moved(step.predictor(), np.zeros(step.pattern.size), deeper)))
         assert np.abs(multipliers(step) - before).max() > 0.1 * multipliers(step).max()
     soil = size * rng.standard_normal(step.pattern.size)
-    body = np.array([2e-3, -1e-3, -3e-3, 0.02, -0.03, 0.04])[free]
+    body = of_all([2e-3, -1e-3, -3e-3, 0.02, -0.03, 0.04])
     return step, step.moved(step.predictor(), soil, body)
 
 
@@ -102,6 +106,18 @@ def test_block_tangent_is_consistent(geometry, law, friction):
         assert touch.slip.all()
     if friction == 50.0:
         assert not touch.slip.any()
+    assert observed_rate(step, unknowns) > 1.85
+
+
+def test_each_of_two_bodies_has_its_own_rows_and_columns(geometry):
+    one = scene(geometry, "hencky", 0.3)
+    first = one.bodies[0]
+    second = replace(first, name="second", position=(1.17, 0.41, 0.25 + 0.005), velocity=(0.4, 0.0, -2.0), held=("y",),
+                     friction=0.02)
+    wide = replace(one.grid, x=replace(one.grid.x, end=1.6))
+    step, unknowns = prepared(replace(one, grid=wide, bodies=(first, second)))
+    assert all(len(contact.corners) >= 4 for contact in step.evaluate(unknowns).contacts)
+    assert step.system.body_unknowns == 11
     assert observed_rate(step, unknowns) > 1.85
 
 
