@@ -8,8 +8,8 @@ On 2, 4, 8 cells under half the footing, 20 steps:
     F-bar and ghost            5.23, 5.21                      15.5, 15.4                      32.5, 32.0
     neither                    9.52, 7.65, 6.64                17.4, 16.5, 15.8                35.3, 33.5, 32.2
 
-Neither: still rising for φ = 0. With F-bar alone, round-off decides whether four cells at 30° stop in step 2 or finish. With
-a small ghost penalty they finish.
+Neither: still rising for φ = 0. With F-bar alone, round-off decides whether four cells at 30° stop in step 2 or finish.
+With a small ghost penalty they finish.
 """
 
 import functools
