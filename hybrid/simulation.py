@@ -36,19 +36,20 @@ log = logging.getLogger("hybrid")
 class Simulation:
     """Scene, model and committed state; made by `hybrid.setup.build.build`.
 
-    scene, model, state   what is modelled, what stays the same in a stage, the last accepted State
+    scene, model, state   what is modelled, all keys decided, what stays the same in a stage, the last accepted State
     meshes                TetMesh of each body
     moving_grid           how the grid follows a body, None for a grid that does not move
     level                 texts about what `accuracy` has changed in the scene
+    decisions             what was decided of keys that the scene left out (`hybrid.scene.defaults`)
     evaluation            Evaluation that led to the state, None before the first step
     increment             [s] that the next step of this stage tries first, None: all of it
     imbalance             of the initial state, None for soil that is held or weighs nothing
     """
 
-    def __init__(self, scene, model, state, meshes, moving_grid=None, level=""):
+    def __init__(self, scene, model, state, meshes, moving_grid=None, level="", decisions=()):
         map_large_arrays()      # PETSc is loaded by now
         self.scene, self.model, self.state, self.meshes = scene, model, state, meshes
-        self.moving_grid, self.level = moving_grid, level
+        self.moving_grid, self.level, self.decisions = moving_grid, level, decisions
         self.initial_bodies = list(state.bodies)
         self.evaluation, self.increment = None, None
         workspace = Workspace(model)
@@ -92,7 +93,7 @@ class Simulation:
 
     def sheet(self):
         """What is modelled and what is left out, with sizes: {section: {label: value}}."""
-        return {**model_sheet(self.scene, self.model, self.imbalance, self.level, self.most_points),
+        return {**model_sheet(self.scene, self.model, self.imbalance, self.level, self.most_points, self.decisions),
                 **({"warnings": list(self.warned)} if self.warned else {})}
 
     @cached_property

@@ -17,11 +17,12 @@ BYTES_PER_ENTRY = 34    # entry of the soil block: value, index, incomplete fact
 KEPT_PER_POINT, KEPT_PER_ENTRY = 648, 8     # tangents kept within an increment: 81 numbers and one
 
 
-def model_sheet(scene, model, imbalance=None, level="", most_points=0):
+def model_sheet(scene, model, imbalance=None, level="", most_points=0, decisions=()):
     """Sections {title: {label: value}} for `hybrid check` and summary.json.
 
     imbalance: InitialImbalance, None where the soil carries no weight; level: text about the scene's `accuracy`;
-    most_points: largest number of points at a time, of a grid that follows a body.
+    most_points: largest number of points at a time, of a grid that follows a body; decisions: what was decided of keys
+    that the scene left out.
     """
     soil = model.soil
     pattern = _pattern(soil)
@@ -49,6 +50,7 @@ def model_sheet(scene, model, imbalance=None, level="", most_points=0):
         "time integration": _schemes(scene, model.scheme),
         "increments": _increments(scene, soil.grid.smallest_cell),
         "memory, estimated [MiB]": round(memory / 2**20),
+        **({"decided": [str(decision) for decision in decisions]} if decisions else {}),
     }
     if imbalance is not None:
         modelled["initial imbalance"] = str(imbalance)

@@ -49,10 +49,13 @@ class Body:
         default=())
     friction: float = key("Coulomb coefficient against the soil", "-", default=0.0, at_least=0,
                           remedy="0.45 is steel on sand")
-    penalty: float = key("p_f in the normal contact stiffness ε_N = p_f E A", "1/m", default=50.0, above=0,
-                         remedy="50 is usual")
-    tangential: float = key("ratio ε_T / ε_N of tangential to normal contact stiffness; the larger, the less a rolling "
-                            "body creeps", "-", default=1.0, above=0, remedy="1 is usual")
+    contact: Literal["faces", "corners"] | None = key(
+        "what of the points' domains carries the contact: their faces, or their corners as in the published method",
+        default=None)
+    penalty: float | None = key("p_f in the normal contact stiffness ε_N = p_f E A", "1/m", default=None, above=0,
+                                remedy="50 is usual")
+    tangential: float | None = key("ratio ε_T / ε_N of tangential to normal contact stiffness; the larger, the less a "
+                                   "rolling body creeps", "-", default=None, above=0, remedy="1 is usual")
     enforcement: Literal["penalty", "augmented"] = key(
         "penalty, or augmented Lagrangian: multipliers remove the overlap, at the price of several solutions a step",
         default="penalty")

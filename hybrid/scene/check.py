@@ -8,6 +8,7 @@ from math import cos, hypot, radians, sin
 
 from hybrid.scene.check_grid import grid_faults
 from hybrid.scene.check_material import material_faults
+from hybrid.scene.defaults import resolve
 from hybrid.scene.table import need, range_faults, shown
 from hybrid.scheme import Scheme
 
@@ -15,6 +16,7 @@ from hybrid.scheme import Scheme
 def faults(scene):
     """Texts of all faults of a Scene whose values already have their declared types."""
     yield from range_faults(scene)
+    scene, _ = resolve(scene)
     yield from _plain_name("name", scene.name)
     yield from grid_faults(scene)
     yield from _soil("soil", scene.soil, scene.grid)
@@ -22,6 +24,8 @@ def faults(scene):
         yield from material_faults(scene.soil, scene.grid)
     for i, body in enumerate(scene.bodies):
         yield from _body(f"body.{i}", body, scene.time.inertia)
+        yield from need(body.contact == "corners", f"body.{i}.contact", body.contact, "corners in this version",
+                        "leave it out")
         yield from need(not body.second_pass or scene.soil.basis == "gimp", f"body.{i}.second_pass", body.second_pass,
                         f"0 with soil.basis = {scene.soil.basis!r}, whose points have no faces",
                         "leave it out or set soil.basis = 'gimp'")

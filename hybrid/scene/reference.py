@@ -7,6 +7,7 @@ from types import NoneType
 from typing import Literal, get_args, get_origin, get_type_hints
 
 from hybrid.scene import Layer, Material, Scene
+from hybrid.scene.defaults import RULES
 from hybrid.scene.soil import KEYS, NUMBERS, USES
 from hybrid.scene.table import Range, described, file_name, required_in_file, shown
 
@@ -70,7 +71,9 @@ def _values_of_material():
 HEAD = """# Keys of a scene file
 
 Every table and key, made by `hybrid schema --page`. Units are SI, angles are in degrees, z points upwards.
-A key without a default (–) may be left out; *required* keys may not. The range of a list is that of each number in it.
+A key without a default (–) may be left out; *required* keys may not. A default that is *decided* follows from the
+other keys: `hybrid check` shows the value and the reason (`hybrid.scene.defaults`). The range of a list is that of each
+number in it.
 Keys that are unknown, of another type, out of range or in contradiction are refused with value, limit and remedy.
 
 For completion and checks in an editor, write the JSON Schema beside the scene, `hybrid schema --out scene.schema.json`,
@@ -110,7 +113,7 @@ def _section(cls, paths):
              "| key | type | unit | default | range | meaning |", "|---|---|---|---|---|---|"]
     for f in fields(cls):
         key = described(f)
-        row = (f"`{file_name(f)}`", _words(hints[f.name]), key.unit, _default(f), str(key.range), key.meaning)
+        row = (f"`{file_name(f)}`", _words(hints[f.name]), key.unit, _default(cls, f), str(key.range), key.meaning)
         lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |")
     if cls is Material:
         lines += ["", "Values that each law uses, apart from `density`:", "", "| law | values |", "|---|---|"]
@@ -118,9 +121,11 @@ def _section(cls, paths):
     return "\n".join([*lines, ""])
 
 
-def _default(f):
+def _default(cls, f):
     if required_in_file(f):
         return "*required*"
+    if (cls, f.name) in RULES:
+        return "*decided*"
     if f.default in (MISSING, None, ()):
         return "–"
     if is_dataclass(f.default):

@@ -41,9 +41,9 @@ class Time:
     """The outer step and the scheme of time integration."""
 
     step: float = key("duration of an outer step", "s", above=0, remedy="for example 0.04")
-    scheme: Literal["newmark", "generalised-alpha", "energy-momentum"] = key(
+    scheme: Literal["newmark", "generalised-alpha", "energy-momentum"] | None = key(
         "Newmark's; generalised alpha, of second order with damping of high frequencies; or Newmark's (1/4, 1/2) with "
-        "rotations that conserve energy and angular momentum", default="newmark")
+        "rotations that conserve energy and angular momentum", default=None)
     beta: float | None = key("β of newmark; left out: 1/4. Stable for β >= γ/2 >= 1/4, whatever the step", "-",
                              default=None)
     gamma: float | None = key("γ of newmark; left out: 1/2, which damps nothing. First order for γ > 1/2", "-",
@@ -127,6 +127,10 @@ class Scene:
     time: Time = key("step and scheme of time integration")
     stages: tuple[Stage, ...] = key("periods of time, one after the other; at least one", name="stage")
     gravity: Vector = key("acceleration of gravity", "m/s²", default=(0.0, 0.0, -9.81))
+    method: Literal["default", "published"] = key(
+        'of the keys whose default is decided: "published" gives them the values of the published method (corners of '
+        "domains against triangles, plain penalty, Newmark's scheme without damping, no F-bar, no ghost penalty)",
+        default="default")
     accuracy: Literal["draft", "standard", "reference"] | Target | None = key(
         "cells, steps and tolerances of a draft or of a reference instead of those given, or those that reached a "
         'target, as { like = "footing", error = 0.02, length = 1.0 } (`hybrid.scene.accuracy`)', default=None)

@@ -4,6 +4,7 @@ import numpy as np
 
 from hybrid.runtime.errors import SceneError
 from hybrid.scene.accuracy import apply_accuracy
+from hybrid.scene.defaults import resolve
 from hybrid.scene.file import validate
 from hybrid.scheme import Scheme
 from hybrid.setup.bodies import build_body, connect_to_soil, mesh_of, refuse_overlap, refuse_short
@@ -37,6 +38,7 @@ def build(scene, *, body_force=None, law=None):
 
 def _assemble(scene, accuracy, body_force, law):
     """Simulation of a checked Scene without `accuracy`; accuracy: texts of what it changed, for the model sheet."""
+    scene, decisions = resolve(scene)
     gravity = np.array(scene.gravity, float)
     loads = Loads(gravity, body_force).during(0.0, 0.0, (scene.stages[0].gravity[0],) * 2)
     meshes = [mesh_of(described) for described in scene.bodies]
@@ -53,7 +55,7 @@ def _assemble(scene, accuracy, body_force, law):
     if moving_grid is not None:
         moving_grid.lay_out = lambda grid: lay_out(scene.soil, grid, gravity)
         state.ground = moving_grid.first_ground(layouts, soil)
-    return Simulation(scene, model, state, meshes, moving_grid, accuracy)
+    return Simulation(scene, model, state, meshes, moving_grid, accuracy, decisions)
 
 
 def build_scheme(time):

@@ -110,8 +110,8 @@ class Soil:
     basis: str = SoilScene.basis
     domain: str = SoilScene.domain
     held: bool = SoilScene.held
-    fbar: bool = SoilScene.fbar
-    ghost_factor: float = SoilScene.ghost
+    fbar: bool = False
+    ghost_factor: float = 0.0
     stray: str = SoilScene.stray
     allow_detached: bool = True
     transfer: str = SoilScene.transfer

@@ -49,7 +49,7 @@ from hybrid.scene.table import described
     ("time.beta=0.2", ["gamma/2 = 0.25"]),
     ("time.gamma=1", ["gamma/2 = 0.5"]),
     ("stage.0.gamma=1", ["stage.0.beta = 0.25", "gamma/2 = 0.5"]),
-    ("time.spectral_radius=0.8", ["left out with scheme = 'newmark'", "scheme = 'generalised-alpha'"]),
+    ("time.spectral_radius=1.5", ["time.spectral_radius = 1.5", "from 0 to 1"]),
     ("time.scheme=generalized-alpha", ["did you mean 'generalised-alpha'", "valid: newmark"]),
     ("time.smallest=1", ["at most step = 0.04"]),
     ("time.accuracy=0", ["time.accuracy = 0", "at most 1", "1e-3 is usual"]),

@@ -91,7 +91,7 @@ def test_a_single_body_table_and_a_missing_key(schema):
 
 def test_units_and_defaults_are_in_the_schema():
     body = json_schema()["$defs"]["Body"]
-    assert body["properties"]["penalty"] == {"type": "number", "exclusiveMinimum": 0, "default": 50.0,
+    assert body["properties"]["penalty"] == {"type": "number", "exclusiveMinimum": 0,
                                              "description": "[1/m] p_f in the normal contact stiffness ε_N = p_f E A"}
     assert body["required"] == ["geometry", "density"]
     assert json_schema()["required"] == ["grid", "soil", "time", "stage"]

@@ -24,6 +24,7 @@ import numpy as np
 from hybrid.bench.timed_steps import newton_iterations, timed_steps
 from hybrid.runtime.data import GEOMETRY
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
+from hybrid.scene.defaults import PENALTY
 from hybrid.setup.build import build
 from hybrid.study.precision.problem import Problem
 from hybrid.study.precision.record import RunResult
@@ -142,9 +143,9 @@ def curves(quick=False):
 def transfer(values):
     """Settings that a scene can take over from a run on equal cells in the default number of steps, else None; also
     None for contact springs softer than the default, which reduce an excessive force and so hide some of the error."""
-    body = {"penalty": Body.penalty, **values.get("body", {})}
+    body = {"penalty": PENALTY, **values.get("body", {})}
     found = transferable(values, values["across"] + 0.25, "across")
-    if found is None or body["penalty"] < Body.penalty:
+    if found is None or body["penalty"] < PENALTY:
         return None
     return {**found, "body": {**body, "penalty": 0.5 * WIDTH * body["penalty"]}}
 
@@ -152,7 +153,7 @@ def transfer(values):
 def solve(across, angle=20, steps=20, growth=None, soil=None, solver=None, body=None):
     """RunResult of the footing at a friction angle [degrees], 0 or 20; soil, solver, body: values of these tables that
     differ from the defaults."""
-    found = press(angle, across, steps=steps, growth=growth, body={"penalty": Body.penalty, **(body or {})},
+    found = press(angle, across, steps=steps, growth=growth, body={"penalty": PENALTY, **(body or {})},
                   solver=solver or {}, **(soil or {}))
     errors = {**dict.fromkeys(ERRORS, float("nan")),
               f"Nc, φ = {angle}" + "°" * (angle > 0): float(abs(found.factor[-1] / prandtl(angle) - 1))}

@@ -1,0 +1,95 @@
+"""Keys that a scene leaves out and whose values follow from its physics: the one place where they are decided.
+
+A rule is a function of the scene and of the table that the key is in. It gives the value and the reason for it, which
+the model sheet shows. A value that the scene gives is never changed. With method = "published" the keys left out have
+the values of the published method instead, all at once.
+
+`RULES` is in the order in which keys are decided: a rule may read the keys above its own, which are no longer None.
+"""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+from hybrid.scene.schema import Body, Soil, Time
+from hybrid.scene.table import shown
+
+CONTACT = "corners"     # of bodies, unless the scene gives another one
+PENALTY = 50.0          # [1/m] p_f
+
+
+class Decision(NamedTuple):
+    """A key in the notation of a scene file, the value it was given, and why."""
+
+    key: str
+    value: object
+    reason: str
+
+    def __str__(self):
+        return f"{self.key} = {shown(self.value)}: {self.reason}"
+
+
+def resolve(scene):
+    """(Scene in which every key of `RULES` has a value, tuple of the Decisions that were taken for it)."""
+    decisions = []
+    for cls, name in RULES:
+        scene = _decide(scene, cls, name, decisions)
+    return scene, tuple(decisions)
+
+
+def _decide(scene, cls, name, decisions):
+    """Scene with the key `name` of all tables of a class decided."""
+    rule, published = RULES[cls, name]
+
+    def decided(table, path):
+        if getattr(table, name) is not None:
+            return table
+        value, reason = (published, "the published method") if scene.method == "published" else rule(scene, table)
+        decisions.append(Decision(f"{path}.{name}", value, reason))
+        return replace(table, **{name: value})
+
+    if cls is Body:
+        return replace(scene, bodies=tuple(decided(body, f"body.{i}") for i, body in enumerate(scene.bodies)))
+    table = cls.__name__.lower()
+    return replace(scene, **{table: decided(getattr(scene, table), table)})
+
+
+# ------------------------------------------------------------------ rules: (scene, table) -> (value, reason)
+
+
+def _fbar(scene, soil):
+    return False, "each point has its own change of volume"
+
+
+def _ghost(scene, soil):
+    return 0.0, "cells with little soil are as stiff as their soil"
+
+
+def _contact(scene, body):
+    return CONTACT, "corners of the points' domains carry the contact"
+
+
+def _penalty(scene, body):
+    return PENALTY, "usual"
+
+
+def _tangential(scene, body):
+    return 1.0, "the larger, the less a rolling body creeps"
+
+
+def _scheme(scene, time):
+    stages = [value for stage in scene.stages for value in (stage.beta, stage.gamma)]
+    if any(value is not None for value in (time.beta, time.gamma, *stages)):
+        return "newmark", "beta and gamma are those of Newmark's scheme"
+    if time.spectral_radius is not None:
+        return "generalised-alpha", "it has a spectral radius"
+    return "newmark", "second order" if time.inertia else "not used without inertia"
+
+
+RULES = {   # (class, key): (rule, value of the published method)
+    (Soil, "fbar"): (_fbar, False),
+    (Soil, "ghost"): (_ghost, 0.0),
+    (Body, "contact"): (_contact, "corners"),
+    (Body, "penalty"): (_penalty, 50.0),
+    (Body, "tangential"): (_tangential, 1.0),
+    (Time, "scheme"): (_scheme, "newmark"),
+}

@@ -1,0 +1,97 @@
+"""Keys that a scene leaves out are decided in one place, each with its reason; given values stay."""
+
+from dataclasses import fields, replace
+
+import pytest
+from small_scene import SCENE
+
+from hybrid.runtime.errors import SceneError
+from hybrid.scene import Body, Stage, Time
+from hybrid.scene.defaults import CONTACT, PENALTY, RULES, resolve
+from hybrid.scene.file import load_scene, validate
+from hybrid.setup.build import build
+from hybrid.study.scenes import soil_scene, steel
+
+CUBE = steel(0.2, 0.2, 0.2, position=(0.4, 0.4, 0.2))
+PUBLISHED = {"soil.fbar": False, "soil.ghost": 0.0, "body.0.contact": "corners", "body.0.penalty": 50.0,
+             "body.0.tangential": 1.0, "time.scheme": "newmark"}
+
+
+def decided(scene):
+    """{key: (value, reason)} of the decisions for a scene."""
+    return {key: (value, reason) for key, value, reason in resolve(scene)[1]}
+
+
+def test_every_key_left_out_is_decided_with_a_reason():
+    scene, decisions = resolve(soil_scene([CUBE]))
+    assert [d.key for d in decisions] == list(PUBLISHED) and all(d.reason for d in decisions)
+    tables = {"soil": scene.soil, "body": scene.bodies[0], "time": scene.time}
+    for key, value, _ in decisions:
+        assert getattr(tables[key.split(".")[0]], key.split(".")[-1]) == value is not None
+    assert (scene.bodies[0].contact, scene.bodies[0].penalty) == (CONTACT, PENALTY)
+    assert resolve(scene) == (scene, ())
+
+
+def test_only_keys_that_may_be_left_out_have_a_rule():
+    for cls, name in RULES:
+        assert next(f for f in fields(cls) if f.name == name).default is None
+
+
+@pytest.mark.parametrize("method", ["default", "published"])
+def test_given_values_stay(method):
+    cube = replace(CUBE, contact="corners", penalty=7.0, tangential=0.5)
+    scene = replace(soil_scene([cube], fbar=True, ghost=0.1, time=Time(0.1, scheme="energy-momentum")), method=method)
+    assert resolve(scene) == (scene, ())
+
+
+def test_each_body_is_decided_by_itself():
+    scene, decisions = resolve(soil_scene([replace(CUBE, penalty=7.0), CUBE]))
+    assert [body.penalty for body in scene.bodies] == [7.0, PENALTY]
+    assert [d.key for d in decisions if d.key.endswith("penalty")] == ["body.1.penalty"]
+
+
+def test_the_published_method():
+    found = decided(replace(soil_scene([CUBE]), method="published"))
+    assert {key: value for key, (value, _) in found.items()} == PUBLISHED
+    assert {reason for _, reason in found.values()} == {"the published method"}
+
+
+@pytest.mark.parametrize("values, stages, scheme, reason", [
+    ({"beta": 0.5625, "gamma": 1.0}, {}, "newmark", "beta and gamma are those of Newmark's"),
+    ({"beta": 0.3}, {}, "newmark", "beta and gamma"),
+    ({}, {"gamma": 1.0, "beta": 0.5625}, "newmark", "beta and gamma"),
+    ({"spectral_radius": 0.0}, {}, "generalised-alpha", "spectral radius"),
+    ({"inertia": False}, {}, "newmark", "not used without inertia"),
+])
+def test_the_scheme_follows_from_its_parameters(values, stages, scheme, reason):
+    described = replace(soil_scene(time=Time(0.1, **values)), stages=(Stage("one", 1, **stages),))
+    validate(described)
+    value, why = decided(described)["time.scheme"]
+    assert value == scheme and reason in why
+
+
+def test_parameters_of_two_schemes_are_refused():
+    with pytest.raises(SceneError, match="time.spectral_radius = 0.5: must be left out with scheme = 'newmark'"):
+        validate(soil_scene(time=Time(0.1, gamma=0.6, spectral_radius=0.5)))
+
+
+def test_an_unknown_method_is_refused_with_the_nearest_name(tmp_path):
+    (tmp_path / "scene.toml").write_text('method = "publishd"\n' + SCENE, encoding="utf-8")
+    with pytest.raises(SceneError, match="method = 'publishd': unknown .did you mean 'published'..; valid: default, "):
+        load_scene(tmp_path / "scene.toml")
+
+
+def test_the_model_sheet_shows_what_was_decided():
+    simulation = build(soil_scene(fbar=True))
+    rows = simulation.sheet()["modelled"]["decided"]
+    assert rows == [str(d) for d in simulation.decisions] and not any(row.startswith("soil.fbar") for row in rows)
+    assert simulation.scene.soil.ghost is not None and rows[0].startswith(f"soil.ghost = {simulation.scene.soil.ghost:g}: ")
+
+
+def test_what_is_built_is_the_decided_scene():
+    """A scene with its keys left out gives the model of the scene that names the decided values."""
+    left_out = build(soil_scene([CUBE]))
+    named = build(resolve(soil_scene([CUBE]))[0])
+    assert left_out.scene == named.scene and named.decisions == ()
+    assert left_out.model.bodies[0].penalty == PENALTY and left_out.model.scheme == named.model.scheme
+    assert Body.penalty is None
