@@ -83,7 +83,7 @@ class Solver:
         "disables adaptive forcing", "-", default=0.02, at_least=0, below=1, remedy="0 switches it off")
     tangent_tolerance: float = key(
         "change of a point's tangent within an increment, relative to Young's modulus times the root of the residual, "
-        "up to which the tangent is not assembled again; 0: always. With F-bar all points are assembled", "-",
+        "up to which the tangent is not assembled again; 0: always", "-",
         default=1e-2, at_least=0, below=1, remedy="0 switches it off")
     line_search: bool = key("if a full Newton step leaves more than 80 % of the residual, backtrack as long as that "
                             "lowers the residual", default=True)

@@ -14,11 +14,18 @@ elastic tangent is symmetric:
     f_v = Σ_p V0 [τ g_v + q H_v]        g_v = ΔF^-T ∇_n S_v,  h_v = ΔF_0^-T ∇_n M_v,  H_v = h_v - g_v,  q = P:τ / n
     K_vw = Σ_p V0 [g_v A g_w + (c g_v) H_w + H_v (e g_w) + κ H_v H_w + q (w-transposed g_v g_w - h_v h_w)]
 
-P the identity on the axes that deform, C_ijkl = ∂τ_ij/∂l_kl, c = C:P/n, e = P:C/n, κ = P:C:P/n². A row needs
-two arrays, B and S, over the free components (w, k) of a point, and is added in runs as in `hybrid.soil.rows`:
+P the identity on the axes that deform, C_ijkl = ∂τ_ij/∂l_kl, c = C:P/n, e = P:C/n, κ = P:C:P/n². Sorted by g and h, and
+with the gradients at the start of the step, which are fixed within an increment, this is
 
-    K_vw,ik = Σ_p g_v,j B_ij + H_v,j S_ij        B_ij = V0 [A_ijkl g_w,l + c_ij H_w,k - q δ_jk H_w,i]
-                                                 S_ij = V0 [δ_ij (κ H_w,k + e_kl g_w,l) - q δ_jk h_w,i]
+    K_vw,ik = Σ_p ∂_m S_v B_im + ∂_m M_v S_im
+    B_im    = V0 [Â_imkn ∂_n S_w + ĉ_im h_w,k]
+    S_im    = V0 [ΔF_0^-1_mi (ê_kn ∂_n S_w + κ h_w,k) - q ΔF_0^-1_mk h_w,i]
+
+    Â_imkn  = ΔF^-1_mj ΔF^-1_nl [A_ijkl - c_ij δ_kl - δ_ij e_kl + κ δ_ij δ_kl + q δ_il δ_jk]
+    ĉ_im    = ΔF^-1_mj (c_ij - κ δ_ij)          ê_kn = ΔF^-1_nl (e_kl - κ δ_kl)
+
+B and S are arrays over the free components (w, k) of a point, added in runs as in `hybrid.soil.rows`. The tangent of a
+point follows from COUNT numbers: Â, ĉ, ê, ΔF_0^-1, κ and q.
 
 The value at the element's centre is used by de Souza Neto, Perić, Dutko & Owen, Int. J. Solids Struct. 33 (1996)
 3277-3296, and for material points by Coombs et al., Comput. Methods Appl. Mech. Eng. 333 (2018) 1-21. Their force has
@@ -34,8 +41,11 @@ import numpy as np
 from numba import njit, prange
 
 from hybrid.soil.basis import Basis, support
-from hybrid.soil.forces import current_gradients, reference_gradients
 from hybrid.soil.rows import WIDTH
+from hybrid.soil.tangent import combine
+
+COUNT = 110                                         # numbers that the tangent of a point follows from
+C_AT, E_AT, INVERSE_AT, SCALARS_AT = 81, 90, 99, 108        # where ĉ, ê, ΔF_0^-1, and κ and q begin among them
 
 
 def mean_basis(position, half, axes, basis):
@@ -70,54 +80,15 @@ class MeanDilatation(NamedTuple):
     deforms: np.ndarray
 
 
-def mean_dilatation(step, collapsed, trial):
-    """MeanDilatation of a `trial` (TrialStrain) of a `step` (SoilStep); collapsed: (3,) bool, axes of the grid."""
-    return MeanDilatation(step.mean.value, trial.mean_inverse, ~collapsed)
-
-
-def add_force(step, shape, collapsed, trial, stress, volume, force):
-    """Add V0 q H_v to nodal forces (N, 3) [N]; stress: (n, 3, 3) Kirchhoff [Pa]; volume: (n,) initial [m³]."""
-    dilatation = mean_dilatation(step, collapsed, trial)
-    _add_force(step.slabs, step.basis, shape, trial.inverse, dilatation, stress, volume, force)
-
-
-@njit(cache=True, parallel=True)
-def _add_force(slabs, basis, shape, inverse, dilatation, stress, volume, force):
-    (order, start), (first, count, value, gradient) = slabs, basis
-    mean_value, mean_inverse, deforms = dilatation
-    axes = np.sum(deforms)
-    for colour in range(2):
-        for pair in prange((len(start) - colour) // 2):
-            slab = 2 * pair + colour
-            node, g, h = np.empty(27, np.int64), np.empty((27, 3)), np.empty((27, 3))
-            for n in range(start[slab], start[slab + 1]):
-                p = order[n]
-                m = reference_gradients(p, first, count, value, gradient, shape, node, g)
-                reference_gradients(p, first, count, mean_value, gradient, shape, node, h)
-                current_gradients(inverse[p], m, g)
-                current_gradients(mean_inverse[p], m, h)
-                q = 0.0
-                for i in range(3):
-                    if deforms[i]:
-                        q += volume[p] * stress[p, i, i] / axes
-                for a in range(m):
-                    for i in range(3):
-                        force[node[a], i] += q * (h[a, i] - g[a, i])
-
-
-@njit(cache=True)
-def subtract(h, g, m, H):
-    """Fill H_v = h_v - g_v of the m nodes of a point, each (27, 3)."""
-    for a in range(m):
-        for i in range(3):
-            H[a, i] = h[a, i] - g[a, i]
+def mean_dilatation(mean, collapsed, trial):
+    """MeanDilatation of a `trial` (TrialStrain), None without a `mean` basis; collapsed: (3,) bool, axes of the grid."""
+    return None if mean is None else MeanDilatation(mean.value, trial.mean_inverse, ~collapsed)
 
 
 @njit(cache=True, fastmath={"contract"})
-def project(A, directions, stress, volume, deforms, ce):
-    """Fill `ce` (2, 3, 3) with c = C:P/n and e = P:C/n of one point, C_ijkl = A_ijkl + τ_il δ_jk; returns V0, q, κ."""
+def project(A, directions, stress, deforms, c, e):
+    """Fill c = C:P/n and e = P:C/n (3, 3) of one point, C_ijkl = A_ijkl + τ_il δ_jk; returns κ and q."""
     axes, q, kappa = np.sum(deforms), 0.0, 0.0
-    c, e = ce[0], ce[1]
     for i in range(3):
         for j in range(3):
             tau = 0.0
@@ -136,27 +107,62 @@ def project(A, directions, stress, volume, deforms, ce):
     for i in range(3):
         if deforms[i]:
             kappa += c[i, i] / axes
-    return volume, q, kappa
+    return kappa, q
 
 
 @njit(cache=True, fastmath={"contract"})
-def add_mean_dilatation(unknown, size, scalars, ce, g, h, H, B, S):
-    """Fill S_ij for the free components of a point, and add the terms of F-bar to B_ij, which contains V0 A_ijkl g_w,l;
-    both in nine rows of WIDTH.
+def mean_tangent(A, c, e, scalars, inverse, mean_inverse, work, out):
+    """Fill `out` (COUNT,) with the numbers that the tangent of a point follows from.
 
-    unknown: (2, size) as `free_components` fills it; scalars, ce: from `project`; g, h, H: (27, 3). There are nine
-    arguments because arrays that each thread allocates, passed as a tuple, cost 4 % of the assembly time.
+    A: (81,), c, e: (3, 3), which are overwritten, and scalars: of `project`; inverse, mean_inverse: ΔF^-1, ΔF_0^-1
+    (3, 3); work: (81,).
     """
-    (volume, q, kappa), c, e = scalars, ce[0], ce[1]
+    kappa, q = scalars
+    for i in range(3):
+        e[i, i] -= kappa
+    for i in range(3):
+        for j in range(3):
+            for k in range(3):
+                A[27 * i + 9 * j + 4 * k] -= c[i, j]
+                A[36 * k + 3 * i + j] -= e[i, j]
+            A[28 * i + 12 * j] += q
+    for i in range(3):
+        c[i, i] -= kappa
+    for i in range(3):
+        for m in range(3):
+            combine(work, 27 * i + 9 * m, A, 27 * i, 27 * i + 9, 27 * i + 18, inverse[m, 0], inverse[m, 1], inverse[m, 2])
+    for row in range(27):
+        x, y, z = work[3 * row], work[3 * row + 1], work[3 * row + 2]
+        for n in range(3):
+            out[3 * row + n] = inverse[n, 0] * x + inverse[n, 1] * y + inverse[n, 2] * z
+    for i in range(3):
+        for m in range(3):
+            at = 3 * i + m
+            out[C_AT + at] = inverse[m, 0] * c[i, 0] + inverse[m, 1] * c[i, 1] + inverse[m, 2] * c[i, 2]
+            out[E_AT + at] = inverse[m, 0] * e[i, 0] + inverse[m, 1] * e[i, 1] + inverse[m, 2] * e[i, 2]
+            out[INVERSE_AT + at] = mean_inverse[i, m]
+    out[SCALARS_AT], out[SCALARS_AT + 1] = kappa, q
+
+
+@njit(cache=True, fastmath={"contract"})
+def add_mean_terms(numbers, volume, unknown, size, g, d, B, S):
+    """Add the terms of ĉ to B_im, which contains V0 Â_imkn ∂_n S_w, and all terms to S_im, for the free components of a
+    point, both in nine rows of WIDTH.
+
+    numbers: (COUNT,) of `mean_tangent`; volume: V0, negative to subtract; unknown: (2, size) as `free_components` fills
+    it; g, d: (27, 3) ∂S and ∂M.
+    """
+    T, kappa, q = numbers[INVERSE_AT:SCALARS_AT], numbers[SCALARS_AT], numbers[SCALARS_AT + 1]
+    c, e = numbers[C_AT:E_AT], numbers[E_AT:INVERSE_AT]
     for n in range(size):
-        w, k = unknown[0, n], unknown[1, n]
-        own = volume * H[w, k]
-        both = kappa * own + volume * (e[k, 0] * g[w, 0] + e[k, 1] * g[w, 1] + e[k, 2] * g[w, 2])
+        w, k, at = unknown[0, n], unknown[1, n], np.uintp(n)
+        dx, dy, dz = volume * d[w, 0], volume * d[w, 1], volume * d[w, 2]
+        h = (T[0] * dx + T[3] * dy + T[6] * dz, T[1] * dx + T[4] * dy + T[7] * dz, T[2] * dx + T[5] * dy + T[8] * dz)
+        own = h[k]
+        both = kappa * own + volume * (e[3 * k] * g[w, 0] + e[3 * k + 1] * g[w, 1] + e[3 * k + 2] * g[w, 2])
         for i in range(3):
-            for j in range(3):
-                at = (3 * i + j) * WIDTH + np.uintp(n)
-                B[at] += c[i, j] * own
-                S[at] = both if i == j else 0.0
-            at = (3 * i + k) * WIDTH + np.uintp(n)
-            B[at] -= volume * q * H[w, i]
-            S[at] -= volume * q * h[w, i]
+            turned = q * h[i]
+            for m in range(3):
+                B[at] += c[3 * i + m] * own
+                S[at] += T[3 * m + i] * both - T[3 * m + k] * turned
+                at += WIDTH

@@ -4,7 +4,8 @@ With τ the Kirchhoff stress, g_v = ΔF^-T ∇_n S_v the current gradient and V0
 
     f_v,i = Σ_p V0 τ_ij g_v,j = Σ_p P_ij ∂_n,j S_v       P = V0 τ ΔF^-T
 
-(FORMULATION (11); there with σ = τ/J and V = J V0). Its derivative is in `hybrid.soil.stiffness`.
+(FORMULATION (11); there with σ = τ/J and V = J V0). With F-bar (`hybrid.soil.fbar`) q h_v is added and q g_v subtracted,
+q = P:τ / n, in the same pass over the points. Its derivative is in `hybrid.soil.stiffness`.
 """
 
 import numpy as np
@@ -13,20 +14,14 @@ from numba import njit, prange
 from hybrid.grid.numbering import node_number
 
 
-def internal_force(basis, slabs, shape, trial, stress, volume):
-    """Nodal internal force (N, 3) [N] from Kirchhoff stress (n, 3, 3) [Pa] and initial volumes (n,) [m³]."""
+def internal_force(basis, slabs, shape, trial, stress, volume, dilatation=None):
+    """Nodal internal force (N, 3) [N] from Kirchhoff stress (n, 3, 3) [Pa] and initial volumes (n,) [m³].
+
+    dilatation: MeanDilatation of F-bar, None without.
+    """
     force = np.zeros((int(np.prod(shape)), 3))
-    _internal_force(slabs, basis, shape, trial.inverse, stress, volume, force)
+    _internal_force(slabs, basis, shape, trial.inverse, stress, volume, dilatation, force)
     return force
-
-
-@njit(cache=True)
-def current_gradients(inverse, m, g):
-    """Turn m gradients ∇_n S (m, 3) of one point into g = ΔF^-T ∇_n S; inverse: its ΔF^-1 (3, 3)."""
-    for a in range(m):
-        g0, g1, g2 = g[a, 0], g[a, 1], g[a, 2]
-        for j in range(3):
-            g[a, j] = g0 * inverse[0, j] + g1 * inverse[1, j] + g2 * inverse[2, j]
 
 
 @njit(cache=True)
@@ -45,18 +40,38 @@ def reference_gradients(p, first, count, value, gradient, shape, node, g):
 
 
 @njit(cache=True, parallel=True)
-def _internal_force(slabs, basis, shape, inverse, stress, volume, force):
+def _internal_force(slabs, basis, shape, inverse, stress, volume, dilatation, force):
     (order, start), (first, count, value, gradient) = slabs, basis     # at no cost, unlike access in the loops
     for colour in range(2):
         for pair in prange((len(start) - colour) // 2):
-            slab, P = 2 * pair + colour, np.empty((3, 3))
+            slab, T, P = 2 * pair + colour, np.empty((3, 3)), np.empty((3, 3))
             for n in range(start[slab], start[slab + 1]):
                 p = order[n]
                 for i in range(3):
                     for j in range(3):
-                        P[i, j] = volume[p] * (stress[p, i, 0] * inverse[p, j, 0] + stress[p, i, 1] * inverse[p, j, 1]
-                                               + stress[p, i, 2] * inverse[p, j, 2])
+                        T[i, j] = volume[p] * stress[p, i, j]
+                if dilatation is not None:
+                    q = _mean_pressure(T, dilatation.deforms)
+                    for i in range(3):
+                        T[i, i] -= q
+                        for j in range(3):
+                            P[i, j] = q * dilatation.inverse[p, j, i]
+                    _add_force(p, first, count, dilatation.value, gradient, shape, P, force)
+                for i in range(3):
+                    for j in range(3):
+                        P[i, j] = T[i, 0] * inverse[p, j, 0] + T[i, 1] * inverse[p, j, 1] + T[i, 2] * inverse[p, j, 2]
                 _add_force(p, first, count, value, gradient, shape, P, force)
+
+
+@njit(cache=True)
+def _mean_pressure(stress, deforms):
+    """P:τ / n of one point; deforms: (3,) bool, the n axes that deform."""
+    q, axes = 0.0, 0
+    for i in range(3):
+        if deforms[i]:
+            q += stress[i, i]
+            axes += 1
+    return q / axes
 
 
 @njit(cache=True, fastmath={"contract"})

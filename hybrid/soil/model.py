@@ -164,9 +164,8 @@ class Soil:
             return Refusal(f"leaves the soil's law without a stress at {lost_points.list_points(failed)}")
         stress = from_principal(response.stress, strain.directions)
         volume = _active_only(points, self.constants.volume)
-        force = internal_force(step.basis, step.slabs, self.grid.shape, strain, stress, volume)
-        if self.fbar:
-            fbar.add_force(step, self.grid.shape, self.grid.collapsed, strain, stress, volume, force)
+        force = internal_force(step.basis, step.slabs, self.grid.shape, strain, stress, volume,
+                               fbar.mean_dilatation(step.mean, self.grid.collapsed, strain))
         if step.cuts:
             ghost.add_force(step.cuts, self.grid, displacement, force)
         return SoilTrial(strain, response, stress, force)
@@ -183,7 +182,7 @@ class Soil:
             self.add_stiffness(step, trial, pattern, values)
             return
         volume, tangent = _active_only(step.points, self.constants.volume), trial.response.tangent
-        kept.update(step, self.grid.shape, trial.strain, trial.response.stress, step.workspace.law_tangent(tangent),
+        kept.update(step, self.grid, trial.strain, trial.response.stress, step.workspace.law_tangent(tangent),
                     volume, pattern, np.sqrt(min(error, 1.0)))
         values[...] = kept.values
         if step.cuts:

@@ -76,43 +76,58 @@ def contract(A, g, volume, unknown, size, B):
 
 
 @njit(cache=True, fastmath={"contract"})
-def add_row(values, begin, place, stack, stacks, B, x, gradient):
-    """Add Σ_j g_j B_ij,q to the matrix row that begins at `begin`; gradient: g_j (3,); x: index of B_i0,0 in B."""
-    gx, gy, gz = gradient
+def add_row(values, begin, place, stack, stacks, B, S, x, gradient, mean):
+    """Add Σ_j g_j B_ij,q to the matrix row that begins at `begin`, and with F-bar, where S is not None, Σ_j m_j S_ij,q
+    in the same pass.
+
+    gradient, mean: g_j and m_j (3,); x: index of B_i0,0 in B and of S_i0,0 in S.
+    """
     for s in range(stacks):
         at, q, length = np.uintp(begin + place[s]), x + np.uintp(stack[1, s]), stack[1, s + 1] - stack[1, s]
         if length == 9:
-            _add_six(values, at, B, q, gx, gy, gz)
-            _add_three(values, at + SIX, B, q + SIX, gx, gy, gz)
+            _add_six(values, at, B, S, q, gradient, mean)
+            _add_three(values, at + SIX, B, S, q + SIX, gradient, mean)
         elif length == 6:
-            _add_six(values, at, B, q, gx, gy, gz)
+            _add_six(values, at, B, S, q, gradient, mean)
         else:
             for _ in range(length):
-                values[at] += gx * B[q] + gy * B[q + WIDTH] + gz * B[q + WIDTH + WIDTH]
+                for j in range(3):
+                    values[at] += gradient[j] * B[q + np.uintp(j) * WIDTH]
+                    if S is not None:
+                        values[at] += mean[j] * S[q + np.uintp(j) * WIDTH]
                 at += ONE
                 q += ONE
 
 
 @njit(cache=True, fastmath={"contract"})
-def _add_six(values, at, B, x, gx, gy, gz):
+def _add_six(values, at, B, S, x, gradient, mean):
     """Add to six contiguous entries. All reads precede all writes, so that no addition has to wait for another."""
-    y = x + WIDTH
-    z = y + WIDTH
+    (gx, gy, gz), (mx, my, mz), y, z = gradient, mean, x + WIDTH, x + WIDTH + WIDTH
     one = values[at] + gx * B[x] + gy * B[y] + gz * B[z]
     two = values[at + ONE] + gx * B[x + ONE] + gy * B[y + ONE] + gz * B[z + ONE]
     three = values[at + TWO] + gx * B[x + TWO] + gy * B[y + TWO] + gz * B[z + TWO]
     four = values[at + THREE] + gx * B[x + THREE] + gy * B[y + THREE] + gz * B[z + THREE]
     five = values[at + FOUR] + gx * B[x + FOUR] + gy * B[y + FOUR] + gz * B[z + FOUR]
     six = values[at + FIVE] + gx * B[x + FIVE] + gy * B[y + FIVE] + gz * B[z + FIVE]
+    if S is not None:
+        one += mx * S[x] + my * S[y] + mz * S[z]
+        two += mx * S[x + ONE] + my * S[y + ONE] + mz * S[z + ONE]
+        three += mx * S[x + TWO] + my * S[y + TWO] + mz * S[z + TWO]
+        four += mx * S[x + THREE] + my * S[y + THREE] + mz * S[z + THREE]
+        five += mx * S[x + FOUR] + my * S[y + FOUR] + mz * S[z + FOUR]
+        six += mx * S[x + FIVE] + my * S[y + FIVE] + mz * S[z + FIVE]
     values[at], values[at + ONE], values[at + TWO] = one, two, three
     values[at + THREE], values[at + FOUR], values[at + FIVE] = four, five, six
 
 
 @njit(cache=True, fastmath={"contract"})
-def _add_three(values, at, B, x, gx, gy, gz):
-    y = x + WIDTH
-    z = y + WIDTH
+def _add_three(values, at, B, S, x, gradient, mean):
+    (gx, gy, gz), (mx, my, mz), y, z = gradient, mean, x + WIDTH, x + WIDTH + WIDTH
     one = values[at] + gx * B[x] + gy * B[y] + gz * B[z]
     two = values[at + ONE] + gx * B[x + ONE] + gy * B[y + ONE] + gz * B[z + ONE]
     three = values[at + TWO] + gx * B[x + TWO] + gy * B[y + TWO] + gz * B[z + TWO]
+    if S is not None:
+        one += mx * S[x] + my * S[y] + mz * S[z]
+        two += mx * S[x + ONE] + my * S[y + ONE] + mz * S[z + ONE]
+        three += mx * S[x + TWO] + my * S[y + TWO] + mz * S[z + TWO]
     values[at], values[at + ONE], values[at + TWO] = one, two, three

@@ -10,8 +10,8 @@ Within an increment ∇_n S is fixed, so a point's part of K is linear in the 81
     Â_imkn = ΔF^-1_mj A_ijkl ΔF^-1_nl        K_vw,ik = Σ_p V0 ∂_m S_v Â_imkn ∂_n S_w
 
 From one Newton iteration to the next these change little, except in the few points that yield. So the assembled values
-are kept, and only points whose Â has changed by more than a tolerance add the difference. With F-bar K is not linear in
-Â, and is assembled anew.
+are kept, and only points whose Â has changed by more than a tolerance add the difference. With F-bar the tangent of a
+point follows from 110 numbers, which are kept in the same way; the difference is formed in the arrays B and S.
 """
 
 from typing import NamedTuple
@@ -20,8 +20,8 @@ from weakref import ref
 import numpy as np
 from numba import njit, prange
 
-from hybrid.soil.fbar import add_mean_dilatation, mean_dilatation, project, subtract
-from hybrid.soil.forces import current_gradients, reference_gradients
+from hybrid.soil.fbar import COUNT, INVERSE_AT, SCALARS_AT, add_mean_terms, mean_dilatation, mean_tangent, project
+from hybrid.soil.forces import reference_gradients
 from hybrid.soil.rows import WIDTH, add_row, contract, find_stacks, free_components, scratch
 from hybrid.soil.tangent import point_tangent, pulled_back
 
@@ -39,10 +39,10 @@ class _PointState(NamedTuple):
 
 
 class _Kept(NamedTuple):
-    """Â (n, 81) last added, change (n,) [Pa] that is left out, and whether all points are added anew; (0, 81) and (0,)
-    where nothing is kept."""
+    """Numbers (n, 81), with F-bar (n, 110), of the points last added, change (n,) [Pa] that is left out, and whether
+    all points are added anew; (0, 81) and (0,) where nothing is kept."""
 
-    tensors: np.ndarray
+    numbers: np.ndarray
     limit: np.ndarray
     fresh: bool
 
@@ -56,23 +56,23 @@ def add_stiffness(step, grid, trial, principal_stress, tangent, volume, pattern,
 
     trial: TrialStrain; principal_stress: (n, 3) Kirchhoff [Pa]; tangent: D (n, 3, 3) [Pa]; volume: (n,) initial [m³].
     """
-    dilatation = None if step.mean is None else mean_dilatation(step, grid.collapsed, trial)
     points = _PointState(trial.inverse, trial.strain, trial.directions, principal_stress, tangent, volume)
-    _add_stiffness(step.slabs, step.basis, grid.shape, points, pattern.sparsity, values, NOTHING, dilatation)
+    _add_stiffness(step.slabs, step.basis, grid.shape, points, pattern.sparsity, values, NOTHING,
+                   mean_dilatation(step.mean, grid.collapsed, trial))
 
 
 class KeptStiffness:
-    """Tangent of one increment after another. Within an increment only points whose Â has changed by more than
+    """Tangent of one increment after another. Within an increment only points whose numbers have changed by more than
     `tolerance` times Young's modulus (n,) [Pa] are assembled again.
 
     values: entries of the matrix, for the pattern of the last update
     """
 
-    def __init__(self, tolerance, young):
-        self._limit, self._tensors = tolerance * young, np.empty((len(young), 81))
+    def __init__(self, tolerance, young, fbar=False):
+        self._limit, self._numbers = tolerance * young, np.empty((len(young), COUNT if fbar else 81))
         self._increment, self._pattern, self.values = lambda: None, None, np.zeros(0)
 
-    def update(self, increment, shape, trial, principal_stress, tangent, volume, pattern, share=1.0):
+    def update(self, increment, grid, trial, principal_stress, tangent, volume, pattern, share=1.0):
         """Bring `values` up to date with a trial strain of an `increment` (SoilStep); the first update of an increment
         assembles all points. share: [-] of the tolerance to apply."""
         fresh = increment is not self._increment() or pattern is not self._pattern
@@ -83,8 +83,9 @@ class KeptStiffness:
             self._increment, self._pattern = ref(increment), pattern    # a weak reference: a past step can be freed
             self.values[...] = 0.0
         points = _PointState(trial.inverse, trial.strain, trial.directions, principal_stress, tangent, volume)
-        _add_stiffness(increment.slabs, increment.basis, shape, points, pattern.sparsity, self.values,
-                       _Kept(self._tensors, share * self._limit, fresh), None)
+        _add_stiffness(increment.slabs, increment.basis, grid.shape, points, pattern.sparsity, self.values,
+                       _Kept(self._numbers, share * self._limit, fresh),
+                       mean_dilatation(increment.mean, grid.collapsed, trial))
 
 
 @njit(cache=True, parallel=True)
@@ -94,54 +95,72 @@ def _add_stiffness(slabs, basis, shape, points, sparsity, values, kept, dilatati
     (order, start), (first, count, value, gradient) = slabs, basis
     dof, row, slot, indptr = sparsity
     inverse, strain, directions, stress, tangent, volume = points
-    tensors, limit, fresh = kept
+    numbers, limit, fresh = kept
+    if dilatation is not None:
+        mean_value, mean_inverse, deforms = dilatation
     for colour in range(2):
         for pair in prange((len(start) - colour) // 2):
             slab = 2 * pair + colour
             node, g, local, unknown, stack, place = scratch()
-            A, dyads, pulled, B = np.empty(81), np.empty((3, 81)), np.empty((3, 3)), np.empty(9 * 81)
-            h, H, S, ce = np.empty((27, 3)), np.empty((27, 3)), np.empty(9 * 81), np.empty((2, 3, 3))   # of F-bar
+            new, A, dyads, pulled, B = np.empty(COUNT), np.empty(81), np.empty((3, 81)), np.empty((3, 3)), np.empty(729)
+            S, d, c, e = np.empty(729), np.empty((27, 3)), np.empty((3, 3)), np.empty((3, 3))       # of F-bar
             for n in range(start[slab], start[slab + 1]):
                 p = order[n]
                 if dilatation is None:
                     pulled_back(inverse[p], directions[p], pulled)
-                    point_tangent(directions[p], pulled, strain[p], stress[p], tangent[p], A, dyads)
-                    if len(tensors) > 0 and not _replace(tensors[p], A, limit[p], fresh):
-                        continue
+                    point_tangent(directions[p], pulled, strain[p], stress[p], tangent[p], new, dyads)
                 else:
                     point_tangent(directions[p], directions[p], strain[p], stress[p], tangent[p], A, dyads)
+                    scalars = project(A, directions[p], stress[p], deforms, c, e)
+                    mean_tangent(A, c, e, scalars, inverse[p], mean_inverse[p], dyads[0], new)
+                if len(numbers) > 0 and not _replace(numbers[p], new, limit[p], fresh):
+                    continue
                 m = reference_gradients(p, first, count, value, gradient, shape, node, g)
-                if dilatation is not None:
-                    reference_gradients(p, first, count, dilatation.value, gradient, shape, node, h)
-                    current_gradients(inverse[p], m, g)
-                    current_gradients(dilatation.inverse[p], m, h)
                 stacks = free_components(count[p], node, dof, local, unknown, stack)
-                contract(A, g, volume[p], unknown, stack[1, stacks], B)
+                contract(new, g, volume[p], unknown, stack[1, stacks], B)
                 if dilatation is not None:
-                    scalars = project(A, directions[p], stress[p], volume[p], dilatation.deforms, ce)
-                    subtract(h, g, m, H)
-                    add_mean_dilatation(unknown, stack[1, stacks], scalars, ce, g, h, H, B, S)
+                    reference_gradients(p, first, count, mean_value, gradient, shape, node, d)
+                    S[...] = 0.0
+                    if fresh:
+                        add_mean_terms(new, volume[p], unknown, stack[1, stacks], g, d, B, S)
+                    else:
+                        add_mean_terms(numbers[p], volume[p], unknown, stack[1, stacks], g, d, B, S)
+                        add_mean_terms(new, -volume[p], unknown, stack[1, stacks], g, d, B, S)
                 for a in range(m):
                     if find_stacks(row[node[a]], local[a], stack, stacks, slot, place):
                         for i in range(3):
                             if dof[node[a], i] >= 0:
                                 begin, x = indptr[dof[node[a], i]], np.uintp(3 * i) * WIDTH
-                                add_row(values, begin, place, stack, stacks, B, x, (g[a, 0], g[a, 1], g[a, 2]))
-                                if dilatation is not None:
-                                    add_row(values, begin, place, stack, stacks, S, x, (H[a, 0], H[a, 1], H[a, 2]))
+                                if dilatation is None:
+                                    add_row(values, begin, place, stack, stacks, B, None, x, g[a], g[a])
+                                else:
+                                    add_row(values, begin, place, stack, stacks, B, S, x, g[a], d[a])
 
 
 @njit(cache=True)
-def _replace(kept, A, limit, fresh):
-    """Keep A of a point and leave in A what has to be added; False when it has not changed by more than `limit`."""
+def _replace(kept, new, limit, fresh):
+    """Keep the `new` numbers of a point; False when they have not changed by more than `limit` and nothing is replaced.
+
+    Where an earlier tangent of the point is replaced, `new` becomes what has to be added: the difference of Â, and the
+    old values of the others, which enter the tangent of F-bar in products.
+    """
+    if not fresh and not _changed(kept, new, limit):
+        return False
+    for n in range(len(kept)):
+        before, kept[n] = kept[n], new[n]
+        if not fresh:
+            new[n] = new[n] - before if n < 81 else before
+    return True
+
+
+@njit(cache=True)
+def _changed(kept, new, limit):
     change = 0.0
     for n in range(81):
-        change = max(change, abs(A[n] - kept[n]))
-    if not fresh and change <= limit:
-        return False
-    for n in range(81):
-        new = A[n]
-        if not fresh:
-            A[n] = new - kept[n]
-        kept[n] = new
-    return True
+        change = max(change, abs(new[n] - kept[n]))
+    if len(kept) > 81:
+        modulus = abs(new[SCALARS_AT]) + abs(new[SCALARS_AT + 1])      # ΔF_0^-1 [-] multiplies κ and q
+        for n in range(81, COUNT):
+            scale = modulus if INVERSE_AT <= n < SCALARS_AT else 1.0
+            change = max(change, scale * abs(new[n] - kept[n]))
+    return change > limit

@@ -38,24 +38,24 @@ def point_tangent(first, second, strain, stress, tangent, A, work):
     big = (np.exp(2 * strain[0]), np.exp(2 * strain[1]), np.exp(2 * strain[2]))
     for a in range(3):
         b, c = (a + 1) % 3, (a + 2) % 3
-        _combine(Q, 36 * a, P, 36 * a, 36 * b, 36 * c, tangent[a, a] - stress[a], tangent[a, b], tangent[a, c])
+        combine(Q, 36 * a, P, 36 * a, 36 * b, 36 * c, tangent[a, a] - stress[a], tangent[a, b], tangent[a, c])
         ab, ba = 27 * a + 9 * b, 27 * b + 9 * a
         if abs(strain[a] - strain[b]) > 1e-7:
             kappa = (stress[a] - stress[b]) / (big[a] - big[b])
         else:
             kappa = 0.5 * (tangent[a, a] - tangent[a, b] + tangent[b, b] - tangent[b, a]) / (big[a] + big[b])
         cross = big[a] * kappa - stress[a]      # = big[b] κ - stress[b]
-        _combine(Q, ab, P, ab, ba, ab, big[b] * kappa, cross, 0.0)
-        _combine(Q, ba, P, ba, ab, ba, big[a] * kappa, cross, 0.0)
+        combine(Q, ab, P, ab, ba, ab, big[b] * kappa, cross, 0.0)
+        combine(Q, ba, P, ba, ab, ba, big[a] * kappa, cross, 0.0)
     for i in range(3):
         for b in range(3):
-            _combine(R, 9 * b, Q, 9 * b, 27 + 9 * b, 54 + 9 * b, first[i, 0], first[i, 1], first[i, 2])
+            combine(R, 9 * b, Q, 9 * b, 27 + 9 * b, 54 + 9 * b, first[i, 0], first[i, 1], first[i, 2])
         for j in range(3):
-            _combine(A, 27 * i + 9 * j, R, 0, 9, 18, second[j, 0], second[j, 1], second[j, 2])
+            combine(A, 27 * i + 9 * j, R, 0, 9, 18, second[j, 0], second[j, 1], second[j, 2])
 
 
 @njit(cache=True, fastmath={"contract"})
-def _combine(out, at, B, p, q, r, x, y, z):
+def combine(out, at, B, p, q, r, x, y, z):
     """Nine entries of x B_p + y B_q + z B_r. All reads precede all writes, so that the compiler can use the processor's
     vector registers."""
     at, p, q, r = np.uintp(at), np.uintp(p), np.uintp(q), np.uintp(r)

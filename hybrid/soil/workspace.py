@@ -16,9 +16,8 @@ from hybrid.soil.stiffness import KeptStiffness
 
 
 def keeps_tangents(soil, solver):
-    """Whether points keep their tangents within an increment. The tangent of F-bar is not linear in Â, so it is always
-    assembled anew."""
-    return solver.tangent_tolerance > 0.0 and not soil.held and not soil.fbar
+    """Whether points keep their tangents within an increment."""
+    return solver.tangent_tolerance > 0.0 and not soil.held
 
 
 class SoilWorkspace:
@@ -34,7 +33,7 @@ class SoilWorkspace:
         if solver is None or soil.held:
             return
         if keeps_tangents(soil, solver):
-            self.kept = KeptStiffness(solver.tangent_tolerance, soil.law.young)
+            self.kept = KeptStiffness(solver.tangent_tolerance, soil.law.young, soil.fbar)
         if solver.elastic_share and soil.law.plastic:
             self._share = solver.elastic_share
             self._elastic = soil.law.respond(np.zeros((n, 3)), np.zeros(n)).tangent

@@ -222,16 +222,17 @@ def test_stiffness_is_symmetric_for_associated_flow_only(basis, plane, fbar):
         assert skewness < 1e-13 if symmetric else skewness > 1e-3
 
 
+@pytest.mark.parametrize("fbar", [False, True])
 @pytest.mark.parametrize("law", LAWS)
-def test_kept_tangent_follows_the_trial(law):
+def test_kept_tangent_follows_the_trial(law, fbar):
     """Brought from one trial to another it is the tangent of the second; with a tolerance, of the points that changed
     by more than that. Without bringing it up to date it is not."""
-    soil, step, displacement = block(law)
+    soil, step, displacement = block(law, fbar=fbar)
     pattern = make_pattern(step.active, soil.grid.fixed, soil.grid.shape)
 
     def filled(tolerance, *trials):
         workspace = SoilWorkspace(soil)
-        workspace.kept = KeptStiffness(tolerance, soil.law.young)
+        workspace.kept = KeptStiffness(tolerance, soil.law.young, fbar)
         begun = replace(step, workspace=workspace)
         values = np.empty(len(pattern.indices))
         for u in trials:

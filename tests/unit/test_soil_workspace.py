@@ -116,7 +116,7 @@ def test_settings_have_one_home():
         assert getattr(soil, name) == getattr(type(described), name)
 
 
-@pytest.mark.parametrize("tolerance, fbar, keeps", [(1e-2, False, True), (0.0, False, False), (1e-2, True, False)])
+@pytest.mark.parametrize("tolerance, fbar, keeps", [(1e-2, False, True), (0.0, False, False), (1e-2, True, True)])
 def test_where_tangents_are_kept(tolerance, fbar, keeps):
     solver = Solver(tangent_tolerance=tolerance)
     soil = build(soil_scene(solver=solver, fbar=fbar)).model.soil
