@@ -1,5 +1,5 @@
-"""The `hybrid` command: run a scene, check it without running, measure speed, study precision and failures, mesh a
-geometry.
+"""The `hybrid` command: run a scene, check it without running, measure speed, study precision, failures and random
+scenes, mesh a geometry.
 
 Each command imports what it needs when it runs, so that help and mistakes in the arguments are reported at once.
 Exit codes: 0 done, 2 wrong arguments or an error that the user can correct, 130 interrupted.
@@ -65,18 +65,19 @@ def parser():
     sub.add_argument("--page", action="store_true",
                      help="write the tables of demos/speed/README.md from demos/speed/bench.json, measure nothing")
 
-    sub = _command(commands, "study", study, "chart speed against accuracy, or where methods fail")
-    sub.add_argument("study", choices=["precision", "failure"], metavar="STUDY",
-                     help="precision: error against cost; failure: known failure modes, with plain method and remedies")
+    sub = _command(commands, "study", study, "chart speed against accuracy, where methods fail, or random problems")
+    sub.add_argument("study", choices=["precision", "failure", "random"], metavar="STUDY",
+                     help="precision: error against cost; failure: known failure modes, with plain method and remedies; "
+                          "random: scenes drawn at random with nothing set but the physics")
     sub.add_argument("problems", nargs="*", metavar="NAME", default=[],
-                     help="some of its problems or failure modes (default: all; --list shows them)")
-    sub.add_argument("--quick", action="store_true", help="a few settings of each problem or failure mode, once")
+                     help="some of its problems, failure modes or families (default: all; --list shows them)")
+    sub.add_argument("--quick", action="store_true", help="a few settings or seeds of each of them, once")
     sub.add_argument("--out", type=Path, metavar="DIR", help="folder of records and figures (default: out/STUDY)")
     sub.add_argument("--resume", action="store_true",
                      help="keep the records of the folder and run the missing settings")
     sub.add_argument("--peer", type=Path, metavar="PYTHON", help="a Python with Kratos MPM, run as well in `column`")
     sub.add_argument("--draw", action="store_true", help="draw the figures from the folder's records, run nothing")
-    sub.add_argument("--list", action="store_true", help="list the names of its problems or failure modes, run nothing")
+    sub.add_argument("--list", action="store_true", help="list the names of them, run nothing")
 
     sub = _command(commands, "schema", schema, "print the JSON Schema of scene files, for completion in an editor")
     sub.add_argument("--page", action="store_true", help="print all keys as a page in Markdown instead")
@@ -194,7 +195,7 @@ def bench(options):
 
 def study(options):
     """`hybrid study`: records of every problem, figures, and a table: of precision, how close each curve comes to the
-    Pareto front; of failure, the number of outcomes of each kind."""
+    Pareto front; of failure, the number of outcomes of each kind; of random, the largest errors of each family."""
     from hybrid.bench.peer import checked
     from hybrid.bench.table import table
     from hybrid.runtime.jit_notice import compilation_notice

@@ -5,8 +5,9 @@ from contextlib import contextmanager
 import numpy as np
 import pytest
 
-from hybrid.output import failure_map, figures, work_precision
+from hybrid.output import failure_map, figures, scatter, work_precision
 from hybrid.output.failure_map import COLOURS, LABELS, Map, draw_one_parameter_maps, draw_two_parameter_maps
+from hybrid.output.scatter import Cloud
 from hybrid.output.work_precision import Panel, Series
 
 PANELS = [
@@ -32,7 +33,7 @@ def drawn(monkeypatch):
             yield drawing
             kept.append(drawing)
 
-    for module in (failure_map, work_precision):
+    for module in (failure_map, scatter, work_precision):
         monkeypatch.setattr(module, "figure", keeping)
     return kept
 
@@ -72,3 +73,14 @@ def test_map_over_two_parameters(drawn, tmp_path):
     assert axes.get_title(loc="left") == "(a) cuts: plain (default)"
     assert [text.get_text() for text in axes.get_yticklabels()] == ["0", "1e5"]
     assert axes.images[0].get_array().shape == (2, 2, 3)
+
+
+def test_dots_beyond_the_panel_are_drawn_at_its_edge(drawn, tmp_path):
+    cloud = Cloud("sphere", "slope", "error", [10.0, 20.0, 30.0, 40.0], [0.1, -0.4, 50.0, -90.0], [0.0, 0.3, 0.6, 1.0],
+                  [55.0], 0.5)
+    assert scatter.scatter(tmp_path / "rides.png", [cloud] * 3, "mu", "a machine").is_file()
+    first, *_, unused, bar = drawn[0].axes
+    dots, above, below = (part.get_offsets() for part in first.collections[-3:])
+    assert dots[:, 1].tolist() == [0.1, -0.4] and first.get_ylim() == (-5.0, 5.0)
+    assert (above[:, 0], above[0, 1] > 4, below[:, 0], below[0, 1] < -4) == ([30.0], True, [40.0], True)
+    assert first.lines[-1].get_xdata().tolist() == [55.0] and not unused.axison and bar.get_ylabel() == "mu"
