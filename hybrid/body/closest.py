@@ -1,5 +1,9 @@
 """Kernels of the contact surface: closest point by tree traversal, and the geometry of the gap there.
 
+The tree finds the closest facet. Where facets approximate a curved surface, the point is projected from there onto the
+smooth surface (`hybrid.body.patches`), whose gap, normal and derivatives are those returned. Beyond a sharp edge of it
+the closest point is on the edge, curved or straight. Far beyond a centre of curvature facets are used as they are.
+
 Symbols, features and sources as in `hybrid.body.surface`, which builds the Tree.
 """
 
@@ -9,10 +13,24 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from hybrid.body.patches import (
+    FAILED,
+    INSIDE,
+    Patches,
+    along_edge,
+    dot,
+    edge_curve,
+    geometry,
+    neighbour,
+    project,
+    project_on_edge,
+)
+
 NO_SIDE = (0.0, 0.0, 0.0)
 OPPOSITE = -0.5  # cosine: a triangle more than 120 degrees from the side in contact belongs to the opposite side
 SAME = 0.5       # cosine: a triangle less than 60 degrees from the side in contact belongs to it
 ALL = -2.0       # cosine: no triangle is excluded
+FACET = 7        # feature: the facet itself, of a triangle whose patch is curved
 
 
 class Tree(NamedTuple):
@@ -22,8 +40,9 @@ class Tree(NamedTuple):
     first (leaves + 1,)             where the slots of each leaf start; a slot holds one triangle
     order (t,)                      triangle in a slot
     facets (t, 12)                  v0, v1 - v0, v2 - v0 [m] and unit normal, by slot
-    normals, directions (t, 7, 3)   n̂ and e, by triangle and feature
-    kind (t, 7)                     0 where a feature counts as face, by triangle and feature
+    normals, directions (t, 8, 3)   n̂ and e, by triangle and feature
+    kind (t, 8)                     0 where a feature counts as face, by triangle and feature
+    patches                         curved patches over the triangles
     """
 
     boxes: np.ndarray
@@ -33,6 +52,7 @@ class Tree(NamedTuple):
     normals: np.ndarray
     directions: np.ndarray
     kind: np.ndarray
+    patches: Patches
 
 
 @njit(cache=True)
@@ -146,9 +166,10 @@ def search(y0, y1, y2, reach, tree, side=NO_SIDE, limit=OPPOSITE):
 def outside_bounds(y0, y1, y2, radius, tree):
     """Whether a point is outside the ball of `radius` [m] about the centre or the bounding box of the surface.
 
-    Its gap is then positive and no search is needed. With the slack, points on the plane of a cut count as inside.
+    Its gap is then positive and no search is needed. With the slack, points on the plane of a cut count as inside, and
+    patches that stand out of the box of the facets.
     """
-    slack = 1e-6 * radius
+    slack = 1e-6 * radius + tree.patches.bulge
     if y0 * y0 + y1 * y1 + y2 * y2 > (radius + slack) ** 2:
         return True
     return _box_distance(y0, y1, y2, tree.boxes, 1) > slack * slack
@@ -179,56 +200,145 @@ def closest(y, reach, tree, side=NO_SIDE):
     its own side from within.
 
     Returns (triangle, feature, foot, weights, gap): triangle number, -1 when none is nearer than reach;
-    feature as in the module's head; foot [m] and barycentric weights as tuples of three; gap [m], negative
-    inside.
+    feature as in the module's head; foot = y - gap N [m] and weights of the triangle's corners there (barycentric, or
+    parameters of the curved patch) as tuples of three; gap [m], negative inside.
     """
     y0, y1, y2 = y[0], y[1], y[2]
-    slot, feature, v, w, _ = search(y0, y1, y2, reach, tree, side, ALL)
+    patches = tree.patches
+    whole, widened = True, reach + patches.bulge
+    slot, feature, v, w, _ = search(y0, y1, y2, widened, tree, side, ALL)
     if slot >= 0 and _facing(slot, feature, side, tree) < OPPOSITE:
-        slot, feature, v, w, _ = search(y0, y1, y2, reach, tree, side, SAME)
+        whole = False
+        slot, feature, v, w, _ = search(y0, y1, y2, widened, tree, side, SAME)
         if slot < 0 or not _behind(y0, y1, y2, slot, feature, tree):
-            slot, feature, v, w, _ = search(y0, y1, y2, reach, tree, side, OPPOSITE)
+            slot, feature, v, w, _ = search(y0, y1, y2, widened, tree, side, OPPOSITE)
     if slot < 0:
         return -1, 0, (y0, y1, y2), (0.0, 0.0, 0.0), math.inf
+    triangle = tree.order[slot]
+    if patches.curved[triangle, feature]:
+        found = _on_patches((y0, y1, y2), triangle, v, w, whole, tree)
+        if found[0] >= 0:
+            if not abs(found[4]) < reach:
+                return -1, 0, (y0, y1, y2), (0.0, 0.0, 0.0), math.inf
+            return found
+    return _on_facet((y0, y1, y2), slot, feature, v, w, tree)
+
+
+@njit(cache=True)
+def _on_facet(y, slot, feature, v, w, tree):
+    """As `closest`, on the facet in a slot."""
+    y0, y1, y2 = y
     triangle, facets, weights = tree.order[slot], tree.facets, (max(1.0 - v - w, 0.0), v, w)
     x0, x1, x2 = y0 - facets[slot, 0], y1 - facets[slot, 1], y2 - facets[slot, 2]
     if tree.kind[triangle, feature] == 0:
         # along the normal, so that y - foot = gap N to round-off
         n0, n1, n2 = facets[slot, 9], facets[slot, 10], facets[slot, 11]
         gap = x0 * n0 + x1 * n1 + x2 * n2
-        return triangle, 0, (y0 - gap * n0, y1 - gap * n1, y2 - gap * n2), weights, gap
+        feature = FACET if tree.patches.curved[triangle, 0] else 0
+        return triangle, feature, (y0 - gap * n0, y1 - gap * n1, y2 - gap * n2), weights, gap
     x0 -= v * facets[slot, 3] + w * facets[slot, 6]
     x1 -= v * facets[slot, 4] + w * facets[slot, 7]
     x2 -= v * facets[slot, 5] + w * facets[slot, 8]
-    gap = math.sqrt(x0 * x0 + x1 * x1 + x2 * x2)
-    normals = tree.normals
-    side = x0 * normals[triangle, feature, 0] + x1 * normals[triangle, feature, 1]
-    if side + x2 * normals[triangle, feature, 2] < 0.0:
-        gap = -gap
-    return triangle, feature, (y0 - x0, y1 - x1, y2 - x2), weights, gap
+    return triangle, feature, (y0 - x0, y1 - x1, y2 - x2), weights, _signed((x0, x1, x2), triangle, feature, tree)
 
 
 @njit(cache=True)
-def gap_geometry(y, foot, triangle, feature, tree):
-    """Normal N = d gap/dy and A = d(y - foot)/dy where `closest` found triangle, feature and foot.
+def _signed(x, triangle, feature, tree):
+    """Length of x, the way from an edge or vertex to the point, negative inside."""
+    n, gap = tree.normals, math.sqrt(dot(x, x))
+    side = x[0] * n[triangle, feature, 0] + x[1] * n[triangle, feature, 1] + x[2] * n[triangle, feature, 2]
+    return -gap if side < 0.0 else gap
 
-    Returns N, a tuple of three, and A, a tuple of three rows: A[i][j]. On an edge or vertex without distance,
-    where N has no limit, it is the pseudo-normal. Tuples, because threads that allocate or slice arrays here
+
+@njit(cache=True)
+def _on_patches(y, triangle, v, w, whole, tree):
+    """As `closest`, on the smooth surface around the triangle; triangle -1 near a centre of curvature.
+
+    whole: whether the side beyond a sharp edge may be chosen."""
+    patches = tree.patches
+    triangle, v, w, gap, outcome = project(y, triangle, v, w, patches)
+    if outcome == FAILED:
+        return -1, 0, y, (0.0, 0.0, 0.0), math.inf
+    if outcome >= 0:
+        s = along_edge(outcome, v, w)
+        if whole and patches.across[triangle, outcome] >= 0:
+            t, v, w = neighbour(triangle, outcome, s, patches)
+            t, v, w, gap, beyond = project(y, t, v, w, patches)
+            if beyond == INSIDE:
+                return _on_patch(y, t, v, w, gap, tree)
+        return _on_edge(y, triangle, outcome, s, tree)
+    if whole:
+        for edge in range(3):
+            if not patches.smooth[triangle, edge] and patches.across[triangle, edge] >= 0:
+                t, v2, w2 = neighbour(triangle, edge, along_edge(edge, v, w), patches)
+                t, v2, w2, gap2, beyond = project(y, t, v2, w2, patches)
+                if beyond == INSIDE and abs(gap2) < abs(gap):
+                    return _on_patch(y, t, v2, w2, gap2, tree)
+    return _on_patch(y, triangle, v, w, gap, tree)
+
+
+@njit(cache=True)
+def _on_patch(y, triangle, v, w, gap, tree):
+    if tree.patches.curved[triangle, 0]:
+        N, _, _ = geometry(triangle, v, w, gap, tree.patches.nodes)
+    else:
+        N = tree.normals[triangle, 0, 0], tree.normals[triangle, 0, 1], tree.normals[triangle, 0, 2]
+    return triangle, 0, (y[0] - gap * N[0], y[1] - gap * N[1], y[2] - gap * N[2]), (1.0 - v - w, v, w), gap
+
+
+@njit(cache=True)
+def _on_edge(y, triangle, edge, s, tree):
+    """As `closest`, on a sharp edge of the smooth surface."""
+    s, foot = project_on_edge(y, triangle, edge, s, tree.patches.nodes)
+    at_start, at_end = (1.0 - s, s) if 0.0 < s < 1.0 else ((1.0, 0.0) if s <= 0.0 else (0.0, 1.0))
+    feature = 1 + edge if 0.0 < s < 1.0 else (4 + edge if s <= 0.0 else 4 + (edge + 1) % 3)
+    if edge == 0:
+        weights = at_start, at_end, 0.0
+    elif edge == 1:
+        weights = 0.0, at_start, at_end
+    else:
+        weights = at_end, 0.0, at_start
+    x = y[0] - foot[0], y[1] - foot[1], y[2] - foot[2]
+    return triangle, feature, foot, weights, _signed(x, triangle, feature, tree)
+
+
+@njit(cache=True)
+def gap_geometry(y, foot, weights, gap, triangle, feature, tree):
+    """Normal N, gradient of the gap ∂g/∂y and G = ∂N/∂y where `closest` found triangle, feature, foot, weights and gap.
+
+    N and ∂g/∂y are tuples of three, G a tuple of three rows, G[i][j] = ∂N_i/∂y_j. N = ∂g/∂y, except on curved patches,
+    where N is normal to the surface up to second order in the facets' size. On an edge or vertex without distance,
+    where N has no limit, it is the pseudo-normal and G zero. Tuples, because threads that allocate or slice arrays here
     wait for each other's reference counts.
     """
-    n, e = tree.normals, tree.directions
-    n0, n1, n2 = n[triangle, feature, 0], n[triangle, feature, 1], n[triangle, feature, 2]
+    n, e, patches = tree.normals, tree.directions, tree.patches
+    zero = 0.0, 0.0, 0.0
+    N = n[triangle, feature, 0], n[triangle, feature, 1], n[triangle, feature, 2]
     if feature == 0:
-        return (n0, n1, n2), (
-            (n0 * n0, n0 * n1, n0 * n2), (n1 * n0, n1 * n1, n1 * n2), (n2 * n0, n2 * n1, n2 * n2))
-    x0, x1, x2 = y[0] - foot[0], y[1] - foot[1], y[2] - foot[2]
-    distance = math.sqrt(x0 * x0 + x1 * x1 + x2 * x2)
-    if distance > 0.0:
-        if x0 * n0 + x1 * n1 + x2 * n2 < 0.0:
-            distance = -distance
-        n0, n1, n2 = x0 / distance, x1 / distance, x2 / distance
-    e0, e1, e2 = e[triangle, feature, 0], e[triangle, feature, 1], e[triangle, feature, 2]
-    return (n0, n1, n2), (
-        (1.0 - e0 * e0, -e0 * e1, -e0 * e2),
-        (-e1 * e0, 1.0 - e1 * e1, -e1 * e2),
-        (-e2 * e0, -e2 * e1, 1.0 - e2 * e2))
+        if patches.curved[triangle, 0]:
+            return geometry(triangle, weights[1], weights[2], gap, patches.nodes)
+        return N, N, (zero, zero, zero)
+    if feature == FACET:
+        return N, N, (zero, zero, zero)
+    x = y[0] - foot[0], y[1] - foot[1], y[2] - foot[2]
+    distance = math.sqrt(dot(x, x))
+    if distance == 0.0:
+        return N, N, (zero, zero, zero)
+    if gap < 0.0:
+        distance = -distance
+    N = x[0] / distance, x[1] / distance, x[2] / distance
+    d, slide = (e[triangle, feature, 0], e[triangle, feature, 1], e[triangle, feature, 2]), 1.0
+    if 0 < feature < 4 and patches.curved[triangle, feature] and not patches.smooth[triangle, feature - 1]:
+        _, d, c = edge_curve(triangle, feature - 1, weights[feature % 3], patches.nodes)
+        slide = dot(d, d) - 2.0 * dot(x, c)
+    # the foot slides along the edge: ∂(y - foot)/∂y = I - d d^T/slide
+    return N, N, (
+        _turning(0, N, d, slide, distance), _turning(1, N, d, slide, distance), _turning(2, N, d, slide, distance))
+
+
+@njit(cache=True)
+def _turning(i, N, d, slide, gap):
+    """Row i of G = (I - d d^T/slide - N N^T)/gap."""
+    one = (1.0 if i == 0 else 0.0), (1.0 if i == 1 else 0.0), (1.0 if i == 2 else 0.0)
+    return ((one[0] - d[i] * d[0] / slide - N[i] * N[0]) / gap, (one[1] - d[i] * d[1] / slide - N[i] * N[1]) / gap,
+            (one[2] - d[i] * d[2] / slide - N[i] * N[2]) / gap)

@@ -15,11 +15,12 @@ from pathlib import Path
 import gmsh
 import numpy as np
 
-from hybrid.body.solid import TetMesh, oriented, validate
+from hybrid.body.solid import TetMesh, oriented, smoothed, validate
 from hybrid.runtime.errors import GeometryError
 
 PREFIX = "Parameters/"
 TRIANGLE, TETRAHEDRON = 2, 4  # gmsh's numbers of the linear element types
+SEAM = 1e-3                   # between two normals of one node on one surface
 WRAPPERS = {  # by suffix: .geo statements that make a volume of a file without physical groups
     **dict.fromkeys((".step", ".stp", ".iges", ".igs", ".brep"),
                     'SetFactory("OpenCASCADE"); Geometry.OCCTargetUnit = "M"; Merge "{name}"; '
@@ -49,7 +50,7 @@ def generate(path, parameters=None, size=None):
         mesh = read_mesh(path)
     mesh = oriented(mesh)
     validate(mesh)
-    return mesh
+    return smoothed(mesh)
 
 
 def parameter_names(path):
@@ -173,6 +174,7 @@ def read_mesh(path):
         points=np.asarray(coordinates).reshape(-1, 3)[row[used]],
         tets=index[tets],
         contact=index[contact],
+        normals=read_normals(skins["contact"], contact),
         symmetry=index[symmetry],
         named_points=read_points(path),
         name=path.stem,
@@ -192,6 +194,27 @@ def elements(entities, dim, kind, path):
                                     "tetrahedra can be used; remove Mesh.ElementOrder and Recombine")
             parts.append(np.asarray(tags).astype(np.int64).reshape(-1, width))
     return np.vstack(parts)
+
+
+def read_normals(entities, triangles):
+    """Normals (t, 3, 3) of the surfaces at the corners of their `triangles` (t, 3) of node tags, one surface after the
+    other as `elements` gives them; of either sign, nan where the surface has none (a mesh, the apex of a cone)."""
+    parts = [np.zeros((0, 3, 3))]
+    for entity in map(int, entities):
+        tags = elements([entity], 2, TRIANGLE, None)
+        parts.append(np.full((*tags.shape, 3), np.nan))
+        if "discrete" in gmsh.model.getType(2, entity).lower() or not len(tags):
+            continue
+        nodes, _, place = gmsh.model.mesh.getNodes(2, entity, includeBoundary=True, returnParametricCoord=True)
+        normals = np.asarray(gmsh.model.getNormal(entity, place)).reshape(-1, 3)
+        nodes, first, row = np.unique(np.asarray(nodes, dtype=np.int64), return_index=True, return_inverse=True)
+        # a node on a seam of the surface is listed with both its parameters; at a pole it may have any normal
+        agree = np.linalg.norm(np.cross(normals, normals[first][row.reshape(-1)]), axis=1) < SEAM
+        agree &= np.abs(np.linalg.norm(normals, axis=1) - 1.0) < SEAM
+        sound = np.ones(len(nodes), bool)
+        np.logical_and.at(sound, row.reshape(-1), agree)
+        parts[-1] = np.where(sound[:, None], normals[first], np.nan)[np.searchsorted(nodes, tags)]
+    return np.concatenate(parts)
 
 
 def read_points(path):

@@ -64,7 +64,7 @@ class RigidBody:
 
     @property
     def radius(self):
-        """Distance [m] of the farthest surface vertex from the centre."""
+        """Radius [m] of a ball about the centre around the surface."""
         return self.surface.radius
 
 
@@ -77,8 +77,9 @@ def with_stiffness(body, young, volume):
 
 def bounding_box(body, state):
     """Lower and upper corner (2, 3) [m] of the axis-parallel box about the body's surface."""
-    vertices = state.position + body.surface.vertices @ state.rotation.T
-    return np.array([vertices.min(axis=0), vertices.max(axis=0)])
+    extent = body.surface.extent
+    return state.position + np.array([[-extent(-axis) for axis in state.rotation],
+                                      [extent(axis) for axis in state.rotation]])
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,8 @@
 | points         | nodes of the tetrahedra, in the geometry's coordinates   | (n, 3) | m    |
 | tets           | corners of each tetrahedron, positively oriented         | (m, 4) | -    |
 | contact        | triangles the soil may touch, counter-clockwise outside  | (t, 3) | -    |
+| normals        | of the geometry at the corners of these, outward; nan or | (t,3,3)| -    |
+|                | None where it has none                                   |        |      |
 | symmetry       | triangles of the cut face, counter-clockwise outside     | (s, 3) | -    |
 | named_points   | name -> coordinates                                      | (3,)   | m    |
 """
@@ -15,6 +17,7 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
+from hybrid.body.smooth import corner_normals, unit
 from hybrid.runtime.errors import GeometryError
 
 FLAT = 1e-12  # volume over cubed longest edge at or below which a tetrahedron counts as flat
@@ -32,6 +35,7 @@ class TetMesh:
     symmetry: np.ndarray = field(default_factory=lambda: np.zeros((0, 3), dtype=np.int64))
     named_points: dict[str, np.ndarray] = field(default_factory=dict)
     name: str = ""
+    normals: np.ndarray | None = None
 
 
 def boundary_faces(tets):
@@ -56,7 +60,20 @@ def oriented(mesh):
         oriented_triangles = [outward.get(tuple(sorted(t)), t) for t in triangles.tolist()]
         return np.array(oriented_triangles, dtype=np.int64).reshape(-1, 3)
 
-    return replace(mesh, contact=orient(mesh.contact), symmetry=orient(mesh.symmetry))
+    contact, normals = orient(mesh.contact), mesh.normals
+    if normals is not None:
+        place = (mesh.contact[:, None, :] == contact[:, :, None]).argmax(axis=2)    # of each corner, before
+        normals = np.take_along_axis(normals, place[:, :, None], axis=1)
+    return replace(mesh, contact=contact, normals=normals, symmetry=orient(mesh.symmetry))
+
+
+def smoothed(mesh):
+    """The mesh with outward normals of the smooth surface at all corners of its contact triangles."""
+    symmetry = None
+    if len(mesh.symmetry):
+        a, b, c = (mesh.points[mesh.symmetry[:, k]] for k in range(3))
+        symmetry = unit(np.cross(b - a, c - a).sum(axis=0))
+    return replace(mesh, normals=corner_normals(mesh.points, mesh.contact, mesh.normals, symmetry))
 
 
 def signed_volumes(points, tets):

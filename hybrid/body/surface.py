@@ -2,8 +2,11 @@
 
     closest point  foot(y) = argmin |y - x| over the triangles, found in a tree of bounding boxes
     gap            g = ± |y - foot|, negative inside: the sign is that of (y - foot)·n̂
-    normal         N = (y - foot)/g = dg/dy
-    derivative     A = d(y - foot)/dy = N N^T on a face, I - e e^T on an edge, I at a vertex
+    normal         N = (y - foot)/g = ∂g/∂y
+    derivative     G = ∂N/∂y = 0 on a face, (I - e e^T - N N^T)/g on an edge, (I - N N^T)/g at a vertex
+
+Where the body is curved, triangles carry curved patches between the normals of its surface at their corners, and gap,
+normal and G are those of the patches (`hybrid.body.patches`; the normals are those of `hybrid.body.smooth`).
 
 | symbol | meaning                                                     | shape     | unit |
 |--------|-------------------------------------------------------------|-----------|------|
@@ -26,11 +29,11 @@ pseudo-normals); C. Ericson, Real-Time Collision Detection (2005), sec. 5.1.5 (r
 """
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from hybrid.body.closest import Tree
+from hybrid.body.smooth import build_patches
 from hybrid.runtime.errors import GeometryError
 
 LEAF = 4               # triangles in a leaf of the tree, at most
@@ -43,7 +46,8 @@ class ContactSurface:
     """Oriented triangles with their pseudo-normals; lengths in m, body frame, about the centre of mass.
 
     vertices (V, 3); triangles (t, 3) counter-clockwise seen from outside; normals (t, 3); edge_normals and
-    vertex_normals (t, 3, 3) of the edges v0v1, v1v2, v2v0 and of the vertices; lower, upper (3,) bounds.
+    vertex_normals (t, 3, 3) of the edges v0v1, v1v2, v2v0 and of the vertices; lower, upper (3,) bounds; radius [m] of
+    a ball about the centre of mass around it. The bounds and the ball include what patches stand out of the facets.
     """
 
     vertices: np.ndarray
@@ -53,16 +57,20 @@ class ContactSurface:
     vertex_normals: np.ndarray
     lower: np.ndarray
     upper: np.ndarray
+    radius: float
     tree: Tree
 
-    @cached_property
-    def radius(self):
-        """Distance [m] of the farthest vertex from the centre of mass."""
-        return float(np.linalg.norm(self.vertices, axis=1).max())
+    def extent(self, direction):
+        """Largest product [m] of a point of the surface with `direction` (3,)."""
+        flat, nodes = float((self.vertices @ direction).max()), self.tree.patches.nodes
+        return max(flat, _extent(nodes @ direction)) if len(nodes) else flat
 
 
-def build_surface(vertices, triangles):
+def build_surface(vertices, triangles, corner_normals=None):
     """ContactSurface of `triangles` (t, 3) int into `vertices` (n, 3) [m]; unused vertices are dropped.
+
+    corner_normals: (t, 3, 3) outward unit normals, at the corners of the triangles, of the smooth surface that these
+    approximate (body.smooth.corner_normals); None: the triangles are the surface.
 
     Triangles are connected where they share vertex numbers, so coinciding vertices must have been merged. Raises
     GeometryError for no triangles, coordinates that are not finite, numbers out of range, a triangle
@@ -82,13 +90,41 @@ def build_surface(vertices, triangles):
     vertex_normals = _vertex_normals(triangles, normals, edges, len(vertices))
     creases, corner_kind = _creases(triangles, edges, sharp, len(vertices))
 
-    kind = np.hstack((np.zeros((len(triangles), 1)), sharp, 2 * corner_kind)).astype(np.int64)
+    none = np.zeros((len(triangles), 1))
+    kind = np.hstack((none, sharp, 2 * corner_kind, none)).astype(np.int64)
+    face = normals[:, None]
     tree = _build_tree(corners, normals, kind)._replace(
-        normals=np.concatenate((normals[:, None], edge_normals, vertex_normals), axis=1),
-        directions=np.concatenate((np.zeros((len(triangles), 1, 3)), edges, creases), axis=1),
+        normals=np.concatenate((face, edge_normals, vertex_normals, face), axis=1),
+        directions=np.concatenate((0.0 * face, edges, creases, 0.0 * face), axis=1),
+        patches=build_patches(corners, triangles, normals, corner_normals),
     )
-    lower, upper = vertices.min(axis=0), vertices.max(axis=0)
-    return ContactSurface(vertices, triangles, normals, edge_normals, vertex_normals, lower, upper, tree)
+    hull = np.vstack((vertices, _control_points(tree.patches.nodes)))
+    return ContactSurface(vertices, triangles, normals, edge_normals, vertex_normals, hull.min(axis=0),
+                          hull.max(axis=0), float(np.linalg.norm(hull, axis=1).max()), tree)
+
+
+def _control_points(nodes):
+    """Points (3 t, 3) of the edges' quadratic curves whose hull, with the vertices, contains the patches."""
+    start, d = nodes[:, [0, 0, 0]], nodes[:, 1:3]
+    ends = np.stack((d[:, 0], d[:, 0] + d[:, 1], d[:, 1]), axis=1)
+    return (start + 0.5 * (ends - nodes[:, 6:])).reshape(-1, 3)
+
+
+def _extent(nodes):
+    """Largest value of the quadratic functions over the triangles with `nodes` (t, 9), components of Patches.nodes."""
+    x, p, q, _, _, _, a, b, c = nodes.T
+    # x + p v + q w - u v a - v w b - w u c, u = 1 - v - w, is stationary inside where H (v, w) = -slope
+    slope_v, slope_w = p - a, q - c
+    H_vv, H_ww, H_vw = 2 * a, 2 * c, a + c - b
+    D = H_vv * H_ww - H_vw**2
+    D = np.where(D == 0.0, np.inf, D)
+    v, w = (H_vw * slope_w - H_ww * slope_v) / D, (H_vw * slope_v - H_vv * slope_w) / D
+    inside = (v > 0.0) & (w > 0.0) & (v + w < 1.0)
+    values = [np.where(inside, x + 0.5 * (slope_v * v + slope_w * w), -np.inf)]
+    for start, d, curvature in ((x, p, a), (x + p, q - p, b), (x + q, -q, c)):
+        s = np.clip(0.5 - 0.5 * d / np.where(curvature == 0.0, np.inf, curvature), 0.0, 1.0)
+        values.append(start + s * d - s * (1 - s) * curvature)
+    return float(np.max(values))
 
 
 def _check_arrays(vertices, triangles):
@@ -204,4 +240,4 @@ def _build_tree(corners, face, kind):
     order = np.concatenate(members[leaves:])
     first = np.cumsum([0] + [len(leaf) for leaf in members[leaves:]])
     v0, v1, v2 = (corners[order, k] for k in range(3))
-    return Tree(boxes, first, order, np.hstack((v0, v1 - v0, v2 - v0, face[order])), None, None, kind)
+    return Tree(boxes, first, order, np.hstack((v0, v1 - v0, v2 - v0, face[order])), None, None, kind, None)

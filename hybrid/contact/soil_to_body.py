@@ -1,21 +1,22 @@
 """First pass of contact: corners of the points' domains against the triangles of a body, with Coulomb friction.
 
-    y = R^T (x_c - c)      d = y - foot = g N      A = ∂d/∂y      p = λ - ε_N g > 0
+    y = R^T (x_c - c)      y - foot = g N      p = λ - ε_N g > 0
     z = y - y_anchor       g_t = P z,  P = I - N N^T
     stick  |ε_T g_t| <= μ p :  f = -p N + ε_T g_t
     slip   otherwise        :  f = -p N + μ p s,  s = g_t/|g_t|
 
 (FORMULATION (38) to (41); the seed paper's eqs 3-6), all in the body frame. f is the residual of the penalty, minus the
-force on the corner. Because the normal turns with y at an edge or a vertex, ∂N/∂y = G = (A - N N^T)/g there, and
+force on the corner. The normal turns with y on a curved face, at an edge and at a vertex; with G = ∂N/∂y,
 
-    M = ∂g_t/∂y = P - (N·z) G - N (G z)^T
-    normal ∂f/∂y = ε_N A - λ G
-    stick  + ε_T M                        slip  + μp/|g_t| (I - s s^T) M - μ ε_N s N^T
+    M = ∂g_t/∂y = P - (N·z) G - N (G^T z)^T
+    normal ∂f/∂y = ε_N N (∂g/∂y)^T - p G
+    stick  + ε_T M                        slip  + μp/|g_t| (I - s s^T) M - μ ε_N s (∂g/∂y)^T
 
 | symbol     | meaning                                             | in the kernels                      | unit |
 |------------|-----------------------------------------------------|-------------------------------------|------|
 | g, foot    | signed gap and closest point of the surface         | ClosestPoints.gap, foot             | m    |
-| N, A       | outward normal and ∂d/∂y                            | N, A of `body.closest.gap_geometry` | -    |
+| N, ∂g/∂y   | outward normal and gradient of the gap              | N, dgap of `body.closest`           | -    |
+| G          | ∂N/∂y                                               | G of `body.closest.gap_geometry`    | 1/m  |
 | λ, p       | multiplier of the augmented Lagrangian and pressure | ClosedCorners.multiplier, p         | N    |
 | ε_N, ε_T   | normal and tangential penalty                       | ClosedCorners.stiffness, eps_t      | N/m  |
 | μ          | coefficient of friction                             | Coulomb.mu                          | -    |
@@ -23,7 +24,7 @@ force on the corner. Because the normal turns with y at an edge or a vertex, ∂
 | g_t, s     | tangential gap and its direction                    | g_t, s                              | m, - |
 
 λ is zero under plain penalty; the augmented Lagrangian raises it between solutions (contact/contact_pair.py), and the
-tangent stays that of the penalty. On a face G = 0. The anchor is history in the body frame: it is objective, and it
+tangent stays that of the penalty. On a plane face G = 0. The anchor is history in the body frame: it is objective, and it
 does not change when a corner passes from one triangle to the next. The anchor of a corner that closes in this step is
 its predicted first-contact point (contact/first_contact.py). Without friction (μ = 0) neither anchor nor tangential law
 is evaluated.
@@ -212,18 +213,17 @@ def _project(y, start, radius, tree, points):
 def _law(corners, points, coulomb, tree, out):
     """The law of the module's head at every closed corner."""
     y, y_anchor, origin, stiffness, multiplier = corners      # unpacked once, as in _project
-    gap, triangle, feature, foot, _ = points
+    gap, triangle, feature, foot, weights = points
     force, tangent, slip, anchor, side, energy, dissipated = out
-    G, M, g_t, t, K = np.empty((3, 3)), np.empty((3, 3)), np.empty(3), np.empty(3), np.empty((3, 3))
+    M, g_t, t, K = np.empty((3, 3)), np.empty(3), np.empty(3), np.empty((3, 3))
     for n in range(len(y)):
         eps_n, eps_t = stiffness[n], coulomb.ratio * stiffness[n]
         p = multiplier[n] - eps_n * gap[n]
-        N, A = gap_geometry(y[n], foot[n], triangle[n], feature[n], tree)
+        N, dgap, G = gap_geometry(y[n], foot[n], weights[n], gap[n], triangle[n], feature[n], tree)
         for i in range(3):
             side[n, i], anchor[n, i], force[n, i] = N[i], y_anchor[n, i], -p * N[i]
             for j in range(3):
-                G[i, j] = (A[i][j] - N[i] * N[j]) / gap[n] if gap[n] != 0.0 else 0.0
-                tangent[n, i, j] = eps_n * N[i] * N[j] - p * G[i, j]
+                tangent[n, i, j] = eps_n * N[i] * dgap[j] - p * G[i][j]
         energy[n] = 0.5 * (p * p - multiplier[n] ** 2) / eps_n
         if coulomb.mu == 0.0:
             continue
@@ -232,7 +232,7 @@ def _law(corners, points, coulomb, tree, out):
         slip[n] = not eps_t * size <= limit
         if slip[n]:
             s = g_t[0] / size, g_t[1] / size, g_t[2] / size
-            _slip(limit, size, coulomb.mu * eps_n, N, s, M, t, K)
+            _slip(limit, size, coulomb.mu * eps_n, dgap, s, M, t, K)
             dissipated[n] = limit * _slipped(y[n], origin[n], s, limit / eps_t)
             energy[n] += 0.5 * limit * limit / eps_t
             for i in range(3):
@@ -254,8 +254,8 @@ def _tangential_gap(y, y_anchor, N, G, g_t, M):
     for i in range(3):
         g_t[i] = z[i] - z_n * N[i]
         for j in range(3):
-            Gz = G[j, 0] * z[0] + G[j, 1] * z[1] + G[j, 2] * z[2]
-            M[i, j] = (1.0 if i == j else 0.0) - N[i] * N[j] - z_n * G[i, j] - N[i] * Gz
+            Gz = G[0][j] * z[0] + G[1][j] * z[1] + G[2][j] * z[2]
+            M[i, j] = (1.0 if i == j else 0.0) - N[i] * N[j] - z_n * G[i][j] - N[i] * Gz
 
 
 @njit(cache=True)
@@ -268,13 +268,13 @@ def _stick(eps_t, g_t, M, t, K):
 
 
 @njit(cache=True)
-def _slip(limit, size, slope, N, s, M, t, K):
-    """Fill t (3,) = μ p s and K (3, 3) = ∂t/∂y. limit: μ p [N]; size: |g_t| [m]; slope: μ ε_N [N/m]."""
+def _slip(limit, size, slope, dgap, s, M, t, K):
+    """Fill t (3,) = μ p s and K (3, 3) = ∂t/∂y. limit: μ p [N]; size: |g_t| [m]; slope: μ ε_N [N/m]; dgap: ∂g/∂y."""
     for i in range(3):
         t[i] = limit * s[i]
         for j in range(3):
             sM = s[0] * M[0, j] + s[1] * M[1, j] + s[2] * M[2, j]
-            K[i, j] = limit / size * (M[i, j] - s[i] * sM) - slope * s[i] * N[j]
+            K[i, j] = limit / size * (M[i, j] - s[i] * sM) - slope * s[i] * dgap[j]
 
 
 @njit(cache=True)

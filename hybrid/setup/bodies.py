@@ -30,13 +30,13 @@ def build_body(described, body_mesh, gravity):
     from hybrid.body.mass import condensed_mass
 
     properties = condensed_mass(body_mesh, described.density)
-    surface = build_surface(body_mesh.points - properties.centre, body_mesh.contact)
+    surface = build_surface(body_mesh.points - properties.centre, body_mesh.contact, body_mesh.normals)
     rotation = np.eye(3)
     if described.rotation:
         rotation = rotation_from_axis_angle(described.rotation[:3], np.radians(described.rotation[3]))
     position = np.array(described.position or (0.0, 0.0, 0.0)) + rotation @ properties.centre
     if described.rest_on is not None:
-        position[2] = described.rest_on - (surface.vertices @ rotation.T)[:, 2].min()
+        position[2] = described.rest_on + surface.extent(-rotation[2])     # of its lowest point
     driven = np.isin(FREEDOMS, described.driven)
     free = ~(np.isin(FREEDOMS, described.held) | driven)
     rates = np.concatenate([described.velocity, rotation @ described.spin])

@@ -156,8 +156,14 @@ def test_reach_limits_the_search(shape):
 def query(y, tree):
     """As a contact kernel calls it."""
     triangle, feature, foot, weights, gap = closest(y, np.inf, tree)
-    N, A = gap_geometry(y, foot, triangle, feature, tree)
-    return triangle, feature, foot, gap, N, A
+    return triangle, feature, foot, gap, gap_geometry(y, foot, weights, gap, triangle, feature, tree)
+
+
+def geometry(y, tree):
+    """Triangle, feature, foot, gap, N and A = ∂(y - foot)/∂y = N N^T + g ∂N/∂y, where N is the gradient of the gap."""
+    triangle, feature, foot, gap, (N, gradient, G) = query(y, tree)
+    assert gradient == N
+    return triangle, feature, foot, gap, N, np.outer(N, N) + gap * np.array(G)
 
 
 def box_geometry(y):
@@ -178,7 +184,7 @@ def test_features_of_a_box(n, lattice):
         points = np.stack(np.meshgrid(axis, axis, axis), -1).reshape(-1, 3)
     seen = np.zeros(4, int)
     for y in points[(np.abs(points) > 0.5).any(axis=1)]:
-        _, feature, _, _, N, A = query(y, surface.tree)
+        _, feature, _, _, N, A = geometry(y, surface.tree)
         normal, slide, beyond = box_geometry(y)
         np.testing.assert_allclose(N, normal, atol=1e-13)
         # exactly above the rim of a face or the end of an edge the derivative differs from side to side
@@ -198,7 +204,7 @@ def test_gap_geometry_by_differences(shape):
     if "L" in shape:
         points[:100, :2] = 1 - 0.2 * np.random.default_rng(3).random((100, 2))     # about the re-entrant edge
     for y in points:
-        triangle, feature, _, gap, N, A = query(y, surface.tree)
+        triangle, feature, _, gap, N, A = geometry(y, surface.tree)
         sides = [[query(y + s * h * e, surface.tree) for s in (1, -1)] for e in np.eye(3)]
         same = [np.allclose(normals[q[0], q[1]], normals[triangle, feature]) for pair in sides for q in pair]
         if abs(gap) < 1e-2 or not all(same):
@@ -222,7 +228,7 @@ def test_edges_between_coplanar_triangles_have_the_face_normal():
         np.testing.assert_allclose(surface.edge_normals[t, k], surface.normals[t], atol=1e-15)
         middle = 0.5 * (ends[t, k] + ends[t, (k + 1) % 3])
         for y in (middle + 0.1 * surface.normals[t], middle - 0.1 * surface.normals[t], middle):
-            _, feature, foot, gap, N, A = query(y, surface.tree)
+            _, feature, foot, gap, N, A = geometry(y, surface.tree)
             assert feature == 0
             np.testing.assert_allclose(N, surface.normals[t], atol=1e-15)
             np.testing.assert_allclose(A, np.outer(N, N), atol=1e-15)
@@ -238,7 +244,7 @@ def test_vertex_along_a_straight_edge_slides_along_it():
         np.testing.assert_allclose(np.abs(tree.directions[t, 4 + k]), along, atol=1e-15)
         assert (tree.kind[t, 4 + k] == 0) == (outer[t, k].sum() == 1)
 
-    _, feature, _, gap, N, A = query(np.array([0.0, 0.8, 0.9]), tree)     # above the middle of an edge
+    _, feature, _, gap, N, A = geometry(np.array([0.0, 0.8, 0.9]), tree)     # above the middle of an edge
     assert feature > 0 and gap == pytest.approx(0.5)
     np.testing.assert_allclose(A, np.diag([0.0, 1.0, 1.0]), atol=1e-15)
     np.testing.assert_allclose(N, [0.0, 0.6, 0.8], atol=1e-15)
@@ -251,10 +257,10 @@ def test_pseudo_normals_of_a_cube_do_not_depend_on_its_diagonals():
 
 
 def test_on_a_corner_the_normal_is_the_pseudo_normal():
-    _, feature, _, gap, N, A = query(np.full(3, 0.5), build_surface(*box()).tree)
+    _, feature, _, gap, N, A = geometry(np.full(3, 0.5), build_surface(*box()).tree)
     assert feature > 3 and gap == 0.0
     np.testing.assert_allclose(N, np.full(3, 1 / math.sqrt(3)), atol=1e-15)
-    np.testing.assert_allclose(A, np.eye(3))
+    np.testing.assert_allclose(A, np.outer(N, N), atol=1e-15)       # without distance no part of N turns
 
 
 def test_of_equally_near_triangles_the_first_is_taken():
