@@ -1,11 +1,11 @@
 """Contact of a body with the soil of a scene: where it is evaluated, how stiff it is, and its part in plane strain.
 
 Spacing of the places on the faces of domains    s = 2 l / k <= r/16, on held soil r/32      k from 4 to 32
-penalty on soil that deforms                      p_f = 200 / h
+penalty on soil that deforms                      p_f = 400 / h
 penalty on held soil                              p_f E = W / (π r δ²),  δ = 2 s²/r
 
 with l the largest half-width of a domain, h the smallest cell, r the smallest radius of curvature of the body (a
-body of planes: its size) and W its weight. On soil that deforms the overlap is that of 1/200 of a cell under the
+body of planes: its size) and W its weight. On soil that deforms the overlap is that of 1/400 of a cell under the
 same pressure (platen: 0.3 % of the force). On held soil nothing but the penalty gives way: there δ is the
 overlap of a sphere under its weight, whose contact patch, sqrt(2 r δ), has a radius of two spacings; a stiffer one
 would feel the places one by one. Measured in DESIGN, "Contact".
@@ -23,7 +23,7 @@ from hybrid.runtime.errors import SceneError
 
 FEWEST, MOST = 4, 32                # places along a face
 CURVATURE, HELD_CURVATURE = 16, 32  # spacings in a radius of curvature
-STIFFNESS = 200.0                   # p_f h
+STIFFNESS = 400.0                   # p_f h
 PATCH = 2.0                         # spacings in the radius of a contact patch on held soil
 PUBLISHED = 50.0                    # [1/m] p_f
 STRAIGHT = 1e-6                     # sine of the angle between a prism's surface and its axis
