@@ -4,8 +4,8 @@ Spacing of the places on the faces of domains    s = 2 l / k <= r/16, on held so
 penalty on soil that deforms                      p_f = 400 / h
 penalty on held soil                              p_f E = W / (π r δ²),  δ = 2 s²/r
 
-with l the largest half-width of a domain, h the smallest cell, r the smallest radius of curvature of the body (a
-body of planes: its size) and W its weight. On soil that deforms the overlap is that of 1/400 of a cell under the
+with l the largest half-width of a domain, h the smallest cell, W the weight of the body and r the radius of curvature
+that nine tenths of its surface exceed (a body of planes: its size). On soil that deforms the overlap is that of 1/400 of a cell under the
 same pressure (platen: 0.3 % of the force). On held soil nothing but the penalty gives way: there δ is the
 overlap of a sphere under its weight, whose contact patch, sqrt(2 r δ), has a radius of two spacings; a stiffer one
 would feel the places one by one. Measured in DESIGN, "Contact".
@@ -26,6 +26,7 @@ CURVATURE, HELD_CURVATURE = 16, 32  # spacings in a radius of curvature
 STIFFNESS = 400.0                   # p_f h
 PATCH = 2.0                         # spacings in the radius of a contact patch on held soil
 PUBLISHED = 50.0                    # [1/m] p_f
+SHARP = 0.1                         # of the area: fillets and tips, which cells do not resolve either
 STRAIGHT = 1e-6                     # sine of the angle between a prism's surface and its axis
 
 
@@ -38,8 +39,8 @@ def connect_to_soil(described, body, soil, gravity):
 
 
 def _places(described, body, soil):
-    """(Places, their spacing [m], smallest radius of curvature [m] of the body)."""
-    width, radius = 2 * largest(soil.constants.half_width[:, ~soil.grid.collapsed]), body.surface.smallest_radius
+    """(Places, their spacing [m], radius of curvature [m] of the body)."""
+    width, radius = 2 * largest(soil.constants.half_width[:, ~soil.grid.collapsed]), curvature_radius(body.surface)
     if described.contact == "corners":
         return places.corners(), width, radius
     wanted = (HELD_CURVATURE if soil.held else CURVATURE) * width / radius
@@ -60,6 +61,19 @@ def _penalty(described, body, soil, spacing, radius, gravity):
     radius = min(radius, body.radius)
     overlap = 0.5 * (PATCH * min(spacing, radius / HELD_CURVATURE)) ** 2 / radius
     return weight / (np.pi * radius * overlap**2)
+
+
+def curvature_radius(surface):
+    """Radius of curvature [m] that all but SHARP of a surface's area exceed, inf where that is plane."""
+    nodes, triangle = surface.tree.patches.nodes, surface.vertices[surface.triangles]
+    area = 0.5 * np.linalg.norm(np.cross(triangle[:, 1] - triangle[:, 0], triangle[:, 2] - triangle[:, 0]), axis=1)
+    if not len(nodes):
+        return np.inf
+    edge, turn = (np.stack([nodes[:, i], nodes[:, i + 1], nodes[:, i + 1] - nodes[:, i]], axis=1) for i in (1, 4))
+    curvature = (np.linalg.norm(turn, axis=2) / np.linalg.norm(edge, axis=2)).max(axis=1)
+    order = np.argsort(-curvature)
+    strongest = curvature[order][np.searchsorted(np.cumsum(area[order]), SHARP * area.sum())]
+    return 1.0 / strongest if strongest > 0.0 else np.inf
 
 
 def in_slice(body, grid, rotation=None):
