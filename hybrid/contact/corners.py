@@ -18,6 +18,7 @@ Equations: FORMULATION (39).
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -71,6 +72,23 @@ class Corners:
         return self.position + np.einsum("ca,cai->ci", self.weight, displacement[self.node])
 
 
+class Reach(NamedTuple):
+    """Distance from a body within which contact points are followed: margin [m] around the surface, and the path of the
+    surface towards them in a step of dt [s]."""
+
+    margin: float
+    dt: float
+
+    def farthest(self, body, radius):
+        """[m] for any point around a `body` (BodyState) of `radius` [m]."""
+        return self.margin + self.dt * (np.linalg.norm(body.velocity) + np.linalg.norm(body.spin) * radius)
+
+    def at(self, position, normal, body):
+        """(m,) [m] at positions (m, 3) [m] to which a surface with outward normals (m, 3) is closest."""
+        velocity = body.velocity + np.cross(body.rotation @ body.spin, position - body.position)
+        return self.margin + self.dt * np.maximum(0.0, np.einsum("mi,mi->m", velocity, normal))
+
+
 @dataclass(frozen=True)
 class Domains:
     """Domains of the soil's points: position, half (n, 3) [m], zero in standard MPM; volume: (n,) initial [m³];
@@ -90,7 +108,7 @@ class Domains:
 
 
 def find_corners(domains, pressure, places, grid, active, body, surface, reach, history, expected):
-    """Contact points within `reach` [m] of the surface of `body` (a BodyState).
+    """Contact points within `reach` (Reach) of the surface of `body` (a BodyState).
 
     domains: Domains; pressure: (n,) p_f E [N/m³] of its contact with each; places: Places; active: (N,) bool, nodes that carry mass; history: ContactHistory; expected: nodal
     increments (N, 3) [m] (None: held soil) and pose of the body from which the step starts to iterate.
@@ -117,7 +135,8 @@ def find_corners(domains, pressure, places, grid, active, body, surface, reach, 
 def _within_reach(domains, places, collapsed, body, surface, reach, history):
     """Contact points within reach, {name: values}: those of the history, carried by the grid, and new ones."""
     _, normal, distance = _gaps_in_space(history.position, collapsed, body, surface, np.inf)
-    followed = ((np.abs(distance) <= reach) | history.touching) & domains.included[history.point]
+    within = np.abs(distance) <= reach.at(history.position, normal, body)
+    followed = (within | history.touching) & domains.included[history.point]
     new = _new_points(domains, places, collapsed, body, surface, reach, history.point * len(places) + history.place)
     old = {name: getattr(history, name)[followed]
            for name in ("point", "place", "position", "touching", "anchor", "side")}
@@ -140,20 +159,22 @@ def _new_points(domains, places, collapsed, body, surface, reach, known):
     The search narrows from domains near the body's bounding box to groups of places (faces of a domain) within reach,
     then to the places themselves. Places that do not look at the body have no stiffness and are left out.
     """
-    point = _near(domains, collapsed, body, surface, reach)
+    farthest = reach.farthest(body, surface.radius)
+    point = _near(domains, collapsed, body, surface, farthest)
     groups, each = places.offset.shape[:2]
     point, group = np.repeat(point, groups), np.tile(np.arange(groups), len(point))
     half = np.where(collapsed, 0.0, domains.half[point])
     middle = domains.position[point] + places.centre[group] * half
     size = np.linalg.norm(places.extent[group] * half, axis=1)
-    distance = _gaps_in_space(middle, collapsed, body, surface, reach + size.max(initial=0.0))[2]
-    close = np.flatnonzero(distance <= reach + size)
+    middle, normal, distance = _gaps_in_space(middle, collapsed, body, surface, farthest + size.max(initial=0.0))
+    close = np.flatnonzero((distance <= reach.at(middle, normal, body) + size)
+                           & places.group_may_face(group, normal))
     point, number = np.repeat(point[close], each), (each * group[close, None] + np.arange(each)).ravel()
     fresh = ~np.isin(point * len(places) + number, known)   # the grid has carried the others away from their domain
     point, number = point[fresh], number[fresh]
     position = domains.position[point] + places.flat[number] * domains.half[point]
-    position, normal, distance = _gaps_in_space(position, collapsed, body, surface, reach)
-    stay = np.flatnonzero(np.isfinite(distance) & (places.facing(number, normal) > 0.0))
+    position, normal, distance = _gaps_in_space(position, collapsed, body, surface, farthest)
+    stay = np.flatnonzero((distance <= reach.at(position, normal, body)) & (places.facing(number, normal) > 0.0))
     return {"point": point[stay], "place": number[stay], "position": position[stay], "clearance": distance[stay],
             "normal": normal[stay]}
 

@@ -19,21 +19,24 @@ Equations: FORMULATION (39).
 """
 
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
+BLOCK = 4           # places along a block of a face
+TURN = 0.5          # by which the normal of a body may turn within half a block: sine
 CORNER_SHARE = 0.25  # of a point's contact stiffness, per corner
-# A quarter of a cell: what the soil has been strained by there hardly moves its surface, and the places followed are a
-# quarter of those within a cell.
-FACE_REACH = 0.25
+# Cells around a body in which places are followed. A quarter of one: what the soil has been strained by there hardly moves its surface, and the places followed are a
+# quarter of those within a cell. Held soil is not strained.
+FACE_REACH, HELD_REACH = 0.25, 0.0625
 
 
 @dataclass(frozen=True)
 class Places:
-    """Places on a domain, in groups: its faces, or all corners as one group.
+    """Places on a domain, in groups: blocks of its faces, or all corners as one group.
 
     offset: (g, s, 3) of s places in g groups, in half-widths of the domain; normal: (g, 3) outward, 0 for corners;
-    axis: (g,) normal to the face, -1 for corners; share: of the area of a group that belongs to each place [-]
+    axis: (g,) normal to the face, -1 for corners; share: of the area of a face that belongs to each place [-]
     reach: distance from the body, in cells, from which a place is followed as a material point
     """
 
@@ -60,6 +63,10 @@ class Places:
     def extent(self):
         """(g, 3) largest distance of a place from the middle of its group, in half-widths."""
         return np.abs(self.offset - self.centre[:, None]).max(axis=1)
+
+    def group_may_face(self, group, normal):
+        """(m,) bool, whether a place of `group` (m,) may look at a body whose normal at its middle is (m, 3)."""
+        return -np.einsum("mi,mi->m", self.normal[group], normal) > -TURN
 
     @property
     def flat(self):
@@ -89,16 +96,23 @@ def corners():
     return Places(signs, np.zeros((1, 3)), np.array([-1]), CORNER_SHARE, 1.0)
 
 
-def faces(k, collapsed=(False, False, False)):
-    """k x k places on every face that is not normal to a `collapsed` axis; along such an axis there is one."""
+def faces(k, collapsed=(False, False, False), reach=FACE_REACH):
+    """k x k places on every face that is not normal to a `collapsed` axis, in blocks of BLOCK x BLOCK; along such an
+    axis there is one. k: a multiple of BLOCK."""
     offset, normal, axes = [], [], []
     for axis in np.flatnonzero(~np.asarray(collapsed)):
         u, v = (axis + 1) % 3, (axis + 2) % 3
-        along = [(2 * np.arange(1 if collapsed[i] else k) + 1) / (1 if collapsed[i] else k) - 1 for i in (u, v)]
         for side in (-1.0, 1.0):
-            place = np.zeros((len(along[0]), len(along[1]), 3))
-            place[..., axis], place[..., u], place[..., v] = side, along[0][:, None], along[1]
-            offset.append(place.reshape(-1, 3))
-            normal.append(side * np.eye(3)[axis])
-            axes.append(axis)
-    return Places(np.array(offset), np.array(normal), np.array(axes), 1.0 / offset[0].shape[0], FACE_REACH)
+            for along_u, along_v in product(*(_blocks(1 if collapsed[i] else k) for i in (u, v))):
+                place = np.zeros((len(along_u), len(along_v), 3))
+                place[..., axis], place[..., u], place[..., v] = side, along_u[:, None], along_v
+                offset.append(place.reshape(-1, 3))
+                normal.append(side * np.eye(3)[axis])
+                axes.append(axis)
+    share = 1.0 / (k if any(collapsed) else k * k)
+    return Places(np.array(offset), np.array(normal), np.array(axes), share, reach)
+
+
+def _blocks(k):
+    """Offsets in half-widths of k places along an axis, in blocks."""
+    return ((2 * np.arange(k) + 1) / k - 1).reshape(-1, min(k, BLOCK))

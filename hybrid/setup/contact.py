@@ -44,8 +44,9 @@ def _places(described, body, soil):
     if described.contact == "corners":
         return places.corners(), width, radius
     wanted = (HELD_CURVATURE if soil.held else CURVATURE) * width / radius
-    k = int(np.clip(np.ceil(wanted), FEWEST, MOST))
-    return places.faces(k, soil.grid.collapsed), width / k, radius
+    k = int(places.BLOCK * np.ceil(np.clip(wanted, FEWEST, MOST) / places.BLOCK))
+    reach = places.HELD_REACH if soil.held else places.FACE_REACH
+    return places.faces(k, soil.grid.collapsed, reach), width / k, radius
 
 
 def _penalty(described, body, soil, spacing, radius, gravity):

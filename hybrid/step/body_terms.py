@@ -10,6 +10,7 @@ import numpy as np
 from hybrid.body import rigid
 from hybrid.body.rigid import BodyTrial, RigidBody
 from hybrid.contact.contact_pair import ContactPair
+from hybrid.contact.corners import Reach
 from hybrid.contact.soil_to_body import CornerContact
 from hybrid.scheme import Scheme
 from hybrid.state import BodyState
@@ -25,7 +26,7 @@ class BodyStep:
     body      its constants, with the mask of its free components
     state     committed motion
     target    (3,) [m] far end of its pull line at the end of the step, None where no line acts
-    pair      its contact with the soil; reach: [m] of the search for it
+    pair      its contact with the soil; reach: of the search for it
     unknowns  slice of the bodies' unknowns that are its own
     line_force  (3,) [N] residual of the line at the start of the step
     """
@@ -35,7 +36,7 @@ class BodyStep:
     state: BodyState
     target: np.ndarray | None
     pair: ContactPair
-    reach: float
+    reach: Reach
     unknowns: slice
     line_force: np.ndarray
     gravity: np.ndarray

@@ -150,12 +150,12 @@ class Step:
         return ""
 
     def search_radius_ratio(self, unknowns):
-        """Largest ratio of the path of soil and body towards each other to the reach of the corner search."""
+        """Largest path of soil and body towards each other that was not predicted, over the margin of the search."""
         moved = None
         if self.soil is not None and self.bodies:   # of points: a node with little mass may move far without effect
             moved = interpolate(self.soil.basis, self.model.soil.grid.shape, unknowns.displacement)
-        return max((travel_ratio(b.body, b.state, b.pose(unknowns), b.reach, self.model.soil.grid, self.state.points,
-                                 moved) for b in self.bodies), default=0.0)
+        return max((travel_ratio(b.body, b.state, b.pose(unknowns), b.predicted_pose(), b.reach.margin, self.model.soil.grid,
+                                 self.state.points, moved) for b in self.bodies), default=0.0)
 
     def tunnelled(self, evaluation):
         """Number of corners that passed through a body in the step, deeper than a twentieth of a cell."""

@@ -127,7 +127,7 @@ def rejection(step, evaluation):
         return reason
     ratio = step.search_radius_ratio(evaluation.unknowns)
     if ratio > 1:
-        return f"soil and body moved {ratio:.1f} times the reach of the contact search"
+        return f"soil and body moved {ratio:.1f} times farther than the contact search allows for"
     count = step.tunnelled(evaluation)
     return f"{count} corners of the soil passed through a body" if count else ""
 

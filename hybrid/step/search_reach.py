@@ -1,54 +1,56 @@
-"""Reach of the corner search: the distance from a body within which corners are followed during a step.
+"""Reach of the contact search: the distance from a body within which contact points are followed during a step.
 
-    R = max(s, max_v 2 Δt (V + |v_v|))    over the nodes v with  d_v <= 2 Δt (V + |v_v|)
+    R_c = R_0 + Δt max(0, ẋ_s·N)        R_0 = max(s, 2 Δt max_v |v_v| + g Δt²)     over nodes v with  d_v <= 2 Δt (V + |v_v|)
 
-s is a share of the smallest cell (`hybrid.contact.places`), V the speed of the fastest point of the body, |v_v| the largest component of a node's velocity,
-and d_v the distance from the body's bounding box to the cells around the node. A corner moves no faster than the
-fastest node of its cell. If it could touch the body within twice the step, that node fulfils the condition, so R
-covers it; a fast node so far away that none of its corners could touch leaves R as it is. The factor 2 is the margin
-for velocities that grow within the step. `travel_ratio` measures afterwards whether the margin was enough.
+at the point of the body's surface closest to a contact point: ẋ_s is its velocity there and N the outward normal, so
+soil that a body slides along is not farther within reach than soil at rest. s is a share of the smallest cell
+(`hybrid.contact.places`), V the speed of the fastest point of the body, |v_v| the largest component of a node's
+velocity, and d_v the distance from the body's bounding box to the cells around the node. A contact point moves no
+faster than the fastest node of its cell. The factor 2 is the margin for velocities that grow within the step.
+`travel_ratio` measures afterwards whether the margin R_0 was enough.
 """
 
 import numpy as np
 
 from hybrid.body import rigid
+from hybrid.contact.corners import Reach
 from hybrid.runtime import comm
 
 MARGIN = 2.0
 
 
 def search_reach(body, state, grid, velocity, dt, gravity=0.0):
-    """Reach R [m] around a `body` at its committed `state`; velocity: (N, 3) [m/s] of the nodes, None for held soil;
-    gravity: [m/s²], by which a body that is let go falls in the step."""
-    speed = np.linalg.norm(state.velocity) + np.linalg.norm(state.spin) * body.radius + gravity * dt
-    cell = body.places.reach * grid.smallest_cell
+    """Reach around a `body` at its committed `state`; velocity: (N, 3) [m/s] of the nodes, None for held soil; gravity:
+    [m/s²], by which a body that is let go falls in the step."""
+    speed = np.linalg.norm(state.velocity) + np.linalg.norm(state.spin) * body.radius
+    floor = body.places.reach * grid.smallest_cell
     fastest = 0.0 if velocity is None else comm.largest(np.abs(velocity))
-    if MARGIN * dt * (speed + fastest) > cell and fastest > 0.0:
+    if MARGIN * dt * (speed + fastest) > floor and fastest > 0.0:
         node_speed = np.abs(velocity).max(axis=1)
         distance = _distance_of_cells(grid, rigid.bounding_box(body, state))
         fastest = comm.largest(node_speed[distance <= MARGIN * dt * (speed + node_speed)])
-    return max(cell, MARGIN * dt * (speed + fastest))
+    return Reach(max(floor, MARGIN * dt * fastest + gravity * dt**2), dt)
 
 
-def travel_ratio(body, state, pose, reach, grid, points, moved):
-    """Largest path of soil and body towards each other over the `reach` [-]; above 1 a corner that was not followed
-    could have touched.
+def travel_ratio(body, state, pose, predicted, margin, grid, points, moved):
+    """Largest path of soil and body towards each other that was not predicted, over the `margin` [m] of the search [-];
+    above 1 a contact point that was not followed could have touched.
 
-    pose: of the body at the end; points: committed; moved: (n, 3) [m] displacement of each point, None for held soil.
-    Where the ratio would be above 1, points do not count whose domains, with a cell around them, are too far away to
-    touch.
+    pose, predicted: of the body at the end; points: committed; moved: (n, 3) [m] displacement of each point, None for
+    held soil. Where the ratio would be above 1, points do not count whose domains, with a cell around them, are too far
+    away to touch.
     """
-    rotated = np.linalg.norm(pose[1] - state.rotation, 2) * body.radius
-    path = np.linalg.norm(pose[0] - state.position) + rotated
+    strayed = np.linalg.norm(pose[0] - predicted[0]) + np.linalg.norm(pose[1] - predicted[1], 2) * body.radius
     farthest = 0.0 if moved is None else comm.largest(np.abs(moved))
-    if path + farthest > reach and farthest > 0.0:
+    if strayed + farthest > margin and farthest > 0.0:
+        path = np.linalg.norm(pose[0] - state.position) + np.linalg.norm(pose[1] - state.rotation, 2) * body.radius
         length = np.abs(moved).max(axis=1)
         lower, upper = rigid.bounding_box(body, state)
         around = points.half_width + grid.smallest_cell
         apart = np.maximum(lower - points.position - around, points.position - around - upper)
         apart[:, grid.collapsed] = 0.0
         farthest = comm.largest(length[apart.max(axis=1) <= path + length])
-    return (path + farthest) / reach
+    return (strayed + farthest) / margin
 
 
 def _distance_of_cells(grid, box):
