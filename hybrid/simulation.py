@@ -111,9 +111,9 @@ class Simulation:
         """Force of the soil on each surface vertex of body b at the last accepted step, (V, 3) [N]."""
         forces = np.zeros((len(self.surfaces[b].vertices), 3))
         if self.evaluation is not None:
-            for part in self.evaluation.contacts[b].passes:
-                vertices = self.surfaces[b].triangles[part.triangle]
-                np.add.at(forces, vertices, part.weights[:, :, None] * part.force[:, None])
+            contact = self.evaluation.contacts[b]
+            vertices = self.surfaces[b].triangles[contact.triangle]
+            np.add.at(forces, vertices, contact.weights[:, :, None] * contact.force[:, None])
         return forces
 
     def run(self, observers=()):
@@ -240,4 +240,4 @@ def _body_record(terms, state):
     motion, contact = state.bodies[terms.step.number], terms.contact
     return BodyRecord(
         terms.step.body.name, motion.position, quaternion(motion.rotation), motion.velocity, motion.spin,
-        contact.force[:3], contact.force[3:], terms.trial.tension, contact.largest_overlap)
+        contact.resultant[:3], contact.resultant[3:], terms.trial.tension, contact.largest_overlap)

@@ -103,33 +103,26 @@ class Ground:
 
 @dataclass
 class ContactHistory:
-    """Corners close to one body, which are followed as material points from step to step.
+    """Contact points close to one body, which are followed as material points from step to step.
 
-    id        (m,) increasing, 8 p + corner of point p's domain
-    position  (m, 3) [m] of the corner, which moves with the grid
+    point, place  (m,) increasing: soil point, and number of the place on its domain (`hybrid.contact.places`)
+    position  (m, 3) [m] of the contact point, which moves with the grid
     touching  (m,) bool, in contact at the last accepted step
     anchor    (m, 3) [m] body frame, reference point of the tangential spring; defined while touching
-    side      (m, 3) body frame, outward normal of the body where the corner touches, else 0
-    pressure  (m,) [N] multiplier of the augmented Lagrangian, 0 under plain penalty
-
-    and the body's samples in contact in the second pass: sample (k,) their numbers, sample_anchor (k, 3) [m] in space,
-    sample_pressure (k,) [N]
+    side      (m, 3) body frame, outward normal of the body where the point touches, else 0
     """
 
-    id: np.ndarray
+    point: np.ndarray
+    place: np.ndarray
     position: np.ndarray
     touching: np.ndarray
     anchor: np.ndarray
     side: np.ndarray
-    pressure: np.ndarray
-    sample: np.ndarray
-    sample_anchor: np.ndarray
-    sample_pressure: np.ndarray
 
     @classmethod
     def empty(cls):
-        return cls(np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros(0, bool), np.zeros((0, 3)), np.zeros((0, 3)),
-                   np.zeros(0), np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros(0))
+        return cls(np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros(0, bool),
+                   np.zeros((0, 3)), np.zeros((0, 3)))
 
 
 @dataclass

@@ -76,7 +76,7 @@ def _solved(name, linear, model, state):
     step.system.factor()
     factored = perf_counter()
     row = {"tangent": name, "solver": linear, "unknowns": step.pattern.size + len(found.body),
-           "entries": len(step.system.values), "corners": sum(len(c.corners) for c in found.contacts)}
+           "entries": len(step.system.values), "corners": sum(len(c) for c in found.contacts)}
     try:
         soil, body, iterations = step.system.solve(found.soil, found.body)
         left, failed = _residual(step, found, soil, body), ""

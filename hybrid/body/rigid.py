@@ -13,7 +13,6 @@ import numpy as np
 from hybrid.body import motion
 from hybrid.body.attitude import cayley, exp_so3
 from hybrid.body.line import line_force
-from hybrid.body.samples import Samples
 from hybrid.body.surface import ContactSurface
 from hybrid.state import BodyState
 
@@ -41,10 +40,9 @@ class RigidBody:
     """Constants of a body.
 
     free: (6,) bool, the unknowns; drive: (6,) [m/s, rad/s] spatial rates of the others, zero for held components
-    penalty: p_f [1/m]; contact_pressure: (n,) p_f E [N/m³] and contact_stiffness: (n,) whole-point ε_N [N/m] against
+    places: where contact is evaluated on the domains of soil points (`hybrid.contact.places`)
+    penalty: p_f [1/m], the stiffness of contact over that of the soil; contact_pressure: (n,) p_f E [N/m³] against
         each soil point, given by `with_stiffness`
-    samples: of the surface, for the second pass, whose share of the contact is `second_pass`; None without it
-    augmented: whether an augmented Lagrangian removes the overlap
     """
 
     name: str
@@ -55,11 +53,8 @@ class RigidBody:
     friction: float
     tangential: float
     penalty: float
-    contact_stiffness: np.ndarray | None = None
+    places: object = None
     contact_pressure: np.ndarray | None = None
-    samples: Samples | None = None
-    second_pass: float = 0.0
-    augmented: bool = False
     line: Line | None = None
 
     @property
@@ -68,11 +63,9 @@ class RigidBody:
         return self.surface.radius
 
 
-def with_stiffness(body, young, volume):
-    """The body with its contact stiffness against points of Young's modulus `young` (n,) [Pa] and initial volume (n,)
-    [m³]."""
-    pressure = body.penalty * young
-    return replace(body, contact_pressure=pressure, contact_stiffness=pressure * volume ** (2 / 3))
+def with_stiffness(body, young):
+    """The body with its contact stiffness against points of Young's modulus `young` (n,) [Pa]."""
+    return replace(body, contact_pressure=body.penalty * young)
 
 
 def bounding_box(body, state):

@@ -1,55 +1,55 @@
-"""Corners of the points' domains that may touch a body during a step.
+"""Places on the points' domains that may touch a body during a step: corners of the domains or quadrature points of their
+faces (`hybrid.contact.places`), called contact points.
 
-A corner starts at x_p ± l. From the step in which it comes within `reach` of the body it is a material point of its
-own, carried by the grid,
+A contact point starts at its place on the domain, x_p + o l. From the step in which it comes within `reach` of the body
+it is a material point of its own, carried by the grid,
 
     x_c <- x_c + Σ_v N_v(x_c) Δu_v          N_v hat functions of its cell
 
-until it leaves the reach. If it were placed at x_p ± l anew in each step, it would move into the body where the soil is
-compressed (a domain follows the average strain of its point, the corner the larger strain next to the body) and
-would add energy to the springs, as much as the plastic work under a settling anchor.
+until it leaves the reach. If it were placed on the domain anew in each step, it would move into the body where the soil
+is compressed (a domain follows the average strain of its point, the contact point the larger strain next to the body)
+and would add energy to the springs, as much as the plastic work under a settling anchor.
 
-Corners that coincide at the start stay together. Under a flat face four domains meet at each site of the lattice, so
-each corner has a quarter of the stiffness of a point, ε_N = p_f E V0^(2/3) / 4: one point's stiffness at each site, a
-pressure of p_f E per unit of overlap. With the stiffness of a point at each site, however many corners coincide there,
-edges would have twice and vertices four times the stiffness of their area: a platen then overlaps a cube by 2.5 to
-9.1 mm instead of 7.3 mm everywhere (tests/analytic/test_platen.py). In standard MPM all eight corners of a point
-coincide and share its stiffness.
+In plane strain a body is the prism over its section through its centre of mass: contact points lie in the plane of that
+section, and forces are those on the thickness of the slice.
 
 Equations: FORMULATION (39).
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
 
 from hybrid.body.closest import NO_SIDE, closest
+from hybrid.contact import places as rules
 from hybrid.contact.first_contact import predicted_contact_points
 from hybrid.runtime.comm import largest, total
 from hybrid.soil.basis import find_cell, hat
 
-SHARE = 0.25  # of a point's contact stiffness, per corner
-SIGNS = np.array([[1.0 if corner & bit else -1.0 for bit in (4, 2, 1)] for corner in range(8)])
+
+CORNERS = rules.corners()
 
 
 @dataclass(frozen=True)
 class Corners:
-    """Corners near one body, frozen during a step; m of them.
+    """Contact points near one body, frozen during a step; m of them.
 
-    id: (m,) increasing, 8 p + corner; bits 4, 2, 1 of the corner are set at the upper end along x, y, z
+    point, place: (m,) increasing, the soil point and the number of the place on its domain
     position: (m, 3) [m] at the start of the step; start: (m, 3) the same in the body frame
     node, weight: (m, 8) grid nodes and hat functions there
     stiffness: (m,) ε_N [N/m]; touching: (m,) bool, in contact at the start of the step
     anchor: (m, 3) [m] body frame, of the tangential spring: history while touching, else the predicted first-contact
-        point (contact/first_contact.py); side: (m, 3) body frame, outward normal where the corner touches or is
+        point (contact/first_contact.py); side: (m, 3) body frame, outward normal where the point touches or is
         predicted to touch, 0 if unknown
     pressure: (m,) [N] multiplier of the augmented Lagrangian
-    clearance: (m,) [m] signed distance from the surface at the start: an open corner that moves less than this cannot
-        touch, so most corners are not projected
+    clearance: (m,) [m] signed distance from the surface at the start: an open point that moves less than this cannot
+        touch, so most points are not projected
     """
 
-    id: np.ndarray
+    point: np.ndarray
+    place: np.ndarray
     position: np.ndarray
     start: np.ndarray
     node: np.ndarray
@@ -62,7 +62,7 @@ class Corners:
     clearance: np.ndarray
 
     def __len__(self):
-        return len(self.id)
+        return len(self.point)
 
     def moved(self, displacement):
         """Positions (m, 3) [m] after nodal increments (N, 3) [m]."""
@@ -71,67 +71,112 @@ class Corners:
         return self.position + np.einsum("ca,cai->ci", self.weight, displacement[self.node])
 
 
-def find_corners(position, half, grid, active, body, surface, reach, stiffness, history, expected, included=True):
-    """Corners within `reach` [m] of the surface of `body` (a BodyState).
+@dataclass(frozen=True)
+class Domains:
+    """Domains of the soil's points: position, half (n, 3) [m], zero in standard MPM; volume: (n,) initial [m³];
+    included: (n,) bool, points that are not deactivated."""
 
-    position, half: (n, 3) [m] of the domains; active: (N,) bool, nodes that carry mass; stiffness: (n,) of a whole
-    point [N/m]; history: ContactHistory; expected: nodal increments (N, 3) [m] (None: held soil) and pose of the body
-    from which the step starts to iterate; included: (n,) bool, points that are not deactivated.
+    position: np.ndarray
+    half: np.ndarray
+    volume: np.ndarray
+    included: np.ndarray
+
+    @classmethod
+    def of(cls, points, volume, basis):
+        """Domains of `points` of initial `volume` (n,) [m³] with a `basis` "gimp" or "mpm"."""
+        half = points.half_width if basis == "gimp" else np.zeros_like(points.half_width)
+        included = np.ones(len(points), bool) if points.inactive is None else ~points.inactive
+        return cls(points.position, half, volume, included)
+
+
+def find_corners(domains, pressure, places, grid, active, body, surface, reach, history, expected):
+    """Contact points within `reach` [m] of the surface of `body` (a BodyState).
+
+    domains: Domains; pressure: (n,) p_f E [N/m³] of its contact with each; places: Places; active: (N,) bool, nodes that carry mass; history: ContactHistory; expected: nodal
+    increments (N, 3) [m] (None: held soil) and pose of the body from which the step starts to iterate.
     """
-    included = np.broadcast_to(included, len(position))
-    id, place, touching, anchor, side, pressure, clearance = _within_reach(
-        position, half, body, surface, reach, history, included)
-    node, weight = _interpolation(place, grid.axes, active)
+    found = _within_reach(domains, places, grid.collapsed, body, surface, reach, history)
+    node, weight = _interpolation(found["position"], grid.axes, active)
     use = np.flatnonzero(weight.any(axis=1))
-    use = use[np.argsort(id[use], kind="stable")]
-    id, place, node, weight, touching, anchor, side, pressure, clearance = (
-        a[use] for a in (id, place, node, weight, touching, anchor, side, pressure, clearance))
-    stiffness = shared_stiffness(id, place, stiffness if half.any() else stiffness / 2)
-    start = (place - body.position) @ body.rotation
-    corners = Corners(id, place, start, node, weight, stiffness, touching, anchor, side, pressure, clearance)
-    is_open = ~touching
-    anchor[is_open], side[is_open] = predicted_contact_points(
-        place[is_open], corners.moved(expected[0])[is_open], body, expected[1], surface, clearance[is_open])
+    use = use[np.lexsort((found["place"][use], found["point"][use]))]
+    found = {name: values[use] for name, values in found.items()}
+    point, place = found["point"], found["place"]
+    area = places.area(place, domains.half[point], domains.volume[point]) * places.facing(place, found.pop("normal"))
+    if not domains.half.any():
+        area = area / 2         # all eight corners of a point coincide: they share its stiffness
+    start = (found["position"] - body.position) @ body.rotation
+    corners = Corners(start=start, node=node[use], weight=weight[use], stiffness=pressure[point] * area,
+                      pressure=np.zeros(len(use)), **found)
+    is_open = ~corners.touching
+    corners.anchor[is_open], corners.side[is_open] = predicted_contact_points(
+        corners.position[is_open], corners.moved(expected[0])[is_open], body, expected[1], surface,
+        corners.clearance[is_open])
     return corners
 
 
-def _within_reach(position, half, body, surface, reach, history, included):
-    """Number, position, history (touching, anchor, side, pressure) and distance from the surface of the corners within
-    reach: those of the history, carried by the grid, and new ones."""
-    distance = distances((history.position - body.position) @ body.rotation, surface, reach)
-    followed = np.isfinite(distance) & included[history.id // 8]
-    new, new_place, new_distance = _new_corners(position, half, included, body, surface, reach, history.id)
-    return (np.concatenate([history.id[followed], new]), np.concatenate([history.position[followed], new_place]),
-            *(np.concatenate([old[followed], np.zeros((len(new), *old.shape[1:]), old.dtype)])
-              for old in (history.touching, history.anchor, history.side, history.pressure)),
-            np.concatenate([distance[followed], new_distance]))
+def _within_reach(domains, places, collapsed, body, surface, reach, history):
+    """Contact points within reach, {name: values}: those of the history, carried by the grid, and new ones."""
+    _, normal, distance = _gaps_in_space(history.position, collapsed, body, surface, np.inf)
+    followed = ((np.abs(distance) <= reach) | history.touching) & domains.included[history.point]
+    new = _new_points(domains, places, collapsed, body, surface, reach, history.point * len(places) + history.place)
+    old = {name: getattr(history, name)[followed]
+           for name in ("point", "place", "position", "touching", "anchor", "side")}
+    old |= {"clearance": distance[followed], "normal": normal[followed]}
+    return {name: np.concatenate([values, new.get(name, np.zeros((len(new["point"]), *values.shape[1:]), values.dtype))])
+            for name, values in old.items()}
 
 
-def distances(places, surface, reach=np.inf):
-    """Signed distances (m,) [m] of places (m, 3) in the body frame from the surface, inf beyond `reach` [m]."""
-    out = np.empty(len(places))
-    _distances(places, reach, surface.tree, out)
-    return out
+def distances(y, surface, reach=np.inf):
+    """Signed distances (m,) [m] of positions y (m, 3) in the body frame from the surface, inf beyond `reach` [m], and the
+    outward normals there (m, 3)."""
+    out, normal = np.empty(len(y)), np.zeros((len(y), 3))
+    _distances(np.ascontiguousarray(y), reach, surface.tree, out, normal)
+    return out, normal
 
 
-def shared_stiffness(id, place, stiffness):
-    """ε_N (m,) [N/m] of corners `id` at `place` (m, 3), of `stiffness` (n,) of whole points."""
-    return SHARE * stiffness[id // 8]
+def _new_points(domains, places, collapsed, body, surface, reach, known):
+    """Contact points within reach other than those `known` (k,) from the history, {name: values}.
+
+    The search narrows from domains near the body's bounding box to groups of places (faces of a domain) within reach,
+    then to the places themselves. Places that do not look at the body have no stiffness and are left out.
+    """
+    point = _near(domains, collapsed, body, surface, reach)
+    groups, each = places.offset.shape[:2]
+    point, group = np.repeat(point, groups), np.tile(np.arange(groups), len(point))
+    half = np.where(collapsed, 0.0, domains.half[point])
+    middle = domains.position[point] + places.centre[group] * half
+    size = np.linalg.norm(places.extent[group] * half, axis=1)
+    distance = _gaps_in_space(middle, collapsed, body, surface, reach + size.max(initial=0.0))[2]
+    close = np.flatnonzero(distance <= reach + size)
+    point, number = np.repeat(point[close], each), (each * group[close, None] + np.arange(each)).ravel()
+    fresh = ~np.isin(point * len(places) + number, known)   # the grid has carried the others away from their domain
+    point, number = point[fresh], number[fresh]
+    position = domains.position[point] + places.flat[number] * domains.half[point]
+    position, normal, distance = _gaps_in_space(position, collapsed, body, surface, reach)
+    stay = np.flatnonzero(np.isfinite(distance) & (places.facing(number, normal) > 0.0))
+    return {"point": point[stay], "place": number[stay], "position": position[stay], "clearance": distance[stay],
+            "normal": normal[stay]}
 
 
-def _new_corners(position, half, included, body, surface, reach, known):
-    """Numbers, positions and distances from the surface of the corners within reach other than those `known` from the
-    history. Distances are evaluated only for corners in the body's bounding box, extended by the reach."""
-    in_box = np.zeros((len(position), 8), np.bool_)
-    _mark(position, half, body.position, body.rotation, surface.lower - reach, surface.upper + reach,
-          surface.radius + reach, in_box)
-    in_box.reshape(-1)[known] = False       # the grid has carried them away from x_p ± l
-    id = np.flatnonzero(in_box)
-    id = id[included[id // 8]]
-    place = position[id // 8] + SIGNS[id % 8] * half[id // 8]
-    distance = distances((place - body.position) @ body.rotation, surface, reach)
-    near = np.isfinite(distance)
-    return id[near], place[near], distance[near]
+def _near(domains, collapsed, body, surface, reach):
+    """Numbers (k,) of the domains whose bounding sphere is within `reach` [m] of the body's bounding box."""
+    near = np.zeros(len(domains.position), np.bool_)
+    _mark(_in_section(domains.position, collapsed, body), np.where(collapsed, 0.0, domains.half), body.position,
+          body.rotation, surface.lower - reach, surface.upper + reach, near)
+    return np.flatnonzero(near & domains.included)
+
+
+def _gaps_in_space(position, collapsed, body, surface, reach):
+    """Positions (m, 3) [m] in the plane of the body's section, normals of the body there (m, 3) in space, and signed
+    distances (m,) [m], inf beyond `reach`."""
+    position = _in_section(position, collapsed, body)
+    distance, normal = distances((position - body.position) @ body.rotation, surface, reach)
+    return position, normal @ body.rotation.T, distance
+
+
+def _in_section(position, collapsed, body):
+    """Positions (m, 3) [m] moved along the collapsed axes to the body's centre of mass."""
+    return np.where(collapsed, body.position, position) if np.any(collapsed) else position
 
 
 def _interpolation(place, axes, active):
@@ -147,38 +192,35 @@ def _interpolation(place, axes, active):
     return node, np.divide(weight, sums, out=np.zeros_like(weight), where=sums > 0)
 
 
-def overlap(position, half, body, surface):
-    """Largest overlap [m] of a corner with a body at its committed pose, and the number of corners inside."""
-    y = ((position[:, None] + SIGNS * half[:, None]).reshape(-1, 3) - body.position) @ body.rotation
-    y = y[np.all((y > surface.lower) & (y < surface.upper), axis=1)]
-    distance = distances(np.ascontiguousarray(y), surface)
+def overlap(domains, grid, body, surface):
+    """Largest overlap [m] of a domain's corner with a body at its committed pose, and the number of corners inside."""
+    near = _near(domains, grid.collapsed, body, surface, 0.0)
+    position = domains.position[near, None] + CORNERS.flat * domains.half[near, None]
+    y = (_in_section(position.reshape(-1, 3), grid.collapsed, body) - body.position) @ body.rotation
+    distance, _ = distances(y[((y > surface.lower) & (y < surface.upper)).all(axis=1)], surface)
     return largest(-distance), int(total(distance < 0.0))
 
 
 @njit(cache=True)
-def _mark(position, half, centre, rotation, lower, upper, radius, in_box):
-    """Mark the corners (n, 8) in the box from `lower` to `upper` of the body frame. Points with no part of their domain
-    in the ball of `radius` [m] about the centre, outside which no corner is within reach, are skipped first."""
+def _mark(position, half, centre, rotation, lower, upper, near):
+    """Mark the domains (n,) whose bounding sphere touches the box from `lower` to `upper` (3,) [m] of the body frame."""
     for p in range(len(position)):
-        d0, d1, d2 = position[p, 0] - centre[0], position[p, 1] - centre[1], position[p, 2] - centre[2]
-        a = radius + half[p, 0] + half[p, 1] + half[p, 2]
-        if not d0 * d0 + d1 * d1 + d2 * d2 < a * a:
-            continue
-        for corner in range(8):
-            x0 = d0 + (half[p, 0] if corner & 4 else -half[p, 0])
-            x1 = d1 + (half[p, 1] if corner & 2 else -half[p, 1])
-            x2 = d2 + (half[p, 2] if corner & 1 else -half[p, 2])
-            y0 = rotation[0, 0] * x0 + rotation[1, 0] * x1 + rotation[2, 0] * x2
-            y1 = rotation[0, 1] * x0 + rotation[1, 1] * x1 + rotation[2, 1] * x2
-            y2 = rotation[0, 2] * x0 + rotation[1, 2] * x1 + rotation[2, 2] * x2
-            in_box[p, corner] = (lower[0] <= y0 <= upper[0] and lower[1] <= y1 <= upper[1]
-                                 and lower[2] <= y2 <= upper[2])
+        x0, x1, x2 = position[p, 0] - centre[0], position[p, 1] - centre[1], position[p, 2] - centre[2]
+        size = math.sqrt(half[p, 0] ** 2 + half[p, 1] ** 2 + half[p, 2] ** 2)
+        inside = True
+        for i in range(3):
+            y = rotation[0, i] * x0 + rotation[1, i] * x1 + rotation[2, i] * x2
+            inside = inside and lower[i] - size <= y <= upper[i] + size
+        near[p] = inside
 
 
 @njit(cache=True)
-def _distances(y, reach, tree, out):
+def _distances(y, reach, tree, out, normal):
     for n in range(len(y)):
-        out[n] = closest((y[n, 0], y[n, 1], y[n, 2]), reach, tree, NO_SIDE)[4]
+        triangle, feature, _, _, out[n] = closest((y[n, 0], y[n, 1], y[n, 2]), reach, tree, NO_SIDE)
+        if triangle >= 0:
+            for i in range(3):
+                normal[n, i] = tree.normals[triangle, feature, i]
 
 
 @njit(cache=True)

@@ -33,14 +33,14 @@ slipping corner therefore counts its path from the start of the step.
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
 from hybrid.body.closest import closest, gap_geometry, outside_bounds
-from hybrid.runtime.comm import total
+from hybrid.runtime.comm import maximum, total
 from hybrid.state import ContactHistory
 
 
@@ -73,6 +73,16 @@ class CornerContact:
 
     def __len__(self):
         return len(self.active)
+
+    @property
+    def resultant(self):
+        """Force (3,) [N] and moment about the body's centre (3,) [N m] of the soil on the body, as (6,)."""
+        return np.concatenate([total(self.force), total(np.cross(self.arm, self.force))])
+
+    @property
+    def largest_overlap(self):
+        """Largest overlap [m], 0 without contact."""
+        return maximum(-self.gap)
 
 
 class CornerStart(NamedTuple):
@@ -184,8 +194,7 @@ def commit(corners, position, contact):
     anchor, side = np.zeros((len(corners), 3)), np.zeros((len(corners), 3))
     touching[contact.active] = True
     anchor[contact.active], side[contact.active] = contact.anchor, contact.side
-    return replace(ContactHistory.empty(), id=corners.id, position=position, touching=touching, anchor=anchor,
-                   side=side, pressure=np.where(touching, corners.pressure, 0.0))
+    return ContactHistory(corners.point, corners.place, position, touching, anchor, side)
 
 
 @njit(cache=True)

@@ -7,8 +7,6 @@ to `end`, and have tunnelled if they are
                 `depth` on the path
     pushed on   inside at the end, where the nearest side pushes them on along their path: the side opposite to that of
                 entry, or any other side if they have been deeper than `depth`
-    buried      deeper at the end than the width of their own domain, where no sample of the body is assigned to their
-                faces any more; checked only with a second pass
 
 Soil that flows round an edge cuts it: it enters by one side of the edge and is pushed out by the other one, a
 millimetre deep. That is no tunnelling, and a shorter step does not prevent it.
@@ -30,11 +28,10 @@ FINEST = 0.02          # of `depth`: shortest step of the walk, and the distance
 FRACTIONS = 0.25, 0.5, 0.75  # of the path, where its depth is checked
 
 
-def count_tunnelled(corners, contact, position, centre, rotation, surface, depth, width=None):
+def count_tunnelled(corners, contact, position, centre, rotation, surface, depth):
     """Number of `corners` that tunnelled, at `position` (m, 3) [m] at the end of the step.
 
-    contact: their CornerContact there; centre (3,) [m], rotation (3, 3): pose of the body there; depth: [m];
-    width: (m,) [m] of the domains of the corners, None without a second pass.
+    contact: their CornerContact there; centre (3,) [m], rotation (3, 3): pose of the body there; depth: [m].
     """
     end = (position - centre) @ rotation
     path = end - corners.start
@@ -52,8 +49,6 @@ def count_tunnelled(corners, contact, position, centre, rotation, surface, depth
     tunnelled[walked] = _pierced(corners.start[walked], path[walked], FINEST * depth, surface.tree)
     for fraction in FRACTIONS:
         tunnelled[walked] |= gaps(corners.start[walked] + fraction * path[walked], surface) < -depth
-    if width is not None:
-        tunnelled |= end_gap < -width
     return int(total(checked & tunnelled))
 
 

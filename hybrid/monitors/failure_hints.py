@@ -49,7 +49,7 @@ def remedies(model, reason="", errors=(), tolerance=0.0):
         changes.insert(0, "more solver.iterations (the residual was still falling)")
     elif errors and errors[-1] < 100 * tolerance:
         changes.insert(0, "a looser solver.tolerance (the residual is close to it)")
-    if any(not body.augmented for body in model.bodies):
+    if model.bodies:
         changes.append("a lower body.penalty")
     if dynamic and not model.scheme.damps:
         changes.append(DAMPING)
@@ -58,7 +58,7 @@ def remedies(model, reason="", errors=(), tolerance=0.0):
 
 def accuracy_remedies(model):
     """The same for an increment whose error in time is too large at the shortest length allowed."""
-    penalty = ("a lower body.penalty",) if any(not body.augmented for body in model.bodies) else ()
+    penalty = ("a lower body.penalty",) if model.bodies else ()
     damping = () if model.scheme.damps else (DAMPING,)
     return ("a larger time.accuracy", "a smaller time.smallest", *penalty, *damping)
 

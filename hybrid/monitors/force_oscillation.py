@@ -28,7 +28,7 @@ class ForceOscillation(Monitor):
             if self.given(b):
                 continue
             forces = self._forces.setdefault(b, [])
-            forces.append(float(np.linalg.norm(contact.force[:3])))
+            forces.append(float(np.linalg.norm(contact.resultant[:3])))
             del forces[:-STEPS]
             deviation, reversals = oscillation(forces) if len(forces) == STEPS else (0.0, 0)
             if deviation > LIMIT and reversals >= REVERSALS:

@@ -1,6 +1,6 @@
 """Bodies inside the soil where no corner touches them: smaller than the spacing of corners, or sharp.
 
-The first contact pass samples the soil at the corners of its points' domains only. A body without contact has missed
+Contact at corners samples the soil at the corners of its points' domains only. A body without contact has missed
 them if one of its vertices is deeper in a domain than DEPTH of the domain's height. That matters where the depth is at
 least PART of the body's radius: the tip of a large anchor lies between corners wherever it lands, until its flukes
 touch some.
@@ -22,15 +22,15 @@ class MissedContact(Monitor):
         """Body, depth, limit and remedy."""
         soil = view.model.soil
         for b, body, motion, contact in view.bodies:
-            if self.given(b) or len(contact) or body.second_pass == 1.0 or soil.basis != "gimp":
+            if self.given(b) or len(contact) or not body.places.at_corners or soil.basis != "gimp":
                 continue
             share, depth = _deepest(body, motion, view.state.points, ~soil.grid.collapsed)
             if share > DEPTH and depth > PART * body.radius:
                 yield b, (
                     f"{body.name} is inside the soil without contact: at t = {view.state.time:.4g} s its deepest "
                     f"vertex is {share:.2g} of a point domain's height below the top of that domain, limit {DEPTH:g}. "
-                    "It lies between the corners at which the first contact pass samples the soil, so that "
-                    "no force stops the body. Set body.second_pass = 1, or use smaller cells")
+                    "It lies between the corners of the domains, so that no force stops the body. Set "
+                    'body.contact = "faces", or use smaller cells')
 
 
 def _deepest(body, motion, points, across):

@@ -132,9 +132,7 @@ def _body(described, body):
              f"{np.count_nonzero(body.free)} free components"]
     if described.driven:
         parts.append("driven " + " ".join(described.driven))
-    parts.append("contact by augmented Lagrangian" if body.augmented else "contact by penalty")
-    if body.samples is not None:
-        parts.append(f"second contact pass with a share of {body.second_pass:g} and {len(body.samples)} samples")
+    parts.append(f"contact at {len(body.places)} {described.contact} of each domain")
     return f"{body.name}: {', '.join(parts)}"
 
 
@@ -228,12 +226,6 @@ def _not_modelled_of(described, body):
     """Texts about what the contact of a body does without, and its held components."""
     if body.friction == 0.0:
         yield f"friction of {body.name}: body.friction = 0"
-    if body.second_pass == 0.0:
-        yield f"second contact pass of {body.name}: body.second_pass = 0"
-    if body.second_pass == 1.0:
-        yield f"first contact pass of {body.name}: body.second_pass = 1"
-    if not body.augmented:
-        yield f'contact multipliers of {body.name}: body.enforcement = "penalty"'
     held = [name for name, free in zip(FREEDOMS, body.free) if not free and name not in described.driven]
     if held:
         yield f"motion of {body.name} in {', '.join(held)}: held"

@@ -50,17 +50,11 @@ class Body:
     friction: float = key("Coulomb coefficient against the soil", "-", default=0.0, at_least=0,
                           remedy="0.45 is steel on sand")
     contact: Literal["faces", "corners"] | None = key(
-        "what of the points' domains carries the contact: their faces, or their corners as in the published method",
-        default=None)
-    penalty: float | None = key("p_f in the normal contact stiffness ε_N = p_f E A", "1/m", default=None, above=0,
-                                remedy="50 is usual")
+        "where contact is evaluated on the soil's points: the faces of their domains, or the corners of the domains as "
+        "in the published method", default=None)
+    penalty: float | None = key("p_f: contact has a pressure of p_f E per unit of overlap; left out: stiff beside the "
+                                "cells of the soil, or beside the weight of the body on held soil", "1/m", default=None,
+                                above=0, remedy="leave it out")
     tangential: float | None = key("ratio ε_T / ε_N of tangential to normal contact stiffness; the larger, the less a "
                                    "rolling body creeps", "-", default=None, above=0, remedy="1 is usual")
-    enforcement: Literal["penalty", "augmented"] = key(
-        "penalty, or augmented Lagrangian: multipliers remove the overlap, at the price of several solutions a step",
-        default="penalty")
-    second_pass: float = key(
-        "share of contact carried by the body's vertices and edges against the faces of the points' domains; the rest "
-        "is carried by the corners of the domains against the body's triangles", "-", default=0.0, at_least=0,
-        at_most=1, remedy="0 leaves it out, 0.5 gives both passes the same share")
     pull: Pull | None = key("line that drags the body", default=None)

@@ -24,11 +24,8 @@ def faults(scene):
         yield from material_faults(scene.soil, scene.grid)
     for i, body in enumerate(scene.bodies):
         yield from _body(f"body.{i}", body, scene.time.inertia)
-        yield from need(body.contact == "corners", f"body.{i}.contact", body.contact, "corners in this version",
-                        "leave it out")
-        yield from need(not body.second_pass or scene.soil.basis == "gimp", f"body.{i}.second_pass", body.second_pass,
-                        f"0 with soil.basis = {scene.soil.basis!r}, whose points have no faces",
-                        "leave it out or set soil.basis = 'gimp'")
+        yield from need(body.contact != "faces" or scene.soil.basis == "gimp", f"body.{i}.contact", body.contact,
+                        f"'corners' with soil.basis = {scene.soil.basis!r}, whose points have no faces", "leave it out")
     yield from _time("time", scene.time)
     yield from need(scene.stages, "stage", "none", "at least one", "add a [[stage]] with a name and steps")
     for i, stage in enumerate(scene.stages):

@@ -13,9 +13,6 @@ from typing import NamedTuple
 from hybrid.scene.schema import Body, Soil, Time
 from hybrid.scene.table import shown
 
-CONTACT = "corners"     # of bodies, unless the scene gives another one
-PENALTY = 50.0          # [1/m] p_f
-
 
 class Decision(NamedTuple):
     """A key in the notation of a scene file, the value it was given, and why."""
@@ -65,11 +62,9 @@ def _ghost(scene, soil):
 
 
 def _contact(scene, body):
-    return CONTACT, "corners of the points' domains carry the contact"
-
-
-def _penalty(scene, body):
-    return PENALTY, "usual"
+    if scene.soil.basis == "mpm":
+        return "corners", "points of the standard basis have no faces"
+    return "faces", "contact does not depend on where the soil's points lie under a body"
 
 
 def _tangential(scene, body):
@@ -89,7 +84,6 @@ RULES = {   # (class, key): (rule, value of the published method)
     (Soil, "fbar"): (_fbar, False),
     (Soil, "ghost"): (_ghost, 0.0),
     (Body, "contact"): (_contact, "corners"),
-    (Body, "penalty"): (_penalty, 50.0),
     (Body, "tangential"): (_tangential, 1.0),
     (Time, "scheme"): (_scheme, "newmark"),
 }

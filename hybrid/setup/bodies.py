@@ -8,9 +8,9 @@ from hybrid.body import rigid
 from hybrid.body.attitude import rotation_from_axis_angle
 from hybrid.body.motion import free_spin_rate
 from hybrid.body.rigid import FREEDOMS, Line, RigidBody
-from hybrid.body.samples import surface_samples
 from hybrid.body.surface import build_surface
-from hybrid.contact.corners import overlap
+from hybrid.contact import places
+from hybrid.contact.corners import Domains, overlap
 from hybrid.runtime.comm import anywhere, minimum
 from hybrid.runtime.errors import SceneError
 from hybrid.state import BodyState
@@ -43,7 +43,6 @@ def build_body(described, body_mesh, gravity):
     body = RigidBody(
         name=described.name, mass=properties, surface=surface, free=free, drive=rates * driven,
         friction=described.friction, tangential=described.tangential, penalty=described.penalty,
-        second_pass=described.second_pass, augmented=described.enforcement == "augmented",
         line=build_line(described, body_mesh, properties))
     falling = gravity * free[:3]  # nothing touches a body at the start, so it accelerates freely
     spin = np.array(described.spin, float)
@@ -70,17 +69,24 @@ def build_line(described, body_mesh, properties):
 
 
 def connect_to_soil(described, body, soil):
-    """The body with the contact stiffness that follows from `soil` and, with a second pass, samples of its surface."""
-    body = rigid.with_stiffness(body, soil.law.young, soil.constants.volume)
-    if not described.second_pass:
-        return body
-    return replace(body, samples=surface_samples(body.surface, 2 * minimum(soil.constants.half_width)))
+    """The body with the contact stiffness that follows from `soil`, its part in a slice of plane strain, and the places
+    on the soil's domains at which contact is evaluated."""
+    body = replace(body, places=_places(described, body, soil))
+    return rigid.with_stiffness(body, soil.law.young)
 
 
-def refuse_overlap(body, motion, points, basis):
+def _places(described, body, soil):
+    import os
+    k = int(os.environ.get("K", 4))
+    if described.contact == "corners" or soil.basis == "mpm":
+        return places.corners()
+    return places.faces(k, soil.grid.collapsed)
+
+
+def refuse_overlap(body, motion, points, soil):
     """SceneError when the body starts deeper in the soil than contact springs bear: they would throw it out."""
-    half = points.half_width if basis == "gimp" else np.zeros_like(points.half_width)
-    depth, count = overlap(points.position, half, motion, body.surface)
+    domains = Domains.of(points, soil.constants.volume, soil.basis)
+    depth, count = overlap(domains, soil.grid, motion, body.surface)
     limit = OVERLAP * minimum(points.half_width)
     if depth > limit:
         raise SceneError(
@@ -88,30 +94,3 @@ def refuse_overlap(body, motion, points, basis):
             f"{depth:.3g} m inside the body, limit {limit:.3g} m; set body.rest_on to the height of the soil's "
             "surface, or raise body.position. A body cannot start embedded: drive it in, with body.driven and "
             "body.velocity")
-
-
-def refuse_short(body, motion, points, soil):
-    """SceneError when the body touches no soil because it is too short along a collapsed axis.
-
-    There the soil's corners lie at the two ends of the slice. A corner that overlaps the body deeper than it lies
-    inside the body's end face would be pushed out along the axis, in which nothing moves. So one end of the slice has
-    to lie inside the body by as much as corners may overlap it. The second pass, of the body's samples, also finds a
-    body that ends within the reach of the search for corners, one cell.
-    """
-    half = points.half_width if soil.basis == "gimp" else np.zeros_like(points.half_width)
-    margin = OVERLAP * minimum(points.half_width)
-    if body.second_pass:
-        margin = -soil.grid.smallest_cell
-    lower, upper = rigid.bounding_box(body, motion)
-    for axis in np.flatnonzero(soil.grid.collapsed):
-        ends = points.position[:, axis] + np.array([[-1.0], [1.0]]) * half[:, axis]
-        if anywhere((ends > lower[axis] + margin) & (ends < upper[axis] - margin)):
-            continue
-        name = "xyz"[axis]
-        start, end = soil.grid.extent[axis]
-        raise SceneError(
-            f"body {body.name!r} touches no soil: along the collapsed axis {name} it reaches from {lower[axis]:.6g} to "
-            f"{upper[axis]:.6g} m, and the corners of the soil lie at the ends of the slice, {start:.6g} and "
-            f"{end:.6g} m. Make the body longer, so that it reaches beyond both by more than {max(margin, 0.0):.2g} m "
-            f"(its weight is that of its whole length), or the slice thinner with grid.{name}.start and "
-            f"grid.{name}.end")

@@ -9,7 +9,8 @@ import numpy as np
 
 from hybrid.body import rigid
 from hybrid.body.rigid import BodyTrial, RigidBody
-from hybrid.contact.contact_pair import Contact, ContactPair
+from hybrid.contact.contact_pair import ContactPair
+from hybrid.contact.soil_to_body import CornerContact
 from hybrid.scheme import Scheme
 from hybrid.state import BodyState
 from hybrid.step import soil_terms
@@ -89,7 +90,7 @@ class BodyTerms:
     step: BodyStep
     pose: tuple
     trial: BodyTrial
-    contact: Contact
+    contact: CornerContact
     terms: np.ndarray
     springs: float
 
@@ -134,9 +135,9 @@ class BodyTerms:
         return rigid.accept(step.body, step.state, self.pose, target, self.reaction, step.scheme, step.dt)
 
 
-def begin_bodies(model, state, dt, pulling, points, half, active, nodal):
-    """Tuple of BodyStep. nodal: (velocity, predicted increments) of the nodes, (None, None) for held soil; half: (n, 3)
-    [m] of the domains of `points`; active: (N,) bool, nodes that carry mass."""
+def begin_bodies(model, state, dt, pulling, domains, active, nodal):
+    """Tuple of BodyStep. nodal: (velocity, predicted increments) of the nodes, (None, None) for held soil; domains:
+    Domains of the soil's points; active: (N,) bool, nodes that carry mass."""
     gravity, grid, first, begun = model.loads.on_bodies(state.time + dt), model.soil.grid, 0, []
     velocity, predicted = nodal
     for number, body in enumerate(model.bodies):
@@ -147,9 +148,9 @@ def begin_bodies(model, state, dt, pulling, points, half, active, nodal):
             target = motion.target + dt * body.line.velocity
             line_force = rigid.evaluate(body, motion, (motion.position, motion.rotation), motion.target, gravity,
                                         model.scheme, dt).line[:3]
-        reach = search_reach(body, motion, grid, velocity, dt)
+        reach = search_reach(body, motion, grid, velocity, dt, np.linalg.norm(gravity))
         pose = rigid.predicted_pose(body, motion, model.scheme, dt)
-        pair = ContactPair(body, motion, state.contacts[number], points, half, grid, active, reach, (predicted, pose))
+        pair = ContactPair(body, motion, state.contacts[number], domains, grid, active, reach, (predicted, pose))
         begun.append(BodyStep(number, body, motion, target, pair, reach, unknowns, line_force, gravity, model.scheme,
                               dt))
     return tuple(begun)

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hybrid.contact.corners import Domains
 from hybrid.linalg.petsc import BlockSystem
 from hybrid.linalg.stencil_pattern import Pattern
 from hybrid.runtime import comm
@@ -127,19 +128,12 @@ class Step:
         with phase("factor"):
             self.system.factor()
 
-    def augment(self, evaluation):
-        """Update the multipliers of bodies with an augmented Lagrangian; False when none of them touches anything."""
-        touching = [terms for terms in evaluation.bodies if terms.step.body.augmented and len(terms.contact)]
-        for terms in touching:
-            terms.step.pair.augment(terms.contact)
-        return bool(touching)
-
     def contrast(self):
-        """Stiffness of contact on a point over that of a cell, E h [-]; 0 without contact or soil."""
+        """Stiffness of contact on the face of a cell over that of the cell [-]; 0 without contact or soil."""
         if self.soil is None:
             return 0.0
-        cell = self.model.soil.law.young * self.model.soil.grid.smallest_cell
-        return max((comm.largest(b.contact_stiffness / cell) for b in self.model.bodies), default=0.0)
+        cell = self.model.soil.law.young / self.model.soil.grid.smallest_cell
+        return max((comm.largest(b.contact_pressure / cell) for b in self.model.bodies), default=0.0)
 
     def apex_fraction(self, evaluation):
         """Share [-] of the soil that has no stiffness at an evaluation."""
@@ -197,10 +191,10 @@ def begin(model, state, dt, pulling, workspace):
             soil = model.soil.begin(points, load, workspace.soil)
             points, active, small_support = soil.points, soil.active, model.soil.small_support(soil)
         pattern, system = workspace.systems.get(active & ~grid.fixed.all(axis=1), small_support)
-    half = state.points.half_width if model.soil.basis == "gimp" else np.zeros_like(state.points.half_width)
+    domains = Domains.of(points, model.soil.constants.volume, model.soil.basis)
     nodal = None if soil is None else soil.velocity, _predicted(model, soil, dt)
     with phase("contact search"):
-        bodies = body_terms.begin_bodies(model, state, dt, pulling, points, half, active, nodal)
+        bodies = body_terms.begin_bodies(model, state, dt, pulling, domains, active, nodal)
     return Step(model, state, dt, soil, pattern, system, bodies)
 
 

@@ -35,8 +35,8 @@ class Model:
 
     def with_soil(self, soil):
         """The same model with other soil."""
-        young, volume = soil.law.young, soil.constants.volume
-        return replace(self, soil=soil, bodies=tuple(rigid.with_stiffness(body, young, volume) for body in self.bodies))
+        bodies = tuple(rigid.with_stiffness(body, soil.law.young) for body in self.bodies)
+        return replace(self, soil=soil, bodies=bodies)
 
     def for_stage(self, held=(), beta=None, gamma=None, loads=None):
         """The same model with more components ("x" ... "rz") of every body held and, if given, Newmark's rule or other

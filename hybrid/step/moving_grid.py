@@ -207,21 +207,20 @@ def _at_standstill(points):
 
 
 def _without_contact(contacts, origin):
-    """(n,) bool, points without a corner that contact follows; origin: (n,) their former numbers, -1 for new ones."""
-    followed = np.concatenate([np.zeros(0, np.int64), *[contact.id // 8 for contact in contacts]])
+    """(n,) bool, points without a place that contact follows; origin: (n,) their former numbers, -1 for new ones."""
+    followed = np.concatenate([np.zeros(0, np.int64), *[contact.point for contact in contacts]])
     return ~np.isin(origin, followed)
 
 
 def _renumbered(contact, origin, before):
-    """ContactHistory by the new numbers of its points; corners of points that were removed are dropped.
+    """ContactHistory by the new numbers of its points; those on points that were removed are dropped.
 
     origin: (n,) former numbers, -1 for new points; before: former number of points.
     """
     number = np.full(before, -1)
     number[origin[origin >= 0]] = np.flatnonzero(origin >= 0)
-    point = number[contact.id // 8]
+    point = number[contact.point]
     stay = np.flatnonzero(point >= 0)
     stay = stay[np.argsort(point[stay], kind="stable")]
-    own = ("position", "touching", "anchor", "side", "pressure")
-    return replace(contact, id=8 * point[stay] + contact.id[stay] % 8,
-                   **{name: getattr(contact, name)[stay] for name in own})
+    own = ("place", "position", "touching", "anchor", "side")
+    return replace(contact, point=point[stay], **{name: getattr(contact, name)[stay] for name in own})

@@ -1,8 +1,8 @@
 """Reach of the corner search: the distance from a body within which corners are followed during a step.
 
-    R = max(h, max_v 2 Δt (V + |v_v|))    over the nodes v with  d_v <= 2 Δt (V + |v_v|)
+    R = max(s, max_v 2 Δt (V + |v_v|))    over the nodes v with  d_v <= 2 Δt (V + |v_v|)
 
-h is the smallest cell, V the speed of the fastest point of the body, |v_v| the largest component of a node's velocity,
+s is a share of the smallest cell (`hybrid.contact.places`), V the speed of the fastest point of the body, |v_v| the largest component of a node's velocity,
 and d_v the distance from the body's bounding box to the cells around the node. A corner moves no faster than the
 fastest node of its cell. If it could touch the body within twice the step, that node fulfils the condition, so R
 covers it; a fast node so far away that none of its corners could touch leaves R as it is. The factor 2 is the margin
@@ -17,10 +17,11 @@ from hybrid.runtime import comm
 MARGIN = 2.0
 
 
-def search_reach(body, state, grid, velocity, dt):
-    """Reach R [m] around a `body` at its committed `state`; velocity: (N, 3) [m/s] of the nodes, None for held soil."""
-    speed = np.linalg.norm(state.velocity) + np.linalg.norm(state.spin) * body.radius
-    cell = grid.smallest_cell
+def search_reach(body, state, grid, velocity, dt, gravity=0.0):
+    """Reach R [m] around a `body` at its committed `state`; velocity: (N, 3) [m/s] of the nodes, None for held soil;
+    gravity: [m/s²], by which a body that is let go falls in the step."""
+    speed = np.linalg.norm(state.velocity) + np.linalg.norm(state.spin) * body.radius + gravity * dt
+    cell = body.places.reach * grid.smallest_cell
     fastest = 0.0 if velocity is None else comm.largest(np.abs(velocity))
     if MARGIN * dt * (speed + fastest) > cell and fastest > 0.0:
         node_speed = np.abs(velocity).max(axis=1)

@@ -21,11 +21,11 @@ def low_penalty(scene, model):
     for described, body in zip(scene.bodies, model.bodies):
         depth = min([soil_depth, *np.ptp(initial_vertices(described, body), axis=0)[:2][across]])
         ratio = described.penalty * depth
-        if ratio < STIFFNESS_RATIO and not body.augmented:
+        if ratio < STIFFNESS_RATIO:
             yield (f"{body.name}: body.penalty = {described.penalty:g} /m times {depth:.3g} m, the depth of soil that "
                    f"the body compresses, is {ratio:.3g}, limit {STIFFNESS_RATIO:g}: contact takes "
                    f"{1 / (1 + ratio):.0%} of the displacement that belongs to the soil. Set body.penalty to "
-                   f'{STIFFNESS_RATIO / depth:.3g} or more, or body.enforcement = "augmented"')
+                   f"{STIFFNESS_RATIO / depth:.3g} or more")
 
 
 def low_tangential_stiffness(scene, model):
@@ -44,13 +44,13 @@ def narrow_body(scene, model):
         return
     spacing, cell = 2 * minimum(half[:, :2][:, across]), model.soil.grid.smallest_cell
     for described, body in zip(scene.bodies, model.bodies):
-        if body.second_pass == 1.0:
+        if not body.places.at_corners:
             continue
         width = _width(initial_vertices(described, body)[:, :2] * across)
         if width < CORNER_SPACINGS * spacing:
             yield (f"{body.name} is {width:.3g} m wide, {width / spacing:.2g} spacings of corners, limit "
                    f"{CORNER_SPACINGS:g}: too few corners sample the body, so that its contact force depends on where "
-                   "it stands, or is zero. Set body.second_pass = 1, or use cells of at most "
+                   'it stands, or is zero. Set body.contact = "faces", or use cells of at most '
                    f"{cell * width / (CORNER_SPACINGS * spacing):.2g} m")
 
 
