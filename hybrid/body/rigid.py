@@ -41,8 +41,8 @@ class RigidBody:
 
     free: (6,) bool, the unknowns; drive: (6,) [m/s, rad/s] spatial rates of the others, zero for held components
     places: where contact is evaluated on the domains of soil points (`hybrid.contact.places`)
-    penalty: p_f [1/m], the stiffness of contact over that of the soil; contact_pressure: (n,) p_f E [N/m³] against
-        each soil point, given by `with_stiffness`
+    penalty: p_f [1/m], or on held soil p_f E [N/m³]; contact_pressure: (n,) p_f E [N/m³] against each soil point, given
+        by `with_stiffness`
     """
 
     name: str
@@ -52,7 +52,7 @@ class RigidBody:
     drive: np.ndarray
     friction: float
     tangential: float
-    penalty: float
+    penalty: float = 0.0
     places: object = None
     contact_pressure: np.ndarray | None = None
     line: Line | None = None
@@ -63,9 +63,10 @@ class RigidBody:
         return self.surface.radius
 
 
-def with_stiffness(body, young):
-    """The body with its contact stiffness against points of Young's modulus `young` (n,) [Pa]."""
-    return replace(body, contact_pressure=body.penalty * young)
+def with_stiffness(body, young, held):
+    """The body with its contact stiffness against points of Young's modulus `young` (n,) [Pa]; held: bool, soil that
+    does not deform, whose modulus does not matter."""
+    return replace(body, contact_pressure=np.full_like(young, body.penalty) if held else body.penalty * young)
 
 
 def bounding_box(body, state):

@@ -55,6 +55,8 @@ class ContactSurface:
     upper: np.ndarray
     tree: Tree
 
+    smallest_radius = 1e3   # TEMP
+
     @cached_property
     def radius(self):
         """Distance [m] of the farthest vertex from the centre of mass."""

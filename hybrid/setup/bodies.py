@@ -9,7 +9,6 @@ from hybrid.body.attitude import rotation_from_axis_angle
 from hybrid.body.motion import free_spin_rate
 from hybrid.body.rigid import FREEDOMS, Line, RigidBody
 from hybrid.body.surface import build_surface
-from hybrid.contact import places
 from hybrid.contact.corners import Domains, overlap
 from hybrid.runtime.comm import anywhere, minimum
 from hybrid.runtime.errors import SceneError
@@ -26,7 +25,7 @@ def mesh_of(described):
 
 
 def build_body(described, body_mesh, gravity):
-    """(RigidBody, its initial BodyState); the stiffness of its contact follows from the soil (`connect_to_soil`)."""
+    """(RigidBody, its initial BodyState); its contact follows from the soil (`hybrid.setup.contact`)."""
     from hybrid.body.mass import condensed_mass
 
     properties = condensed_mass(body_mesh, described.density)
@@ -42,7 +41,7 @@ def build_body(described, body_mesh, gravity):
     rates = np.concatenate([described.velocity, rotation @ described.spin])
     body = RigidBody(
         name=described.name, mass=properties, surface=surface, free=free, drive=rates * driven,
-        friction=described.friction, tangential=described.tangential, penalty=described.penalty,
+        friction=described.friction, tangential=described.tangential,
         line=build_line(described, body_mesh, properties))
     falling = gravity * free[:3]  # nothing touches a body at the start, so it accelerates freely
     spin = np.array(described.spin, float)
@@ -66,21 +65,6 @@ def build_line(described, body_mesh, properties):
     direction = np.array(pull.direction if pull.direction is not None else pull.velocity, float)
     return Line(point - properties.centre, direction / np.linalg.norm(direction), np.array(pull.velocity, float),
                 pull.stiffness, pull.length, pull.tension_only)
-
-
-def connect_to_soil(described, body, soil):
-    """The body with the contact stiffness that follows from `soil`, its part in a slice of plane strain, and the places
-    on the soil's domains at which contact is evaluated."""
-    body = replace(body, places=_places(described, body, soil))
-    return rigid.with_stiffness(body, soil.law.young)
-
-
-def _places(described, body, soil):
-    import os
-    k = int(os.environ.get("K", 4))
-    if described.contact == "corners" or soil.basis == "mpm":
-        return places.corners()
-    return places.faces(k, soil.grid.collapsed)
 
 
 def refuse_overlap(body, motion, points, soil):

@@ -7,7 +7,8 @@ from hybrid.scene.accuracy import apply_accuracy
 from hybrid.scene.defaults import resolve
 from hybrid.scene.file import validate
 from hybrid.scheme import Scheme
-from hybrid.setup.bodies import build_body, connect_to_soil, mesh_of, refuse_overlap
+from hybrid.setup.bodies import build_body, mesh_of, refuse_overlap
+from hybrid.setup.contact import connect_to_soil
 from hybrid.setup.grid import build_grid
 from hybrid.setup.soil import build_soil, lay_out
 from hybrid.simulation import Simulation
@@ -46,7 +47,7 @@ def _assemble(scene, accuracy, body_force, law):
     grid, moving_grid, layouts = build_grid(scene, placed)
     soil, points = build_soil(scene, grid, loads, law)
     motions, contacts = [motion for _, motion in placed], [ContactHistory.empty() for _ in placed]
-    bodies = [connect_to_soil(described, body, soil) for described, (body, _) in zip(scene.bodies, placed)]
+    bodies = [connect_to_soil(described, body, soil, gravity) for described, (body, _) in zip(scene.bodies, placed)]
     for body, motion in zip(bodies, motions):
         refuse_overlap(body, motion, points, soil)
     model = Model(soil, tuple(bodies), build_scheme(scene.time), loads, scene.solver)

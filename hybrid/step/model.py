@@ -35,7 +35,7 @@ class Model:
 
     def with_soil(self, soil):
         """The same model with other soil."""
-        bodies = tuple(rigid.with_stiffness(body, soil.law.young) for body in self.bodies)
+        bodies = tuple(rigid.with_stiffness(body, soil.law.young, soil.held) for body in self.bodies)
         return replace(self, soil=soil, bodies=bodies)
 
     def for_stage(self, held=(), beta=None, gamma=None, loads=None):

@@ -20,9 +20,9 @@ def low_penalty(scene, model):
     soil_depth = maximum((soil.position + soil.half_width)[:, 2]) - minimum((soil.position - soil.half_width)[:, 2])
     for described, body in zip(scene.bodies, model.bodies):
         depth = min([soil_depth, *np.ptp(initial_vertices(described, body), axis=0)[:2][across]])
-        ratio = described.penalty * depth
+        ratio = body.penalty * depth
         if ratio < STIFFNESS_RATIO:
-            yield (f"{body.name}: body.penalty = {described.penalty:g} /m times {depth:.3g} m, the depth of soil that "
+            yield (f"{body.name}: body.penalty = {body.penalty:g} /m times {depth:.3g} m, the depth of soil that "
                    f"the body compresses, is {ratio:.3g}, limit {STIFFNESS_RATIO:g}: contact takes "
                    f"{1 / (1 + ratio):.0%} of the displacement that belongs to the soil. Set body.penalty to "
                    f"{STIFFNESS_RATIO / depth:.3g} or more")
