@@ -108,10 +108,11 @@ def _within_reach(position, half, body, surface, reach, history, included):
 
 
 def distances(places, surface, reach=np.inf):
-    """Signed distances (m,) [m] of places (m, 3) in the body frame from the surface, inf beyond `reach` [m]."""
+    """Signed distances (m,) [m] of places (m, 3) in the body frame from the surface, inf beyond `reach` [m]; outside
+    lower bounds of what a corner has to move to touch it."""
     out = np.empty(len(places))
     _distances(places, reach, surface.tree, out)
-    return out
+    return np.where(out > 0.0, out / surface.tree.patches.steepness, out)
 
 
 def shared_stiffness(id, place, stiffness):
