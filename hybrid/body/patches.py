@@ -43,6 +43,7 @@ class Patches(NamedTuple):
     smooth (t, 3)      whether the normal is continuous across the edge
     curved (t, 7)      whether a closest point on this feature of the facet has to be projected onto patches
     bulge              largest distance [m] of a patch from its facet; 0 if no triangle is curved
+    steepness          largest change of the gap, over the distance moved; 1 if no triangle is curved
     """
 
     nodes: np.ndarray
@@ -50,6 +51,7 @@ class Patches(NamedTuple):
     smooth: np.ndarray
     curved: np.ndarray
     bulge: float
+    steepness: float
 
 
 @njit(cache=True)

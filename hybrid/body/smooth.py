@@ -117,7 +117,7 @@ def build_patches(corners, triangles, facet, normals):
     at the corners; None: facets are the surface."""
     count = len(triangles)
     flat = Patches(np.zeros((0, 9, 3)), np.zeros((0, 3), np.int64), np.zeros((0, 3), np.bool_),
-                   np.zeros((count, 7), np.bool_), 0.0)
+                   np.zeros((count, 7), np.bool_), 0.0, 1.0)
     if normals is None:
         return flat
     near = np.linalg.norm(normals - facet[:, None], axis=2) < ROUND_OFF
@@ -135,7 +135,21 @@ def build_patches(corners, triangles, facet, normals):
     nodes = np.concatenate((corners[:, :1], corners[:, 1:] - corners[:, :1], normals[:, :1],
                             normals[:, 1:] - normals[:, :1], curvature), axis=1)
     bulge = np.linalg.norm(curvature, axis=2).max(axis=1) / 3       # Σ w_i w_j <= 1/3
-    return Patches(nodes, across, smooth, _curved_features(triangles, across, curved), float(bulge.max()))
+    return Patches(nodes, across, smooth, _curved_features(triangles, across, curved), float(bulge.max()),
+                   _steepness(nodes))
+
+
+def _steepness(nodes):
+    """Largest |∂g/∂y| on patches with `nodes` (t, 9, 3), at their corners and the middles of edges and patches, with a
+    margin for what is between these."""
+    x, d1, d2, n, n1, n2, c0, c1, c2 = np.moveaxis(nodes, 1, 0)
+    largest = 1.0
+    for v, w in ((0, 0), (1, 0), (0, 1), (0.5, 0), (0, 0.5), (0.5, 0.5), (1 / 3, 1 / 3)):
+        u = 1 - v - w
+        normal = np.cross(d1 + (v - u) * c0 - w * c1 + w * c2, d2 + v * c0 - v * c1 + (w - u) * c2)
+        cosine = np.einsum("ti,ti->t", unit(normal), unit(n + v * n1 + w * n2))
+        largest = max(largest, float(1.0 / np.clip(cosine, 0.5, 1.0).min()))
+    return 1.0 + 2.0 * (largest - 1.0)
 
 
 def _edge_curvature(corners, normals, t, k):

@@ -146,11 +146,11 @@ def _within_reach(domains, places, collapsed, body, surface, reach, history):
 
 
 def distances(y, surface, reach=np.inf):
-    """Signed distances (m,) [m] of positions y (m, 3) in the body frame from the surface, inf beyond `reach` [m], and the
-    outward normals there (m, 3)."""
+    """Signed distances (m,) [m] of positions y (m, 3) in the body frame from the surface, inf beyond `reach` [m]; outside
+    lower bounds of what a point has to move to touch it. And the outward normals there (m, 3)."""
     out, normal = np.empty(len(y)), np.zeros((len(y), 3))
     _distances(np.ascontiguousarray(y), reach, surface.tree, out, normal)
-    return out, normal
+    return np.where(out > 0.0, out / surface.tree.patches.steepness, out), normal
 
 
 def _new_points(domains, places, collapsed, body, surface, reach, known):

@@ -9,6 +9,7 @@ from hybrid.body.closest import closest, gap_geometry
 from hybrid.body.mesh import generate
 from hybrid.body.smooth import corner_normals
 from hybrid.body.surface import build_surface
+from hybrid.contact.corners import distances
 
 SHAPES = {"sphere": sphere, "ellipsoid": ellipsoid, "torus": torus}
 
@@ -292,6 +293,19 @@ def test_a_reach_finds_all_that_is_nearer():
         full = closest(y, np.inf, surface.tree)
         assert closest(y, 1.0001 * abs(full[4]), surface.tree) == full
         assert closest(y, 0.9999 * abs(full[4]), surface.tree)[0] == -1
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_distances_are_lower_bounds_of_the_way_to_the_surface(shape):
+    surface = build_surface(*SHAPES[shape](1))
+    places, gap, normal = around(shape, 3000, 0.2, seed=9)
+    places, normal = places[gap > 0.01], normal[gap > 0.01]
+    bound, g = distances(places, surface), gaps_and_normals(surface, places)[0]
+    assert (bound < g).all() and (bound > 0.5 * g).all()
+    for tilt in np.random.default_rng(0).normal(scale=0.3, size=(10, 3)):
+        way = tilt - normal
+        moved = places + 0.9999 * bound[:, None] * way / np.linalg.norm(way, axis=1)[:, None]
+        assert (gaps_and_normals(surface, moved)[0] > 0.0).all()
 
 
 def test_merged_helper_keeps_the_orientation():

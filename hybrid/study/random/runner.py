@@ -40,7 +40,12 @@ def run(names=(), quick=False, out=Path("out/random"), resume=False, log=print):
 def measure(name, seed):
     """Record of problem number `seed` of the family of this name."""
     family = FAMILIES[name]
-    values, begin = family.values(name, seed), perf_counter()
+    return run_problem(family, family.values(name, seed), name, seed)
+
+
+def run_problem(family, values, name="", seed=-1):
+    """Record of a problem of a family with given values."""
+    begin = perf_counter()
     try:
         found = [simulate(scene) for scene in family.scenes(**values)]
     except HybridError as failure:

@@ -51,13 +51,15 @@ def exact(edges, spin, axis, time):
     return Rotation.from_quat(solve_ivp(rate, (0.0, time), start, rtol=1e-11, atol=1e-12).y[:4, -1])
 
 
+def off(state, edges, spin, axis):
+    """Angle [rad] between the attitude of the box in a State and the exact one."""
+    turned = Rotation.from_matrix(state.bodies[0].rotation)
+    return (exact(edges, spin, axis, state.time).inv() * turned).magnitude()
+
+
 def measure(*runs, edges, spin, axis, **_):
     """{error: value} of a box: attitude [rad], and what the observed order lacks of 2."""
-    errors = []
-    for run in runs:
-        state = run.simulation.state
-        turned = Rotation.from_matrix(state.bodies[0].rotation)
-        errors.append((exact(edges, spin, axis, state.time).inv() * turned).magnitude())
+    errors = [off(run.simulation.state, edges, spin, axis) for run in runs]
     return {"attitude": errors[0], "order": 2 - np.log2(errors[0] / errors[1])}
 
 

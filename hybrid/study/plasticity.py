@@ -1,0 +1,124 @@
+"""Exact collapse loads of rigid, perfectly plastic clay, with nothing set but the physics.
+
+    strip footing, smooth or rough, plane strain      F / (B s_u) = 2 + π = 5.142     (Prandtl)
+    circular footing, smooth / rough                  F / (π R² s_u) = 5.69 / 6.05    (Eason & Shield; Cox, Eason & Hopkins)
+
+The clay is weightless, von Mises' law as strong as Tresca's in the state of stress of the problem, E = 10⁴ s_u, ν = 0.49.
+A footing is pushed down in 20 quasi-static steps, to 2.5 times the settlement that an elastic soil of that stiffness
+would need for the collapse load. Models use their symmetry: a half of the strip, a quarter of the circle.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hybrid.bench.timed_steps import newton_iterations, sizes, timed_steps
+from hybrid.runtime.data import GEOMETRY
+from hybrid.scene import Axis, Body, Faces, Grid, Material, Scene, Soil, Stage, Time
+from hybrid.setup.build import build
+from hybrid.simulation import Simulation
+from hybrid.soil.split_merge import select
+from hybrid.state import Population
+
+STRENGTH, STIFFNESS, POISSON, STEPS = 1e4, 1e4, 0.49, 20    # s_u [Pa], E / s_u
+STRIP, SMOOTH, ROUGH = 2 + np.pi, 5.69, 6.05
+
+
+@dataclass(frozen=True)
+class Pushed:
+    """Result of a push: force over (area × s_u) after each step; unknowns; Newton iterations; seconds; messages."""
+
+    factor: np.ndarray
+    unknowns: int
+    iterations: int
+    seconds: float
+    notes: tuple = ()
+
+
+def clay(cone):
+    """Undrained clay; cone: state in which it is as strong as Tresca's."""
+    return Material(law="von-mises", young=STIFFNESS * STRENGTH, poisson=POISSON, density=1.0, strength=STRENGTH,
+                    cone=cone)
+
+
+def graded(size, fine, end, growth=1.3):
+    """Coordinates from 0 to `end` or a little farther: `size` apart up to `fine`, then growing."""
+    found = (size * np.arange(np.ceil(fine / size - 1e-9) + 1)).tolist()
+    while found[-1] < end:
+        found.append(found[-1] + growth * (found[-1] - found[-2]))
+    return found
+
+
+def footing(shape, across, friction=0.0, **soil):
+    """Scene of a footing of half-width or radius 1 m, with `across` cells in it; shape: "strip" or "circle"."""
+    size, circle = 1.0 / across, shape == "circle"
+    side = Axis(nodes=tuple(graded(size, 1.5, 5.0)))
+    down = Axis(nodes=(*(-z for z in graded(size, 1.5, 4.0)[::-1]), size))
+    depth = side if circle else Axis(start=0.0, end=0.5 * size, collapsed=True)
+    file, parameters = ("cylinder.geo", {"radius": 1.0, "height": 0.5, "size": 0.25}) if circle else (
+        "box.geo", {"length": 2.0, "width": size, "height": 0.5, "size": 0.5})
+    settlement = 2.5 * (SMOOTH if circle else STRIP) / STIFFNESS * 2
+    body = Body(GEOMETRY / file, 1000.0, name="footing", parameters=parameters, rest_on=0.0, friction=friction,
+                position=(0.0, 0.0 if circle else 0.25 * size, 0.0), velocity=(0.0, 0.0, -settlement / STEPS),
+                driven=("z",), held=("x", "y", "rx", "ry", "rz"))
+    return Scene(name=f"{shape} footing", grid=Grid(side, depth, down, Faces(z_min="fixed")),
+                 soil=Soil(clay("compression" if circle else "plane strain"), top=0.0, geostatic=False, **soil),
+                 bodies=(body,), gravity=(0.0, 0.0, 0.0), time=Time(1.0, inertia=False), stages=(Stage("push", STEPS),))
+
+
+def push(shape, across, friction=0.0, **soil):
+    """Pushed of a footing."""
+    scene = footing(shape, across, friction, **soil)
+    simulation = build(scene)
+    records, seconds = timed_steps(simulation)
+    force = np.array([record.bodies[0].contact_force[2] for record in records])
+    area = np.pi / 4 if shape == "circle" else scene.grid.y.end
+    return Pushed(force / (area * STRENGTH), sizes(simulation)["unknowns"], newton_iterations(records), sum(seconds),
+                  tuple(dict.fromkeys(note for record in records for note in record.notes)))
+
+
+# ------------------------------------------------------------------ cylinder moved sideways, deep in the clay
+
+PRESSURE, COVER = 20.0, 5.0     # at the axis [s_u]; depth of the axis [diameters]
+
+
+def buried(across, friction=0.0, way=0.1, rigidity=500.0, steps=20, fill=20, around=6.0, fine=1.25, **soil):
+    """Scene of a cylinder of 1 m diameter that hangs above the soil; `wish_in_place` puts it at z = 0.
+
+    across: cells in a diameter; rigidity: E / s_u; way [m], along x, in `steps`; around [m]: half-width of the soil.
+    """
+    size = 1.0 / across
+    out = graded(size, fine, around)
+    up = [z for z in graded(size, fine, COVER)]
+    x = Axis(nodes=(*(-a for a in out[:0:-1]), *out))
+    z = Axis(nodes=(*(-a for a in graded(size, fine, around)[:0:-1]), *up, up[-1] + (up[-1] - up[-2])))
+    slice_ = Axis(start=0.0, end=0.5 * size, collapsed=True)
+    clay_ = Material(law="von-mises", young=rigidity * STRENGTH, poisson=POISSON, strength=STRENGTH, cone="plane strain",
+                     density=PRESSURE * STRENGTH / (9.81 * up[-1]))
+    body = Body(GEOMETRY / "cylinder.geo", 1000.0, name="cylinder", rest_on=up[-1], rotation=(1.0, 0.0, 0.0, 90.0),
+                parameters={"radius": 0.5, "height": 3 * size, "size": 0.05}, position=(0.0, 0.25 * size, 0.0),
+                friction=friction, velocity=(way / steps, 0.0, 0.0), driven=("x",), held=("y", "z", "rx", "ry", "rz"))
+    return Scene(name="buried", grid=Grid(x, slice_, z, Faces(z_min="fixed")),
+                 soil=Soil(clay_, top=up[-1], geostatic=False, **soil), bodies=(body,), time=Time(1.0, inertia=False),
+                 stages=(Stage("fill", fill, gravity=(0.0, 1.0), held=("x",)), Stage("push", steps)))
+
+
+def wish_in_place(simulation, radius=0.5):
+    """Simulation whose cylinder lies at z = 0, without the points whose centres are inside it."""
+    state, soil = simulation.state, simulation.model.soil
+    keep = np.hypot(state.points.position[:, 0], state.points.position[:, 2]) > radius
+    kept = select(Population(state.points, soil.constants, soil.law.rows), keep)
+    soil = replace(soil, constants=kept.constants, law=soil.law.with_rows(kept.rows))
+    position = state.bodies[0].position * (1.0, 1.0, 0.0)
+    state = replace(state, points=kept.points, bodies=[replace(state.bodies[0], position=position)])
+    return Simulation(simulation.scene, simulation.model.with_soil(soil), state, simulation.meshes)
+
+
+def sideways(across, friction=0.0, **values):
+    """Pushed of the cylinder, force over (diameter × s_u)."""
+    simulation = wish_in_place(build(buried(across, friction, **values)))
+    records, seconds = timed_steps(simulation)
+    force = -np.array([record.bodies[0].contact_force[0] for record in records if record.stage == "push"])
+    thickness = simulation.scene.grid.y.end
+    return Pushed(force / (thickness * STRENGTH), sizes(simulation)["unknowns"], newton_iterations(records), sum(seconds),
+                  tuple(dict.fromkeys(note for record in records for note in record.notes)))
