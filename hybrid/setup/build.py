@@ -47,7 +47,8 @@ def _assemble(scene, accuracy, body_force, law):
     grid, moving_grid, layouts = build_grid(scene, placed)
     soil, points = build_soil(scene, grid, loads, law)
     motions, contacts = [motion for _, motion in placed], [ContactHistory.empty() for _ in placed]
-    bodies = [connect_to_soil(described, body, soil, gravity) for described, (body, _) in zip(scene.bodies, placed)]
+    bodies = [connect_to_soil(described, body, motion.rotation, soil, gravity)
+              for described, (body, motion) in zip(scene.bodies, placed)]
     for body, motion in zip(bodies, motions):
         refuse_overlap(body, motion, points, soil)
     model = Model(soil, tuple(bodies), build_scheme(scene.time), loads, scene.solver)

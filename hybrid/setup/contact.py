@@ -27,12 +27,12 @@ STIFFNESS = 400.0                   # p_f h
 PATCH = 2.0                         # spacings in the radius of a contact patch on held soil
 PUBLISHED = 50.0                    # [1/m] p_f
 SHARP = 0.1                         # of the area: fillets and tips, which cells do not resolve either
-STRAIGHT = 1e-6                     # sine of the angle between a prism's surface and its axis
+STRAIGHT = 0.02                    # sine of the angle between a prism's surface and its axis
 
 
-def connect_to_soil(described, body, soil, gravity):
-    """The body with all of its contact that follows from `soil`; gravity (3,) [m/s²]. Raises SceneError."""
-    body = in_slice(body, soil.grid, described.rotation)
+def connect_to_soil(described, body, rotation, soil, gravity):
+    """The body, at an initial `rotation` (3, 3), with all of its contact that follows from `soil`; gravity (3,) [m/s²]. Raises SceneError."""
+    body = in_slice(body, soil.grid, rotation)
     chosen, spacing, radius = _places(described, body, soil)
     body = replace(body, places=chosen, penalty=_penalty(described, body, soil, spacing, radius, gravity))
     return rigid.with_stiffness(body, soil.law.young, soil.held)
@@ -77,7 +77,7 @@ def curvature_radius(surface):
     return 1.0 / strongest if strongest > 0.0 else np.inf
 
 
-def in_slice(body, grid, rotation=None):
+def in_slice(body, grid, rotation):
     """The body as it is modelled on a grid with collapsed axes: the part of a prism that lies in the slice.
 
     Its mass is that on the thickness of the slice, and it neither moves along a collapsed axis nor tilts it.
@@ -85,15 +85,15 @@ def in_slice(body, grid, rotation=None):
     """
     for axis in np.flatnonzero(grid.collapsed):
         letter, thickness = "xyz"[axis], np.ptp(grid.extent[axis])
-        turned = np.zeros(3) if rotation is None else np.array(rotation[:3])
-        slope = np.abs(body.surface.normals[:, axis])
-        tilted = turned.any() and np.linalg.norm(np.delete(turned, axis)) > STRAIGHT
-        if tilted or ((slope > STRAIGHT) & (slope < 1 - STRAIGHT)).any():
+        nodes = body.surface.tree.patches.nodes
+        normals = nodes[:, 3] if len(nodes) else body.surface.normals
+        slope = np.abs(normals @ rotation[axis])
+        if ((slope > STRAIGHT) & (slope < 1 - STRAIGHT)).any():
             raise SceneError(
                 f"body {body.name!r} is no prism along the collapsed axis {letter}: in plane strain all sections of a "
                 f"body across {letter} are equal. Use a prism, such as geometry/box.geo, rotated about {letter} at most, or "
                 f"model the third dimension with grid.{letter}.collapsed = false")
-        share = thickness / np.ptp(body.surface.vertices[:, axis])
+        share = thickness / np.ptp(body.surface.vertices @ rotation[axis])
         mass = replace(body.mass, **{name: share * getattr(body.mass, name)
                                      for name in ("mass", "inertia", "matrix", "gravity_load")})
         fixed = np.array([freedom == letter or (freedom.startswith("r") and freedom != "r" + letter)
