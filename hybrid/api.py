@@ -25,6 +25,6 @@ def run(scene, out=None, overrides=(), resume=False, quiet=False, body_force=Non
     simulation = build(scene, body_force=body_force, law=law)
     if resume:
         path = folder / checkpoint.NAME
-        simulation.resume(checkpoint.load(path, simulation.scene), checkpoint.read_extra(path).get("increment"))
+        simulation.resume(checkpoint.load(path, simulation.scene), **checkpoint.read_extra(path))
     simulation.run(output.standard(folder, progress=not quiet))
     return simulation

@@ -43,6 +43,7 @@ class Simulation:
     decisions             what was decided of keys that the scene left out (`hybrid.scene.defaults`)
     evaluation            Evaluation that led to the state, None before the first step
     increment             [s] that the next step of this stage tries first, None: all of it
+    solver_memory         (7,) counts of the linear solver (`SolverChoice.memory`), None before the first step
     imbalance             of the initial state, None for soil that is held or weighs nothing
     """
 
@@ -51,7 +52,7 @@ class Simulation:
         self.scene, self.model, self.state, self.meshes = scene, model, state, meshes
         self.moving_grid, self.level, self.decisions = moving_grid, level, decisions
         self.initial_bodies = list(state.bodies)
-        self.evaluation, self.increment = None, None
+        self.evaluation, self.increment, self.solver_memory = None, None, None
         workspace = Workspace(model)
         start = begin(model, state, scene.time.step, False, workspace)
         evaluation = start.evaluate(start.at_rest())
@@ -80,9 +81,10 @@ class Simulation:
         """(n, 3) [m] of the points."""
         return self.model.soil.constants.position
 
-    def resume(self, state, increment=None):
-        """Continue from `state`, with an increment of `increment` [s] first."""
-        self.state, self.increment = state, increment
+    def resume(self, state, increment=None, solver_memory=None):
+        """Continue from `state`, with an increment of `increment` [s] first, and with what the choice of the linear solver
+        remembers, `solver_memory` (7,)."""
+        self.state, self.increment, self.solver_memory = state, increment, solver_memory
         if self.moving_grid:
             self.model = self.moving_grid.model_with(self.model, state.ground)
 
@@ -160,6 +162,8 @@ class Simulation:
         Raises StepError when a step fails; `state` is then that of the last accepted step.
         """
         workspace = Workspace(self.model)
+        if self.solver_memory is not None:
+            workspace.systems.choice.restore(self.solver_memory)
         try:
             first, starts = 0, 0.0      # steps and time before the stage
             for stage in self.scene.stages:
@@ -189,6 +193,7 @@ class Simulation:
                 self._add_hints(failure)
                 raise
             self.evaluation, self.increment = report.evaluation, control.dt
+            self.solver_memory = workspace.systems.choice.memory()
             yield self._record(stage.name, stage_step, report, model.scheme)
 
     def _add_hints(self, failure):

@@ -93,8 +93,8 @@ def _scaling(case):
 def _solvers(case):
     keys = ["tangent", "unknowns", "solver", "iterations", "factor [s]", "solve [s]", "failed"]
     keys = keys if any(row["failed"] for row in case["rows"]) else keys[:-1]
-    return (paragraph("Iterations to a residual of 1e-3 for one tangent. Where it is symmetric (elastic) the "
-                      "preconditioner of `krylov` is Gauss-Seidel sweeps, else the incomplete factor.")
+    return (paragraph("Iterations to a residual of 1e-3 for one tangent with each preconditioner. A run takes the "
+                      "cheapest by what it counts, sweeps first where the tangent is symmetric.")
             + "\n" + markdown(keys, [[row[key] for key in keys] for row in case["rows"]]))
 
 

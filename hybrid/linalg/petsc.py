@@ -7,14 +7,15 @@ K_uu is sparse (AIJ) over the free soil unknowns. The other blocks are dense, wi
 unknown of the bodies. The preconditioner is the upper block factorisation: an approximate inverse M^-1 of K_uu and the
 exact Schur complement K_ww - K_wu M^-1 K_uw, formed with one application of M^-1 per body unknown.
 
-M^-1 is a symmetric Gauss-Seidel (SSOR) sweep over the blocks of nodes, or ILU(0); if GMRES stagnates with one of them,
-the other is used. If it converges with neither, linear = "auto" allows the first more iterations, then takes a direct
-factor (MUMPS, of all of K_uu), and remembers which of them solved the system (`hybrid.linalg.solver_choice`). A sweep
-needs no factor, preserves positive definiteness and does not converge more slowly with stiff contact, so it is used
-first where the soil's tangent is symmetric. In sand, to a relative residual of 1e-2, sweeps over blocks take 13 GMRES
-iterations, sweeps over rows 14 (19 600 unknowns); with 103 000 unknowns they take 15 to 25, and 25 to 28.
+M^-1 is one of three: a symmetric Gauss-Seidel (SSOR) sweep over the blocks of nodes; ILU(0); ILU(0) of a matrix whose
+diagonal is raised by half, which is stable where the soil is nearly incompressible and ILU(0) is of no use. Where none
+of them converges at a reasonable cost, a direct factor (MUMPS, of all of K_uu) takes their place, if it fits in memory.
+`hybrid.linalg.solver_choice` decides the order by the iterations counted. A sweep needs no factor, preserves positive
+definiteness and does not converge more slowly with stiff contact, so it is used first where the soil's tangent is
+symmetric. In sand, to a relative residual of 1e-2, sweeps over blocks take 13 GMRES iterations, sweeps over rows 14
+(19 600 unknowns); with 103 000 unknowns they take 15 to 25, and 25 to 28.
 
-Both are computed from a part of the entries (`hybrid.linalg.precond_pattern`): with only the entries that couple nodes
+All three are computed from a part of the entries (`hybrid.linalg.precond_pattern`): with only the entries that couple nodes
 of one cell, the factor of 15 600 unknowns takes 0.04 s instead of 0.35 s, and GMRES needs 8 iterations instead of 4 to
 1e-3, in the same time.
 
@@ -28,21 +29,27 @@ from contextlib import contextmanager
 import numpy as np
 from petsc4py import PETSc
 
-from hybrid.linalg.solver_choice import SolverChoice
+from hybrid.linalg.precond_pattern import ReducedMatrix
+from hybrid.linalg.solver_choice import DAMPED, DIRECT, INCOMPLETE, MOST, SWEEPS, SolverChoice
 from hybrid.linalg.stencil_pattern import diagonal_places
 from hybrid.runtime.errors import StepError
 
-DIRECT = {"ksp_type": "preonly", "pc_type": "lu", "pc_factor_mat_solver_type": "mumps"}
-# A node that domains hardly overlap has a row with very small entries and an even smaller pivot. Elimination without
-# pivoting does not depend on the scale of rows and columns, so only a pivot of exactly zero is an error.
-INCOMPLETE = {"ksp_type": "preonly", "pc_type": "ilu", "pc_factor_zeropivot": 0.0}
-# A forward and a backward sweep, PETSc's default. PETSc inverts the diagonal block of each node (its rows have the same
-# sparsity) unless a shift or relaxation is set, but treats a scalar pivot below 2e-14 as zero: diagonals are raised to
-# SMALLEST_DIAGONAL [N/m]. An exact zero would be an error; it is replaced by ZERO_DIAGONAL, with which sweeps diverge.
-SWEEPS = {"ksp_type": "preonly", "pc_type": "sor"}
+# PETSc options of M^-1. A node that domains hardly overlap has a row with very small entries and an even smaller pivot.
+# Elimination without pivoting does not depend on the scale of rows and columns, so only a pivot of exactly zero is an
+# error. Sweeps go forward and backward, PETSc's default. PETSc inverts the diagonal block of each node (its rows have the
+# same sparsity) unless a shift or relaxation is set, but treats a scalar pivot below 2e-14 as zero: diagonals are raised
+# to SMALLEST_DIAGONAL [N/m]. An exact zero would be an error; it is replaced by ZERO_DIAGONAL, with which sweeps diverge.
+INCOMPLETE_FACTOR = {"ksp_type": "preonly", "pc_type": "ilu", "pc_factor_zeropivot": 0.0}
+INVERSES = {
+    SWEEPS: {"ksp_type": "preonly", "pc_type": "sor"},
+    INCOMPLETE: INCOMPLETE_FACTOR,
+    DAMPED: INCOMPLETE_FACTOR,
+    DIRECT: {"ksp_type": "preonly", "pc_type": "lu", "pc_factor_mat_solver_type": "mumps"},
+}
 SMALLEST_DIAGONAL, ZERO_DIAGONAL = 1e-13, 1e-300
-SWITCH_AFTER = 60       # iterations after which the other preconditioner is used
-MAX_ITERATIONS = 300
+# Factor on the diagonal before the damped factor. Iterations for clay (von Mises, ν = 0.49, F-bar) of 4 800, 17 600 and
+# 52 600 unknowns, to 1e-3: 1.2 stagnates; 1.3: 66, 114, 133; 1.5: 76, 142, 167; 2: 99, 198, 193.
+RAISED = 1.5
 SINGULAR = "finds the matrix singular"
 COMM = PETSc.COMM_SELF
 CHOSEN_BY_USER = set(PETSc.Options().getAll())  # PETSC_OPTIONS of the environment take precedence
@@ -51,8 +58,8 @@ CHOSEN_BY_USER = set(PETSc.Options().getAll())  # PETSC_OPTIONS of the environme
 class BlockSystem:
     """Storage and solution of the block system for one sparsity pattern.
 
-    reduced: ReducedMatrix from which sweeps and the incomplete factor are computed, None for all of K_uu; sweeps:
-    whether sweeps are tried before the incomplete factor; choice: SolverChoice, which outlives this system.
+    linear: value of `solver.linear`; tolerance: relative one of GMRES; reduced: ReducedMatrix from which M^-1 is computed,
+    None for all of K_uu; sweeps: whether they are tried before ILU(0); choice: SolverChoice, which outlives this system.
     values: entries of K_uu in the order of the pattern; uw (n, m), wu (m, n), ww (m, m): dense blocks.
     """
 
@@ -63,34 +70,26 @@ class BlockSystem:
         self.uw, self.wu = np.zeros((n, m), order="F"), np.zeros((m, n), order="F")
         self.ww, self._schur = np.zeros((m, m), order="F"), np.zeros((m, m), order="F")
         self.soil_unknowns, self.body_unknowns = n, m
-        self._tolerance, self._choice = tolerance, choice or SolverChoice(linear)
-        self._coupled, self._blocks, self._reduced, self._prepared = bool(n and m), [], None, set()
+        self._tolerance, self._choice, self._sweeps = tolerance, choice or SolverChoice(linear), sweeps
+        self._coupled, self._blocks, self._reduced, self._solvers = bool(n and m), [], None, {}
         if n:
             self._uu = PETSc.Mat().createAIJWithArrays((n, n), (indptr, indices, self.values), comm=COMM)
             self._blocks.append(self._uu)
-            if reduced is not None and linear != "direct":
-                self._reduced = reduced
+            if linear != "direct":
+                self._reduced = reduced or ReducedMatrix(indptr, indices, np.ones(len(indices), bool))
                 # y += A x, which nested matrices use, takes PETSc a third longer with inodes (groups of rows with the
                 # same sparsity) than row by row
                 self._uu.setOption(PETSc.Mat.Option.USE_INODES, False)
                 self._uu_reduced = PETSc.Mat().createAIJWithArrays(
-                    (n, n), (reduced.indptr, reduced.indices, reduced.values), comm=COMM)
+                    (n, n), (self._reduced.indptr, self._reduced.indices, self._reduced.values), comm=COMM)
+                self._diagonal = diagonal_places(self._reduced.indptr, self._reduced.indices)
         if m:
             self._ww = PETSc.Mat().createDense((m, m), array=self.ww, comm=COMM)
             self._blocks.append(self._ww)
         if self._blocks:
             self._join()
-            exact = linear == "direct" or not n
-            first, last = (SWEEPS, INCOMPLETE) if sweeps else (INCOMPLETE, SWEEPS)
-            inverses = [] if exact else [(first, SWITCH_AFTER), (last, MAX_ITERATIONS)]
-            inverses += [(first, MAX_ITERATIONS)] if not exact and linear == "auto" else []
-            inverses += [(DIRECT, MAX_ITERATIONS)] if exact or linear == "auto" else []
-            self._solvers, self._current = [self._krylov(*inverse) for inverse in inverses], 0
-            self._direct = len(inverses) - 1 if n and inverses[-1][0] is DIRECT else None
-            self._order, self._failed = [], ""
+            self._order, self._at, self._failed = [], 0, ""
             self._x, self._b = self._matrix.createVecs()
-            given = (indptr, indices) if self._reduced is None else (reduced.indptr, reduced.indices)
-            self._diagonal = diagonal_places(*given) if len(inverses) > 1 else np.zeros(0, int)
 
     def _join(self):
         """Form the system matrix and the preconditioner's matrix; with bodies and soil both are nested matrices."""
@@ -108,15 +107,15 @@ class BlockSystem:
             self._matrix = PETSc.Mat().createNest([[self._uu, uw], [wu, self._ww]], comm=COMM)
             self._preconditioner = PETSc.Mat().createNest([[soil, uw], [wu, self._ww]], comm=COMM)
 
-    def _krylov(self, inverse, most):
-        """(KSP with at most `most` iterations, its options); inverse: PETSc options of M^-1."""
-        ksp = PETSc.KSP().create(COMM)
+    def _make_solver(self, solver):
+        """(KSP, its options) with the approximate inverse that belongs to a `solver`."""
+        ksp, inverse = PETSc.KSP().create(COMM), INVERSES[solver]
         ksp.setOptionsPrefix("hybrid_")
-        ksp.setOperators(*self._operators(inverse is DIRECT))
+        ksp.setOperators(*self._operators(solver))
         ksp.setType("gmres")
         ksp.setGMRESRestart(100)
         ksp.setPCSide(PETSc.PC.Side.RIGHT)
-        ksp.setTolerances(rtol=self._tolerance, atol=0.0, max_it=most)
+        ksp.setTolerances(rtol=self._tolerance, atol=0.0, max_it=MOST)
         pc = ksp.getPC()
         if self._coupled:
             pc.setType("fieldsplit")
@@ -135,18 +134,18 @@ class BlockSystem:
             ksp.setFromOptions()
         return ksp, options
 
-    def _operators(self, direct):
+    def _operators(self, solver):
         """Matrix, and what the preconditioner is made from."""
-        return self._matrix, self._matrix if direct else self._preconditioner
+        return self._matrix, self._matrix if solver == DIRECT else self._preconditioner
 
     def destroy(self):
         """Release the memory of matrices and factors now, not when Python's garbage collector runs."""
         if self._blocks:
-            for ksp in (self._solvers[number][0] for number in self._prepared):
+            for ksp, _ in self._solvers.values():
                 if self._coupled:  # PETSc keeps the inner solvers of a Schur field split, and their factors
                     ksp.getPC().getFieldSplitSubKSP()[0].getPC().reset()
                 ksp.reset()
-            things = [ksp for ksp, _ in self._solvers]
+            things = [ksp for ksp, _ in self._solvers.values()]
             things += [self._preconditioner, self._matrix, *self._blocks, self._x, self._b]
             things += [self._uu_reduced] if self._reduced is not None else []
             for thing in things:
@@ -159,32 +158,37 @@ class BlockSystem:
 
     def factor(self):
         """Prepare the preconditioner after assembly."""
-        if self._reduced is not None:
-            self._reduced.update(self.values)
-            _lift(self._reduced.values, self._diagonal)
-            self._uu_reduced.assemble()
-        else:
-            _lift(self.values, self._diagonal)
         for block in self._blocks:
-            block.assemble()    # also discards the inverse of the diagonal that PETSc stores for sweeps
-        for matrix in (self._matrix, self._preconditioner):
-            matrix.stateIncrease()
-        first = self._choice.begin(self.soil_unknowns, self._direct)
-        self._order = [*range(first, len(self._solvers)), *range(first)]
-        self._prepare(first)
+            block.assemble()
+        self._matrix.stateIncrease()
+        self._order = self._choice.begin(self.soil_unknowns, self.body_unknowns, self._sweeps)
+        self._prepare(0)
 
-    def _prepare(self, number):
-        """Make solver `number` the current one and set it up with the current values."""
-        (ksp, options), self._current, self._failed = self._solvers[number], number, ""
-        ksp.setOperators(*self._operators(number == self._direct))
+    def _prepare(self, at):
+        """Set up the solver at place `at` of the order with the current values, and make it the current one."""
+        self._at, self._failed, (solver, most) = at, "", self._order[at]
+        if solver not in self._solvers:
+            self._solvers[solver] = self._make_solver(solver)
+        ksp, options = self._solvers[solver]
+        if solver != DIRECT:
+            self._fill_reduced(RAISED if solver == DAMPED else 1.0)
+        ksp.setOperators(*self._operators(solver))
+        ksp.max_it = most
         with _options_set(options):  # the parts of a field split read their options at the first set-up
             ksp.setUp()
-        self._prepared.add(number)
-        if number == self._direct:
+        if solver == DIRECT and self.soil_unknowns:
             self._choice.factors += 1
             self._failed = self._factor_failure(ksp)
         if self._coupled and not self._failed:
             self._form_schur(ksp)
+
+    def _fill_reduced(self, raised):
+        """Copy the current values to the matrix of the preconditioner, with its diagonal `raised` by this factor."""
+        self._reduced.update(self.values)
+        _lift(self._reduced.values, self._diagonal)
+        self._reduced.values[self._diagonal] *= raised
+        self._uu_reduced.assemble()     # also discards the inverse of the diagonal that PETSc stores for sweeps
+        self._preconditioner.stateIncrease()
 
     def _factor_failure(self, ksp):
         """Why there is no direct factor, "" if there is one."""
@@ -224,43 +228,41 @@ class BlockSystem:
         self._b.array = -np.concatenate([soil, body])
         total, failures = 0, {}
         while True:
-            failure, count = self._attempt(self._solvers[self._current][0], tolerance)
+            solver, _ = self._order[self._at]
+            failure, count = self._attempt(solver, tolerance)
             total += count
             if not failure:
-                self._choice.solved(self._current, self._order[0], self._direct)
+                if self.soil_unknowns:
+                    self._choice.solved(solver, count, tolerance or self._tolerance)
                 solution = self._x.array
                 return solution[:len(soil)].copy(), solution[len(soil):].copy(), total
-            failures[self._current] = failure
-            self._next(failures)
+            failures[solver] = failure
+            self._choice.failed(solver)
+            if self._at + 1 == len(self._order):
+                raise StepError(f"linear solver: {self._describe(failures)}")
+            self._prepare(self._at + 1)
 
-    def _next(self, failures):
-        """Prepare the solver that follows the current one; failures: texts by number of solver. StepError if none
-        follows."""
-        rest = self._order[self._order.index(self._current) + 1:]
-        if rest[:1] == [self._direct] and (refusal := self._choice.refusal(self.soil_unknowns)):
-            failures[self._direct], rest = refusal, rest[1:]
-        if not rest:    # of the iterative inverses, the last one; then the direct factor
-            iterative = [failures[number] for number in sorted(failures) if number != self._direct][-1:]
-            direct = [failures[self._direct]] if self._direct in failures else []
-            raise StepError(f"linear solver: {', and '.join(iterative + direct)}")
-        self._prepare(rest[0])
+    def _describe(self, failures):
+        """Text from {solver: reason}: the last iterative solver, then the direct factor, or why there was none."""
+        iterative = [text for solver, text in failures.items() if solver != DIRECT][-1:]
+        direct = failures.get(DIRECT) or self._choice.refusal(self.soil_unknowns)
+        return ", and ".join(iterative + [direct] * bool(direct))
 
-    def _attempt(self, ksp, tolerance):
+    def _attempt(self, solver, tolerance):
         """(Reason of failure, "" if there is none; number of Krylov iterations)."""
         if self._failed:
             return self._failed, 0
+        ksp, _ = self._solvers[solver]
         if "hybrid_ksp_rtol" not in CHOSEN_BY_USER:
             _, *others = ksp.getTolerances()
             ksp.setTolerances(self._tolerance if tolerance is None else tolerance, *others)
         try:
             ksp.solve(self._b, self._x)
         except PETSc.Error:
-            if self._current == self._direct:
-                return f"the direct factor {SINGULAR}", 0
-            return "a diagonal block is singular", 0
+            return f"the direct factor {SINGULAR}" if solver == DIRECT else "a diagonal block is singular", 0
         reason, count = ksp.getConvergedReason(), ksp.getIterationNumber()
         if reason < 0 or not np.isfinite(self._x.array).all():
-            if self._current == self._direct:
+            if solver == DIRECT:
                 return f"the direct factor {SINGULAR} or nearly so (PETSc reason {reason})", count
             return f"no convergence in {count} iterations, PETSc reason {reason}", count
         return "", count

@@ -1,22 +1,42 @@
-"""Which solver of the block system is tried first for a tangent, remembered from one pattern to the next.
+"""Which solver of the block system a tangent goes to, by what was counted in the run.
 
-With `solver.linear = "auto"` the solvers (`hybrid.linalg.petsc`) are tried in this order, each where the one before it
-does not converge:
+The solvers (`hybrid.linalg.petsc`) are GMRES with one of three approximate inverses of the soil block, and a direct
+factor. Costs are in GMRES iterations, the unit in which they are counted, not in seconds, so that a run repeats itself
+bit for bit on every machine. For n soil unknowns, m body unknowns and a reduction of the residual by D decades for each
+tangent (with all its right-hand sides):
 
-    0, 1    sweeps and the incomplete factor, in the order of "krylov"
-    2       the first of them again, for more iterations
-    3       the direct factor, if its estimated memory fits in what the machine has left
+| solver      | set-up           | solution                     |
+|-------------|------------------|------------------------------|
+| SWEEPS      | 0                | iterations counted           |
+| INCOMPLETE  | 5                | iterations counted           |
+| DAMPED      | 5                | iterations counted           |
+| DIRECT      | c √n + 15 m      | 15 for a reduction by 1000   |
 
-Where one tangent needs solver 2 or 3 the next ones do too, as in clay that flows, so those go to it at once. After
-RETRY of them the order is tried from its start: the soil may have changed. The choice is not part of a checkpoint: a
-run that is continued begins at the start of the order.
+c is 5 in space, 1 with a collapsed axis: a factor of 4 800, 17 600, 52 600 unknowns in space takes as long as 355, 590,
+1 210 iterations, of 3 600 and 25 600 in a plane 100 and 160 (von Mises, F-bar, MUMPS, one thread).
+
+A tangent goes to the cheapest. Iterations are kept by decade of the last solution with each solver; one that has not
+been tried counts as PRIOR, one that has failed as infinite. The solver in use is left for one that costs less than 1 /
+MARGIN of it. A solver that takes MARGIN times what the next one would cost is stopped, at the earliest after LEAST
+iterations, and the next one goes on; so a tangent takes at most a few times the cost of the best solver. After RETRY
+tangents all is forgotten, as the soil may have changed. The counts are part of a checkpoint.
 """
+
+import math
+
+import numpy as np
 
 from hybrid.runtime.memory import available_memory, direct_factor_memory
 
-FALLBACK = 2    # number of the first solver that is remembered
-# Tangents. Trying 0 to 2 in vain costs 460 Krylov iterations in clay, the time of 1.2 direct factors with 4 900
-# unknowns and of 0.8 with 17 900, so that a trial after every 50 factors costs 2 %.
+SWEEPS, INCOMPLETE, DAMPED, DIRECT = range(4)
+SET_UP = 5.0                    # [iterations] of an incomplete factor
+FACTOR_IN_SPACE, FACTOR_IN_PLANE = 5.0, 1.0     # [iterations] of a direct factor, times √n
+DIRECT_SOLUTION = 15.0          # [iterations] of a solution with a direct factor
+PRIOR = (0.0, 10.0, 20.0)       # iterations a decade of the first, second and third solver, as long as it is not tried
+DECADES = 3.0                   # of a tangent, before any is known
+MARGIN = 1.5
+LEAST, MOST = 60, 1000          # iterations before the next solver is tried; where no other solver is left
+# Tangents. A trial of all solvers before the direct factor costs about 400 iterations.
 RETRY = 50
 FITS = 0.8      # of the memory that is left; the estimate is that of a block, and the step needs some memory too
 
@@ -24,24 +44,65 @@ FITS = 0.8      # of the memory that is left; the estimate is that of a block, a
 class SolverChoice:
     """linear: value of `solver.linear`; plane: whether an axis is collapsed, so that a factor has little fill.
 
-    direct: whether the direct factor is remembered; factors: number of tangents given to it, of all patterns.
+    direct: whether the last system was solved with a direct factor; factors: number of tangents given to it.
     """
 
     def __init__(self, linear, plane=False):
-        self.linear, self.plane, self.factors = linear, plane, 0
-        self._first, self._left, self.direct = 0, 0, False
+        self.linear, self.plane, self.factors, self.direct = linear, plane, 0, False
+        self._rates = np.full(3, np.nan)    # iterations a decade; nan: not tried, inf: failed
+        self._decades, self._pending, self._tangents, self._last = DECADES, 0.0, 0, -1
 
-    def begin(self, unknowns, direct):
-        """Number of the solver that a tangent of so many unknowns goes to first; direct: that of the direct factor,
-        None where there is none."""
-        first, self._left = self._first if self._left else 0, max(0, self._left - 1)
-        return 0 if first == direct and self.refusal(unknowns) else first
+    def memory(self):
+        """(7,) what is remembered, for a checkpoint."""
+        return np.array([*self._rates, self._decades, self._pending, self._tangents, self._last])
 
-    def solved(self, number, first, direct):
-        """Remember the `number` of the solver that converged; first: that of the solver tried first."""
-        if number != first:
-            self._first, self._left = (number, RETRY) if number >= FALLBACK else (0, 0)
-        self.direct = direct == number
+    def restore(self, memory):
+        """Go on from the `memory` (7,) of another SolverChoice."""
+        self._rates, (self._decades, self._pending) = np.array(memory[:3], float), map(float, memory[3:5])
+        self._tangents, self._last = int(memory[5]), int(memory[6])
+
+    def begin(self, unknowns, bodies=0, symmetric=False):
+        """Order of the solvers for the next tangent, [(solver, most iterations), ...], the cheapest first.
+
+        unknowns: of the soil; bodies: unknowns of bodies; symmetric: whether sweeps are tried before an incomplete
+        factor. The direct factor is left out if it does not fit in memory.
+        """
+        if self.linear == "direct" or not unknowns:
+            return [(DIRECT, MOST)]
+        if self._pending:
+            self._decades, self._pending = 0.5 * (self._decades + self._pending), 0.0
+        self._tangents += 1
+        if self._tangents > RETRY:
+            self._rates[:], self._tangents, self._last = np.nan, 1, -1
+        fits = not self.refusal(unknowns)
+        costs = self._costs(unknowns, bodies, symmetric)
+        ranked = sorted(costs, key=lambda solver: costs[solver] / (MARGIN if solver == self._last else 1.0))
+        order = [solver for solver in ranked if math.isfinite(costs[solver]) and (solver != DIRECT or fits)]
+        limits = [_limit(costs[after]) for after in order[1:]] + [MOST]
+        return [*zip(order, limits[:len(order)], strict=True)] + ([] if fits else [(SWEEPS, MOST)])
+
+    def _costs(self, unknowns, bodies, symmetric):
+        """{solver: iterations that the next tangent is expected to cost}."""
+        usual = [SWEEPS, INCOMPLETE, DAMPED] if symmetric else [INCOMPLETE, SWEEPS, DAMPED]
+        costs = {}
+        for solver, prior in zip(usual, PRIOR, strict=True):
+            rate = self._rates[solver]
+            costs[solver] = (solver != SWEEPS) * SET_UP + self._decades * (prior if np.isnan(rate) else rate)
+        factor = (FACTOR_IN_PLANE if self.plane else FACTOR_IN_SPACE) * math.sqrt(unknowns)
+        costs[DIRECT] = factor + DIRECT_SOLUTION * (bodies + self._decades / DECADES)
+        return costs
+
+    def solved(self, solver, iterations, tolerance):
+        """Remember that a `solver` reached a relative `tolerance` in so many iterations."""
+        decades = max(-math.log10(tolerance), 0.5)
+        if solver != DIRECT:
+            self._rates[solver] = iterations / decades
+        self._pending, self._last, self.direct = self._pending + decades, solver, solver == DIRECT
+
+    def failed(self, solver):
+        """Remember that a `solver` did not converge."""
+        if solver != DIRECT:
+            self._rates[solver] = np.inf
 
     def refusal(self, unknowns):
         """Why a direct factor of so many unknowns is not taken; empty if its estimated memory fits."""
@@ -50,3 +111,19 @@ class SolverChoice:
             return ""
         return (f"a direct factor does not fit: it needs about {need / 2**20:.0f} MiB of memory, limit "
                 f"{left / 2**20:.0f} MiB, {FITS:g} of what is left")
+
+
+class Single(SolverChoice):
+    """Gives every tangent to one `solver`, for at most `most` iterations: for measurements and tests."""
+
+    def __init__(self, solver, most=300):
+        super().__init__("auto")
+        self._order = [(solver, most)]
+
+    def begin(self, *_):
+        return self._order
+
+
+def _limit(cost):
+    """Most iterations of a solver if the next one has this `cost`."""
+    return int(min(max(MARGIN * cost, LEAST), MOST))

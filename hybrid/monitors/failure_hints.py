@@ -35,13 +35,12 @@ def remedies(model, reason="", errors=(), tolerance=0.0):
     dynamic = model.scheme.inertia
     shorter = "a smaller time.step" if dynamic else "a smaller time.step with more stage.steps"
     if "linear solver" in reason:
-        direct = ['solver.linear = "auto"'] if model.solver.linear == "krylov" else []
-        if "does not fit" in reason:
-            direct = ["larger cells (grid.x.size and the others), or a machine with more memory"]
+        fits = "does not fit" not in reason
+        larger = [] if fits else ["larger cells (grid.x.size and the others), or a machine with more memory"]
         held = ["body.held for components of bodies that nothing supports"] if model.bodies else []
         support = [] if dynamic else [*held, "time.inertia = true"]
         singular = "direct factor finds the matrix singular" in reason     # a shorter step has the same stiffness
-        return (*support, shorter) if singular else (*direct, shorter, *support)
+        return (*support, shorter) if singular else (*larger, shorter, *support)
     if "residual" not in reason:    # the increment is too long: rotation, search of contact, inverted soil
         return (shorter,)
     changes = [shorter]

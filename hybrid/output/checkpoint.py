@@ -21,6 +21,7 @@ from hybrid.state import BodyState, ContactHistory, Ground, PointConstants, Poin
 NESTED = {"points": Points, "constants": PointConstants, "behind": Population}  # fields that are dataclasses themselves
 NAME = "checkpoint.npz"
 FORMAT = 2
+CONTINUED = ("increment", "solver_memory")    # attributes of a Simulation that its next step continues with
 
 
 class CheckpointError(HybridError):
@@ -47,15 +48,15 @@ class Checkpoints:
             self._save(simulation)
 
     def _save(self, simulation):
-        increment = getattr(simulation, "increment", None)
-        save(self.path, simulation.state, simulation.scene, {"increment": increment} if increment else None)
+        extra = {name: getattr(simulation, name, None) for name in CONTINUED}
+        save(self.path, simulation.state, simulation.scene, {k: v for k, v in extra.items() if v is not None})
         self.saved = simulation.state.step
 
 
 def save(path, state, scene=None, extra=None):
     """Write `state` (and the scene's fingerprint) to `path`, completely or not at all.
 
-    extra: dict of numbers, text or arrays that `read_extra` gives back, such as the current increment.
+    extra: dict of numbers, text or arrays that `read_extra` gives back, such as the CONTINUED ones.
     """
     arrays = {"format": FORMAT, "scene": json.dumps(fingerprint(scene)), "state/time": state.time}
     arrays["state/step"] = state.step

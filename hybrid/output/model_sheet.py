@@ -3,6 +3,7 @@
 import numpy as np
 
 from hybrid.body.rigid import FREEDOMS
+from hybrid.linalg.solver_choice import SolverChoice
 from hybrid.linalg.stencil_pattern import make_pattern
 from hybrid.runtime.comm import maximum, minimum, number
 from hybrid.runtime.memory import direct_factor_memory
@@ -79,11 +80,13 @@ def _linear_solver(model, unknowns):
     """How the linear systems are solved, and the memory of a direct factor of so many soil unknowns."""
     if not unknowns:
         return "direct, for the bodies alone"
-    factor = direct_factor_memory(unknowns, bool(model.soil.grid.collapsed.any()))
-    return {"krylov": "Krylov method",
-            "direct": "direct factor",
-            "auto": "Krylov method; where it fails, a direct factor of about "
-                    f"{max(1, round(factor / 2**20))} MiB if it fits"}[model.solver.linear]
+    plane = bool(model.soil.grid.collapsed.any())
+    factor = direct_factor_memory(unknowns, plane)
+    direct = f"a direct factor of about {max(1, round(factor / 2**20))} MiB"
+    if model.solver.linear == "direct":
+        return direct
+    refusal = SolverChoice("auto", plane).refusal(unknowns)
+    return f"GMRES alone: {refusal}" if refusal else f"GMRES, or {direct} where that costs less"
 
 
 def _tangent(described, law):

@@ -69,9 +69,10 @@ class Solver:
                            at_least=1e-14, below=1, remedy="1e-6 is usual")
     iterations: int = key("Newton iterations before an increment is rejected and halved", "-", default=15, at_least=1,
                           remedy="15 is usual")
-    linear: Literal["auto", "krylov", "direct"] = key(
-        "auto: preconditioned Krylov method, and a direct factor where that fails and the factor fits in memory; "
-        "krylov: never a direct factor; direct: always", default="auto")
+    linear: Literal["auto", "direct"] = key(
+        "auto: GMRES with the cheapest of its preconditioners, or a direct factor where that costs less or they fail, "
+        "and the factor fits in memory, by what is counted in the run; direct: a direct factor always, as a reference",
+        default="auto")
     linear_tolerance: float = key("relative tolerance of the Krylov method near the solution", "-", default=1e-3,
                                   at_least=1e-14, below=1, remedy="1e-3 is usual")
     loosest_tolerance: float = key(

@@ -208,7 +208,7 @@ def test_runs_of_every_kind_side_by_side(geometry):
     both = scene(geometry)
     kinds = {"soil": replace(both, bodies=()), "held": scene(geometry, held=True), "both": both}
     found = {}
-    for linear in ("direct", "krylov", "direct", "krylov"):
+    for linear in ("direct", "auto", "direct", "auto"):
         for name, described in kinds.items():
             simulation = build(replace(described, solver=Solver(linear=linear, tolerance=1e-9)))
             for record in simulation.steps():

@@ -60,7 +60,7 @@ def in_one_go_and_in_two(folder, described, stop, end):
     return whole, parts, stopped
 
 
-@pytest.mark.parametrize("options", [{}, {"linear": "direct"}], ids=["krylov", "direct"])
+@pytest.mark.parametrize("options", [{}, {"linear": "direct"}], ids=["auto", "direct"])
 def test_contact_goes_on_to_the_last_bit(geometry, tmp_path, options):
     """Multipliers of both passes, sides and anchors of friction are in the checkpoint: no bit of the end differs."""
     whole, parts, stopped = in_one_go_and_in_two(tmp_path, lambda steps: sliding(geometry, steps, **options), 4, 6)
@@ -138,9 +138,9 @@ def test_a_failed_run_keeps_its_steps_and_names_the_remedy(geometry, tmp_path):
     assert (tmp_path / "checkpoint.npz").exists() and '"failed"' in (tmp_path / "summary.json").read_text()
 
 
-def test_direct_and_krylov_agree(geometry):
+def test_direct_and_automatic_solvers_agree(geometry):
     ends = []
-    for linear in ("krylov", "direct"):
+    for linear in ("auto", "direct"):
         simulation = build(scene(geometry, linear=linear))
         list(simulation.steps())
         ends.append(simulation.state.bodies[0].position)

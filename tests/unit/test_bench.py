@@ -74,15 +74,18 @@ def test_counts_of_the_scaling(measured):
 
 def test_counts_of_the_solvers(measured):
     found = {(row["tangent"], row["solver"]): row for row in rows(measured, "solvers")}
-    assert len(found) == 8 + 3 + 1 + 4
+    assert len(found) == 6 * 4 + 3 * (3 + 1 + 4)
     for (name, solver), row in found.items():
+        if name.startswith("clay") and solver == "incomplete":
+            assert row["failed"] or row["iterations"] > 100, name
+            continue
         assert row["failed"] == "" and row["left"] < 2e-3, name
         assert row["iterations"] == 1 if solver == "direct" else 1 < row["iterations"] < 60
     assert found["elastic, dynamic", "direct"]["left"] < 1e-6
-    assert found["elastic, dynamic", "krylov"]["unknowns"] == unknowns((6, 6, 4))
-    assert found["contact, smaller cells", "krylov"]["unknowns"] == unknowns((12, 12, 8)) + 6
-    assert found["top cells filled to 0.01, ghost 0", "krylov"]["unknowns"] == unknowns((6, 6, 5))
-    assert found["contact, penalty x 1", "krylov"]["corners"] > 10
+    assert found["elastic, dynamic", "sweeps"]["unknowns"] == unknowns((6, 6, 4))
+    assert found["contact, smaller cells", "sweeps"]["unknowns"] == unknowns((12, 12, 8)) + 6
+    assert found["top cells filled to 0.01, ghost 0", "sweeps"]["unknowns"] == unknowns((6, 6, 5))
+    assert found["contact, penalty x 1", "sweeps"]["corners"] > 10
 
 
 def test_counts_of_the_block(measured):

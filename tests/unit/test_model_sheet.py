@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_array
 
-from hybrid.scene import Axis, Material, Time
+from hybrid.linalg import solver_choice
+from hybrid.scene import Axis, Material, Solver, Time
 from hybrid.scene.file import load_scene
 from hybrid.setup.build import build
 from hybrid.step.equations import begin
@@ -120,3 +121,13 @@ def test_soil_that_was_dragged_along_does_not_hide_the_grid():
     simulation.model = simulation.model.with_soil(
         replace(soil, constants=replace(soil.constants, position=both)))
     assert simulation.sheet()["modelled"]["soil unknowns"] == before
+
+
+def test_the_linear_solver_is_named_and_a_direct_factor_that_does_not_fit(monkeypatch):
+    def row(**solver):
+        return build(soil_scene(solver=Solver(**solver))).sheet()["modelled"]["linear solver"]
+
+    assert row(linear="direct").startswith("a direct factor of about")
+    assert row().startswith("GMRES, or a direct factor of about")
+    monkeypatch.setattr(solver_choice, "available_memory", lambda: 2**10)
+    assert row().startswith("GMRES alone: a direct factor does not fit: it needs about")

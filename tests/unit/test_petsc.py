@@ -9,7 +9,7 @@ from scipy.sparse import block_diag, csr_matrix, diags, identity, kron, random
 from hybrid.linalg import petsc, solver_choice
 from hybrid.linalg.petsc import BlockSystem
 from hybrid.linalg.precond_pattern import ReducedMatrix
-from hybrid.linalg.solver_choice import SolverChoice
+from hybrid.linalg.solver_choice import DAMPED, INCOMPLETE, SWEEPS, Single, SolverChoice
 from hybrid.runtime.errors import StepError
 from hybrid.scene import Solver, Time
 from hybrid.setup.build import build
@@ -31,7 +31,7 @@ def filled(n, m, linear, tolerance=1e-12, seed=0):
     return system, np.block([[uu.toarray(), system.uw], [system.wu, system.ww]])
 
 
-@pytest.mark.parametrize("linear", ["auto", "krylov", "direct"])
+@pytest.mark.parametrize("linear", ["auto", "direct"])
 @pytest.mark.parametrize("n, m", [(200, 0), (200, 3), (200, 12), (0, 6)])
 def test_solves_the_block_system(linear, n, m):
     if n:
@@ -52,11 +52,11 @@ def test_exact_schur_complement_makes_one_iteration_of_a_direct_factor():
 
 
 def test_a_factor_of_the_reduced_matrix_gives_the_same_solution():
-    _, K = filled(200, 3, "krylov")
+    _, K = filled(200, 3, "auto")
     uu = csr_matrix(K[:200, :200])
     kept = abs(np.repeat(np.arange(200), np.diff(uu.indptr)) - uu.indices) < 80
     assert 0.2 < kept.mean() < 0.8
-    system = BlockSystem(uu.indptr, uu.indices, 3, "krylov", 1e-12, ReducedMatrix(uu.indptr, uu.indices, kept))
+    system = BlockSystem(uu.indptr, uu.indices, 3, "auto", 1e-12, ReducedMatrix(uu.indptr, uu.indices, kept))
     residual = np.ones(203)
     for scale in (1.0, 3.0):
         system.values[:], system.uw[:], system.wu[:] = scale * uu.data, K[:200, 200:], K[200:, :200]
@@ -76,7 +76,7 @@ def test_sweeps_follow_the_values_that_are_edited_in_place(m):
     others = [uu, csr_matrix(scale @ uu @ scale)]
     for matrix in others:
         matrix.sort_indices()
-    system, fresh = (BlockSystem(uu.indptr, uu.indices, m, "krylov", 1e-6, sweeps=True) for _ in range(2))
+    system, fresh = (BlockSystem(uu.indptr, uu.indices, m, "auto", 1e-6, sweeps=True) for _ in range(2))
     counts = [pushed(system, matrix) for matrix in others]
     assert pushed(fresh, others[1]) == counts[1] < 20
 
@@ -86,7 +86,7 @@ def test_where_sweeps_divide_by_zero_the_factor_takes_over():
     middle = np.where(np.arange(300) % 3 == 1, 0.0, 2.0)
     uu = csr_matrix(diags([np.ones(299), np.ones(300), np.ones(299)], [-1, 0, 1]))
     uu.setdiag(middle)      # zeros are kept as entries
-    system = BlockSystem(uu.indptr, uu.indices, 3, "krylov", 1e-10, sweeps=True)
+    system = BlockSystem(uu.indptr, uu.indices, 3, "auto", 1e-10, sweeps=True)
     assert pushed(system, uu) <= 3
 
 
@@ -103,42 +103,42 @@ def test_sweeps_take_the_unknowns_of_a_node_together(monkeypatch, m):
     """Shear that outweighs the diagonal, as where sand flows, is nothing to the inverse of a block."""
     uu, counts = nodes(200, np.array([[1.0, 3.0, 2.0], [-3.0, 1.0, 3.0], [-2.0, -3.0, 1.0]])), []
     for shift in ({}, {"pc_sor_diagonal_shift": 1e-300}):   # with which PETSc takes every row by itself
-        monkeypatch.setattr(petsc, "SWEEPS", {**petsc.SWEEPS, **shift})
-        system = BlockSystem(uu.indptr, uu.indices, m, "krylov", 1e-8, sweeps=True)
+        monkeypatch.setitem(petsc.INVERSES, SWEEPS, {**petsc.INVERSES[SWEEPS], **shift})
+        system = BlockSystem(uu.indptr, uu.indices, m, "auto", 1e-8, sweeps=True)
         counts.append(pushed(system, uu))
     assert counts[0] < 15 and counts[1] > 2 * counts[0]
 
 
 @pytest.mark.parametrize("part", [False, True])
-@pytest.mark.parametrize("least, way", [(petsc.SMALLEST_DIAGONAL, 0), (0.0, 1)])
-def test_a_node_with_hardly_any_stiffness_does_not_stop_the_sweeps(monkeypatch, least, way, part):
+@pytest.mark.parametrize("least, solver", [(petsc.SMALLEST_DIAGONAL, SWEEPS), (0.0, INCOMPLETE)])
+def test_a_node_with_hardly_any_stiffness_does_not_stop_the_sweeps(monkeypatch, least, solver, part):
     """A lone component of 1e-17 N/m, among nodes whose blocks PETSc inverts."""
     monkeypatch.setattr(petsc, "SMALLEST_DIAGONAL", least)
     uu = csr_matrix(block_diag([nodes(100, 4 * np.eye(3)), [[1e-17]]]))
     kept = ReducedMatrix(uu.indptr, uu.indices, np.ones(uu.nnz, bool)) if part else None
-    system = BlockSystem(uu.indptr, uu.indices, 3, "krylov", 1e-10, kept, sweeps=True)
+    system = BlockSystem(uu.indptr, uu.indices, 3, "auto", 1e-10, kept, sweeps=True)
     system.values[:], system.ww[:], system.uw[:300], system.wu[:] = uu.data, 9 * np.eye(3), 0.01, 0.01
     system.wu[:, 300] = 0.0
     system.factor()
     residual = np.ones(300)
     soil, body, _ = system.solve(np.append(residual, 0.0), np.ones(3))
-    assert system._current == way
+    assert system._order[system._at][0] == solver
     np.testing.assert_allclose(uu[:300, :300] @ soil[:300] + system.uw[:300] @ body, -1.0, atol=1e-8)
     system.destroy()
 
 
-def pushed(system, uu):
+def pushed(system, uu, atol=1e-4):
     """Krylov iterations of a push on all of the soil, whose solution is checked."""
     m = system.body_unknowns
     system.values[:], system.ww[:] = uu.data, np.eye(m)
     system.factor()
     soil, _, count = system.solve(np.ones(uu.shape[0]), np.ones(m))
-    np.testing.assert_allclose(uu @ soil, -1.0, atol=1e-4)
+    np.testing.assert_allclose(uu @ soil, -1.0, atol=atol)
     return count
 
 
 def test_a_singular_system_is_reported_with_its_cause():
-    system, _ = filled(50, 3, "krylov")
+    system, _ = filled(50, 3, "auto")
     system.clear()
     system.values[...] = 0.0
     reason = r"^linear solver: (a diagonal block is singular|no convergence in \d+ iterations)"
@@ -159,7 +159,7 @@ def test_memory_is_given_back():
     kept = abs(indices - column) < k // 2
     used = []
     for _ in range(6):
-        system = BlockSystem(indptr.copy(), indices.copy(), 3, "krylov", 1e-4, ReducedMatrix(indptr, indices, kept))
+        system = BlockSystem(indptr.copy(), indices.copy(), 3, "auto", 1e-4, ReducedMatrix(indptr, indices, kept))
         system.values[:], system.ww[:] = indices == column, np.eye(3)
         system.factor()
         system.solve(np.ones(n), np.ones(3))
@@ -171,7 +171,7 @@ def test_memory_is_given_back():
 def hardly_filled(filled, material=(), **soil):
     """Krylov iterations for a push everywhere on a block that reaches into the next layer of cells by a share of it."""
     scene = soil_scene(size=0.1, time=Time(step=1.0, inertia=False),
-                       solver=Solver(linear="krylov", linear_tolerance=1e-3), **soil)
+                       solver=Solver(linear="auto", linear_tolerance=1e-3), **soil)
     material = replace(scene.soil.material, **dict(material))
     simulation = build(replace(scene, soil=replace(scene.soil, material=material)))
     points = simulation.state.points
@@ -205,7 +205,7 @@ def test_diagonals_that_sweeps_take_for_zero_are_lifted_with_their_sign():
 
 
 def badly_conditioned(linear, choice=None, singular=False, bodies=0):
-    """(BlockSystem, its matrix), which neither sweeps nor an incomplete factor solve within their iterations."""
+    """(BlockSystem, its matrix), which no approximate inverse solves before a direct factor costs less."""
     turned = np.linalg.qr(np.random.default_rng(4).standard_normal((90, 90)))[0]
     values = np.where(np.arange(90) % 2, -1.0, 1.0) * np.logspace(0, 8, 90)
     uu = csr_matrix(np.ones((90, 90)) if singular else turned * values @ turned.T)
@@ -219,8 +219,9 @@ def badly_conditioned(linear, choice=None, singular=False, bodies=0):
 def solved(system, uu):
     """Krylov iterations with a new factor; the solution is checked."""
     system.factor()
-    soil, _, count = system.solve(np.ones(uu.shape[0]), np.zeros(0))
-    np.testing.assert_allclose(uu @ soil, -1.0, atol=1e-6)
+    right = np.where(np.arange(uu.shape[0]) % 3, 1.0, -1.0)
+    soil, _, count = system.solve(right, np.zeros(0))
+    np.testing.assert_allclose(uu @ soil, -right, atol=1e-6)
     return count
 
 
@@ -228,10 +229,8 @@ def test_a_direct_factor_follows_where_the_iterative_solvers_fail_and_is_remembe
     """Also by the next system, and its iterations count those that were in vain."""
     choice = SolverChoice("auto")
     system, uu = badly_conditioned("auto", choice)
-    assert solved(system, uu) > petsc.SWITCH_AFTER and choice.direct and choice.factors == 1
+    assert solved(system, uu) > 2 * solver_choice.LEAST and choice.direct and choice.factors == 1
     assert solved(system, uu) <= 2 and solved(*badly_conditioned("auto", choice)) <= 2 and choice.factors == 3
-    with pytest.raises(StepError, match="no convergence in .* iterations"):
-        solved(*badly_conditioned("krylov"))
 
 
 @pytest.mark.parametrize("singular", [False, True])
@@ -245,7 +244,7 @@ def test_a_direct_factor_that_follows_is_one_of_the_whole_matrix_also_with_bodie
         system.factor()
         if singular:
             with pytest.raises(StepError, match="the direct factor finds the matrix singular"):
-                system.solve(np.ones(90), np.ones(3))
+                system.solve(np.linspace(-1.0, 2.0, 90), np.ones(3))
         else:
             soil, moved, count = system.solve(np.ones(90), np.ones(3))
             np.testing.assert_allclose(uu @ soil + body @ moved, -1.0, atol=1e-6)
@@ -254,18 +253,40 @@ def test_a_direct_factor_that_follows_is_one_of_the_whole_matrix_also_with_bodie
         system.destroy()
 
 
-def test_more_iterations_come_before_the_direct_factor(monkeypatch):
-    """A chain of 60 nodes, with the diagonal as preconditioner, takes about as many iterations as it has nodes."""
-    uu = csr_matrix(diags([-np.ones(59), np.full(60, 2.0), -np.ones(59)], [-1, 0, 1]))
-    near = ReducedMatrix(uu.indptr, uu.indices, np.repeat(np.arange(60), np.diff(uu.indptr)) == uu.indices)
-    monkeypatch.setattr(petsc, "SWITCH_AFTER", 5)
-    choice = SolverChoice("auto")
-    system = BlockSystem(uu.indptr, uu.indices, 0, "auto", 1e-8, near, True, choice)
-    system._solvers[1][0].setTolerances(max_it=5)
-    system.values[:] = uu.data
-    first = solved(system, uu)
-    assert system._current == 2 and 20 < first <= 5 + 5 + 60 and not choice.direct
-    assert solved(system, uu) == first - 10 and system._current == 2 and choice.factors == 0
+@pytest.mark.parametrize("m", [0, 3])
+def test_where_an_incomplete_factor_is_unstable_a_raised_diagonal_damps_it(m):
+    """Volumetric stiffness of cells, 3000 times that of the springs between nodes, as of clay that flows. The damped factor
+    needs fewer iterations than sweeps, and is remembered."""
+    uu, counts = nearly_incompressible(9, 3000.0), {}
+    for solver in (SWEEPS, INCOMPLETE, DAMPED):
+        system = BlockSystem(uu.indptr, uu.indices, m, "auto", 1e-3, sweeps=True, choice=Single(solver))
+        try:
+            counts[solver] = pushed(system, uu, atol=np.inf)
+        except StepError:
+            counts[solver] = np.inf
+        system.destroy()
+    assert counts[INCOMPLETE] == np.inf and counts[DAMPED] < 0.8 * counts[SWEEPS]
+
+
+def nearly_incompressible(cells, ratio):
+    """Stiffness (n, n) of a cube of `cells` bricks along each edge, fixed at its base: springs between the nodes of a brick,
+    and `ratio` times its volume change squared."""
+    count = cells + 1
+    number = np.arange(count**3).reshape(count, count, count)
+    corner = np.array(np.unravel_index(np.arange(8), (2, 2, 2))).T
+    volume = np.concatenate([(2.0 * c - 1.0) / 4 for c in corner])
+    spring = np.kron(8 * np.eye(8) - np.ones((8, 8)), np.eye(3)) / 8
+    brick = spring + ratio * np.outer(volume, volume)
+    rows = []
+    for base in np.ndindex(cells, cells, cells):
+        nodes = [number[tuple(np.add(base, c))] for c in corner]
+        rows.append((3 * np.array(nodes)[:, None] + np.arange(3)).ravel())
+    rows = np.array(rows)
+    where = np.repeat(rows, 24, axis=1).ravel(), np.tile(rows, (1, 24)).ravel()
+    free = np.repeat(np.unravel_index(np.arange(count**3), (count,) * 3)[2] > 0, 3)
+    uu = csr_matrix((np.tile(brick.ravel(), len(rows)), where), shape=(3 * count**3,) * 2)[free][:, free]
+    uu.sort_indices()
+    return uu
 
 
 def test_a_direct_factor_that_does_not_fit_in_memory_is_refused(monkeypatch):
