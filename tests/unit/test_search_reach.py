@@ -14,7 +14,7 @@ from hybrid.step.search_reach import MARGIN, search_reach, travel_ratio
 from hybrid.step.workspace import Workspace
 from hybrid.study.scenes import soil_scene, steel
 
-DT = 0.01
+DT, REACH = 0.01, 0.5    # [s], cells
 HALF = np.array([0.1, 0.1, 0.05])
 
 
@@ -23,7 +23,8 @@ def body_at(*position, velocity=(0.0, 0.0, 0.0)):
     vertices = HALF * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
     state = SimpleNamespace(position=np.array(position), rotation=np.eye(3), velocity=np.array(velocity),
                             spin=np.zeros(3))
-    return SimpleNamespace(radius=np.linalg.norm(HALF), surface=SimpleNamespace(vertices=vertices)), state
+    surface, places = SimpleNamespace(vertices=vertices), SimpleNamespace(reach=REACH)
+    return SimpleNamespace(radius=np.linalg.norm(HALF), surface=surface, places=places), state
 
 
 def grid_of(x, y, z):
@@ -47,10 +48,11 @@ def only(grid, place, speed):
     return velocity
 
 
-def test_slow_soil_and_held_soil_have_the_reach_of_a_cell():
+def test_slow_soil_and_held_soil_have_the_reach_of_a_share_of_a_cell():
     body, state = body_at(1.0, 1.0, 1.0)
-    assert search_reach(body, state, CUBE, None, DT) == pytest.approx(0.1)
-    assert search_reach(body, state, CUBE, only(CUBE, (1.0, 1.0, 1.0), 4.0), DT) == pytest.approx(0.1)
+    assert search_reach(body, state, CUBE, None, DT) == pytest.approx(0.05)
+    assert search_reach(body, state, CUBE, only(CUBE, (1.0, 1.0, 1.0), 2.0), DT) == pytest.approx(0.05)
+    assert search_reach(body, state, CUBE, None, DT, gravity=500.0) == pytest.approx(0.1)   # it falls from rest
 
 
 def test_a_fast_node_near_the_body_sets_the_reach_and_a_far_one_does_not():
@@ -116,5 +118,5 @@ def test_a_fast_node_far_away_does_not_add_corners():
         return step.bodies[0].reach, len(step.bodies[0].pair.corners)
 
     still, far, near = followed(2.0), followed(1.8), followed(0.6)
-    assert far == still and still[0] == pytest.approx(model.soil.grid.smallest_cell)
+    assert far == still and still[0] == pytest.approx(model.bodies[0].places.reach * model.soil.grid.smallest_cell)
     assert near[0] == pytest.approx(MARGIN * DT * 20.0) and near[1] > 1.5 * still[1]
