@@ -70,7 +70,7 @@ def test_a_flat_overlap_costs_stiffness_times_area(side, cells, contact, facets)
     assert simulation.model.body_unknowns == 0
 
 
-@pytest.mark.parametrize("k", [1, 2, 5])
+@pytest.mark.parametrize("k", [1, 2, 8])
 def test_the_force_on_whole_faces_is_the_same_for_any_number_of_points(k):
     """Box over the middle 0.75 m of a plane of faces of 0.125 m."""
     assert pressed_faces(0.75, k) == pytest.approx(1e6 * 5e-4 * 0.75**2, rel=1e-9)

@@ -8,7 +8,7 @@ from hybrid.body.attitude import exp_so3
 from hybrid.body.surface import build_surface
 from hybrid.contact import places as rules
 from hybrid.contact import soil_to_body
-from hybrid.contact.corners import CORNERS, Corners, Domains, find_corners
+from hybrid.contact.corners import CORNERS, Corners, Domains, Reach, find_corners
 from hybrid.grid.axes import FACES, make_grid, uniform_nodes
 from hybrid.state import ContactHistory
 
@@ -95,7 +95,7 @@ def found_in_bed(surface, body, history=None, active=None, reach=0.08, seed=1, p
     expected = displacement, pose or (body.position, body.rotation)
     return grid, find_corners(
         domains_of(position, half, included), np.full(len(position), PRESSURE), places, grid, active, body, surface,
-        reach, history, expected)
+        Reach(reach, 0.0), history, expected)
 
 
 def domains_of(position, half, included=True):

@@ -52,7 +52,7 @@ def counted(monkeypatch):
         pair = contact_pair.ContactPair(
             simulation.model.bodies[0], state, simulation.state.contacts[0],
             corners.Domains.of(points, simulation.model.soil.constants.volume, "gimp"), grid,
-            np.ones(grid.node_count, bool), REACH, (rest, pose))
+            np.ones(grid.node_count, bool), corners.Reach(REACH, 0.0), (rest, pose))
         return pair, pair.evaluate(rest, pose), dict(counts)
 
     return contact_of

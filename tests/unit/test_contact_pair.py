@@ -9,6 +9,7 @@ from contact_bed import PLACES, PRESSURE, RIGHT_HAND, ball, bed, body_at, domain
 
 from hybrid.body.attitude import exp_so3
 from hybrid.contact.contact_pair import ContactPair
+from hybrid.contact.corners import Reach
 from hybrid.linalg.stencil_pattern import make_pattern
 from hybrid.state import ContactHistory
 
@@ -23,7 +24,7 @@ def pair_of(places="faces", friction=0.3, history=None, included=True):
         free=np.array([True, True, True, False, True, True]), contact_pressure=np.full(len(position), PRESSURE))
     return grid, ContactPair(
         body, body_at(*POSE), history or ContactHistory.empty(), domains_of(position, half, included), grid,
-        np.ones(grid.node_count, bool), 0.08, (np.zeros((grid.node_count, 3)), POSE))
+        np.ones(grid.node_count, bool), Reach(0.08, 0.0), (np.zeros((grid.node_count, 3)), POSE))
 
 
 def moved(grid, seed=0, size=1e-3):

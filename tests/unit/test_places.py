@@ -1,5 +1,7 @@
 """Places of contact on domains: areas of faces, which of them look at a body, and their offsets."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 
@@ -18,7 +20,7 @@ def areas(found, half=HALF):
     return found.area(number, np.tile(half, (len(number), 1)), np.full(len(number), 8 * half.prod()))
 
 
-@pytest.mark.parametrize("k", [1, 2, 4, 7])
+@pytest.mark.parametrize("k", [1, 2, 4, 8, 12])
 def test_areas_of_all_places_are_the_surface_of_the_domain(k):
     x, y, z = 2 * HALF
     assert areas(places.faces(k)).sum() == pytest.approx(2 * (x * y + y * z + z * x), rel=1e-14)
@@ -33,12 +35,15 @@ def test_a_collapsed_axis_has_one_place_along_it_and_no_face(axis):
     assert areas(found).sum() == pytest.approx(2 * (u + v) * 2 * HALF[axis], rel=1e-14)
 
 
-@pytest.mark.parametrize("k", [1, 3, 4])
+@pytest.mark.parametrize("k", [1, 3, 4, 8])
 def test_places_are_the_midpoints_of_equal_rectangles_of_each_face(k):
     """They integrate linear functions exactly, and lie on their face."""
     found = places.faces(k)
-    for offset, normal, axis in zip(found.offset, found.normal, found.axis):
-        assert (offset[:, axis] == normal[axis]).all() and np.abs(normal).sum() == 1.0
+    assert found.offset.shape[1] == min(k, places.BLOCK) ** 2       # places of a block
+    for axis, side in product(range(3), (-1.0, 1.0)):
+        normal = side * np.eye(3)[axis]
+        offset = found.offset[(found.normal == normal).all(axis=1)].reshape(-1, 3)
+        assert (offset[:, axis] == side).all() and (found.axis[(found.normal == normal).all(axis=1)] == axis).all()
         across = np.delete(offset, axis, axis=1)
         np.testing.assert_allclose(across.mean(axis=0), 0.0, atol=1e-15)
         assert len(np.unique(across, axis=0)) == k**2 and np.abs(across).max() == pytest.approx(1 - 1 / k)
@@ -67,6 +72,14 @@ def test_of_two_faces_that_coincide_one_looks_at_the_body():
         pair = [found.facing(np.full(50, number), normal) for number in (lower, upper)]
         assert ((pair[0] > 0) != (pair[1] > 0)).all()
         np.testing.assert_allclose(pair[0] + pair[1], np.abs(normal[:, axis]))
+
+
+def test_blocks_that_cannot_look_at_the_body_are_left_out_and_no_other():
+    """The normal of the body may turn by the sine TURN from the middle of a block to its places."""
+    found = places.faces(4)
+    group = np.arange(6)
+    up = np.tile([0.0, 0.0, 1.0], (6, 1))
+    assert found.group_may_face(group, up).tolist() == [True, True, True, True, True, False]
 
 
 def test_corners_carry_a_quarter_of_a_point_wherever_the_body_is():
