@@ -1,4 +1,4 @@
-"""Surfaces, bodies and a bed of corners that tests of contact start from."""
+"""Surfaces, bodies and a bed of soil points that tests of contact start from."""
 
 from types import SimpleNamespace
 
@@ -6,12 +6,14 @@ import numpy as np
 
 from hybrid.body.attitude import exp_so3
 from hybrid.body.surface import build_surface
+from hybrid.contact import places as rules
 from hybrid.contact import soil_to_body
-from hybrid.contact.corners import Corners, find_corners
+from hybrid.contact.corners import CORNERS, Corners, Domains, Reach, find_corners
 from hybrid.grid.axes import FACES, make_grid, uniform_nodes
 from hybrid.state import ContactHistory
 
-MU, RATIO = 0.3, 0.5
+MU, RATIO, PRESSURE = 0.3, 0.5, 3.2e7     # p_f E [N/m³]: 2e4 N/m at a corner of the bed
+PLACES = {"corners": CORNERS, "faces": rules.faces(4)}
 RIGHT_HAND = exp_so3(np.array([0.3, -1.1, 0.6]))
 
 
@@ -62,7 +64,7 @@ def corners_in(surface, y, anchor, pose=(np.zeros(3), np.eye(3)), touching=True)
     y = np.atleast_2d(np.array(y, float))
     m = len(y)
     return Corners(
-        np.arange(m), pose[0] + y @ pose[1].T, y, np.zeros((m, 8), np.int64), np.full((m, 8), 0.125),
+        np.arange(m), np.zeros(m, np.int64), pose[0] + y @ pose[1].T, y, np.zeros((m, 8), np.int64), np.full((m, 8), 0.125),
         np.full(m, 2e4), np.full(m, touching), np.array(np.broadcast_to(anchor, (m, 3)), float),
         np.zeros((m, 3)), np.zeros(m), np.zeros(m))
 
@@ -84,7 +86,7 @@ def bed(cells=(8, 8, 2), size=0.1, per_axis=2):
 
 
 def found_in_bed(surface, body, history=None, active=None, reach=0.08, seed=1, pose=None, displacement=None,
-                 included=True, scatter=0.01):
+                 included=True, scatter=0.01, places=CORNERS):
     """Grid, and Corners of a bed near a body; scatter: [m] of the points."""
     grid, position, half = bed()
     position = position + scatter * np.random.default_rng(seed).standard_normal(position.shape)
@@ -92,5 +94,15 @@ def found_in_bed(surface, body, history=None, active=None, reach=0.08, seed=1, p
     history = history or ContactHistory.empty()
     expected = displacement, pose or (body.position, body.rotation)
     return grid, find_corners(
-        position, half, grid, active, body, surface, reach, np.full(len(position), 8e4), history, expected,
-        included)
+        domains_of(position, half, included), np.full(len(position), PRESSURE), places, grid, active, body, surface,
+        Reach(reach, 0.0), history, expected)
+
+
+def domains_of(position, half, included=True):
+    """Domains of points that have not deformed."""
+    return Domains(position, half, (2 * half).prod(axis=1), np.array(np.broadcast_to(included, len(position))))
+
+
+def id_of(held):
+    """One number (m,) for each contact point of Corners or of a ContactHistory."""
+    return 1000 * held.point + held.place

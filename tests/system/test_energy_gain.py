@@ -35,7 +35,7 @@ def test_each_remedy_stops_the_gain(time):
 
 def test_a_body_that_starts_in_the_soil_a_little_brings_the_energy_of_its_springs():
     """½ p_f E A δ² at the start, so that the balance closes."""
-    body = box(1.0, 1.0, 0.25, rest_on=-1e-3, penalty=1.0, second_pass=1.0)
+    body = box(1.0, 1.0, 0.25, rest_on=-1e-3, penalty=1.0)
     records = list(build(plane(body, 3, 0.002, cells=(8, 8), gravity=(0.0, 0.0, -9.81))).steps())
     assert abs(records[-1].energies["error"]) < 0.02 * 0.5 * 1e6 * 1e-3**2 and not notes(records)
 

@@ -55,7 +55,7 @@ def test_linear_momentum_is_conserved(geometry, linear, tolerance):
     for _, evaluation, state in steps(simulation, tolerance):
         change = np.linalg.norm(momentum(simulation, state) - before) / np.linalg.norm(before)
         assert change < 0.1 * tolerance
-        most = max(most, len(evaluation.contacts[0].corners))
+        most = max(most, len(evaluation.contacts[0]))
     soil = simulation.model.soil.constants.mass @ state.points.velocity
     assert most >= 8 and np.linalg.norm(soil) > 0.5 * np.linalg.norm(before)   # most has gone into the soil
 
@@ -68,7 +68,7 @@ def test_contact_gives_the_soil_what_it_takes_from_the_body(geometry):
     origin = np.array([0.7, -1.3, 0.4])
     moments, sliding, sticking = 0, 0, 0
     for step, evaluation, _ in steps(simulation, 1e-9):
-        corners, touch = step.bodies[0].pair.corners, evaluation.contacts[0].corners
+        corners, touch = step.bodies[0].pair.corners, evaluation.contacts[0]
         soil = np.zeros_like(nodes)
         body = assembly.add_residual(touch, corners, soil)
         size = np.abs(touch.force).sum()

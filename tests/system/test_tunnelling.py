@@ -13,14 +13,15 @@ from hybrid.setup.build import build
 from hybrid.step.equations import Step
 from hybrid.study.scenes import soil_scene, steel
 
-SHARES = pytest.mark.parametrize("second_pass", [0.0, 0.5, 1.0])
+PLACES = pytest.mark.parametrize("contact", ["corners", "faces"])
+PENALTY = 50.0      # [1/m]
 THICKNESS = pytest.mark.parametrize("thickness", [0.04, 0.005])
 
 
-def thrown(geometry, thickness, second_pass, solver=Solver(tolerance=1e-4), **time):
+def thrown(geometry, thickness, contact, solver=Solver(tolerance=1e-4), **time):
     """Simulation of a plate thrown at a block of elastic soil."""
     plate = steel(0.5, 0.5, thickness, size=0.25, rest_on=0.01, position=(0.4, 0.4, 0.0),
-                velocity=(0.0, 0.0, -5.0), second_pass=second_pass)
+                velocity=(0.0, 0.0, -5.0), contact=contact, penalty=PENALTY)
     return build(soil_scene([plate], z=(-0.8, 0.6), young=5e6, poisson=0.2, time=Time(step=0.03, **time),
                             solver=solver))
 
@@ -32,23 +33,23 @@ def lowest_gap_to_soil(simulation):
     return plate[2] - (points.position + points.half_width)[under, 2].max()
 
 
-@SHARES
+@PLACES
 @THICKNESS
-def test_long_steps_are_halved_until_no_corner_is_carried_through(geometry, thickness, second_pass):
-    simulation = thrown(geometry, thickness, second_pass)
+def test_long_steps_are_halved_until_no_corner_is_carried_through(geometry, thickness, contact):
+    simulation = thrown(geometry, thickness, contact)
     records = list(simulation.steps())
     assert sum(r.rejections for r in records) > 0
     assert lowest_gap_to_soil(simulation) > 0.0
     assert records[-1].bodies[0].velocity[2] > -1.0
 
 
-@pytest.mark.parametrize("second_pass", [0.0, 1.0])
+@PLACES
 @THICKNESS
-def test_without_the_check_it_goes_through(geometry, monkeypatch, thickness, second_pass):
+def test_without_the_check_it_goes_through(geometry, monkeypatch, thickness, contact):
     """Plain Newton updates land beyond the plate; of two equilibria others may happen to find that on this side."""
     monkeypatch.setattr(Step, "tunnelled", lambda self, evaluation: 0)
     plain = Solver(tolerance=1e-4, line_search=False, tangent_tolerance=0.0, loosest_tolerance=0.0)
-    simulation = thrown(geometry, thickness, second_pass, plain)
+    simulation = thrown(geometry, thickness, contact, plain)
     list(simulation.steps())
     assert lowest_gap_to_soil(simulation) < 0.0
 
@@ -56,11 +57,11 @@ def test_without_the_check_it_goes_through(geometry, monkeypatch, thickness, sec
 def test_looking_at_a_few_places_of_the_way_skips_a_foil(geometry, monkeypatch):
     """Quarters of 150 mm all miss 5 mm; walking by the distance to the surface does not."""
     monkeypatch.setattr(tunnelling, "_pierced", lambda start, *rest: np.zeros(len(start), bool))
-    simulation = thrown(geometry, 0.005, 1.0)
+    simulation = thrown(geometry, 0.005, "faces")
     list(simulation.steps())
     assert lowest_gap_to_soil(simulation) < 0.0
 
 
 def test_a_step_that_may_not_be_halved_is_refused_with_advice(geometry):
     with pytest.raises(StepError, match=r"corners of the soil passed through a body.*Use a smaller time.step"):
-        list(thrown(geometry, 0.005, 1.0, smallest=0.03).steps())
+        list(thrown(geometry, 0.005, "faces", smallest=0.03).steps())

@@ -97,11 +97,10 @@ def test_energies_and_works_of_soil_are_those_of_all_processes(processes):
 PACKAGE = Path(comm.__file__).parents[1]
 REDUCTIONS = {"sum", "max", "min", "mean", "any", "all", "count_nonzero", "argmax", "argmin", "norm", "median", "ptp"}
 ARRAYS = set("""half half_width deformation b_elastic stress plastic_strain affine inactive inverted mass volume gap
-    slip contact_stiffness contact_pressure touching clearance active parameters strength""".split())
+    slip contact_pressure touching clearance active parameters strength""".split())
 LOCAL = {   # module: why a process may do it by itself
     "soil/lost_points.py": "nothing to change among its own points",
     "contact/corners.py": "whether points have domains at all",
-    "contact/exposed_faces.py": "radius of a search among its own points",
     "monitors/limits/soil.py": "point that a message names",
     "monitors/missed_contact.py": "vertex of a body among its own points",
     "setup/law.py": "refusal of its own points",

@@ -6,15 +6,14 @@ import pytest
 from small_scene import SCENE
 
 from hybrid.runtime.errors import SceneError
-from hybrid.scene import Body, Stage, Time
-from hybrid.scene.defaults import CONTACT, PENALTY, RULES, resolve
+from hybrid.scene import Stage, Time
+from hybrid.scene.defaults import RULES, resolve
 from hybrid.scene.file import load_scene, validate
 from hybrid.setup.build import build
 from hybrid.study.scenes import soil_scene, steel
 
 CUBE = steel(0.2, 0.2, 0.2, position=(0.4, 0.4, 0.2))
-PUBLISHED = {"soil.fbar": False, "soil.ghost": 0.0, "body.0.contact": "corners", "body.0.penalty": 50.0,
-             "body.0.tangential": 1.0, "time.scheme": "newmark"}
+PUBLISHED = {"soil.fbar": False, "soil.ghost": 0.0, "body.0.contact": "corners", "body.0.tangential": 1.0, "time.scheme": "newmark"}
 
 
 def decided(scene):
@@ -28,7 +27,7 @@ def test_every_key_left_out_is_decided_with_a_reason():
     tables = {"soil": scene.soil, "body": scene.bodies[0], "time": scene.time}
     for key, value, _ in decisions:
         assert getattr(tables[key.split(".")[0]], key.split(".")[-1]) == value is not None
-    assert (scene.bodies[0].contact, scene.bodies[0].penalty) == (CONTACT, PENALTY)
+    assert scene.bodies[0].contact == "faces"
     assert resolve(scene) == (scene, ())
 
 
@@ -39,15 +38,20 @@ def test_only_keys_that_may_be_left_out_have_a_rule():
 
 @pytest.mark.parametrize("method", ["default", "published"])
 def test_given_values_stay(method):
-    cube = replace(CUBE, contact="corners", penalty=7.0, tangential=0.5)
+    cube = replace(CUBE, contact="corners", tangential=0.5)
     scene = replace(soil_scene([cube], fbar=True, ghost=0.1, time=Time(0.1, scheme="energy-momentum")), method=method)
     assert resolve(scene) == (scene, ())
 
 
 def test_each_body_is_decided_by_itself():
-    scene, decisions = resolve(soil_scene([replace(CUBE, penalty=7.0), CUBE]))
-    assert [body.penalty for body in scene.bodies] == [7.0, PENALTY]
-    assert [d.key for d in decisions if d.key.endswith("penalty")] == ["body.1.penalty"]
+    scene, decisions = resolve(soil_scene([replace(CUBE, contact="corners"), CUBE]))
+    assert [body.contact for body in scene.bodies] == ["corners", "faces"]
+    assert [d.key for d in decisions if d.key.endswith("contact")] == ["body.1.contact"]
+
+
+def test_points_without_domains_have_contact_at_corners():
+    value, reason = decided(soil_scene([CUBE], basis="mpm"))["body.0.contact"]
+    assert value == "corners" and "no faces" in reason
 
 
 def test_the_published_method():
@@ -93,5 +97,5 @@ def test_what_is_built_is_the_decided_scene():
     left_out = build(soil_scene([CUBE]))
     named = build(resolve(soil_scene([CUBE]))[0])
     assert left_out.scene == named.scene and named.decisions == ()
-    assert left_out.model.bodies[0].penalty == PENALTY and left_out.model.scheme == named.model.scheme
-    assert Body.penalty is None
+    assert left_out.model.bodies[0].penalty == named.model.bodies[0].penalty
+    assert left_out.model.scheme == named.model.scheme

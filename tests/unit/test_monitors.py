@@ -77,10 +77,10 @@ def test_the_turned_surface_counts(simulation):
 def penetrating(simulation, gaps, forces):
     """View of corners of the first points with these gaps [m] and normal forces [N]; domains are 0.1 m high."""
     count = len(gaps)
-    corners = SimpleNamespace(gap=np.array(gaps), normal=np.tile([0.0, 0.0, 1.0], (count, 1)),
-                              force=np.outer(forces, [0.0, 0.0, -1.0]))
-    contact = type("Pair", (), {"corners": type("Corners", (), {**vars(corners), "__len__": lambda self: count})()})()
-    history = SimpleNamespace(id=8 * np.arange(count), touching=np.ones(count, bool))
+    contact = type("Contact", (), {
+        "gap": np.array(gaps), "normal": np.tile([0.0, 0.0, 1.0], (count, 1)),
+        "force": np.outer(forces, [0.0, 0.0, -1.0]), "__len__": lambda self: count})()
+    history = SimpleNamespace(point=np.arange(count), touching=np.ones(count, bool))
     return view(simulation, replace(simulation.state, contacts=[history]), (contact,))
 
 

@@ -127,9 +127,9 @@ def test_a_component_is_driven_or_held(path, inertia):
     assert "body.0.driven = [y, rz]: must be other than held" in message and "one of the two lists" in message
 
 
-def test_points_without_domains_have_no_second_pass(path):
-    message = refused(path, "soil.basis=mpm", "body.0.second_pass=0.5")
-    assert "body.0.second_pass = 0.5: must be 0 with soil.basis = 'mpm'" in message and "gimp" in message
+def test_points_without_domains_have_no_faces(path):
+    message = refused(path, "soil.basis=mpm", "body.0.contact=faces")
+    assert "body.0.contact = faces: must be corners with soil.basis = 'mpm'" in message and "gimp" in message
 
 
 def test_a_spin_is_compared_in_space(path):

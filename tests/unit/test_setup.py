@@ -149,27 +149,57 @@ def test_a_body_starts_outside_the_soil():
         build(sunk)
 
 
+# ---------------------------------------------------------------- contact
+
+
 def in_plane_strain(length, y=0.5, **more):
-    """Force [N] on a box pressed 1 mm into a slice from y = 0 to 1 m, in cells of 0.2 m."""
-    pressed = box(0.8, length, 0.4, held=("x", "y", "rx", "ry", "rz"), driven=("z",), velocity=(0.0, 0.0, -1e-3),
-                  position=(0.0, y, 0.0), rest_on=0.0, **more)
+    """(Simulation, force [N]) of a box pressed 1 mm into a slice from y = 0 to 1 m, in cells of 0.2 m."""
+    pressed = box(0.8, length, 0.4, held=("x",), driven=("z",), velocity=(0.0, 0.0, -1e-3), position=(0.0, y, 0.0),
+                  rest_on=0.0, **more)
     described = soil_scene([pressed], y=collapsed(1.0), steps=1, time=Time(1.0, inertia=False))
-    return next(build(described).steps()).bodies[0].contact_force[2]
+    simulation = build(described)
+    return simulation, next(simulation.steps()).bodies[0].contact_force[2]
 
 
-@pytest.mark.parametrize("length, y, more", [
-    (1.0, 0.5, {}), (0.6, 0.5, {}), (1.002, 0.5, {}), (1.0, 2.5, {}), (0.6, 0.5, {"second_pass": 1.0})])
-def test_a_body_no_longer_than_the_slice_is_refused(length, y, more):
-    """Also one whose end faces lie nearer to the soil's corners than its bottom will, and one beside the slice."""
-    reason = (rf"body 'body' touches no soil: along the collapsed axis y it reaches from {y - length / 2:g} to "
-              rf"{y + length / 2:g} m.* ends of the slice, 0 and 1 m.*body longer.*slice thinner with grid\.y\.start")
+@pytest.mark.parametrize("contact", ["faces", "corners"])
+@pytest.mark.parametrize("length, y", [(0.3, 0.5), (1.0, 0.5), (1.0, 2.5), (4.0, 0.5)])
+def test_in_a_slice_the_length_and_place_of_a_body_do_not_matter(contact, length, y):
+    """The force on a body of any length, and its mass, are those on the thickness of the slice."""
+    simulation, force = in_plane_strain(length, y, contact=contact)
+    assert force == pytest.approx(in_plane_strain(1.2, contact=contact)[1], rel=1e-9) and force > 100.0
+    body = simulation.model.bodies[0]
+    assert body.mass.mass == pytest.approx(1000.0 * 0.8 * 1.0 * 0.4)
+    assert [name for name, free in zip(FREEDOMS, body.free) if free] == ["ry"]
+    assert simulation.sheet()["modelled"]["body unknowns"] == 1
+
+
+@pytest.mark.parametrize("shape", [
+    {"rotation": (1.0, 0.0, 0.0, 20.0)}, {"geometry": GEOMETRY.with_name("sphere.geo"), "parameters": {"radius": 0.4}}])
+def test_a_body_in_a_slice_is_a_prism(shape):
+    reason = (r"body 'body' is no prism along the collapsed axis y: .* Use a prism, such as geometry/box.geo, .*"
+              r"grid\.y\.collapsed = false")
     with pytest.raises(SceneError, match=reason):
-        in_plane_strain(length, y, **more)
+        in_plane_strain(1.0, **shape)
 
 
-@pytest.mark.parametrize("length, y, more", [
-    (1.011, 0.5, {}), (1.2, 0.5, {}), (1.0, 0.6, {}), (1.0, 0.5, {"second_pass": 0.5}),
-    (0.7, 0.5, {"second_pass": 1.0})])
-def test_a_body_that_touches_the_slice_is_accepted(length, y, more):
-    """One end of the slice inside the body is enough, and with a second pass a body that ends near the slice's ends."""
-    assert in_plane_strain(length, y, **more) > 100.0
+def test_a_body_in_a_slice_may_turn_in_its_plane():
+    assert in_plane_strain(1.0, rotation=(0.0, 1.0, 0.0, 20.0))[0].model.bodies[0].free[4]
+
+
+@pytest.mark.parametrize("more, expected", [({}, 400 / 0.2), ({"penalty": 7.0}, 7.0), ({"contact": "corners"}, 50.0)])
+def test_the_penalty_follows_from_the_cells(more, expected):
+    """p_f = 400/h on soil that deforms; 50 /m is the published one."""
+    body = build(soil_scene([box(0.4, 0.4, 0.4, position=(0.4, 0.4, 0.0), rest_on=0.0, **more)])).model.bodies[0]
+    assert body.penalty == pytest.approx(expected)
+    np.testing.assert_allclose(body.contact_pressure, expected * 1e6)
+
+
+@pytest.mark.parametrize("young", [1e5, 1e9])
+def test_on_held_soil_the_modulus_does_not_matter(young):
+    """The pressure per overlap follows from the weight of the body; a given p_f is a factor on E."""
+    cube = box(0.4, 0.4, 0.4, position=(0.4, 0.4, 0.0), rest_on=0.0)
+    scene = soil_scene([cube, replace(cube, penalty=2.0)], held=True, young=young, gravity=(0.0, 0.0, -9.81))
+    derived, given = build(scene).model.bodies
+    reference = build(soil_scene([cube], held=True, gravity=(0.0, 0.0, -9.81))).model.bodies[0]
+    np.testing.assert_allclose(derived.contact_pressure, reference.contact_pressure)
+    np.testing.assert_allclose(given.contact_pressure, 2.0 * young)

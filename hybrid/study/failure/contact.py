@@ -1,4 +1,4 @@
-"""Failure modes of contact: its stiffness, its friction, and bodies finer than the spacing of the soil's corners."""
+"""Failure modes of contact: its stiffness, its friction, and bodies finer than the points of the soil."""
 
 from math import log
 
@@ -26,8 +26,8 @@ def penalty(factor, **body):
 
         F = p_f E A δ = A E ln(L/l) L/l         ideal, δ = 0: 245.49 kN
 
-    so the error is about 2.7 / p_f, p_f in 1/m; the contact takes 1 / (1 + p_f L) of the displacement. Multipliers
-    remove the overlap whatever the penalty, given enough updates. Stiffness up to 1e11 /m loses no accuracy here;
+    so the error is about 2.7 / p_f, p_f in 1/m; the contact takes 1 / (1 + p_f L) of the displacement. Left out, p_f
+    follows from the cells, and the contact takes 1 / (1 + 400 L/h). Stiffness up to 1e11 /m loses no accuracy here;
     Newton's method only reaches round-off earlier. Its effect on impacts is shown in `bounce_map`.
     """
     pressed = platen.press(penalty=factor, steps=10, **body)
@@ -37,29 +37,28 @@ def penalty(factor, **body):
 LAYER, SIDE, YOUNG = 0.2, 0.8, 1e6      # [m], [m], [Pa]
 
 
-def squeezed_layer(share, penalty=50.0, **body):
+def squeezed_layer(share, penalty=None, **body):
     """Hardly any soil left under a body: it overlaps the soil by more than a point's domain, and a second row of
-    corners comes into contact.
+    contact points comes into contact.
 
     A rigid platen presses a layer of one cell, two points high, against the base (quasi-static, ν = 0). With the height
     l = l_p + δ of the layer under a platen at l_p,
 
-        F = p_f E A δ = A E ln(L/l) L/l        δ = 0 with multipliers
+        F = p_f E A δ = A E ln(L/l) L/l
 
-    As soon as the overlap δ exceeds the height l/2 of a domain, the corners between the two points are inside the
-    platen too. Every row represents the whole area, so the pressure is counted twice, and three times at the base.
-    Multipliers remove the overlap, but five updates a step do not suffice when the force doubles in a step.
+    As soon as the overlap δ exceeds the height l/2 of a domain, the faces between the two points are inside the platen
+    too. Every row represents the whole area, so the pressure is counted twice; corners also at the base.
     """
     steps, low = 20, (1 - share) * LAYER
     axis, up = Axis(start=0.0, end=SIDE, size=LAYER), Axis(start=0.0, end=2 * LAYER, size=LAYER)
     pressing = driven(1.2, 1.2, 0.4, velocity=(0.0, 0.0, -share * LAYER / steps), position=(0.4, 0.4, 0.0),
                       rest_on=LAYER, penalty=penalty, **body)
     material = Material(law="hencky", young=YOUNG, poisson=0.0, density=1000.0)
-    _, records, texts = simulate(Scene(
+    simulation, records, texts = simulate(Scene(
         name="squeezed", grid=Grid(axis, axis, up, Faces()), soil=Soil(material, top=LAYER, geostatic=False),
         bodies=(pressing,), time=Time(1.0, inertia=False), stages=(Stage("press", steps),), gravity=(0.0, 0.0, 0.0),
         output=NO_OUTPUT))
-    exact = _layer_force(low) if "enforcement" in body else _series_force(low, penalty)
+    exact = _series_force(low, simulation.model.bodies[0].penalty)
     return Observation(abs(records[-1].bodies[0].contact_force[2] / exact - 1), texts)
 
 
@@ -82,7 +81,7 @@ def stick_threshold(ratio, tangential=1.0, parts=1):
         a = max(0, g (sin θ - μ cos θ))         d = a t² / 2
 
     Friction that acts only after a displacement lets the block creep: a spring k = ε_T/ε_N p_f E A oscillates over 2 m
-    g sin θ / k, which is 70 μm by default. At μ = tan θ exactly nothing stops a moving block, and it keeps the speed at
+    g sin θ / k, which is 70 μm with p_f E = 5e8 Pa/m. At μ = tan θ exactly nothing stops a moving block, and it keeps the speed at
     which the spring breaks loose: g sin θ / ω, ω = √(k/m), or g sin θ Δt / 2 if a step is longer than that. The error
     is that of the displacement in 0.4 s, relative to that of a block without friction.
     """
@@ -101,8 +100,7 @@ def stick_threshold(ratio, tangential=1.0, parts=1):
 def tangential_stiffness(ratio, changes=()):
     """Tangential springs too soft: a rolling body creeps.
 
-    A sphere rolls down a slope of 45° without slip (the problem `sphere`, μ = 1), on corners or, with the second pass,
-    on a smooth surface.
+    A sphere rolls down a slope of 45° without slip (the problem `sphere`, μ = 1), on faces or on corners.
 
         d = 5/14 g t² sin θ        ω = 5/7 g sin θ t / r
 
@@ -128,8 +126,8 @@ def thin_wall(ratio, **body):
         F = p_f E t L d         of a wall of thickness t and length L, pressed down by d
 
     A row of corners under the edge carries s L p_f E d, and there are t/s rows of them, rounded up or down depending on
-    the position of the wall: the larger error of two positions counts. Samples of the body represent the area that they
-    expose to the soil.
+    the position of the wall: the larger error of two positions counts. Points on faces do the same s/4 apart, with as
+    much less to each.
     """
     thickness = ratio * SPACING
     exact = PENALTY * YOUNG * thickness * 0.3 * 2 * STEP
@@ -138,20 +136,22 @@ def thin_wall(ratio, **body):
                 for offset in (0.1, 0.4)), key=lambda o: o.error)      # from a row of corners, in spacings
 
 
-def sharp_edge(ratio, second_pass=0.0):
+def sharp_edge(ratio, contact="faces"):
     """Sharp edges between corners: an edge enters the soil freely until its flanks reach the corners on either side.
 
     A cube is driven on its edge into held soil, midway between two rows of corners s = 0.1 m apart.
 
-        F = p_f E L d² (1 + share) / 2          of an edge of 90° and length L, d deep; share: body.second_pass
+        F = p_f E L d² cos 45° / 2          of an edge of 90° and length L, d deep; corners: without cos 45°
 
-    because samples measure their overlap to the soil's face, p_f E times the volume below it, and corners to the nearer
-    flank, half of that. Corners carry nothing up to d = s/2, where the flanks reach them.
+    because the overlap is that normal to the nearer flank, of which cos 45° acts upwards, and the pressure acts on the
+    area projected on the flank; corners have their whole area. They carry nothing up to d = s/2, where the flanks reach
+    them. Faces that are upright inside the ground, between domains, add a share of d/s.
     """
     depth, steps = ratio * SPACING, max(2, round(ratio * SPACING / 0.01))
     cube = driven(LENGTH, LENGTH, LENGTH, velocity=(0.0, 0.0, -depth / (steps * STEP)), position=(0.45, 0.4, 0.0),
-                  rotation=(0.0, 1.0, 0.0, 45.0), rest_on=0.0, size=0.02, penalty=PENALTY, second_pass=second_pass)
-    return _pressed(cube, steps, PENALTY * YOUNG * LENGTH * depth**2 * (1 + second_pass) / 2)
+                  rotation=(0.0, 1.0, 0.0, 45.0), rest_on=0.0, size=0.02, penalty=PENALTY, contact=contact)
+    share = 1.0 if contact == "corners" else np.sqrt(0.5)
+    return _pressed(cube, steps, PENALTY * YOUNG * LENGTH * depth**2 * share / 2)
 
 
 def _pressed(body, steps, exact):
@@ -189,23 +189,21 @@ def _rest(ratio, offset, **body):
     return Observation(abs(simulation.state.bodies[0].position[2] / RADIUS - 0.9), texts)
 
 
-NARROW = r"spacings of corners, limit 2:.*body\.second_pass = 1"
-OPEN = r"inside the soil without contact.*body\.second_pass"
-PASSES = {"first pass": {}, "second pass": {"second_pass": 1.0}}
+NARROW = r"spacings of corners, limit 2:.*body\.contact = .faces"
+OPEN = r"inside the soil without contact.*body\.contact = .faces"
+CORNERS = {"contact": "corners", "penalty": 50.0}
+PLACES = {"corners (published)": {"contact": "corners"}, "faces": {}}
 
 MODES = {
     "penalty": Mode(
         title="penalty too soft and too stiff", parameters=("penalty factor p_f [1/m]",),
         measure="error of the force", right=0.06, wrong=0.25,
-        methods={"penalty": {}, "augmented Lagrangian": {"enforcement": "augmented"}}, default="penalty",
-        message=r"penalty .* limit 10: contact takes .*body\.penalty.*augmented",
+        methods=PLACES, default="faces", message=r"penalty .* limit 10: contact takes .*Set body\.penalty",
         full=(1.0, 2.0, 5.0, 10.0, 50.0, 1e3, 1e5, 1e7, 1e9, 1e11), quick=(2.0, 50.0), solve=penalty),
     "squeezed_layer": Mode(
         title="hardly any soil left under a body", parameters=("share of a layer's height pressed away",),
         measure="error of the force", right=0.02, wrong=0.1,
-        methods={"p_f = 50 /m": {}, "p_f = 5000 /m": {"penalty": 5000.0},
-                 "p_f = 50 /m, augmented": {"enforcement": "augmented"},
-                 "p_f = 5000 /m, augmented": {"penalty": 5000.0, "enforcement": "augmented"}}, default="p_f = 50 /m",
+        methods={"corners (published)": CORNERS, "faces, p_f = 50 /m": {"penalty": 50.0}, "faces": {}}, default="faces",
         message=r"penetrates the soil too far.* limit.*body\.penalty",
         full=(0.2, 0.5, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99), quick=(0.9,), solve=squeezed_layer),
     "stick_threshold": Mode(
@@ -217,24 +215,22 @@ MODES = {
     "tangential_stiffness": Mode(
         title="tangential springs too soft", parameters=("tangential over normal stiffness, ε_T / ε_N",),
         measure="error of the spin after 1 s", right=0.03, wrong=0.1,
-        methods={"first pass": {}, "second pass": {"changes": rolling.SAMPLES}}, default="first pass",
+        methods={"corners (published)": {"changes": rolling.corners()}, "faces": {}}, default="faces",
         message=r"tangential .* limit 0.3.*body\.tangential",
         full=(10.0, 1.0, 0.5, 0.3, 0.2, 0.1, 0.01, 0.001), quick=(0.01,), solve=tangential_stiffness),
     "thin_wall": Mode(
         title="walls thinner than the spacing of corners", parameters=("thickness over the spacing of corners, t / s",),
         measure="error of the force on the edge", right=0.05, wrong=0.25,
-        methods={"first pass": {}, "both passes": {"second_pass": 0.5}, "second pass": {"second_pass": 1.0}},
-        default="first pass", message=NARROW,
+        methods=PLACES, default="faces", message=NARROW,
         full=(4.6, 3.4, 2.6, 1.5, 0.7, 0.3, 0.1, 0.05), quick=(4.6, 0.3), solve=thin_wall),
     "sharp_edge": Mode(
         title="sharp edges between corners", parameters=("depth of an edge over the spacing of corners, d / s",),
-        measure="error of the force on the edge", right=0.1, wrong=0.25, methods=PASSES, default="first pass",
-        message=r"inside the soil without contact.*limit.*body\.second_pass",
+        measure="error of the force on the edge", right=0.1, wrong=0.25, methods=PLACES, default="faces", message=OPEN,
         full=(1.0, 0.8, 0.6, 0.5, 0.4, 0.3), quick=(1.0, 0.4), solve=sharp_edge),
     "coarse_corners": Mode(
         title="spheres smaller than the spacing of corners",
         parameters=("radius of a sphere over the spacing of corners, r / s",),
-        measure="error of the height at rest over the radius", right=0.05, wrong=0.25, methods=PASSES,
-        default="first pass", message=f"{NARROW}|{OPEN}",
+        measure="error of the height at rest over the radius", right=0.05, wrong=0.25, methods=PLACES,
+        default="faces", message=f"{NARROW}|{OPEN}",
         full=(8.0, 4.0, 2.0, 1.5, 1.0, 0.8, 0.5, 0.25), quick=(2.0, 0.5), solve=coarse_corners),
 }

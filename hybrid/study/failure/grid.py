@@ -204,8 +204,7 @@ def _slide(way, grid):
     """(Lift [N], messages) of the box; way: over its initial distance from the end of the short grid."""
     step, depth = 0.12, 0.02      # [s], [m]
     steps = max(2, round(way * 1.2 / step))
-    box = driven(0.8, 0.8, 0.6, velocity=(1.0, 0.0, -depth / (steps * step)), position=(1.6, 0.0, 0.3), rest_on=0.0,
-                 second_pass=1.0)
+    box = driven(0.8, 0.8, 0.6, velocity=(1.0, 0.0, -depth / (steps * step)), position=(1.6, 0.0, 0.3), rest_on=0.0)
     axes = Axis(0.0, size=0.2, growth=1.4, **GRIDS[grid]), Axis(-0.2, 0.2, collapsed=True), Axis(-1.6, 0.8, 0.2)
     soil = Soil(Material(law="hencky", young=2e6, poisson=0.3, density=1800.0), top=0.0)
     _, records, texts = simulate(Scene(

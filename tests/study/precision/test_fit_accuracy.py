@@ -76,9 +76,9 @@ def test_the_penalty_is_given_by_length():
 
     half = fit_accuracy.references([pressed(2.0), pressed(100.0)])["footing"].settings        # soft springs by chance
     assert half == (Settings(0.015, "a, 100.0", 1.25, body={"penalty": 100.0}),)    # smaller errors are not certain
-    record = Record("platen", "a", "x", {"cell": 0.2, "enforcement": "augmented"}, {"force": 0.1}, (1.0,), 1, 4)
+    record = Record("platen", "a", "x", {"cell": 0.2, "contact": "corners", "penalty": 50.0}, {"force": 0.1}, (1.0,), 1, 4)
     cube = fit_accuracy.references([record])["platen"].settings
-    assert cube == (Settings(0.1, "a, x", 4.0, body={"penalty": 40.0, "enforcement": "augmented"}),)
+    assert cube == (Settings(0.1, "a, x", 4.0, body={"contact": "corners", "penalty": 40.0}),)
 
 
 def test_the_page_states_the_errors_that_can_be_asked_for():

@@ -19,14 +19,14 @@ def test_contract():
 
 def test_errors_fall_with_the_square_of_the_spacing(recorded):
     """Measured: 2.0 of the distance and 1.7 of the spin."""
-    assert rates(recorded(sphere, "default")) == pytest.approx({"distance": 2.0, "spin": 2.0}, abs=0.5)
+    assert rates(recorded(sphere, "corners (published)")) == pytest.approx({"distance": 2.0, "spin": 2.0}, abs=0.5)
 
 
 def test_a_wrong_law_is_found(monkeypatch, replayed):
     """A sphere that has no inertia of turning goes 40 % farther when it rolls."""
     right = sphere.law
     monkeypatch.setattr(sphere, "law", lambda mu, time: (1.4 * right(mu, time)[0], 0.6 * right(mu, time)[1]))
-    assert all(abs(rate) < 0.3 for rate in rates(replayed(sphere, "default")).values())
+    assert all(abs(rate) < 0.3 for rate in rates(replayed(sphere, "corners (published)")).values())
 
 
 def test_what_is_counted(quick, recorded):

@@ -44,7 +44,7 @@ def curves(quick):
         "standard MPM": _cells((0.4, 0.3), soil={"basis": "mpm"}),
         "GIMP, ghost": _cells((0.4, 0.3), soil={"ghost": 0.033}),
         "penalty factor": [(f"p_f = {p:g} /m", {"body": {"penalty": p}}) for p in (10.0, 200.0)],
-        "augmented Lagrangian": _cells((0.4,), body={"enforcement": "augmented"}),
+        "corners (published)": _cells((0.4, 0.3), body={"contact": "corners", "penalty": 50.0}),
         "uniform grid": _cells((0.4,), uniform=True)}
 
 

@@ -6,8 +6,8 @@
           |______________________   Nc = F / (B c) = 5.14159, 14.8347, 30.1396 for φ = 0, 20°, 30°
 
 Nc = (e^(π tanφ) tan²(45° + φ/2) - 1) cotφ, 2 + π for φ = 0, is that of Mohr-Coulomb's law; the cone matched in plane
-strain with associated flow has the same (φ = 0: √J2 = c, von Mises). Contact acts at the corners of the points'
-domains, a spacing s apart; a footing whose edge lies half-way between two of them presses on exactly its own width.
+strain with associated flow has the same (φ = 0: √J2 = c, von Mises). A footing whose edge lies half-way across the
+domain of a point presses on exactly its own width, by the faces of the domains as by their corners.
 Soil that heaves beside it only just reaches into empty cells; some runs then stop unless a ghost penalty couples these
 cells to their neighbours.
 
@@ -24,7 +24,6 @@ import numpy as np
 from hybrid.bench.timed_steps import newton_iterations, timed_steps
 from hybrid.runtime.data import GEOMETRY
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
-from hybrid.scene.defaults import PENALTY
 from hybrid.setup.build import build
 from hybrid.study.precision.problem import Problem
 from hybrid.study.precision.record import RunResult
@@ -92,7 +91,7 @@ def press(angle, across, depth=2.0, width=4.0, settlement=None, steps=20, law=No
         name="footing", geometry=GEOMETRY / "box.geo", density=1000.0,
         parameters={"length": WIDTH, "width": 3 * thickness, "height": 0.5 * WIDTH, "size": 10 * WIDTH},
         position=(0.0, 0.5 * thickness, 0.0), rest_on=0.0, driven=("z",), held=("x", "y", "rx", "ry", "rz"),
-        velocity=(0.0, 0.0, -settlement * WIDTH / steps), **{"penalty": 100.0, **dict(body)})
+        velocity=(0.0, 0.0, -settlement * WIDTH / steps), **dict(body))
     scene = Scene(
         name="footing", grid=grid, soil=Soil(law or material(angle), geostatic=False, top=0.0, **soil),
         bodies=(footing,), gravity=(0.0, 0.0, 0.0), time=Time(step=1.0, inertia=False), stages=(Stage("press", steps),),
@@ -107,6 +106,8 @@ def press(angle, across, depth=2.0, width=4.0, settlement=None, steps=20, law=No
 
 
 ACROSS, FIXED, CURED = (1, 2, 4, 8), 2, {"fbar": True, "ghost": 0.0033}
+PENALTY = 50.0      # [1/m] of the published method
+CORNERS = {"contact": "corners", "penalty": PENALTY}
 
 
 def curves(quick=False):
@@ -125,7 +126,7 @@ def curves(quick=False):
         "GIMP, F-bar, ghost": over(soil=CURED),
         "GIMP, F-bar, ghost, direct solver": over(**cured),
         "graded grid": over(growth=1.3, **cured),
-        "augmented Lagrangian": over(**cured, body={"enforcement": "augmented"}),
+        "corners (published)": over(**cured, body=CORNERS),
         "penalty": [(f"p_f = {p:g} /m", {**fixed, "body": {"penalty": float(p)}})
                     for p in (2, 10, 50, 200, 1000, 10000)],
         "load steps": [(f"{k} steps", {**fixed, "steps": k}) for k in (5, 10, 20, 40)],
@@ -142,19 +143,20 @@ def curves(quick=False):
 
 def transfer(values):
     """Settings that a scene can take over from a run on equal cells in the default number of steps, else None; also
-    None for contact springs softer than the default, which reduce an excessive force and so hide some of the error."""
-    body = {"penalty": PENALTY, **values.get("body", {})}
+    None for contact springs softer than PENALTY, which reduce an excessive force and so hide some of the error."""
+    body = dict(values.get("body", {}))
     found = transferable(values, values["across"] + 0.25, "across")
-    if found is None or body["penalty"] < PENALTY:
+    if found is None or body.get("penalty", PENALTY) < PENALTY:
         return None
-    return {**found, "body": {**body, "penalty": 0.5 * WIDTH * body["penalty"]}}
+    if "penalty" in body:
+        body["penalty"] *= 0.5 * WIDTH
+    return {**found, "body": body}
 
 
 def solve(across, angle=20, steps=20, growth=None, soil=None, solver=None, body=None):
     """RunResult of the footing at a friction angle [degrees], 0 or 20; soil, solver, body: values of these tables that
     differ from the defaults."""
-    found = press(angle, across, steps=steps, growth=growth, body={"penalty": PENALTY, **(body or {})},
-                  solver=solver or {}, **(soil or {}))
+    found = press(angle, across, steps=steps, growth=growth, body=body or {}, solver=solver or {}, **(soil or {}))
     errors = {**dict.fromkeys(ERRORS, float("nan")),
               f"Nc, φ = {angle}" + "°" * (angle > 0): float(abs(found.factor[-1] / prandtl(angle) - 1))}
     return RunResult(errors, found.iterations, found.unknowns, found.seconds)
