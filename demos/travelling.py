@@ -39,8 +39,7 @@ def scene(kind, law, size, steps=40):
             for axis, (end, around) in enumerate(zip(ends, AROUND))]
     plough = Body(
         GEOMETRY / "box.geo", 1000.0, "plough", {"length": 0.8, "width": 0.8, "height": 0.6, "size": 10.0},
-        position=(1.6, 0.0, 0.301), velocity=(1.0, 0.0, -0.05), driven=("x", "y", "z"), held=("rx", "ry", "rz"),
-        second_pass=1.0)
+        position=(1.6, 0.0, 0.301), velocity=(1.0, 0.0, -0.05), driven=("x", "y", "z"), held=("rx", "ry", "rz"))
     return Scene(
         name=f"plough-{kind}", grid=Grid(*axes, Faces(z_min="fixed")), soil=Soil(LAWS[law], top=0.0, **SOILS[law]),
         bodies=(plough,), time=Time(step=0.04, beta=0.5625, gamma=1.0), stages=(Stage("plough", steps),),
