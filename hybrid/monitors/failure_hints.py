@@ -11,7 +11,7 @@ from hybrid.soil.domains import cells_wide
 CUT = 1e-4          # mass of a node over that of a full one [-]: nodes below have stopped runs without inertia
 DOMAIN_WIDTH = 0.9  # cells that a domain may be wide before soil separates next to it,
 STRETCHED = 1.05    # if its F is larger than this (Frobenius norm of a column)
-DAMPING = "a scheme that damps (time.beta = 0.5625, time.gamma = 1)"
+DAMPING = "the default time.scheme, which damps"
 
 
 def advice(step, outcome, settings):

@@ -15,6 +15,7 @@ from hybrid.scene.table import shown
 
 CONTACT = "corners"     # of bodies, unless the scene gives another one
 PENALTY = 50.0          # [1/m] p_f
+SCHEME = "generalised-alpha"
 
 
 class Decision(NamedTuple):
@@ -77,12 +78,11 @@ def _tangential(scene, body):
 
 
 def _scheme(scene, time):
-    stages = [value for stage in scene.stages for value in (stage.beta, stage.gamma)]
-    if any(value is not None for value in (time.beta, time.gamma, *stages)):
+    if time.beta is not None or time.gamma is not None:
         return "newmark", "beta and gamma are those of Newmark's scheme"
-    if time.spectral_radius is not None:
-        return "generalised-alpha", "it has a spectral radius"
-    return "newmark", "second order" if time.inertia else "not used without inertia"
+    if not time.inertia:
+        return SCHEME, "not used without inertia"
+    return SCHEME, "of second order; oscillations too fast for the step die out, and contact throws no body back"
 
 
 RULES = {   # (class, key): (rule, value of the published method)

@@ -62,7 +62,7 @@ def curves(quick):
         "default": _refined((1, 2, 4)),
         "second pass": _facets((0.1, 0.05, 0.035)),
         "Newmark (1/4, 1/2)": _refined((1, 2, 4), time={"scheme": "newmark"}),
-        "generalised-alpha": _refined((1, 2), time={"scheme": "generalised-alpha"}),
+        "generalised-alpha": _refined((1, 2), time={"scheme": "generalised-alpha", "spectral_radius": 0.8}),
         "energy-momentum": _refined((1, 2), time={"scheme": "energy-momentum"}),
         "augmented Lagrangian": _refined((1, 2), changes=["body.0.enforcement=augmented"]),
         "time step": _lasting((0.04, 0.02, 0.005)),
