@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hybrid.contact import assembly, body_to_soil, soil_to_body, tunnelling
+from hybrid.contact import assembly, body_to_soil, held_facets, soil_to_body, tunnelling
 from hybrid.contact.corners import find_corners
 from hybrid.runtime.comm import maximum, total
 
@@ -54,6 +54,10 @@ class Contact:
         """Force (3,) [N] and moment about the body's centre (3,) [N m] of the soil on the body, as (6,)."""
         return sum(np.concatenate([total(contact.force), total(np.cross(contact.arm, contact.force))])
                    for contact in self.passes)
+
+    def switched(self, other):
+        """Whether corners are carried by facets that face elsewhere in the `other` Contact of the step."""
+        return held_facets.switched(self.corners, other.corners)
 
     @property
     def largest_overlap(self):
@@ -128,6 +132,21 @@ class ContactPair:
         self.corners = _with_pressure(self.corners, contact.corners)
         if contact.samples is not None:
             self.samples = _with_pressure(self.samples, contact.samples)
+
+    def hold_facets(self, contact):
+        """Hold the corners that touch to the facets that carry them in `contact`."""
+        self.corners = replace(self.corners, facet=held_facets.facets(self.corners, contact.corners, self.body.surface))
+
+    def release_facets(self):
+        """Let every corner find its facet again."""
+        self.corners = replace(self.corners, facet=None)
+
+    def facet_error(self, contact, displacement, pose):
+        """Largest difference [-] between the overlaps with the held facets and with the surface, 0 without any held."""
+        if self.corners.facet is None:
+            return 0.0
+        return held_facets.facet_error(
+            self.corners, contact.corners, self.corners.moved(displacement), *pose, self.body.surface)
 
     def commit(self, contact, displacement):
         """ContactHistory after acceptance."""

@@ -47,6 +47,7 @@ class Corners:
     pressure: (m,) [N] multiplier of the augmented Lagrangian
     clearance: (m,) [m] signed distance from the surface at the start: an open corner that moves less than this cannot
         touch, so most corners are not projected
+    facet: (m,) triangle that a corner is held to, -1 for those that find theirs; None where none is held
     """
 
     id: np.ndarray
@@ -60,6 +61,7 @@ class Corners:
     side: np.ndarray
     pressure: np.ndarray
     clearance: np.ndarray
+    facet: np.ndarray | None = None
 
     def __len__(self):
         return len(self.id)

@@ -147,6 +147,8 @@ def evaluate(corners, position, centre, rotation, surface, friction, tangential)
     """
     y = (position - centre) @ rotation
     points = _closest_points(y, corners, surface)
+    if corners.facet is not None:
+        _hold(points, y, corners.facet, surface)
     active = np.flatnonzero(np.isfinite(points.gap))
     active = active[corners.pressure[active] - corners.stiffness[active] * points.gap[active] > 0.0]
     points = points.select(active)
@@ -168,6 +170,15 @@ def _closest_points(y, corners, surface):
     start = CornerStart(corners.start, corners.clearance, corners.side, corners.pressure)
     _project(y, start, surface.radius, surface.tree, points)
     return points
+
+
+def _hold(points, y, facet, surface):
+    """Put the closest points of held corners on the planes of their facets (contact/held_facets.py)."""
+    held = np.flatnonzero(facet >= 0)
+    normal = surface.tree.normals[facet[held], 0]
+    gap = np.einsum("ci,ci->c", y[held] - surface.vertices[surface.triangles[facet[held], 0]], normal)
+    points.gap[held], points.triangle[held], points.feature[held] = gap, facet[held], 0
+    points.foot[held] = y[held] - gap[:, None] * normal
 
 
 def gaps(y, surface, side=None):

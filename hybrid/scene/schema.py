@@ -66,8 +66,6 @@ class Solver:
 
     tolerance: float = key("tolerance of the residual, relative to the forces acting", "-", default=1e-6,
                            at_least=1e-14, below=1, remedy="1e-6 is usual")
-    iterations: int = key("Newton iterations before an increment is rejected and halved", "-", default=15, at_least=1,
-                          remedy="15 is usual")
     augmentations: int = key("largest number of updates of the multipliers in an increment, with enforcement = "
                              '"augmented"', "-", default=5, at_least=1, remedy="5 is usual")
     augmentation_tolerance: float = key("tolerance of the forces of the remaining overlap, relative to the forces "

@@ -112,7 +112,7 @@ def test_swirl_in_three_dimensions():
 
 @functools.cache
 def swirl(cells, **options):
-    return ladder.vibrate(ladder.Swirl(0.1), cells, 2 * cells, solver={"tolerance": 1e-7, "iterations": 25}, **options)
+    return ladder.vibrate(ladder.Swirl(0.1), cells, 2 * cells, solver={"tolerance": 1e-7}, **options)
 
 
 def swirl_orders(*cells, **options):
