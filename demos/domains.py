@@ -150,7 +150,7 @@ def squeezed(rule, already=0.0, cells=16, steps=40):
     simulation = build(Scene(
         name="column", grid=Grid(side, side, Axis(start=0.0, end=0.8, size=size)),
         soil=Soil(Material(law="hencky", young=283.0, poisson=0.0, density=50.0), geostatic=False, **choice(rule)),
-        time=Time(step=1.0, inertia=False), solver=Solver(linear="direct", tolerance=1e-9, iterations=25),
+        time=Time(step=1.0, inertia=False), solver=Solver(linear="direct", tolerance=1e-9),
         stages=(Stage("load", steps, gravity=(0.0, 1.0)), Stage("unload", steps, gravity=(1.0, 0.01))),
         output=Output(every=0, checkpoint=0)))
     turn(simulation, already)

@@ -21,9 +21,9 @@ SPEED = np.sqrt(YOUNG / DENSITY)
 START, WIDTH, AMPLITUDE = 0.32, 0.08, 1e-6      # z0, w, A [m]
 WAY = 0.4                                      # [m] over which the speed is taken
 SCHEMES = {
-    "Newmark (1/4, 1/2)": {},
+    "Newmark (1/4, 1/2)": {"scheme": "newmark"},
     "Newmark (0.5625, 1)": {"beta": 0.5625, "gamma": 1.0},
-    "generalised α, ρ∞ = 0.8": {"scheme": "generalised-alpha"},
+    "generalised α, ρ∞ = 0.8": {"scheme": "generalised-alpha", "spectral_radius": 0.8},
     "generalised α, ρ∞ = 0": {"scheme": "generalised-alpha", "spectral_radius": 0.0},
 }
 

@@ -48,7 +48,7 @@ from hybrid.output.figures import convergence
 from hybrid.study.precision.problems.tumbling import HEAVY, SCHEMES, TUMBLING, advance, errors, period
 
 OUT = Path("out/tumbling")
-ORDERS = (2, 1, 2, 2, 2)
+ORDERS = (2, 2, 1, 2, 2, 2)
 
 
 def drift(top, dt, steps, scheme):

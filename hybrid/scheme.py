@@ -24,6 +24,9 @@ Only generalised alpha carries a besides v̇. Where it is not known yet, at the 
 scheme, a = v̇. The error of that is O(Δt); it changes v once by O(Δt²), so the scheme stays of second order. The same
 holds for a change of Δt. `hybrid.body.motion` describes rotations with energy-momentum.
 
+The default of scenes is generalised alpha with ρ∞ = 0: the only one of these that is of second order and never lets
+contact throw a body back faster than it came, however short the contact (DESIGN.md).
+
 Sources: J. Chung and G. M. Hulbert, J. Appl. Mech. 60 (1993) 371-375 (the parameters); M. Arnold and O. Brüls,
 Multibody Syst. Dyn. 18 (2007) 185-202 (the form with a); O. Brüls and A. Cardona, J. Comput. Nonlinear Dyn. 5 (2010)
 031002 (the same rule on rotations).
@@ -31,6 +34,10 @@ Multibody Syst. Dyn. 18 (2007) 185-202 (the form with a); O. Brüls and A. Cardo
 
 from dataclasses import dataclass, replace
 from typing import Literal
+
+import numpy as np
+
+DAMPED = 0.4    # ρ∞ from which on contact rings: bodies and soil throw each other back faster than they came
 
 
 @dataclass(frozen=True)
@@ -77,9 +84,22 @@ class Scheme:
         return self.inertia and (self.alpha_m != 0.0 or self.alpha_f != 0.0)
 
     @property
-    def damps(self):
-        """Whether it is of first order and damps all oscillations within some steps."""
+    def first_order(self):
+        """Whether its error is of the first order in the step."""
         return self.inertia and self.gamma > 0.5 and not self.auxiliary
+
+    @property
+    def spectral_radius(self):
+        """ρ∞: share of an oscillation far faster than the step that a step leaves, 1 without inertia."""
+        if self.auxiliary:
+            return self.alpha_f / (1 - self.alpha_f)
+        roots = np.roots((self.beta, self.gamma + 0.5 - 2 * self.beta, self.beta - self.gamma + 0.5))
+        return float(np.abs(roots).max()) if self.inertia else 1.0
+
+    @property
+    def damps(self):
+        """Whether oscillations that the step cannot resolve die out within some steps."""
+        return self.spectral_radius < DAMPED
 
     def mass_factor(self, dt):
         """∂v̇/∂Δu [1/s²] at the end of the step."""
@@ -111,5 +131,5 @@ class Scheme:
         if self.rotation == "cayley":
             return "energy-momentum"
         if self.auxiliary:
-            return f"generalised-alpha, spectral radius {self.alpha_f / (1 - self.alpha_f):.3g}"
+            return f"generalised-alpha, spectral radius {self.spectral_radius:.3g}"
         return f"Newmark, beta = {self.beta:g}, gamma = {self.gamma:g}"

@@ -227,7 +227,7 @@ class Simulation:
             residual=evaluation.error, contacts=int(comm.total([len(terms.contact) for terms in evaluation.bodies])),
             seconds=timing.collect(), energies=energy,
             bodies=[_body_record(terms, state) for terms in evaluation.bodies], time_error=report.error,
-            krylov=report.krylov,
+            krylov=report.krylov, judged=report.judged,
             notes=self._initial_notes() + self._monitors.notes(StepView(self.model, state, scheme, report, energy)))
 
     def _initial_notes(self):

@@ -68,6 +68,11 @@ def _gyroscopic(inertia, spin):
     return skew(spin) @ (inertia @ spin)
 
 
+def own_moment(inertia, state):
+    """|J Ẇ| + |W × J W| [N m] of a BodyState."""
+    return float(np.linalg.norm(inertia @ state.spin_rate) + np.linalg.norm(_gyroscopic(inertia, state.spin)))
+
+
 def momentum_rate(inertia, state):
     """ṗ = R (J Ẇ + W × J W) (3,) [N m], in space."""
     return state.rotation @ (inertia @ state.spin_rate + _gyroscopic(inertia, state.spin))

@@ -78,7 +78,8 @@ def bounding_box(body, state):
 
 @dataclass(frozen=True)
 class BodyTrial:
-    """Forces on a body at a trial pose, contact apart: residuals (6,) [N, N m], tangent (6, 6), tension [N]."""
+    """Forces on a body at a trial pose, contact apart: residuals (6,) [N, N m], tangent (6, 6), tension [N], and
+    own_moment [N m], |J Ẇ| + |W × J W| at the start of the step."""
 
     inertia: np.ndarray
     weight: np.ndarray
@@ -86,6 +87,7 @@ class BodyTrial:
     tangent: np.ndarray
     tension: float
     line_energy: float
+    own_moment: float
 
 
 def lay_out_line(body, state):
@@ -104,8 +106,9 @@ def moved_pose(pose, increment):
 def evaluate(body, state, pose, target, gravity, scheme, dt):
     """BodyTrial at `pose`. target: (3,) [m] far end of the pull line, None if none acts; gravity: (3,) [m/s²]."""
     position, rotation = pose
-    inertia, tangent = np.zeros(6), np.zeros((6, 6))
+    inertia, tangent, own = np.zeros(6), np.zeros((6, 6)), 0.0
     if scheme.inertia:
+        own = motion.own_moment(body.mass.inertia, state)
         inertia, tangent = motion.inertia_residual(
             body.mass.mass, body.mass.inertia, state, position, rotation, dt, scheme)
     line, tension, energy = np.zeros(6), 0.0, 0.0
@@ -114,7 +117,7 @@ def evaluate(body, state, pose, target, gravity, scheme, dt):
             position, rotation, body.line.attachment, target, body.line.length, body.line.stiffness,
             body.line.tension_only)
         tangent = tangent + line_tangent
-    return BodyTrial(inertia, _weight(body, rotation, gravity), line, tangent, tension, energy)
+    return BodyTrial(inertia, _weight(body, rotation, gravity), line, tangent, tension, energy, own)
 
 
 def _weight(body, rotation, gravity):

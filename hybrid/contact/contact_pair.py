@@ -5,9 +5,11 @@
     their forces and tangent in the block system                                     `hybrid.contact.assembly`
 """
 
+from dataclasses import replace
+
 import numpy as np
 
-from hybrid.contact import assembly, soil_to_body, tunnelling
+from hybrid.contact import assembly, held_facets, soil_to_body, tunnelling
 from hybrid.contact.corners import find_corners
 from hybrid.runtime.comm import total
 
@@ -50,6 +52,21 @@ class ContactPair:
         way."""
         return tunnelling.count_tunnelled(
             self.corners, contact, self.corners.moved(displacement), *pose, self.body.surface, depth)
+
+    def hold_facets(self, contact):
+        """Hold the corners that touch to the facets that carry them in `contact`."""
+        self.corners = replace(self.corners, facet=held_facets.facets(self.corners, contact, self.body.surface))
+
+    def release_facets(self):
+        """Let every corner find its facet again."""
+        self.corners = replace(self.corners, facet=None)
+
+    def facet_error(self, contact, displacement, pose):
+        """Largest difference [-] between the overlaps with the held facets and with the surface, 0 without any held."""
+        if self.corners.facet is None:
+            return 0.0
+        return held_facets.facet_error(
+            self.corners, contact, self.corners.moved(displacement), *pose, self.body.surface)
 
     def commit(self, contact, displacement):
         """ContactHistory after acceptance."""

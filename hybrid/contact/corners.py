@@ -29,7 +29,6 @@ from hybrid.contact.first_contact import predicted_contact_points
 from hybrid.runtime.comm import largest, total
 from hybrid.soil.basis import find_cell, hat
 
-
 CORNERS = rules.corners()
 
 
@@ -44,9 +43,9 @@ class Corners:
     anchor: (m, 3) [m] body frame, of the tangential spring: history while touching, else the predicted first-contact
         point (contact/first_contact.py); side: (m, 3) body frame, outward normal where the point touches or is
         predicted to touch, 0 if unknown
-    pressure: (m,) [N] multiplier of the augmented Lagrangian
     clearance: (m,) [m] signed distance from the surface at the start: an open point that moves less than this cannot
         touch, so most points are not projected
+    facet: (m,) triangle that a point is held to, -1 for those that find theirs; None where none is held
     """
 
     point: np.ndarray
@@ -59,8 +58,8 @@ class Corners:
     touching: np.ndarray
     anchor: np.ndarray
     side: np.ndarray
-    pressure: np.ndarray
     clearance: np.ndarray
+    facet: np.ndarray | None = None
 
     def __len__(self):
         return len(self.point)
@@ -110,8 +109,9 @@ class Domains:
 def find_corners(domains, pressure, places, grid, active, body, surface, reach, history, expected):
     """Contact points within `reach` (Reach) of the surface of `body` (a BodyState).
 
-    domains: Domains; pressure: (n,) p_f E [N/m³] of its contact with each; places: Places; active: (N,) bool, nodes that carry mass; history: ContactHistory; expected: nodal
-    increments (N, 3) [m] (None: held soil) and pose of the body from which the step starts to iterate.
+    domains: Domains; pressure: (n,) p_f E [N/m³] of its contact with each; places: Places; active: (N,) bool, nodes that
+    carry mass; history: ContactHistory; expected: nodal increments (N, 3) [m] (None: held soil) and pose of the body
+    from which the step starts to iterate.
     """
     found = _within_reach(domains, places, grid.collapsed, body, surface, reach, history)
     node, weight = _interpolation(found["position"], grid.axes, active)
@@ -123,8 +123,7 @@ def find_corners(domains, pressure, places, grid, active, body, surface, reach, 
     if not domains.half.any():
         area = area / 2         # all eight corners of a point coincide: they share its stiffness
     start = (found["position"] - body.position) @ body.rotation
-    corners = Corners(start=start, node=node[use], weight=weight[use], stiffness=pressure[point] * area,
-                      pressure=np.zeros(len(use)), **found)
+    corners = Corners(start=start, node=node[use], weight=weight[use], stiffness=pressure[point] * area, **found)
     is_open = ~corners.touching
     corners.anchor[is_open], corners.side[is_open] = predicted_contact_points(
         corners.position[is_open], corners.moved(expected[0])[is_open], body, expected[1], surface,

@@ -1,6 +1,6 @@
 """First pass of contact: corners of the points' domains against the triangles of a body, with Coulomb friction.
 
-    y = R^T (x_c - c)      y - foot = g N      p = λ - ε_N g > 0
+    y = R^T (x_c - c)      y - foot = g N      p = -ε_N g > 0
     z = y - y_anchor       g_t = P z,  P = I - N N^T
     stick  |ε_T g_t| <= μ p :  f = -p N + ε_T g_t
     slip   otherwise        :  f = -p N + μ p s,  s = g_t/|g_t|
@@ -17,14 +17,13 @@ force on the corner. The normal turns with y on a curved face, at an edge and at
 | g, foot    | signed gap and closest point of the surface         | ClosestPoints.gap, foot             | m    |
 | N, ∂g/∂y   | outward normal and gradient of the gap              | N, dgap of `body.closest`           | -    |
 | G          | ∂N/∂y                                               | G of `body.closest.gap_geometry`    | 1/m  |
-| λ, p       | multiplier of the augmented Lagrangian and pressure | ClosedCorners.multiplier, p         | N    |
+| p          | pressure                                            | p                                   | N    |
 | ε_N, ε_T   | normal and tangential penalty                       | ClosedCorners.stiffness, eps_t      | N/m  |
 | μ          | coefficient of friction                             | Coulomb.mu                          | -    |
 | y_anchor   | where the tangential spring has no force            | ClosedCorners.anchor                | m    |
 | g_t, s     | tangential gap and its direction                    | g_t, s                              | m, - |
 
-λ is zero under plain penalty; the augmented Lagrangian raises it between solutions (contact/contact_pair.py), and the
-tangent stays that of the penalty. On a plane face G = 0. The anchor is history in the body frame: it is objective, and it
+On a plane face G = 0. The anchor is history in the body frame: it is objective, and it
 does not change when a corner passes from one triangle to the next. The anchor of a corner that closes in this step is
 its predicted first-contact point (contact/first_contact.py). Without friction (μ = 0) neither anchor nor tangential law
 is evaluated.
@@ -88,12 +87,11 @@ class CornerContact:
 
 class CornerStart(NamedTuple):
     """Corners at the start of the step, which decides whether they have to be projected: y (m, 3) [m] body frame, and
-    clearance (m,) [m], side (m, 3), multiplier (m,) [N] as in corners.Corners."""
+    clearance (m,) [m], side (m, 3) as in corners.Corners."""
 
     y: np.ndarray
     clearance: np.ndarray
     side: np.ndarray
-    multiplier: np.ndarray
 
 
 class ClosestPoints(NamedTuple):
@@ -116,13 +114,12 @@ class ClosestPoints(NamedTuple):
 
 class ClosedCorners(NamedTuple):
     """Corners that the law is evaluated at, body frame: y, anchor (m, 3) [m]; origin (m, 3) [m], where the path begins
-    along which friction does work in this step; stiffness (m,) ε_N [N/m]; multiplier (m,) λ [N]."""
+    along which friction does work in this step; stiffness (m,) ε_N [N/m]."""
 
     y: np.ndarray
     anchor: np.ndarray
     origin: np.ndarray
     stiffness: np.ndarray
-    multiplier: np.ndarray
 
 
 class Coulomb(NamedTuple):
@@ -157,34 +154,44 @@ def evaluate(corners, position, centre, rotation, surface, friction, tangential)
     """
     y = (position - centre) @ rotation
     points = _closest_points(y, corners, surface)
+    if corners.facet is not None:
+        _hold(points, y, corners.facet, surface)
     active = np.flatnonzero(np.isfinite(points.gap))
-    active = active[corners.pressure[active] - corners.stiffness[active] * points.gap[active] > 0.0]
+    active = active[corners.stiffness[active] * points.gap[active] < 0.0]
     points = points.select(active)
     origin = np.where(corners.touching[active, None], corners.anchor[active], corners.start[active])
-    closed = ClosedCorners(y[active], corners.anchor[active], origin, corners.stiffness[active],
-                           corners.pressure[active])
+    closed = ClosedCorners(y[active], corners.anchor[active], origin, corners.stiffness[active])
     found = Response.empty(len(active))
     _law(closed, points, Coulomb(friction, tangential), surface.tree, found)
     return CornerContact(
         active, points.gap, found.side @ rotation.T, found.force @ rotation.T, rotation @ found.tangent @ rotation.T,
         position[active] - centre, found.slip, found.anchor, found.side,
-        closed.multiplier - closed.stiffness * points.gap, points.triangle, points.weights,
+        -closed.stiffness * points.gap, points.triangle, points.weights,
         float(total(found.energy)), float(total(found.dissipated)))
 
 
 def _closest_points(y, corners, surface):
     """ClosestPoints of corners at y (m, 3) [m] in the body frame."""
     points = ClosestPoints.empty(len(y))
-    start = CornerStart(corners.start, corners.clearance, corners.side, corners.pressure)
+    start = CornerStart(corners.start, corners.clearance, corners.side)
     _project(y, start, surface.radius, surface.tree, points)
     return points
+
+
+def _hold(points, y, facet, surface):
+    """Put the closest points of held corners on the planes of their facets (contact/held_facets.py)."""
+    held = np.flatnonzero(facet >= 0)
+    normal = surface.tree.normals[facet[held], 0]
+    gap = np.einsum("ci,ci->c", y[held] - surface.vertices[surface.triangles[facet[held], 0]], normal)
+    points.gap[held], points.triangle[held], points.feature[held] = gap, facet[held], 0
+    points.foot[held] = y[held] - gap[:, None] * normal
 
 
 def gaps(y, surface, side=None):
     """Signed gaps (m,) [m] of places (m, 3) in the body frame, inf outside the body's bounds; side: (m, 3), as in
     corners.Corners."""
     zero, points = np.zeros(len(y)), ClosestPoints.empty(len(y))
-    start = CornerStart(y, zero, np.zeros_like(y) if side is None else side, zero)
+    start = CornerStart(y, zero, np.zeros_like(y) if side is None else side)
     _project(y, start, surface.radius, surface.tree, points)
     return points.gap
 
@@ -200,13 +207,13 @@ def commit(corners, position, contact):
 
 @njit(cache=True)
 def _project(y, start, radius, tree, points):
-    """Fill `points` for corners now at y (m, 3). A corner that remembers its side of the body, or has a multiplier, is
+    """Fill `points` for corners now at y (m, 3). A corner that remembers its side of the body is
     projected wherever it is; any other one is skipped within its clearance or outside the body's bounds."""
-    y_start, clearance, sides, multiplier = start       # once, because each access in the loop would count references
+    y_start, clearance, sides = start       # once, because each access in the loop would count references
     gap, triangle, feature, foot, weights = points
     for n in range(len(y)):
         side = sides[n, 0], sides[n, 1], sides[n, 2]
-        without_history = multiplier[n] == 0.0 and side[0] == 0.0 and side[1] == 0.0 and side[2] == 0.0
+        without_history = side[0] == 0.0 and side[1] == 0.0 and side[2] == 0.0
         x0, x1, x2 = y[n, 0] - y_start[n, 0], y[n, 1] - y_start[n, 1], y[n, 2] - y_start[n, 2]
         within_clearance = x0 * x0 + x1 * x1 + x2 * x2 < max(clearance[n], 0.0) ** 2
         if without_history and (within_clearance or outside_bounds(y[n, 0], y[n, 1], y[n, 2], radius, tree)):
@@ -221,19 +228,19 @@ def _project(y, start, radius, tree, points):
 @njit(cache=True)
 def _law(corners, points, coulomb, tree, out):
     """The law of the module's head at every closed corner."""
-    y, y_anchor, origin, stiffness, multiplier = corners      # unpacked once, as in _project
+    y, y_anchor, origin, stiffness = corners      # unpacked once, as in _project
     gap, triangle, feature, foot, weights = points
     force, tangent, slip, anchor, side, energy, dissipated = out
     M, g_t, t, K = np.empty((3, 3)), np.empty(3), np.empty(3), np.empty((3, 3))
     for n in range(len(y)):
         eps_n, eps_t = stiffness[n], coulomb.ratio * stiffness[n]
-        p = multiplier[n] - eps_n * gap[n]
+        p = -eps_n * gap[n]
         N, dgap, G = gap_geometry(y[n], foot[n], weights[n], gap[n], triangle[n], feature[n], tree)
         for i in range(3):
             side[n, i], anchor[n, i], force[n, i] = N[i], y_anchor[n, i], -p * N[i]
             for j in range(3):
                 tangent[n, i, j] = eps_n * N[i] * dgap[j] - p * G[i][j]
-        energy[n] = 0.5 * (p * p - multiplier[n] ** 2) / eps_n
+        energy[n] = 0.5 * p * p / eps_n
         if coulomb.mu == 0.0:
             continue
         _tangential_gap(y[n], y_anchor[n], N, G, g_t, M)

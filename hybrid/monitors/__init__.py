@@ -9,6 +9,7 @@
 | ForceOscillation | the contact force oscillates because the scheme does not damp         |
 | EnergyBalance    | energy is gained, or lost in one step, that the balance cannot explain |
 | PlasticIncrement | an increment without inertia adds too much plastic strain             |
+| JudgedIncrements | many increments end with a residual above the tolerance               |
 
 None of these errors stops a run. `failure_hints` adds probable causes and remedies to the message of a step that fails.
 """
@@ -16,6 +17,7 @@ None of these errors stops a run. `failure_hints` adds probable causes and remed
 from hybrid.monitors.domain_exit import DomainExit
 from hybrid.monitors.energy_balance import EnergyBalance
 from hybrid.monitors.force_oscillation import ForceOscillation
+from hybrid.monitors.judged_increments import JudgedIncrements
 from hybrid.monitors.lost_points import LostPoints
 from hybrid.monitors.missed_contact import MissedContact
 from hybrid.monitors.monitor import StepView
@@ -23,7 +25,8 @@ from hybrid.monitors.penetration import Penetration
 from hybrid.monitors.plastic_increment import PlasticIncrement
 
 MONITORS = (
-    DomainExit, LostPoints, MissedContact, Penetration, ForceOscillation, EnergyBalance, PlasticIncrement)
+    DomainExit, LostPoints, MissedContact, Penetration, ForceOscillation, EnergyBalance, PlasticIncrement,
+    JudgedIncrements)
 
 __all__ = ["MONITORS", "Monitors", "StepView", *(kind.__name__ for kind in MONITORS)]
 

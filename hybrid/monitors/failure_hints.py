@@ -11,7 +11,7 @@ from hybrid.soil.domains import cells_wide
 CUT = 1e-4          # mass of a node over that of a full one [-]: nodes below have stopped runs without inertia
 DOMAIN_WIDTH = 0.9  # cells that a domain may be wide before soil separates next to it,
 STRETCHED = 1.05    # if its F is larger than this (Frobenius norm of a column)
-DAMPING = "a scheme that damps (time.beta = 0.5625, time.gamma = 1)"
+DAMPING = "the default time.scheme, which damps"
 
 
 def advice(step, outcome, settings):
@@ -44,9 +44,7 @@ def remedies(model, reason="", errors=(), tolerance=0.0):
     if "residual" not in reason:    # the increment is too long: rotation, search of contact, inverted soil
         return (shorter,)
     changes = [shorter]
-    if len(errors) > 1 and errors[-1] < 0.5 * errors[-3:][0]:
-        changes.insert(0, "more solver.iterations (the residual was still falling)")
-    elif errors and errors[-1] < 100 * tolerance:
+    if errors and min(errors) < 100 * tolerance:
         changes.insert(0, "a looser solver.tolerance (the residual is close to it)")
     if model.bodies:
         changes.append("a lower body.penalty")
@@ -71,7 +69,7 @@ def probable_causes(step, evaluation):
     lost = (evaluation is not None and quasi_static and model.bodies
             and not anywhere([len(contact) for contact in evaluation.contacts]))
     residual = evaluation and evaluation.norms.get("soil [N]")
-    limit = roundoff_force(model.soil, step.pattern.size)
+    limit = model.soil.roundoff_force(step.pattern.size)
     if lost:
         names = ", ".join(body.name for body in model.bodies)
         causes.append(f"No corner of the soil touches {names} any more, so that without inertia no force balances the "
@@ -88,14 +86,6 @@ def probable_causes(step, evaluation):
             causes.append(f"A node of a nearly empty cell carries {least:.1g} of the mass of a full one, limit {CUT:g} "
                           "without inertia: set soil.ghost = 0.033")
     return tuple(causes)
-
-
-def roundoff_force(soil, unknowns):
-    """Norm [N] of the forces on so many unknowns that come from strains of a few times the machine precision."""
-    parameters = getattr(soil.law, "parameters", None)
-    modulus = soil.law.young if parameters is None else np.maximum(soil.law.young, parameters[:, 0])
-    stiffness = largest(modulus * soil.constants.volume ** (2 / 3))
-    return 10 * np.finfo(float).eps * stiffness * np.sqrt(unknowns)
 
 
 def overstretched_domains(model, points):

@@ -35,9 +35,8 @@ class ForceOscillation(Monitor):
                 yield b, (
                     f"the contact force on {body.name} oscillates: in the last {STEPS} steps to t = "
                     f"{view.state.time:.4g} s it deviates by {deviation:.0%} from its mean (root mean square), limit "
-                    f"{LIMIT:.0%}, and reverses {reversals} times. Only its mean is reliable. Use a scheme that damps "
-                    '(time.beta = 0.5625 and time.gamma = 1, or time.scheme = "generalised-alpha" with '
-                    "time.spectral_radius = 0), or a lower body.penalty")
+                    f"{LIMIT:.0%}, and reverses {reversals} times. Only its mean is reliable. Leave out time.scheme, as the "
+                    "default damps, or use a lower body.penalty")
 
 
 def oscillation(forces):

@@ -62,7 +62,7 @@ def _remedy(stage, scheme):
     """What the first stage does about it, or what to change."""
     if not scheme.inertia:
         return f"Stage {stage.name!r} has no inertia, so its first step finds the equilibrium."
-    if scheme.damps:
+    if scheme.first_order:
         return f"Stage {stage.name!r} damps the motion that follows; give it enough steps to settle."
     return ("Let the soil settle in a first stage that damps (stage.beta = 0.5625, stage.gamma = 1) or without "
             "inertia, or set soil.geostatic = false and turn gravity on by stage.gravity = [0.0, 1.0].")

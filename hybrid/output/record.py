@@ -66,7 +66,8 @@ class Record:
 
     step            from 1 over all stages; stage_step: from 1 in its stage
     time, dt        [s] end of the step, smallest increment used
-    increments      their number; rejections: number of increments rejected
+    increments      their number; rejections: number of increments rejected; judged: number of those accepted with a
+                    residual a hair above the tolerance, or within round-off of the soil's stiffness
     iterations      of Newton's method in all increments; krylov: of the linear solver in them
     residual        [-] last relative residual
     contacts        number of corners and samples in contact
@@ -93,6 +94,7 @@ class Record:
     notes: tuple[str, ...] = ()
     time_error: float | None = None
     krylov: int = 0
+    judged: int = 0
 
     def row(self):
         """Flat dict for one line of history.csv, each name ending in its unit where it has one."""
@@ -106,6 +108,7 @@ class Record:
             "iterations": int(self.iterations),
             "krylov": int(self.krylov),
             "rejections": int(self.rejections),
+            "judged": int(self.judged),
             "residual": float(self.residual),
             "contacts": int(self.contacts),
         }

@@ -44,14 +44,14 @@ class Summary:
     def start(self, simulation):
         self.began = time.perf_counter()
         self.resumed_from = simulation.state.step
-        self.counts = {"steps": 0, "increments": 0, "iterations": 0, "rejections": 0}
+        self.counts = {"steps": 0, "increments": 0, "iterations": 0, "rejections": 0, "judged": 0}
         self.seconds, self.notes = {}, []
         if self.resumed_from and (self.folder / HISTORY).exists():
             self._add_history(read_history(self.folder))
 
     def _add_history(self, history):
         self.counts["steps"] = len(history.get("step", ()))
-        for name in ("increments", "iterations", "rejections"):
+        for name in ("increments", "iterations", "rejections", "judged"):
             self.counts[name] = int(np.nansum(history.get(name, 0)))
         for name, values in history.items():
             if name.startswith("seconds_"):
@@ -60,7 +60,7 @@ class Summary:
     def accepted(self, record, simulation):
         self.counts["steps"] += 1
         self.notes += record.notes
-        for name in ("increments", "iterations", "rejections"):
+        for name in ("increments", "iterations", "rejections", "judged"):
             self.counts[name] += getattr(record, name)
         for phase, value in record.seconds.items():
             phase = column(phase)

@@ -13,6 +13,8 @@ from typing import NamedTuple
 from hybrid.scene.schema import Body, Soil, Time
 from hybrid.scene.table import shown
 
+SCHEME = "generalised-alpha"
+
 
 class Decision(NamedTuple):
     """A key in the notation of a scene file, the value it was given, and why."""
@@ -72,12 +74,11 @@ def _tangential(scene, body):
 
 
 def _scheme(scene, time):
-    stages = [value for stage in scene.stages for value in (stage.beta, stage.gamma)]
-    if any(value is not None for value in (time.beta, time.gamma, *stages)):
+    if time.beta is not None or time.gamma is not None:
         return "newmark", "beta and gamma are those of Newmark's scheme"
-    if time.spectral_radius is not None:
-        return "generalised-alpha", "it has a spectral radius"
-    return "newmark", "second order" if time.inertia else "not used without inertia"
+    if not time.inertia:
+        return SCHEME, "not used without inertia"
+    return SCHEME, "of second order; oscillations too fast for the step die out, and contact throws no body back"
 
 
 RULES = {   # (class, key): (rule, value of the published method)

@@ -49,9 +49,8 @@ class Time:
     gamma: float | None = key("γ of newmark; left out: 1/2, which damps nothing. First order for γ > 1/2", "-",
                               default=None)
     spectral_radius: float | None = key(
-        "share of the highest frequencies that remains after a step of generalised-alpha; left out: 0.8", "-",
-        default=None, at_least=0, at_most=1,
-        remedy="0 removes high frequencies in one step, 1 damps nothing, 0.8 is usual")
+        "share of the highest frequencies that remains after a step of generalised-alpha; left out: 0", "-",
+        default=None, at_least=0, at_most=1, remedy="0 removes high frequencies in one step, 1 damps nothing")
     inertia: bool = key("false: quasi-static, no inertia of soil or body", default=True)
     smallest: float | None = key("increment below which a run stops; left out: a 64th of the outer step, with "
                                  "`accuracy` a 4096th", "s", default=None, above=0, remedy="leave it out for step/64")
@@ -67,8 +66,6 @@ class Solver:
 
     tolerance: float = key("tolerance of the residual, relative to the forces acting", "-", default=1e-6,
                            at_least=1e-14, below=1, remedy="1e-6 is usual")
-    iterations: int = key("Newton iterations before an increment is rejected and halved", "-", default=15, at_least=1,
-                          remedy="15 is usual")
     linear: Literal["auto", "direct"] = key(
         "auto: GMRES with the cheapest of its preconditioners, or a direct factor where that costs less or they fail, "
         "and the factor fits in memory, by what is counted in the run; direct: a direct factor always, as a reference",

@@ -1,16 +1,14 @@
 """The rigid bodies of a scene: mesh, mass, surface, initial motion, pull line, and contact with the soil."""
 
-from dataclasses import replace
 
 import numpy as np
 
-from hybrid.body import rigid
 from hybrid.body.attitude import rotation_from_axis_angle
 from hybrid.body.motion import free_spin_rate
 from hybrid.body.rigid import FREEDOMS, Line, RigidBody
 from hybrid.body.surface import build_surface
 from hybrid.contact.corners import Domains, overlap
-from hybrid.runtime.comm import anywhere, minimum
+from hybrid.runtime.comm import minimum
 from hybrid.runtime.errors import SceneError
 from hybrid.state import BodyState
 

@@ -64,5 +64,5 @@ def build_scheme(time):
     if not time.inertia:
         return Scheme(inertia=False)
     if time.scheme == "generalised-alpha":
-        return Scheme.generalised_alpha(0.8 if time.spectral_radius is None else time.spectral_radius)
+        return Scheme.generalised_alpha(time.spectral_radius or 0.0)
     return Scheme.energy_momentum() if time.scheme == "energy-momentum" else Scheme.newmark(time.beta, time.gamma)

@@ -252,6 +252,12 @@ class Soil:
             lost_points.refuse_detached(loose, points.position)
         return lost_points.deactivate(points, points, loose)
 
+    def roundoff_force(self, unknowns):
+        """Norm [N] of the forces on so many unknowns that come from strains of a few times the machine precision."""
+        parameters = getattr(self.law, "parameters", None)
+        modulus = self.law.young if parameters is None else np.maximum(self.law.young, parameters[:, 0])
+        return 10 * np.finfo(float).eps * largest(modulus * self.constants.volume ** (2 / 3)) * np.sqrt(unknowns)
+
     def plastic_work(self, step, trial):
         """Work dissipated by plastic flow in the step [J]: Σ τ · Δε_p V0."""
         plastic = trial.strain.strain - trial.response.elastic

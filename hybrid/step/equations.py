@@ -45,8 +45,8 @@ class Evaluation:
     keeps it.
 
     soil (n,) [N] and body (m,) [N, N m]: residual on the unknowns; error: largest residual of soil and bodies relative
-    to the forces acting on each; norms: the same in physical units, by name; rates: `Scheme.advance` of the nodes;
-    bodies: BodyTerms of each body.
+    to the forces acting on each; norms: the same in physical units, by name; internal: norm [N] of the internal forces;
+    rates: `Scheme.advance` of the nodes; bodies: BodyTerms of each body.
     """
 
     unknowns: Unknowns
@@ -54,6 +54,7 @@ class Evaluation:
     body: np.ndarray
     error: float
     norms: dict
+    internal: float
     soil_trial: SoilTrial | None
     rates: tuple | None
     bodies: tuple[BodyTerms, ...]
@@ -66,7 +67,11 @@ class Evaluation:
 
 @dataclass(frozen=True)
 class Step:
-    """One increment of `dt` [s] from the committed `state`, frozen. soil: None where it is held."""
+    """One increment of `dt` [s] from the committed `state`, frozen except for contact multipliers and held facets.
+
+    soil: None where it is held; reference: norm [N] of internal forces that the errors of the soil are relative to if
+    all forces of a trial are smaller (`hybrid.step.newton` sets it)
+    """
 
     model: Model
     state: State
@@ -75,6 +80,7 @@ class Step:
     pattern: Pattern
     system: BlockSystem
     bodies: tuple[BodyStep, ...]
+    reference: float = 0.0
 
     # -------------------------------------------------------------- trial values
 
@@ -107,26 +113,42 @@ class Step:
             nodal_contact = soil.forces["contact"]
         with phase("contact"):
             bodies = tuple(b.evaluate(unknowns, nodal_contact) for b in self.bodies)
-        residual, norms, error = np.zeros(0), {}, 0.0
+        residual, norms, error, internal = np.zeros(0), {}, 0.0, 0.0
         if soil is not None:
-            residual, norms["soil [N]"], error = soil_terms.residual(
+            residual, internal, norms["soil [N]"], error = soil_terms.residual(
                 self, soil, unknowns.displacement, [terms.springs for terms in bodies])
         for terms in bodies:
             own, own_error = terms.error()
             norms, error = norms | own, max(error, own_error)
         return Evaluation(unknowns, residual, np.concatenate([np.zeros(0), *(terms.residual for terms in bodies)]),
-                          error, norms, soil and soil.trial, soil and soil.rates, bodies)
+                          error, norms, internal, soil and soil.trial, soil and soil.rates, bodies)
 
     def assemble(self, evaluation):
         """Fill the block system with the tangent at an evaluation, and factor it."""
         self.system.clear()
         if self.soil is not None:
             soil_terms.add_tangent(self, evaluation.soil_trial, evaluation.error)
+        stiffness = comm.largest(self.model.soil.law.young) * self.model.soil.grid.smallest_cell
         with phase("contact"):
             for terms in evaluation.bodies:
-                terms.add_tangent(self.pattern, self.system)
+                terms.add_tangent(self.pattern, self.system, stiffness)
         with phase("factor"):
             self.system.factor()
+
+    def hold_facets(self, evaluation):
+        """Hold the corners that touch to the facets that carry them at an evaluation."""
+        for terms in evaluation.bodies:
+            terms.step.pair.hold_facets(terms.contact)
+
+    def release_facets(self):
+        """Let all corners find their facets again."""
+        for body in self.bodies:
+            body.pair.release_facets()
+
+    def facet_error(self, evaluation):
+        """Largest difference of overlaps [-] by facets that are held but not the nearest; 0 where none are held."""
+        return max((terms.step.pair.facet_error(terms.contact, evaluation.unknowns.displacement, terms.pose)
+                    for terms in evaluation.bodies), default=0.0)
 
     def contrast(self):
         """Stiffness of contact on the face of a cell over that of the cell [-]; 0 without contact or soil."""
@@ -138,6 +160,13 @@ class Step:
     def apex_fraction(self, evaluation):
         """Share [-] of the soil that has no stiffness at an evaluation."""
         return 0.0 if self.soil is None else self.model.soil.apex_fraction(evaluation.soil_trial)
+
+    def within_rounding(self, evaluation):
+        """Whether the residual of the soil is no larger than the round-off of its stiffness, and that of every body
+        within the tolerance."""
+        limit = self.model.soil.roundoff_force(self.pattern.size) if self.soil is not None else 0.0
+        return evaluation.norms.get("soil [N]", 0.0) <= limit and all(
+            terms.error()[1] <= self.model.solver.tolerance for terms in evaluation.bodies)
 
     # -------------------------------------------------------------- acceptance
 

@@ -107,7 +107,8 @@ class Report:
 
     dt          [s] its smallest increment
     error       [m] sum of the local errors of its increments, None without time.accuracy
-    increments, rejections  accepted and rejected trials
+    increments, rejections  accepted and rejected trials; judged: accepted with a residual a hair above the tolerance or
+                within round-off (`hybrid.step.newton`)
     iterations, krylov      of Newton's method and of the linear solver, in all trials
     plastic_increment       largest growth of the plastic strain of a point in an increment, 0 with inertia
     evaluation  the last accepted one
@@ -117,6 +118,7 @@ class Report:
     error: float | None = None
     increments: int = 0
     rejections: int = 0
+    judged: int = 0
     iterations: int = 0
     krylov: int = 0
     plastic_increment: float = 0.0
@@ -126,6 +128,7 @@ class Report:
         """Add a trial."""
         self.iterations, self.krylov = self.iterations + outcome.iterations, self.krylov + outcome.krylov
         self.increments, self.rejections = self.increments + accepted, self.rejections + (not accepted)
+        self.judged += accepted and outcome.judged
 
     def accept(self, dt, error, plastic_increment):
         """Add an accepted increment."""

@@ -7,6 +7,7 @@ The linear systems K δ = -R are solved to FORMULATION (48). The settings are th
 
 from dataclasses import dataclass, replace
 
+from hybrid.contact import held_facets
 from hybrid.runtime.errors import StepError
 from hybrid.runtime.timing import phase
 from hybrid.soil.model import Refusal
@@ -23,6 +24,15 @@ OPENED = 0.1
 # Stiff contact dominates the linear residual, so a loose Krylov tolerance leaves the soil unconverged and can open
 # contacts spuriously: the tolerance is divided by (stiffness of contact) h / (STIFF E), but not below FINEST.
 STIFF, FINEST = 80.0, 1e-12
+# An increment is given up when the smallest error of the last PATIENCE iterations is not below FALL of the smallest one
+# before; MOST is a guard only. A plane-strain collapse yields point after point, 7 to 20 iterations in which the
+# residual falls by a tenth each, and then converges in three.
+PATIENCE, FALL, MOST = 10, 0.8, 100
+# Errors that are accepted when progress has ended: HAIR times the tolerance, or ROUGH where the residual is round-off.
+HAIR, ROUGH = 10.0, 1e-3
+# A corner may be carried by a facet whose overlap differs from that with the nearest one by this share (1e-5 to 1e-2 in
+# spheres that roll over rows of corners); it is tried with HOLDS sets of facets.
+AMBIGUOUS, HOLDS = 0.05, 5
 # A tangent is used again where its update leaves less than this share of the residual: GOOD_YIELDING for soil that
 # yields (anchor, 60 steps: 383 to 401 iterations with 0.15, 259 to 269 with 0.01), GOOD for elastic soil, which then
 # assembles half as often.
@@ -31,17 +41,26 @@ GOOD, GOOD_YIELDING = 0.15, 0.01
 
 @dataclass(frozen=True)
 class Outcome:
-    """evaluation: the last one, None when none exists; reason: empty when converged, else why there is no solution."""
+    """evaluation: of the smallest error, None when none exists; reason: empty when converged, else why there is no
+    solution; judged: whether it converged to a bound beyond the tolerance (`_judge`); jumping: whether corners went to
+    and fro between facets when progress ended."""
 
     evaluation: Evaluation | None
     iterations: int
     krylov: int
     errors: tuple[float, ...]
     reason: str = ""
+    judged: bool = False
+    jumping: bool = False
 
     @property
     def converged(self):
         return not self.reason
+
+    def followed_by(self, other):
+        """Outcome of two solutions of an increment, the `other` one the later."""
+        return replace(other, iterations=self.iterations + other.iterations, krylov=self.krylov + other.krylov,
+                       errors=self.errors + other.errors, judged=self.judged or other.judged)
 
 
 def solve(step: Step):
@@ -54,7 +73,9 @@ def solve(step: Step):
     evaluation = first_evaluation(step)
     if isinstance(evaluation, Refusal):
         return Outcome(None, 0, 0, (), f"the first guess {evaluation.reason}")
-    outcome = _newton(step, solver, evaluation)
+    if not step.model.scheme.inertia:   # the first guess is then at rest
+        step = replace(step, reference=evaluation.internal)
+    outcome = _solution(step, solver, evaluation)
     return replace(outcome, reason=rejection(step, outcome.evaluation)) if outcome.converged else outcome
 
 
@@ -72,15 +93,51 @@ def first_evaluation(step):
     return resting
 
 
+def _solution(step, solver, evaluation):
+    """Outcome from an evaluation. Where corners jump between facets they are held (`hybrid.contact.held_facets`)."""
+    step.release_facets()
+    outcome = _newton(step, solver, evaluation)
+    for _ in range(HOLDS):
+        if outcome.converged and step.facet_error(outcome.evaluation) <= AMBIGUOUS or not (
+                outcome.converged or outcome.jumping):
+            break
+        step.release_facets()
+        step.hold_facets(step.evaluate(outcome.evaluation.unknowns))
+        outcome = outcome.followed_by(_newton(step, solver, step.evaluate(outcome.evaluation.unknowns)))
+    else:
+        if outcome.converged and step.facet_error(outcome.evaluation) > AMBIGUOUS:
+            return replace(outcome, reason=f"corners of the soil jump between facets of a body, {HOLDS} times")
+    return outcome if outcome.converged or outcome.evaluation is None else _judge(step, solver, outcome)
+
+
+def _judge(step, solver, outcome):
+    """`outcome` of a solution that made no progress any more, converged where its residual is a hair above the
+    tolerance, or within round-off of the soil's stiffness and small beside the forces acting."""
+    best = step.evaluate(outcome.evaluation.unknowns)
+    if step.facet_error(best) > AMBIGUOUS:
+        return outcome
+    if best.error <= HAIR * solver.tolerance or best.error <= ROUGH and step.within_rounding(best):
+        return replace(outcome, evaluation=best, reason="", judged=True)
+    return outcome
+
+
+def progressing(errors):
+    """Whether the smallest of the `errors` has fallen below FALL of itself within the last PATIENCE iterations."""
+    return len(errors) <= PATIENCE or min(errors[-PATIENCE:]) < FALL * min(errors[:-PATIENCE])
+
+
 def _newton(step, solver, evaluation):
-    errors, krylov, current, forcing = [], 0, False, solver.loosest_tolerance
+    errors, krylov, current, forcing, jumps = [], 0, False, solver.loosest_tolerance, []
     finer = max(1.0, step.contrast() / STIFF)
     good = GOOD_YIELDING if step.model.soil.law.plastic else GOOD
-    for iteration in range(solver.iterations + 1):
+    best = evaluation
+    while True:
+        iteration = len(errors)
         errors.append(evaluation.error)
+        best = evaluation if evaluation.error < best.error else best
         if evaluation.error <= solver.tolerance:
             return Outcome(evaluation, iteration, krylov, tuple(errors))
-        if iteration == solver.iterations:
+        if iteration == MOST or not progressing(errors):
             break
         try:
             if not current:
@@ -90,16 +147,19 @@ def _newton(step, solver, evaluation):
                 soil, body, count = step.system.solve(
                     evaluation.soil, evaluation.body, max(forcing / finer, FINEST))
         except StepError as failure:
-            return Outcome(evaluation, iteration, krylov, tuple(errors), str(failure))
+            return Outcome(best, iteration, krylov, tuple(errors), str(failure))
         krylov += count
-        evaluation = line_search(step, evaluation, soil, body, solver.line_search)
+        before, evaluation = evaluation, line_search(step, evaluation, soil, body, solver.line_search)
         if isinstance(evaluation, Refusal):
-            return Outcome(None, iteration, krylov, tuple(errors), f"the update {evaluation.reason}")
+            return Outcome(best, iteration, krylov, tuple(errors), f"the update {evaluation.reason}")
+        jumps.append(any(held_facets.switched(a, b) for a, b in zip(before.contacts, evaluation.contacts)))
         # assembling and factoring the soil block costs several solutions; the bodies' few unknowns cost nothing
         current = bool(step.pattern.size) and evaluation.error < good * errors[-1]
-    return Outcome(evaluation, solver.iterations, krylov, tuple(errors),
-                   f"residual {evaluation.error:.2e} after {solver.iterations} iterations, "
-                   f"tolerance {solver.tolerance:.0e} ({_with_units(evaluation.norms)})")
+    return Outcome(best, iteration, krylov, tuple(errors),
+                   f"residual {best.error:.2e} after {iteration} iterations"
+                   f"{'' if progressing(errors) else f' without progress in the last {PATIENCE}'}, "
+                   f"tolerance {solver.tolerance:.0e} ({_with_units(best.norms)})",
+                   jumping=sum(jumps[-PATIENCE:]) > 1)
 
 
 def _with_units(norms):

@@ -39,17 +39,24 @@ def evaluate(step, displacement, keep=None):
 
 
 def residual(step, terms, displacement, springs):
-    """Residual (n,) [N] on the free unknowns, its norm [N] and its error relative to the largest of the terms.
+    """Residual (n,) [N] on the free unknowns, norms [N] of the internal forces and of the residual, and the error, which
+    is relative to the largest of the terms.
+
+    The terms include the internal forces that the increment starts with, `Step.reference`: where soil loses its contact
+    without inertia, all other terms vanish. Without any external force the round-off of the stiffness is no error.
 
     springs: [N/m] stiffness of the contact, by body.
     """
     free = step.pattern.free
     parts = [force[free] for force in terms.forces.values()]
     left = sum(parts)
-    norm, scale = comm.norm(left), max(comm.norm(part) for part in parts)
+    norms = {name: comm.norm(part) for name, part in zip(terms.forces, parts)}
+    norm, scale = comm.norm(left), max(step.reference, *norms.values())
     inertia = step.model.scheme.mass_factor(step.dt) * comm.norm((step.soil.mass[:, None] * displacement)[free])
     noise = ROUNDING * (inertia + np.abs(step.model.soil.grid.extent).max() * sum(springs))
-    return left, norm, max(norm - noise, 0.0) / scale if scale > 0 else 0.0
+    if not any(value for name, value in norms.items() if name != "internal"):
+        noise += step.model.soil.roundoff_force(step.pattern.size)
+    return left, norms["internal"], norm, max(norm - noise, 0.0) / scale if scale > 0 else 0.0
 
 
 def add_tangent(step, trial, error):

@@ -7,9 +7,10 @@ ROLLERS = Faces(z_min="fixed")
 FREE = Faces(*["free"] * 6)
 NO_OUTPUT = Output(every=0, checkpoint=0)
 SCHEMES = {    # values of the table [time]
-    "newmark": {},
+    "newmark": {"scheme": "newmark"},
     "dissipative": {"beta": 0.5625, "gamma": 1.0},
-    "alpha": {"scheme": "generalised-alpha"},
+    "alpha": {"scheme": "generalised-alpha", "spectral_radius": 0.8},
+    "default": {},
     "energy-momentum": {"scheme": "energy-momentum"},
 }
 

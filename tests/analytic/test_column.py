@@ -30,7 +30,7 @@ def column(cells, steps=50, full=False, basis="gimp", domain="stretch"):
         soil=Soil(Material(law="hencky", young=YOUNG, poisson=0.0, density=DENSITY), geostatic=False,
                   basis=basis, domain=domain),
         time=Time(step=1.0, inertia=False), stages=(Stage("load", steps, gravity=(0.0, 1.0)),),
-        solver=Solver(linear="direct", tolerance=1e-9, iterations=25))
+        solver=Solver(linear="direct", tolerance=1e-9))
     simulation = build(scene)
     for record in simulation.steps():
         assert record.increments == 1

@@ -75,7 +75,8 @@ def test_pairs_of_newmark_damp_as_known():
 
 
 SCHEMES = {
-    "newmark": ({}, 2),
+    "newmark": ({"scheme": "newmark"}, 2),
+    "alpha 0": ({"scheme": "generalised-alpha", "spectral_radius": 0.0}, 2),
     "dissipative": ({"beta": 0.5625, "gamma": 1.0}, 1),
     "alpha 0.8": ({"scheme": "generalised-alpha", "spectral_radius": 0.8}, 2),
     "alpha 0.5": ({"scheme": "generalised-alpha", "spectral_radius": 0.5}, 2),

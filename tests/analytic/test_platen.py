@@ -108,5 +108,5 @@ def test_stiff_springs_cost_no_iterations(monkeypatch):
     soft, stiff = (newton_iterations(platen.press(penalty=penalty, steps=4).records) for penalty in (50.0, 1e7))
     assert stiff < 2 * soft
     monkeypatch.setattr(newton, "STIFF", float("inf"))
-    with pytest.raises(StepError, match="after 15 iterations"):
+    with pytest.raises(StepError, match="after .* iterations"):
         platen.press(penalty=1e7, steps=4)

@@ -37,7 +37,7 @@ def momentum(simulation, state):
 
 def steps(simulation, tolerance):
     """Yield (step, evaluation, new state) of the converged steps."""
-    model = replace(simulation.model, solver=replace(simulation.model.solver, tolerance=tolerance, iterations=20))
+    model = replace(simulation.model, solver=replace(simulation.model.solver, tolerance=tolerance))
     state, workspace = simulation.state, Workspace(model)
     for _ in range(STEPS):
         step = begin(model, state, DT, False, workspace)
@@ -110,7 +110,7 @@ def test_what_the_transfer_loses(geometry, transfer, ratio):
     for parts in (1, 2):
         described = scene(geometry, friction=0.0)
         simulation = build(replace(described, soil=replace(described.soil, transfer=transfer)))
-        model = replace(simulation.model, solver=replace(simulation.model.solver, tolerance=1e-8, iterations=20))
+        model = replace(simulation.model, solver=replace(simulation.model.solver, tolerance=1e-8))
         state, workspace = simulation.state, Workspace(model)
         start = energies(model, state)
         for _ in range(STEPS * parts):

@@ -30,7 +30,7 @@ def pressed(**solver):
             "cohesion": 100.0}
     grid = Grid(axis, axis, Axis(start=-0.6, end=0.2, size=0.2), Faces(z_min="fixed"))
     simulation = build(scene("pressed", grid, sand, [body], 0.01, [Stage("one", 3)], soil={"top": 0.0},
-                             solver={"tolerance": TOLERANCE, "iterations": 30, **solver}, gravity=(0.0, 0.0, -9.81)))
+                             solver={"tolerance": TOLERANCE, **solver}, gravity=(0.0, 0.0, -9.81)))
     records = list(simulation.steps())
     return simulation.state, sum(r.iterations for r in records)
 

@@ -103,5 +103,5 @@ def test_a_touch_of_round_off_is_no_residual(geometry, monkeypatch):
     records = list(pressing(geometry, 0.4, 20).steps())
     assert 0 < records[-1].bodies[0].overlap < 1e-14 and records[-1].rejections == 0
     monkeypatch.setattr(soil_terms, "ROUNDING", 0.0)
-    with pytest.raises(StepError, match="residual .* after 15 iterations"):
+    with pytest.raises(StepError, match="residual .* after .* iterations"):
         list(pressing(geometry, 0.4, 20).steps())

@@ -11,6 +11,7 @@ from hybrid.output import checkpoint
 from hybrid.output.history import read_history
 from hybrid.runtime.errors import StepError
 from hybrid.setup.build import build
+from hybrid.step import newton
 
 
 def scene(geometry, steps=6, body={}, **solver):
@@ -70,10 +71,11 @@ def test_contact_goes_on_to_the_last_bit(geometry, tmp_path, options):
     assert [name for name in whole if whole[name] != parts[name]] == []
 
 
-def test_increments_go_on_to_the_last_bit(geometry, tmp_path):
+def test_increments_go_on_to_the_last_bit(geometry, tmp_path, monkeypatch):
     """A hard hit halves increments; the run goes on with the one that it stopped at, 7.5 ms of 10 ms."""
+    monkeypatch.setattr(newton, "MOST", 4)
     whole, parts, _ = in_one_go_and_in_two(
-        tmp_path, lambda steps: scene(geometry, steps, {"velocity": (0.4, 0.1, -3.0)}, iterations=4), 3, 4)
+        tmp_path, lambda steps: scene(geometry, steps, {"velocity": (0.4, 0.1, -3.0)}), 3, 4)
     history = read_history(tmp_path / "parts")
     assert history["increments"].min() < history["increments"].max() and history["rejections"].sum() > 5
     assert [name for name in whole if whole[name] != parts[name]] == []
@@ -127,10 +129,11 @@ def test_a_checkpoint_of_another_format_is_refused(geometry, tmp_path):
     assert str(refusal.value) == message
 
 
-def test_a_failed_run_keeps_its_steps_and_names_the_remedy(geometry, tmp_path):
+def test_a_failed_run_keeps_its_steps_and_names_the_remedy(geometry, tmp_path, monkeypatch):
     hybrid.run(scene(geometry, steps=3), out=tmp_path, quiet=True)
+    monkeypatch.setattr(newton, "MOST", 1)
     with pytest.raises(StepError, match="time.step") as failure:
-        hybrid.run(scene(geometry, steps=6, iterations=1), out=tmp_path, resume=True, quiet=True)
+        hybrid.run(scene(geometry, steps=6), out=tmp_path, resume=True, quiet=True)
     assert "All accepted steps are kept" in str(failure.value)
     assert read_history(tmp_path)["step"].tolist()[:3] == [1, 2, 3]
     assert (tmp_path / "checkpoint.npz").exists() and '"failed"' in (tmp_path / "summary.json").read_text()
@@ -146,7 +149,7 @@ def test_direct_and_automatic_solvers_agree(geometry):
 
 
 @pytest.mark.parametrize("fails", [False, True])
-def test_an_observer_that_fails_at_the_end_keeps_no_other_from_it(geometry, fails):
+def test_an_observer_that_fails_at_the_end_keeps_no_other_from_it(geometry, fails, monkeypatch):
     """Nor does it hide why the run failed."""
     outcomes = []
 
@@ -167,7 +170,8 @@ def test_an_observer_that_fails_at_the_end_keeps_no_other_from_it(geometry, fail
 
     described = scene(geometry, steps=1, body={"velocity": (0.4, 0.1, -3.0)})
     if fails:
-        described = replace(described, time=Time(step=0.01, smallest=0.01), solver=Solver(tolerance=1e-9, iterations=1))
+        monkeypatch.setattr(newton, "MOST", 1)
+        described = replace(described, time=Time(step=0.01, smallest=0.01))
     simulation = build(described)
     with pytest.raises(StepError if fails else ValueError, match="step 1 failed" if fails else "no room left"):
         simulation.run([Observer(True), Observer(False)])

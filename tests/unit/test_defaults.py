@@ -63,9 +63,9 @@ def test_the_published_method():
 @pytest.mark.parametrize("values, stages, scheme, reason", [
     ({"beta": 0.5625, "gamma": 1.0}, {}, "newmark", "beta and gamma are those of Newmark's"),
     ({"beta": 0.3}, {}, "newmark", "beta and gamma"),
-    ({}, {"gamma": 1.0, "beta": 0.5625}, "newmark", "beta and gamma"),
-    ({"spectral_radius": 0.0}, {}, "generalised-alpha", "spectral radius"),
-    ({"inertia": False}, {}, "newmark", "not used without inertia"),
+    ({}, {"gamma": 1.0, "beta": 0.5625}, "generalised-alpha", "second order"),
+    ({"spectral_radius": 0.5}, {}, "generalised-alpha", "second order"),
+    ({"inertia": False}, {}, "generalised-alpha", "not used without inertia"),
 ])
 def test_the_scheme_follows_from_its_parameters(values, stages, scheme, reason):
     described = replace(soil_scene(time=Time(0.1, **values)), stages=(Stage("one", 1, **stages),))

@@ -14,7 +14,6 @@ from hybrid.monitors.failure_hints import (
     overstretched_domains,
     probable_causes,
     remedies,
-    roundoff_force,
 )
 from hybrid.monitors.plastic_increment import LIMIT, PlasticIncrement
 from hybrid.scene import Solver, Time
@@ -49,9 +48,9 @@ def test_round_off_grows_with_stiffness_and_size():
     """A tenth of it is what cubes of 0.1 m make: K = E/3 < E at ν = 0, E 0.01 m² times 2e-16, by the root of their
     number."""
     soil = build(soil_scene()).model.soil
-    assert roundoff_force(soil, 100) == pytest.approx(10 * 2.2e-16 * 1e6 * 0.01 * 10, rel=0.01)
+    assert soil.roundoff_force(100) == pytest.approx(10 * 2.2e-16 * 1e6 * 0.01 * 10, rel=0.01)
     stiffer = build(soil_scene(young=1e9)).model.soil
-    assert roundoff_force(stiffer, 400) == pytest.approx(2e3 * roundoff_force(soil, 100))
+    assert stiffer.roundoff_force(400) == pytest.approx(2e3 * soil.roundoff_force(100))
 
 
 def test_long_plastic_increments_are_reported_once():
@@ -75,8 +74,9 @@ def test_remedies_fit_the_scene():
     """No penalty without bodies, no damping and no time.accuracy without inertia, no direct solver where it is used."""
     stalled = {"reason": "residual 1e-3 after 15 iterations", "errors": (1.0, 1e-3, 1e-3, 1e-3), "tolerance": 1e-6}
     assert remedies(quasi_static(), **stalled) == ("a smaller time.step with more stage.steps",)
-    dynamic = remedies(build(soil_scene()).model, **stalled)
+    dynamic = remedies(build(soil_scene(time=Time(step=0.01, scheme="newmark"))).model, **stalled)
     assert dynamic[0] == "a smaller time.step" and "damps" in dynamic[-1] and len(dynamic) == 2
+    assert remedies(build(soil_scene()).model, **stalled) == ("a smaller time.step",)
     with_body = build(soil_scene([box(0.2, 0.2, 0.2, rest_on=0.0)])).model
     assert "a lower body.penalty" in remedies(with_body, **stalled)
     singular = remedies(quasi_static(), "linear solver: ..., and the direct factor finds the matrix singular")
@@ -92,9 +92,9 @@ def test_remedies_fit_the_scene():
 
 
 def test_the_remedy_that_works_comes_first():
-    """By how the residual went: it was falling, or was close to the tolerance."""
+    """By how the residual went: where it was close to the tolerance, a looser one."""
     model, reason = build(soil_scene()).model, "residual 1e-3 after 15 iterations"
-    assert "solver.iterations" in remedies(model, reason, (1.0, 1e-1, 1e-2, 1e-3), 1e-6)[0]
+    assert remedies(model, reason, (1.0, 1e-1, 1e-2, 1e-3), 1e-6)[0] == "a smaller time.step"
     assert "solver.tolerance" in remedies(model, reason, (1.0, 5e-5, 5e-5, 5e-5), 1e-6)[0]
     assert remedies(model, "box rotates by 3 rad in 1 s, limit 2 rad") == ("a smaller time.step",)
     assert either(("a",)) == "a" and either(("a", "b")) == "a or b" and either(("a", "b", "c")) == "a, b, or c"

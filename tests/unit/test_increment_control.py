@@ -27,7 +27,7 @@ def test_no_tiny_increment_is_left_at_the_end():
 def judged(control, dt, iterations=EASY, converged=True):
     """Whether a trial of `dt` is accepted."""
     return control.judge(SimpleNamespace(dt=dt), SimpleNamespace(
-        converged=converged, iterations=iterations, evaluation=None))[0]
+        converged=converged, iterations=iterations, evaluation=None, judged=False))[0]
 
 
 def test_convergence_halves_and_doubles():

@@ -23,7 +23,7 @@ def tumbling(step, scheme="newmark", **time):
     return texts(stepping.large_rotation_step, body, step, time={**SCHEMES[scheme], **time})
 
 
-@pytest.mark.parametrize("scheme, limit", [("newmark", 0.4), ("alpha", 0.4), ("energy-momentum", 0.2),
+@pytest.mark.parametrize("scheme, limit", [("newmark", 0.4), ("alpha", 0.4), ("default", 0.2), ("energy-momentum", 0.2),
                                            ("dissipative", 0.03)])
 def test_large_turns_of_a_tumbling_body(scheme, limit):
     assert not tumbling(0.99 * limit, scheme)

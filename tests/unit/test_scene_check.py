@@ -58,7 +58,6 @@ from hybrid.scene.table import described
     ("stage.0.step=-1", ["positive"]),
     ("stage.1.name=settle", ["different"]),
     ("solver.tolerance=0", ["1e-14"]),
-    ("solver.iterations=0", ["at least 1"]),
     ("output.every=-1", ["at least 0"]),
     ("output.pictures=[0]", ["at least 1 each"]),
 ])

@@ -13,9 +13,10 @@ SOILS = {
     "4 points an axis": {"points_per_axis": 4},
 }
 SCHEMES = {
-    "Newmark (1/4, 1/2)": {},
+    "generalised α, ρ∞ = 0": {},     # the default of a scene
+    "Newmark (1/4, 1/2)": {"scheme": "newmark"},
     "Newmark (0.5625, 1)": {"beta": 0.5625, "gamma": 1.0},
-    "generalised α, ρ∞ = 0.8": {"scheme": "generalised-alpha"},
+    "generalised α, ρ∞ = 0.8": {"scheme": "generalised-alpha", "spectral_radius": 0.8},
     "energy-momentum": {"scheme": "energy-momentum"},
 }
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-6, 1e-9)         # of Newton's method

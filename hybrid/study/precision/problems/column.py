@@ -57,7 +57,7 @@ class Column:
 SELF_WEIGHT = Column(0.8, 283.0, 50.0, 9.81, 50)
 STIFF = Column(50.0, 1e6, 80.0, 10.0, 20)
 SOFT = Column(50.0, 1e4, 80.0, 10.0, 40)
-TIGHT = {"linear": "direct", "tolerance": 1e-9, "iterations": 25}   # leaves the error of the discretisation only
+TIGHT = {"linear": "direct", "tolerance": 1e-9}   # leaves the error of the discretisation only
 
 
 @dataclass(frozen=True)

@@ -33,7 +33,7 @@ ERRORS = {"Nc, φ = 20°": "|F / (B c) / Prandtl's Nc - 1|", "Nc, φ = 0": "|F /
 COHESION, STIFFNESS, WIDTH = 1e3, 1e4, 2.0      # c [Pa], E/c, B [m]
 CURES = {"F-bar": {"fbar": True}, "F-bar, ghost": {"fbar": True, "ghost": 0.0033}, "plain": {}}
 
-PRESSING = {"linear": "direct", "tolerance": 1e-6, "iterations": 25}
+PRESSING = {"linear": "direct", "tolerance": 1e-6}
 
 
 def prandtl(angle):

@@ -27,7 +27,7 @@ from hybrid.study.precision.settings import SCHEMES, SOILS, few, krylov_toleranc
 
 YOUNG, DENSITY, LENGTH = 1e5, 1000.0, 1.0
 DIFFERENCE = 1e-5 * LENGTH
-TIGHT = {"linear": "direct", "tolerance": 1e-9, "iterations": 25}   # leaves the error of the discretisation only
+TIGHT = {"linear": "direct", "tolerance": 1e-9}   # leaves the error of the discretisation only
 
 
 def kirchhoff(F, poisson):

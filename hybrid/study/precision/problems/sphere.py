@@ -68,7 +68,7 @@ def curves(quick):
         "corners (published)": _corners((1, 2, 4)),
         "facets": _facets((0.1, 0.05, 0.035)),
         "Newmark (1/4, 1/2)": _refined((1, 2, 4), time={"scheme": "newmark"}),
-        "generalised-alpha": _refined((1, 2), time={"scheme": "generalised-alpha"}),
+        "generalised-alpha": _refined((1, 2), time={"scheme": "generalised-alpha", "spectral_radius": 0.8}),
         "energy-momentum": _refined((1, 2), time={"scheme": "energy-momentum"}),
         "time step": _lasting((0.04, 0.02, 0.005)),
         "time step, half spacing": _lasting((0.04, 0.02), refinement=2),

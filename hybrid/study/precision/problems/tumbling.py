@@ -23,6 +23,7 @@ from hybrid.study.precision.problem import Problem
 from hybrid.study.precision.record import RunResult
 
 SCHEMES = {
+    "generalised α, ρ∞ = 0": Scheme.generalised_alpha(0.0),     # the default of a scene
     "Newmark (1/4, 1/2)": Scheme.newmark(),
     "Newmark (0.5625, 1)": Scheme.newmark(0.5625, 1.0),
     "generalised α, ρ∞ = 0.8": Scheme.generalised_alpha(0.8),

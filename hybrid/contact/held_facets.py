@@ -1,0 +1,50 @@
+"""Corners that are held to a facet while a step is solved: the remedy where Newton's method jumps between two of them.
+
+Inside a body the nearest facet changes on the surface that bisects the angle between two facets. The gap is continuous
+there and its normal is not, so the force of a corner jumps. A solution with friction may lie just beyond the jump, seen
+from either side: each of the facets sends the corner to the other one, however short the step is. On the planes of given
+facets the residual is continuous, and the solution exists:
+
+    g = N · (y - v0)        N, v0: normal and a vertex of the facet that is held
+
+Only plane facets are held: the normal of a curved patch is continuous.
+
+It is accepted where the facet held is the nearest one but for a small share of the overlap
+(`hybrid.step.newton.AMBIGUOUS`): at a bisector either facet is as near. Otherwise the corners are held to the facets
+that are nearest then. After the step every corner finds its facet again.
+"""
+
+import numpy as np
+
+from hybrid.contact.soil_to_body import gaps
+from hybrid.runtime.comm import anywhere, largest
+
+ON_FACE = 1e-9  # 1 - cosine between the normal of a corner and that of its triangle, up to which it is on the face
+TURNED = 0.01   # between the normals of two facets, from which a change from one to the other is a jump of the force
+
+
+def facets(corners, contact, surface):
+    """Facets (m,) to hold corners to: those that carry them in a CornerContact, -1 for open corners and those on an edge,
+    a vertex or a curved patch."""
+    facet, tree = np.full(len(corners), -1), surface.tree
+    plane = ~tree.patches.curved[contact.triangle, 0].astype(bool)
+    on_face = plane & (np.einsum("ci,ci->c", contact.side, tree.normals[contact.triangle, 0]) > 1 - ON_FACE)
+    facet[contact.active[on_face]] = contact.triangle[on_face]
+    return facet
+
+
+def facet_error(corners, contact, position, centre, rotation, surface):
+    """Largest difference of the gap to a held facet from that to the surface, relative to the overlap that gives the
+    pressure [-]. position: (m, 3) [m] of the corners; centre, rotation: pose of the body."""
+    held = corners.facet[contact.active] >= 0
+    index = contact.active[held]
+    y = np.ascontiguousarray((position[index] - centre) @ rotation)
+    difference = np.abs(gaps(y, surface, corners.side[index]) - contact.gap[held])
+    return largest(difference * corners.stiffness[index] / contact.pressure[held])
+
+
+def switched(before, after):
+    """Whether corners that touch in both of two CornerContacts of a step are carried by facets that face elsewhere."""
+    _, i, j = np.intersect1d(before.active, after.active, assume_unique=True, return_indices=True)
+    turned = np.linalg.norm(before.side[i] - after.side[j], axis=1) > TURNED
+    return anywhere(turned & (before.triangle[i] != after.triangle[j]))
