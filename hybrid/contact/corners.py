@@ -139,7 +139,8 @@ def _within_reach(domains, places, collapsed, body, surface, reach, history):
     new = _new_points(domains, places, collapsed, body, surface, reach, history.point * len(places) + history.place)
     old = {name: getattr(history, name)[followed]
            for name in ("point", "place", "position", "touching", "anchor", "side")}
-    old |= {"clearance": distance[followed], "normal": normal[followed]}
+    known = old["side"].any(axis=1)[:, None]    # near a rim another side of the body may be closer by now
+    old |= {"clearance": distance[followed], "normal": np.where(known, old["side"] @ body.rotation.T, normal[followed])}
     return {name: np.concatenate([values, new.get(name, np.zeros((len(new["point"]), *values.shape[1:]), values.dtype))])
             for name, values in old.items()}
 

@@ -55,6 +55,11 @@ class Places:
         return bool(self.axis[0] < 0)
 
     @property
+    def along(self):
+        """Number of places along the edge of a face, 1 for corners."""
+        return 1 if self.at_corners else round(self.share ** (-0.5 if len(set(self.axis)) == 3 else -1.0))
+
+    @property
     def centre(self):
         """(g, 3) middle of each group, in half-widths."""
         return self.offset.mean(axis=1)

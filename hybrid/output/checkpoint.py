@@ -20,7 +20,7 @@ from hybrid.state import BodyState, ContactHistory, Ground, PointConstants, Poin
 
 NESTED = {"points": Points, "constants": PointConstants, "behind": Population}  # fields that are dataclasses themselves
 NAME = "checkpoint.npz"
-FORMAT = 2
+FORMAT = 3
 CONTINUED = ("increment", "solver_memory")    # attributes of a Simulation that its next step continues with
 
 

@@ -84,10 +84,9 @@ class FakeSimulation:
             velocity=np.array([0.5, 0.0, -0.1]), acceleration=np.zeros(3),
             spin=np.array([0, 0.5, 0]), spin_rate=np.zeros(3), target=np.array([5.0, 0, 0]) if step else None,
         )
-        id = np.arange(0, 8 * n, 5)
-        place, anchor, side, probe = self.random.random((4, len(id), 3))
-        pressure = self.random.random(len(id))
-        contact = ContactHistory(id, place, pressure < 0.1, anchor, side, pressure, id[:7], probe[:7], pressure[:7])
+        point = np.arange(n)
+        position, anchor, side = self.random.random((3, n, 3))
+        contact = ContactHistory(point, point % 6, position, self.random.random(n) < 0.1, anchor, side)
         return State(step * DT, step, points, [body], [contact], {"pull": 1 / 3 * step})
 
     def contact_forces(self, b):

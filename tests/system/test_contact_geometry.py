@@ -71,17 +71,24 @@ def test_a_plate_pressed_deeper_than_its_thickness(geometry, contact):
 DEPTHS = STEP * np.arange(1, 14)
 
 
-@PLACES
-def test_a_plate_keeps_its_soil_up_to_the_rim(geometry, contact):
+def test_a_plate_keeps_its_soil_up_to_the_rim(geometry):
     """Plate of 40 mm and 0.3 m on nine sites: F = p_f E g A for g up to 90 mm, also 50 mm from its rim."""
-    plate = steel(0.3, 0.3, 0.04, position=(0.4, 0.4, 0.0), contact=contact)
+    plate = steel(0.3, 0.3, 0.04, position=(0.4, 0.4, 0.0), contact="corners")
     np.testing.assert_allclose(lift(plate, 9), DEPTHS[:9] * 0.09, rtol=1e-9)
 
 
-@PLACES
-def test_without_memory_of_the_side_the_force_flips(geometry, forgetful, contact):
-    """The same plate: beyond half of its thickness contact would pull it into the soil."""
-    force = lift(steel(0.3, 0.3, 0.04, position=(0.4, 0.4, 0.0), contact=contact), 4)
+def test_what_is_nearer_to_the_rim_than_deep_is_pushed_sideways(geometry):
+    """The same on faces: the outermost of twelve rows is 12.5 mm from the rim, whose side is nearer than the bottom
+    from the second step on. The others keep their side however deep they are."""
+    plate = steel(0.3, 0.3, 0.04, position=(0.4, 0.4, 0.0), contact="faces")
+    area = np.where(DEPTHS[:9] < 0.0125, 0.3**2, 0.25**2)
+    np.testing.assert_allclose(lift(plate, 9), DEPTHS[:9] * area, rtol=1e-9)
+
+
+def test_without_memory_of_the_side_the_force_flips(geometry, forgetful):
+    """The same plate on corners: beyond half of its thickness contact would pull it into the soil."""
+    plate = steel(0.3, 0.3, 0.04, position=(0.4, 0.4, 0.0), contact="corners")
+    force = lift(plate, 4)
     assert force[0] == pytest.approx(STEP * 0.09) and force[2] < -0.5 * STEP * 0.09 and force[3] == 0.0
 
 
@@ -126,8 +133,8 @@ def test_bodies_that_fit_between_corners(geometry, shape):
 def test_an_edge_on_faces_has_the_pressure_on_its_projected_area(geometry):
     """p_f E L d² cos 45°/2 for a depth d: overlap normal to the flanks, area projected on them. Points 25 mm apart
     integrate it within 1 % at d = 50 mm; where the edge reaches upright faces between domains these add to it."""
-    force = lift(sharp("edge", "faces"), 5)
-    assert force[4] == pytest.approx(0.3 * np.sqrt(0.5) * DEPTHS[4]**2 / 2, rel=0.02)
+    edge = steel(0.3, 1.0, 0.3, position=(0.45, 0.4, 0.0), rotation=SHARP["edge"])      # over all of 0.8 m
+    assert lift(edge, 5)[4] == pytest.approx(0.8 * np.sqrt(0.5) * DEPTHS[4]**2 / 2, rel=0.02)
 
 
 # ------------------------------------------------------------------ no contact counted twice
@@ -138,7 +145,7 @@ def test_an_edge_on_faces_has_the_pressure_on_its_projected_area(geometry):
 def test_a_flat_box_on_flat_soil_costs_its_footprint_once(geometry, contact, height):
     """F = p_f E g A to round-off where the soil goes on around the box, whatever the walls' height."""
     flat = steel(0.3, 0.3, height, position=(0.4, 0.4, 0.0), contact=contact)
-    np.testing.assert_allclose(lift(flat, 2), DEPTHS[:2] * 0.09, rtol=1e-9)
+    assert lift(flat) == pytest.approx(STEP * 0.09, rel=1e-9)
 
 
 @PLACES
@@ -164,13 +171,16 @@ def test_facets_of_a_flat_plate_do_not_matter(geometry, contact):
 def test_a_finely_faceted_sphere_over_coarse_soil(geometry):
     """r = 0.25 m over the middle of four corners 0.1 m apart: they are met from d = r - √(r² - s²/2) = 10.2 mm on.
 
-    Faces feel p_f E ∫ g N_z² dA = p_f E π d² (r - d/3) to the first order of d/r.
+    Faces feel p_f E ∫ g N_z² dA = 2π p_f E r³ c² (c - 1 - ln c), c = 1 - d/r, and upright faces between domains add to
+    it as the overlap grows: measured 0.5, 2.8 and 4.9 %.
     """
     def ball(contact):
         return Body(geometry=geometry / "sphere.geo", density=3000.0, position=OFF, contact=contact,
                     parameters={"radius": 0.25, "size": 0.02, "growth": 0.5})
 
-    cap = np.pi * DEPTHS**2 * (0.25 - DEPTHS / 3)
+    c = 1 - DEPTHS[:3] / 0.25
+    smooth = 2 * np.pi * 0.25**3 * c**2 * (c - 1 - np.log(c))
     on_corners, on_faces = lift(ball("corners"), 3), lift(ball("faces"), 3)
     assert on_corners[0] == 0.0 and on_corners[1] > 0.0
-    np.testing.assert_allclose(on_faces, cap[:3], rtol=0.05)
+    excess = on_faces / smooth - 1
+    assert (np.abs(excess) < [0.01, 0.04, 0.06]).all() and (np.diff(excess) > 0.0).all()

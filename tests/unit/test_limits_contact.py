@@ -58,9 +58,9 @@ def test_soft_springs_of_stuck_friction(tangential, friction, count):
 
 
 @pytest.mark.parametrize("width, more, count", [
-    (0.26, {}, 0), (0.24, {}, 1), (0.24, {"contact": "faces"}, 0), (0.24, {"rotation": (0.0, 0.0, 1.0, 30.0)}, 1)])
-def test_bodies_narrower_than_two_spacings_of_corners(width, more, count):
-    """Corners lie 0.125 m apart."""
+    (0.26, {}, 0), (0.24, {}, 1), (0.24, {"contact": "faces"}, 0), (0.07, {"contact": "faces"}, 0), (0.24, {"rotation": (0.0, 0.0, 1.0, 30.0)}, 1)])
+def test_bodies_narrower_than_two_spacings_of_contact_points(width, more, count):
+    """Corners lie 0.125 m apart, points on faces 0.031 m."""
     body = box(1.0, width, 0.5, rest_on=0.0, **{"contact": "corners", **more})
     warnings = texts(contact.narrow_body, body, cells=(6, 6))
     assert len(warnings) == count

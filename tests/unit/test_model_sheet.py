@@ -22,7 +22,7 @@ def test_held_soil_leaves_six_unknowns():
     sheet = build(load_scene(DEMOS / "rolling_sphere.toml")).sheet()
     assert sheet["modelled"]["soil unknowns"] == 0 and sheet["modelled"]["body unknowns"] == 6
     assert any("the soil is held" in line for line in sheet["not modelled"])
-    assert sheet["modelled"]["time integration"] == "Newmark, beta = 0.5625, gamma = 1"
+    assert sheet["modelled"]["time integration"] == "Newmark, beta = 0.25, gamma = 0.5"
 
 
 @pytest.mark.parametrize("friction", [0.45, 0.0])
@@ -38,7 +38,7 @@ def test_sizes_are_those_of_the_first_step(friction):
 
 
 @pytest.mark.parametrize("options, contact", [
-    ({}, "contact on faces"), ({"contact": "corners", "penalty": 50.0}, "contact on corners")])
+    ({}, "contact at 2400 faces of each domain"), ({"contact": "corners", "penalty": 50.0}, "contact at 8 corners of each domain")])
 def test_contact_of_a_body(options, contact):
     ball = sphere(0.25, 0.1, name="ball", position=(0.0, 0.0, 0.5), friction=0.3, **options)
     simulation = build(plane(ball, 1, 0.01))
@@ -54,7 +54,7 @@ def test_driven_components_are_modelled_and_held_ones_are_not():
     ball = sphere(0.25, 0.1, name="ball", position=(0.0, 0.0, 0.5), velocity=(1.0, 0.0, 0.0), driven=("x", "z"),
                   held=("rx", "rz"))
     sheet = build(plane(ball, 1, 0.01)).sheet()
-    assert ", 2 free components, driven x z, contact by penalty" in sheet["modelled"]["bodies"][0]
+    assert ", 2 free components, driven x z, contact at " in sheet["modelled"]["bodies"][0]
     assert "motion of ball in rx, rz: held" in sheet["not modelled"]
 
 

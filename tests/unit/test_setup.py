@@ -154,7 +154,7 @@ def test_a_body_starts_outside_the_soil():
 
 def in_plane_strain(length, y=0.5, **more):
     """(Simulation, force [N]) of a box pressed 1 mm into a slice from y = 0 to 1 m, in cells of 0.2 m."""
-    pressed = box(0.8, length, 0.4, held=("x",), driven=("z",), velocity=(0.0, 0.0, -1e-3), position=(0.0, y, 0.0),
+    pressed = box(0.8, length, 0.4, held=("x",), driven=("z",), velocity=(0.0, 0.0, -1e-3), position=(0.4, y, 0.0),
                   rest_on=0.0, **more)
     described = soil_scene([pressed], y=collapsed(1.0), steps=1, time=Time(1.0, inertia=False))
     simulation = build(described)
@@ -198,7 +198,7 @@ def test_the_penalty_follows_from_the_cells(more, expected):
 def test_on_held_soil_the_modulus_does_not_matter(young):
     """The pressure per overlap follows from the weight of the body; a given p_f is a factor on E."""
     cube = box(0.4, 0.4, 0.4, position=(0.4, 0.4, 0.0), rest_on=0.0)
-    scene = soil_scene([cube, replace(cube, penalty=2.0)], held=True, young=young, gravity=(0.0, 0.0, -9.81))
+    scene = soil_scene([cube, replace(cube, name="given", penalty=2.0)], held=True, young=young, gravity=(0.0, 0.0, -9.81))
     derived, given = build(scene).model.bodies
     reference = build(soil_scene([cube], held=True, gravity=(0.0, 0.0, -9.81))).model.bodies[0]
     np.testing.assert_allclose(derived.contact_pressure, reference.contact_pressure)

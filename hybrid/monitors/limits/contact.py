@@ -8,7 +8,7 @@ from hybrid.runtime.comm import maximum, minimum, total
 # Each number is the one from which a failure case of the study goes wrong.
 STIFFNESS_RATIO = 10.0      # p_f times the depth of soil [-]: below it contact springs take a tenth of the displacement
 TANGENTIAL_RATIO = 0.3      # ε_T/ε_N [-]: below it a rolling sphere creeps by 5 % of its path and more
-CORNER_SPACINGS = 2.0       # width of a body over the spacing of corners [-]: below it too few corners sample the body
+SPACINGS = 2.0              # width of a body over the spacing of contact points [-]: below it too few sample the body
 CELL_ROWS = 1.5             # mass of a body over that of a row of cells [-]: lighter ones rebound from nodes
 
 
@@ -38,20 +38,18 @@ def low_tangential_stiffness(scene, model):
 
 
 def narrow_body(scene, model):
-    """Bodies so narrow that too few corners of the soil sample them."""
+    """Bodies so narrow that too few contact points sample them."""
     half, across = model.soil.constants.half_width, ~model.soil.grid.collapsed[:2]
     if model.soil.basis != "gimp" or not across.any():
         return
-    spacing, cell = 2 * minimum(half[:, :2][:, across]), model.soil.grid.smallest_cell
+    domain, cell = 2 * minimum(half[:, :2][:, across]), model.soil.grid.smallest_cell
     for described, body in zip(scene.bodies, model.bodies):
-        if not body.places.at_corners:
-            continue
-        width = _width(initial_vertices(described, body)[:, :2] * across)
-        if width < CORNER_SPACINGS * spacing:
-            yield (f"{body.name} is {width:.3g} m wide, {width / spacing:.2g} spacings of corners, limit "
-                   f"{CORNER_SPACINGS:g}: too few corners sample the body, so that its contact force depends on where "
-                   'it stands, or is zero. Set body.contact = "faces", or use cells of at most '
-                   f"{cell * width / (CORNER_SPACINGS * spacing):.2g} m")
+        width, spacing = _width(initial_vertices(described, body)[:, :2] * across), domain / body.places.along
+        if width < SPACINGS * spacing:
+            denser = 'Set body.contact = "faces", or use' if body.places.at_corners else "Use"
+            yield (f"{body.name} is {width:.3g} m wide, {width / spacing:.2g} spacings of contact points, limit "
+                   f"{SPACINGS:g}: too few of them sample the body, so that its contact force depends on where it "
+                   f"stands, or is zero. {denser} cells of at most {cell * width / (SPACINGS * spacing):.2g} m")
 
 
 def light_body(scene, model):

@@ -115,13 +115,13 @@ def tangential_stiffness(ratio, changes=()):
     return Observation(abs(spin), texts)
 
 
-SPACING, STEP, LENGTH, PENALTY = 0.1, 0.01, 0.3, 50.0   # of corners [m], [s], of wall and edge [m], [1/m]
+SPACING, STEP, LENGTH, PENALTY, SHALLOW = 0.1, 0.01, 0.3, 50.0, 0.002   # of corners [m], [s], of wall and edge [m], [1/m], [m]
 
 
 def thin_wall(ratio, **body):
     """Bodies thinner than the spacing of corners: such a body can lie between the soil's corners and touch none.
 
-    A wall 0.3 m long is driven edge-down, 20 mm deep, into held soil whose corners lie s = 0.1 m apart.
+    A wall 0.3 m long is driven edge-down, 4 mm deep, into held soil whose corners lie s = 0.1 m apart.
 
         F = p_f E t L d         of a wall of thickness t and length L, pressed down by d
 
@@ -130,8 +130,8 @@ def thin_wall(ratio, **body):
     much less to each.
     """
     thickness = ratio * SPACING
-    exact = PENALTY * YOUNG * thickness * 0.3 * 2 * STEP
-    return max((_pressed(driven(thickness, LENGTH, LENGTH, velocity=(0.0, 0.0, -1.0), rest_on=0.0, size=0.05,
+    exact = PENALTY * YOUNG * thickness * 0.3 * 2 * SHALLOW
+    return max((_pressed(driven(thickness, LENGTH, LENGTH, velocity=(0.0, 0.0, -SHALLOW / STEP), rest_on=0.0, size=0.05,
                                 position=(0.4 + offset * SPACING, 0.4, 0.0), penalty=PENALTY, **body), 2, exact)
                 for offset in (0.1, 0.4)), key=lambda o: o.error)      # from a row of corners, in spacings
 
@@ -189,7 +189,7 @@ def _rest(ratio, offset, **body):
     return Observation(abs(simulation.state.bodies[0].position[2] / RADIUS - 0.9), texts)
 
 
-NARROW = r"spacings of corners, limit 2:.*body\.contact = .faces"
+NARROW = r"spacings of contact points, limit 2:.*cells of at most"
 OPEN = r"inside the soil without contact.*body\.contact = .faces"
 CORNERS = {"contact": "corners", "penalty": 50.0}
 PLACES = {"corners (published)": {"contact": "corners"}, "faces": {}}
