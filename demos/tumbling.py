@@ -27,7 +27,7 @@ Largest relative change of energy E and angular momentum π (of the top: the ver
 and of 0.01 s, a dozen periods and fifty nods:
 
                                          tumbling E                  π              top E                  π
-    generalised α, ρ∞ = 0                   DRIFTROW
+    generalised α, ρ∞ = 0                   3e-03              3e-03              4e-03              2e-02
     Newmark (1/4, 1/2)                      2e-04              5e-04              8e-06              6e-05
     Newmark (0.5625, 1)                     7e-01              4e-01              3e-01              2e+00
     generalised α, ρ∞ = 0.8                 2e-04              5e-04              1e-05              6e-05
