@@ -31,7 +31,8 @@ def block(transfer, length, step, steps, left=0.3, bodies=(), **time):
                                     axis, FREE),
         soil=Soil(Material(law="hencky", young=YOUNG, poisson=0.0, density=DENSITY), lower=(left, 0.0, 0.3),
                   upper=(left + 1.0, 1.0, 1.3), geostatic=False, transfer=transfer),
-        gravity=(0.0, 0.0, 0.0), bodies=tuple(bodies), time=Time(step=step, **time), stages=(Stage("fly", steps),),
+        gravity=(0.0, 0.0, 0.0), bodies=tuple(bodies), time=Time(step=step, **{"scheme": "newmark", **time}),
+        stages=(Stage("fly", steps),),
         solver=Solver(tolerance=1e-10, linear="direct"), output=Output(every=0, checkpoint=0)))
 
 
