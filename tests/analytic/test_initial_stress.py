@@ -156,9 +156,10 @@ def test_plastic_flow_after_a_cut_depends_on_steps_that_do_not_resolve_its_swing
 @pytest.mark.parametrize("way", ["damped", "quasi-static", "undamped"])
 def test_a_cut_that_can_stand_settles(material, way):
     """40 damped steps, or steps without inertia, take up all but 1e-7 of the imbalance and velocities die out; without
-    damping a tenth of it goes on swinging. The cohesive face of 1 m stands: it could be 4c tan(60°)/ρg = 4 m high."""
+    damping a tenth of it goes on swinging. The cohesive face of 1 m stands: it could be 4c tan(60°)/ρg = 4 m high. No
+    ghost penalty: the sliver that bulges into the next cell creeps against it, and 3e-3 of the imbalance is left."""
     time = {"damped": {}, "quasi-static": {"inertia": False}, "undamped": {"scheme": "newmark"}}[way]
-    simulation = build(cut(steps=40, material=material, damped=way == "damped", time=time))
+    simulation = build(cut(steps=40, material=material, damped=way == "damped", time=time, ghost=0.0))
     started, fastest = simulation.imbalance.share, []
     for record in simulation.steps():
         assert record.rejections == 0
