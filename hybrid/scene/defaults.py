@@ -63,6 +63,8 @@ def _decide(scene, cls, name, decisions):
 def _fbar(scene, soil):
     if soil.held:
         return False, "held soil does not deform"
+    if soil.basis == "mpm":
+        return False, "standard points take another volume change at once when they cross into a cell"
     materials = [soil.material, *(of_layer(soil.material, layer) for layer in soil.layers)]
     flowing = [m.law for m in materials if m.law != "hencky"]
     if flowing:

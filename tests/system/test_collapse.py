@@ -43,7 +43,7 @@ def test_survives_only_with_the_ghost_penalty(soil):
     bare, reason = min((collapse(YIELD * (1 + nudge), **{"fbar": False, "ghost": 0.0, **soil}) for nudge in (0.0, 1e-8, 2e-8)),
                        key=lambda run: run[0].state.step)
     assert 5 <= bare.state.step <= 15 and ("inside out" in reason or "residual" in reason)
-    tied, reason = collapse(**{"fbar": True, **soil})
+    tied, reason = collapse(**soil)
     assert not reason and tied.state.step == 20
     points, volume = tied.state.points, tied.model.soil.constants.volume
     assert points.position[:, 2].max() < 0.4 * SIZE and points.position[:, 0].max() > 3 * SIZE
