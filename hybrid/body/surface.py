@@ -32,7 +32,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hybrid.body.closest import Tree
+from hybrid.body.closest import SECOND, Tree
 from hybrid.body.smooth import build_patches
 from hybrid.runtime.errors import GeometryError
 
@@ -59,6 +59,11 @@ class ContactSurface:
     upper: np.ndarray
     radius: float
     tree: Tree
+
+    @property
+    def curved(self):
+        """Whether each triangle (t,) carries a curved patch."""
+        return self.tree.kind[:, SECOND] == 1
 
     def extent(self, direction):
         """Largest product [m] of a point of the surface with `direction` (3,)."""

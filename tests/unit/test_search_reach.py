@@ -23,7 +23,8 @@ def body_at(*position, velocity=(0.0, 0.0, 0.0)):
     vertices = HALF * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
     state = SimpleNamespace(position=np.array(position), rotation=np.eye(3), velocity=np.array(velocity),
                             spin=np.zeros(3))
-    return SimpleNamespace(radius=np.linalg.norm(HALF), surface=SimpleNamespace(vertices=vertices)), state
+    surface = SimpleNamespace(vertices=vertices, extent=lambda direction: (vertices @ direction).max())
+    return SimpleNamespace(radius=np.linalg.norm(HALF), surface=surface), state
 
 
 def grid_of(x, y, z):
