@@ -250,11 +250,11 @@ def mesh(options):
         raise SceneError(f"--out {options.out}: the mesh is written as VTK XML; give a name that ends in "
                          f"{MESH_ENDING}, such as {options.out.with_suffix(MESH_ENDING)}")
     parameters = geometry_parameters(options.overrides)
-    from hybrid.body.mass import condensed_mass  # late: a mistake in the arguments is reported at once
-    from hybrid.body.mesh import generate
+    from hybrid.body.mesh import generate  # late: a mistake in the arguments is reported at once
+    from hybrid.body.smooth_mass import mass_and_surface
 
     body = generate(options.geometry, parameters)
-    mass = condensed_mass(body, options.density)
+    mass, _ = mass_and_surface(body, options.density)
     print(format_sheet(mesh_sheet(body, mass, options.density)))
     if options.out:
         from hybrid.output.vtk import write_mesh

@@ -237,7 +237,8 @@ class Simulation:
         stage = self.scene.stages[0]
         if self.imbalance is None:
             return self.warned
-        return self.warned + self.imbalance.notes(stage, self.model.scheme.with_pair(stage.beta, stage.gamma))
+        return self.warned + self.imbalance.notes(stage, self.model.scheme.with_pair(stage.beta, stage.gamma),
+                                                  self._step_length(stage))
 
 
 def _body_record(terms, state):

@@ -16,6 +16,7 @@ from numba import njit
 from hybrid.body.patches import (
     FAILED,
     INSIDE,
+    SMOOTH,
     Patches,
     along_edge,
     dot,
@@ -31,6 +32,7 @@ OPPOSITE = -0.5  # cosine: a triangle more than 120 degrees from the side in con
 SAME = 0.5       # cosine: a triangle less than 60 degrees from the side in contact belongs to it
 ALL = -2.0       # cosine: no triangle is excluded
 FACET = 7        # feature: the facet itself, of a triangle whose patch is curved
+SECOND = 8       # offset of the second values of the features in Tree.normals and Tree.kind
 
 
 class Tree(NamedTuple):
@@ -40,8 +42,9 @@ class Tree(NamedTuple):
     first (leaves + 1,)             where the slots of each leaf start; a slot holds one triangle
     order (t,)                      triangle in a slot
     facets (t, 12)                  v0, v1 - v0, v2 - v0 [m] and unit normal, by slot
-    normals, directions (t, 8, 3)   n̂ and e, by triangle and feature
-    kind (t, 8)                     0 where a feature counts as face, by triangle and feature
+    normals (t, 16, 3)              n̂ of the eight features, then e of each
+    kind (t, 16)                    0 where a feature counts as face; then 1 where a closest point on the feature of the
+                                    facet has to be projected onto patches
     patches                         curved patches over the triangles
     """
 
@@ -50,7 +53,6 @@ class Tree(NamedTuple):
     order: np.ndarray
     facets: np.ndarray
     normals: np.ndarray
-    directions: np.ndarray
     kind: np.ndarray
     patches: Patches
 
@@ -204,8 +206,7 @@ def closest(y, reach, tree, side=NO_SIDE):
     parameters of the curved patch) as tuples of three; gap [m], negative inside.
     """
     y0, y1, y2 = y[0], y[1], y[2]
-    patches = tree.patches
-    whole, widened = True, reach + patches.bulge
+    whole, widened = True, reach + tree.patches.bulge
     slot, feature, v, w, _ = search(y0, y1, y2, widened, tree, side, ALL)
     if slot >= 0 and _facing(slot, feature, side, tree) < OPPOSITE:
         whole = False
@@ -214,32 +215,23 @@ def closest(y, reach, tree, side=NO_SIDE):
             slot, feature, v, w, _ = search(y0, y1, y2, widened, tree, side, OPPOSITE)
     if slot < 0:
         return -1, 0, (y0, y1, y2), (0.0, 0.0, 0.0), math.inf
-    triangle = tree.order[slot]
-    if patches.curved[triangle, feature]:
-        found = _on_patches((y0, y1, y2), triangle, v, w, whole, tree)
+    if tree.kind[tree.order[slot], SECOND + feature]:
+        found = _on_patches((y0, y1, y2), tree.order[slot], v, w, whole, tree)
         if found[0] >= 0:
-            if not abs(found[4]) < reach:
-                return -1, 0, (y0, y1, y2), (0.0, 0.0, 0.0), math.inf
-            return found
-    return _on_facet((y0, y1, y2), slot, feature, v, w, tree)
-
-
-@njit(cache=True)
-def _on_facet(y, slot, feature, v, w, tree):
-    """As `closest`, on the facet in a slot."""
-    y0, y1, y2 = y
+            return found if abs(found[4]) < reach else (-1, 0, (y0, y1, y2), (0.0, 0.0, 0.0), math.inf)
     triangle, facets, weights = tree.order[slot], tree.facets, (max(1.0 - v - w, 0.0), v, w)
     x0, x1, x2 = y0 - facets[slot, 0], y1 - facets[slot, 1], y2 - facets[slot, 2]
     if tree.kind[triangle, feature] == 0:
         # along the normal, so that y - foot = gap N to round-off
         n0, n1, n2 = facets[slot, 9], facets[slot, 10], facets[slot, 11]
         gap = x0 * n0 + x1 * n1 + x2 * n2
-        feature = FACET if tree.patches.curved[triangle, 0] else 0
+        feature = FACET if tree.kind[triangle, SECOND] else 0
         return triangle, feature, (y0 - gap * n0, y1 - gap * n1, y2 - gap * n2), weights, gap
     x0 -= v * facets[slot, 3] + w * facets[slot, 6]
     x1 -= v * facets[slot, 4] + w * facets[slot, 7]
     x2 -= v * facets[slot, 5] + w * facets[slot, 8]
-    return triangle, feature, (y0 - x0, y1 - x1, y2 - x2), weights, _signed((x0, x1, x2), triangle, feature, tree)
+    gap = _signed((x0, x1, x2), triangle, feature, tree)
+    return triangle, feature, (y0 - x0, y1 - x1, y2 - x2), weights, gap
 
 
 @njit(cache=True)
@@ -261,7 +253,7 @@ def _on_patches(y, triangle, v, w, whole, tree):
         return -1, 0, y, (0.0, 0.0, 0.0), math.inf
     if outcome >= 0:
         s = along_edge(outcome, v, w)
-        if whole and patches.across[triangle, outcome] >= 0:
+        if whole and patches.across[triangle, outcome, 0] >= 0:
             t, v, w = neighbour(triangle, outcome, s, patches)
             t, v, w, gap, beyond = project(y, t, v, w, patches)
             if beyond == INSIDE:
@@ -269,7 +261,7 @@ def _on_patches(y, triangle, v, w, whole, tree):
         return _on_edge(y, triangle, outcome, s, tree)
     if whole:
         for edge in range(3):
-            if not patches.smooth[triangle, edge] and patches.across[triangle, edge] >= 0:
+            if patches.across[triangle, edge, 1] != SMOOTH and patches.across[triangle, edge, 0] >= 0:
                 t, v2, w2 = neighbour(triangle, edge, along_edge(edge, v, w), patches)
                 t, v2, w2, gap2, beyond = project(y, t, v2, w2, patches)
                 if beyond == INSIDE and abs(gap2) < abs(gap):
@@ -279,7 +271,7 @@ def _on_patches(y, triangle, v, w, whole, tree):
 
 @njit(cache=True)
 def _on_patch(y, triangle, v, w, gap, tree):
-    if tree.patches.curved[triangle, 0]:
+    if tree.kind[triangle, SECOND]:
         N, _, _ = geometry(triangle, v, w, gap, tree.patches.nodes)
     else:
         N = tree.normals[triangle, 0, 0], tree.normals[triangle, 0, 1], tree.normals[triangle, 0, 2]
@@ -311,11 +303,11 @@ def gap_geometry(y, foot, weights, gap, triangle, feature, tree):
     where N has no limit, it is the pseudo-normal and G zero. Tuples, because threads that allocate or slice arrays here
     wait for each other's reference counts.
     """
-    n, e, patches = tree.normals, tree.directions, tree.patches
+    n, e, patches = tree.normals, SECOND + feature, tree.patches
     zero = 0.0, 0.0, 0.0
     N = n[triangle, feature, 0], n[triangle, feature, 1], n[triangle, feature, 2]
     if feature == 0:
-        if patches.curved[triangle, 0]:
+        if tree.kind[triangle, SECOND]:
             return geometry(triangle, weights[1], weights[2], gap, patches.nodes)
         return N, N, (zero, zero, zero)
     if feature == FACET:
@@ -327,8 +319,8 @@ def gap_geometry(y, foot, weights, gap, triangle, feature, tree):
     if gap < 0.0:
         distance = -distance
     N = x[0] / distance, x[1] / distance, x[2] / distance
-    d, slide = (e[triangle, feature, 0], e[triangle, feature, 1], e[triangle, feature, 2]), 1.0
-    if 0 < feature < 4 and patches.curved[triangle, feature] and not patches.smooth[triangle, feature - 1]:
+    d, slide = (n[triangle, e, 0], n[triangle, e, 1], n[triangle, e, 2]), 1.0
+    if 0 < feature < 4 and tree.kind[triangle, SECOND + feature] and patches.across[triangle, feature - 1, 1] != SMOOTH:
         _, d, c = edge_curve(triangle, feature - 1, weights[feature % 3], patches.nodes)
         slide = dot(d, d) - 2.0 * dot(x, c)
     # the foot slides along the edge: ∂(y - foot)/∂y = I - d d^T/slide

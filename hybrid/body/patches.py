@@ -32,24 +32,22 @@ BEYOND = -0.5         # weight at which a triangle is left before convergence
 STEP = 0.5            # largest change of a weight in an iteration
 ON_EDGE = -1e-10      # weights down to here count as on the triangle
 FOCUS = 0.05          # smallest D relative to that on the surface: nearer to a centre of curvature facets are used
+SMOOTH = 1            # an edge that is none of the body, only of its triangles
 INSIDE, FAILED = -1, -2   # outcomes of a projection, besides the number of the sharp edge that it left by
 
 
 class Patches(NamedTuple):
-    """Patches over the t triangles of a surface; `nodes`, `across` and `smooth` are empty if no triangle is curved.
+    """Patches over the t triangles of a surface; `nodes` and `across` are empty if no triangle is curved.
 
     nodes (t, 9, 3)    v0, v1 - v0, v2 - v0 [m]; n0, n1 - n0, n2 - n0; c of the edges v0v1, v1v2, v2v0 [m]
-    across (t, 3)      3 t' + e' for the neighbour t' and the number e' that the edge has there; -1 at the rim of a cut
-    smooth (t, 3)      whether the normal is continuous across the edge
-    curved (t, 7)      whether a closest point on this feature of the facet has to be projected onto patches
+    across (t, 3, 2)   of each edge: 3 t' + e' for the neighbour t' and the number e' that the edge has there, -1 at the
+                       rim of a cut; and SMOOTH where the normal is continuous across the edge, else 0
     bulge              largest distance [m] of a patch from its facet; 0 if no triangle is curved
     steepness          largest change of the gap, over the distance moved; 1 if no triangle is curved
     """
 
     nodes: np.ndarray
     across: np.ndarray
-    smooth: np.ndarray
-    curved: np.ndarray
     bulge: float
     steepness: float
 
@@ -159,9 +157,9 @@ def project(y, t, v, w, patches):
         crossed, ends, lowest, lowest_end = -1, INSIDE, ON_EDGE, ON_EDGE
         for edge in range(3):
             weight = weight_beyond(edge, v, w)
-            if patches.smooth[t, edge] and weight < lowest:
+            if patches.across[t, edge, 1] == SMOOTH and weight < lowest:
                 crossed, lowest = edge, weight
-            elif not patches.smooth[t, edge] and weight < lowest_end:
+            elif patches.across[t, edge, 1] != SMOOTH and weight < lowest_end:
                 ends, lowest_end = edge, weight
         if crossed < 0:
             return t, v, w, gap, ends
@@ -172,7 +170,7 @@ def project(y, t, v, w, patches):
 @njit(cache=True)
 def neighbour(t, edge, s, patches):
     """Triangle across an edge and the weights (v, w) there at the fraction s of the edge."""
-    code = patches.across[t, edge]
+    code = patches.across[t, edge, 0]
     v, w = weights_on_edge(code % 3, 1.0 - s)
     return code // 3, v, w
 

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from hybrid.body.patches import Patches
+from hybrid.body.patches import SMOOTH, Patches
 
 BEND = np.radians(30.0)    # between facets: the edge of a mesh without geometry that bends more is an edge of the body
 SAME = np.radians(1.0)     # between normals of the geometry on both sides of an edge that counts as smooth
@@ -114,10 +114,10 @@ def _without_apexes(normals, facet, by_facets):
 
 def build_patches(corners, triangles, facet, normals):
     """Patches over triangles (t, 3) with `corners` (t, 3, 3) [m], facets' normals `facet` (t, 3) and `normals` (t, 3, 3)
-    at the corners; None: facets are the surface."""
+    at the corners, None: facets are the surface; and whether a closest point on a feature of a facet has to be
+    projected onto them, (t, 7) bool."""
     count = len(triangles)
-    flat = Patches(np.zeros((0, 9, 3)), np.zeros((0, 3), np.int64), np.zeros((0, 3), np.bool_),
-                   np.zeros((count, 7), np.bool_), 0.0, 1.0)
+    flat = Patches(np.zeros((0, 9, 3)), np.zeros((0, 3, 2), np.int64), 0.0, 1.0), np.zeros((count, 7), bool)
     if normals is None:
         return flat
     near = np.linalg.norm(normals - facet[:, None], axis=2) < ROUND_OFF
@@ -127,16 +127,16 @@ def build_patches(corners, triangles, facet, normals):
     curved = (curvature != 0.0).any(axis=(1, 2)) | ~near.all(axis=1)
     if not curved.any():
         return flat
-    across, smooth = np.full((count, 3), -1), np.zeros((count, 3), np.bool_)
-    across[t, k] = (3 * t + k)[:, ::-1]
+    across = np.full((count, 3, 2), (-1, 0))
+    across[t, k, 0] = (3 * t + k)[:, ::-1]
     jump = np.maximum(*(np.linalg.norm(normals[t[:, 0], (k[:, 0] + a) % 3] - normals[t[:, 1], (k[:, 1] + 1 - a) % 3],
                                        axis=1) for a in (0, 1)))
-    smooth[t, k] = (jump < ROUND_OFF)[:, None]
+    across[t, k, 1] = np.where(jump < ROUND_OFF, SMOOTH, 0)[:, None]
     nodes = np.concatenate((corners[:, :1], corners[:, 1:] - corners[:, :1], normals[:, :1],
                             normals[:, 1:] - normals[:, :1], curvature), axis=1)
     bulge = np.linalg.norm(curvature, axis=2).max(axis=1) / 3       # Σ w_i w_j <= 1/3
-    return Patches(nodes, across, smooth, _curved_features(triangles, across, curved), float(bulge.max()),
-                   _steepness(nodes))
+    patches = Patches(nodes, across, float(bulge.max()), _steepness(nodes))
+    return patches, _curved_features(triangles, across[:, :, 0], curved)
 
 
 def _steepness(nodes):

@@ -32,7 +32,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hybrid.body.closest import Tree
+from hybrid.body.closest import SECOND, Tree
 from hybrid.body.smooth import build_patches
 from hybrid.runtime.errors import GeometryError
 
@@ -59,6 +59,11 @@ class ContactSurface:
     upper: np.ndarray
     radius: float
     tree: Tree
+
+    @property
+    def curved(self):
+        """Whether each triangle (t,) carries a curved patch."""
+        return self.tree.kind[:, SECOND] == 1
 
     def extent(self, direction):
         """Largest product [m] of a point of the surface with `direction` (3,)."""
@@ -90,13 +95,11 @@ def build_surface(vertices, triangles, corner_normals=None):
     vertex_normals = _vertex_normals(triangles, normals, edges, len(vertices))
     creases, corner_kind = _creases(triangles, edges, sharp, len(vertices))
 
-    none = np.zeros((len(triangles), 1))
-    kind = np.hstack((none, sharp, 2 * corner_kind, none)).astype(np.int64)
-    face = normals[:, None]
-    tree = _build_tree(corners, normals, kind)._replace(
-        normals=np.concatenate((face, edge_normals, vertex_normals, face), axis=1),
-        directions=np.concatenate((0.0 * face, edges, creases, 0.0 * face), axis=1),
-        patches=build_patches(corners, triangles, normals, corner_normals),
+    none, face = np.zeros((len(triangles), 1)), normals[:, None]
+    patches, curved = build_patches(corners, triangles, normals, corner_normals)
+    tree = _build_tree(corners, normals)._replace(
+        normals=np.concatenate((face, edge_normals, vertex_normals, face, 0 * face, edges, creases, 0 * face), axis=1),
+        kind=np.hstack((none, sharp, 2 * corner_kind, none, curved, none)).astype(np.int64), patches=patches,
     )
     hull = np.vstack((vertices, _control_points(tree.patches.nodes)))
     return ContactSurface(vertices, triangles, normals, edge_normals, vertex_normals, hull.min(axis=0),
@@ -222,7 +225,7 @@ def _creases(triangles, edges, sharp, count):
     return np.where(straight[:, None], one, 0.0)[triangles], (edges_at > 0)[triangles]
 
 
-def _build_tree(corners, face, kind):
+def _build_tree(corners, face):
     """Halve the triangles at the median centroid along the longest axis until LEAF or fewer remain."""
     leaves = 1
     while leaves * LEAF < len(corners):
@@ -240,4 +243,4 @@ def _build_tree(corners, face, kind):
     order = np.concatenate(members[leaves:])
     first = np.cumsum([0] + [len(leaf) for leaf in members[leaves:]])
     v0, v1, v2 = (corners[order, k] for k in range(3))
-    return Tree(boxes, first, order, np.hstack((v0, v1 - v0, v2 - v0, face[order])), None, None, kind, None)
+    return Tree(boxes, first, order, np.hstack((v0, v1 - v0, v2 - v0, face[order])), None, None, None)

@@ -26,9 +26,9 @@ TURNED = 0.01   # between the normals of two facets, from which a change from on
 def facets(corners, contact, surface):
     """Facets (m,) to hold corners to: those that carry them in a CornerContact, -1 for open corners and those on an edge,
     a vertex or a curved patch."""
-    facet, tree = np.full(len(corners), -1), surface.tree
-    plane = ~tree.patches.curved[contact.triangle, 0].astype(bool)
-    on_face = plane & (np.einsum("ci,ci->c", contact.side, tree.normals[contact.triangle, 0]) > 1 - ON_FACE)
+    facet = np.full(len(corners), -1)
+    plane = ~surface.curved[contact.triangle]
+    on_face = plane & (np.einsum("ci,ci->c", contact.side, surface.normals[contact.triangle]) > 1 - ON_FACE)
     facet[contact.active[on_face]] = contact.triangle[on_face]
     return facet
 

@@ -6,6 +6,7 @@ The limits are those at which runs of the failure study fail: modes cuts, domain
 import numpy as np
 
 from hybrid.runtime.comm import anywhere, largest, maximum, minimum
+from hybrid.scene.defaults import GHOST
 from hybrid.soil.domains import cells_wide
 
 CUT = 1e-4          # mass of a node over that of a full one [-]: nodes below have stopped runs without inertia
@@ -84,7 +85,7 @@ def probable_causes(step, evaluation):
         least = minimum(mass, 1.0) / maximum(mass, 1.0)
         if least < CUT and not model.soil.ghost_factor:
             causes.append(f"A node of a nearly empty cell carries {least:.1g} of the mass of a full one, limit {CUT:g} "
-                          "without inertia: set soil.ghost = 0.033")
+                          f"without inertia: leave soil.ghost out, or set soil.ghost = {GHOST:g}")
     return tuple(causes)
 
 

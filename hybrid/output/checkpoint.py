@@ -16,6 +16,8 @@ import numpy as np
 
 from hybrid.output import atomic
 from hybrid.runtime.errors import HybridError
+from hybrid.scene import Scene
+from hybrid.scene.defaults import resolve
 from hybrid.state import BodyState, ContactHistory, Ground, PointConstants, Points, Population, State
 
 NESTED = {"points": Points, "constants": PointConstants, "behind": Population}  # fields that are dataclasses themselves
@@ -101,7 +103,10 @@ def read_extra(path):
 
 
 def fingerprint(scene):
-    """Keys of a scene that determine the physics of its run: {"soil.material.young": text}; geometry by content."""
+    """Keys of a scene that determine the physics of its run: {"soil.material.young": text}; geometry by content, keys
+    left out as they are decided."""
+    if isinstance(scene, Scene):
+        scene, _ = resolve(scene)
     flat = {}
     _flatten("", _plain(scene), flat)
     last = len(getattr(scene, "stages", ())) - 1

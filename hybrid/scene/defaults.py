@@ -11,9 +11,12 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from hybrid.scene.schema import Body, Soil, Time
+from hybrid.scene.soil import of_layer
 from hybrid.scene.table import shown
 
 SCHEME = "generalised-alpha"
+POISSON = 0.4           # from which on elastic soil bends better with F-bar: DESIGN, "F-bar where volume is kept"
+GHOST = 0.3             # factor on Young's modulus: DESIGN, "The ghost penalty leaves full cells alone"
 
 
 class Decision(NamedTuple):
@@ -56,11 +59,24 @@ def _decide(scene, cls, name, decisions):
 
 
 def _fbar(scene, soil):
-    return False, "each point has its own change of volume"
+    if soil.held:
+        return False, "held soil does not deform"
+    if soil.basis == "mpm":
+        return False, "standard points take another volume change at once when they cross into a cell"
+    materials = [soil.material, *(of_layer(soil.material, layer) for layer in soil.layers)]
+    flowing = [m.law for m in materials if m.law != "hencky"]
+    if flowing:
+        return True, f"plastic flow hardly changes the volume and would lock (law = '{flowing[0]}')"
+    poisson = max(m.poisson or 0.0 for m in materials)
+    if poisson >= POISSON:
+        return True, f"nearly incompressible soil would lock (poisson = {poisson:g}, limit {POISSON:g})"
+    return False, "elastic soil that changes its volume bends better without"
 
 
 def _ghost(scene, soil):
-    return 0.0, "cells with little soil are as stiff as their soil"
+    if soil.held:
+        return 0.0, "held soil does not deform"
+    return GHOST, "cells with little soil follow the fullest of their neighbours"
 
 
 def _contact(scene, body):

@@ -88,10 +88,10 @@ class Soil:
         "how point domains deform: by the second moments of the deformed domain, by the stretch, not at all, or by the "
         "diagonal of F", default="moments")
     fbar: bool | None = key("points take the volume change of the cells around them, so that nearly incompressible or "
-                            "plastic soil does not lock", default=None)
+                            "plastic soil does not lock; left out: by the law and Poisson's ratio", default=None)
     ghost: float | None = key(
-        "factor on Young's modulus in the penalty that ties cells with little soil to their neighbours; 0: none", "-",
-        default=None, at_least=0, at_most=1, remedy="0 leaves it out, 0.033 is usual")
+        "factor on Young's modulus in the penalty that ties cells with little soil to their fullest neighbours; 0: none; "
+        "left out: 0.3", "-", default=None, at_least=0, at_most=1, remedy="leave it out; 0 switches it off")
     transfer: Literal["affine", "increments", "blended"] = key(
         "how points take the motion of the nodes: their velocity with its gradient (affine), their increments of "
         "velocity, or these blended with a share of their velocity", default="affine")

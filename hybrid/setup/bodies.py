@@ -6,7 +6,6 @@ import numpy as np
 from hybrid.body.attitude import rotation_from_axis_angle
 from hybrid.body.motion import free_spin_rate
 from hybrid.body.rigid import FREEDOMS, Line, RigidBody
-from hybrid.body.surface import build_surface
 from hybrid.contact.corners import Domains, overlap
 from hybrid.runtime.comm import minimum
 from hybrid.runtime.errors import SceneError
@@ -24,10 +23,9 @@ def mesh_of(described):
 
 def build_body(described, body_mesh, gravity):
     """(RigidBody, its initial BodyState); its contact follows from the soil (`hybrid.setup.contact`)."""
-    from hybrid.body.mass import condensed_mass
+    from hybrid.body.smooth_mass import mass_and_surface
 
-    properties = condensed_mass(body_mesh, described.density)
-    surface = build_surface(body_mesh.points - properties.centre, body_mesh.contact, body_mesh.normals)
+    properties, surface = mass_and_surface(body_mesh, described.density)
     rotation = np.eye(3)
     if described.rotation:
         rotation = rotation_from_axis_angle(described.rotation[:3], np.radians(described.rotation[3]))

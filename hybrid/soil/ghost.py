@@ -2,18 +2,21 @@
 
 The stiffness of a node vanishes with the part of its cells that soil fills. The condition number of the system then
 grows without bound, and a small residual moves the node far. The penalty acts on the jump of the displacement gradient
-across each face that a boundary cell (filled, with an empty neighbour) shares with any filled cell:
+across a face between a cell that is not full and the fullest of its neighbours:
 
-    f_v = Σ_faces γ h ∫ [∂_n N_v] [∂_n Δu] dΓ            K_vw = Σ_faces γ h ∫ [∂_n N_v][∂_n N_w] dΓ I
+    f_v = Σ_faces γ (1 - φ)² h ∫ [∂_n N_v] [∂_n Δu] dΓ      K_vw = Σ_faces γ (1 - φ)² h ∫ [∂_n N_v][∂_n N_w] dΓ I
 
-[∂_n N] the jump over the face of the derivative along its normal; h the mean of the two cells along the normal [m]; γ a
-modulus [Pa], a factor times the mean Young's modulus of the points whose domains overlap the two cells. A linear field
-has no jump: the penalty does not resist constant strain, translation or rotation. Rows sum to zero, so no momentum is
-added. Δu is the increment of the step, so no stress remains in the next one.
+[∂_n N] the jump over the face of the derivative along its normal; h the mean of the two cells along the normal [m]; φ
+the share of the cell that soil fills, at most 1; γ a modulus [Pa], a factor times the mean Young's modulus of the soil in
+the two cells. Δu is the increment of the step, so no stress remains in the next one. A linear field has no jump: the
+penalty does not resist constant strain, translation or rotation. Rows sum to zero, so no momentum is added.
 
-After Coombs, Int. J. Numer. Methods Eng. 124 (2023) 4841-4875, who uses γ = E/30 and h³/3 in place of h. For h = 1 m
-the two differ by the factor 1/3 only; but the stiffness has to scale with h for the condition number not to depend on
-the cell size.
+So the field of the fullest neighbour is continued into a cell that is hardly filled, through further such cells if need
+be, and full cells are left alone. After Coombs, Int. J. Numer. Methods Eng. 124 (2023) 4841-4875, who takes all faces
+between a cell with an empty neighbour and any filled cell, γ = E/30 and h³/3 in place of h. A penalty on all these faces
+stiffens full cells at the surface, so that its factor changes the result; and the stiffness has to scale with h for the
+condition number not to depend on the cell size. That ties along a path to the fullest cells are enough is shown by
+Badia, Neiva & Verdugo, Comput. Methods Appl. Mech. Eng. 388 (2022) 114232.
 
 Equations: FORMULATION (25).
 """
@@ -26,6 +29,9 @@ from numba import njit
 from hybrid.grid.numbering import node_number
 from hybrid.linalg.stencil import entry, local_number, relative_place
 
+ALIKE = 0.99        # share of the fullest neighbour's filling from which another one counts as equally full
+NEGLIGIBLE = 1e-12  # square of the empty share of a cell that is round-off
+
 
 @dataclass(frozen=True)
 class Ghost:
@@ -36,26 +42,36 @@ class Ghost:
     modulus: np.ndarray
 
 
-def find_faces(basis, grid, modulus):
-    """Ghost of the cells that the domains of a basis overlap; modulus: (n,) [Pa] of the points."""
-    reached, weighted = np.zeros((2, *(max(1, n - 1) for n in grid.shape)))
-    _fill(basis.first, basis.count, modulus, reached, weighted)
-    filled = reached > 0
-    boundary = np.zeros_like(filled)
-    for axis in range(3):
-        a, b = _pairs(filled, axis)
-        low, high = _pairs(boundary, axis)
-        low |= a & ~b
-        high |= b & ~a
+def find_faces(mean, grid, modulus, volume):
+    """Ghost of the cells that points fill in part.
+
+    mean: mean basis of the points (`hybrid.soil.fbar.mean_basis`); modulus: (n,) [Pa], γ where a cell is empty;
+    volume: (n,) [m³] of the points.
+    """
+    filled, stiff = np.zeros((2, *(max(1, n - 1) for n in grid.shape)))
+    _fill(mean.first, mean.count, mean.value, volume, modulus, filled, stiff)
+    share = filled / _cell_volumes(grid)
+    empty = np.where(filled > 0, np.maximum(1 - share, 0) ** 2, 0)
+    fullest = _fullest_neighbour(share)
     faces, moduli = [], []
     for axis in range(3):
-        a, b = _pairs(filled, axis)
-        low, high = _pairs(boundary, axis)
-        chosen = a & b & (low | high)
+        (a, b), (best_a, best_b), (empty_a, empty_b) = (_pairs(values, axis) for values in (share, fullest, empty))
+        weight = np.maximum(empty_a * (b >= ALIKE * best_a), empty_b * (a >= ALIKE * best_b))
+        chosen = (weight > NEGLIGIBLE) & (a > 0) & (b > 0)
         cells = np.argwhere(chosen)
         faces.append(np.column_stack([cells, np.full(len(cells), axis)]))
-        moduli.append((sum(_pairs(weighted, axis))[chosen]) / sum(_pairs(reached, axis))[chosen])
+        moduli.append((weight * sum(_pairs(stiff, axis)))[chosen] / sum(_pairs(filled, axis))[chosen])
     return Ghost(np.concatenate(faces), np.concatenate(moduli))
+
+
+def _fullest_neighbour(share):
+    """Largest `share` of the neighbours of each cell."""
+    fullest = np.zeros_like(share)
+    for axis in range(3):
+        (a, b), (low, high) = _pairs(share, axis), _pairs(fullest, axis)
+        np.maximum(low, b, out=low)
+        np.maximum(high, a, out=high)
+    return fullest
 
 
 def _pairs(cells, axis):
@@ -66,15 +82,31 @@ def _pairs(cells, axis):
     return cells[tuple(below)], cells[tuple(above)]
 
 
+def _cell_volumes(grid):
+    x, y, z = (np.diff(nodes) if len(nodes) > 1 else np.array([thickness])
+               for nodes, thickness in zip(grid.axes, _thickness(grid)))
+    return x[:, None, None] * y[:, None] * z
+
+
 @njit(cache=True)
-def _fill(first, count, modulus, reached, weighted):
-    """Fill the number of points whose domains overlap each cell, and the sum of their moduli [Pa]."""
+def _fill(first, count, value, volume, modulus, filled, stiff):
+    """Fill the volume of points in each cell [m³], and the sum of their volumes times their moduli [N m]."""
     for p in range(len(first)):
-        for i in range(first[p, 0], first[p, 0] + max(1, count[p, 0] - 1)):
-            for j in range(first[p, 1], first[p, 1] + max(1, count[p, 1] - 1)):
-                for k in range(first[p, 2], first[p, 2] + max(1, count[p, 2] - 1)):
-                    reached[i, j, k] += 1
-                    weighted[i, j, k] += modulus[p]
+        for a in range(max(1, count[p, 0] - 1)):
+            for b in range(max(1, count[p, 1] - 1)):
+                for c in range(max(1, count[p, 2] - 1)):
+                    part = (volume[p] * _share(count, value, p, 0, a) * _share(count, value, p, 1, b)
+                            * _share(count, value, p, 2, c))
+                    i, j, k = first[p, 0] + a, first[p, 1] + b, first[p, 2] + c
+                    filled[i, j, k] += part
+                    stiff[i, j, k] += part * modulus[p]
+
+
+@njit(cache=True)
+def _share(count, value, p, axis, a):
+    """Share of the domain of point p in its cell number a, of at most two along an axis: twice the m_v of the outer
+    node."""
+    return 2 * value[p, axis, 2 * a] if count[p, axis] == 3 else 1.0
 
 
 def add_force(ghost, grid, displacement, force):

@@ -139,10 +139,14 @@ class Soil:
         for values in nodal:
             values[self.grid.fixed] = 0.0
         velocity, acceleration, *algorithmic = nodal
+        mean, volume = None, _active_only(points, self.constants.volume)
+        if self.fbar or self.ghost_factor:
+            mean = fbar.mean_basis(points.position, half, self.grid.axes, basis)
         return SoilStep(
             points, basis, slabs, mass, velocity, acceleration, mass[:, None] * load, *algorithmic,
-            mean=fbar.mean_basis(points.position, half, self.grid.axes, basis) if self.fbar else None,
-            cuts=ghost.find_faces(basis, self.grid, self.ghost_factor * self.law.young) if self.ghost_factor else None,
+            mean=mean if self.fbar else None,
+            cuts=(ghost.find_faces(mean, self.grid, self.ghost_factor * self.law.young, volume)
+                  if self.ghost_factor else None),
             workspace=workspace or SoilWorkspace(self))
 
     def small_support(self, step):

@@ -4,12 +4,11 @@ The problem: hybrid/study/precision/problems/footing.py.
 
 On 2, 4, 8 cells under half the footing, 20 steps:
 
-    F-bar               φ = 0: 4.92, 5.09, 5.14 (5.14)    20°: 15.1, 15.2, 15.1 (14.8)    30°: 31.7, 31.7, 31.3 (30.1)
-    F-bar and ghost            5.23, 5.21                      15.5, 15.4                      32.5, 32.0
+    defaults            φ = 0: 5.20, 5.19, 5.18 (5.14)    20°: 15.5, 15.3, 15.2 (14.8)    30°: 32.2, 31.8, 31.5 (30.1)
+    F-bar, no ghost            4.92, 5.09, 5.14                15.1, 15.2, 15.1                31.7, 31.7, 31.3
     neither                    9.52, 7.65, 6.64                17.4, 16.5, 15.8                35.3, 33.5, 32.2
 
 Neither: still rising for φ = 0. With F-bar alone, round-off decides whether four cells at 30° stop in step 2 or finish.
-With a small ghost penalty they finish.
 """
 
 import functools
@@ -18,8 +17,7 @@ import pytest
 
 from hybrid.study.precision.problems import footing as ladder
 
-CURED, PLAIN = {"fbar": True}, {}      # options of the soil
-STEADY = {"fbar": True, "ghost": 0.0033}
+CURED, PLAIN = {}, ladder.PLAIN      # options of the soil
 
 
 @functools.cache
@@ -49,7 +47,7 @@ def test_elastic_stiffness_does_not_lock():
     assert first[0] == pytest.approx(first[1], rel=0.05)
 
 
-@pytest.mark.parametrize("angle, across, limit", [(0, 2, 0.05), (0, 4, 0.015), (20, 2, 0.03)])
+@pytest.mark.parametrize("angle, across, limit", [(0, 2, 0.05), (0, 4, 0.015), (20, 2, 0.05)])
 def test_bearing_capacity(angle, across, limit):
     """A plateau is reached for φ = 0; friction still gains 1.5 % over the last tenth of the settlement."""
     assert abs(excess(angle, across, **CURED)) < limit
@@ -66,14 +64,22 @@ def test_without_a_cure_clay_locks():
 
 def test_the_ghost_penalty_steadies_it():
     """Soil that heaves beside the footing fills a small part of the cells above: in wide and deep blocks of soil some
-    runs stop there (four cells at φ = 0, step 14 of 20). A tenth of the usual penalty is enough for all."""
-    found = press(0, 2, width=6.0, depth=3.0, ghost=0.0033, **CURED)
+    runs stop there without it (four cells at φ = 0, step 14 of 20)."""
+    found = press(0, 2, width=6.0, depth=3.0, **CURED)
     assert found.iterations < 110 and abs(found.factor[-1] / ladder.prandtl(0) - 1) < 0.03
+    tied, bare = press(30, 2), press(30, 2, ghost=0.0)
+    assert tied.iterations < bare.iterations and tied.factor[-1] == pytest.approx(bare.factor[-1], rel=0.02)
+
+
+def test_the_factor_of_the_ghost_penalty_does_not_matter():
+    """Full cells are left alone: Nc changes by less than 0.1 % from a hundredth of the default to three times of it."""
+    found = [press(0, 4, ghost=ghost).factor[-1] for ghost in (0.003, 0.3, 0.9)]
+    assert max(found) / min(found) < 1.001
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("angle, across, options, cured, plain", [
-    (0, 8, CURED, 0.01, 0.35), (20, 4, CURED, 0.03, 0.15), (20, 8, CURED, 0.03, 0.1), (30, 4, STEADY, 0.07, 0.15)])
+    (0, 8, CURED, 0.01, 0.35), (20, 4, CURED, 0.04, 0.15), (20, 8, CURED, 0.03, 0.1), (30, 4, CURED, 0.07, 0.15)])
 def test_refined(angle, across, options, cured, plain):
     assert abs(excess(angle, across, **options)) < cured < excess(angle, across, **PLAIN) < plain
 

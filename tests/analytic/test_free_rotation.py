@@ -17,7 +17,10 @@ import pytest
 from demo_scripts import demo
 
 from hybrid.body.motion import inertia_residual, updated
+from hybrid.scene import Axis, Grid, Stage
+from hybrid.setup.build import build
 from hybrid.study.precision.problems import tumbling
+from hybrid.study.scenes import box, elastic, scene
 
 DEMO = demo("tumbling")
 FREE = tumbling.TUMBLING
@@ -53,6 +56,22 @@ def test_intermediate_axis_period(name, scheme, order):
     assert fine == pytest.approx(reference, abs=8e-3)
     if order == 2:
         assert np.log2((coarse - reference) / (fine - reference)) == pytest.approx(2.0, abs=0.3 if name == DEFAULT else 0.2)
+
+
+def test_a_plate_in_a_scene_tumbles_with_its_period():
+    """J = (1, 2, 3) of a thin plate √2 times as long as wide; nothing set but its spin. The scene has the period of the
+    scheme to 1e-6, so Newton's tolerance acts where no force does, and that of the closed form to 4e-4 (step 0.1 s)."""
+    side, dt = Axis(start=-0.5, end=0.5, size=0.5), 0.1
+    plate = box(2**0.5, 1.0, 0.01, spin=(0.01, 1.0, 0.0))
+    simulation = build(scene("plate", Grid(side, side, Axis(start=-3.0, end=-2.0, size=0.5)), elastic(1e6), [plate], dt,
+                             [Stage("tumble", 330)], {"held": True}))
+    inertia = simulation.masses[0].inertia
+    assert np.diag(inertia) / inertia[0, 0] == pytest.approx([1, 2, 3], rel=2e-4)
+    spin = [0.0, *(simulation.state.bodies[0].spin[1] for _ in simulation.steps())]
+    zeros = [dt * (n + spin[n] / (spin[n] - spin[n + 1])) for n in range(1, 330) if spin[n] * spin[n + 1] <= 0]
+    found, top = 2 * (zeros[1] - zeros[0]), replace(FREE, inertia=inertia)
+    assert found == pytest.approx(tumbling_period(top, dt, simulation.model.scheme), rel=1e-6)
+    assert found == pytest.approx(tumbling.period(top), rel=4e-4)
 
 
 @every_scheme

@@ -76,7 +76,6 @@ def test_pairs_of_newmark_damp_as_known():
 
 SCHEMES = {
     "newmark": ({"scheme": "newmark"}, 2),
-    "alpha 0": ({"scheme": "generalised-alpha", "spectral_radius": 0.0}, 2),
     "dissipative": ({"beta": 0.5625, "gamma": 1.0}, 1),
     "alpha 0.8": ({"scheme": "generalised-alpha", "spectral_radius": 0.8}, 2),
     "alpha 0.5": ({"scheme": "generalised-alpha", "spectral_radius": 0.5}, 2),
@@ -129,6 +128,12 @@ def observed(run, options, counts=(20, 40)):
 @pytest.mark.parametrize("options, order", SCHEMES.values(), ids=SCHEMES)
 def test_a_body_on_a_line_swings_with_the_order_of_the_scheme(swing, options, order):
     assert observed(swing, options) == pytest.approx([order, order], abs=0.15)
+
+
+def test_a_body_on_a_line_swings_with_second_order_at_spectral_radius_0(swing):
+    """Seen at shorter steps than with the others: the two leading terms of the displacement have opposite signs."""
+    default = {"scheme": "generalised-alpha", "spectral_radius": 0.0}
+    assert observed(swing, default, (160, 320)) == pytest.approx([2.0, 2.0], abs=0.15)
 
 
 def test_an_order_is_lost_when_a_body_forgets_the_algorithmic_acceleration(swing, monkeypatch):
@@ -187,7 +192,7 @@ def bar_order(options, counts=(20, 40, 80)):
 
 
 def test_the_bar_swings_as_it_should():
-    assert bar(20, 40, 1.25 * np.pi, scheme="generalised-alpha") == pytest.approx([-np.sqrt(0.5)] * 2, abs=0.02)
+    assert bar(20, 40, 1.25 * np.pi, **SCHEMES["alpha 0.8"][0]) == pytest.approx([-np.sqrt(0.5)] * 2, abs=0.02)
 
 
 @pytest.mark.parametrize("name", ["newmark", "alpha 0.8", "alpha 0.5"])

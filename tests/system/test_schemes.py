@@ -87,7 +87,7 @@ def test_a_flying_body_of_a_scene_keeps_its_angular_momentum(geometry):
 def test_newmark_projects_no_more_than_before(geometry, monkeypatch):
     fields, project = [], transfer.points_to_grid
     runs = [build(landing(geometry, (Stage("fall", 2),), **options))
-            for options in ({}, {"scheme": "generalised-alpha"})]
+            for options in (SCHEMES["newmark"], SCHEMES["alpha"])]
     monkeypatch.setattr(transfer, "points_to_grid",
                         lambda *given, **more: fields.append(len(given) - 5) or project(*given, **more))
     for run in runs:
@@ -105,7 +105,7 @@ def test_a_stage_of_newmark_drops_the_algorithmic_acceleration(geometry):
         carried.append((state.points.algorithmic is not None, state.bodies[0].algorithmic is not None))
     assert carried == [(True, True)] * 2 + [(False, False)] * 2 + [(True, True)] * 2
     assert simulation.sheet()["modelled"]["time integration"] == (
-        "generalised-alpha, spectral radius 0.8; settle: Newmark, beta = 0.5625, gamma = 1")
+        "generalised-alpha, spectral radius 0; settle: Newmark, beta = 0.5625, gamma = 1")
 
 
 def test_a_resumed_run_has_its_algorithmic_acceleration(geometry, tmp_path):
@@ -194,7 +194,7 @@ def test_the_rotation_is_reported_when_the_step_may_not_be_halved(geometry):
 def test_without_the_limit_the_failure_does_not_name_the_cause(geometry, monkeypatch):
     """No logarithm is as long as the turn, so Newton's method has no solution to find."""
     monkeypatch.setattr(equations, "LARGEST_ROTATION", np.inf)
-    with pytest.raises(StepError, match="residual .* after 15 iterations"):
+    with pytest.raises(StepError, match=r"residual .* after \d+ iterations"):
         list(spinning(geometry, 90.0, smallest=0.04).steps())
 
 

@@ -23,9 +23,9 @@ def test_dissipation_is_the_schemes_where_it_is_asked_for():
     """The dissipative pair takes the swing within three periods of 32 steps, the default a sixth of its energy, the
     others hardly anything."""
     assert DEMO.free("affine", 96, beta=0.5625, gamma=1.0) < 0.4
-    assert DEMO.free("affine", 96, scheme="newmark") > 0.93
+    assert DEMO.free("affine", 96) > 0.93
     assert DEMO.free("affine", 96, scheme="generalised-alpha", spectral_radius=0.8) > 0.93
-    assert 0.8 < DEMO.free("affine", 96) < 0.9
+    assert 0.8 < DEMO.free("affine", 96, scheme="generalised-alpha") < 0.9
 
 
 @pytest.mark.slow

@@ -180,7 +180,7 @@ def test_mesh_prints_sizes_and_mass(stand_in, capsys, tmp_path):
         named_points={"eye": np.array([1.0, 0.0, 0.0])}, name="tet")
     mass = SimpleNamespace(mass=1308.33333, centre=np.full(3, 0.25), inertia=np.diag([1.0, 2.0, 3.0]) + 1e-17)
     stand_in("hybrid.body.mesh", generate=lambda *given: seen.append(given) or body)
-    stand_in("hybrid.body.mass", condensed_mass=lambda *given: seen.append(given) or mass)
+    stand_in("hybrid.body.smooth_mass", mass_and_surface=lambda *given: seen.append(given) or (mass, None))
     stand_in("hybrid.output.vtk", write_mesh=lambda *given: written.append(given))
     target = tmp_path / "tet.vtu"
     options = ["--density", "7.85e3", "--set", "size=1", "length=2.5", "--out", str(target)]

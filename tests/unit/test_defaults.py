@@ -1,13 +1,14 @@
 """Keys that a scene leaves out are decided in one place, each with its reason; given values stay."""
 
+import re
 from dataclasses import fields, replace
 
 import pytest
 from small_scene import SCENE
 
 from hybrid.runtime.errors import SceneError
-from hybrid.scene import Stage, Time
-from hybrid.scene.defaults import RULES, resolve
+from hybrid.scene import Layer, Stage, Time
+from hybrid.scene.defaults import GHOST, RULES, resolve
 from hybrid.scene.file import load_scene, validate
 from hybrid.setup.build import build
 from hybrid.study.scenes import soil_scene, steel
@@ -58,6 +59,29 @@ def test_the_published_method():
     found = decided(replace(soil_scene([CUBE]), method="published"))
     assert {key: value for key, (value, _) in found.items()} == PUBLISHED
     assert {reason for _, reason in found.values()} == {"the published method"}
+
+
+CLAY = {"law": "von-mises", "strength": 2e4}
+
+
+@pytest.mark.parametrize("material, soil, fbar, reason", [
+    ({}, {}, False, "elastic soil that changes its volume"),
+    ({"poisson": 0.39}, {}, False, "elastic soil that changes its volume"),
+    ({"poisson": 0.4}, {}, True, "nearly incompressible .*poisson = 0.4, limit 0.4"),
+    ({"poisson": 0.49}, {"held": True}, False, "held soil does not deform"),
+    (CLAY, {}, True, "plastic flow .*law = 'von-mises'"),
+    (CLAY, {"basis": "mpm"}, False, "standard points"),
+    ({}, {"layers": (Layer("clay", top=0.1, law="von-mises", material={"strength": 2e4}),)}, True, "plastic flow"),
+    ({}, {"layers": (Layer("stiff", top=0.1, material={"poisson": 0.45}),)}, True, "nearly incompressible"),
+    ({"law": "user", "young": None, "poisson": None}, {}, True, "law = 'user'"),
+])
+def test_fbar_follows_from_the_laws(material, soil, fbar, reason):
+    described = soil_scene(geostatic=False, **soil)
+    described = replace(described, soil=replace(described.soil, material=replace(described.soil.material, **material)))
+    found = decided(described)
+    value, why = found["soil.fbar"]
+    assert value is fbar and re.search(reason, why)
+    assert found["soil.ghost"][0] == (0.0 if soil.get("held") else GHOST)
 
 
 @pytest.mark.parametrize("values, stages, scheme, reason", [

@@ -303,3 +303,35 @@ def test_separate_pieces_and_overlapping_tetrahedra_are_refused():
     thrice = replace(mesh, tets=np.vstack([mesh.tets, mesh.tets, mesh.tets]))
     with pytest.raises(GeometryError, match="tetrahedra share the face"):
         validate(thrice)
+
+
+# ---- normals of the surface --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("suffix", [".stl", ".msh"])
+def test_a_mesh_without_geometry_has_the_normals_of_its_facets(tmp_path, suffix):
+    """A cylinder of facets that bend by 15 degrees is round; its ends are plane and its rim is sharp."""
+    gmsh.initialize([], False)
+    gmsh.option.setNumber("General.Terminal", 0)
+    gmsh.model.occ.addCylinder(0, 0, 0, 0, 0, 1, 0.5)
+    gmsh.model.occ.synchronize()
+    gmsh.option.setNumber("Mesh.MeshSizeMax", 2 * np.pi * 0.5 / 24)
+    for dim, name in ((3, "body"), (2, "contact")):
+        group = gmsh.model.addPhysicalGroup(dim, [tag for _, tag in gmsh.model.getEntities(dim)])
+        gmsh.model.setPhysicalName(dim, group, name)
+    gmsh.model.mesh.generate(3)
+    gmsh.write(str(tmp_path / f"body{suffix}"))
+    gmsh.finalize()
+    path = tmp_path / f"body{suffix}"
+    if suffix == ".stl":
+        path = tmp_path / "body.geo"
+        path.write_text('Merge "body.stl"; Surface Loop(1) = {1}; Volume(1) = {1}; Mesh.MeshSizeMax = 0.3;\n'
+                        'Physical Volume("body") = {1}; Physical Surface("contact") = {1};\n')
+    mesh = generate(path)
+    corners = mesh.points[mesh.contact]
+    ends = np.ptp(corners[:, :, 2], axis=1) < 1e-6
+    outward = np.sign(corners[ends][:, :, 2:] - 0.5) * [0.0, 0.0, 1.0]
+    np.testing.assert_allclose(mesh.normals[ends], outward, atol=1e-6)
+    radial = corners[~ends] * [2.0, 2.0, 0.0]
+    assert np.einsum("tki,tki->tk", mesh.normals[~ends], radial).min() > np.cos(np.radians(4.0))
+    assert 50 < ends.sum() < len(ends) - 100

@@ -9,6 +9,7 @@ import pytest
 
 import hybrid
 from hybrid.body.rigid import FREEDOMS
+from hybrid.contact.corners import distances
 from hybrid.runtime.errors import SceneError
 from hybrid.scene import Axis, Body, Grid, Layer, Material, Pull, Scene, Soil, Stage, Time
 from hybrid.setup import bodies, law
@@ -127,7 +128,7 @@ def test_stiffness_follows_the_horizontal_stress():
 # ---------------------------------------------------------------- bodies
 
 
-def test_a_body_rests_on_its_lowest_vertex():
+def test_a_body_of_plane_faces_rests_on_its_lowest_vertex():
     described = Body(GEOMETRY, 1000.0, rest_on=0.25, rotation=(0.0, 1.0, 0.0, 30.0), held=("x",), driven=("z",),
                      velocity=(0.0, 0.0, -0.5))
     body, motion = bodies.build_body(described, bodies.mesh_of(described), np.array([0.0, 0.0, -9.81]))
@@ -135,6 +136,23 @@ def test_a_body_rests_on_its_lowest_vertex():
     assert heights.min() == pytest.approx(0.25)
     assert [name for name, free in zip(FREEDOMS, body.free) if free] == ["y", "rx", "ry", "rz"]
     assert body.drive.tolist() == [0.0, 0.0, -0.5, 0.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize("name, angle, height", [("sphere", 40.0, 0.25), ("cylinder", 90.0, 0.25)])
+def test_a_round_body_rests_on_its_surface_and_not_on_its_facets(name, angle, height):
+    """Turned so that no vertex is at the bottom; and there it does not overlap soil that ends at this height."""
+    described = Body(GEOMETRY.with_name(f"{name}.geo"), 1000.0, rest_on=1.0, rotation=(1.0, 0.3, 0.0, angle))
+    body, motion = bodies.build_body(described, bodies.mesh_of(described), np.array([0.0, 0.0, -9.81]))
+    if name == "cylinder":      # lying obliquely, on its rim
+        axis, radius, half = motion.rotation[2, 2], 0.25, 0.5
+        height = half * abs(axis) + radius * np.sqrt(1 - axis**2)
+    assert motion.position[2] == pytest.approx(1.0 + height, abs=2e-4)
+    under = motion.position + np.random.default_rng(0).uniform(-0.3, 0.3, (2000, 3))
+    under[:, 2] = 1.0
+    gaps = distances((under - motion.position) @ motion.rotation, body.surface)
+    assert 0.0 < gaps.min() + 1e-4 < 0.01
+    vertices = motion.position[2] + (body.surface.vertices @ motion.rotation.T)[:, 2]
+    assert vertices.min() > 1.0002
 
 
 def test_a_line_is_fixed_to_a_point_of_the_geometry():

@@ -112,7 +112,7 @@ def test_settings_have_one_home():
     assert model.solver is given or model.solver == given
     described = soil_scene().soil
     soil = type(model.soil)(model.soil.grid, model.soil.constants, model.soil.law)
-    for name in ("basis", "domain", "held", "fbar", "stray", "transfer"):
+    for name in ("basis", "domain", "held", "stray", "transfer"):
         assert getattr(soil, name) == getattr(type(described), name)
 
 

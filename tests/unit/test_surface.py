@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numba import njit
 
-from hybrid.body.closest import closest, gap_geometry, search
+from hybrid.body.closest import SECOND, closest, gap_geometry, search
 from hybrid.body.surface import build_surface
 from hybrid.runtime.errors import GeometryError
 
@@ -241,7 +241,7 @@ def test_vertex_along_a_straight_edge_slides_along_it():
     outer = np.abs(corners) == 0.5
     for t, k in np.ndindex(len(corners), 3):
         along = np.where(outer[t, k], 0.0, 1.0) if outer[t, k].sum() == 2 else np.zeros(3)
-        np.testing.assert_allclose(np.abs(tree.directions[t, 4 + k]), along, atol=1e-15)
+        np.testing.assert_allclose(np.abs(tree.normals[t, SECOND + 4 + k]), along, atol=1e-15)
         assert (tree.kind[t, 4 + k] == 0) == (outer[t, k].sum() == 1)
 
     _, feature, _, gap, N, A = geometry(np.array([0.0, 0.8, 0.9]), tree)     # above the middle of an edge

@@ -110,10 +110,10 @@ def initial_vertices(described, body):
     rotation = np.eye(3)
     if described.rotation:
         rotation = rotation_from_axis_angle(described.rotation[:3], np.radians(described.rotation[3]))
-    place = np.array(described.position or (0.0, 0.0, 0.0)) + (body.surface.vertices + body.mass.centre) @ rotation.T
+    centre = np.array(described.position or (0.0, 0.0, 0.0)) + rotation @ body.mass.centre
     if described.rest_on is not None:
-        place[:, 2] += described.rest_on - place[:, 2].min()
-    return place
+        centre[2] = described.rest_on + body.surface.extent(-rotation[2])
+    return centre + body.surface.vertices @ rotation.T
 
 
 LIMITS = (low_penalty, low_tangential_stiffness, narrow_body, light_body, driven_past_grid_end)
