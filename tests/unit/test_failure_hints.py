@@ -15,6 +15,7 @@ from hybrid.monitors.failure_hints import (
     probable_causes,
     remedies,
 )
+from hybrid.monitors.judged_increments import JudgedIncrements
 from hybrid.monitors.plastic_increment import LIMIT, PlasticIncrement
 from hybrid.scene import Solver, Time
 from hybrid.setup.build import build
@@ -123,3 +124,19 @@ def test_lost_contact_is_named_as_the_cause():
     step, evaluation, workspace = started(rest_on=-0.004)
     assert not any("No corner" in cause for cause in probable_causes(step, evaluation))
     workspace.destroy()
+
+
+def test_many_judged_increments_are_reported_once():
+    """Five, and a tenth of all: not before."""
+    model = SimpleNamespace(solver=Solver(tolerance=1e-6))
+    monitor = JudgedIncrements(model, None)
+
+    def notes(judged, increments):
+        report = SimpleNamespace(judged=judged, increments=increments)
+        return monitor.notes(StepView(model, SimpleNamespace(time=2.0), None, report, {}))
+
+    assert notes(4, 4) == () and notes(0, 37) == ()
+    assert notes(1, 110) == ()          # 5 of 151
+    (text,) = notes(11, 9)
+    assert "16 of 160 increments" in text and "solver.tolerance = 1e-06" in text and "looser" in text
+    assert notes(10, 10) == ()
