@@ -91,8 +91,10 @@ def test_a_single_body_table_and_a_missing_key(schema):
 
 def test_units_and_defaults_are_in_the_schema():
     body = json_schema()["$defs"]["Body"]
-    assert body["properties"]["penalty"] == {"type": "number", "exclusiveMinimum": 0,
-                                             "description": "[1/m] p_f in the normal contact stiffness ε_N = p_f E A"}
+    penalty = body["properties"]["penalty"]
+    assert penalty.pop("description").startswith("[1/m] p_f: contact has a pressure of p_f E per unit of overlap")
+    assert penalty == {"type": "number", "exclusiveMinimum": 0}
+    assert body["properties"]["friction"]["default"] == 0.0
     assert body["required"] == ["geometry", "density"]
     assert json_schema()["required"] == ["grid", "soil", "time", "stage"]
     assert set(json_schema()["$defs"]["Layer"]["properties"]["material"]["properties"]) >= {"young", "strength"}
