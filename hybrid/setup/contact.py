@@ -5,12 +5,12 @@ penalty on elastic soil                           p_f = 400 / h
 penalty on soil that yields                       p_f = 20 / h
 penalty on held soil                              p_f E = W / (π r δ²),  δ = 2 s²/r
 
-with l the largest half-width of a domain, h the smallest cell, W the weight of the body and r the radius of curvature
-that nine tenths of its surface exceed (a body of planes: its size). On elastic soil the overlap is that of 1/400 of a cell under the same
-pressure (platen: 0.3 % of the force). Soil that yields bears a hundredth of E at most, so there 20/h leaves an overlap
-of 1/2000 of a cell; a pipe in clay takes 6 iterations a step with it, and 28 with 400/h. On held soil nothing but the penalty gives way: there δ is the
-overlap of a sphere under its weight, whose contact patch, sqrt(2 r δ), has a radius of two spacings; a stiffer one
-would feel the places one by one. Measured in DESIGN, "Contact".
+with l the smallest half-width of a domain (bodies are where cells are fine), h the smallest cell, W the weight of the
+body and r the radius of curvature that nine tenths of its surface exceed (a body of planes: its size). On elastic soil
+the overlap is that of 1/400 of a cell under the same pressure (platen: 0.3 % of the force). Soil that yields bears a
+hundredth of E at most, so there 20/h leaves an overlap of 1/2000 of a cell; a pipe in clay takes 6 iterations a step
+with it, and 28 with 400/h. On held soil nothing but the penalty gives way: there δ is the overlap of a sphere under its
+weight, whose contact patch, sqrt(2 r δ), has a radius of two spacings; a stiffer one would feel the places one by one.
 """
 
 from dataclasses import replace
@@ -20,7 +20,7 @@ import numpy as np
 from hybrid.body import rigid
 from hybrid.body.rigid import FREEDOMS
 from hybrid.contact import places
-from hybrid.runtime.comm import largest
+from hybrid.runtime.comm import largest, minimum
 from hybrid.runtime.errors import SceneError
 
 FEWEST, MOST = 4, 32                # places along a face
@@ -42,7 +42,7 @@ def connect_to_soil(described, body, rotation, soil, gravity):
 
 def _places(described, body, soil):
     """(Places, their spacing [m], radius of curvature [m] of the body)."""
-    width, radius = 2 * largest(soil.constants.half_width[:, ~soil.grid.collapsed]), curvature_radius(body.surface)
+    width, radius = 2 * minimum(soil.constants.half_width[:, ~soil.grid.collapsed]), curvature_radius(body.surface)
     if described.contact == "corners":
         return places.corners(), width, radius
     wanted = (HELD_CURVATURE if soil.held else CURVATURE) * width / radius
