@@ -11,7 +11,6 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from hybrid.scene.schema import Body, Soil, Time
-from hybrid.scene.soil import of_layer
 from hybrid.scene.table import shown
 
 SCHEME = "generalised-alpha"
@@ -63,11 +62,10 @@ def _fbar(scene, soil):
         return False, "held soil does not deform"
     if soil.basis == "mpm":
         return False, "standard points take another volume change at once when they cross into a cell"
-    materials = [soil.material, *(of_layer(soil.material, layer) for layer in soil.layers)]
-    flowing = [m.law for m in materials if m.law != "hencky"]
+    flowing = [law for law in (soil.material.law, *(layer.law for layer in soil.layers)) if law not in (None, "hencky")]
     if flowing:
         return True, f"plastic flow hardly changes the volume and would lock (law = '{flowing[0]}')"
-    poisson = max(m.poisson or 0.0 for m in materials)
+    poisson = max(soil.material.poisson or 0.0, *(layer.material.get("poisson", 0.0) for layer in soil.layers), 0.0)
     if poisson >= POISSON:
         return True, f"nearly incompressible soil would lock (poisson = {poisson:g}, limit {POISSON:g})"
     return False, "elastic soil that changes its volume bends better without"
