@@ -1,11 +1,16 @@
 """Exact collapse loads of rigid, perfectly plastic clay, with nothing set but the physics.
 
     strip footing, smooth or rough, plane strain      F / (B s_u) = 2 + π = 5.142     (Prandtl)
-    circular footing, smooth / rough                  F / (π R² s_u) = 5.69 / 6.05    (Eason & Shield; Cox, Eason & Hopkins)
+    circular footing, smooth / rough                  F / (π R² s_u) = 5.69 / 6.05    (Cox, Eason & Hopkins)
+    cylinder moved sideways, deep, smooth to rough    F / (D s_u) = 9.14 to 11.94     (Randolph & Houlsby)
 
-The clay is weightless, von Mises' law as strong as Tresca's in the state of stress of the problem, E = 10⁴ s_u, ν = 0.49.
-A footing is pushed down in 20 quasi-static steps, to 2.5 times the settlement that an elastic soil of that stiffness
-would need for the collapse load. Models use their symmetry: a half of the strip, a quarter of the circle.
+Footings: weightless clay, E = 10⁴ s_u, ν = 0.49, pushed down in 20 quasi-static steps to 2.5 times the settlement that an
+elastic soil of that stiffness would need for the collapse load. Models use their symmetry: a half of the strip, a
+quarter of the circle. The clay has von Mises' law, as strong as Tresca's in plane strain. In axial symmetry it is at
+most as strong as Tresca's (√J2 = s_u lies inside of the hexagon), so the exact load of the circle is 5.69 at most.
+
+Cylinder: no body can start embedded, so the points whose centres are inside it are removed (`wish_in_place`), and the
+weight, which grows from zero in the first stage, closes the gap. The clay at the axis bears 20 s_u, so none opens.
 """
 
 from dataclasses import dataclass, replace
@@ -35,10 +40,10 @@ class Pushed:
     notes: tuple = ()
 
 
-def clay(cone):
-    """Undrained clay; cone: state in which it is as strong as Tresca's."""
-    return Material(law="von-mises", young=STIFFNESS * STRENGTH, poisson=POISSON, density=1.0, strength=STRENGTH,
-                    cone=cone)
+def clay(rigidity=STIFFNESS, density=1.0):
+    """Undrained clay that is as strong as Tresca's in plane strain, √J2 = s_u; rigidity: E / s_u."""
+    return Material(law="von-mises", young=rigidity * STRENGTH, poisson=POISSON, density=density, strength=STRENGTH,
+                    cone="plane strain")
 
 
 def graded(size, fine, end, growth=1.3):
@@ -49,7 +54,7 @@ def graded(size, fine, end, growth=1.3):
     return found
 
 
-def footing(shape, across, friction=0.0, **soil):
+def footing(shape, across, friction=0.0):
     """Scene of a footing of half-width or radius 1 m, with `across` cells in it; shape: "strip" or "circle"."""
     size, circle = 1.0 / across, shape == "circle"
     side = Axis(nodes=tuple(graded(size, 1.5, 5.0)))
@@ -62,13 +67,13 @@ def footing(shape, across, friction=0.0, **soil):
                 position=(0.0, 0.0 if circle else 0.25 * size, 0.0), velocity=(0.0, 0.0, -settlement / STEPS),
                 driven=("z",), held=("x", "y", "rx", "ry", "rz"))
     return Scene(name=f"{shape} footing", grid=Grid(side, depth, down, Faces(z_min="fixed")),
-                 soil=Soil(clay("compression" if circle else "plane strain"), top=0.0, geostatic=False, **soil),
+                 soil=Soil(clay(), top=0.0, geostatic=False),
                  bodies=(body,), gravity=(0.0, 0.0, 0.0), time=Time(1.0, inertia=False), stages=(Stage("push", STEPS),))
 
 
-def push(shape, across, friction=0.0, **soil):
+def push(shape, across, friction=0.0):
     """Pushed of a footing."""
-    scene = footing(shape, across, friction, **soil)
+    scene = footing(shape, across, friction)
     simulation = build(scene)
     records, seconds = timed_steps(simulation)
     force = np.array([record.bodies[0].contact_force[2] for record in records])
@@ -82,24 +87,23 @@ def push(shape, across, friction=0.0, **soil):
 PRESSURE, COVER = 20.0, 5.0     # at the axis [s_u]; depth of the axis [diameters]
 
 
-def buried(across, friction=0.0, way=0.1, rigidity=500.0, steps=20, fill=20, around=6.0, fine=1.25, **soil):
+def buried(across, friction=0.0, way=0.1, rigidity=500.0, steps=20, fill=20, around=6.0, fine=1.25):
     """Scene of a cylinder of 1 m diameter that hangs above the soil; `wish_in_place` puts it at z = 0.
 
     across: cells in a diameter; rigidity: E / s_u; way [m], along x, in `steps`; around [m]: half-width of the soil.
     """
     size = 1.0 / across
     out = graded(size, fine, around)
-    up = [z for z in graded(size, fine, COVER)]
+    up = graded(size, fine, COVER)
     x = Axis(nodes=(*(-a for a in out[:0:-1]), *out))
     z = Axis(nodes=(*(-a for a in graded(size, fine, around)[:0:-1]), *up, up[-1] + (up[-1] - up[-2])))
     slice_ = Axis(start=0.0, end=0.5 * size, collapsed=True)
-    clay_ = Material(law="von-mises", young=rigidity * STRENGTH, poisson=POISSON, strength=STRENGTH, cone="plane strain",
-                     density=PRESSURE * STRENGTH / (9.81 * up[-1]))
+    density = PRESSURE * STRENGTH / (9.81 * up[-1])
     body = Body(GEOMETRY / "cylinder.geo", 1000.0, name="cylinder", rest_on=up[-1], rotation=(1.0, 0.0, 0.0, 90.0),
                 parameters={"radius": 0.5, "height": 3 * size, "size": 0.05}, position=(0.0, 0.25 * size, 0.0),
                 friction=friction, velocity=(way / steps, 0.0, 0.0), driven=("x",), held=("y", "z", "rx", "ry", "rz"))
     return Scene(name="buried", grid=Grid(x, slice_, z, Faces(z_min="fixed")),
-                 soil=Soil(clay_, top=up[-1], geostatic=False, **soil), bodies=(body,), time=Time(1.0, inertia=False),
+                 soil=Soil(clay(rigidity, density), top=up[-1], geostatic=False), bodies=(body,), time=Time(1.0, inertia=False),
                  stages=(Stage("fill", fill, gravity=(0.0, 1.0), held=("x",)), Stage("push", steps)))
 
 
