@@ -32,10 +32,9 @@ Multibody Syst. Dyn. 18 (2007) 185-202 (the form with a); O. Brüls and A. Cardo
 031002 (the same rule on rotations).
 """
 
+import cmath
 from dataclasses import dataclass, replace
 from typing import Literal
-
-import numpy as np
 
 DAMPED = 0.4    # ρ∞ from which on contact rings: bodies and soil throw each other back faster than they came
 
@@ -93,8 +92,11 @@ class Scheme:
         """ρ∞: share of an oscillation far faster than the step that a step leaves, 1 without inertia."""
         if self.auxiliary:
             return self.alpha_f / (1 - self.alpha_f)
-        roots = np.roots((self.beta, self.gamma + 0.5 - 2 * self.beta, self.beta - self.gamma + 0.5))
-        return float(np.abs(roots).max()) if self.inertia else 1.0
+        if not self.inertia:
+            return 1.0
+        a, b, c = self.beta, self.gamma + 0.5 - 2 * self.beta, self.beta - self.gamma + 0.5
+        root = cmath.sqrt(b * b - 4 * a * c)
+        return max(abs(-b + root), abs(-b - root)) / (2 * a)    # larger root of a λ² + b λ + c
 
     @property
     def damps(self):

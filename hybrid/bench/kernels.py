@@ -8,6 +8,7 @@ import numpy as np
 from hybrid.bench.scenes import block, contracted
 from hybrid.bench.timed_steps import sizes, warm
 from hybrid.contact.contact_pair import ContactPair
+from hybrid.contact.corners import Domains
 from hybrid.setup.build import build
 from hybrid.soil.basis import evaluate_basis
 from hybrid.step.equations import Unknowns, begin
@@ -77,10 +78,10 @@ def pressed(step, share=0.02):
 
 def _pair(step):
     """The pair of cube and soil made anew: the search of contact."""
-    guess, (body,), (state,) = step.predictor(), step.model.bodies, step.state.bodies
-    return ContactPair(body, state, step.state.contacts[0], step.soil.points, step.soil.points.half_width,
-                       step.model.soil.grid,
-                       step.soil.active, step.model.soil.grid.smallest_cell, (guess.displacement, guess.poses[0]))
+    guess, begun, soil = step.predictor(), step.bodies[0], step.model.soil
+    domains = Domains.of(step.soil.points, soil.constants.volume, soil.basis)
+    return ContactPair(begun.body, begun.state, step.state.contacts[0], domains, soil.grid, step.soil.active,
+                       begun.reach, (guess.displacement, guess.poses[0]))
 
 
 def _median(work):

@@ -67,7 +67,7 @@ class Evaluation:
 
 @dataclass(frozen=True)
 class Step:
-    """One increment of `dt` [s] from the committed `state`, frozen except for contact multipliers and held facets.
+    """One increment of `dt` [s] from the committed `state`, frozen except for held facets.
 
     soil: None where it is held; reference: norm [N] of internal forces that the errors of the soil are relative to if
     all forces of a trial are smaller (`hybrid.step.newton` sets it)
