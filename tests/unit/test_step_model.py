@@ -8,6 +8,7 @@ import pytest
 from hybrid.body.rigid import FREEDOMS
 from hybrid.laws.hencky import Hencky
 from hybrid.scene import Axis, Faces, Grid, Pull, Stage
+from hybrid.scheme import Scheme
 from hybrid.setup.build import build
 from hybrid.study.scenes import box, elastic, plane, scene
 
@@ -39,9 +40,9 @@ def test_a_stage_holds_more_components_of_every_body(simulation):
 
 
 def test_a_stage_may_have_its_own_rule_and_loads(simulation):
-    loads = simulation.model.loads.during(0.0, 1.0, (0.0, 0.5))
+    loads, scheme = simulation.model.loads.during(0.0, 1.0, (0.0, 0.5)), simulation.model.scheme
     stage = simulation.model.for_stage(beta=0.5625, gamma=1.0, loads=loads)
-    assert (stage.scheme.beta, stage.scheme.gamma) == (0.5625, 1.0) and simulation.model.scheme.beta == 0.25
+    assert stage.scheme == Scheme.newmark(0.5625, 1.0) and simulation.model.scheme is scheme != stage.scheme
     assert not stage.loads.gravity_alone and np.array_equal(stage.gravity, WEIGHT)
     assert np.array_equal(stage.loads.on_bodies(1.0), 0.5 * WEIGHT)
 
