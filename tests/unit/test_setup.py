@@ -149,7 +149,7 @@ def test_a_round_body_rests_on_its_surface_and_not_on_its_facets(name, angle, he
     assert motion.position[2] == pytest.approx(1.0 + height, abs=2e-4)
     under = motion.position + np.random.default_rng(0).uniform(-0.3, 0.3, (2000, 3))
     under[:, 2] = 1.0
-    gaps = distances((under - motion.position) @ motion.rotation, body.surface)
+    gaps = distances((under - motion.position) @ motion.rotation, body.surface)[0]
     assert 0.0 < gaps.min() + 1e-4 < 0.01
     vertices = motion.position[2] + (body.surface.vertices @ motion.rotation.T)[:, 2]
     assert vertices.min() > 1.0002

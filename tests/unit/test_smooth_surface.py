@@ -298,7 +298,7 @@ def test_distances_are_lower_bounds_of_the_way_to_the_surface(shape):
     surface = build_surface(*SHAPES[shape](1))
     places, gap, normal = around(shape, 3000, 0.2, seed=9)
     places, normal = places[gap > 0.01], normal[gap > 0.01]
-    bound, g = distances(places, surface), gaps_and_normals(surface, places)[0]
+    bound, g = distances(places, surface)[0], gaps_and_normals(surface, places)[0]
     assert (bound < g).all() and (bound > 0.5 * g).all()
     for tilt in np.random.default_rng(0).normal(scale=0.3, size=(10, 3)):
         way = tilt - normal
