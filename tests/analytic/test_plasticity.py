@@ -1,0 +1,55 @@
+"""Collapse loads of clay with nothing set but the physics, against exact ones: hybrid/study/plasticity.py.
+
+Cells in half the width or in the radius, excess over the exact load:
+
+    strip     4, 8, 16     7.4, 3.9, 2.2 %     first order
+    circle    2, 3, 4      45, 28, 16 %
+
+The nodes at the edge of a rigid footing go down with it, and soil is sheared in the cell beyond: the footing acts as if
+it were 0.3 h wider on each side.
+"""
+
+import functools
+
+import numpy as np
+import pytest
+
+from hybrid.study import plasticity
+from hybrid.study.random.family import options_set
+
+
+@functools.cache
+def excess(shape, across):
+    """Of the load over the exact one, relative to that."""
+    exact = plasticity.STRIP if shape == "strip" else plasticity.SMOOTH
+    return plasticity.push(shape, across).factor[-1] / exact - 1
+
+
+@pytest.mark.parametrize("scene", [plasticity.footing("strip", 4), plasticity.footing("circle", 3, 1.0)],
+                         ids=["strip", "circle"])
+def test_nothing_is_set_but_the_physics(scene):
+    assert options_set(scene) == []
+
+
+def test_the_strip_converges_at_first_order():
+    assert np.log2(excess("strip", 4) / excess("strip", 8)) == pytest.approx(0.92, abs=0.1)
+    assert 0 < excess("strip", 8) < 0.045
+
+
+def test_the_load_reaches_a_plateau():
+    factor = plasticity.push("strip", 4).factor
+    assert factor[-1] / factor[-3] - 1 < 2e-3
+
+
+@pytest.mark.slow
+def test_the_strip_is_within_three_per_cent_on_sixteen_cells():
+    assert 0 < excess("strip", 16) < 0.03
+    assert np.log2(excess("strip", 8) / excess("strip", 16)) == pytest.approx(0.9, abs=0.15)
+
+
+@pytest.mark.slow
+def test_the_circle_approaches_its_load_from_above():
+    """0.3 to 0.4 h of the radius: the excess of the area decreases with the cells."""
+    found = [(np.sqrt(1 + excess("circle", n)) - 1) * n for n in (2, 3, 4)]
+    assert np.all(np.diff([excess("circle", n) for n in (2, 3, 4)]) < 0)
+    assert min(found) > 0.2 and max(found) < 0.5
