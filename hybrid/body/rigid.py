@@ -41,6 +41,7 @@ class RigidBody:
 
     free: (6,) bool, the unknowns; drive: (6,) [m/s, rad/s] spatial rates of the others, zero for held components
     places: where contact is evaluated on the domains of soil points (`hybrid.contact.places`)
+    edges: sharp ones, beside which there is no contact (`hybrid.contact.edges`), None on held soil
     penalty: p_f [1/m], or on held soil p_f E [N/m³]; contact_pressure: (n,) p_f E [N/m³] against each soil point, given
         by `with_stiffness`
     """
@@ -54,6 +55,7 @@ class RigidBody:
     tangential: float
     penalty: float = 0.0
     places: object = None
+    edges: object = None
     contact_pressure: np.ndarray | None = None
     line: Line | None = None
 

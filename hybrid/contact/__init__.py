@@ -2,6 +2,7 @@
 
 1 places.py         places on the points' domains: quadrature points of faces, or corners (the published method)
 2 corners.py        finds those near a body; they are material points carried by the grid, called contact points
+  edges.py          leaves out those beside sharp edges, where the grid does not resolve the rim of a contact
 3 first_contact.py  predicts where an open contact point will touch: the anchor of its tangential spring
 4 soil_to_body.py   contact points against the body's surface; pressure, stick or slip, tangent
 5 assembly.py       forces and tangent into the residual and the block system, through the nodes of their cells

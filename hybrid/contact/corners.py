@@ -106,12 +106,12 @@ class Domains:
         return cls(points.position, half, volume, included)
 
 
-def find_corners(domains, pressure, places, grid, active, body, surface, reach, history, expected):
+def find_corners(domains, pressure, places, grid, active, body, surface, reach, history, expected, edges=None):
     """Contact points within `reach` (Reach) of the surface of `body` (a BodyState).
 
     domains: Domains; pressure: (n,) p_f E [N/m³] of its contact with each; places: Places; active: (N,) bool, nodes that
     carry mass; history: ContactHistory; expected: nodal increments (N, 3) [m] (None: held soil) and pose of the body
-    from which the step starts to iterate.
+    from which the step starts to iterate; edges: Edges beside which there is no contact.
     """
     found = _within_reach(domains, places, grid.collapsed, body, surface, reach, history)
     node, weight = _interpolation(found["position"], grid.axes, active)
@@ -119,10 +119,13 @@ def find_corners(domains, pressure, places, grid, active, body, surface, reach, 
     use = use[np.lexsort((found["place"][use], found["point"][use]))]
     found = {name: values[use] for name, values in found.items()}
     point, place = found["point"], found["place"]
-    area = places.area(place, domains.half[point], domains.volume[point]) * places.facing(place, found.pop("normal"))
+    normal = found.pop("normal")
+    area = places.area(place, domains.half[point], domains.volume[point]) * places.facing(place, normal)
     if not domains.half.any():
         area = area / 2         # all eight corners of a point coincide: they share its stiffness
     start = (found["position"] - body.position) @ body.rotation
+    if edges is not None:
+        area = area * edges.share(start, normal @ body.rotation)
     corners = Corners(start=start, node=node[use], weight=weight[use], stiffness=pressure[point] * area, **found)
     is_open = ~corners.touching
     corners.anchor[is_open], corners.side[is_open] = predicted_contact_points(

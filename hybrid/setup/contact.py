@@ -20,6 +20,7 @@ import numpy as np
 from hybrid.body import rigid
 from hybrid.body.rigid import FREEDOMS
 from hybrid.contact import places
+from hybrid.contact.edges import find_edges
 from hybrid.runtime.comm import largest, minimum
 from hybrid.runtime.errors import SceneError
 
@@ -36,7 +37,10 @@ def connect_to_soil(described, body, rotation, soil, gravity):
     """The body, at an initial `rotation` (3, 3), with all of its contact that follows from `soil`; gravity (3,) [m/s²]. Raises SceneError."""
     body = in_slice(body, soil.grid, rotation)
     chosen, spacing, radius = _places(described, body, soil)
-    body = replace(body, places=chosen, penalty=_penalty(described, body, soil, spacing, radius, gravity))
+    edges = None
+    if not (soil.held or chosen.at_corners):
+        edges = find_edges(body.surface, soil.grid.smallest_cell, rotation[soil.grid.collapsed])
+    body = replace(body, places=chosen, edges=edges, penalty=_penalty(described, body, soil, spacing, radius, gravity))
     return rigid.with_stiffness(body, soil.law.young, soil.held)
 
 

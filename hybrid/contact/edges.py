@@ -1,0 +1,119 @@
+"""Sharp edges of a body, beside which soil that deforms is not in contact.
+
+The displacement of the grid bends at nodes only. A rigid face whose edge lies inside a cell, or on a line of the grid,
+therefore drives soil beyond its edge too: a footing on clay carries the load of one that is wider by a third of a cell
+on each side with its edges on grid lines, and by up to 0.8 cells with its edges inside cells. Without contact within
+
+    d = min(h/2, ρ/2)        h smallest cell, ρ largest distance of a point of the face from its edges
+
+of an edge the load is, on average over all places of the edge in a cell, that of the footing itself. d vanishes with
+the cells; ρ keeps contact on faces narrower than a cell. An edge is convex and bends by more than BEND; the rim of a cut
+through the body is none.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+from hybrid.body.patches import SMOOTH
+from hybrid.body.smooth import shared_edges
+
+SHARE = 0.5                     # of a cell, and of ρ
+BEND = np.radians(30.0)         # between the faces at an edge
+RAMP = 0.25                     # of d, over which contact sets in
+SAMPLES = 6                     # points along an edge of a triangle at which ρ is measured
+
+
+class Edges(NamedTuple):
+    """e edges, body frame: segment (e, 2, 3) [m] their ends; normal (e, 2, 3) outward, of the two faces that meet there;
+    inset (e, 2) [m], d of these faces."""
+
+    segment: np.ndarray
+    normal: np.ndarray
+    inset: np.ndarray
+
+    def share(self, y, normal):
+        """Share (m,) in [0, 1] of contact at points y (m, 3) [m] where the body has outward normals (m, 3)."""
+        out = np.ones(len(y))
+        _share(np.ascontiguousarray(y), np.ascontiguousarray(normal), *self, out)
+        return out
+
+
+def find_edges(surface, cell, along=()):
+    """Edges of a ContactSurface on a grid with smallest cells of `cell` [m].
+
+    along: unit vectors (3,) of the collapsed axes in the body frame, in the directions of which the body is a prism;
+    only edges parallel to them count, and distances are those in the section.
+    """
+    (t, other), (k, _) = (side.T for side in shared_edges(surface.triangles))
+    corners, normals, across = surface.vertices[surface.triangles], surface.normals, surface.tree.patches.across
+    bends = np.einsum("ei,ei->e", normals[t], normals[other]) < np.cos(BEND)
+    if len(across):
+        bends &= across[t, k, 1] != SMOOTH
+    links = coo_matrix((np.ones(np.count_nonzero(~bends)), (t[~bends], other[~bends])), shape=(len(corners),) * 2)
+    face = connected_components(links, directed=False)[1]
+    convex = np.einsum("ei,ei->e", normals[t], corners[other].mean(axis=1) - corners[t].mean(axis=1)) < 0.0
+    segment = np.stack([corners[t, k], corners[t, (k + 1) % 3]], axis=1)
+    chosen = bends & convex & _parallel(segment, along)
+    sides = np.stack([t, other], axis=1)[chosen]
+    segment = _in_section(segment[chosen], along)
+    inset = np.array([min(SHARE * cell, SHARE * _inradius(_in_section(corners[face == f], along),
+                                                          segment[(face[sides] == f).any(axis=1)]))
+                      for f in range(face.max() + 1)])
+    return Edges(segment, np.ascontiguousarray(normals[sides]), inset[face[sides]].reshape(-1, 2))
+
+
+def _parallel(segment, along):
+    """(e,) bool, segments parallel to all of the vectors `along`."""
+    direction = segment[:, 1] - segment[:, 0]
+    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+    return np.all([np.abs(direction @ axis) > np.cos(BEND) for axis in along], axis=0) | np.zeros(len(segment), bool)
+
+
+def _in_section(points, along):
+    """Points (..., 3) [m] projected along the vectors `along`."""
+    for axis in along:
+        points = points - (points @ axis)[..., None] * axis
+    return points
+
+
+def _inradius(corners, segment):
+    """Largest distance [m] of points of triangles (t, 3, 3) from segments (e, 2, 3); inf without any."""
+    if not len(segment):
+        return np.inf
+    a, b = np.divmod(np.arange((SAMPLES + 1) ** 2), SAMPLES + 1)
+    inside = a + b <= SAMPLES
+    weights = np.stack([a, b, SAMPLES - a - b], axis=1)[inside] / SAMPLES
+    places = np.einsum("sk,tki->tsi", weights, corners).reshape(-1, 3)
+    nearest = np.full(len(places), np.inf)
+    for start, end in segment:
+        d = end - start
+        s = np.clip((places - start) @ d / max(d @ d, 1e-300), 0.0, 1.0)
+        nearest = np.minimum(nearest, np.linalg.norm(places - start - s[:, None] * d, axis=1))
+    return nearest.max()
+
+
+@njit(cache=True)
+def _share(y, normal, segment, sides, inset, out):
+    for n in range(len(y)):
+        for e in range(len(segment)):
+            first = second = 0.0
+            for i in range(3):
+                first += normal[n, i] * sides[e, 0, i]
+                second += normal[n, i] * sides[e, 1, i]
+            d = inset[e, 0] if first >= second else inset[e, 1]
+            along = length = 0.0
+            for i in range(3):
+                step = segment[e, 1, i] - segment[e, 0, i]
+                along += (y[n, i] - segment[e, 0, i]) * step
+                length += step * step
+            s = min(max(along / length, 0.0), 1.0) if length > 0.0 else 0.0
+            distance = 0.0
+            for i in range(3):
+                off = y[n, i] - segment[e, 0, i] - s * (segment[e, 1, i] - segment[e, 0, i])
+                distance += off * off
+            ramp = (np.sqrt(distance) - (1.0 - 0.5 * RAMP) * d) / (RAMP * d)
+            out[n] = min(out[n], max(ramp, 0.0))
