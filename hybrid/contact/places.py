@@ -26,8 +26,8 @@ import numpy as np
 BLOCK = 4           # places along a block of a face
 TURN = 0.5          # by which the normal of a body may turn within half a block: sine
 CORNER_SHARE = 0.25  # of a point's contact stiffness, per corner
-# Cells around a body in which places are followed. A quarter of one: what the soil has been strained by there hardly moves its surface, and the places followed are a
-# quarter of those within a cell. Held soil is not strained.
+# Cells around a body in which places are followed. A quarter of one: the strain of the soil there hardly moves its
+# surface, and the places followed are a quarter of those within a cell. Held soil is not strained.
 FACE_REACH, HELD_REACH = 0.25, 0.0625
 
 

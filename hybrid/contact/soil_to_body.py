@@ -1,4 +1,4 @@
-"""First pass of contact: corners of the points' domains against the triangles of a body, with Coulomb friction.
+"""Law of contact: points on the soil's surface against the surface of a body, with Coulomb friction.
 
     y = R^T (x_c - c)      y - foot = g N      p = -ε_N g > 0
     z = y - y_anchor       g_t = P z,  P = I - N N^T

@@ -34,7 +34,8 @@ STRAIGHT = 0.02                    # sine of the angle between a prism's surface
 
 
 def connect_to_soil(described, body, rotation, soil, gravity):
-    """The body, at an initial `rotation` (3, 3), with all of its contact that follows from `soil`; gravity (3,) [m/s²]. Raises SceneError."""
+    """The body, at an initial `rotation` (3, 3), with all of its contact that follows from `soil`; gravity (3,) [m/s²].
+    Raises SceneError."""
     body = in_slice(body, soil.grid, rotation)
     chosen, spacing, radius = _places(described, body, soil)
     edges = None
