@@ -1,6 +1,6 @@
 """Plates thrown at soil in steps much longer than they are thick: no corner may be carried through them.
 
-At 5 m/s a step of 0.03 s goes 150 mm; the plates are 40 and 5 mm thick, and start 10 mm above the soil.
+At 5 m/s a step of 0.03 s goes 150 mm; the plates are 20 and 5 mm thick, and start 10 mm above the soil.
 """
 
 import numpy as np
@@ -15,7 +15,7 @@ from hybrid.study.scenes import soil_scene, steel
 
 PLACES = pytest.mark.parametrize("contact", ["corners", "faces"])
 PENALTY = 50.0      # [1/m]
-THICKNESS = pytest.mark.parametrize("thickness", [0.04, 0.005])
+THICKNESS = pytest.mark.parametrize("thickness", [0.02, 0.005])
 
 
 def thrown(geometry, thickness, contact, solver=Solver(tolerance=1e-4), **time):
@@ -46,7 +46,8 @@ def test_long_steps_are_halved_until_no_corner_is_carried_through(geometry, thic
 @PLACES
 @THICKNESS
 def test_without_the_check_it_goes_through(geometry, monkeypatch, thickness, contact):
-    """Plain Newton updates land beyond the plate; of two equilibria others may happen to find that on this side."""
+    """Plain Newton updates land beyond the plate; of two equilibria others may happen to find that on this side. In a
+    plate of 40 mm a row of points is still caught, and what side it is pushed to is chance."""
     monkeypatch.setattr(Step, "tunnelled", lambda self, evaluation: 0)
     plain = Solver(tolerance=1e-4, line_search=False, tangent_tolerance=0.0, loosest_tolerance=0.0)
     simulation = thrown(geometry, thickness, contact, plain)
