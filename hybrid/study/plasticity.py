@@ -9,8 +9,8 @@ elastic soil of that stiffness would need for the collapse load. Models use thei
 quarter of the circle. The clay has von Mises' law, as strong as Tresca's in plane strain. In axial symmetry it is at
 most as strong as Tresca's (√J2 = s_u lies inside of the hexagon), so the exact load of the circle is 5.69 at most.
 
-Cylinder: no body can start embedded, so the points whose domains it cuts are removed (`wish_in_place`), and the weight,
-which grows from zero in the first stage, closes the gap. The clay at the axis bears 20 s_u, so none opens.
+Cylinder: no body can start embedded, so the points whose centres are inside it are removed (`wish_in_place`), and the
+weight, which grows from zero in the first stage, closes the gap. The clay at the axis bears 20 s_u, so none opens.
 """
 
 from dataclasses import dataclass, replace
@@ -108,10 +108,9 @@ def buried(across, friction=0.0, way=0.1, rigidity=500.0, steps=20, fill=20, aro
 
 
 def wish_in_place(simulation, radius=0.5):
-    """Simulation whose cylinder lies at z = 0, without the points whose domains it cuts."""
+    """Simulation whose cylinder lies at z = 0, without the points whose centres are inside it."""
     state, soil = simulation.state, simulation.model.soil
-    nearest = np.maximum(np.abs(state.points.position) - 0.5 * state.points.half_width, 0.0)
-    keep = np.hypot(nearest[:, 0], nearest[:, 2]) > radius
+    keep = np.hypot(state.points.position[:, 0], state.points.position[:, 2]) > radius
     kept = select(Population(state.points, soil.constants, soil.law.rows), keep)
     soil = replace(soil, constants=kept.constants, law=soil.law.with_rows(kept.rows))
     position = state.bodies[0].position * (1.0, 1.0, 0.0)

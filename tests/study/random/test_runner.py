@@ -77,3 +77,11 @@ def test_nothing_is_drawn_without_rides(tmp_path):
     path = tmp_path / "records.json"
     record.save(path, runner.stamp(), [record.Record("platen", 0, {}, "right", {"force": 0.001})])
     assert report.draw(path, tmp_path) == []
+
+
+def test_the_shipped_records_are_those_of_the_seeds():
+    _, records = record.load(report.RECORDED)
+    assert {r.family for r in records} <= set(FAMILIES) and len({r.key for r in records}) == len(records)
+    for r in records:
+        assert r.values == FAMILIES[r.family].values(r.family, r.seed)
+        assert r.kind == "failed" or list(r.missed) == FAMILIES[r.family].missed(r.errors)
