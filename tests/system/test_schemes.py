@@ -142,10 +142,12 @@ def test_committed_and_trial_rates_are_never_the_same(geometry, name):
 @pytest.mark.parametrize("name, missed", [("newmark", 0.006), ("dissipative", 0.12), ("alpha", 0.006),
                                           ("energy-momentum", 0.006)])
 def test_a_sphere_rolls_on_faces(name, missed):
-    """Second pass alone, with friction, on a held plane that gravity leans by g_x: way v t + 5/14 g_x t².
+    """With friction, on a held plane that gravity leans by g_x: way v t + 5/14 g_x t².
 
-    Way: -0.4 % of it, -0.7 % when dissipative. Energy that the balance misses, of the kinetic: 0.42 % from samples that
-    meet the soil within a step; dissipative Newmark damps the bouncing, -8.2 %."""
+    Way: -0.4 % of it, -0.7 % when dissipative. Energy that the balance misses, of the kinetic: 0.42 % from points that
+    meet the body within a step; dissipative Newmark damps the bouncing, -8.2 %. The soft springs let the sphere sink by
+    δ = 20 mm (k π r δ² = m g). Points at depths from 0 to δ move at speeds that differ by δ/r of the sphere's, so some
+    slip, all of them by that share at most: below μ m g δ/r of the way, measured 1.2 to 1.5 J of 4.6 J."""
     ball = scenes.sphere(0.25, 0.08, growth=0.0, position=(-0.3, 0.0125, 0.0), rest_on=0.0, velocity=(1.0, 0.0, 0.0),
                          spin=(0.0, 4.0, 0.0), friction=0.4, penalty=1.0, tangential=2.0)
     simulation = build(scenes.plane(
@@ -156,7 +158,9 @@ def test_a_sphere_rolls_on_faces(name, missed):
     way = simulation.state.bodies[0].position[0] - simulation.initial_bodies[0].position[0]
     assert way == pytest.approx(0.2 + 5 / 14 * 0.2**2, rel=0.012)
     assert abs(record.energies["error"]) < missed * record.energies["kinetic"]
-    assert 0 < record.energies["friction"] < 0.01 * record.energies["kinetic"]
+    weight = 9.81 * simulation.masses[0].mass
+    sunk = np.sqrt(weight / (2e6 * np.pi * 0.25))
+    assert 0 < record.energies["friction"] < 0.4 * weight * sunk / 0.25 * way
 
 
 # ------------------------------------------------------------------ turns that are too long
