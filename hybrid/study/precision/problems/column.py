@@ -14,6 +14,7 @@ the law: Kratos is also run with a neo-Hookean law, τ = E/2 (λ² - 1), under w
 """
 
 from dataclasses import dataclass
+from time import process_time
 
 import numpy as np
 from scipy.integrate import quad
@@ -26,7 +27,7 @@ from hybrid.scene import Axis, Grid, Material, Output, Scene, Soil, Solver, Stag
 from hybrid.setup.build import build
 from hybrid.study.precision.problem import Problem
 from hybrid.study.precision.record import Record, RunResult
-from hybrid.study.precision.settings import SOILS, few, krylov_tolerances, newton_tolerances, transferable
+from hybrid.study.precision.settings import PUBLISHED, SOILS, few, krylov_tolerances, newton_tolerances, transferable
 
 
 @dataclass(frozen=True)
@@ -76,10 +77,10 @@ class Settled:
     seconds: float
 
 
-def settle(column, cells, steps=None, domain="stretch", full=False, solver=TIGHT, **soil):
+def settle(column, cells, steps=None, domain="stretch", full=False, solver=TIGHT, method="default", **soil):
     """Settled column on `cells` cells; full: four cells of a three-dimensional grid at each height, else one axis.
 
-    solver, soil: values of these tables.
+    solver, soil: values of these tables; method: "default" or "published".
     """
     size = column.length / cells
     side = Axis(start=0.0, end=2 * size, size=size, collapsed=not full)
@@ -89,9 +90,9 @@ def settle(column, cells, steps=None, domain="stretch", full=False, solver=TIGHT
                   domain=domain, **soil),
         gravity=(0.0, 0.0, -column.gravity), time=Time(step=1.0, inertia=False),
         stages=(Stage("load", steps or column.steps, gravity=(0.0, 1.0)),),
-        solver=Solver(**solver), output=Output(every=0, checkpoint=0))
+        method=method, solver=Solver(**solver), output=Output(every=0, checkpoint=0))
     simulation = build(scene)
-    records, seconds = timed_steps(simulation)
+    records, seconds = timed_steps(simulation, clock=process_time)
     points, constants = simulation.state.points, simulation.model.soil.constants
     Z, found = constants.position[:, 2], points.stress[:, 2, 2]
     top = np.argmax(points.position[:, 2])
@@ -122,6 +123,7 @@ def curves(quick=False):
 
     all_curves = {
         "default": over(),
+        PUBLISHED: over(method="published"),
         **{name: over(soil=soil) for name, soil in SOILS.items()},
         "direct solver": over(solver={"linear": "direct"}),
         "h and load steps": [(f"{size(n)}, {k} steps", {"cells": n, "steps": k})
@@ -139,10 +141,10 @@ def transfer(values):
     return transferable(values, values["cells"], "cells")
 
 
-def solve(cells, steps=SOFT.steps, soil=None, solver=None):
+def solve(cells, steps=SOFT.steps, soil=None, solver=None, method="default"):
     """RunResult of the column of 50 m and 10 kPa; soil, solver: values of these tables that differ from the
     defaults."""
-    found = settle(SOFT, cells, steps, **{"domain": "moments", **(soil or {})}, solver=solver or {})
+    found = settle(SOFT, cells, steps, **{"domain": "moments", **(soil or {})}, solver=solver or {}, method=method)
     return RunResult({"stress": float(found.stress_error), "height": float(found.height_error)}, found.iterations,
                  found.unknowns, found.seconds)
 

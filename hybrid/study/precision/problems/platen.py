@@ -9,6 +9,7 @@ Without overlap, δ = 0, the ideal force is 245.49 kN; the force converges to it
 
 from dataclasses import dataclass
 from math import log
+from time import process_time
 
 from scipy.optimize import brentq
 
@@ -18,11 +19,11 @@ from hybrid.scene import Axis, Body, Faces, Grid, Material, Output, Scene, Soil,
 from hybrid.setup.build import build
 from hybrid.study.precision.problem import Problem
 from hybrid.study.precision.record import RunResult
-from hybrid.study.precision.settings import transferable
+from hybrid.study.precision.settings import PUBLISHED, transferable
 
 YOUNG, LENGTH, PRESSED, AREA = 1e6, 0.8, 0.6, 0.64
 IDEAL = AREA * YOUNG * log(LENGTH / PRESSED) * LENGTH / PRESSED
-CORNERS, PENALTIES = {"contact": "corners", "penalty": 50.0}, (20.0, 50.0, 200.0, 1e3, 1e4, 1e5)
+CORNERS, PENALTIES = {"method": "published", "penalty": 50.0}, (20.0, 50.0, 200.0, 1e3, 1e4, 1e5)
 
 
 def in_series(penalty, pressed=AREA):
@@ -34,9 +35,9 @@ def in_series(penalty, pressed=AREA):
 
 
 def curves(quick):
-    """Cells; penalty factor; the corners of the published method; tolerances and load steps under a stiff contact."""
+    """Cells; penalty factor; the published method; tolerances and load steps under a stiff contact."""
     penalties, cells = ((50.0, 1e3), (0.4, 0.2)) if quick else (PENALTIES, (0.4, 0.2, 0.1))
-    found = {"default": _fine(cells), "penalty": _stiff(penalties), "corners (published)": _fine(cells, **CORNERS)}
+    found = {"default": _fine(cells), "penalty": _stiff(penalties), PUBLISHED: _fine(cells, **CORNERS)}
     if quick:
         return found
     return found | {
@@ -60,16 +61,16 @@ def _slow(counts, **values):
     return [(f"{steps} steps", {"steps": steps, **values}) for steps in counts]
 
 
-def scene(penalty=None, cell=0.4, steps=20, solver=None, **body):
-    """Scene of the press: `penalty` [1/m], None: derived, cells of `cell` [m]; solver, body: values of the solver and of the platen
-    that differ from the defaults."""
+def scene(penalty=None, cell=0.4, steps=20, solver=None, method="default", **body):
+    """Scene of the press: `penalty` [1/m], None: derived, cells of `cell` [m]; solver, body: values of the solver
+    and of the platen that differ from the defaults."""
     axis = Axis(start=0.0, end=LENGTH, size=cell)
     parameters = {"length": 1.2, "width": 1.2, "height": 0.4, "size": body.pop("size", 10.0)}
     platen = Body(GEOMETRY / "box.geo", 1000.0, parameters=parameters, position=(0.4, 0.4, 0.0), rest_on=LENGTH,
                   velocity=(0.0, 0.0, (PRESSED - LENGTH) / 20), driven=("z",), held=("x", "y", "rx", "ry", "rz"),
                   penalty=penalty, **body)
     material = Material(law="hencky", young=YOUNG, poisson=0.0, density=1000.0)
-    return Scene(name="platen", grid=Grid(axis, axis, axis, Faces()), soil=Soil(material, geostatic=False),
+    return Scene(name="platen", method=method, grid=Grid(axis, axis, axis, Faces()), soil=Soil(material, geostatic=False),
                  bodies=(platen,), time=Time(20 / steps, inertia=False), stages=(Stage("press", steps),),
                  solver=Solver(**(solver or {})), gravity=(0.0, 0.0, 0.0), output=Output(every=0, checkpoint=0))
 
@@ -89,17 +90,15 @@ class Pressed:
 def press(**values):
     """Pressed of a `scene` of these values. Raises StepError if a step fails."""
     simulation = build(scene(**values))
-    records, seconds = timed_steps(simulation)
+    records, seconds = timed_steps(simulation, clock=process_time)
     return Pressed(simulation, records, float(records[-1].bodies[0].contact_force[2]),
                    float(simulation.state.contacts[0].position[:, 2].max()), sum(seconds))
 
 
 def transfer(values):
     """Settings that a scene can take over from a run in the default number of steps, else None."""
-    found = transferable(values, LENGTH / values.get("cell", 0.4), "cell", *CORNERS)
-    body = {key: values[key] for key in CORNERS if key in values}
-    if "penalty" in body:
-        body["penalty"] *= LENGTH
+    found = transferable(values, LENGTH / values.get("cell", 0.4), "cell", "penalty")
+    body = {"penalty": values["penalty"] * LENGTH} if "penalty" in values else {}
     return found and {**found, "body": body}
 
 
