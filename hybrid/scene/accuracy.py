@@ -1,10 +1,10 @@
-"""What a scene's `accuracy` sets: a level scales cells, steps and tolerances; a target looks settings up in records.
+"""What a scene's `accuracy` sets: a level scales cells and steps and sets a tolerance; a target looks settings up in records.
 
 Level, by name:
 
-    draft       cells and steps twice as large, tolerances as loose as they go without a share in the error
+    draft       cells and steps twice as large, a tolerance as loose as it goes without a share in the error
     standard    cells and steps as given
-    reference   cells and steps half as large, tolerances without any effect on the result
+    reference   cells and steps half as large, a tolerance without any effect on the result
 
 Target: the cheapest settings that reached an error in a similar problem of the study of precision,
 
@@ -34,16 +34,14 @@ WRITTEN = Path(__file__).with_name("accuracy.json")
 
 @dataclass(frozen=True)
 class Level:
-    """size, step: factors on cells and steps; tolerance, linear_tolerance: values of [solver]."""
+    """size, step: factors on cells and steps; tolerance: of [solver]."""
 
     size: float
     step: float
     tolerance: float
-    linear_tolerance: float
 
     def __str__(self):
-        return (f"cells x {self.size:g}, steps x {self.step:g}, tolerance {self.tolerance:.0e}, linear_tolerance "
-                f"{self.linear_tolerance:.0e}")
+        return f"cells x {self.size:g}, steps x {self.step:g}, tolerance {self.tolerance:.0e}"
 
 
 @dataclass(frozen=True)
@@ -99,15 +97,14 @@ def apply_accuracy(scene):
 
 
 def apply_level(scene, level):
-    """Scene with the cells, steps and tolerances of a Level, and as many frames and checkpoints as it had."""
+    """Scene with the cells, steps and tolerance of a Level, and as many frames and checkpoints as it had."""
     axes = {name: _resized(f"grid.{name}", getattr(scene.grid, name), level.size) for name in "xyz"}
     stages = tuple(replace(stage, steps=ceil(stage.steps / level.step), step=stage.step and stage.step * level.step)
                    for stage in scene.stages)
     output = replace(scene.output, every=_counted(scene.output.every, level.step),
                      checkpoint=_counted(scene.output.checkpoint, level.step),
                      pictures=tuple(_counted(step, level.step) for step in scene.output.pictures))
-    own = {name: getattr(level, name) for name in ("tolerance", "linear_tolerance")
-           if getattr(scene.solver, name) == getattr(Solver(), name)}
+    own = {"tolerance": level.tolerance} if scene.solver.tolerance == Solver().tolerance else {}
     return replace(
         scene, accuracy=None, grid=replace(scene.grid, **axes), stages=stages, output=output,
         time=replace(scene.time, step=scene.time.step * level.step), solver=replace(scene.solver, **own))

@@ -29,14 +29,14 @@ def test_levels_change_cells_steps_and_tolerances():
     assert scene.output == Output(every=10, pictures=(2, 16), checkpoint=0)
     own = dataclasses.replace(column("draft"), stages=(Stage("load", 8, 0.5, gravity=(0.0, 1.0)),))
     assert accuracy.apply_accuracy(own)[0].stages[0].step == 0.5 * accuracy.levels()["draft"].step == 1.0
-    assert (scene.solver.tolerance, scene.solver.linear_tolerance) == (level.tolerance, level.linear_tolerance)
+    assert scene.solver.tolerance == level.tolerance
     assert scene.accuracy is None and "cells x 0.5" in texts[0]
     assert build(column("reference")).sheet()["modelled"]["accuracy"] == texts
 
 
 def test_what_a_scene_gives_of_the_solver_stays():
-    scene, _ = accuracy.apply_accuracy(column("draft", Solver(tolerance=1e-9, linear_tolerance=1e-8)))
-    assert (scene.solver.tolerance, scene.solver.linear_tolerance) == (1e-9, 1e-8)
+    scene, _ = accuracy.apply_accuracy(column("draft", Solver(tolerance=1e-9)))
+    assert scene.solver.tolerance == 1e-9
 
 
 def test_without_accuracy_nothing_changes():

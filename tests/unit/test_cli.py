@@ -223,8 +223,8 @@ print([name for name in {heavy} if name in sys.modules])
 def test_study_runs_a_problem_draws_it_again_and_names_what_there_is(tmp_path, capsys):
     assert cli.main(["study", "precision", "platen", "--quick", "--out", str(tmp_path)]) == 0
     output = capsys.readouterr().out
-    assert "platen, corners (published)" in output and "times the front" in output
-    assert {"records.json", "time.png", "work.png"} <= {path.name for path in tmp_path.iterdir()}
+    assert "platen, published method" in output and "times the front" in output
+    assert {"records.json", "time.png", "work.png", "more.png"} <= {path.name for path in tmp_path.iterdir()}
     (tmp_path / "time.png").unlink()
     assert cli.main(["study", "precision", "--draw", "--out", str(tmp_path)]) == 0
     assert (tmp_path / "time.png").exists()

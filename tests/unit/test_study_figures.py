@@ -45,11 +45,18 @@ def test_error_against_cost(drawn, tmp_path):
     assert first.get_xscale() == first.get_yscale() == "log" and not unused.axison
     assert (first.get_title(loc="left"), first.get_xlabel(), first.get_ylabel()) == (
         "(a) column", "seconds", "stress error")
-    labels = [text.get_text() for text in first.get_legend().get_texts()]
-    assert labels == ["default", "fine (1 failed)", "other program"]
+    labels = {text.get_text(): text.get_position()[1] for text in first.texts if text.get_text()}
+    assert set(labels) == {"default", "fine (1 failed)", "other program"}
+    assert labels["default"] < labels["fine (1 failed)"] < labels["other program"] <= 1.0   # as their last errors
     curves = {bars.get_label(): bars.lines[0] for bars in first.containers}
-    assert curves["fine (1 failed)"].get_xdata().tolist() == [2.0, 20.0]       # in the order of their costs
+    assert curves["fine"].get_xdata().tolist() == [2.0, 20.0]       # in the order of their costs
     assert curves["other program"].get_linestyle() == ":" != curves["default"].get_linestyle()
+
+
+def test_labels_keep_apart_and_in_the_panel():
+    moved = work_precision._apart([0.5, 0.5, 1.0, 0.99, 0.1])
+    assert np.argsort(moved, kind="stable").tolist() == [4, 0, 1, 3, 2] and moved.max() == 1.0 and moved[4] == 0.1
+    assert (np.diff(np.sort(moved)) > work_precision.GAP - 1e-12).all()
 
 
 def test_map_over_one_parameter(drawn, tmp_path):

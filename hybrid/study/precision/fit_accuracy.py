@@ -21,11 +21,11 @@ SIZES = {"draft": 2.0, "standard": 1.0, "reference": 0.5}
 SHARES = {"draft": 0.5, "standard": 0.05, "reference": 0.005}   # change of an error that a tolerance may cause
 FLOOR = 5e-5    # smaller changes of an error are disregarded
 CHAOTIC = ("anchor",)   # two runs differ by more than a tolerance changes them
-CURVES = {"tolerance": "Newton tolerance", "linear_tolerance": "Krylov tolerance"}
+CURVE = "Newton tolerance"
 
 
-def loosest(records, curve, share):
-    """The loosest tolerance of `curve` that changes no error of any problem by more than `share` of it.
+def loosest(records, share, curve=CURVE):
+    """The loosest tolerance of a curve that changes no error of any problem by more than `share` of it.
 
     Raises ValueError if no problem has that curve.
     """
@@ -46,7 +46,7 @@ def loosest(records, curve, share):
 
 def levels(records):
     """{name: Level}."""
-    return {name: Level(size, size, *(loosest(records, curve, SHARES[name]) for curve in CURVES.values()))
+    return {name: Level(size, size, loosest(records, SHARES[name]))
             for name, size in SIZES.items()}
 
 

@@ -17,6 +17,8 @@ class Problem:
 
     curves(quick): {curve: [(setting, values), ...]} with values that JSON can hold; "default" is one of the curves.
     solve(**values): RunResult; raises HybridError where the run fails.
+    shown: the curves of the first figure beside the default, five at most; chosen: curves over what a scene chooses
+        itself and no default can give, steps and the grading of cells; they do not count for the front.
     length, transferable(values): for problems that a scene can name in `accuracy`: which length of the problem the
         cells are counted across, in words; the settings that a scene can take over from a run of these values
         (`hybrid.study.precision.settings.transferable`), None where it cannot.
@@ -29,6 +31,8 @@ class Problem:
     errors: dict[str, str]
     curves: Callable
     solve: Callable
+    shown: tuple = ()
+    chosen: tuple = ()
     length: str = ""
     transferable: Callable | None = None
     certain: float = 0.0

@@ -11,7 +11,7 @@ from hybrid.output import atomic
 
 @dataclass(frozen=True)
 class RunResult:
-    """Result of one run of a problem: errors [-] by name, Newton iterations, unknowns, wall time [s] of the steps."""
+    """Result of one run of a problem: errors [-] by name, Newton iterations, unknowns, processor time [s] of the steps."""
 
     errors: dict[str, float]
     newton: int
@@ -23,9 +23,9 @@ class RunResult:
 class Record:
     """A run and its repeats, of one `setting` of a `curve` of a `problem`.
 
-    values: arguments of the problem's `solve`; errors: by name, empty if the run failed; seconds: wall time of the
-    steps of every repeat, without start-up; reason: why the run failed, else empty; source: name of another program,
-    empty for this one. AMPLE was timed on another machine, Kratos on the same one.
+    values: arguments of the problem's `solve`; errors: by name, empty if the run failed; seconds: processor
+    time of the steps of every repeat, without start-up; reason: why the run failed, else empty; source: name of another program,
+    empty for this one. AMPLE was timed on another machine; Kratos, by wall time, on the same one.
     """
 
     problem: str
@@ -50,13 +50,13 @@ class Record:
 
     @property
     def time(self):
-        """Median wall time [s]; nan if there is none."""
-        return float(np.median(self.seconds)) if self.seconds else float("nan")
+        """Least processor time [s], for what disturbs a run only makes it longer; nan if there is none."""
+        return min(self.seconds) if self.seconds else float("nan")
 
     @property
     def spread(self):
-        """Half the range of the repeats' times over their median."""
-        return float(np.ptp(self.seconds) / 2 / self.time) if len(self.seconds) > 1 else 0.0
+        """Range of the repeats' times over the least."""
+        return float(np.ptp(self.seconds) / self.time) if len(self.seconds) > 1 else 0.0
 
     @property
     def work(self):

@@ -10,7 +10,7 @@ from hybrid.study.precision import record, report
 from hybrid.study.precision.record import Record, load
 from hybrid.study.precision.registry import PROBLEMS
 
-REPEATS = 3     # runs of each setting; the median of their times counts
+REPEATS = 3     # runs of each setting; the least of their times counts
 LONG = 5.0      # [s] a run that takes longer is not repeated
 
 

@@ -12,7 +12,6 @@ SOILS = {
 SCHEMES = {
     "steps, ρ∞ = 0": {},     # the default of a scene
     "steps, Newmark": {"scheme": "newmark"},
-    "steps, energy-momentum": {"scheme": "energy-momentum"},
 }
 PUBLISHED = "published method"      # label of the curve with method = "published"
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-6, 1e-8)         # of Newton's method

@@ -24,20 +24,20 @@ def records():
 
 
 def test_the_loosest_tolerance_that_leaves_every_error_alone():
-    assert fit_accuracy.loosest(records(), "Newton tolerance", 0.005) == 1e-8
-    assert fit_accuracy.loosest(records(), "Newton tolerance", 0.05) == 1e-3
-    assert fit_accuracy.loosest(records(), "Newton tolerance", 0.3) == 1e-3   # of both problems the stricter one
-    assert fit_accuracy.loosest(records(), "Krylov tolerance", 0.005) == 1e-2
+    assert fit_accuracy.loosest(records(), 0.005) == 1e-8
+    assert fit_accuracy.loosest(records(), 0.05) == 1e-3
+    assert fit_accuracy.loosest(records(), 0.3) == 1e-3   # of both problems the stricter one
+    assert fit_accuracy.loosest(records(), 0.005, "Krylov tolerance") == 1e-2
     with pytest.raises(ValueError, match="no records of the curve 'h'"):
-        fit_accuracy.loosest(records(), "h", 0.1)
+        fit_accuracy.loosest(records(), 0.1, "h")
 
 
 def test_a_failure_ends_what_is_allowed():
     failed = Record("a", "Newton tolerance", "1e-4", {}, reason="no")
     kept = [r for r in records() if r.key != failed.key] + [failed]
-    assert fit_accuracy.loosest(kept, "Newton tolerance", 0.05) == 1e-6
+    assert fit_accuracy.loosest(kept, 0.05) == 1e-6
     too_tight = Record("a", "Newton tolerance", "1e-16", {}, reason="no")
-    assert fit_accuracy.loosest([*records(), too_tight], "Newton tolerance", 0.05) == 1e-3
+    assert fit_accuracy.loosest([*records(), too_tight], 0.05) == 1e-3
 
 
 def test_the_levels_that_ship_are_those_of_the_records_that_ship():
@@ -75,10 +75,10 @@ def test_the_penalty_is_given_by_length():
                       {"Nc, φ = 20°": 0.001}, (1.0,), 1, 4)
 
     half = fit_accuracy.references([pressed(2.0), pressed(100.0)])["footing"].settings        # soft springs by chance
-    assert half == (Settings(0.015, "a, 100.0", 1.25, body={"penalty": 100.0}),)    # smaller errors are not certain
-    record = Record("platen", "a", "x", {"cell": 0.2, "contact": "corners", "penalty": 50.0}, {"force": 0.1}, (1.0,), 1, 4)
+    assert half == (Settings(0.015, "a, 100.0", 1, body={"penalty": 100.0}),)    # smaller errors are not certain
+    record = Record("platen", "a", "x", {"cell": 0.2, "penalty": 50.0}, {"force": 0.1}, (1.0,), 1, 4)
     cube = fit_accuracy.references([record])["platen"].settings
-    assert cube == (Settings(0.1, "a, x", 4.0, body={"contact": "corners", "penalty": 40.0}),)
+    assert cube == (Settings(0.1, "a, x", 4.0, body={"penalty": 40.0}),)
 
 
 def test_the_page_states_the_errors_that_can_be_asked_for():

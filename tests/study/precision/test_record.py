@@ -4,9 +4,9 @@ from hybrid.study.precision import record
 from hybrid.study.precision.record import Record
 
 
-def test_time_is_the_median_and_spread_half_the_range_over_it():
+def test_time_is_the_least_and_spread_the_range_over_it():
     r = Record("p", "a", "1", {}, {"e": 0.1}, (1.0, 4.0, 2.0), 1, 1)
-    assert (r.time, r.spread, r.work) == (2.0, 0.75, 1)
+    assert (r.time, r.spread, r.work) == (1.0, 3.0, 1)
     assert Record("p", "a", "1", {}, {"e": 0.1}, (1.0,), 1, 1).spread == 0.0
 
 

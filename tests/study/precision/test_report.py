@@ -13,7 +13,7 @@ def test_the_page_states_the_place_of_the_defaults():
     all_records = record.load(report.RECORDED)[1]
     lines = PAGE.read_text(encoding="utf-8").splitlines()
     for letter, (name, problem) in zip("abcdefgh", report.PROBLEMS.items()):
-        own = [r for r in all_records if r.problem == name and not r.source]
+        own = report.competing([r for r in all_records if r.problem == name], problem)
         for error in problem.errors:
             spans = []
             for cost in report.COSTS:
@@ -23,6 +23,15 @@ def test_the_page_states_the_place_of_the_defaults():
                 spans.append(" to ".join(ends))
             row = f"| ({letter}) {error} | {' | '.join(spans)} |"
             assert any(line.startswith(row) for line in lines), (error, spans)
+
+
+def test_a_panel_has_six_curves_at_most_and_every_curve_a_panel():
+    records = record.load(report.RECORDED)[1]
+    first, second = report.panels(records, "time"), report.panels(records, "time", shown=False)
+    for problem, *both in zip(report.PROBLEMS.values(), first, second):
+        labels = [[series.label for series in panel.series] for panel in both]
+        assert all(len(of_one) <= 6 and "default" in of_one for of_one in labels)
+        assert set(problem.shown) <= set(labels[0]) and set(labels[0]) & set(labels[1]) == {"default"}
 
 
 def test_every_record_that_ships_is_of_a_problem_and_a_curve():
@@ -37,7 +46,7 @@ def test_every_record_that_ships_is_of_a_problem_and_a_curve():
 
 def test_a_line_gives_errors_and_cost_or_the_reason_of_a_failure():
     done = Record("column", "default", "h", {}, {"stress": 0.01}, (2.0, 3.0, 4.0), 5, 6)
-    assert report.line(done) == "column, default, h: stress 1.00e-02; 3 s ± 33 %, 5 iterations of 6 unknowns"
+    assert report.line(done) == "column, default, h: stress 1.00e-02; 2 s + 100 %, 5 iterations of 6 unknowns"
     assert report.line(Record("column", "default", "h", reason="no convergence")).endswith("h: failed: no convergence")
 
 

@@ -70,7 +70,7 @@ def test_figures_need_records_only(toy, undrawn, tmp_path, monkeypatch):
     runner.run(["column"], quick=True, out=tmp_path, log=lambda _: None)
     monkeypatch.setitem(runner.PROBLEMS, "column", replace(TOY, solve=None))
     drawn = undrawn(tmp_path / "records.json", tmp_path)
-    assert len(drawn) == 2 and all(path.stat().st_size > 10_000 for path in drawn)
+    assert len(drawn) == 3 and all(path.stat().st_size > 10_000 for path in drawn)
 
 
 def test_unknown_problem():
@@ -79,11 +79,10 @@ def test_unknown_problem():
 
 
 def test_the_quick_study_of_every_problem(quick):
-    """All problems with quick settings complete them, except one curve that fails on purpose; each has a panel per
-    cost."""
+    """All problems with quick settings complete them; each has a panel per cost."""
     records = [r for name, problem in runner.PROBLEMS.items() if problem.curves(True) for r in quick.records(name)]
     assert set(runner.PROBLEMS) - {r.problem for r in records} == {"anchor"}     # takes too long
-    assert {(r.problem, r.curve) for r in records if r.failed} == {("cantilever", "default")}
+    assert not [r.key for r in records if r.failed]
     for cost in report.COSTS:
         panels = report.panels(records, cost)
         assert len(panels) == 7 and all(panel.front for panel in panels)

@@ -7,6 +7,7 @@ from problem_checks import check
 from hybrid.runtime.errors import StepError
 from hybrid.step import newton
 from hybrid.study.precision.problems import sphere
+from hybrid.study.precision.settings import PUBLISHED
 
 
 def rates(found):
@@ -20,14 +21,14 @@ def test_contract():
 
 def test_errors_fall_with_the_square_of_the_spacing(recorded):
     """Measured: 2.0 of the distance and 1.7 of the spin."""
-    assert rates(recorded(sphere, "corners (published)")) == pytest.approx({"distance": 2.0, "spin": 2.0}, abs=0.5)
+    assert rates(recorded(sphere, PUBLISHED)) == pytest.approx({"distance": 2.0, "spin": 2.0}, abs=0.5)
 
 
 def test_a_wrong_law_is_found(monkeypatch, replayed):
     """A sphere that has no inertia of turning goes 40 % farther when it rolls."""
     right = sphere.law
     monkeypatch.setattr(sphere, "law", lambda mu, time: (1.4 * right(mu, time)[0], 0.6 * right(mu, time)[1]))
-    assert all(abs(rate) < 0.3 for rate in rates(replayed(sphere, "corners (published)")).values())
+    assert all(abs(rate) < 0.3 for rate in rates(replayed(sphere, PUBLISHED)).values())
 
 
 def test_what_is_counted(quick, recorded):

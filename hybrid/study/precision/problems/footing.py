@@ -141,10 +141,10 @@ def curves(quick=False):
 
 def transfer(values):
     """Settings that a scene can take over from a run on equal cells in the default number of steps, else None; also
-    None for contact springs softer than SOFT, which reduce an excessive force and so hide some of the error."""
+    None for contact springs softer than PENALTY, which reduce an excessive force and so hide some of the error."""
     body = dict(values.get("body", {}))
     found = transferable(values, values["across"], "across")
-    if found is None or (body.get("penalty") or SOFT) < SOFT:
+    if found is None or body.get("penalty", PENALTY) < PENALTY:
         return None
     if "penalty" in body:
         body["penalty"] *= 0.5 * WIDTH
@@ -161,5 +161,8 @@ def solve(across, angle=20, steps=20, growth=None, soil=None, solver=None, body=
     return RunResult(errors, found.iterations, found.unknowns, found.seconds)
 
 
-PROBLEM = Problem(title="strip footing", errors=ERRORS, curves=curves, solve=solve, length="half of the width",
-                  transferable=transfer, certain=0.015)
+PROBLEM = Problem(
+    title="strip footing", errors=ERRORS,
+    shown=(PUBLISHED, "neither F-bar nor ghost", "no ghost penalty", "direct solver", "Newton tolerance"),
+    chosen=("graded grid", "load steps"), curves=curves, solve=solve, length="half of the width", transferable=transfer,
+    certain=0.015)

@@ -149,4 +149,5 @@ PROBLEM = Problem(
     title="rolling sphere",
     errors={"distance": "|d/d_exact - 1| after 1 s, rms over μ = 0.2, 0.4 and two starts [-]",
             "spin": "|ω/ω_exact - 1| after 1 s, rms over μ = 0.2, 0.4 and two starts [-]"},
-    curves=curves, solve=solve)
+    shown=(PUBLISHED, "Newmark", "energy-momentum", "facets", "Newton tolerance"),
+    chosen=("time step", "time step, half spacing"), curves=curves, solve=solve)
