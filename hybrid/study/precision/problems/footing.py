@@ -7,13 +7,13 @@
 
 Nc = (e^(π tanφ) tan²(45° + φ/2) - 1) cotφ, 2 + π for φ = 0, is that of Mohr-Coulomb's law; the cone matched in plane
 strain with associated flow has the same (φ = 0: √J2 = c, von Mises). In `press` contact is at the corners of the points'
-domains, where a footing that ends half-way between two corners presses on exactly its own width. Contact on faces also
-carries the edge to the next node: the footing is then as strong as one that ends a quarter of a cell beyond that node.
+domains, where a footing that ends half-way between two corners presses on exactly its own width. Contact on faces
+acts a little beyond the edges, up to the next nodes.
 Soil that heaves beside it only just reaches into empty cells; some runs then stop unless a ghost penalty couples these
 cells to their neighbours.
 
-The study sets nothing. Its footing ends on a node, as that of a user would, and is a quarter of a cell wider in the soil,
-by either contact. It runs φ = 20°; φ = 0 has an error of its own. At 20° the force still grows by 1.5 % over the last
+The study sets nothing. Its footing ends on a node, as that of a user would, and is up to a quarter of a cell wider in the
+soil, by either contact. It runs φ = 20°; φ = 0 has an error of its own. At 20° the force still grows by 1.5 % over the last
 tenth of the settlement, so errors below one or two per cent are accidental.
 """
 
@@ -109,7 +109,7 @@ def press(angle, across, depth=2.0, width=4.0, settlement=None, steps=20, law=No
                  newton_iterations(records), sum(seconds), tuple(note for record in records for note in record.notes))
 
 
-ACROSS, FIXED = (1, 2, 4), 2
+ACROSS, FIXED = (2, 4), 2     # with a single cell errors cancel by chance
 PENALTY = 50.0      # [1/m]
 PAPER = {"method": "published", "body": {"penalty": PENALTY}}
 
@@ -127,7 +127,7 @@ def curves(quick=False):
         "no ghost penalty": over(soil={"ghost": 0.0}),
         "graded grid": over(growth=1.3),
         "direct solver": over(solver=direct),
-        "penalty": [(f"p_f = {p:g} /m", {"across": FIXED, "body": {"penalty": float(p)}}) for p in (2, 10, 50, 1000)],
+        "penalty": [(f"p_f = {p:g} /m", {"across": FIXED, "body": {"penalty": float(p)}}) for p in (50, 1000)],
         "load steps": [(f"{k} steps", {"across": FIXED, "steps": k}) for k in (5, 10, 40)],
         "Newton tolerance": newton_tolerances(across=FIXED),
         "Krylov tolerance": krylov_tolerances(across=FIXED),
@@ -136,7 +136,7 @@ def curves(quick=False):
         "neither F-bar nor ghost, φ = 0": over(angle=0, soil=PLAIN),
         "direct solver, φ = 0": over(angle=0, solver=direct),
     }
-    return few(all_curves, {"neither F-bar nor ghost": 3, "default": 2}) if quick else all_curves
+    return few(all_curves, {"neither F-bar nor ghost": 2, "default": 2}) if quick else all_curves
 
 
 def transfer(values):

@@ -78,7 +78,7 @@ def scene(penalty=None, cell=0.4, steps=20, solver=None, method="default", **bod
 @dataclass(frozen=True)
 class Pressed:
     """The platen after its last step: its Simulation and Records, the force [N] on it, the cube's height [m] and the
-    wall time of the steps [s]."""
+    processor time of the steps [s]."""
 
     simulation: object
     records: list

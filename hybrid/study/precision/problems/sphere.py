@@ -101,7 +101,7 @@ def _stiff(penalties, changes=()):
 
 @dataclass(frozen=True)
 class Ride:
-    """One second: time at its end [s], distance [m], spin [rad/s], Newton iterations and wall time of its steps [s]."""
+    """One second: time at its end [s], distance [m], spin [rad/s], Newton iterations and processor time of its steps [s]."""
 
     mu: float
     time: float
