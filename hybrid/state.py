@@ -109,6 +109,7 @@ class ContactHistory:
     position  (m, 3) [m] of the contact point, which moves with the grid
     touching  (m,) bool, in contact at the last accepted step
     anchor    (m, 3) [m] body frame, reference point of the tangential spring; defined while touching
+    rest      (m,) [m] gap, not positive, at which its spring has no force
     side      (m, 3) body frame, outward normal of the body where the point touches, else 0
     """
 
@@ -118,11 +119,12 @@ class ContactHistory:
     touching: np.ndarray
     anchor: np.ndarray
     side: np.ndarray
+    rest: np.ndarray
 
     @classmethod
     def empty(cls):
         return cls(np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros(0, bool),
-                   np.zeros((0, 3)), np.zeros((0, 3)))
+                   np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0))
 
 
 @dataclass

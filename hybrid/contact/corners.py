@@ -43,6 +43,7 @@ class Corners:
     anchor: (m, 3) [m] body frame, of the tangential spring: history while touching, else the predicted first-contact
         point (contact/first_contact.py); side: (m, 3) body frame, outward normal where the point touches or is
         predicted to touch, 0 if unknown
+    rest: (m,) [m] gap g_0 <= 0 at which the spring has no force (soil_to_body.py)
     clearance: (m,) [m] signed distance from the surface at the start: an open point that moves less than this cannot
         touch, so most points are not projected
     facet: (m,) triangle that a point is held to, -1 for those that find theirs; None where none is held
@@ -58,6 +59,7 @@ class Corners:
     touching: np.ndarray
     anchor: np.ndarray
     side: np.ndarray
+    rest: np.ndarray
     clearance: np.ndarray
     facet: np.ndarray | None = None
 
@@ -141,7 +143,7 @@ def _within_reach(domains, places, collapsed, body, surface, reach, history):
     followed = (within | history.touching) & domains.included[history.point]
     new = _new_points(domains, places, collapsed, body, surface, reach, history.point * len(places) + history.place)
     old = {name: getattr(history, name)[followed]
-           for name in ("point", "place", "position", "touching", "anchor", "side")}
+           for name in ("point", "place", "position", "touching", "anchor", "side", "rest")}
     known = old["side"].any(axis=1)[:, None]    # near a rim another side of the body may be closer by now
     old |= {"clearance": distance[followed], "normal": np.where(known, old["side"] @ body.rotation.T, normal[followed])}
     return {name: np.concatenate([values, new.get(name, np.zeros((len(new["point"]), *values.shape[1:]), values.dtype))])

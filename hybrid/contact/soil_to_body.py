@@ -1,6 +1,6 @@
 """Law of contact: points on the soil's surface against the surface of a body, with Coulomb friction.
 
-    y = R^T (x_c - c)      y - foot = g N      p = -ε_N g > 0
+    y = R^T (x_c - c)      y - foot = g N      p = ε_N (g_0 - g) > 0
     z = y - y_anchor       g_t = P z,  P = I - N N^T
     stick  |ε_T g_t| <= μ p :  f = -p N + ε_T g_t
     slip   otherwise        :  f = -p N + μ p s,  s = g_t/|g_t|
@@ -54,6 +54,7 @@ class CornerContact:
     anchor: (m, 3) [m] body frame, the anchor of the history once the state is accepted; side: (m, 3) N, body frame
     pressure: (m,) p [N]; triangle: (m,) of the closest point, weights: (m, 3) of its vertices there
     energy: stored in the springs [J]; dissipated: friction work of the step [J]
+    rest: of all Corners, as in Corners, once the state is accepted
     """
 
     active: np.ndarray
@@ -70,6 +71,7 @@ class CornerContact:
     weights: np.ndarray
     energy: float
     dissipated: float
+    rest: np.ndarray
 
     def __len__(self):
         return len(self.active)
@@ -114,12 +116,13 @@ class ClosestPoints(NamedTuple):
 
 class ClosedCorners(NamedTuple):
     """Corners that the law is evaluated at, body frame: y, anchor (m, 3) [m]; origin (m, 3) [m], where the path begins
-    along which friction does work in this step; stiffness (m,) ε_N [N/m]."""
+    along which friction does work in this step; stiffness (m,) ε_N [N/m]; rest (m,) [m] gap without force."""
 
     y: np.ndarray
     anchor: np.ndarray
     origin: np.ndarray
     stiffness: np.ndarray
+    rest: np.ndarray
 
 
 class Coulomb(NamedTuple):
@@ -157,17 +160,29 @@ def evaluate(corners, position, centre, rotation, surface, friction, tangential)
     if corners.facet is not None:
         _hold(points, y, corners.facet, surface)
     active = np.flatnonzero(np.isfinite(points.gap))
-    active = active[corners.stiffness[active] * points.gap[active] < 0.0]
+    active = active[corners.stiffness[active] * (points.gap - corners.rest)[active] < 0.0]
+    rest = _rest(points.gap, corners)
     points = points.select(active)
     origin = np.where(corners.touching[active, None], corners.anchor[active], corners.start[active])
-    closed = ClosedCorners(y[active], corners.anchor[active], origin, corners.stiffness[active])
+    closed = ClosedCorners(y[active], corners.anchor[active], origin, corners.stiffness[active],
+                           corners.rest[active])
     found = Response.empty(len(active))
     _law(closed, points, Coulomb(friction, tangential), surface.tree, found)
     return CornerContact(
         active, points.gap, found.side @ rotation.T, found.force @ rotation.T, rotation @ found.tangent @ rotation.T,
         position[active] - centre, found.slip, found.anchor, found.side,
-        -closed.stiffness * points.gap, points.triangle, points.weights,
-        float(total(found.energy)), float(total(found.dissipated)))
+        closed.stiffness * (closed.rest - points.gap), points.triangle, points.weights,
+        float(total(found.energy)), float(total(found.dissipated)), rest)
+
+
+def _rest(gap, corners):
+    """Gaps (m,) [m] at which the springs have no force once a state with these gaps is accepted.
+
+    A point that is left out (beside an edge) may come to lie inside the body. When it is no longer left out it starts
+    without force, and from there the gap without force follows the gap outwards, to 0.
+    """
+    inside = np.minimum(gap, 0.0)
+    return np.where(corners.stiffness == 0.0, inside, np.maximum(corners.rest, inside))
 
 
 def _closest_points(y, corners, surface):
@@ -202,7 +217,7 @@ def commit(corners, position, contact):
     anchor, side = np.zeros((len(corners), 3)), np.zeros((len(corners), 3))
     touching[contact.active] = True
     anchor[contact.active], side[contact.active] = contact.anchor, contact.side
-    return ContactHistory(corners.point, corners.place, position, touching, anchor, side)
+    return ContactHistory(corners.point, corners.place, position, touching, anchor, side, contact.rest)
 
 
 @njit(cache=True)
@@ -228,13 +243,13 @@ def _project(y, start, radius, tree, points):
 @njit(cache=True)
 def _law(corners, points, coulomb, tree, out):
     """The law of the module's head at every closed corner."""
-    y, y_anchor, origin, stiffness = corners      # unpacked once, as in _project
+    y, y_anchor, origin, stiffness, rest = corners      # unpacked once, as in _project
     gap, triangle, feature, foot, weights = points
     force, tangent, slip, anchor, side, energy, dissipated = out
     M, g_t, t, K = np.empty((3, 3)), np.empty(3), np.empty(3), np.empty((3, 3))
     for n in range(len(y)):
         eps_n, eps_t = stiffness[n], coulomb.ratio * stiffness[n]
-        p = -eps_n * gap[n]
+        p = eps_n * (rest[n] - gap[n])
         N, dgap, G = gap_geometry(y[n], foot[n], weights[n], gap[n], triangle[n], feature[n], tree)
         for i in range(3):
             side[n, i], anchor[n, i], force[n, i] = N[i], y_anchor[n, i], -p * N[i]
