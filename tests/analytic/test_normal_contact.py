@@ -112,9 +112,11 @@ def test_points_without_domains_press_with_their_own_stiffness():
 
 @PLACES
 def test_a_box_at_rest_presses_evenly(contact):
-    """σ_zz = -W/A at every point of a weightless cube under it, and the overlap W/(p_f E A) at every contact point."""
+    """σ_zz = -W/A at every point of a weightless cube under it, and the overlap W/(p_f E A) at every contact point.
+
+    The box ends a cell beyond the cube: within half a cell of its edges there is no contact."""
     axis = Axis(start=0.0, end=1.0, size=0.25)
-    body = box(1.2, 1.2, 0.5, size=0.125, position=(0.5, 0.5, 0.0), rest_on=1.0 - 1e-3, contact=contact, penalty=50.0,
+    body = box(1.5, 1.5, 0.5, size=0.125, position=(0.5, 0.5, 0.0), rest_on=1.0 - 1e-3, contact=contact, penalty=50.0,
                held=("x", "y", "rx", "ry", "rz"))
     described = scene(
         "rest", Grid(axis, axis, Axis(start=0.0, end=1.25, size=0.25), Faces()), elastic(1e6), [body], 1.0,

@@ -20,7 +20,7 @@ def pair_of(places="faces", friction=0.3, history=None, included=True):
     """Grid and ContactPair of a ball that overlaps a bed by 30 mm."""
     grid, position, half = bed()
     body = SimpleNamespace(
-        surface=ball(), friction=friction, tangential=0.5, places=PLACES[places],
+        surface=ball(), friction=friction, tangential=0.5, places=PLACES[places], edges=None,
         free=np.array([True, True, True, False, True, True]), contact_pressure=np.full(len(position), PRESSURE))
     return grid, ContactPair(
         body, body_at(*POSE), history or ContactHistory.empty(), domains_of(position, half, included), grid,
