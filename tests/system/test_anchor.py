@@ -57,12 +57,12 @@ def test_soil_in_front_heaves(drag):
 
 
 def test_energy_of_the_drag_balances(drag):
-    """On cells of 0.4 m, where the anchor leaps, transfer between points and grid loses 8.4 % of what is put in."""
+    """On cells of 0.4 m, where the anchor leaps, transfer between points and grid loses 6.6 % of what is put in."""
     _, records = drag
     before, after = of(records, "settle")[-1].energies, of(records, "drag")[-1].energies
     put_in = after["pull"] + before["potential"] - after["potential"]
     error = after["error"] - before["error"]
-    assert error == pytest.approx(-0.084 * put_in, abs=0.015 * put_in)
+    assert error == pytest.approx(-0.066 * put_in, abs=0.015 * put_in)
 
 
 @pytest.mark.slow
