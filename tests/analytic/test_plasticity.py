@@ -3,10 +3,10 @@
 Cells in half the width or in the radius, excess over the exact load:
 
     strip     4, 8, 16     7.4, 3.9, 2.2 %     first order
-    circle    2, 3, 4      45, 28, 16 %
+    circle    2, 3, 4, 6   2.0, -0.8, -1.4, -3.9 %
 
-The nodes at the edge of a rigid footing go down with it, and soil is sheared in the cell beyond: the footing acts as if
-it were 0.3 h wider on each side.
+The nodes at the edge of a rigid footing go down with it, and soil is sheared in the cell beyond. There is no contact within
+half a cell of its edge (`hybrid.contact.edges`): without that the circle has 45, 28, 16 % on 2, 3, 4 cells.
 """
 
 import functools
@@ -47,9 +47,10 @@ def test_the_strip_is_within_three_per_cent_on_sixteen_cells():
     assert np.log2(excess("strip", 8) / excess("strip", 16)) == pytest.approx(0.9, abs=0.15)
 
 
-@pytest.mark.slow
-def test_the_circle_approaches_its_load_from_above():
-    """0.3 to 0.4 h of the radius: the excess of the area decreases with the cells."""
-    found = [(np.sqrt(1 + excess("circle", n)) - 1) * n for n in (2, 3, 4)]
-    assert np.all(np.diff([excess("circle", n) for n in (2, 3, 4)]) < 0)
-    assert min(found) > 0.2 and max(found) < 0.5
+@pytest.mark.parametrize("across", [3, pytest.param(4, marks=pytest.mark.slow)])
+def test_the_circle_carries_its_load(across, monkeypatch):
+    """Without the zone beside its edge it carries a quarter more."""
+    assert abs(excess("circle", across)) < 0.03
+    if across == 3:
+        monkeypatch.setattr("hybrid.setup.contact.find_edges", lambda *given: None)
+        assert plasticity.push("circle", across).factor[-1] / plasticity.SMOOTH - 1 > 0.2
