@@ -38,18 +38,21 @@ def travel_ratio(body, state, pose, predicted, margin, grid, points, moved):
 
     pose, predicted: of the body at the end; points: committed; moved: (n, 3) [m] displacement of each point, None for
     held soil. Where the ratio would be above 1, points do not count whose domains, with a cell around them, are too far
-    away to touch.
+    away to touch; it is 0 where all of them are.
     """
     strayed = np.linalg.norm(pose[0] - predicted[0]) + np.linalg.norm(pose[1] - predicted[1], 2) * body.radius
     farthest = 0.0 if moved is None else comm.largest(np.abs(moved))
-    if strayed + farthest > margin and farthest > 0.0:
+    if strayed + farthest > margin:
         path = np.linalg.norm(pose[0] - state.position) + np.linalg.norm(pose[1] - state.rotation, 2) * body.radius
-        length = np.abs(moved).max(axis=1)
+        length = np.zeros(len(points.position)) if moved is None else np.abs(moved).max(axis=1)
         lower, upper = rigid.bounding_box(body, state)
         around = points.half_width + grid.smallest_cell
         apart = np.maximum(lower - points.position - around, points.position - around - upper)
         apart[:, grid.collapsed] = 0.0
-        farthest = comm.largest(length[apart.max(axis=1) <= path + length])
+        near = apart.max(axis=1) <= path + length
+        if not comm.anywhere(near):
+            return 0.0
+        farthest = comm.largest(length[near])
     return (strayed + farthest) / margin
 
 

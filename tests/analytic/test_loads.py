@@ -7,18 +7,18 @@ from hybrid.runtime.errors import SceneError
 from hybrid.scene import Axis, Grid, Stage
 from hybrid.setup.build import build
 from hybrid.step.energy import balance_error, energies
-from hybrid.study.scenes import FREE, elastic, scene, steel
+from hybrid.study.scenes import FREE, SCHEMES, elastic, scene, steel
 
 AXIS = Axis(start=-1.0, end=1.2, size=0.2)
 GRAVITY = np.array([1.0, 0.5, -9.81])
 
 
 def flying(stages, body_force=None, bodies=(), gravity=GRAVITY):
-    """A block of soil in free flight."""
+    """A block of soil in free flight, by Newmark's rule: exact for loads that are linear in time."""
     return build(scene(
         "flight", Grid(AXIS, AXIS, Axis(start=-2.0, end=2.0, size=0.2), FREE), elastic(1e5, 0.3), bodies, 0.04, stages,
         soil={"lower": (-0.2, -0.4, 0.0), "upper": (0.4, 0.2, 0.6)}, gravity=tuple(gravity),
-        solver={"tolerance": 1e-13, "linear": "direct"}), body_force=body_force)
+        time=SCHEMES["newmark"], solver={"tolerance": 1e-13, "linear": "direct"}), body_force=body_force)
 
 
 def test_nodal_load_has_the_force_and_the_moment_of_that_on_the_points():

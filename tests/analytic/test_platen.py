@@ -17,7 +17,6 @@ import pytest
 
 from hybrid.bench.timed_steps import newton_iterations
 from hybrid.contact.corners import find_corners
-from hybrid.runtime.errors import StepError
 from hybrid.step import newton
 from hybrid.study.precision.problems import platen
 from hybrid.study.precision.problems.platen import AREA, IDEAL, YOUNG, in_series
@@ -104,9 +103,11 @@ def test_energy_of_the_drive():
 
 
 def test_stiff_springs_cost_no_iterations(monkeypatch):
-    """Linear systems are solved the more tightly the stiffer contact is; else Newton's method gets nowhere."""
-    soft, stiff = (newton_iterations(platen.press(penalty=penalty, steps=4).records) for penalty in (50.0, 1e7))
+    """Linear systems are solved the more tightly the stiffer contact is; else iterations are five times as many."""
+    def iterations(penalty):
+        return newton_iterations(platen.press(penalty=penalty, steps=4).records)
+
+    soft, stiff = iterations(50.0), iterations(1e7)
     assert stiff < 2 * soft
     monkeypatch.setattr(newton, "STIFF", float("inf"))
-    with pytest.raises(StepError, match="after .* iterations"):
-        platen.press(penalty=1e7, steps=4)
+    assert iterations(1e7) > 4 * max(soft, stiff)

@@ -61,7 +61,8 @@ def test_counts_of_the_runs(measured):
     (sphere,) = rows(measured, "sphere")
     assert sphere["unknowns"] == 6 and 15 <= sphere["iterations"] <= 45
     frictionless = 0.5 * 9.81 * np.sqrt(0.5) * (15 / 300) ** 2
-    assert sphere["way [m]"] == pytest.approx(frictionless, rel=1e-6)
+    # let go at the surface it sinks by 0.4 mm and bounces in its overlap: it slips at first, then rolls with 5/7 of this
+    assert 5 / 7 * frictionless < sphere["way [m]"] < 0.77 * frictionless
 
 
 def test_counts_of_the_scaling(measured):
