@@ -118,6 +118,19 @@ def test_the_check_afterwards_counts_points_near_the_body():
     assert ratio(0.0, 0.9) == pytest.approx(9.2)    # it could have come to the body
 
 
+def test_a_body_strays_as_far_as_it_likes_where_no_soil_is():
+    rest = np.array([1.0, 1.0, 1.0]), np.eye(3)
+    pose = rest[0] + (0.3, 0.0, 0.0), np.eye(3)
+    body, state = body_at(*rest[0])
+
+    def ratio(x, moved):
+        points = SimpleNamespace(position=np.array([[x, 1.0, 1.0]]), half_width=np.full((1, 3), 0.02))
+        return travel_ratio(body, state, pose, rest, 0.1, CUBE, points, moved)
+
+    for moved in (None, np.zeros((1, 3))):
+        assert ratio(1.3, moved) == pytest.approx(3.0) and ratio(1.9, moved) == 0.0
+
+
 def test_a_fast_node_far_away_does_not_add_corners():
     """A cube on a block 2 m long, whose far end flies off at 20 m/s."""
     cube = steel(0.3, 0.3, 0.3, position=(0.4, 0.4, 0.0), rest_on=0.0)
