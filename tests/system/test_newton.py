@@ -99,10 +99,11 @@ def test_a_residual_within_round_off_is_accepted_where_it_is_small_beside_the_fo
 
 def ride(start, aside, mu, steps=25):
     """Records of a sphere on a slope of 30 degrees: demos/rolling_sphere.toml from `start` and `aside` [m] of its row,
-    with plane facets."""
+    with plane facets that touch corners, on which stiff springs push it to and fro."""
     simulation = build(load_scene(DEMOS / "rolling_sphere.toml", [
         f"stage.0.steps={steps}", f"body.0.friction={mu}", "gravity=[4.905, 0.0, -8.4957]",
-        f"body.0.position=[{0.6 + start}, {2.5625 + aside}, 0.0]", "body.0.contact=corners"]))
+        f"body.0.position=[{0.6 + start}, {2.5625 + aside}, 0.0]", "body.0.contact=corners",
+        "body.0.penalty=20.0", "body.0.tangential=2.0", "time.beta=0.5625", "time.gamma=1.0"]))
     (body,), (mesh,) = simulation.model.bodies, simulation.meshes
     plane = replace(body, surface=build_surface(mesh.points - body.mass.centre, mesh.contact))
     return list(Simulation(simulation.scene, replace(simulation.model, bodies=(plane,)), simulation.state,
