@@ -125,6 +125,7 @@ def test_increments_grow_again(geometry):
 def test_the_floor_stops_the_run_with_value_limit_and_remedy(geometry, most, floor, start, monkeypatch):
     """At once, or after a part of the outer step was accepted: what was committed stays as it was."""
     monkeypatch.setattr(newton, "MOST", most)
+    monkeypatch.setattr(newton, "HAIR", 1.0)
     simulation = ready(scene(geometry))
     before = deepcopy(simulation.state)
     with pytest.raises(StepError) as caught:
