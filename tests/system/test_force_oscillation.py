@@ -33,6 +33,6 @@ def test_a_force_that_comes_and_goes_once_is_no_oscillation():
     scheme, monitor = SimpleNamespace(damps=False, inertia=True), ForceOscillation(model, None)
     for step in range(24):
         force = np.array([0.0, 0.0, 1e3 * (8 <= step < 10)])
-        report = SimpleNamespace(evaluation=SimpleNamespace(contacts=(SimpleNamespace(force=force),)))
+        report = SimpleNamespace(evaluation=SimpleNamespace(contacts=(SimpleNamespace(resultant=force),)))
         state = SimpleNamespace(time=step, bodies=[None])
         assert monitor.notes(StepView(model, state, scheme, report, {})) == ()
