@@ -16,6 +16,7 @@ PICTURES = 95e6         # process that draws pictures
 BYTES_PER_POINT = 1600  # history, constants, trial buffers and temporaries of one point
 BYTES_PER_ENTRY = 34    # entry of the soil block: value, index, incomplete factor and its temporaries
 KEPT_PER_POINT, KEPT_PER_ENTRY = 648, 8     # tangents kept within an increment: 81 numbers and one
+FBAR_PER_POINT = 1600                       # more with F-bar: mean gradients, their buffers and 29 more numbers
 
 
 def model_sheet(scene, model, imbalance=None, level="", most_points=0, decisions=()):
@@ -70,7 +71,8 @@ def _moving_grid(scene):
 def growing_memory(soil, pattern, solver, direct=False):
     """Largest memory [bytes] of points, matrix and factor; direct: whether a direct factor turned out to be needed."""
     kept = keeps_tangents(soil, solver)
-    memory = ((BYTES_PER_POINT + KEPT_PER_POINT * kept) * len(soil.constants)
+    per_point = BYTES_PER_POINT + KEPT_PER_POINT * kept + FBAR_PER_POINT * soil.fbar
+    memory = (per_point * len(soil.constants)
               + (BYTES_PER_ENTRY + KEPT_PER_ENTRY * kept) * len(pattern.indices))
     direct = direct or solver.linear == "direct"
     return memory + direct * direct_factor_memory(pattern.size, bool(soil.grid.collapsed.any()))

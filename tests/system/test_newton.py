@@ -8,7 +8,7 @@ import pytest
 from scipy.special import ellipk
 
 from hybrid.body.surface import build_surface
-from hybrid.contact import soil_to_body
+from hybrid.contact import held_facets, soil_to_body
 from hybrid.runtime.data import DEMOS
 from hybrid.runtime.errors import StepError
 from hybrid.scene import Axis, Faces, Grid, Material, Scene, Soil, Solver, Stage, Time
@@ -163,17 +163,17 @@ def test_held_corners_are_on_the_planes_of_their_facets():
     body = step.bodies[0]
     resting = step.evaluate(step.at_rest())
     step.hold_facets(resting)
-    assert step.facet_error(resting) == 0.0 and (body.pair.corners.facet >= 0).sum() == len(resting.contacts[0].corners)
+    assert step.facet_error(resting) == 0.0 and (body.pair.corners.facet >= 0).sum() == len(resting.contacts[0])
     # 18 cm to the side some corners are nearer to the flank than to the bottom, but still held to it
     position, rotation = body.committed_pose()
     pose = position + (0.198, 0.0, 0.0), rotation
     held = body.pair.evaluate(step.at_rest().displacement, pose)
-    assert np.allclose(held.corners.normal, (0.0, 0.0, -1.0)) and np.allclose(held.corners.gap, -0.004)
+    assert np.allclose(held.normal, (0.0, 0.0, -1.0)) and np.allclose(held.gap, -0.004)
     assert body.pair.facet_error(held, step.at_rest().displacement, pose) > newton.AMBIGUOUS
     step.release_facets()
     free = body.pair.evaluate(step.at_rest().displacement, pose)
-    assert not np.allclose(free.corners.normal, (0.0, 0.0, -1.0)) and free.switched(held)
-    assert isinstance(free.corners, soil_to_body.CornerContact) and not held.switched(held)
+    assert not np.allclose(free.normal, (0.0, 0.0, -1.0)) and held_facets.switched(free, held)
+    assert isinstance(free, soil_to_body.CornerContact) and not held_facets.switched(held, held)
     workspace.destroy()
 
 
@@ -205,7 +205,7 @@ def test_a_footing_is_lifted_off(law, monkeypatch):
     moves = [-0.02, -0.02, 0.03, 0.05, 0.05]
     records = footing(0.0, moves, law)
     force = [r.bodies[0].contact_force[2] for r in records]
-    assert force[1] > 2e4 and force[-2:] == [0.0, 0.0] and sum(r.rejections + r.judged for r in records) == 0
+    assert force[1] > 1.5e4 and force[-2:] == [0.0, 0.0] and sum(r.rejections + r.judged for r in records) == 0
     assert max(r.iterations for r in records) <= 8
     monkeypatch.setattr(soil_terms, "residual", _without_memory(soil_terms.residual))
     with pytest.raises(StepError, match="residual 1.00e"):

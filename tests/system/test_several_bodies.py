@@ -27,7 +27,7 @@ def landing(geometry, names, options):
 def test_two_bodies_far_apart_move_as_each_alone(geometry, options):
     """In a step of 1 ms a wave goes a tenth of a cell: what one body does is 1e-13 of it four cells away.
 
-    Measured differences: 4e-11 of the way and 2e-8 of the forces, also with friction, penalty and places of
+    Measured differences: 2e-9 of the place and 7e-6 of the forces (springs 400 times as stiff as a cell), also with friction, penalty and places of
     contact that differ from body to body. Twelve unknowns together, six alone.
     """
     both = landing(geometry, ("ball", "brick"), options)
@@ -36,10 +36,10 @@ def test_two_bodies_far_apart_move_as_each_alone(geometry, options):
     for record, *single in zip(both.steps(), *(s.steps() for s in alone)):
         for n, (body, other) in enumerate(zip(record.bodies, (r.bodies[0] for r in single))):
             moved = np.linalg.norm(body.position - both.initial_bodies[n].position)
-            np.testing.assert_allclose(body.position, other.position, rtol=0, atol=1e-8 * moved)
+            np.testing.assert_allclose(body.position, other.position, rtol=0, atol=1e-7 * moved)
             np.testing.assert_allclose(body.quaternion, other.quaternion, rtol=0, atol=1e-8)
             scale = np.linalg.norm(other.contact_force)
-            np.testing.assert_allclose(body.contact_force, other.contact_force, rtol=0, atol=1e-6 * scale)
+            np.testing.assert_allclose(body.contact_force, other.contact_force, rtol=0, atol=2e-5 * scale)
     assert min(np.linalg.norm(body.contact_force) for body in record.bodies) > 100.0
     assert all(len(contact) for contact in both.evaluation.contacts)
 
@@ -55,10 +55,10 @@ def thrown_at_wall(geometry, cell):
     """Bar of 1 m thrown at a held plate: (contact forces on the wall [N], momenta of the bar, step, bar's mass)."""
     across, step = Axis(-0.05, 0.05, collapsed=True), 0.5 * cell / WAVE
     wall = steel(0.1, 0.3, 0.3, name="wall", position=(-0.0505, 0.0, 0.0), penalty=200.0,
-               held=("x", "y", "z", "rx", "ry", "rz"))
+               held=("x", "y", "z", "rx", "ry", "rz"), contact="corners")
     simulation = build(soil_scene(
         [wall], x=(-0.2, 1.2), y=across, z=across, size=cell, faces=FREE, top=0.05, lower=(0.0, -0.05, -0.05),
-        upper=(1.0, 0.05, 0.05), young=YOUNG, steps=int(2.8 / WAVE / step), time=Time(step=step)))
+        upper=(1.0, 0.05, 0.05), young=YOUNG, steps=int(2.8 / WAVE / step), time=Time(step=step, scheme="newmark"), ghost=0.0))
     assert simulation.sheet()["modelled"]["body unknowns"] == 0
     points, mass = simulation.state.points, simulation.model.soil.constants.mass
     points.velocity[:, 0] = -SPEED

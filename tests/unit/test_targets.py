@@ -64,7 +64,7 @@ def test_cells_and_options_are_set_and_reported():
 
 def test_it_is_on_the_sheet():
     texts = build(column(Target("column", 0.05, HEIGHT))).sheet()["modelled"]["accuracy"]
-    assert "error 0.033 of column" in texts[0] and texts[1] == "h = 3 m"
+    assert "error 0.028 of column" in texts[0] and texts[1] == "h = 3 m"
 
 
 def test_the_cheapest_that_is_near_enough_is_taken():
