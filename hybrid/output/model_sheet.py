@@ -16,7 +16,7 @@ PICTURES = 95e6         # process that draws pictures
 BYTES_PER_POINT = 1600  # history, constants, trial buffers and temporaries of one point
 BYTES_PER_ENTRY = 34    # entry of the soil block: value, index, incomplete factor and its temporaries
 KEPT_PER_POINT, KEPT_PER_ENTRY = 648, 8     # tangents kept within an increment: 81 numbers and one
-FBAR_PER_POINT = 1600                       # more with F-bar: mean gradients, their buffers and 29 more numbers
+FBAR_PER_POINT = 4000   # more with F-bar and contact on faces, as measured in a travelling grid
 
 
 def model_sheet(scene, model, imbalance=None, level="", most_points=0, decisions=()):

@@ -108,7 +108,7 @@ def test_what_the_transfer_loses(geometry, transfer, ratio):
     affine transfer 27, 32, 35 %, for it takes what the grid does not see away at every step."""
     lost = []
     for parts in (1, 2):
-        described = scene(geometry, friction=0.0)
+        described = replace(scene(geometry, friction=0.0), method="published")
         simulation = build(replace(described, soil=replace(described.soil, transfer=transfer)))
         model = replace(simulation.model, solver=replace(simulation.model.solver, tolerance=1e-8))
         state, workspace = simulation.state, Workspace(model)
