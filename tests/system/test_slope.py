@@ -1,9 +1,7 @@
 """A long slope whose gravity is turned on (demos/slope.toml): the stress of the infinite slope, and when it slides.
 
-At a depth d of the middle  σ_zz = -ρ g d cosθ,  τ_xz = ρ g d sinθ.  Sliding along the base of length L at a share s
-of gravity, with soil of depth D pushed up at the lower end and let down at the upper, Rankine's K = tan²(45° ± φ/2):
-
-    s [γD L (sinθ - cosθ tanφ) - (Kp - Ka)/2 γD² cosθ] = c L + 2c D (√Kp + √Ka)          γ = ρ g
+At a depth d of the middle  σ_zz = -ρ g d cosθ,  τ_xz = ρ g d sinθ.  The share of gravity at which it slides is bounded
+from above by limit analysis (tests/helpers/limit_load.py), whose bounds fall with the first order of the triangles.
 """
 
 import re
@@ -11,13 +9,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from limit_load import share_of_gravity
 
 from hybrid.runtime.errors import SceneError, StepError
 from hybrid.scene.file import load_scene
 from hybrid.setup.build import build
 
 DEMO = Path(__file__).parents[2] / "demos" / "slope.toml"
-COARSE = ["grid.x.size=1.0", "grid.z.size=0.5"]
+COARSE, FINE = ["grid.x.size=1.0", "grid.z.size=0.5"], ["grid.x.size=0.25", "grid.z.size=0.125"]
 STEEP, DEPTH, LENGTH, WEIGHT, COHESION = np.radians(20.0), 2.0, 20.0, 1700 * 9.81, 1e3
 
 
@@ -36,10 +35,18 @@ def errors(simulation, turn=1.0):
 
 
 def share_at_sliding(angle):
-    """Share of gravity by the equation above."""
-    tan, up = np.tan(np.radians(angle)), np.tan(np.radians(45 + angle / 2))
-    driving = DEPTH * LENGTH * (np.sin(STEEP) - np.cos(STEEP) * tan) - (up**2 - up**-2) / 2 * DEPTH**2 * np.cos(STEEP)
-    return COHESION * (LENGTH + 2 * DEPTH * (up + 1 / up)) / (WEIGHT * driving)
+    """Share of gravity by limit analysis, extrapolated from two bounds at the first order."""
+    gravity = WEIGHT * np.array([np.sin(STEEP), -np.cos(STEEP)])
+    coarse, fine = (share_of_gravity(gravity, COHESION, np.radians(angle), LENGTH, DEPTH, 20 * k, 4 * k) for k in (1, 2))
+    return 2 * fine - coarse
+
+
+def share_reached(*grid):
+    """Share of gravity that a slope of 12 degrees carries; the run stops with the reason."""
+    message = r"residual .* after \d+ iterations.*load exceeds what the soil can carry"
+    with pytest.raises(StepError, match=message) as failure:
+        list(slope(*friction(12), *grid).steps())
+    return float(re.search(r"t = (\S+) s", str(failure.value)).group(1)) / 10
 
 
 def friction(angle):
@@ -61,14 +68,13 @@ def test_a_slope_below_its_friction_angle_stands_with_the_stress_of_the_infinite
 
 
 def test_a_slope_above_its_friction_angle_slides():
-    """The run stops at the share of gravity that limit equilibrium gives, with the reason. Without its ends
-    the slope would slide at half of that. Limit equilibrium takes rigid blocks; without F-bar 0.43 is reached. With 25 degrees of friction all of gravity does not move it."""
-    message = r"residual .* after \d+ iterations.*load exceeds what the soil can carry"
-    with pytest.raises(StepError, match=message) as failure:
-        list(slope(*friction(12)).steps())
-    reached = float(re.search(r"t = (\S+) s", str(failure.value)).group(1)) / 10
-    assert reached == pytest.approx(share_at_sliding(12), rel=0.1)
-    assert reached > 1.7 * COHESION / (WEIGHT * DEPTH * (np.sin(STEEP) - np.cos(STEEP) * np.tan(np.radians(12))))
+    """At the share of gravity of limit analysis, from above, and nearer with smaller cells. Without its ends the slope would
+    slide at half of that. With 25 degrees of friction all of gravity does not move it."""
+    exact = share_at_sliding(12)
+    reached = [share_reached(*grid) for grid in (COARSE, [], FINE)]
+    assert reached[0] > reached[1] > reached[2]
+    assert reached[1] == pytest.approx(exact, rel=0.1) and reached[2] == pytest.approx(exact, rel=0.03)
+    assert exact > 1.6 * COHESION / (WEIGHT * DEPTH * (np.sin(STEEP) - np.cos(STEEP) * np.tan(np.radians(12))))
     assert len(list(slope(*COARSE, *friction(25)).steps())) == 10
 
 
