@@ -15,11 +15,13 @@ tests/unit/test_public_api.py reads, stay as they are.
 import os
 from importlib import import_module
 
+from hybrid.runtime.environment import prepare
 from hybrid.runtime.kernel_cache import choose_folder
 
 # Numba's own work queue sleeps between parallel loops where OpenMP spins: on a busy machine that is several times
 # faster for the many short loops of a step. It must be chosen before numba is imported.
 os.environ.setdefault("NUMBA_THREADING_LAYER", "workqueue")
+prepare()
 choose_folder()     # of compiled kernels, likewise
 
 _SCENE = ("Axis Body Condition Faces Freedom Grid Law Layer Material Output Pull Scene Soil Solver Stage Target Time "

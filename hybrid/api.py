@@ -14,7 +14,7 @@ def run(scene, out=None, overrides=(), resume=False, quiet=False, body_force=Non
     out               folder of the results, default out/<scene name>
     overrides         "key.path=value" texts for a scene file
     resume            continue from the checkpoint in that folder
-    quiet             no progress line
+    quiet             nothing on stderr about its progress, notes and end, which summary.json has too
     body_force, law   as in `hybrid.setup.build.build`
 
     Raises HybridError, whose message names what to change.

@@ -2,35 +2,69 @@
 scenes, mesh a geometry.
 
 Each command imports what it needs when it runs, so that help and mistakes in the arguments are reported at once.
-Exit codes: 0 done, 2 wrong arguments or an error that the user can correct, 130 interrupted.
+Exit codes: 0 done, 2 wrong arguments or an error that the user can correct, 130 interrupted, 141 nobody reads what is
+printed (`hybrid demos | head -1`).
 """
 
 import argparse
+import errno
 import sys
 from importlib import import_module
 from pathlib import Path
 
 from hybrid.bench import CASES
 from hybrid.output.sheet_text import format_sheet, mesh_sheet
+from hybrid.runtime.environment import open_streams, silence
 from hybrid.runtime.errors import HybridError, SceneError, StepError
+from hybrid.runtime.kernel_cache import require_folder
 
 INTERRUPTED = 130   # 128 + SIGINT, as shells report it
+UNREAD = 141        # 128 + SIGPIPE
 MESH_ENDING = ".vtu"
 
 
 def main(arguments=None):
     """Run the command line and return its exit code."""
+    open_streams()
+    try:
+        try:
+            return _main(arguments)
+        finally:
+            sys.stdout.flush()      # here, where a failure can still be told
+    except BrokenPipeError:
+        silence(1)
+        return _told("", UNREAD)
+    except OSError as error:
+        if error.filename is None and error.errno in (errno.ENOSPC, errno.EIO, errno.EBADF):
+            silence(1)      # what is left to print would fail again
+        return _told(f"hybrid: {error.filename or 'output'}: {error.strerror or error}")
+
+
+def _main(arguments):
     options = parser().parse_args(arguments)
     try:
+        if options.command in (run, check, bench, study):
+            require_folder()
         options.command(options)
     except HybridError as error:
-        print(f"hybrid: {error}", file=sys.stderr)
-        return 2
+        return _told(f"hybrid: {error}")
+    except MemoryError as error:
+        return _told(f"hybrid: out of memory ({error}); use larger cells, or a machine with more memory")
     except KeyboardInterrupt:
         hint = "; continue with --resume if a checkpoint was written" if options.command is run else ""
-        print(f"\nhybrid: interrupted{hint}", file=sys.stderr)
-        return INTERRUPTED
+        return _told(f"\nhybrid: interrupted{hint}", INTERRUPTED)
     return 0
+
+
+def _told(text, code=2):
+    """The exit code, after an attempt to print a text to somebody who may have gone."""
+    try:
+        if text:
+            print(text, file=sys.stderr)
+        sys.stderr.flush()
+    except OSError:
+        silence(2)
+    return code
 
 
 def parser():
@@ -44,7 +78,7 @@ def parser():
 
     sub = _command(commands, "run", run, "run a scene and write its results to a folder")
     _scene_arguments(sub)
-    sub.add_argument("--out", type=Path, metavar="DIR", help="folder of results (default: out/<scene name>)")
+    sub.add_argument("--out", type=folder, metavar="DIR", help="folder of results (default: out/<scene name>)")
     sub.add_argument("--resume", action="store_true", help="continue from the last checkpoint in that folder")
 
     sub = _command(commands, "check", check, "validate a scene; print the size of its model, warnings and the "
@@ -55,7 +89,7 @@ def parser():
 
     sub = _command(commands, "demos", demos, "list the shipped scenes, or copy some")
     sub.add_argument("names", nargs="*", metavar="NAME", default=[], help="scenes to copy (default: list all)")
-    sub.add_argument("--to", type=Path, metavar="DIR", default=Path(), help="folder to copy to (default: this one)")
+    sub.add_argument("--to", type=folder, metavar="DIR", default=Path(), help="folder to copy to (default: this one)")
 
     sub = _command(commands, "bench", bench, "measure the speed of the benchmark cases on this machine")
     sub.add_argument("cases", nargs="*", metavar="CASE", default=[], help=", ".join(CASES) + " (default: all)")
@@ -72,7 +106,7 @@ def parser():
     sub.add_argument("problems", nargs="*", metavar="NAME", default=[],
                      help="some of its problems, failure modes or families (default: all; --list shows them)")
     sub.add_argument("--quick", action="store_true", help="a few settings or seeds of each of them, once")
-    sub.add_argument("--out", type=Path, metavar="DIR", help="folder of records and figures (default: out/STUDY)")
+    sub.add_argument("--out", type=folder, metavar="DIR", help="folder of records and figures (default: out/STUDY)")
     sub.add_argument("--resume", action="store_true",
                      help="keep the records of the folder and run the missing settings")
     sub.add_argument("--peer", type=Path, metavar="PYTHON", help="a Python with Kratos MPM, run as well in `column`")
@@ -108,6 +142,13 @@ def _set_argument(sub, metavar, text):
                      help=text)
 
 
+def folder(text):
+    """Path of an argument that names a folder; "" would be the working folder."""
+    if not text.strip() or "\0" in text:
+        raise argparse.ArgumentTypeError(f"{text!r} names no folder; leave the option out, or give . for this one")
+    return Path(text)
+
+
 class _Version(argparse.Action):
     """Prints the version, which is looked up only then."""
 
@@ -131,7 +172,7 @@ def run(options):
 
     out = options.out or Path("out") / scene.name
     with compilation_notice():
-        run_scene(scene, out, resume=options.resume, quiet=not sys.stderr.isatty())
+        run_scene(scene, out, resume=options.resume)
 
 
 def check(options):

@@ -28,11 +28,10 @@ def atomic(path):
         partial.unlink(missing_ok=True)
 
 
-def standard(folder, progress=True, announce=False):
+def standard(folder, progress=True):
     """The observers of `hybrid run`, in the order in which they must be called; they write all files of a run.
 
-    folder: of the results (made if missing). progress: show the line of progress when stderr is a terminal.
-    announce: print one closing line even when it is not.
+    folder: of the results (made if missing). progress: tell on stderr how far the run is.
     """
     from hybrid.output.checkpoint import Checkpoints
     from hybrid.output.history import History
@@ -43,4 +42,4 @@ def standard(folder, progress=True, announce=False):
 
     # Summary and Pictures read history.csv, so History comes first; Progress last, to time the writing too.
     observers = [History(folder), Frames(folder), Checkpoints(folder), Pictures(folder), Summary(folder)]
-    return observers + [Progress(announce=announce, live=progress)]
+    return observers + [Progress(folder=folder)] * progress

@@ -1,25 +1,27 @@
-"""One line of progress on the terminal, rewritten after each step of a run."""
+"""How far a run is: one line on a terminal, rewritten after each step; elsewhere a line now and then.
+
+Notes and the closing line, which says where the results are, are permanent lines on both. A stream that can no longer be
+written is left alone: the run goes on without it.
+"""
 
 import shutil
 import sys
 import time
 
+INTERVAL, SHARE = 30.0, 0.05    # without a terminal: seconds, and share of all steps, from one line to the next
+
 
 class Progress:
-    """Observer that rewrites one line of `stream` (default stderr) after every accepted outer step.
+    """Observer that writes to `stream` (default stderr); folder: of the results, for the closing line."""
 
-    Where the stream is not a terminal only notes and one closing line are written, and only if `announce` is set.
-    """
-
-    def __init__(self, stream=None, announce=False, live=True):
+    def __init__(self, stream=None, folder=None):
         self.stream = stream or sys.stderr
-        self.announce = announce
-        self.live = live and self.stream.isatty()
-        self.line = ""
+        self.folder = folder
+        self.live = self._try(lambda: self.stream.isatty())
 
     def start(self, simulation):
-        self.began = time.perf_counter()
-        self.first = simulation.state.step
+        self.began = self.printed = time.perf_counter()
+        self.first = self.step = simulation.state.step
         self._show("starting the first step")
 
     def accepted(self, record, simulation):
@@ -28,24 +30,49 @@ class Progress:
         done, left = record.step - self.first, simulation.total_steps - record.step
         remaining = (time.perf_counter() - self.began) / done * left
         steps = {stage.name: stage.steps for stage in simulation.scene.stages}
-        self._show(describe(record, steps.get(record.stage, "?"), remaining))
+        line = describe(record, steps.get(record.stage, "?"), remaining)
+        self._show(line)
+        if not self.live and left and self._due(record.step, simulation.total_steps):
+            self._print(line)
+
+    def _due(self, step, total):
+        """Whether the next line of a stream that is no terminal is due."""
+        now = time.perf_counter()
+        due = now - self.printed >= INTERVAL or step - self.step >= max(1.0, SHARE * total)
+        if due:
+            self.printed, self.step = now, step
+        return due
 
     def finish(self, summary, simulation):
         steps, seconds = simulation.state.step - self.first, time.perf_counter() - self.began
-        reason = f": {summary['reason']}" if summary.get("reason") else ""
-        self._print(f"{simulation.scene.name}: {summary['outcome']}, {steps} steps in {clock(seconds)}{reason}")
+        where = f"; results in {self.folder}" if self.folder else ""
+        self._print(f"{simulation.scene.name}: {summary['outcome']}, {steps} steps in {clock(seconds)}{where}")
 
     def _print(self, text):
         """Write a permanent line above the line of progress."""
         self._show("")
-        if self.live or self.announce:
-            print(text, file=self.stream, flush=True)
+        self._write(text + "\n")
 
     def _show(self, line):
         if self.live:
             width = shutil.get_terminal_size().columns - 1
-            self.stream.write("\r\x1b[2K" + line[:width])
+            self._write("\r\x1b[2K" + line[:width])
+
+    def _write(self, text):
+        def work():
+            self.stream.write(text)
             self.stream.flush()
+
+        if self.stream:
+            self._try(work)
+
+    def _try(self, work):
+        """Result of `work` with the stream; None, and no stream from then on, where it cannot be used."""
+        try:
+            return work()
+        except (OSError, ValueError, AttributeError):   # the reader is gone; closed; none at all
+            self.stream = None
+            return None
 
 
 def describe(record, steps, remaining):

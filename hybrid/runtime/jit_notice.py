@@ -2,6 +2,7 @@
 run before it has used: the first scene most of them, later scenes those of another law or kind of contact."""
 
 import sys
+from contextlib import suppress
 
 from numba.core import event
 
@@ -23,9 +24,10 @@ class _Notice(event.Listener):
     def on_start(self, compiled):
         module = compiled.data["dispatcher"].py_func.__module__ or ""   # numba's own functions may have none
         if not self._printed and module.split(".")[0] == "hybrid":
-            clear = "\r\x1b[2K" if self._stream.isatty() else ""   # the line of progress
-            print(clear + TEXT, file=self._stream, flush=True)
             self._printed = True
+            with suppress(OSError, ValueError, AttributeError):     # nobody reads the stream any more
+                clear = "\r\x1b[2K" if self._stream.isatty() else ""   # the line of progress
+                print(clear + TEXT, file=self._stream, flush=True)
 
     def on_end(self, compiled):
         """Required of a listener."""

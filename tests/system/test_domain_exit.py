@@ -50,7 +50,7 @@ def test_what_needs_no_note(geometry):
 def test_terminal_and_summary_carry_the_note(geometry, tmp_path):
     stream = io.StringIO()
     simulation = build(soil_scene([flying(geometry, (8.0, 0.0, 0.0), name="cube")], held=True, steps=5))
-    simulation.run([Summary(tmp_path), Progress(stream, announce=True)])
+    simulation.run([Summary(tmp_path), Progress(stream)])
     before, note = json.loads((tmp_path / "summary.json").read_text())["notes"]
     assert before.startswith("cube will be at x = 0.9 m") and note.startswith("cube leaves the grid")
     assert stream.getvalue().splitlines()[:2] == [before, note]

@@ -66,7 +66,7 @@ def test_run_hands_scene_folder_and_options_on(scene, runs, tmp_path):
     assert cli.main(["run", str(scene)]) == 0
     given, out, options = runs.pop()
     assert given.name == "small" and out.as_posix() == "out/small"
-    assert options == {"resume": False, "quiet": True}  # stderr is no terminal here
+    assert options == {"resume": False}
 
     chosen = ["--out", str(tmp_path / "o"), "--set", "time.step=0.1", "stage.0.steps=2", "--resume"]
     assert cli.main(["run", str(scene), *chosen, "--set", "gravity=[0, 0, 0]"]) == 0

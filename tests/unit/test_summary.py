@@ -15,14 +15,41 @@ class Terminal(io.StringIO):
         return True
 
 
-def test_progress_is_one_line_on_a_terminal_and_silent_elsewhere():
-    screen, pipe, closing = Terminal(), io.StringIO(), io.StringIO()
-    FakeSimulation().run(
-        [progress.Progress(screen), progress.Progress(pipe), progress.Progress(closing, announce=True)]
-    )
+def test_progress_is_one_line_on_a_terminal():
+    screen = Terminal()
+    FakeSimulation().run([progress.Progress(screen)])
     assert screen.getvalue().count("\n") == 1 and "drag 4/4" in screen.getvalue()
-    assert pipe.getvalue() == ""
-    assert closing.getvalue().startswith("fake: completed, 6 steps in 0:00")
+    assert screen.getvalue().endswith("fake: completed, 6 steps in 0:00\n")
+
+
+@pytest.mark.parametrize("interval, share, lines", [(1e9, 0.05, 5), (1e9, 0.5, 1), (0.0, 1.0, 5), (1e9, 1.0, 0)])
+def test_a_file_gets_a_line_now_and_then_and_where_the_results_are(monkeypatch, interval, share, lines):
+    """By time or by the share of six steps, the last of which has the closing line."""
+    monkeypatch.setattr(progress, "INTERVAL", interval)
+    monkeypatch.setattr(progress, "SHARE", share)
+    pipe = io.StringIO()
+    FakeSimulation().run([progress.Progress(pipe, "out/fake")])
+    *found, last = pipe.getvalue().splitlines()
+    assert len(found) == lines and last == "fake: completed, 6 steps in 0:00; results in out/fake"
+    assert all("left  t 0." in line and "\x1b" not in line for line in found)
+
+
+class Gone(io.StringIO):
+    """A stream whose reader is gone."""
+
+    def write(self, text):
+        raise BrokenPipeError
+
+
+@pytest.mark.parametrize("stream", [Gone(), None])
+def test_a_run_goes_on_without_anybody_to_read(stream, monkeypatch):
+    monkeypatch.setattr("sys.stderr", stream)
+    simulation = FakeSimulation()
+    simulation.run([progress.Progress()])
+    assert simulation.state.step == 6
+
+
+def test_the_line_of_progress():
     simulation = FakeSimulation()
     simulation.state = simulation.state_at(6)
     line = progress.describe(simulation.record(), 4, 75)
