@@ -7,6 +7,7 @@ from hybrid.linalg.solver_choice import SolverChoice
 from hybrid.linalg.stencil_pattern import make_pattern
 from hybrid.runtime.comm import maximum, minimum, number
 from hybrid.runtime.memory import direct_factor_memory
+from hybrid.runtime.sandbox import shortcoming
 from hybrid.scene.soil import USES, of_layer, span
 from hybrid.soil.workspace import keeps_tangents
 
@@ -44,6 +45,7 @@ def model_sheet(scene, model, imbalance=None, level="", most_points=0, decisions
         "body unknowns": model.body_unknowns,
         "entries of the soil block": entries,
         "bodies": [_body(*pair) for pair in zip(scene.bodies, model.bodies)] or "none",
+        **({"gmsh": shortcoming()} if scene.bodies and shortcoming() else {}),
         "soil law": _law(scene.soil.material, soil.law) if not soil.held else "none, the soil is held",
         "basis": scene.soil.basis if not soil.held else "none, the soil is held",
         "linear solver": _linear_solver(model, pattern.size),

@@ -1,5 +1,7 @@
 """Text of a sheet {section: {label: value}}, such as the model sheet, and the sheet of a mesh."""
 
+from hybrid.runtime.sandbox import shortcoming
+
 
 def mesh_sheet(body, mass, density):
     """Sections of `hybrid mesh` for a TetMesh and its MassProperties."""
@@ -9,6 +11,7 @@ def mesh_sheet(body, mass, density):
         "contact triangles": len(body.contact),
         "symmetry triangles": len(body.symmetry),
         "watertight": "yes",  # generate() refuses any other
+        **({"gmsh": shortcoming()} if shortcoming() else {}),
         "lower corner [m]": body.points.min(axis=0),
         "upper corner [m]": body.points.max(axis=0),
     }

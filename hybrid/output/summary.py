@@ -88,11 +88,13 @@ class Summary:
 def versions(known=None):
     """Versions of python and of the packages that a run uses, without importing any; `known` replaces those found.
 
-    They are read from the package metadata, else from a loaded module: gmsh of Debian has no metadata.
+    They are read from the package metadata, else from a loaded module. gmsh, of which Debian has no metadata, is not
+    loaded here: the process that meshed has told its version.
     """
     found = {"python": platform.python_version()}
     for module, names in PACKAGES.items():
         found[module] = _version(module, names)
+    found["gmsh"] = getattr(sys.modules.get("hybrid.body.mesh"), "versions", {}).get("gmsh", found["gmsh"])
     return {**found, **(known or {})}
 
 

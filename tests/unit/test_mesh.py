@@ -7,6 +7,8 @@ import gmsh
 import numpy as np
 import pytest
 
+from hybrid.body import mesh as meshing
+from hybrid.body import mesh_worker
 from hybrid.body.mesh import generate, parameter_names
 from hybrid.body.solid import TetMesh, boundary_faces, oriented, signed_volumes, validate
 from hybrid.runtime.errors import GeometryError
@@ -120,15 +122,17 @@ def test_nothing_is_printed(capfd, geo):
     assert capfd.readouterr() == ("", "")
 
 
-def test_gmsh_is_closed_after_an_interrupt(monkeypatch):
-    def interrupt(dim):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(gmsh.model.mesh, "generate", interrupt)
-    with pytest.raises(KeyboardInterrupt):
-        generate(GEOMETRY / "box.geo")
-    monkeypatch.undo()
-    generate(GEOMETRY / "box.geo")
+def test_a_mesh_that_is_asked_for_again_is_not_made_again_and_stays_as_it_was(geo, monkeypatch):
+    path = geo(HEAD + BODY + CONTACT)
+    first = generate(path, {"length": 2.0})
+    first.points[:] = 0.0
+    runs = []
+    run = meshing._run
+    monkeypatch.setattr(meshing, "_run", lambda *given: runs.append(given) or run(*given))
+    assert np.ptp(generate(path, {"length": 2}).points[:, 0]) == pytest.approx(2.0) and not runs
+    geo(HEAD + 'Physical Volume("body") = {1};' + CONTACT + "// changed")
+    generate(path, {"length": 2.0})
+    assert len(runs) == 1, "the file has changed; it is evaluated once, parameters or not"
 
 
 # ---- what is refused ---------------------------------------------------------------------------------------
@@ -176,9 +180,14 @@ def test_broken_geometry_is_refused_with_the_reason(geo, text, reason):
 
 
 def test_geometry_without_volume_elements_is_refused(monkeypatch):
-    monkeypatch.setattr("hybrid.body.mesh.elements", lambda *_: np.zeros((0, 4), dtype=int))
-    with pytest.raises(GeometryError, match="no volume elements"):
-        generate(GEOMETRY / "box.geo")
+    monkeypatch.setattr(mesh_worker, "elements", lambda *_: np.zeros((0, 4), dtype=int))
+    path = GEOMETRY / "box.geo"
+    try:
+        with mesh_worker.session(path, {"path": path, "parameters": {}, "memory": 0}):
+            with pytest.raises(GeometryError, match="no volume elements"):
+                mesh_worker.mesh({"path": path, "parameters": {}, "tetrahedra": 1000, "remedy": ""})
+    finally:
+        gmsh.finalize()
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,238 @@
+"""The process that reads one geometry with gmsh and meshes it, confined: the child of `hybrid.body.mesh`.
+
+It answers with arrays, or with the text of an error, in a file that it opens before it is confined. A process has one
+task, and ends; gmsh is imported nowhere else.
+"""
+
+import difflib
+import inspect
+import io
+import json
+import os
+import zipfile  # noqa: F401  numpy imports it when it writes, which is too late in a confined process
+from contextlib import contextmanager
+from pathlib import Path
+
+import gmsh
+import numpy as np
+
+from hybrid.runtime.errors import GeometryError
+from hybrid.runtime.sandbox import confine, limit
+
+PREFIX = "Parameters/"
+NO_REASON = "gmsh gives no reason, which is so when it needs more than {:.3g} GiB of memory, the limit; {}"
+LARGEST_ANSWER = 1 << 30       # [bytes]
+TRIANGLE, TETRAHEDRON = 2, 4  # gmsh's numbers of the linear element types
+SEAM = 1e-3                   # between two normals of one node on one surface
+WRAPPERS = {  # by suffix: .geo statements that make a volume of a file without physical groups
+    **dict.fromkeys((".step", ".stp", ".iges", ".igs", ".brep"),
+                    'SetFactory("OpenCASCADE"); Geometry.OCCTargetUnit = "M"; Merge "{name}"; '
+                    'Physical Volume("body") = {{1}}; Physical Surface("contact") = Abs(Boundary{{ Volume{{1}}; }});'),
+    ".stl": 'Merge "{name}"; Surface Loop(1) = {{1}}; Volume(1) = {{1}}; '
+            'Physical Volume("body") = {{1}}; Physical Surface("contact") = {{1}};',
+}
+
+
+def main(request):
+    """Do the task of a request, a text in JSON, in the working folder; write answer.npz there."""
+    request = json.loads(request)
+    limit(request["seconds"], request["memory"], LARGEST_ANSWER)
+    task = {"mesh": mesh, "parameters": parameters}[request["task"]]
+    geometry = Path("geometry").resolve()
+    np.savez(io.BytesIO(), np.zeros(1), text=np.array([""]))    # loads what writing needs
+    with open("answer.npz", "wb") as file:
+        confine(geometry)
+        try:
+            with session(geometry / request["file"], request):
+                answer = {"version": gmsh.option.getString("General.Version"), **task(request)}
+        except GeometryError as error:
+            answer = {"error": str(error)}
+        np.savez(file, **{name: np.asarray(value) for name, value in answer.items()})
+        file.flush()
+        os._exit(0)     # whatever gmsh would still do at its end
+
+
+def parameters(request):
+    """Names and defaults of the parameters that the file declares."""
+    values = {name: gmsh.onelab.getNumber(PREFIX + name) for name in declared()}
+    values = {name: float(value[0]) for name, value in values.items() if len(value)}
+    return {"names": np.array(list(values), str), "defaults": np.array(list(values.values()), float)}
+
+
+def mesh(request):
+    """Arrays of the mesh: the fields of TetMesh, and its named points as two arrays."""
+    path = Path(request["path"])
+    check_names(path, request["parameters"])
+    require_groups(path)
+    gmsh.model.mesh.generate(3)
+    check_log(path)
+    check_size(path, request["tetrahedra"], request["remedy"])
+    return read_mesh(path)
+
+
+@contextmanager
+def session(file, request):
+    """Open the file in gmsh with the parameters of the request; errors of gmsh become GeometryErrors."""
+    # newer gmsh would reset the Ctrl-C handler of the whole program
+    known = inspect.signature(gmsh.initialize).parameters
+    gmsh.initialize([], False, **({"interruptible": False} if "interruptible" in known else {}))
+    try:
+        gmsh.logger.start()
+        gmsh.option.setNumber("General.Terminal", 0)
+        for name, value in request["parameters"].items():
+            gmsh.onelab.setNumber(PREFIX + name, [float(value)])
+        gmsh.open(str(file))
+        check_log(request["path"])
+        yield
+    except Exception as error:
+        if type(error) is not Exception:  # gmsh raises the bare class, nothing else does
+            raise
+        silent = NO_REASON.format(request["memory"] / 2**30, request["remedy"])
+        reason = f"gmsh reports: {error}" if str(error) else silent
+        raise GeometryError(f"geometry {request['path']}: {reason}") from error
+
+
+def declared():
+    """Names of the parameters that the file declares; gmsh lists those as clients' that it has met in the file."""
+    found = gmsh.onelab.getNames(f"{PREFIX}.*")
+    return [name[len(PREFIX) :] for name in found if "clients" in json.loads(gmsh.onelab.get(name))]
+
+
+def check_names(path, given):
+    """Refuse parameters that the file does not declare."""
+    known = declared()
+    for name in given:
+        if name not in known:
+            raise GeometryError(f"geometry {path} has no parameter '{name}'" + _parameter_remedy(path, name, known))
+
+
+def check_size(path, most, remedy):
+    """Refuse a mesh of more than so many tetrahedra."""
+    count = sum(map(len, gmsh.model.mesh.getElements(3)[1]))
+    if count > most:
+        raise GeometryError(f"geometry {path}: {count} tetrahedra, above the limit of {most}; {remedy}")
+
+
+def check_log(path):
+    """Raise the first error of gmsh's log: some failures are only logged."""
+    errors = [line.split(":", 1)[1].strip() for line in gmsh.logger.get() if line.startswith("Error")]
+    if errors:
+        raise GeometryError(f"geometry {path}: gmsh reports: {errors[0]}")
+
+
+def _parameter_remedy(path, name, known):
+    """End of the message on a parameter that the file does not declare: the nearest one, or how to declare it."""
+    if path.suffix != ".geo":
+        return f": {path.suffix or 'its'} files declare none; remove '{name}', or use a .geo file"
+    if known:
+        nearest = difflib.get_close_matches(name, known, n=1, cutoff=0.0)[0]
+        return f"; did you mean '{nearest}'? (declared: {', '.join(sorted(known))})"
+    return (f' (declared: none); a parameter must be named "{PREFIX}{name}" in the file: '
+            f'DefineConstant[ {name} = {{1.0, Name "{PREFIX}{name}"}} ];')
+
+
+def groups(dim):
+    """Physical groups of one dimension: name -> entities."""
+    tags = [tag for _, tag in gmsh.model.getPhysicalGroups(dim)]
+    return {gmsh.model.getPhysicalName(dim, t): gmsh.model.getEntitiesForPhysicalGroup(dim, t) for t in tags}
+
+
+def require_groups(path):
+    """Refuse a geometry without the two groups, or with volumes that belong to no body."""
+    for dim, kind, name in ((3, "Volume", "body"), (2, "Surface", "contact")):
+        if name not in groups(dim):
+            found = ", ".join(f"'{n}'" for n in groups(dim)) or "none"
+            raise GeometryError(f"geometry {path} has no physical {kind.lower()} '{name}' (found: {found}); "
+                                + _group_remedy(path, kind, name))
+    outside = {tag for _, tag in gmsh.model.getEntities(3)} - set(map(int, groups(3)["body"]))
+    if outside:
+        raise GeometryError(
+            f"geometry {path}: volumes {sorted(outside)} are not in the physical volume 'body'; "
+            "delete them, fuse them or add them to the group"
+        )
+
+
+def _group_remedy(path, kind, name):
+    """End of the message on a missing group: what can be done for this type of file."""
+    wrapper = WRAPPERS.get(path.suffix.lower())
+    if wrapper:
+        return (f"a {path.suffix} file has no physical groups: write a .geo file next to it and use that as geometry: "
+                + wrapper.format(name=path.name))
+    if path.suffix.lower() == ".msh":
+        return f'add Physical {kind}("{name}") = {{...}}; to the .geo file that the mesh was made from'
+    return f'add Physical {kind}("{name}") = {{...}};'
+
+
+def read_mesh(path):
+    """Arrays of TetMesh of gmsh's current model: only nodes of the tetrahedra, triangles as gmsh orients them."""
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    index = np.full(int(tags.max()) + 1 if len(tags) else 1, -1, dtype=np.int64)
+    solids, skins = groups(3), groups(2)
+    tets = elements(solids["body"], 3, TETRAHEDRON, path)
+    if not len(tets):
+        raise GeometryError(f"geometry {path}: the physical volume 'body' has no volume elements; "
+                            "check that its surface is closed, or try another size")
+    used = np.unique(tets)
+    index[used] = np.arange(len(used))
+    row = np.zeros(len(index), dtype=np.int64)
+    row[tags.astype(np.int64)] = np.arange(len(tags))
+    contact = elements(skins["contact"], 2, TRIANGLE, path)
+    symmetry = elements(skins.get("symmetry", []), 2, TRIANGLE, path)
+    points = read_points(path)
+    return dict(
+        points=np.asarray(coordinates).reshape(-1, 3)[row[used]],
+        tets=index[tets],
+        contact=index[contact],
+        normals=read_normals(skins["contact"], contact),
+        symmetry=index[symmetry],
+        point_names=np.array(list(points), str),
+        point_places=np.array(list(points.values()), float).reshape(-1, 3),
+    )
+
+
+def elements(entities, dim, kind, path):
+    """Node tags (m, dim + 1) of all elements on the entities. GeometryError unless all are of type `kind`."""
+    width = dim + 1
+    parts = [np.zeros((0, width), dtype=np.int64)]
+    for entity in entities:
+        types, _, nodes = gmsh.model.mesh.getElements(dim, int(entity))
+        for element_type, tags in zip(types, nodes):
+            if element_type != kind:
+                found = gmsh.model.mesh.getElementProperties(int(element_type))[0]
+                raise GeometryError(f"geometry {path}: elements of type '{found}', but only linear triangles and "
+                                    "tetrahedra can be used; remove Mesh.ElementOrder and Recombine")
+            parts.append(np.asarray(tags).astype(np.int64).reshape(-1, width))
+    return np.vstack(parts)
+
+
+def read_normals(entities, triangles):
+    """Normals (t, 3, 3) of the surfaces at the corners of their `triangles` (t, 3) of node tags, one surface after the
+    other as `elements` gives them; of either sign, nan where the surface has none (a mesh, the apex of a cone)."""
+    parts = [np.zeros((0, 3, 3))]
+    for entity in map(int, entities):
+        tags = elements([entity], 2, TRIANGLE, None)
+        parts.append(np.full((*tags.shape, 3), np.nan))
+        if "discrete" in gmsh.model.getType(2, entity).lower() or not len(tags):
+            continue
+        nodes, _, place = gmsh.model.mesh.getNodes(2, entity, includeBoundary=True, returnParametricCoord=True)
+        normals = np.asarray(gmsh.model.getNormal(entity, place)).reshape(-1, 3)
+        nodes, first, row = np.unique(np.asarray(nodes, dtype=np.int64), return_index=True, return_inverse=True)
+        # a node on a seam of the surface is listed with both its parameters; at a pole it may have any normal
+        agree = np.linalg.norm(np.cross(normals, normals[first][row.reshape(-1)]), axis=1) < SEAM
+        agree &= np.abs(np.linalg.norm(normals, axis=1) - 1.0) < SEAM
+        sound = np.ones(len(nodes), bool)
+        np.logical_and.at(sound, row.reshape(-1), agree)
+        parts[-1] = np.where(sound[:, None], normals[first], np.nan)[np.searchsorted(nodes, tags)]
+    return np.concatenate(parts)
+
+
+def read_points(path):
+    """Physical points: name -> coordinates (3,) [m]."""
+    named = {}
+    for name, entities in groups(0).items():
+        if len(entities) != 1:
+            count = len(entities)
+            raise GeometryError(f"geometry {path}: physical point '{name}' has {count} points, expected 1; "
+                                "name each point with a group of its own")
+        named[name] = np.array(gmsh.model.getValue(0, int(entities[0]), []), dtype=float)
+    return named
