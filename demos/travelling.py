@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from hybrid.scene import Axis, Body, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
+from hybrid.scene import Axis, Body, Faces, Grid, Material, Output, Scene, Soil, Stage, Time
 from hybrid.setup.build import build
 
 GEOMETRY = Path(__file__).parents[1] / "geometry"
@@ -43,7 +43,7 @@ def scene(kind, law, size, steps=40):
     return Scene(
         name=f"plough-{kind}", grid=Grid(*axes, Faces(z_min="fixed")), soil=Soil(LAWS[law], top=0.0, **SOILS[law]),
         bodies=(plough,), time=Time(step=0.04, beta=0.5625, gamma=1.0), stages=(Stage("plough", steps),),
-        solver=Solver(tolerance=1e-4), output=Output(every=0, checkpoint=0))
+        output=Output(every=0, checkpoint=0))
 
 
 def measure(described):

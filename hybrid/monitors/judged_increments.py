@@ -26,5 +26,5 @@ class JudgedIncrements(Monitor):
         yield "judged", (
             f"residuals above the tolerance: up to t = {view.state.time:.4g} s {self._judged} of {self._all} increments "
             f"ended above solver.tolerance = {tolerance:.0e} and could not be solved any better. Their residuals are at "
-            "most ten times the tolerance, or round-off of the stiffness of the soil and at most 1e-3 of the forces "
+            "most three times the tolerance, or round-off of the stiffness of the soil and at most 1e-3 of the forces "
             "acting. If the loads are small beside the modulus, set a looser solver.tolerance, or a lower modulus")

@@ -64,17 +64,14 @@ class Time:
 class Solver:
     """Newton's method and the linear systems inside it."""
 
-    tolerance: float = key("tolerance of the residual, relative to the forces acting", "-", default=1e-6,
-                           at_least=1e-14, below=1, remedy="1e-6 is usual")
+    tolerance: float = key("tolerance of the residual, relative to the forces acting", "-", default=1e-4,
+                           at_least=1e-14, below=1, remedy="1e-4 is usual")
     linear: Literal["auto", "direct"] = key(
         "auto: GMRES with the cheapest of its preconditioners, or a direct factor where that costs less or they fail, "
         "and the factor fits in memory, by what is counted in the run; direct: a direct factor always, as a reference",
         default="auto")
-    linear_tolerance: float = key("relative tolerance of the Krylov method near the solution", "-", default=1e-3,
-                                  at_least=1e-14, below=1, remedy="1e-3 is usual")
-    loosest_tolerance: float = key(
-        "upper bound of the Eisenstat-Walker forcing term, far from the solution; a value up to linear_tolerance "
-        "disables adaptive forcing", "-", default=0.02, at_least=0, below=1, remedy="0 switches it off")
+    linear_tolerance: float = key("relative tolerance of the Krylov method", "-", default=1e-3, at_least=1e-14, below=1,
+                                  remedy="1e-3 is usual")
     tangent_tolerance: float = key(
         "change of a point's tangent within an increment, relative to Young's modulus times the root of the residual, "
         "up to which the tangent is not assembled again; 0: always", "-",

@@ -29,7 +29,7 @@ STIFF, FINEST = 80.0, 1e-12
 # residual falls by a tenth each, and then converges in three.
 PATIENCE, FALL, MOST = 10, 0.8, 100
 # Errors that are accepted when progress has ended: HAIR times the tolerance, or ROUGH where the residual is round-off.
-HAIR, ROUGH = 10.0, 1e-3
+HAIR, ROUGH = 3.0, 1e-3
 # A corner may be carried by a facet whose overlap differs from that with the nearest one by this share (1e-5 to 1e-2 in
 # spheres that roll over rows of corners); it is tried with HOLDS sets of facets.
 AMBIGUOUS, HOLDS = 0.05, 5
@@ -127,8 +127,8 @@ def progressing(errors):
 
 
 def _newton(step, solver, evaluation):
-    errors, krylov, current, forcing, jumps = [], 0, False, solver.loosest_tolerance, []
-    finer = max(1.0, step.contrast() / STIFF)
+    errors, krylov, current, jumps = [], 0, False, []
+    forcing = max(solver.linear_tolerance / max(1.0, step.contrast() / STIFF), FINEST)
     good = GOOD_YIELDING if step.model.soil.law.plastic else GOOD
     best = evaluation
     while True:
@@ -142,10 +142,8 @@ def _newton(step, solver, evaluation):
         try:
             if not current:
                 step.assemble(evaluation)
-            forcing = _forcing(solver, errors, forcing)
             with phase("solve"):
-                soil, body, count = step.system.solve(
-                    evaluation.soil, evaluation.body, max(forcing / finer, FINEST))
+                soil, body, count = step.system.solve(evaluation.soil, evaluation.body, forcing)
         except StepError as failure:
             return Outcome(best, iteration, krylov, tuple(errors), str(failure))
         krylov += count
@@ -166,18 +164,6 @@ def _with_units(norms):
     """Text such as "soil 0.879 N, anchor 12 N m" from norms {"soil [N]": 0.879, "anchor [N m]": 12}."""
     parts = ((*key.removesuffix("]").rsplit(" [", 1), value) for key, value in norms.items())
     return ", ".join(f"{name} {value:.3g} {unit}" for name, unit, value in parts)
-
-
-def _forcing(solver, errors, last):
-    """Tolerance of the Krylov method: the forcing term of Eisenstat and Walker (SIAM J. Sci. Comput. 17 (1996) 16-32,
-    choice 2 with its safeguards), and no tighter than half of what Newton's tolerance still requires."""
-    loosest, tightest = solver.loosest_tolerance, solver.linear_tolerance
-    if len(errors) == 1 or loosest <= tightest:
-        return max(loosest, tightest)
-    forcing = 0.9 * (errors[-1] / errors[-2]) ** 2
-    if 0.9 * last**2 > 0.1:
-        forcing = max(forcing, 0.9 * last**2)
-    return min(loosest, max(forcing, tightest, 0.5 * solver.tolerance / errors[-1]))
 
 
 def rejection(step, evaluation):

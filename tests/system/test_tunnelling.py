@@ -49,7 +49,7 @@ def test_without_the_check_it_goes_through(geometry, monkeypatch, thickness, con
     """Plain Newton updates land beyond the plate; of two equilibria others may happen to find that on this side. In a
     plate of 40 mm a row of points is still caught, and what side it is pushed to is chance."""
     monkeypatch.setattr(Step, "tunnelled", lambda self, evaluation: 0)
-    plain = Solver(tolerance=1e-4, line_search=False, tangent_tolerance=0.0, loosest_tolerance=0.0)
+    plain = Solver(tolerance=1e-4, line_search=False, tangent_tolerance=0.0)
     simulation = thrown(geometry, thickness, contact, plain)
     list(simulation.steps())
     assert lowest_gap_to_soil(simulation) < 0.0

@@ -107,7 +107,7 @@ def test_the_model_is_immutable(simulation):
 
 def test_settings_have_one_home():
     """The scene's own settings reach the step, and soil without options has the defaults of a scene."""
-    given = Solver(tolerance=3e-5, loosest_tolerance=0.05)
+    given = Solver(tolerance=3e-5, linear_tolerance=0.05)
     model = build(soil_scene(solver=given)).model
     assert model.solver is given or model.solver == given
     described = soil_scene().soil

@@ -31,8 +31,7 @@ def newton_tolerances(**values):
 def krylov_tolerances(**values):
     """Settings of a curve over the Krylov tolerance, used in every Newton iteration; `values`: all others of the
     run."""
-    return [(f"{t:.0e}", with_solver(values, linear_tolerance=t, loosest_tolerance=t))
-            for t in LINEAR_TOLERANCES]
+    return [(f"{t:.0e}", with_solver(values, linear_tolerance=t)) for t in LINEAR_TOLERANCES]
 
 
 def few(curves, counts):

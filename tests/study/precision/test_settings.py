@@ -9,7 +9,7 @@ def test_tolerances_extend_the_solver_table():
     assert label == "1e-02" and first == {"cells": 4, "solver": {"linear": "direct", "tolerance": 1e-2}}
     assert values["solver"] == {"linear": "direct"}
     label, first = settings.krylov_tolerances(cells=4)[-1]
-    assert label == "1e-05" and first["solver"] == {"linear_tolerance": 1e-5, "loosest_tolerance": 1e-5}
+    assert label == "1e-05" and first["solver"] == {"linear_tolerance": 1e-5}
 
 
 def test_few_keeps_the_first_settings():
