@@ -7,8 +7,9 @@ on each side with its edges on grid lines, and by up to 0.8 cells with its edges
     d = min(h/2, ρ/2)        h smallest cell, ρ largest distance of a point of the face from its edges
 
 of an edge the load is, on average over all places of the edge in a cell, that of the footing itself. d vanishes with
-the cells; ρ keeps contact on faces narrower than a cell. An edge is convex and bends by more than BEND; the rim of a cut
-through the body is none.
+the cells; ρ keeps contact on faces narrower than a cell. An edge is convex and bends by more than BEND at both of its ends;
+the rim of a cut through the body is none. Edges of triangles that run from the apex of a cone bend there only, and are
+none of the cone: without contact beside them its tip would sink in by a cell before it touches.
 """
 
 from typing import NamedTuple
@@ -18,11 +19,10 @@ from numba import njit
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from hybrid.body.patches import SMOOTH
 from hybrid.body.smooth import shared_edges
 
 SHARE = 0.5                     # of a cell, and of ρ
-BEND = np.radians(30.0)         # between the faces at an edge
+BEND = np.radians(20.0)         # between the faces at an edge; 30° at the shoulder of a cone of 60°
 RAMP = 0.25                     # of d, over which contact sets in
 SAMPLES = 6                     # points along an edge of a triangle at which ρ is measured
 
@@ -48,11 +48,9 @@ def find_edges(surface, cell, along=()):
     along: unit vectors (3,) of the collapsed axes in the body frame, in the directions of which the body is a prism;
     only edges parallel to them count, and distances are those in the section.
     """
-    (t, other), (k, _) = (side.T for side in shared_edges(surface.triangles))
-    corners, normals, across = surface.vertices[surface.triangles], surface.normals, surface.tree.patches.across
-    bends = np.einsum("ei,ei->e", normals[t], normals[other]) < np.cos(BEND)
-    if len(across):
-        bends &= across[t, k, 1] != SMOOTH
+    (t, other), (k, j) = (side.T for side in shared_edges(surface.triangles))
+    corners, normals = surface.vertices[surface.triangles], surface.normals
+    bends = np.all(_bends(surface, t, k, other, j) > BEND, axis=0)
     links = coo_matrix((np.ones(np.count_nonzero(~bends)), (t[~bends], other[~bends])), shape=(len(corners),) * 2)
     face = connected_components(links, directed=False)[1]
     convex = np.einsum("ei,ei->e", normals[t], corners[other].mean(axis=1) - corners[t].mean(axis=1)) < 0.0
@@ -64,6 +62,16 @@ def find_edges(surface, cell, along=()):
                                                           segment[(face[sides] == f).any(axis=1)]))
                       for f in range(face.max() + 1)])
     return Edges(segment, np.ascontiguousarray(normals[sides]), inset[face[sides]].reshape(-1, 2))
+
+
+def _bends(surface, t, k, other, j):
+    """(2, e) [rad] between the normals of the two sides at both ends of edges: edge k of triangle t, j of `other`."""
+    nodes = surface.tree.patches.nodes
+    normals = np.repeat(surface.normals[:, None], 3, axis=1)
+    if len(nodes):
+        normals = nodes[:, [3, 3, 3]] + nodes[:, [3, 4, 5]] * np.array([0.0, 1.0, 1.0])[:, None]
+    pairs = ((normals[t, (k + a) % 3], normals[other, (j + 1 - a) % 3]) for a in (0, 1))
+    return np.arccos([np.clip(np.einsum("ei,ei->e", *pair), -1.0, 1.0) for pair in pairs])
 
 
 def _parallel(segment, along):

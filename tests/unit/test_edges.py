@@ -66,6 +66,17 @@ def test_the_rim_of_a_cylinder_is_an_edge_and_its_facets_are_none():
     assert np.allclose(np.abs(edges.segment[..., 2]), 0.5, atol=1e-3)
 
 
+def test_the_shoulder_of_a_cone_is_an_edge_and_its_tip_is_none():
+    """Triangles that meet at the tip bend there, and not at the shoulder; those at the shoulder bend by 30°."""
+    surface = surface_of("cone.geo", radius=1.0, angle=60.0, shaft=2.0, size=0.3)
+    edges = find_edges(surface, 0.5)
+    low, shoulder = surface.lower[2], surface.lower[2] + np.sqrt(3.0)
+    assert set(np.round(edges.segment[..., 2].ravel(), 6)) == {round(shoulder, 6), round(shoulder + 2.0, 6)}
+    outward = np.array([[np.sqrt(0.75), 0.0, -0.5]])
+    for height, wanted in ((0.0, 1.0), (1.0, 1.0), (1.7, 0.0)):
+        assert edges.share(np.array([[height / np.sqrt(3.0), 0.0, low + height]]), outward)[0] == wanted
+
+
 def test_a_point_that_was_left_out_inside_the_body_starts_without_force():
     """Its gap without force is that of the last state in which it was left out, and then only moves outwards."""
     from dataclasses import replace
