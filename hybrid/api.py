@@ -1,14 +1,19 @@
 """Running a scene with its results in a folder."""
 
+import logging
 from pathlib import Path
 
 from hybrid import output
 from hybrid.output import checkpoint
-from hybrid.scene.file import load_scene
+from hybrid.output.run_folder import RunFolder
+from hybrid.runtime.stop_signals import stop_signals
+from hybrid.scene.file import load_scene, validate
 from hybrid.setup.build import build
 
+log = logging.getLogger("hybrid")
 
-def run(scene, out=None, overrides=(), resume=False, quiet=False, body_force=None, law=None):
+
+def run(scene, out=None, overrides=(), resume=False, quiet=False, body_force=None, law=None, overwrite=False):
     """Run a Scene, or the scene file at a path, and return its Simulation.
 
     out               folder of the results, default out/<scene name>
@@ -16,15 +21,27 @@ def run(scene, out=None, overrides=(), resume=False, quiet=False, body_force=Non
     resume            continue from the checkpoint in that folder
     quiet             nothing on stderr about its progress, notes and end, which summary.json has too
     body_force, law   as in `hybrid.setup.build.build`
+    overwrite         replace whatever results the folder holds; without it, `hybrid.output.run_folder` has the rule
 
-    Raises HybridError, whose message names what to change.
+    SIGINT, SIGTERM and SIGHUP end the run with a checkpoint and raise `hybrid.runtime.stop_signals.Stopped`, a
+    KeyboardInterrupt; a second one ends the process. Raises HybridError, whose message names what to change.
     """
-    if isinstance(scene, (str, Path)):
-        scene = load_scene(scene, overrides)
+    scene = load_scene(scene, overrides) if isinstance(scene, (str, Path)) else validate(scene)
     folder = Path(out) if out is not None else Path("out") / scene.name
-    simulation = build(scene, body_force=body_force, law=law)
-    if resume:
-        path = folder / checkpoint.NAME
-        simulation.resume(checkpoint.load(path, simulation.scene), **checkpoint.read_extra(path))
-    simulation.run(output.standard(folder, progress=not quiet))
+    with stop_signals() as signals, RunFolder(folder, scene, resume, overwrite) as place:
+        simulation = build(scene, body_force=body_force, law=law)
+        signals.take()      # again: PETSc has its own handlers
+        if resume:
+            _resume(simulation, folder / checkpoint.NAME)
+        with output.output_errors():
+            place.begin()
+        simulation.run(output.standard(folder, progress=not quiet, run=place.run))
     return simulation
+
+
+def _resume(simulation, path):
+    """Continue from the checkpoint at `path`; settings that have changed since are logged."""
+    state = checkpoint.load(path, simulation.scene)
+    if changed := checkpoint.changed_settings(path, simulation.scene):
+        log.warning("continues with settings that differ from those of the checkpoint:\n%s", changed)
+    simulation.resume(state, **checkpoint.read_extra(path))

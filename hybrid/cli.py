@@ -2,8 +2,8 @@
 scenes, mesh a geometry.
 
 Each command imports what it needs when it runs, so that help and mistakes in the arguments are reported at once.
-Exit codes: 0 done, 2 wrong arguments or an error that the user can correct, 130 interrupted, 141 nobody reads what is
-printed (`hybrid demos | head -1`).
+Exit codes: 0 done, 2 wrong arguments or an error that the user can correct, 130, 143, 129 interrupted by SIGINT, SIGTERM,
+SIGHUP, 141 nobody reads what is printed (`hybrid demos | head -1`).
 """
 
 import argparse
@@ -50,9 +50,11 @@ def _main(arguments):
         return _told(f"hybrid: {error}")
     except MemoryError as error:
         return _told(f"hybrid: out of memory ({error}); use larger cells, or a machine with more memory")
-    except KeyboardInterrupt:
-        hint = "; continue with --resume if a checkpoint was written" if options.command is run else ""
-        return _told(f"\nhybrid: interrupted{hint}", INTERRUPTED)
+    except KeyboardInterrupt as stop:
+        kept = getattr(stop, "kept", None)
+        hint = f"; step {kept} is kept: continue with --resume" if kept is not None else ""
+        return _told(f"\nhybrid: interrupted{f' by {stop}' if str(stop) else ''}{hint}",
+                     getattr(stop, "exit_code", INTERRUPTED))
     return 0
 
 
@@ -80,6 +82,7 @@ def parser():
     _scene_arguments(sub)
     sub.add_argument("--out", type=folder, metavar="DIR", help="folder of results (default: out/<scene name>)")
     sub.add_argument("--resume", action="store_true", help="continue from the last checkpoint in that folder")
+    sub.add_argument("--overwrite", action="store_true", help="replace the results in that folder")
 
     sub = _command(commands, "check", check, "validate a scene; print the size of its model, warnings and the "
                                              "predicted cost of a run")
@@ -172,7 +175,7 @@ def run(options):
 
     out = options.out or Path("out") / scene.name
     with compilation_notice():
-        run_scene(scene, out, resume=options.resume)
+        run_scene(scene, out, resume=options.resume, overwrite=options.overwrite)
 
 
 def check(options):

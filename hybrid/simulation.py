@@ -20,10 +20,11 @@ from hybrid.monitors import Monitors, StepView
 from hybrid.monitors.failure_hints import overstretched_domains
 from hybrid.monitors.initial_equilibrium import initial_imbalance
 from hybrid.monitors.limits import limit_warnings
+from hybrid.output import output_errors
 from hybrid.output.model_sheet import model_sheet
 from hybrid.output.record import BodyRecord, Record
 from hybrid.runtime import comm, timing
-from hybrid.runtime.errors import HybridError, StepError
+from hybrid.runtime.errors import HybridError, OutputError, StepError
 from hybrid.runtime.memory import map_large_arrays
 from hybrid.step.energy import balance_error, energies
 from hybrid.step.equations import begin
@@ -122,17 +123,20 @@ class Simulation:
         """Run the remaining steps; returns the summary dict {"outcome", "reason"} that observers get too.
 
         `finish` of every observer is called however the run ends: completed, failed (the error is raised again) or
-        interrupted.
+        interrupted. Raises OutputError, which interrupts the run, for an OSError of an observer.
         """
-        summary = {"outcome": "completed", "reason": ""}
-        for observer in observers:
-            observer.start(self)
+        summary, stop = {"outcome": "completed", "reason": ""}, None
+        with output_errors():
+            for observer in observers:
+                observer.start(self)
         try:
             for record in self.steps():
-                for observer in observers:
-                    observer.accepted(record, self)
-        except KeyboardInterrupt:
-            summary.update(outcome="interrupted", reason="stopped from the keyboard; continue with --resume")
+                with output_errors():
+                    for observer in observers:
+                        observer.accepted(record, self)
+        except (KeyboardInterrupt, OutputError) as error:
+            summary.update(outcome="interrupted", reason=str(error) or "SIGINT")
+            stop = error
             raise
         except HybridError as error:
             summary.update(outcome="failed", reason=str(error))
@@ -142,6 +146,8 @@ class Simulation:
             raise
         finally:
             self._finish(observers, summary)
+            if stop is not None:
+                stop.kept = summary.get("checkpoint_step")
         return summary
 
     def _finish(self, observers, summary):
@@ -149,7 +155,8 @@ class Simulation:
         failure = None
         for observer in observers:
             try:
-                observer.finish(summary, self)
+                with output_errors():
+                    observer.finish(summary, self)
             except Exception as error:
                 log.warning("%s failed at the end of the run: %s", type(observer).__name__, error)
                 failure = failure or error

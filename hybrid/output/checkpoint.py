@@ -1,20 +1,24 @@
-"""checkpoint.npz: the complete state, bit for bit, with the scene it belongs to.
+"""checkpoint.npz: the complete state, bit for bit, with the run and the scene that it belongs to.
 
-A run is resumed only with the scene that wrote the checkpoint. Keys that do not change the physics may differ: the
-tables output and solver, soil.stray, and the number of steps of the last stage, so that a run can be continued
-beyond its end.
+A run is resumed only with the physics that it was started with. Settings may differ, and are listed: the tables output
+and solver, soil.stray, and the number of steps of the last stage, so that a run can be continued beyond its end.
+
+A checkpoint is written beside the last one and then takes its place. While a run computes, the space for the next one
+is kept allocated, so that a disk filled by other files does not cost the state.
 """
 
 import dataclasses
 import hashlib
 import json
 import os
+import time
 import zipfile
 from pathlib import Path
 
 import numpy as np
 
-from hybrid.output import atomic
+from hybrid.output import partial_name, sync
+from hybrid.output.history import NAME as HISTORY
 from hybrid.runtime.errors import HybridError
 from hybrid.scene import Scene
 from hybrid.scene.defaults import resolve
@@ -22,46 +26,72 @@ from hybrid.state import BodyState, ContactHistory, Ground, PointConstants, Poin
 
 NESTED = {"points": Points, "constants": PointConstants, "behind": Population}  # fields that are dataclasses themselves
 NAME = "checkpoint.npz"
-FORMAT = 3
+FORMAT = 4
 CONTINUED = ("increment", "solver_memory")    # attributes of a Simulation that its next step continues with
+LONGEST = 600.0     # [s] of computing between two checkpoints
 
 
 class CheckpointError(HybridError):
-    """A checkpoint cannot be read, or belongs to another scene."""
+    """A checkpoint cannot be read, or belongs to another run or scene."""
 
 
 class Checkpoints:
-    """Observer that saves the state every `scene.output.checkpoint` outer steps and at the end (0: never)."""
+    """Observer that saves the state at the start, every `scene.output.checkpoint` outer steps or ten minutes, whichever
+    comes first, and at the end (0: never).
 
-    def __init__(self, folder):
-        self.path = Path(folder) / NAME
-        self.saved = None
+    At the end it saves the last step that all observers before it have accepted, so that a step without all its results
+    is computed again.
+    """
+
+    def __init__(self, folder, run=""):
+        self.path, self.run = Path(folder) / NAME, run
+        self.saved = self._accepted = None      # number of the step on disk; State and extra of the last step
 
     def start(self, simulation):
-        self.saved = simulation.state.step
+        self._note(simulation)
+        self._written = time.monotonic()
+        if simulation.state.step:
+            self.saved = simulation.state.step
+            reserve(self.path)
+        elif simulation.scene.output.checkpoint:
+            self._save(simulation)
 
     def accepted(self, record, simulation):
+        self._note(simulation)
         every = simulation.scene.output.checkpoint
-        if every and record.step % every == 0:
+        if every and (record.step % every == 0 or time.monotonic() - self._written > LONGEST):
             self._save(simulation)
 
     def finish(self, summary, simulation):
-        if simulation.scene.output.checkpoint and simulation.state.step != self.saved:
-            self._save(simulation)
+        try:
+            if simulation.scene.output.checkpoint and self._accepted[0].step != self.saved:
+                self._save(simulation)
+        finally:
+            partial_name(self.path).unlink(missing_ok=True)
+            if self.saved is not None:
+                summary["checkpoint_step"] = self.saved
+
+    def _note(self, simulation):
+        extra = {name: getattr(simulation, name, None) for name in CONTINUED}
+        self._accepted = simulation.state, {k: v for k, v in extra.items() if v is not None}
 
     def _save(self, simulation):
-        extra = {name: getattr(simulation, name, None) for name in CONTINUED}
-        save(self.path, simulation.state, simulation.scene, {k: v for k, v in extra.items() if v is not None})
-        self.saved = simulation.state.step
+        history = self.path.with_name(HISTORY)
+        if history.exists():
+            sync(history)       # before a checkpoint that relies on its lines
+        state, extra = self._accepted
+        save(self.path, state, simulation.scene, extra, self.run)
+        reserve(self.path)
+        self.saved, self._written = state.step, time.monotonic()
 
 
-def save(path, state, scene=None, extra=None):
-    """Write `state` (and the scene's fingerprint) to `path`, completely or not at all.
+def save(path, state, scene=None, extra=None, run=""):
+    """Write `state`, with the keys of the scene and the identity of the run, to `path`, completely or not at all.
 
     extra: dict of numbers, text or arrays that `read_extra` gives back, such as the CONTINUED ones.
     """
-    arrays = {"format": FORMAT, "scene": json.dumps(fingerprint(scene)), "state/time": state.time}
-    arrays["state/step"] = state.step
+    arrays = {"format": FORMAT, "run": run, "state/time": state.time, "state/step": state.step}
+    arrays["scene"], arrays["settings"] = json.dumps(fingerprint(scene)), json.dumps(settings(scene))
     arrays.update(_fields(state.points, "points"))
     if state.ground is not None:
         arrays.update(_fields(state.ground, "ground"))
@@ -71,10 +101,26 @@ def save(path, state, scene=None, extra=None):
             arrays.update(_fields(item, f"{name}/{i}"))
     arrays.update({f"work/{name}": value for name, value in state.work.items()})
     arrays.update({f"extra/{name}": value for name, value in (extra or {}).items()})
-    with atomic(path) as partial, open(partial, "wb") as file:
+    path = Path(path)
+    partial = partial_name(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with open(os.open(partial, os.O_RDWR | os.O_CREAT, 0o666), "r+b") as file:  # into the space kept by `reserve`
         np.savez(file, **arrays)
+        file.truncate()
         file.flush()
         os.fsync(file.fileno())
+    os.replace(partial, path)
+    sync(path.parent)
+
+
+def reserve(path):
+    """Allocate the space of the next checkpoint, which is as large as the one at `path`, where there is room for it."""
+    partial = partial_name(path)
+    try:
+        with open(partial, "wb") as file:
+            os.posix_fallocate(file.fileno(), 0, path.stat().st_size)
+    except OSError:
+        partial.unlink(missing_ok=True)
 
 
 def load(path, scene=None):
@@ -85,7 +131,12 @@ def load(path, scene=None):
     """
     arrays = _read(path)
     if scene is not None:
-        _refuse_other_scene(path, json.loads(str(arrays["scene"])), fingerprint(scene))
+        other = differences(json.loads(str(arrays["scene"])), fingerprint(scene), "checkpoint")
+        if other:
+            raise CheckpointError(
+                f"{path} was written by another scene; these keys differ:\n{other}\nResume with the scene that wrote it "
+                "(output, solver, soil.stray and the steps of the last stage may differ), or start a new run in another "
+                "folder (--out), or in its place (--overwrite)")
     return State(
         time=float(arrays["state/time"]),
         step=int(arrays["state/step"]),
@@ -102,42 +153,60 @@ def read_extra(path):
     return {name: value[()] for name, value in _below(_read(path), "extra/").items()}
 
 
+def read_run(path):
+    """Identity of the run that wrote `path`."""
+    return str(_read(path, ("format", "run"))["run"])
+
+
+def changed_settings(path, scene):
+    """Text that lists the settings in which `scene` differs from the one that wrote `path`; empty if there are none."""
+    return differences(json.loads(str(_read(path, ("format", "settings"))["settings"])), settings(scene), "checkpoint")
+
+
 def fingerprint(scene):
     """Keys of a scene that determine the physics of its run: {"soil.material.young": text}; geometry by content, keys
     left out as they are decided."""
+    return {key: value for key, value in _keys(scene).items() if not key.startswith(_setting_keys(scene))}
+
+
+def settings(scene):
+    """The other keys of a scene, with which a run may be continued differently: {"output.every": text}."""
+    return {key: value for key, value in _keys(scene).items() if key.startswith(_setting_keys(scene))}
+
+
+def differences(saved, wanted, name):
+    """Lines that list the keys in which two dicts of texts differ; `name`: what the first one belongs to."""
+    keys = [key for key in sorted(saved.keys() | wanted.keys()) if saved.get(key) != wanted.get(key)]
+    shown = [f"  {k}: {name} {saved.get(k, 'none')}, scene {wanted.get(k, 'none')}" for k in keys[:8]]
+    return "\n".join(shown + ([f"  ... and {len(keys) - 8} more"] if len(keys) > 8 else []))
+
+
+def _keys(scene):
     if isinstance(scene, Scene):
         scene, _ = resolve(scene)
     flat = {}
     _flatten("", _plain(scene), flat)
-    last = len(getattr(scene, "stages", ())) - 1
-    ignored = ("output.", "solver.", "soil.stray", f"stages.{last}.steps")
-    return {key: value for key, value in sorted(flat.items()) if not key.startswith(ignored)}
+    return dict(sorted(flat.items()))
 
 
-def _refuse_other_scene(path, saved, wanted):
-    keys = [key for key in sorted(saved.keys() | wanted.keys()) if saved.get(key) != wanted.get(key)]
-    if not keys:
-        return
-    shown = [f"  {k}: checkpoint {saved.get(k, 'none')}, scene {wanted.get(k, 'none')}" for k in keys[:8]]
-    shown += [f"  ... and {len(keys) - 8} more"] if len(keys) > 8 else []
-    raise CheckpointError(
-        f"{path} was written by another scene; these keys differ:\n" + "\n".join(shown)
-        + "\nResume with the scene that wrote it (output, solver, soil.stray and the steps of the last stage may "
-        "differ), or start a new run in another folder."
-    )
+def _setting_keys(scene):
+    return "output.", "solver.", "soil.stray", f"stages.{len(getattr(scene, 'stages', ())) - 1}.steps"
 
 
-def _read(path):
+def _read(path, names=()):
+    """Arrays of a checkpoint, all of them or those named."""
     try:
         with np.load(path, allow_pickle=False) as file:
-            arrays = dict(file)
+            arrays = {name: file[name] for name in names or file.files if name in file.files}
     except FileNotFoundError:
         raise CheckpointError(f"{path} does not exist: there is no run to resume in that folder") from None
-    except (OSError, ValueError, zipfile.BadZipFile) as error:
-        raise CheckpointError(f"{path} is not a readable checkpoint ({error}): start a new run") from error
+    except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile) as error:
+        raise CheckpointError(f"{path} is not a readable checkpoint ({error}): start a new run, with --overwrite"
+                              ) from error
     if int(arrays.get("format", -1)) != FORMAT:
         found = arrays.get("format")
-        raise CheckpointError(f"{path} has format {found}, this version reads {FORMAT}: start a new run")
+        raise CheckpointError(f"{path} has format {found}, this version reads {FORMAT}: start a new run, with "
+                              "--overwrite")
     return arrays
 
 

@@ -49,11 +49,18 @@ class History:
 
 
 def _complete_rows(path):
-    """Lines of the file as dicts of text; without a last line that a crash left incomplete."""
+    """Lines of the file as dicts of text; without lines that a crash left incomplete."""
     if not path.exists():
         return []
-    with open(path, newline="", encoding="utf-8") as file:
-        return [row for row in csv.DictReader(file) if None not in row.values() and None not in row]
+    with open(path, newline="", encoding="utf-8", errors="replace") as file:
+        lines = [line for line in file if line.endswith("\n")]
+    return [row for row in csv.DictReader(lines)
+            if None not in row.values() and None not in row and row.get("step", "").isdecimal()]
+
+
+def count_steps(folder):
+    """Number of accepted steps that history.csv of a folder has."""
+    return len(_complete_rows(Path(folder) / NAME))
 
 
 def read_history(folder):

@@ -29,6 +29,7 @@ from hybrid.output.record import drawn, initial_bodies, placed
 log = logging.getLogger("hybrid")
 
 TIME_LIMIT = 300.0  # seconds for one picture
+GRACE = 3.0         # seconds that an interrupted run still waits for one
 # EGL needs no X server; where it is missing VTK may choose for itself.
 TRIES = {"VTK_DEFAULT_OPENGL_WINDOW": "vtkEGLRenderWindow"}, {}
 REMEDY = "try: apt install libegl1 libgl1-mesa-dri (off-screen OpenGL), pip install pyvista"
@@ -55,6 +56,9 @@ class Pictures:
             self.drawing = Drawing(path, scene_arrays(simulation, self.initial), caption)
 
     def finish(self, summary, simulation):
+        if summary["outcome"] == "interrupted":
+            self._collect(GRACE)    # the figures of the whole run come with its end
+            return
         try:
             self._figures(simulation)
         finally:
@@ -70,9 +74,9 @@ class Pictures:
         if any(np.any(history[f"{name}_tension_N"]) for name in body_names(history)):
             figures.tension(self.folder)
 
-    def _collect(self):
+    def _collect(self, limit=TIME_LIMIT):
         if self.drawing:
-            self.drawing.collect()
+            self.drawing.collect(limit)
         self.drawing = None
 
 
@@ -129,11 +133,13 @@ class Drawing:
         except OSError as error:
             self._error = error
 
-    def collect(self):
-        """Wait for the picture; returns whether there is one. If not, a warning has cause and remedy."""
+    def collect(self, limit=TIME_LIMIT):
+        """Wait for the picture, for at most `limit` seconds from now; returns whether there is one. If not, a warning has
+        cause and remedy."""
         try:
             if self._error:
                 raise self._error
+            self._deadline = min(self._deadline, time.monotonic() + limit)
             self._wait()
         except (OSError, RuntimeError, subprocess.TimeoutExpired) as error:
             log.warning("no picture %s: %s; %s", self._path.name, error, REMEDY)

@@ -38,8 +38,8 @@ class Summary:
     Totals of a resumed run include the earlier sessions, as far as history.csv has them.
     """
 
-    def __init__(self, folder):
-        self.folder = Path(folder)
+    def __init__(self, folder, run=""):
+        self.folder, self.run = Path(folder), run
 
     def start(self, simulation):
         self.began = time.perf_counter()
@@ -69,6 +69,7 @@ class Summary:
     def finish(self, summary, simulation):
         content = {
             "scene": simulation.scene.name,
+            "run": self.run,
             **summary,
             "notes": self.notes,
             "time_s": simulation.state.time,

@@ -20,6 +20,7 @@ import meshio
 import numpy as np
 
 from hybrid.output import atomic
+from hybrid.output.history import read_history
 from hybrid.output.record import drawn, initial_bodies, placed
 
 SYMMETRIC = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))  # VTK's order of a symmetric tensor
@@ -27,7 +28,8 @@ GROUPS = {"body": 0, "contact": 1, "symmetry": 2}
 
 
 class Frames:
-    """Observer that writes a frame at the start, every `scene.output.every` outer steps and at the end.
+    """Observer that writes a frame at the start, every `scene.output.every` outer steps and at the end, unless the run is
+    interrupted: resumed, it then has the frames of a run in one go.
 
     Held soil does not move, so its points are written once. `every = 0` writes nothing.
     """
@@ -38,19 +40,20 @@ class Frames:
     def start(self, simulation):
         if not simulation.scene.output.every:
             return
-        step = simulation.state.step
+        self.first = step = simulation.state.step
         self.initial = initial_bodies(simulation)
-        self.soil = Series(self.folder, "soil", step)
-        self.bodies = [Series(self.folder, f"body_{_slug(name)}", step) for name in simulation.body_names]
-        self._write(simulation)
+        names = ["soil", *(f"body_{_slug(name)}" for name in simulation.body_names)]
+        self.soil, *self.bodies = [Series(self.folder, name, step, simulation.scene.output.every) for name in names]
+        if not step:
+            self._write(simulation)
 
     def accepted(self, record, simulation):
         every = simulation.scene.output.every
-        if every and record.step % every == 0:
+        if every and (record.step % every == 0 or record.step == simulation.total_steps):
             self._write(simulation)
 
     def finish(self, summary, simulation):
-        if simulation.scene.output.every:
+        if simulation.scene.output.every and summary["outcome"] != "interrupted" and simulation.state.step > self.first:
             self._write(simulation)
 
     def _write(self, simulation):
@@ -65,22 +68,37 @@ class Frames:
 class Series:
     """Frames NAME_000000.vtu, ... of a folder and the NAME.pvd that lists them, rewritten after each frame.
 
-    Opened at step 0 the frames of an earlier run are deleted; opened later those after `step` are dropped and
-    the rest kept.
+    Opened at step 0 the frames of an earlier run are deleted. Opened later those after `step` are deleted, and one at
+    `step` itself that is not due every so many steps, where the run had ended; the rest are kept. Their times are those
+    of the .pvd, or of history.csv where the .pvd is damaged.
     """
 
-    def __init__(self, folder, name, step=0):
+    def __init__(self, folder, name, step=0, every=1):
         self.folder, self.name = Path(folder), name
         self.frames = {}  # step -> time [s]
-        earlier = read_pvd(self.folder / f"{name}.pvd")
-        for file, time in earlier:
-            match = re.fullmatch(re.escape(name) + r"_(\d{6,})\.vtu", file)
-            if match and step and int(match[1]) <= step and (self.folder / file).exists():
-                self.frames[int(match[1])] = time
-            elif match:
+        matches = [re.fullmatch(re.escape(name) + r"_(\d{6,})\.vtu", path.name) for path in self.folder.glob("*.vtu")]
+        files = {int(match[1]): match[0] for match in matches if match}
+        times = self._times() if step and files else {}
+        for number, file in files.items():
+            if number in times and (number < step or number == step and step % every == 0):
+                self.frames[number] = float(times[number])
+            else:
                 (self.folder / file).unlink(missing_ok=True)
-        if earlier:
+        if files:
             self._write_pvd()
+
+    def _times(self):
+        """{step: time [s]} of the start, of history.csv and of the .pvd."""
+        try:
+            history = read_history(self.folder)
+        except FileNotFoundError:
+            history = {}
+        times = {0: 0.0, **dict(zip(history.get("step", ()), history.get("time_s", ())))}
+        try:
+            listed = read_pvd(self.folder / f"{self.name}.pvd")
+        except xml.ParseError:
+            listed = []
+        return times | {int(re.search(r"(\d+)\.vtu", file)[1]): time for file, time in listed}
 
     def add(self, step, time, mesh):
         """Write one frame and list it; a step that is already listed is not written again."""

@@ -19,3 +19,17 @@ class LawError(HybridError):
 
 class StepError(HybridError):
     """A time step could not be completed; the last accepted state is unchanged."""
+
+
+class OutputError(HybridError):
+    """Results could not be written. kept: number of the step of the checkpoint on disk, None if there is none."""
+
+    kept = None
+
+    def __str__(self):
+        kept = f"; the checkpoint has the state after step {self.kept}" if self.kept is not None else ""
+        return super().__str__() + kept
+
+
+class RunFolderError(HybridError):
+    """The folder of results is in use, or holds results that a run must not replace."""

@@ -1,5 +1,6 @@
 """The command line: what it hands on, prints, and how it fails. The physics is replaced here."""
 
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -11,6 +12,7 @@ import pytest
 import hybrid
 from hybrid import cli
 from hybrid.runtime.errors import GeometryError, SceneError, StepError
+from hybrid.runtime.stop_signals import Stopped
 
 SCENE = """
 [grid.x]
@@ -66,13 +68,13 @@ def test_run_hands_scene_folder_and_options_on(scene, runs, tmp_path):
     assert cli.main(["run", str(scene)]) == 0
     given, out, options = runs.pop()
     assert given.name == "small" and out.as_posix() == "out/small"
-    assert options == {"resume": False}
+    assert options == {"resume": False, "overwrite": False}
 
-    chosen = ["--out", str(tmp_path / "o"), "--set", "time.step=0.1", "stage.0.steps=2", "--resume"]
+    chosen = ["--out", str(tmp_path / "o"), "--set", "time.step=0.1", "stage.0.steps=2", "--resume", "--overwrite"]
     assert cli.main(["run", str(scene), *chosen, "--set", "gravity=[0, 0, 0]"]) == 0
     given, out, options = runs.pop()
     assert (given.time.step, given.stages[0].steps, given.gravity) == (0.1, 2, (0.0, 0.0, 0.0))
-    assert out == tmp_path / "o" and options["resume"]
+    assert out == tmp_path / "o" and options["resume"] and options["overwrite"]
 
 
 @pytest.mark.parametrize("error", [SceneError, GeometryError, StepError])
@@ -86,13 +88,25 @@ def test_errors_are_one_message_without_traceback(scene, stand_in, capsys, error
     assert out == "" and err == "hybrid: step 3: 15 iterations, the limit is 15; try time.step=0.02\n"
 
 
-def test_an_interrupt_exits_with_130(scene, stand_in, capsys):
+@pytest.mark.parametrize("number, code", [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)])
+def test_an_interrupt_exits_as_shells_report_it(scene, stand_in, capsys, number, code):
+    def run(*_, **__):
+        stop = Stopped(number)
+        stop.kept = 7
+        raise stop
+
+    stand_in("hybrid.api", run=run)
+    assert cli.main(["run", str(scene)]) == code
+    assert f"interrupted by {number.name}; step 7 is kept: continue with --resume" in capsys.readouterr().err
+
+
+def test_an_interrupt_before_the_first_checkpoint_promises_nothing(scene, stand_in, capsys):
     def run(*_, **__):
         raise KeyboardInterrupt
 
     stand_in("hybrid.api", run=run)
     assert cli.main(["run", str(scene)]) == 130
-    assert "interrupted; continue with --resume" in capsys.readouterr().err
+    assert capsys.readouterr().err == "\nhybrid: interrupted\n"
 
 
 def test_mistakes_of_the_program_are_not_hidden(scene, stand_in):

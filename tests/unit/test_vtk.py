@@ -9,6 +9,7 @@ import pytest
 from fake_run import DT, FakeScene, FakeSimulation, Output, Soil, turn
 
 from hybrid.output import vtk
+from hybrid.output.history import History
 from hybrid.output.record import placed
 
 
@@ -52,7 +53,7 @@ def test_pvd_lists_only_complete_frames_at_every_moment(tmp_path):
             frames = vtk.read_pvd(tmp_path / f"{name}.pvd")
             assert [time for _, time in frames] == [k * DT for k in range(0, step + 1, 2)]
             assert all((tmp_path / file).exists() for file, _ in frames)
-    observer.finish({}, simulation)
+    observer.finish({"outcome": "failed"}, simulation)
     assert vtk.read_pvd(tmp_path / "soil.pvd")[-1] == ("soil_000005.vtu", 5 * DT)
 
 
@@ -61,10 +62,49 @@ def test_frames_resume_and_start_afresh(tmp_path):
     resumed = FakeSimulation()
     resumed.state = resumed.state_at(3)
     resumed.run([vtk.Frames(tmp_path)], until=5)
-    assert [file[9:11] for file, _ in vtk.read_pvd(tmp_path / "soil.pvd")] == ["00", "02", "03", "04", "05"]
+    assert [file[9:11] for file, _ in vtk.read_pvd(tmp_path / "soil.pvd")] == ["00", "02", "04", "05"]
     assert not (tmp_path / "soil_000006.vtu").exists()
     FakeSimulation().run([vtk.Frames(tmp_path)], until=2)
     assert sorted(path.name for path in tmp_path.glob("soil_*.vtu")) == ["soil_000000.vtu", "soil_000002.vtu"]
+
+
+def frames(folder):
+    return [int(file[5:11]) for file, _ in vtk.read_pvd(folder / "soil.pvd")]
+
+
+def test_an_interrupted_run_has_the_frames_of_a_run_in_one_go(tmp_path):
+    FakeSimulation().run([vtk.Frames(tmp_path)], until=3, outcome="interrupted")
+    assert frames(tmp_path) == [0, 2]
+    resumed = FakeSimulation()
+    resumed.state = resumed.state_at(3)
+    resumed.run([vtk.Frames(tmp_path)])
+    assert frames(tmp_path) == [0, 2, 4, 6]
+
+
+def test_a_frame_at_which_a_run_failed_goes_when_it_is_resumed(tmp_path):
+    FakeSimulation().run([vtk.Frames(tmp_path)], until=3, outcome="failed")
+    assert frames(tmp_path) == [0, 2, 3]
+    resumed = FakeSimulation()
+    resumed.state = resumed.state_at(3)
+    resumed.run([vtk.Frames(tmp_path)])
+    assert frames(tmp_path) == [0, 2, 4, 6] and not (tmp_path / "soil_000003.vtu").exists()
+
+
+@pytest.mark.parametrize("damage", ["cut", "gone", "one frame not listed"])
+def test_a_damaged_pvd_is_made_again_from_the_history(tmp_path, damage):
+    FakeSimulation().run([History(tmp_path), vtk.Frames(tmp_path)], until=4)
+    whole = (tmp_path / "soil.pvd").read_text()
+    if damage == "gone":
+        (tmp_path / "soil.pvd").unlink()
+    else:
+        (tmp_path / "soil.pvd").write_text(
+            whole[:150] if damage == "cut" else "".join(line for line in whole.splitlines(True) if "000004" not in line))
+    resumed = FakeSimulation()
+    resumed.state = resumed.state_at(4)
+    history, observer = History(tmp_path), vtk.Frames(tmp_path)
+    history.start(resumed)
+    observer.start(resumed)
+    assert (tmp_path / "soil.pvd").read_text() == whole
 
 
 def test_held_soil_is_written_once_and_every_zero_writes_nothing(tmp_path):

@@ -1,0 +1,56 @@
+"""SIGINT, SIGTERM and SIGHUP stop a run as Ctrl-C does: an exception at the next Python instruction, whose handling writes
+the checkpoint. A second signal ends the process at once; files are moved into place only when complete, so it does no
+harm."""
+
+import signal
+import threading
+from contextlib import contextmanager
+
+STOPPING = signal.SIGINT, signal.SIGTERM, signal.SIGHUP
+
+
+class Stopped(KeyboardInterrupt):
+    """A signal has ended the run. number: of the signal; exit_code: as shells report it; kept: number of the step of the
+    checkpoint on disk, None if there is none."""
+
+    kept = None
+
+    def __init__(self, number):
+        super().__init__(signal.Signals(number).name)
+        self.number, self.exit_code = number, 128 + number
+
+
+@contextmanager
+def stop_signals():
+    """Context in which the stopping signals raise Stopped; gives its Signals. Those that the parent has set to be ignored
+    (nohup) stay ignored. Only the main thread gets signals: elsewhere the context does nothing."""
+    signals = Signals()
+    signals.take()
+    try:
+        yield signals
+    finally:
+        signals.release()
+
+
+class Signals:
+    """The handlers of the stopping signals."""
+
+    def __init__(self):
+        own = threading.current_thread() is threading.main_thread()
+        self._before = {number: signal.getsignal(number) for number in STOPPING
+                        if own and signal.getsignal(number) is not signal.SIG_IGN}
+
+    def take(self):
+        """Have the signals raise Stopped."""
+        for number in self._before:
+            signal.signal(number, self._stop)
+
+    def release(self):
+        """Give the signals back to whoever had them."""
+        for number, handler in self._before.items():
+            signal.signal(number, signal.SIG_DFL if handler is None else handler)
+
+    def _stop(self, number, _):
+        for each in self._before:
+            signal.signal(each, signal.SIG_DFL)
+        raise Stopped(number)
