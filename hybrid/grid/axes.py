@@ -32,6 +32,11 @@ def graded_nodes(start, end, size, fine, growth):
     return nodes
 
 
+def cells_that_grow(distance, size, growth):
+    """Number [-], not rounded, of cells size·r, size·r², ... with r = growth that fill `distance` [m]."""
+    return np.log1p(distance / size * (growth - 1) / growth) / np.log(growth)
+
+
 def _growing_cells(distance, size, growth):
     """Fewest cells size·r, size·r², ... that fill `distance` with r <= growth."""
     if distance <= 1e-9 * size:
@@ -40,7 +45,7 @@ def _growing_cells(distance, size, growth):
     def length(ratio, count):
         return size * np.sum(ratio ** np.arange(1, count + 1))
 
-    count = 1
+    count = max(1, int(cells_that_grow(distance, size, growth)) - 1)
     while length(growth, count) < distance:
         count += 1
     from scipy.optimize import brentq  # imported only if a grid is graded

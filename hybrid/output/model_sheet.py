@@ -72,12 +72,16 @@ def _moving_grid(scene):
 
 def growing_memory(soil, pattern, solver, direct=False):
     """Largest memory [bytes] of points, matrix and factor; direct: whether a direct factor turned out to be needed."""
-    kept = keeps_tangents(soil, solver)
-    per_point = BYTES_PER_POINT + KEPT_PER_POINT * kept + FBAR_PER_POINT * soil.fbar
-    memory = (per_point * len(soil.constants)
-              + (BYTES_PER_ENTRY + KEPT_PER_ENTRY * kept) * len(pattern.indices))
-    direct = direct or solver.linear == "direct"
-    return memory + direct * direct_factor_memory(pattern.size, bool(soil.grid.collapsed.any()))
+    return growing_memory_of(
+        len(soil.constants), len(pattern.indices), pattern.size, soil.fbar, keeps_tangents(soil, solver),
+        direct or solver.linear == "direct", bool(soil.grid.collapsed.any()))
+
+
+def growing_memory_of(points, entries, unknowns, fbar, kept, direct, plane):
+    """The same by numbers; kept: whether points keep their tangents; plane: whether an axis is collapsed."""
+    per_point = BYTES_PER_POINT + KEPT_PER_POINT * kept + FBAR_PER_POINT * fbar
+    memory = per_point * points + (BYTES_PER_ENTRY + KEPT_PER_ENTRY * kept) * entries
+    return memory + (direct_factor_memory(unknowns, plane) if direct else 0.0)
 
 
 def _linear_solver(model, unknowns):

@@ -22,6 +22,7 @@ import numpy as np
 from hybrid.output import atomic
 from hybrid.output.history import read_history
 from hybrid.output.record import drawn, initial_bodies, placed
+from hybrid.scene.check import file_label
 
 SYMMETRIC = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))  # VTK's order of a symmetric tensor
 GROUPS = {"body": 0, "contact": 1, "symmetry": 2}
@@ -42,7 +43,7 @@ class Frames:
             return
         self.first = step = simulation.state.step
         self.initial = initial_bodies(simulation)
-        names = ["soil", *(f"body_{_slug(name)}" for name in simulation.body_names)]
+        names = ["soil", *(f"body_{file_label(name)}" for name in simulation.body_names)]
         self.soil, *self.bodies = [Series(self.folder, name, step, simulation.scene.output.every) for name in names]
         if not step:
             self._write(simulation)
@@ -181,7 +182,3 @@ def write_vtu(path, mesh):
 
 def _single(fields):
     return {name: np.ascontiguousarray(values, dtype=np.float32) for name, values in fields.items()}
-
-
-def _slug(name):
-    return re.sub(r"[^\w.-]+", "_", name)

@@ -29,6 +29,7 @@ from hybrid.scene import Solver, Target
 from hybrid.scene.read import did_you_mean
 from hybrid.scene.table import shown
 
+MOST_CELLS = 10**6   # along an axis, up to which a number that fits is looked for
 WRITTEN = Path(__file__).with_name("accuracy.json")
 
 
@@ -194,6 +195,8 @@ def _fitted(scene, name, size):
     ends += [scene.soil.top] * (name == "z" and scene.soil.top is not None)
     inside = [(place - start) / (end - start) for place in ends if start < place < end]
     first = ceil((end - start) / (size * block) - 1e-9) * block
+    if first > MOST_CELLS:
+        return replace(axis, size=size)     # refused by its size when the grid is built
     counts = range(first, 8 * first + 100 * block, block)
     fits = (n for n in counts if all(abs(share * n - round(share * n)) < 1e-6 for share in inside))
     return replace(axis, size=(end - start) / next(fits, first))

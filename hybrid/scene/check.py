@@ -4,13 +4,17 @@ Each fault is a text with key, value, limit and remedy. Ranges are declared with
 module has what relates several keys, or a key to names and files.
 """
 
+import re
 from math import cos, hypot, radians, sin
 
 from hybrid.scene.check_grid import grid_faults
 from hybrid.scene.check_material import material_faults
 from hybrid.scene.defaults import resolve
+from hybrid.scene.read import clipped
 from hybrid.scene.table import need, range_faults, shown
 from hybrid.scheme import Scheme
+
+LONGEST_NAME = 100      # bytes; file systems take 255 with what output adds
 
 
 def faults(scene):
@@ -34,21 +38,33 @@ def faults(scene):
     yield from need(not scene.soil.geostatic or scene.soil.held or first == 1.0, "stage.0.gravity", first,
                     "1 at the start of soil in geostatic stress", "set soil.geostatic = false to turn gravity on")
     yield from _distinct_names("soil.layer", scene.soil.layers)
-    yield from _distinct_names("body", scene.bodies)
+    yield from _distinct_names("body", scene.bodies, file_label)
     yield from _distinct_names("stage", scene.stages)
+
+
+def file_label(name):
+    """A name as part of the names of files: letters, digits, point and dash; everything else becomes _."""
+    return re.sub(r"[^\w.-]+", "_", name)
 
 
 def _plain_name(key, name):
     # Names become folders and files of the output.
-    plain = name.strip() == name != "" and name not in (".", "..") and not set(name) & set("/\\\0\n")
-    return need(plain, key, repr(name), "a plain file name", "use letters, digits, - and _")
+    plain = name.strip() == name != "" and name not in (".", "..") and "/" not in name and "\\" not in name
+    fits = name.isprintable() and len(name.encode(errors="replace")) <= LONGEST_NAME
+    return need(plain and fits, key, clipped(name), f"a plain file name of at most {LONGEST_NAME} bytes",
+                "use letters, digits, - and _")
 
 
-def _distinct_names(key, items):
+def _distinct_names(key, items, label=str):
+    """Names that are the same, or the same as a `label`."""
     names = [item.name for item in items]
     for i, name in enumerate(names):
-        yield from need(name not in names[:i], f"{key}.{i}.name", repr(name),
-                        "different from the other names", f"name every [[{key}]]; output is labelled by it")
+        others = [other for other in names[:i] if label(other) == label(name)]
+        limit = "different from the other names"
+        if others and others[0] != name:
+            limit = f"different from {others[0]!r} as the name of a file, {label(name)!r}"
+        yield from need(not others, f"{key}.{i}.name", clipped(name), limit,
+                        f"name every [[{key}]]; output is labelled by it")
 
 
 # ------------------------------------------------------------------ soil

@@ -7,7 +7,9 @@ from hybrid.runtime.data import shipped_hint
 from hybrid.runtime.errors import SceneError
 from hybrid.scene import Scene
 from hybrid.scene.check import faults
-from hybrid.scene.read import Faults, build_table, did_you_mean
+from hybrid.scene.read import Faults, build_table, clipped, did_you_mean
+
+LONGEST = 16 * 2**20    # bytes of a scene file
 
 
 def load_scene(path, overrides=()):
@@ -51,13 +53,17 @@ def _checked(scene):
 def _tables(path):
     """Raw tables of a TOML file."""
     try:
+        if path.exists() and not path.is_file():
+            raise SceneError("must be a file, but is a directory or a device")
+        if path.is_file() and path.stat().st_size > LONGEST:
+            raise SceneError(f"has {path.stat().st_size} bytes, limit {LONGEST}: this is no scene file")
         text = path.read_text(encoding="utf-8")
     except FileNotFoundError:
         raise SceneError("no such scene file" + (_similar_file(path) or shipped_hint(path))) from None
     except UnicodeDecodeError as error:
         raise SceneError(f"not a UTF-8 text file ({error.reason} at byte {error.start})") from None
-    except OSError as error:
-        raise SceneError(f"cannot be read: {error.strerror}") from None
+    except (OSError, RuntimeError, ValueError) as error:
+        raise SceneError(f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -65,6 +71,15 @@ def _tables(path):
         last = f"at end of document, line {len(text.splitlines())}"
         reason = str(error).replace("at end of document", last)
         raise SceneError(f"not valid TOML: {reason}") from None
+    except (RecursionError, ValueError) as error:
+        raise SceneError(f"not valid TOML: {_unreadable(error)}") from None
+
+
+def _unreadable(error):
+    """What is wrong with text that the reader of TOML gives up on."""
+    if isinstance(error, RecursionError):
+        return "lists or tables lie in one another too deeply; a scene needs four levels"
+    return f"a number, a date or a name cannot be read ({str(error).split(';')[0]})"
 
 
 def _similar_file(path):
@@ -83,7 +98,7 @@ def apply_override(tables, override):
     path, equals, text = override.partition("=")
     names = [name.strip() for name in path.split(".")]
     if not equals or not all(names):
-        raise SceneError(f"override {override!r}: expected key.path=value, for example time.step=0.02")
+        raise SceneError(f"override {clipped(override)}: expected key.path=value, for example time.step=0.02")
     place = tables
     for depth, name in enumerate(names[:-1]):
         index = _index(place, override, names, depth)
@@ -103,17 +118,17 @@ def _index(place, override, names, depth):
         single = above in (["body"], ["stage"]) and name not in place and below
         return None if single and name in ("0", _label(place, above)) else name
     if not isinstance(place, list):
-        raise SceneError(f"override {override!r}: {path} = {place!r} is a value and has no {name!r} in it")
+        raise SceneError(f"override {clipped(override)}: {path} = {clipped(place)} is a value and has no {name!r} in it")
     if name.isdecimal():
-        if int(name) >= len(place):
-            raise SceneError(f"override {override!r}: {path} has {len(place)} in it, counted from 0")
+        if len(name) > 9 or int(name) >= len(place):
+            raise SceneError(f"override {clipped(override)}: {path} has {len(place)} in it, counted from 0")
         return int(name)
     labels = [_label(item, above) for item in place]
     if name in labels:
         return labels.index(name)
     key = ".".join(below or [name])     # body.anchr.friction misspells an item, body.friction leaves it out
     choices = " or ".join(f"{path}.{label}.{key}" for label in ["0", *filter(None, labels[:1])])
-    raise SceneError(f"override {override!r}: {path} is a list of {len(place)} and has no item {name!r}"
+    raise SceneError(f"override {clipped(override)}: {path} is a list of {len(place)} and has no item {name!r}"
                      f"{did_you_mean(name, list(filter(None, labels)))}; write {choices}")
 
 
@@ -128,4 +143,6 @@ def toml_value(text):
         read = tomllib.loads(f"value = {text}")
     except tomllib.TOMLDecodeError:
         return text.strip()
+    except (RecursionError, ValueError) as error:
+        raise SceneError(f"value {clipped(text)}: {_unreadable(error)}") from None
     return read["value"] if len(read) == 1 else text.strip()

@@ -1,7 +1,7 @@
 """Values of a scene by the type hints of its classes: from a TOML reader's dicts and lists, or from Python.
 
 A key declared in the classes of `hybrid.scene` needs nothing here. Whole numbers are taken for floats and lists for
-tuples; booleans are not numbers; NaN and infinity are refused everywhere.
+tuples; booleans are not numbers; NaN, infinity and numbers beyond LARGEST and MOST are refused everywhere.
 """
 
 import difflib
@@ -13,6 +13,10 @@ from typing import Literal, Union, get_args, get_origin, get_type_hints
 
 from hybrid.runtime.errors import SceneError
 from hybrid.scene.table import described, file_name
+
+LARGEST = 1e30      # of any quantity in SI units: squares and products of such numbers stay finite
+MOST = 10**9        # whole numbers, which count things
+SHOWN = 80          # characters of a value in a message
 
 
 class Faults(SceneError):
@@ -51,7 +55,7 @@ def _unknown(cls, path, name, where):
         if name in described(f).formerly:
             return f"{path}: this key is now called {file_name(f)!r}; {described(f).meaning}"
     known = [file_name(f) for f in fields(cls)]
-    return f"unknown key {path!r}{did_you_mean(name, known)}; valid in {where}: {', '.join(known)}"
+    return f"unknown key {clipped(path)}{did_you_mean(name, known)}; valid in {where}: {', '.join(known)}"
 
 
 def _convert_all(items, base, found=()):
@@ -81,7 +85,7 @@ def _convert(value, hint, path, base):
         if not isinstance(value, str):
             raise _wrong(path, value, hint)
         if value not in choices:
-            raise SceneError(f"{path} = {value!r}: unknown{did_you_mean(value, choices)}; "
+            raise SceneError(f"{path} = {clipped(value)}: unknown{did_you_mean(value, choices)}; "
                              f"valid: {', '.join(choices)}")
         return value
     if kind is tuple:
@@ -91,19 +95,37 @@ def _convert(value, hint, path, base):
             raise _wrong(path, value, hint)
         return _convert_all([(name, item, get_args(hint)[1], _join(path, name)) for name, item in value.items()], base)
     if kind is Path and isinstance(value, (str, Path)) and str(value).strip():
-        return (base / value).resolve()
+        return _path(value, path, base)
     return _scalar(value, kind, path)
 
 
 def _scalar(value, kind, path):
     number = isinstance(value, (int, float)) and not isinstance(value, bool)
     if kind is float and number:
-        if not math.isfinite(value):
+        if isinstance(value, float) and not math.isfinite(value):
             raise SceneError(f"{path} = {value}: must be a finite number")
-        return float(value)
-    if kind in (bool, str) and isinstance(value, kind) or kind is int and number and isinstance(value, int):
+        return float(_limited(value, LARGEST, path))
+    if kind is int and number and isinstance(value, int):
+        return _limited(value, MOST, path)
+    if kind in (bool, str) and isinstance(value, kind):
         return value
     raise _wrong(path, value, kind)
+
+
+def _limited(number, most, path):
+    if abs(number) > most:
+        raise SceneError(f"{path} = {clipped(number)}: must be from -{most:g} to {most:g}; all values are in SI units")
+    return number
+
+
+def _path(value, path, base):
+    try:
+        found = (base / value).resolve()
+        found.exists()      # fails for names that are too long
+        return found
+    except (OSError, ValueError, RuntimeError) as error:    # too long; a null character; links in a circle
+        reason = getattr(error, "strerror", None) or str(error)
+        raise SceneError(f"{path} = {clipped(value)}: must be the path of a file, but: {reason}") from None
 
 
 def _one_of(value, hint, path, base):
@@ -147,13 +169,25 @@ def _join(path, name):
 
 def did_you_mean(name, choices):
     """A hint at the nearest of some names, or nothing."""
-    near = difflib.get_close_matches(str(name).lower(), list(choices), 1, 0.5)
+    near = difflib.get_close_matches(str(name)[:SHOWN].lower(), list(choices), 1, 0.5)
     return f" (did you mean {near[0]!r}?)" if near else ""
 
 
+def clipped(value):
+    """Text of any value, as it was given, cut in the middle where it is long."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, int) and abs(value) > LARGEST:     # Python refuses to write thousands of digits
+        return f"a whole number of {math.floor(value.bit_length() * math.log10(2)) + 1} digits"
+    try:
+        text = repr(value)
+    except (RecursionError, ValueError):
+        return f"a {type(value).__name__} too large to be shown"
+    return text if len(text) <= SHOWN else f"{text[:SHOWN // 2]} ... {text[-SHOWN // 4:]}"
+
+
 def _wrong(path, value, hint):
-    shown = {True: "true", False: "false"}.get(value, repr(value)) if isinstance(value, bool) else repr(value)
-    return SceneError(f"{path or 'scene'} = {shown}: expected {_words(hint)}")
+    return SceneError(f"{path or 'scene'} = {clipped(value)}: expected {_words(hint)}")
 
 
 def _words(hint, plural=False):

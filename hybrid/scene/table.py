@@ -16,6 +16,8 @@ import textwrap
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass
 from typing import dataclass_transform
 
+TINY = 1e-30    # smallest number that is above zero: products and ratios of such numbers stay finite
+
 
 @dataclass(frozen=True)
 class Range:
@@ -30,7 +32,8 @@ class Range:
         return any(end is not None for end in (self.above, self.at_least, self.below, self.at_most))
 
     def __contains__(self, value):
-        return not (self.above is not None and not value > self.above
+        return not (self.above is not None and not value >= self.above + TINY
+                    or self.above is not None and not value > self.above
                     or self.at_least is not None and not value >= self.at_least
                     or self.below is not None and not value < self.below
                     or self.at_most is not None and not value <= self.at_most)
@@ -126,6 +129,8 @@ def range_fault(value, declared, path):
     """Nothing where `value`, or each number of it, lies in the range of a Key, else the one fault."""
     numbers = value if isinstance(value, tuple) else (value,)
     limit = str(declared.range)
+    if declared.range.above == 0 and any(0 < number < TINY for number in numbers):
+        limit = f"at least {TINY:g}"
     if declared.unit not in ("", "-"):
         limit += f", in {declared.unit}" if limit == "positive" else f" {declared.unit}"
     limit += " each" * (numbers is value)
@@ -140,6 +145,8 @@ def need(ok, path, value, limit, remedy):
 def shown(value):
     """Text of a value as a scene file has it, strings without quotes."""
     if isinstance(value, (tuple, list)):
+        if len(value) > 12:
+            return f"[{', '.join(map(shown, value[:3]))}, ... {len(value)} values]"
         return "[" + ", ".join(map(shown, value)) + "]"
     if isinstance(value, bool):
         return str(value).lower()

@@ -1,16 +1,18 @@
 """The rigid bodies of a scene: mesh, mass, surface, initial motion, pull line, and contact with the soil."""
 
+from itertools import combinations
 
 import numpy as np
 
 from hybrid.body.attitude import rotation_from_axis_angle
 from hybrid.body.motion import free_spin_rate
 from hybrid.body.rigid import FREEDOMS, Line, RigidBody
-from hybrid.contact.corners import Domains, overlap
+from hybrid.contact.corners import Domains, distances, overlap
 from hybrid.runtime.comm import minimum
 from hybrid.runtime.errors import SceneError
 from hybrid.state import BodyState
 
+TOUCH = 1e-3    # radii that two bodies may overlap, as facets of curved bodies that touch do
 OVERLAP = 0.1   # half-widths of a point that a body may overlap the soil at the start
 
 
@@ -74,3 +76,29 @@ def refuse_overlap(body, motion, points, soil):
             f"{depth:.3g} m inside the body, limit {limit:.3g} m; set body.rest_on to the height of the soil's "
             "surface, or raise body.position. A body cannot start embedded: drive it in, with body.driven and "
             "body.velocity")
+
+
+def refuse_overlap_of_bodies(placed, collapsed):
+    """SceneError where two of the bodies `placed`, each a RigidBody and BodyState, overlap at the start: no force acts
+    between bodies. collapsed: (3,) bool, axes along which only their sections count."""
+    for (one, pose), (other, place) in combinations(placed, 2):
+        depth = max(_depth(one, pose, other, place, collapsed), _depth(other, place, one, pose, collapsed))
+        if depth > TOUCH * min(one.radius, other.radius):
+            raise SceneError(f"bodies {one.name!r} and {other.name!r} overlap at the start, by {depth:.3g} m or more; "
+                             "move one of them by body.position or body.rest_on. Bodies do not touch one another in "
+                             "this model; make one geometry of parts that belong together")
+
+
+def _depth(one, pose, other, place, collapsed):
+    """Depth [m] in the `other` body of the deepest of some places in `one`: its vertices, the middles of its edges and
+    facets, and these a little below its surface, as bodies at the same place have all others in common."""
+    surface = one.surface
+    corners = surface.vertices[surface.triangles]
+    middle = corners.mean(axis=1)
+    below = middle - 2 * TOUCH * one.radius * surface.normals
+    below = below[distances(below, surface)[0] < 0.0]
+    edges = (0.5 * (corners[:, i] + corners[:, i - 1]) for i in range(3))
+    position = pose.position + np.concatenate([surface.vertices, middle, below, *edges]) @ pose.rotation.T
+    y = (np.where(collapsed, place.position, position) - place.position) @ place.rotation
+    y = y[((y > other.surface.lower) & (y < other.surface.upper)).all(axis=1)]
+    return float(np.max(-distances(y, other.surface)[0], initial=0.0)) if len(y) else 0.0

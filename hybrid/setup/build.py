@@ -7,9 +7,10 @@ from hybrid.scene.accuracy import apply_accuracy
 from hybrid.scene.defaults import resolve
 from hybrid.scene.file import validate
 from hybrid.scheme import Scheme
-from hybrid.setup.bodies import build_body, mesh_of, refuse_overlap
+from hybrid.setup.bodies import build_body, mesh_of, refuse_overlap, refuse_overlap_of_bodies
 from hybrid.setup.contact import connect_to_soil
-from hybrid.setup.grid import build_grid
+from hybrid.setup.grid import axis_nodes, build_grid
+from hybrid.setup.size import refuse_cells, refuse_size
 from hybrid.setup.soil import build_soil, lay_out
 from hybrid.simulation import Simulation
 from hybrid.state import ContactHistory, State
@@ -40,10 +41,14 @@ def build(scene, *, body_force=None, law=None):
 def _assemble(scene, accuracy, body_force, law):
     """Simulation of a checked Scene without `accuracy`; accuracy: texts of what it changed, for the model sheet."""
     scene, decisions = resolve(scene)
+    refuse_cells(scene)
     gravity = np.array(scene.gravity, float)
     loads = Loads(gravity, body_force).during(0.0, 0.0, (scene.stages[0].gravity[0],) * 2)
+    if not scene.grid.moves:
+        refuse_size(scene, [axis_nodes(axis) for axis in (scene.grid.x, scene.grid.y, scene.grid.z)])
     meshes = [mesh_of(described) for described in scene.bodies]
     placed = [build_body(*pair, loads.on_bodies(0.0)) for pair in zip(scene.bodies, meshes)]
+    refuse_overlap_of_bodies(placed, [axis.collapsed for axis in (scene.grid.x, scene.grid.y, scene.grid.z)])
     grid, moving_grid, layouts = build_grid(scene, placed)
     soil, points = build_soil(scene, grid, loads, law)
     motions, contacts = [motion for _, motion in placed], [ContactHistory.empty() for _ in placed]

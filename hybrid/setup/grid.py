@@ -5,6 +5,7 @@ import numpy as np
 from hybrid.body import rigid
 from hybrid.grid.axes import FACES, graded_nodes, make_grid, uniform_nodes
 from hybrid.grid.moving_axis import MovingAxis
+from hybrid.setup.size import refuse_size
 from hybrid.step.moving_grid import MovingGrid
 
 
@@ -26,6 +27,8 @@ def build_grid(scene, placed=()):
     moving_grid = MovingGrid(followed, moving, axes, extent, faces, np.broadcast_to(scene.soil.points_per_axis, 3),
                              scene.grid.behind == "freeze")
     layouts = moving_grid.layouts_for(rigid.bounding_box(*placed[followed]))
+    refuse_size(scene, [moving[a].coordinates(moving[a].node_numbers(layouts[a])) if a in moving else nodes
+                        for a, nodes in enumerate(axes)])
     return moving_grid.grid(layouts), moving_grid, layouts
 
 
