@@ -9,7 +9,7 @@ elastic soil of that stiffness would need for the collapse load. Models use thei
 quarter of the circle. The clay has von Mises' law, as strong as Tresca's in plane strain. In axial symmetry it is at
 most as strong as Tresca's (√J2 = s_u lies inside of the hexagon), so the exact load of the circle is 5.69 at most.
 
-Cylinder: no body can start embedded, so the points whose centres are inside it are removed (`wish_in_place`), and the
+Cylinder: no body can start embedded, so the points that reach into it are removed (`wish_in_place`), and the
 weight, which grows from zero in the first stage, closes the gap. The clay at the axis bears 20 s_u, so none opens.
 """
 
@@ -26,7 +26,7 @@ from hybrid.soil.split_merge import select
 from hybrid.state import Population
 
 STRENGTH, STIFFNESS, POISSON, STEPS = 1e4, 1e4, 0.49, 20    # s_u [Pa], E / s_u
-STRIP, SMOOTH, ROUGH = 2 + np.pi, 5.69, 6.05
+STRIP, SMOOTH, ROUGH, DEEP = 2 + np.pi, 5.69, 6.05, 9.14
 
 
 @dataclass(frozen=True)
@@ -108,9 +108,11 @@ def buried(across, friction=0.0, way=0.1, rigidity=500.0, steps=20, fill=20, aro
 
 
 def wish_in_place(simulation, radius=0.5):
-    """Simulation whose cylinder lies at z = 0, without the points whose centres are inside it."""
+    """Simulation whose cylinder lies at z = 0, without the points whose domains reach into it: overlap that is there at the
+    start acts in the first step all at once."""
     state, soil = simulation.state, simulation.model.soil
-    keep = np.hypot(state.points.position[:, 0], state.points.position[:, 2]) > radius
+    half = state.points.half_width[:, [0, 2]].max()
+    keep = np.hypot(state.points.position[:, 0], state.points.position[:, 2]) > radius + half
     kept = select(Population(state.points, soil.constants, soil.law.rows), keep)
     soil = replace(soil, constants=kept.constants, law=soil.law.with_rows(kept.rows))
     position = state.bodies[0].position * (1.0, 1.0, 0.0)
