@@ -2,14 +2,15 @@
 
 Each limit is a generator of texts (none or one, or one for each body) over (scene, model). The failure study
 (`hybrid.study.failure`) measures what happens beyond its number, and tests hold the two together. A text names the
-value, the limit and the remedy.
+value, the limit and the remedy. Numbers that are merely unlikely come first (`hybrid.scene.check_sense`, `place`).
 """
 
-from hybrid.monitors.limits import contact, soil, stepping
+from hybrid.monitors.limits import contact, place, soil, stepping
+from hybrid.scene.check_sense import sense_notes
 
-LIMITS = (*soil.LIMITS, *contact.LIMITS, *stepping.LIMITS)
+LIMITS = (*place.LIMITS, *soil.LIMITS, *contact.LIMITS, *stepping.LIMITS)
 
 
 def limit_warnings(scene, model):
-    """Texts about the limits that a `scene` with its Model exceeds."""
-    return tuple(text for limit in LIMITS for text in limit(scene, model))
+    """Texts about numbers of a `scene` that look wrong, and about limits that it exceeds with its Model."""
+    return *sense_notes(scene), *(text for limit in LIMITS for text in limit(scene, model))

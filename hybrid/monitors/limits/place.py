@@ -1,0 +1,83 @@
+"""Bodies in places, of sizes and with contact that look wrong; like `hybrid.scene.check_sense`, but by the mesh."""
+
+import numpy as np
+
+from hybrid.monitors.limits.contact import initial_vertices
+from hybrid.runtime.comm import maximum
+
+HIGH = 10.0         # sizes of a body above the soil,
+DEEPER = 2.0        # and depths of the grid
+LARGER = 5.0        # times the grid
+ROUND_OFF = 0.01    # of the size of a body
+OFF = 0.05          # radii of a body that a pull point may lie outside its bounding box
+STIFF = 1e4         # p_f times the smallest cell [-], of soil that is not held
+
+
+def odd_places(scene, model):
+    """Bodies that never meet the soil, or are not where the grid is."""
+    for described, body in zip(scene.bodies, model.bodies):
+        meets = any(scene.gravity) or described.pull or any(described.velocity)
+        if not meets:       # a body in empty space is meant
+            continue
+        place = initial_vertices(described, body)
+        text = _place(model.soil, place.min(axis=0), place.max(axis=0), scene.grid)
+        if text:
+            yield f"{body.name} {text}"
+
+
+def _place(soil, low, high, grid):
+    """What looks wrong about a body between `low` and `high` (3,) [m]; None if nothing does."""
+    extent, size, middle = soil.grid.extent, high - low, 0.5 * (low + high)
+    axes = [(i, name) for i, name in enumerate("xyz") if not soil.grid.collapsed[i]]
+    for i, name in axes:
+        length = extent[i, 1] - extent[i, 0]
+        if size[i] > LARGER * length and name != "z":
+            return (f"is {size[i]:.4g} m long along {name}, {size[i] / length:.3g} times the grid: are its geometry or "
+                    "its parameters in millimetres?")
+    for i, name in axes:
+        if name != "z" and (low[i] >= extent[i, 1] or high[i] <= extent[i, 0]):
+            return (f"lies beside the grid, from {name} = {low[i]:.4g} to {high[i]:.4g} m, where the grid goes from "
+                    f"{extent[i, 0]:.4g} to {extent[i, 1]:.4g} m: no soil is there. Check body.position")
+    top = maximum(soil.constants.position[:, 2] + soil.constants.half_width[:, 2])
+    gap = low[2] - top
+    if high[2] <= extent[2, 0]:
+        return (f"lies below the grid, up to z = {high[2]:.4g} m, where the grid starts at {extent[2, 0]:.4g} m: z "
+                "points up. Check body.position")
+    if gap > HIGH * size.max() and gap > DEEPER * (extent[2, 1] - extent[2, 0]):
+        return (f"starts {gap:.4g} m above the soil, {gap / size.max():.3g} times its size: is body.position in "
+                "millimetres? body.rest_on puts it at a height")
+    for i, name in axes:
+        out = max(middle[i] - extent[i, 1], extent[i, 0] - middle[i])
+        side = "max" if middle[i] > 0.5 * sum(extent[i]) else "min"
+        free = getattr(grid.faces, f"{name}_{side}") == "free"
+        covers = low[i] <= extent[i, 0] and high[i] >= extent[i, 1]     # a platen over all of the soil
+        if name != "z" and out > (-ROUND_OFF if free else ROUND_OFF) * size[i] and not covers:
+            return (f"is half outside the grid: its middle is at {name} = {middle[i]:.4g} m, and the grid goes from "
+                    f"{extent[i, 0]:.4g} to {extent[i, 1]:.4g} m. Only at a face of symmetry is half of a body enough")
+    return None
+
+
+def odd_pull_points(scene, model):
+    """Lines that are fastened in the air."""
+    for i, body in enumerate(model.bodies):
+        if body.line is None:
+            continue
+        at, surface = body.line.attachment, body.surface
+        away = float(np.linalg.norm(np.maximum(0.0, np.maximum(surface.lower - at, at - surface.upper))))
+        if away > OFF * body.radius:
+            yield (f"body.{i}.pull.point of {body.name} lies {away:.3g} m outside its bounding box, which looks wrong: "
+                   "its coordinates are those of the geometry, in metres, before body.position moves it")
+
+
+def odd_penalty(scene, model):
+    """Contact so much stiffer than the soil that Newton's method hardly converges."""
+    if model.soil.held:
+        return
+    cell = model.soil.grid.smallest_cell
+    for i, (described, body) in enumerate(zip(scene.bodies, model.bodies)):
+        if described.penalty is not None and body.penalty * cell > STIFF:
+            yield (f"body.{i}.penalty = {described.penalty:g} /m of {body.name} looks wrong: over cells of {cell:g} m "
+                   f"it is {body.penalty * cell:.3g}, limit {STIFF:g}, and hardly converges; leave it out")
+
+
+LIMITS = (odd_places, odd_pull_points, odd_penalty)

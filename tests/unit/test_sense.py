@@ -1,0 +1,121 @@
+"""Numbers that are allowed and look wrong give a note with the number; demos, benchmarks and random scenes give none."""
+
+from dataclasses import replace
+
+import pytest
+
+from hybrid.bench.scenes import block
+from hybrid.monitors.limits.place import LIMITS
+from hybrid.runtime.data import DEMOS, GEOMETRY
+from hybrid.scene import Pull, Time
+from hybrid.scene.check_sense import sense_notes
+from hybrid.scene.defaults import resolve
+from hybrid.scene.file import load_scene, validate
+from hybrid.setup.build import build
+from hybrid.study.random.registry import FAMILIES
+from hybrid.study.scenes import box, soil_scene
+
+SHARED = ["gravity=[0, 0, -9.81]"]
+
+
+def notes(name, *overrides):
+    return list(sense_notes(resolve(load_scene(DEMOS / f"{name}.toml", overrides))[0]))
+
+
+CLAY = "soil.material={ law = 'von-mises', young = 5e6, poisson = 0.49, density = 1800.0, strength = 10e3 }"
+SLOPE = "slope"
+
+
+@pytest.mark.parametrize("name, overrides, words", [
+    ("anchor", ["soil.material.relative_density=0.38"], "relative_density = 0.38 % looks wrong: per cent expected"),
+    (SLOPE, ["soil.material.young=20e3"], "soil.material.young = 20000 Pa looks wrong: Pa expected; is this a number of kPa"),
+    (SLOPE, ["soil.material.cohesion=1.0"], "soil.material.cohesion = 1 Pa looks wrong: Pa expected"),
+    (SLOPE, ["soil.material.density=1.7"], "soil.material.density = 1.7 kg/m³ looks wrong: kg/m³ expected"),
+    (SLOPE, ["soil.material.density=1.7e6"], "a soil has 1000 to 2500 kg/m³"),
+    (SLOPE, ["soil.material.friction_angle=0.57", "soil.material.dilation_angle=0.57"], "friction_angle = 0.57 deg"),
+    (SLOPE, ["gravity=[0, 0, -9810]"], "gravity = [0, 0, -9810] m/s² looks wrong: 9.81 m/s² expected"),
+    (SLOPE, ["gravity=[0, 0, 9.81]"], "it acts upwards"),
+    (SLOPE, [CLAY, *SHARED, "soil.material.strength=10"], "strength = 10 Pa looks wrong"),
+    (SLOPE, [CLAY, *SHARED, "soil.material.young=5e3"], "the weight of the soil, 3.53e+04 Pa at its foot, is over 2 times"),
+    (SLOPE, [CLAY, *SHARED, "soil.material.young=5e4"], "over strength = 10000 Pa is 5, which looks wrong"),
+    (SLOPE, ["grid.x.end=20000", "grid.x.size=500"], "grid.x, 20000 m long, looks wrong: SI units expected"),
+    (SLOPE, ["grid.x.size=0.01"], "grid.z.size = 0.25 m beside grid.x.size = 0.01 m looks wrong: cells 25 times"),
+    ("anchor", ["body.0.density=7.85"], "body.0.density = 7.85 kg/m³ looks wrong"),
+    ("anchor", ["body.0.density=7850e3"], "the heaviest metals"),
+    ("anchor", ["body.0.friction=24"], "body.0.friction = 24 looks wrong: a coefficient expected"),
+    ("anchor", ["body.0.tangential=1e4"], "body.0.tangential = 10000 looks wrong"),
+    ("anchor", ["body.0.rotation=[0, 1, 0, 1.57]"], "is 1.57 in radians, 90 degrees?"),
+    ("anchor", ["body.0.pull.velocity=[500, 0, 0]"], "body.0.pull.velocity = [500, 0, 0] m/s looks wrong"),
+    ("anchor", ["body.0.pull.direction=[-1, 0, 0]"], "it points away from where the velocity"),
+])
+def test_a_number_that_looks_wrong_gives_a_note(name, overrides, words):
+    found = notes(name, *overrides)
+    assert any(words in note for note in found), found
+
+
+def test_layers_are_looked_at_for_their_own_values():
+    layer = "soil.layer=[{ name = 'low', top = 1.0, material = { young = 2e4 } }]"
+    assert [note[:39] for note in notes(SLOPE, layer)] == ["soil.layer.0.material.young = 20000 Pa "]
+
+
+# ------------------------------------------------------------------ places
+
+
+def places(**body):
+    """Notes about a cube of 0.2 m over soil of 2 m x 2 m x 0.4 m."""
+    cube = replace(box(0.2, 0.2, 0.2, name="cube"), **{"position": (1.0, 1.0, 0.0), "rest_on": 0.0, **body})
+    simulation = build(soil_scene([cube], x=(0.0, 2.0), y=(0.0, 2.0), gravity=(0.0, 0.0, -9.81), time=Time(0.01)))
+    return [note for limit in LIMITS for note in limit(simulation.scene, simulation.model)]
+
+
+@pytest.mark.parametrize("body, words", [
+    ({"rest_on": 500.0}, "starts 500 m above the soil"),
+    ({"position": (3.0, 1.0, 0.0)}, "lies beside the grid, from x = 2.9 to 3.1 m"),
+    ({"position": (1.0, 1.0, -3.0), "rest_on": None}, "lies below the grid, up to z = -2.9 m"),
+    ({"position": (2.05, 1.0, 0.0)}, "is half outside the grid: its middle is at x = 2.05 m"),
+    ({"geometry": GEOMETRY / "box.geo", "parameters": {"length": 200.0, "width": 0.2, "height": 0.2, "size": 200.0}},
+     "is 200 m long along x, 100 times the grid"),
+    ({"pull": Pull((3.0, 0.0, 0.0), (1.0, 0.0, 0.0), 1e6, 10.0)}, "lies 2.9 m outside its bounding box"),
+    ({"penalty": 1e6}, "penalty = 1e+06 /m of cube looks wrong"),
+    ({}, ""),
+    ({"position": (2.0, 1.0, 0.0)}, ""),                                # at a face that may be one of symmetry
+    ({"pull": Pull((0.1, 0.0, 0.0), (1.0, 0.0, 0.0), 1e6, 10.0)}, ""),
+])
+def test_a_place_that_looks_wrong_gives_a_note(body, words):
+    found = places(**body)
+    assert len(found) == bool(words) and all(words in note for note in found), found
+
+
+# ------------------------------------------------------------------ scenes that are right
+
+
+def check(scene, built=True):
+    scene = validate(scene)
+    assert list(sense_notes(resolve(scene)[0])) == []
+    if built:
+        simulation = build(scene)
+        assert [note for limit in LIMITS for note in limit(simulation.scene, simulation.model)] == []
+
+
+@pytest.mark.parametrize("name", ["anchor", "first", "slope", "rolling_sphere",
+                                  *(pytest.param(n, marks=pytest.mark.slow) for n in ("drag", "rolling_slab"))])
+def test_the_demos_give_no_note(name):
+    check(load_scene(DEMOS / f"{name}.toml"))
+
+
+def test_the_scenes_of_the_benchmarks_give_no_note():
+    check(block(cells=(4, 4, 4), body=(0.05, 50.0)))
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+def test_the_random_scenes_give_no_note(name):
+    for seed in range(FAMILIES[name].seeds):
+        for scene in FAMILIES[name].scenes(**FAMILIES[name].values(name, seed)):
+            check(scene, built=False)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", FAMILIES)
+def test_bodies_of_the_random_scenes_are_where_they_should_be(name):
+    for seed in range(FAMILIES[name].seeds):
+        check(FAMILIES[name].scenes(**FAMILIES[name].values(name, seed))[0])
