@@ -127,6 +127,14 @@ def test_the_process_alone_holds(tmp_path, mark, unread, command, text):
         assert "gmsh" in str(error)
 
 
+def test_without_check_and_barrier_a_geometry_writes_where_it_wants(tmp_path, unread, monkeypatch):
+    """The other tests see a barrier that is missing."""
+    away = mesh.START.replace("main(", "sys.modules['hybrid.body.mesh_worker'].confine = lambda folder: None; main(")
+    monkeypatch.setattr(mesh, "START", away)
+    path = geometry(tmp_path / "body.geo", 'Printf("hello") > "{mark}";', tmp_path / "mark")
+    assert len(mesh.generate(path).tets) and (tmp_path / "mark").read_text() == "hello\n"
+
+
 @confined
 @pytest.mark.parametrize("text", [
     'Include "/etc/passwd";', 'Merge "../other.geo";', 'x() = ListFromFile("/etc/passwd");'])
