@@ -12,7 +12,7 @@ from hybrid.runtime.errors import GeometryError
 
 MESH_HEADS = (b"$MeshFormat", b"$Comments", b"$NOD")   # gmsh takes any other .msh file for a program
 SUFFIXES = (".geo", ".msh", ".stl", ".step", ".stp", ".iges", ".igs", ".brep")
-LARGEST = 200_000_000                                  # [bytes] of all files of a geometry
+LARGEST, LONGEST_TEXT, MOST = 200_000_000, 4_000_000, 100   # [bytes] of all files, of a .geo file; number of files
 REASONS = {
     **dict.fromkeys(("SystemCall", "System", "NonBlockingSystemCall", "SendToServer", "ExternalProcess"),
                     "starts another program"),
@@ -54,8 +54,12 @@ def _add(path, files, readers):
     if path.name in files:
         return
     content = _content(path)
-    if sum(map(len, files.values())) + len(content) > LARGEST:
-        raise GeometryError(f"geometry {path}: more than {LARGEST / 1e6:g} MB of files, the limit; simplify the shape")
+    if sum(map(len, files.values())) + len(content) > LARGEST or len(files) >= MOST:
+        raise GeometryError(f"geometry {path}: more than {MOST} files or {LARGEST / 1e6:g} MB, the limits; "
+                            "simplify the shape")
+    if path.suffix.lower() == ".geo" and len(content) > LONGEST_TEXT:
+        raise GeometryError(f"geometry {path}: more than {LONGEST_TEXT / 1e6:g} MB of statements, the limit; "
+                            "save the shape as .step or the mesh as .msh, and merge that")
     if path.suffix.lower() == ".msh" and not content.startswith(MESH_HEADS):
         raise GeometryError(f"geometry {path}: is no mesh of gmsh, as it does not begin with $MeshFormat; "
                             "write it anew by `gmsh -3`, or rename it if it is a .geo file")
@@ -91,6 +95,7 @@ def screened(text, path):
     """Text of a .geo file without its comments, and [(name, line)] of the files that it reads, or GeometryError."""
     tokens, blanked = _split(text, path)
     _refuse_hidden(tokens, path)
+    _refuse_redirected(tokens, path)
     named = []
     for i, (kind, word, line) in enumerate(tokens):
         if kind != "word":
@@ -102,8 +107,6 @@ def screened(text, path):
             raise _refusal(path, line, f"{word} starts another program")
         if word in READERS:
             named.append((_plain_name(tokens, i, path), line))
-        if word in PRINTERS and _redirected(tokens, i):
-            raise _refusal(path, line, f"{word} with > writes a file")
         if word == "SetFactory" and after[1].strip("\"'") not in KERNELS:
             raise _refusal(path, line, f"SetFactory({after[1]}) starts a plugin", 'use SetFactory("OpenCASCADE")')
         if word == "Solver" and after[0] == ".":
@@ -163,11 +166,15 @@ def _plain_name(tokens, i, path):
     return name
 
 
-def _redirected(tokens, i):
-    """Whether the printing statement of token i has > or >> outside brackets."""
-    depth = 0
-    for _, word, _ in tokens[i + 1 :]:
-        depth += (word in "([{") - (word in ")]}")
-        if word == ";" or (word == ">" and depth == 0):
-            return word == ">"
-    return False
+def _refuse_redirected(tokens, path):
+    """Refuse printing statements with > or >> outside their brackets."""
+    printer, depth = None, 0
+    for kind, word, line in tokens:
+        if kind == "word" and word in PRINTERS:
+            printer, depth = (word, line), 0
+        elif kind == "mark":
+            depth += (word in "([{") - (word in ")]}")
+            if word == ";":
+                printer = None
+            elif word == ">" and printer and depth <= 0:
+                raise _refusal(path, printer[1], f"{printer[0]} with > writes a file")

@@ -99,7 +99,7 @@ def in_child(task, path, files, parameters):
                 (folder / "geometry" / name).write_bytes(content)
             code = _run(request, folder, WAITING * seconds)
             answer = _answer(folder / "answer.npz")
-            messages = (folder / "messages").read_text(errors="replace")
+            messages = _end_of(folder / "messages")
     except OSError as error:
         place = error.filename or "the folder for temporary files"
         raise GeometryError(f"geometry {path}: cannot be meshed, as {place} gives: "
@@ -155,6 +155,13 @@ def _answer(path):
             return {name: file[name] for name in file.files}
     except (EOFError, ValueError, KeyError, FileNotFoundError, zipfile.BadZipFile):
         return None
+
+
+def _end_of(path):
+    """Last lines of a text that a geometry may have made long."""
+    with open(path, "rb") as file:
+        file.seek(max(0, path.stat().st_size - 4000))
+        return file.read().decode(errors="replace")
 
 
 def _why(code, messages, request):

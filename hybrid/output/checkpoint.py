@@ -17,9 +17,10 @@ from pathlib import Path
 
 import numpy as np
 
+from hybrid.body.geometry_text import files_of
 from hybrid.output import partial_name, sync
 from hybrid.output.history import NAME as HISTORY
-from hybrid.runtime.errors import HybridError
+from hybrid.runtime.errors import GeometryError, HybridError
 from hybrid.scene import Scene
 from hybrid.scene.defaults import resolve
 from hybrid.state import BodyState, ContactHistory, Ground, PointConstants, Points, Population, State
@@ -256,7 +257,12 @@ def _flatten(prefix, item, flat):
 
 
 def _content(path):
+    """Name and digest of a geometry with the files that it reads, as gmsh gets them."""
     path = Path(path)
     if not path.is_file():
         return path.name
-    return f"{path.name} (sha256 {hashlib.sha256(path.read_bytes()).hexdigest()[:12]})"
+    try:
+        files = files_of(path)
+    except GeometryError:       # of a file that was never meshed
+        files = {path.name: path.read_bytes()}
+    return f"{path.name} (sha256 {hashlib.sha256(b'|'.join(files.values())).hexdigest()[:12]})"

@@ -49,6 +49,11 @@ def test_geometry_counts_by_content(tmp_path):
         scenes.append(SimpleNamespace(bodies=[SimpleNamespace(geometry=tmp_path / name / "body.geo")]))
     first, moved, other = map(checkpoint.fingerprint, scenes)
     assert first == moved != other
+    (tmp_path / "a" / "body.geo").write_text('Merge "part.stl";')
+    (tmp_path / "a" / "part.stl").write_text("solid")
+    before = checkpoint.fingerprint(scenes[0])
+    (tmp_path / "a" / "part.stl").write_text("other")
+    assert checkpoint.fingerprint(scenes[0]) != before, "the files that it reads count too"
 
 
 def test_broken_checkpoint_is_refused(tmp_path):
