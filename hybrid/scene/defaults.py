@@ -16,6 +16,7 @@ from hybrid.scene.table import shown
 SCHEME = "generalised-alpha"
 POISSON = 0.4           # from which on elastic soil bends better with F-bar: DESIGN, "F-bar where volume is kept"
 GHOST = 0.3             # factor on Young's modulus: DESIGN, "The ghost penalty leaves full cells alone"
+GHOST_FLOW = 0.03       # the same in soil that flows along bodies
 
 
 class Decision(NamedTuple):
@@ -62,7 +63,7 @@ def _fbar(scene, soil):
         return False, "held soil does not deform"
     if soil.basis == "mpm":
         return False, "standard points take another volume change at once when they cross into a cell"
-    flowing = [law for law in (soil.material.law, *(layer.law for layer in soil.layers)) if law not in (None, "hencky")]
+    flowing = _plastic_laws(soil)
     if flowing:
         return True, f"plastic flow hardly changes the volume and would lock (law = '{flowing[0]}')"
     poisson = max(soil.material.poisson or 0.0, *(layer.material.get("poisson", 0.0) for layer in soil.layers), 0.0)
@@ -74,7 +75,14 @@ def _fbar(scene, soil):
 def _ghost(scene, soil):
     if soil.held:
         return 0.0, "held soil does not deform"
+    if scene.bodies and _plastic_laws(soil):
+        return GHOST_FLOW, "cells with little soil follow the fullest of their neighbours, loosely as soil flows along bodies"
     return GHOST, "cells with little soil follow the fullest of their neighbours"
+
+
+def _plastic_laws(soil):
+    """Names of the laws of the soil and its layers that yield."""
+    return [law for law in (soil.material.law, *(layer.law for layer in soil.layers)) if law not in (None, "hencky")]
 
 
 def _contact(scene, body):

@@ -8,7 +8,7 @@ from small_scene import SCENE
 
 from hybrid.runtime.errors import SceneError
 from hybrid.scene import Layer, Stage, Time
-from hybrid.scene.defaults import GHOST, RULES, resolve
+from hybrid.scene.defaults import GHOST, GHOST_FLOW, RULES, resolve
 from hybrid.scene.file import load_scene, validate
 from hybrid.setup.build import build
 from hybrid.study.scenes import soil_scene, steel
@@ -82,6 +82,13 @@ def test_fbar_follows_from_the_laws(material, soil, fbar, reason):
     value, why = found["soil.fbar"]
     assert value is fbar and re.search(reason, why)
     assert found["soil.ghost"][0] == (0.0 if soil.get("held") else GHOST)
+
+
+@pytest.mark.parametrize("material, bodies, ghost", [(CLAY, 1, GHOST_FLOW), (CLAY, 0, GHOST), ({}, 1, GHOST)])
+def test_the_ghost_penalty_is_loose_where_soil_flows_along_bodies(material, bodies, ghost):
+    described = soil_scene([CUBE] * bodies, geostatic=False)
+    described = replace(described, soil=replace(described.soil, material=replace(described.soil.material, **material)))
+    assert decided(described)["soil.ghost"][0] == ghost
 
 
 @pytest.mark.parametrize("values, stages, scheme, reason", [
