@@ -99,7 +99,7 @@ def apply_accuracy(scene):
 
 def apply_level(scene, level):
     """Scene with the cells, steps and tolerance of a Level, and as many frames and checkpoints as it had."""
-    axes = {name: _resized(f"grid.{name}", getattr(scene.grid, name), level.size) for name in "xyz"}
+    axes = {name: _resized(scene, name, level.size) for name in "xyz"}
     stages = tuple(replace(stage, steps=ceil(stage.steps / level.step), step=stage.step and stage.step * level.step)
                    for stage in scene.stages)
     output = replace(scene.output, every=_counted(scene.output.every, level.step),
@@ -111,11 +111,12 @@ def apply_level(scene, level):
         time=replace(scene.time, step=scene.time.step * level.step), solver=replace(scene.solver, **own))
 
 
-def _resized(path, axis, factor):
-    if axis.nodes is not None and factor != 1:
-        raise SceneError(f"{path}.nodes: accuracy cannot change cells that are given one by one; give {path}.size, or "
-                         'set accuracy = "standard"')
-    return axis if axis.size is None else replace(axis, size=axis.size * factor)
+def _resized(scene, name, factor):
+    """The axis with cells `factor` times as large, or the largest smaller ones that fill it and end where the soil does."""
+    axis = getattr(scene.grid, name)
+    if factor == 1 or axis.nodes is None and axis.size is None:
+        return axis
+    return _fitted(scene, name, factor * axis.size if axis.nodes is None else None)
 
 
 def _counted(steps, factor):
@@ -189,7 +190,7 @@ def _fitted(scene, name, size):
         return axis
     if axis.nodes is not None:
         raise SceneError(f"grid.{name}.nodes: accuracy cannot change cells that are given one by one; give "
-                         f"grid.{name}.size, or leave accuracy out")
+                         f'grid.{name}.size, set accuracy = "standard", or leave accuracy out')
     (start, end), block = axis.fine or (axis.start, axis.end), 2**axis.doublings if axis.moves else 1
     ends = [corner[number] for corner in (scene.soil.lower, scene.soil.upper) if corner]
     ends += [scene.soil.top] * (name == "z" and scene.soil.top is not None)

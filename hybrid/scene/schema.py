@@ -76,8 +76,8 @@ class Solver:
         "change of a point's tangent within an increment, relative to Young's modulus times the root of the residual, "
         "up to which the tangent is not assembled again; 0: always", "-",
         default=1e-2, at_least=0, below=1, remedy="0 switches it off")
-    line_search: bool = key("if a full Newton step leaves more than 80 % of the residual, backtrack as long as that "
-                            "lowers the residual", default=True)
+    line_search: bool = key("where whole Newton updates make no progress, shorten those that leave more than 80 % of "
+                            "the residual, as long as that lowers it", default=True)
     elastic_share: float = key(
         "share of the elastic stiffness mixed into the plastic tangent: 0 is Newton's method; 0.1 saves a tenth of the "
         "iterations of the anchor at 0.2 m cells and costs a tenth at 0.4 m", "-", default=0.0, at_least=0, below=1,

@@ -2,6 +2,7 @@
 contact that jumps between facets, contact lost without inertia, and bodies that nothing touches."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -39,14 +40,40 @@ def bank(steps):
     return list(build(loaded_by_weight("bank", Grid(*axes, Faces()), soil, steps, -10.0)).steps())
 
 
-def test_a_collapse_needs_many_iterations_and_no_halving(monkeypatch):
-    """Point after point yields: up to 21 iterations a step. Fifteen for all steps halve, and cost more."""
+def test_a_collapse_takes_whole_updates(monkeypatch):
+    """Up to 7 iterations a step; with updates that are shortened from the start, 19, and 143 instead of 87 in all."""
     records = bank(20)
-    assert sum(r.rejections for r in records) == 0 and max(r.iterations for r in records) > 15
-    monkeypatch.setattr(newton, "MOST", 15)
-    counted = bank(20)
+    assert sum(r.rejections for r in records) == 0
+    monkeypatch.setattr(newton, "_newton", lambda step, solver, start: newton._iterate(
+        step, solver, start, newton.PATIENCE, True))
+    assert sum(r.iterations for r in bank(20)) > 1.5 * sum(r.iterations for r in records)
+
+
+def test_a_long_step_needs_many_iterations_and_no_halving(monkeypatch):
+    """The residual falls slowly while point after point yields: up to 14 iterations. Four whole updates and
+    four shorter ones halve, and cost more."""
+    records = bank(10)
+    assert sum(r.rejections for r in records) == 0 and max(r.iterations for r in records) > 7
+    monkeypatch.setattr(newton, "MOST", 4)
+    counted = bank(10)
     assert sum(r.rejections for r in counted) > 0
     assert sum(r.iterations for r in counted) > sum(r.iterations for r in records)
+
+
+def test_shorter_updates_start_from_the_best_iterate():
+    """Whole updates that overshoot from side to side; the iterate that they were nearest with is not lost."""
+    begun = []
+
+    def iterate(step, solver, start, patience, shorten):
+        begun.append((start, patience, shorten))
+        best = SimpleNamespace(unknowns="best")
+        return newton.Outcome(best, 6, 0, (1.0, 0.5), "" if shorten else "residual", jumping=not shorten)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(newton, "_iterate", iterate)
+        outcome = newton._newton(SimpleNamespace(evaluate=lambda unknowns: unknowns), Solver(), "first")
+    assert begun == [("first", newton.TRIAL, False), ("best", newton.PATIENCE, True)]
+    assert outcome.converged and outcome.iterations == 12
 
 
 # ------------------------------------------------------------------ residuals that are judged

@@ -34,6 +34,16 @@ def test_levels_change_cells_steps_and_tolerances():
     assert build(column("reference")).sheet()["modelled"]["accuracy"] == texts
 
 
+@pytest.mark.parametrize("start, end, top, size, wanted", [
+    (-0.25, 0.0, None, 0.25, 0.25),     # held ground of one cell
+    (-1.2, 0.8, 0.0, 0.2, 0.4), (-1.4, 0.8, 0.0, 0.2, 0.2), (0.0, 1.0, None, 0.2, 1 / 3)])
+def test_cells_of_a_draft_fill_the_axis_and_end_where_the_soil_does(start, end, top, size, wanted):
+    axis = Axis(start=start, end=end, size=size)
+    scene = column("draft", z=axis)
+    scene = dataclasses.replace(scene, soil=dataclasses.replace(scene.soil, top=top))
+    assert accuracy.apply_accuracy(scene)[0].grid.z.size == pytest.approx(wanted)
+
+
 def test_what_a_scene_gives_of_the_solver_stays():
     scene, _ = accuracy.apply_accuracy(column("draft", Solver(tolerance=1e-9)))
     assert scene.solver.tolerance == 1e-9

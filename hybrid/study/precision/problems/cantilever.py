@@ -19,8 +19,8 @@ dz/dZ = λ^-n. It drops 8.240 m, shortens 5.511 m. The difference goes with (H/L
 The load is shared by the last two columns of points, 3/2 and -1/2 of it, so that its line is the end face.
 
 The study compares the tip with the beam of Hencky fibres. The beam is itself a model: the finest grids converge to a
-position 0.4 % from it, so smaller errors are accidental. The line search requires a decrease of the residual where
-it has to increase first, which costs two to three times the iterations; curves of other methods are without it. Without
+position 0.4 % from it, so smaller errors are accidental. The residual has to increase before it falls; curves of
+other methods are without a line search, which whole updates that make progress are not affected by. Without
 the ghost penalty, which is on by default, no run is completed: domain corners that overlap only a small part of a cell
 give its nodes hardly any stiffness.
 """
