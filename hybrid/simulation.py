@@ -201,7 +201,10 @@ class Simulation:
                 raise
             self.evaluation, self.increment = report.evaluation, control.dt
             self.solver_memory = workspace.systems.choice.memory()
-            yield self._record(stage.name, stage_step, report, model.scheme)
+            record, lost = self._record(stage.name, stage_step, report, model.scheme)
+            yield record
+            if lost:
+                raise StepError(f"stopped after step {self.state.step}, whose state is kept: {lost}")
 
     def _add_hints(self, failure):
         """Add to the message of a failure what the scene and the state have to do with it."""
@@ -224,18 +227,21 @@ class Simulation:
                        time.accuracy and time.accuracy * cell)
 
     def _record(self, stage, stage_step, report, scheme):
+        """(Record of a step, why the run cannot go on or "")."""
         state, evaluation = self.state, report.evaluation
         with timing.phase("energy"):
             energy = energies(self.model, state, evaluation)
             energy["error"] = balance_error(energy, self._start_energy)
-        return Record(
+        view = StepView(self.model, state, scheme, report, energy)
+        record = Record(
             step=state.step, stage=stage, stage_step=stage_step, time=state.time, dt=report.dt,
             increments=report.increments, iterations=report.iterations, rejections=report.rejections,
             residual=evaluation.error, contacts=int(comm.total([len(terms.contact) for terms in evaluation.bodies])),
             seconds=timing.collect(), energies=energy,
             bodies=[_body_record(terms, state) for terms in evaluation.bodies], time_error=report.error,
             krylov=report.krylov, judged=report.judged,
-            notes=self._initial_notes() + self._monitors.notes(StepView(self.model, state, scheme, report, energy)))
+            notes=self._initial_notes() + self._monitors.notes(view))
+        return record, self._monitors.stop(view)
 
     def _initial_notes(self):
         """Notes that go with the first step of the run."""

@@ -2,7 +2,8 @@
 
 | monitor          | warns that                                                            |
 |------------------|-----------------------------------------------------------------------|
-| DomainExit       | a body leaves the grid                                                |
+| DomainExit       | a body leaves the grid; stops the run where nothing drives it there   |
+| LostContact      | nothing; stops a run in which a body falls beside or through the soil |
 | LostPoints       | points are inactive, detached from the soil, or distorted               |
 | MissedContact    | a body is inside the soil, between the corners, and has no contact    |
 | Penetration      | a body overlaps the soil by more than a point domain                  |
@@ -11,13 +12,14 @@
 | PlasticIncrement | an increment without inertia adds too much plastic strain             |
 | JudgedIncrements | many increments end with a residual above the tolerance               |
 
-None of these errors stops a run. `failure_hints` adds probable causes and remedies to the message of a step that fails.
+Other errors stop no run. `failure_hints` adds probable causes and remedies to the message of a step that fails.
 """
 
 from hybrid.monitors.domain_exit import DomainExit
 from hybrid.monitors.energy_balance import EnergyBalance
 from hybrid.monitors.force_oscillation import ForceOscillation
 from hybrid.monitors.judged_increments import JudgedIncrements
+from hybrid.monitors.lost_contact import LostContact
 from hybrid.monitors.lost_points import LostPoints
 from hybrid.monitors.missed_contact import MissedContact
 from hybrid.monitors.monitor import StepView
@@ -25,7 +27,7 @@ from hybrid.monitors.penetration import Penetration
 from hybrid.monitors.plastic_increment import PlasticIncrement
 
 MONITORS = (
-    DomainExit, LostPoints, MissedContact, Penetration, ForceOscillation, EnergyBalance, PlasticIncrement,
+    DomainExit, LostContact, LostPoints, MissedContact, Penetration, ForceOscillation, EnergyBalance, PlasticIncrement,
     JudgedIncrements)
 
 __all__ = ["MONITORS", "Monitors", "StepView", *(kind.__name__ for kind in MONITORS)]
@@ -40,3 +42,7 @@ class Monitors:
     def notes(self, view):
         """Texts about a StepView, each given once in a run."""
         return tuple(text for monitor in self._monitors for text in monitor.notes(view))
+
+    def stop(self, view):
+        """Text about what makes it useless to go on from a StepView; empty if nothing does."""
+        return ". ".join(text for monitor in self._monitors for text in monitor.stops(view))

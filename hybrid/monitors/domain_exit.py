@@ -1,5 +1,8 @@
 """Bodies that leave the grid: there is no soil beyond it, so their contact ends there.
 
+A body that is driven past an end is meant to go there, and is only reported. One that is pulled, rolls or falls there
+stops the run: what it would do next does not depend on the soil any more. Its state is kept.
+
 A body leaves the grid when a vertex of its surface passes a face of the grid that none had passed at the start. The
 upper face does not count, nor do faces along a collapsed axis; a platen wider than the grid from the start is intended.
 """
@@ -11,16 +14,24 @@ FACES = tuple((axis, side) for axis in range(3) for side in (0, 1) if (axis, sid
 
 
 class DomainExit(Monitor):
-    """Warns once for each body and face of the grid that the body passes."""
+    """Warns once for each body and face of the grid that the body passes; stops where nothing drives it there."""
 
     def __init__(self, model, state):
         super().__init__(model, state)
-        self._given |= {(b, face) for b, face, _, _ in _beyond(model, state.bodies)}
+        self._from_the_start = {(b, face) for b, face, _, _ in _beyond(model, state.bodies)}
+        self._given |= self._from_the_start
 
     def warnings(self, view):
         """Body, time, place, limit and remedy."""
         for b, face, reached, end in _beyond(view.model, view.state.bodies):
             yield (b, face), _text(view.model.bodies[b].name, view.state.time, face, reached, end)
+
+    def stops(self, view):
+        """The same for a body that is free along that axis."""
+        for b, face, reached, end in _beyond(view.model, view.state.bodies):
+            body = view.model.bodies[b]
+            if body.free[face[0]] and (b, face) not in self._from_the_start:
+                yield _text(body.name, view.state.time, face, reached, end)
 
 
 def _beyond(model, bodies):

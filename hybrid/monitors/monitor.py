@@ -30,6 +30,7 @@ class StepView:
 
 class Monitor:
     """Base of all monitors. A subclass yields (key, text) from `warnings`; a text is given for the first of each key.
+    Texts from `stops` end the run.
 
     model, state: Model and State that the run begins from.
     """
@@ -52,4 +53,8 @@ class Monitor:
 
     def warnings(self, view):
         """Yield (key, text) of all that is wrong at a StepView."""
-        raise NotImplementedError
+        return ()
+
+    def stops(self, view):
+        """Yield texts of what makes it useless to go on from a StepView."""
+        return ()

@@ -18,7 +18,7 @@ class LawError(HybridError):
 
 
 class StepError(HybridError):
-    """A time step could not be completed; the last accepted state is unchanged."""
+    """A time step could not be completed, or it is useless to go on; the last accepted state is kept."""
 
 
 class OutputError(HybridError):

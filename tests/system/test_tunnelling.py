@@ -51,7 +51,8 @@ def test_without_the_check_it_goes_through(geometry, monkeypatch, thickness, con
     monkeypatch.setattr(Step, "tunnelled", lambda self, evaluation: 0)
     plain = Solver(tolerance=1e-4, line_search=False, tangent_tolerance=0.0)
     simulation = thrown(geometry, thickness, contact, plain)
-    list(simulation.steps())
+    with pytest.raises(StepError, match="falls free .* below the surface of the soil"):
+        list(simulation.steps())
     assert lowest_gap_to_soil(simulation) < 0.0
 
 
@@ -59,7 +60,8 @@ def test_looking_at_a_few_places_of_the_way_skips_a_foil(geometry, monkeypatch):
     """Quarters of 150 mm all miss 5 mm; walking by the distance to the surface does not."""
     monkeypatch.setattr(tunnelling, "_pierced", lambda start, *rest: np.zeros(len(start), bool))
     simulation = thrown(geometry, 0.005, "faces")
-    list(simulation.steps())
+    with pytest.raises(StepError, match="falls free"):
+        list(simulation.steps())
     assert lowest_gap_to_soil(simulation) < 0.0
 
 

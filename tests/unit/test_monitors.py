@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 from hybrid.body.attitude import exp_so3
+from hybrid.body.rigid import FREEDOMS
 from hybrid.monitors.domain_exit import DomainExit
+from hybrid.monitors.lost_contact import LostContact
 from hybrid.monitors.lost_points import LostPoints
 from hybrid.monitors.monitor import Monitor, StepView
 from hybrid.monitors.penetration import Penetration
@@ -69,6 +71,43 @@ def test_the_turned_surface_counts(simulation):
     monitor, turned = DomainExit(simulation.model, simulation.state), exp_so3(np.array([0.0, 0.0, np.pi / 4]))
     assert monitor.notes(view(simulation, moved(simulation, (0.12, 0.4, 0.2)))) == ()
     assert "x = -0.02142 m" in monitor.notes(view(simulation, moved(simulation, (0.12, 0.4, 0.2), turned)))[0]
+
+
+@pytest.mark.parametrize("components, lost", [((), True), (("x",), False), (("y", "z"), True)])
+def test_a_body_that_leaves_the_grid_stops_the_run_unless_it_is_driven_there(simulation, components, lost):
+    monitor, free = DomainExit(simulation.model, simulation.state), ~np.isin(FREEDOMS, components)
+    outside = view(simulation, moved(simulation, (0.05, 0.4, 0.2)))
+    body = replace(simulation.model.bodies[0], free=free)
+    texts = list(monitor.stops(replace(outside, model=replace(simulation.model, bodies=(body,)))))
+    assert len(texts) == lost and all("leaves the grid" in text for text in texts)
+    assert not list(DomainExit(simulation.model, outside.state).stops(outside))     # there from the start
+
+
+@pytest.mark.parametrize("position, speed, lost", [
+    ((1.0, 0.4, -0.15), -1.0, True),        # beside the soil, below its surface
+    ((1.0, 0.4, -0.15), 1.0, False),        # on its way up
+    ((1.0, 0.4, 0.2), -1.0, False),         # beside the soil, above its surface
+    ((0.4, 0.4, 0.2), -1.0, False),         # above the soil
+    ((0.4, 0.4, -0.2), -1.0, True),         # inside it
+])
+def test_a_body_that_falls_beside_or_inside_the_soil_stops_the_run(simulation, position, speed, lost):
+    state = moved(simulation, position)
+    state = replace(state, bodies=[replace(state.bodies[0], velocity=np.array([0.0, 0.0, speed]))])
+    monitor = LostContact(simulation.model, simulation.state)
+    texts = list(monitor.stops(view(simulation, state, [[]])))
+    assert len(texts) == lost and all("falls free at z = -0." in text for text in texts)
+    assert not list(monitor.stops(view(simulation, state, [[1]])))      # something touches it
+
+
+def test_a_body_in_a_pit_is_not_lost(simulation):
+    """Soil is left out of a shaft, down to 0.3 m below the surface."""
+    state = moved(simulation, (0.4, 0.4, -0.12))
+    points = state.points
+    shaft = (np.abs(points.position[:, :2] - 0.4) < 0.15).all(axis=1) & (points.position[:, 2] > -0.3)
+    state = replace(state, points=replace(points, inactive=shaft),
+                    bodies=[replace(state.bodies[0], velocity=np.array([0.0, 0.0, -1.0]))])
+    monitor = LostContact(simulation.model, simulation.state)
+    assert not list(monitor.stops(view(simulation, state, [[]])))
 
 
 # ------------------------------------------------------------------ penetration

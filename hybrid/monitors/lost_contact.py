@@ -1,0 +1,42 @@
+"""Bodies that fall beside or through the soil: what follows is free fall, which no result depends on.
+
+Such a body moves down, nothing touches it, all of it is below the surface of the soil, and there is no soil under or
+over it, or its centre lies in a point's domain. A body above the soil, in a pit, or lifted out of it is none.
+"""
+
+import numpy as np
+
+from hybrid.body import rigid
+from hybrid.monitors.monitor import Monitor
+from hybrid.runtime.comm import anywhere, maximum
+
+
+class LostContact(Monitor):
+    """Stops a run when a body is lost."""
+
+    def stops(self, view):
+        """Body, time, place and remedy."""
+        soil, points = view.model.soil, view.state.points
+        for _, body, motion, contact in view.bodies:
+            if anywhere([len(contact)]) or not body.free[2] or motion.velocity[2] >= 0.0:
+                continue
+            box, active = rigid.bounding_box(body, motion), _active(points)
+            surface = maximum((points.position[:, 2] + points.half_width[:, 2])[active], -np.inf)
+            if box[1, 2] < surface and _lost(points, active, box, motion.position, soil.grid.collapsed):
+                yield (f"{body.name} falls free at z = {motion.position[2]:.4g} m, below the surface of the soil at "
+                       f"{surface:.4g} m, and nothing touches it: at t = {view.state.time:.4g} s it is beside the soil "
+                       "or has gone through it. Start it above the soil (body.position), widen the grid, or use a "
+                       "smaller time.step")
+
+
+def _active(points):
+    return np.ones(len(points), bool) if points.inactive is None else ~points.inactive
+
+
+def _lost(points, active, box, centre, collapsed):
+    """Whether no point (n,) is under or over a `box` (2, 3) [m], or one has the `centre` (3,) [m] in its domain."""
+    x, half = points.position, points.half_width
+    level = np.array([not collapsed[0], not collapsed[1], False])
+    over = ((x + half > box[0]) & (x - half < box[1]) | ~level).all(axis=1) & active
+    inside = ((np.abs(x - centre) < half) | collapsed).all(axis=1) & active
+    return not anywhere(over) or anywhere(inside)
