@@ -194,6 +194,7 @@ def test_geometry_without_volume_elements_is_refused(monkeypatch):
     "parameters, reason",
     [
         ({"lenght": 2.0}, "no parameter 'lenght'; did you mean 'length'"),
+        ({'a"b': 2.0}, "no parameter 'a\"b'; did you mean"),
         ({"length": float("nan")}, "'length' = nan must be a finite number"),
         ({"length": "2"}, "'length' = '2' must be a finite number"),
         ({"length": True}, "must be a finite number"),
