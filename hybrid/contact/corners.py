@@ -26,6 +26,7 @@ from numba import njit
 from hybrid.body.closest import NO_SIDE, closest
 from hybrid.contact import places as rules
 from hybrid.contact.first_contact import predicted_contact_points
+from hybrid.contact.soil_to_body import gaps
 from hybrid.runtime.comm import largest, total
 from hybrid.soil.basis import find_cell, hat
 
@@ -128,12 +129,27 @@ def find_corners(domains, pressure, places, grid, active, body, surface, reach, 
     start = (found["position"] - body.position) @ body.rotation
     if edges is not None:
         area = area * edges.share(start, normal @ body.rotation)
-    corners = Corners(start=start, node=node[use], weight=weight[use], stiffness=pressure[point] * area, **found)
+    stiffness, before = pressure[point] * area, found.pop("stiffness")
+    if len(history.point):      # else the run begins, maybe with an overlap that is meant
+        _keep_forces(found, start, before, stiffness, surface)
+    corners = Corners(start=start, node=node[use], weight=weight[use], stiffness=stiffness, **found)
     is_open = ~corners.touching
     corners.anchor[is_open], corners.side[is_open] = predicted_contact_points(
         corners.position[is_open], corners.moved(expected[0])[is_open], body, expected[1], surface,
         corners.clearance[is_open])
     return corners
+
+
+def _keep_forces(found, y, before, stiffness, surface):
+    """Move the gaps without force and the anchors of the contact points `found` at y (m, 3) [m] in the body frame, so that
+    no force grows because a spring of stiffness `before` (m,) [N/m], 0 for a new one, now has `stiffness`.
+
+    FORMULATION (39a).
+    """
+    at = np.flatnonzero(((found["clearance"] < 0.0) | found["touching"]) & (stiffness > 0.0))
+    ratio, gap = before[at] / stiffness[at], gaps(y[at], surface, found["side"][at])
+    found["rest"][at] = np.minimum(0.0, gap + ratio * np.maximum(found["rest"][at] - gap, 0.0))
+    found["anchor"][at] = y[at] + np.minimum(ratio, 1.0)[:, None] * (found["anchor"][at] - y[at])
 
 
 def _within_reach(domains, places, collapsed, body, surface, reach, history):
@@ -143,7 +159,7 @@ def _within_reach(domains, places, collapsed, body, surface, reach, history):
     followed = (within | history.touching) & domains.included[history.point]
     new = _new_points(domains, places, collapsed, body, surface, reach, history.point * len(places) + history.place)
     old = {name: getattr(history, name)[followed]
-           for name in ("point", "place", "position", "touching", "anchor", "side", "rest")}
+           for name in ("point", "place", "position", "touching", "anchor", "side", "rest", "stiffness")}
     known = old["side"].any(axis=1)[:, None]    # near a rim another side of the body may be closer by now
     old |= {"clearance": distance[followed], "normal": np.where(known, old["side"] @ body.rotation.T, normal[followed])}
     return {name: np.concatenate([values, new.get(name, np.zeros((len(new["point"]), *values.shape[1:]), values.dtype))])

@@ -54,7 +54,6 @@ class CornerContact:
     anchor: (m, 3) [m] body frame, the anchor of the history once the state is accepted; side: (m, 3) N, body frame
     pressure: (m,) p [N]; triangle: (m,) of the closest point, weights: (m, 3) of its vertices there
     energy: stored in the springs [J]; dissipated: friction work of the step [J]
-    rest: of all Corners, as in Corners, once the state is accepted
     """
 
     active: np.ndarray
@@ -71,7 +70,6 @@ class CornerContact:
     weights: np.ndarray
     energy: float
     dissipated: float
-    rest: np.ndarray
 
     def __len__(self):
         return len(self.active)
@@ -161,7 +159,6 @@ def evaluate(corners, position, centre, rotation, surface, friction, tangential)
         _hold(points, y, corners.facet, surface)
     active = np.flatnonzero(np.isfinite(points.gap))
     active = active[corners.stiffness[active] * (points.gap - corners.rest)[active] < 0.0]
-    rest = _rest(points.gap, corners)
     points = points.select(active)
     origin = np.where(corners.touching[active, None], corners.anchor[active], corners.start[active])
     closed = ClosedCorners(y[active], corners.anchor[active], origin, corners.stiffness[active],
@@ -172,17 +169,7 @@ def evaluate(corners, position, centre, rotation, surface, friction, tangential)
         active, points.gap, found.side @ rotation.T, found.force @ rotation.T, rotation @ found.tangent @ rotation.T,
         position[active] - centre, found.slip, found.anchor, found.side,
         closed.stiffness * (closed.rest - points.gap), points.triangle, points.weights,
-        float(total(found.energy)), float(total(found.dissipated)), rest)
-
-
-def _rest(gap, corners):
-    """Gaps (m,) [m] at which the springs have no force once a state with these gaps is accepted.
-
-    A point that is left out (beside an edge) may come to lie inside the body. When it is no longer left out it starts
-    without force, and from there the gap without force follows the gap outwards, to 0.
-    """
-    inside = np.minimum(gap, 0.0)
-    return np.where(corners.stiffness == 0.0, inside, np.maximum(corners.rest, inside))
+        float(total(found.energy)), float(total(found.dissipated)))
 
 
 def _closest_points(y, corners, surface):
@@ -217,7 +204,8 @@ def commit(corners, position, contact):
     anchor, side = np.zeros((len(corners), 3)), np.zeros((len(corners), 3))
     touching[contact.active] = True
     anchor[contact.active], side[contact.active] = contact.anchor, contact.side
-    return ContactHistory(corners.point, corners.place, position, touching, anchor, side, contact.rest)
+    return ContactHistory(corners.point, corners.place, position, touching, anchor, side, corners.rest,
+                          corners.stiffness)
 
 
 @njit(cache=True)

@@ -1,13 +1,13 @@
 """Contact of a body with the soil of a scene: where it is evaluated, how stiff it is, and its part in plane strain.
 
 Spacing of the places on the faces of domains    s = 2 l / k <= r/16, on held soil r/32      k from 4 to 32
-penalty on elastic soil                           p_f = 400 / h
+penalty on elastic soil                           p_f = 500 / h
 penalty on soil that yields                       p_f = 20 / h
 penalty on held soil                              p_f E = W / (π r δ²),  δ = 2 s²/r
 
 with l the smallest half-width of a domain (bodies are where cells are fine), h the smallest cell, W the weight of the
 body and r the radius of curvature that nine tenths of its surface exceed (a body of planes: its size). On elastic soil
-the overlap is that of 1/400 of a cell under the same pressure (platen: 0.3 % of the force). Soil that yields bears a
+the overlap is that of 1/500 of a cell under the same pressure. Soil that yields bears a
 hundredth of E at most, so there 20/h leaves an overlap of 1/2000 of a cell; a pipe in clay takes 6 iterations a step
 with it, and 28 with 400/h. On held soil nothing but the penalty gives way: there δ is the overlap of a sphere under its
 weight, whose contact patch, sqrt(2 r δ), has a radius of two spacings; a stiffer one would feel the places one by one.
@@ -26,7 +26,7 @@ from hybrid.runtime.errors import SceneError
 
 FEWEST, MOST = 4, 32                # places along a face
 CURVATURE, HELD_CURVATURE = 16, 32  # spacings in a radius of curvature
-STIFFNESS = {False: 400.0, True: 20.0}  # p_f h, by whether the soil yields
+STIFFNESS = {False: 500.0, True: 20.0}  # p_f h, by whether the soil yields
 PATCH = 2.0                         # spacings in the radius of a contact patch on held soil
 PUBLISHED = 50.0                    # [1/m] p_f
 SHARP = 0.1                         # of the area: fillets and tips, which cells do not resolve either

@@ -268,6 +268,14 @@ class Soil:
         volume = _active_only(step.points, self.constants.volume)
         return float(total(np.sum(trial.response.stress * plastic, axis=1) * volume))
 
+    def ghost_work(self, step, displacement):
+        """Work of the ghost penalty [J] on nodal increments (N, 3) [m], which is dissipated."""
+        if not step.cuts:
+            return 0.0
+        force = np.zeros_like(displacement)
+        ghost.add_force(step.cuts, self.grid, displacement, force)
+        return float(np.sum(force * displacement))
+
     def stored_energy(self, points):
         """Elastic energy of committed points [J]."""
         strain = logarithmic(points.b_elastic)

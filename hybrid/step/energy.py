@@ -1,9 +1,9 @@
 """Energy of a committed state and the balance of a run: FORMULATION (51).
 
     stored = kinetic + elastic + potential + contact springs + line
-    stored(t) - stored(0) + plastic + friction + left = work of pull, drive and load + error
+    stored(t) - stored(0) + plastic + friction + ghost + left = work of pull, drive and load + error
 
-Kinetic energy is that of points and bodies, none in a quasi-static scene; the energy that the transfer between points
+Ghost is the work of the ghost penalty, which resists increments and stores nothing. Kinetic energy is that of points and bodies, none in a quasi-static scene; the energy that the transfer between points
 and grid loses is part of the error. Drive is the work of guides: of driven components, and of the impulse when a stage
 holds a body that moves or drives one that rests. Load is the work of all loads but the whole of gravity
 (`hybrid.step.loads`). Left is the energy of soil that a moving grid leaves behind, and the energy lost where it merges
@@ -16,7 +16,7 @@ from hybrid.body import rigid
 from hybrid.runtime.comm import total
 
 STORED = ("kinetic", "elastic", "potential", "contact", "line")
-WORKS = ("plastic", "friction", "pull", "drive", "load", "left")
+WORKS = ("plastic", "friction", "ghost", "pull", "drive", "load", "left")
 
 
 def energies(model, state, evaluation=None):
@@ -46,4 +46,5 @@ def soil_energies(model, points):
 def balance_error(now, start):
     """Energy that the balance does not account for [J], from `energies` now and at the start."""
     stored = sum(now[name] - start[name] for name in STORED)
-    return stored + now["plastic"] + now["friction"] + now["left"] - now["pull"] - now["drive"] - now["load"]
+    lost = sum(now[name] for name in ("plastic", "friction", "ghost", "left"))
+    return stored + lost - sum(now[name] for name in ("pull", "drive", "load"))

@@ -1,4 +1,4 @@
-"""Work of one increment, by what does it: plastic flow, friction, drive, pull and load (`hybrid.step.energy`)."""
+"""Work of one increment, by what does it: plastic flow, ghost penalty, friction, drive, pull and load (`hybrid.step.energy`)."""
 
 
 def work_after(step, evaluation, points, bodies):
@@ -13,6 +13,7 @@ def work_after(step, evaluation, points, bodies):
 
     if step.soil is not None:
         add("plastic", step.model.soil.plastic_work(step.soil, evaluation.soil_trial))
+        add("ghost", step.model.soil.ghost_work(step.soil, evaluation.unknowns.displacement))
     for terms in evaluation.bodies:
         if terms.step.body.drive.any():
             add("drive", _of_drive(terms))

@@ -176,12 +176,13 @@ def test_contact_points_keep_their_soil_points_and_their_order():
     point, place = np.array([0, 2, 2, 5, 7, 7]), np.array([3, 1, 5, 1, 0, 90])
     number = np.arange(6)
     history = ContactHistory(point, place, np.stack([number] * 3, axis=1).astype(float), number > 1,
-                             np.zeros((6, 3)), np.zeros((6, 3)), np.zeros(6))
+                             np.zeros((6, 3)), np.zeros((6, 3)), np.zeros(6), np.arange(6.0))
     new = moving_grid._renumbered(history, origin, before=8)
     assert new.point.tolist() == [0, 0, 2, 2, 3] and new.place.tolist() == [0, 90, 1, 5, 3]
     np.testing.assert_array_equal(new.position[:, 0], [4, 5, 1, 2, 0])
     assert moving_grid._without_contact([history], origin).tolist() == [False, True, False, False]
     assert new.touching.tolist() == [True, True, False, True, False]
+    np.testing.assert_array_equal(new.stiffness, [4, 5, 1, 2, 0])
 
 
 @pytest.mark.parametrize(("change", "text"), [

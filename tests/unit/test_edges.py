@@ -75,24 +75,3 @@ def test_the_shoulder_of_a_cone_is_an_edge_and_its_tip_is_none():
     outward = np.array([[np.sqrt(0.75), 0.0, -0.5]])
     for height, wanted in ((0.0, 1.0), (1.0, 1.0), (1.7, 0.0)):
         assert edges.share(np.array([[height / np.sqrt(3.0), 0.0, low + height]]), outward)[0] == wanted
-
-
-def test_a_point_that_was_left_out_inside_the_body_starts_without_force():
-    """Its gap without force is that of the last state in which it was left out, and then only moves outwards."""
-    from dataclasses import replace
-
-    from contact_bed import contact_of, corners_in
-
-    surface = surface_of("box.geo", length=2.0, width=1.0, height=0.5, size=0.5)
-    bottom = surface.lower[2]
-    inside = np.array([[0.0, 0.0, bottom + 0.02]])
-    corners = corners_in(surface, inside, inside, touching=False)
-    out = replace(corners, stiffness=np.zeros(1), clearance=np.full(1, -0.02))
-    rest = contact_of(out, surface).rest
-    assert len(contact_of(out, surface)) == 0 and rest == pytest.approx(-0.02)
-    again = replace(corners, rest=rest, clearance=np.full(1, -0.02))
-    assert len(contact_of(again, surface)) == 0
-    deeper = contact_of(again, surface, place=again.position + (0.0, 0.0, 0.005))
-    assert deeper.pressure == pytest.approx(0.005 * corners.stiffness) and deeper.rest == pytest.approx(-0.02)
-    back = contact_of(again, surface, place=again.position - (0.0, 0.0, 0.015))
-    assert len(back) == 0 and back.rest == pytest.approx(-0.005)

@@ -27,7 +27,7 @@ def penalty(factor, **body):
         F = p_f E A δ = A E ln(L/l) L/l         ideal, δ = 0: 245.49 kN
 
     so the error is about 2.7 / p_f, p_f in 1/m; the contact takes 1 / (1 + p_f L) of the displacement. Left out, p_f
-    follows from the cells, and the contact takes 1 / (1 + 400 L/h). Stiffness up to 1e11 /m loses no accuracy here;
+    follows from the cells, and the contact takes 1 / (1 + 500 L/h). Stiffness up to 1e11 /m loses no accuracy here;
     Newton's method only reaches round-off earlier. Its effect on impacts is shown in `bounce_map`.
     """
     pressed = platen.press(penalty=factor, steps=10, **body)
