@@ -216,8 +216,9 @@ def test_the_penalty_follows_from_the_cells(more, expected):
 def test_on_held_soil_the_modulus_does_not_matter(young):
     """The pressure per overlap follows from the weight of the body; a given p_f is a factor on E."""
     cube = box(0.4, 0.4, 0.4, position=(0.4, 0.4, 0.0), rest_on=0.0)
-    scene = soil_scene([cube, replace(cube, name="given", penalty=2.0)], held=True, young=young, gravity=(0.0, 0.0, -9.81))
-    derived, given = build(scene).model.bodies
+    bodies = cube, replace(cube, penalty=2.0)
+    derived, given = (build(soil_scene([body], held=True, young=young, gravity=(0.0, 0.0, -9.81))).model.bodies[0]
+                      for body in bodies)
     reference = build(soil_scene([cube], held=True, gravity=(0.0, 0.0, -9.81))).model.bodies[0]
     np.testing.assert_allclose(derived.contact_pressure, reference.contact_pressure)
     np.testing.assert_allclose(given.contact_pressure, 2.0 * young)
