@@ -10,6 +10,9 @@ until it leaves the reach. If it were placed on the domain anew in each step, it
 is compressed (a domain follows the average strain of its point, the contact point the larger strain next to the body)
 and would add energy to the springs, as much as the plastic work under a settling anchor.
 
+Stiffness changes from step to step, and a place may be found deep inside the body. The gap g_0 at which a spring has no
+force is moved so that no force grows by this alone (`_keep_forces`); else energy would come from nothing.
+
 In plane strain a body is the prism over its section through its centre of mass: contact points lie in the plane of that
 section, and forces are those on the thickness of the slice.
 

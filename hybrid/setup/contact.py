@@ -7,10 +7,11 @@ penalty on held soil                              p_f E = W / (π r δ²),  δ =
 
 with l the smallest half-width of a domain (bodies are where cells are fine), h the smallest cell, W the weight of the
 body and r the radius of curvature that nine tenths of its surface exceed (a body of planes: its size). On elastic soil
-the overlap is that of 1/500 of a cell under the same pressure. Soil that yields bears a
-hundredth of E at most, so there 20/h leaves an overlap of 1/2000 of a cell; a pipe in clay takes 6 iterations a step
-with it, and 28 with 400/h. On held soil nothing but the penalty gives way: there δ is the overlap of a sphere under its
-weight, whose contact patch, sqrt(2 r δ), has a radius of two spacings; a stiffer one would feel the places one by one.
+the overlap is that of 1/500 of a cell under the same pressure. Soil that yields bears a hundredth of E at most, so there
+20/h leaves an overlap of 1/2000 of a cell; a pipe in clay takes 6 iterations a step with it, and 28 with 400/h. In sand E is
+small at the surface, but contact points move with the grid: the stiffer their springs, the fewer of them carry a body. On
+held soil nothing but the penalty gives way: there δ is the overlap of a sphere under its weight, whose contact patch,
+sqrt(2 r δ), has a radius of two spacings; a stiffer one would feel the places one by one.
 """
 
 from dataclasses import replace

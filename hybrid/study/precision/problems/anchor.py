@@ -1,8 +1,9 @@
 """A drag anchor is lowered onto loose sand, settles for a second and is dragged for 0.6 s, until its fluke digs in.
 
-The scene is demos/anchor.toml with a shorter drag and without its solver table: nothing is set. No exact solution is
-known: errors are differences from a fine run of the same kind with cells of 0.2 m and Δt = 0.02 s. Its path of the centre of mass and its line tension are kept in anchor_reference.json (`write_reference`). An error much
-smaller than the difference between that run and a finer one shows only that two runs of this program agree.
+The scene is demos/anchor.toml with a shorter drag: nothing is set. No exact solution is known: errors are differences
+from a fine run of the same kind with cells of 0.2 m and Δt = 0.02 s. Its path of the centre of mass and its line tension
+are kept in anchor_reference.json (`write_reference`). An error much smaller than the difference between that run and a
+finer one shows only that two runs of this program agree.
 """
 
 import json
