@@ -8,3 +8,5 @@
 5 assembly.py       forces and tangent into the residual and the block system, through the nodes of their cells
 6 contact_pair.py   does 2 to 5 for one body; tunnelling.py rejects a step that carried contact points through it
 """
+
+import hybrid.runtime.kernel_copies  # noqa: F401 (before a kernel of this folder is compiled)

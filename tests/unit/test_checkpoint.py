@@ -1,5 +1,6 @@
 """checkpoint.npz: every bit comes back, another scene is refused, an interrupted write costs nothing."""
 
+import errno
 from dataclasses import fields
 from types import SimpleNamespace
 
@@ -62,6 +63,34 @@ def test_broken_checkpoint_is_refused(tmp_path):
     (tmp_path / "bad.npz").write_bytes(b"PK\x03\x04 half a file")
     with pytest.raises(checkpoint.CheckpointError, match="not a readable checkpoint"):
         checkpoint.load(tmp_path / "bad.npz")
+
+
+def test_a_checkpoint_that_finds_no_room_leaves_the_last_one(tmp_path, monkeypatch):
+    def half(file, **arrays):
+        file.write(b"PK\x03\x04 half a file")
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    simulation, path = FakeSimulation(), tmp_path / "c.npz"
+    checkpoint.save(path, simulation.state_at(2))
+    checkpoint.reserve(path)
+    assert (tmp_path / ".c.npz.partial").stat().st_size == path.stat().st_size
+    with monkeypatch.context() as patch, pytest.raises(OSError):
+        patch.setattr(checkpoint.np, "savez", half)
+        checkpoint.save(path, simulation.state_at(4))
+    assert checkpoint.load(path).step == 2
+    checkpoint.save(path, simulation.state_at(4))
+    assert checkpoint.load(path).step == 4 and [p.name for p in tmp_path.iterdir()] == ["c.npz"]
+
+
+def test_a_checkpoint_is_written_every_ten_minutes_too(tmp_path, monkeypatch):
+    """Steps of four minutes: a checkpoint after every third."""
+    clock = iter(range(0, 10**6, 240))
+    monkeypatch.setattr(checkpoint, "time", SimpleNamespace(monotonic=lambda: next(clock)))
+    saved, simulation = [], FakeSimulation(FakeScene(output=Output(checkpoint=100)))
+    save = checkpoint.save
+    monkeypatch.setattr(checkpoint, "save", lambda path, state, *rest: (saved.append(state.step), save(path, state, *rest)))
+    simulation.run([checkpoint.Checkpoints(tmp_path)])
+    assert saved[0] == 0 and 1 < saved[1] <= 3 and saved[-1] == 6
 
 
 def test_interrupted_write_keeps_the_old_file(tmp_path):
