@@ -10,6 +10,7 @@ import contextlib
 import hashlib
 import os
 import shutil
+import sys
 import tempfile
 from pathlib import Path
 
@@ -30,6 +31,8 @@ def choose_folder():
     for place in (PACKAGE / "__pycache__", _user_cache(), private_folder()):
         if place is not None and _made(place / name):
             os.environ[VARIABLE] = str(place / name)
+            if "numba" in sys.modules:      # it has read the variable already
+                sys.modules["numba"].config.CACHE_DIR = os.environ[VARIABLE]
             return
 
 

@@ -6,11 +6,24 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numba
 import pytest
 
 from hybrid.runtime import kernel_cache
 
 ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture(autouse=True)
+def own_folder(monkeypatch):
+    """Kernels of other tests stay where they are."""
+    monkeypatch.setattr(numba.config, "CACHE_DIR", numba.config.CACHE_DIR)
+
+
+def test_numba_may_have_been_imported_before():
+    code = "import os, numba, hybrid; assert numba.config.CACHE_DIR == os.environ['NUMBA_CACHE_DIR'] != ''"
+    environment = {name: value for name, value in os.environ.items() if name != kernel_cache.VARIABLE}
+    subprocess.run([sys.executable, "-c", code], cwd=ROOT, env=environment, check=True)
 
 
 @pytest.fixture
