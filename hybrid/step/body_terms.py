@@ -167,7 +167,10 @@ def begin_bodies(model, state, dt, pulling, domains, active, nodal):
             target = motion.target + dt * body.line.velocity
             line_force = rigid.evaluate(body, motion, (motion.position, motion.rotation), motion.target, gravity,
                                         model.scheme, dt).line[:3]
-        reach = search_reach(body, motion, grid, velocity, dt, np.linalg.norm(gravity))
+        fall = np.linalg.norm(gravity) * dt**2
+        if not model.scheme.inertia:    # nothing falls, and the time of a step means nothing
+            fall = min(fall, grid.smallest_cell)
+        reach = search_reach(body, motion, grid, velocity, dt, fall)
         pose = rigid.predicted_pose(body, motion, model.scheme, dt)
         pair = ContactPair(body, motion, state.contacts[number], domains, grid, active, reach, (predicted, pose))
         begun.append(BodyStep(number, body, motion, target, pair, reach, unknowns, line_force, gravity, model.scheme,

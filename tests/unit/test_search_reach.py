@@ -8,6 +8,7 @@ import pytest
 
 from hybrid.contact.corners import Reach
 from hybrid.grid.axes import FACES, make_grid
+from hybrid.scene import Time
 from hybrid.setup.build import build
 from hybrid.soil.basis import find_cell
 from hybrid.step.equations import begin
@@ -54,7 +55,7 @@ def test_slow_soil_and_held_soil_have_the_reach_of_a_share_of_a_cell():
     body, state = body_at(1.0, 1.0, 1.0)
     assert search_reach(body, state, CUBE, None, DT) == pytest.approx((0.05, DT))
     assert search_reach(body, state, CUBE, only(CUBE, (1.0, 1.0, 1.0), 2.0), DT) == pytest.approx((0.05, DT))
-    assert search_reach(body, state, CUBE, None, DT, gravity=1000.0) == pytest.approx((0.1, DT))    # falls from rest
+    assert search_reach(body, state, CUBE, None, DT, fall=0.1) == pytest.approx((0.1, DT))
 
 
 def test_a_fast_node_near_the_body_sets_the_reach_and_a_far_one_does_not():
@@ -148,3 +149,13 @@ def test_a_fast_node_far_away_does_not_add_corners():
     assert far == still and still[0].margin == pytest.approx(
         model.bodies[0].places.reach * model.soil.grid.smallest_cell)
     assert near[0].margin == pytest.approx(MARGIN * DT * 20.0) and near[1] > 1.5 * still[1]
+
+
+def test_without_inertia_nothing_falls_farther_than_a_cell():
+    """A step of 1 s under gravity would otherwise search 9.8 m around the body."""
+    for inertia in (False, True):
+        described = soil_scene([steel(0.2, 0.2, 0.2, position=(0.4, 0.4, 0.2))], time=Time(1.0, inertia=inertia))
+        simulation = build(replace(described, gravity=(0.0, 0.0, -9.81)))
+        model = simulation.model
+        reach = begin(model, simulation.state, 1.0, False, Workspace(model)).bodies[0].reach
+        assert reach.margin == pytest.approx(9.81 if inertia else model.soil.grid.smallest_cell, rel=1e-3)
