@@ -16,7 +16,7 @@ from hybrid.scene.table import shown
 SCHEME = "generalised-alpha"
 POISSON = 0.4           # from which on elastic soil bends better with F-bar: DESIGN, "F-bar where volume is kept"
 GHOST = 0.3             # factor on Young's modulus: DESIGN, "The ghost penalty leaves full cells alone"
-GHOST_FLOW = 0.03       # the same in soil that flows along bodies
+GHOST_FLOW = 0.03       # the same in soil that flows along bodies in space
 
 
 class Decision(NamedTuple):
@@ -75,7 +75,8 @@ def _fbar(scene, soil):
 def _ghost(scene, soil):
     if soil.held:
         return 0.0, "held soil does not deform"
-    if scene.bodies and _plastic_laws(soil):
+    plane = any(axis.collapsed for axis in (scene.grid.x, scene.grid.y, scene.grid.z))
+    if scene.bodies and _plastic_laws(soil) and not plane:
         return GHOST_FLOW, "cells with little soil follow the fullest of their neighbours, loosely as soil flows along bodies"
     return GHOST, "cells with little soil follow the fullest of their neighbours"
 

@@ -89,6 +89,8 @@ def test_the_ghost_penalty_is_loose_where_soil_flows_along_bodies(material, bodi
     described = soil_scene([CUBE] * bodies, geostatic=False)
     described = replace(described, soil=replace(described.soil, material=replace(described.soil.material, **material)))
     assert decided(described)["soil.ghost"][0] == ghost
+    plane = replace(described.grid, y=replace(described.grid.y, collapsed=True))
+    assert decided(replace(described, grid=plane))["soil.ghost"][0] == GHOST
 
 
 @pytest.mark.parametrize("values, stages, scheme, reason", [
