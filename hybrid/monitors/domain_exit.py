@@ -1,7 +1,8 @@
 """Bodies that leave the grid: there is no soil beyond it, so their contact ends there.
 
 A body that is driven past an end is meant to go there, and is only reported. One that is pulled, rolls or falls there
-stops the run: what it would do next does not depend on the soil any more. Its state is kept.
+stops the run: what it would do next does not depend on the soil any more. Its state is kept. A body that flies above
+the soil goes on, until it is below its surface.
 
 A body leaves the grid when a vertex of its surface passes a face of the grid that none had passed at the start. The
 upper face does not count, nor do faces along a collapsed axis; a platen wider than the grid from the start is intended.
@@ -9,6 +10,7 @@ upper face does not count, nor do faces along a collapsed axis; a platen wider t
 
 from hybrid.body import rigid
 from hybrid.monitors.monitor import Monitor
+from hybrid.runtime.comm import anywhere
 
 FACES = tuple((axis, side) for axis in range(3) for side in (0, 1) if (axis, side) != (2, 1))
 
@@ -27,10 +29,13 @@ class DomainExit(Monitor):
             yield (b, face), _text(view.model.bodies[b].name, view.state.time, face, reached, end)
 
     def stops(self, view):
-        """The same for a body that is free along that axis."""
+        """The same for a body that is free along that axis, and on the soil or below its surface."""
         for b, face, reached, end in _beyond(view.model, view.state.bodies):
             body = view.model.bodies[b]
-            if body.free[face[0]] and (b, face) not in self._from_the_start:
+            if not body.free[face[0]] or (b, face) in self._from_the_start:
+                continue
+            lowest = rigid.bounding_box(body, view.state.bodies[b])[0, 2]
+            if anywhere([len(view.contacts[b])]) or lowest < view.surface():
                 yield _text(body.name, view.state.time, face, reached, end)
 
 

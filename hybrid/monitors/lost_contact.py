@@ -8,7 +8,7 @@ import numpy as np
 
 from hybrid.body import rigid
 from hybrid.monitors.monitor import Monitor
-from hybrid.runtime.comm import anywhere, maximum
+from hybrid.runtime.comm import anywhere
 
 
 class LostContact(Monitor):
@@ -21,7 +21,7 @@ class LostContact(Monitor):
             if anywhere([len(contact)]) or not body.free[2] or motion.velocity[2] >= 0.0:
                 continue
             box, active = rigid.bounding_box(body, motion), _active(points)
-            surface = maximum((points.position[:, 2] + points.half_width[:, 2])[active], -np.inf)
+            surface = view.surface()
             if box[1, 2] < surface and _lost(points, active, box, motion.position, soil.grid.collapsed):
                 yield (f"{body.name} falls free at z = {motion.position[2]:.4g} m, below the surface of the soil at "
                        f"{surface:.4g} m, and nothing touches it: at t = {view.state.time:.4g} s it is beside the soil "

@@ -2,6 +2,10 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
+from hybrid.runtime.comm import maximum
+
 
 @dataclass(frozen=True)
 class StepView:
@@ -26,6 +30,12 @@ class StepView:
     def bodies(self):
         """(index, RigidBody, BodyState, Contact) of each body."""
         return zip(range(len(self.contacts)), self.model.bodies, self.state.bodies, self.contacts)
+
+    def surface(self):
+        """Height [m] of the highest soil."""
+        points = self.state.points
+        active = np.ones(len(points), bool) if points.inactive is None else ~points.inactive
+        return maximum((points.position[:, 2] + points.half_width[:, 2])[active], -np.inf)
 
 
 class Monitor:

@@ -79,10 +79,9 @@ def _group_memory(root="/sys/fs/cgroup", own="/proc/self/cgroup"):
 
 def _left_in(folder, limit, used):
     try:
-        lines = (line.split() for line in (folder / "memory.stat").read_text(encoding="ascii").splitlines())
-        idle = {name: int(value) for name, value in lines}
-        free = idle.get("total_inactive_file", idle.get("inactive_file", 0))
-        return int((folder / limit).read_text(encoding="ascii")) - int((folder / used).read_text(encoding="ascii")) + free
+        stat, limit, used = ((folder / name).read_text(encoding="ascii") for name in ("memory.stat", limit, used))
+        idle = {name: int(value) for name, value in (line.split() for line in stat.splitlines())}
+        return int(limit) - int(used) + idle.get("total_inactive_file", idle.get("inactive_file", 0))
     except (OSError, ValueError):   # no such group in this name space; "max"
         return math.inf
 

@@ -11,7 +11,7 @@ from hybrid.scene.check_grid import grid_faults
 from hybrid.scene.check_material import material_faults
 from hybrid.scene.defaults import resolve
 from hybrid.scene.read import clipped
-from hybrid.scene.table import need, range_faults, shown
+from hybrid.scene.table import TINY, need, range_faults, shown
 from hybrid.scheme import Scheme
 
 LONGEST_NAME = 100      # bytes; file systems take 255 with what output adds
@@ -102,7 +102,7 @@ def _body(key, body, inertia):
     yield from need(body.geometry.is_file(), f"{key}.geometry", body.geometry, "an existing file",
                     "the path is relative to the scene file, or to the working folder from Python")
     if body.rotation is not None:
-        yield from need(any(body.rotation[:3]), f"{key}.rotation", body.rotation, "an axis other than zero",
+        yield from need(hypot(*body.rotation[:3]) > TINY, f"{key}.rotation", body.rotation, "an axis other than zero",
                         "write [ax, ay, az, degrees], such as [0, 1, 0, 30]")
     both = [f for f in body.driven if f in body.held]
     yield from need(not both, f"{key}.driven", both, "other than held", "keep it in one of the two lists")
@@ -133,11 +133,11 @@ def _spatial_spin(body):
 
 def _pull(key, pull):
     if pull.direction is None:
-        yield from need(any(pull.velocity), f"{key}.velocity", pull.velocity,
+        yield from need(hypot(*pull.velocity) > TINY, f"{key}.velocity", pull.velocity,
                         "other than zero without a direction",
                         "give direction for a line whose far end stands still")
     else:
-        yield from need(any(pull.direction), f"{key}.direction", pull.direction, "other than zero",
+        yield from need(hypot(*pull.direction) > TINY, f"{key}.direction", pull.direction, "other than zero",
                         "leave it out for the direction of velocity")
 
 

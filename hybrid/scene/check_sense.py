@@ -108,8 +108,8 @@ def _stiffness(path, m, weight):
     if m.young is None:
         return
     if HEAVY * m.young < weight:
-        yield (f"{path}.young = {m.young:g} Pa looks wrong: the weight of the soil, {weight:.3g} Pa at its foot, is over "
-               f"{HEAVY:g} times as much; {KILOPASCAL}")
+        yield (f"{path}.young = {m.young:g} Pa looks wrong: the weight of the soil, {weight:.3g} Pa at its foot, is "
+               f"over {HEAVY:g} times as much; {KILOPASCAL}")
     if m.law == "von-mises" and m.strength and not RIGIDITY[0] <= m.young / m.strength <= RIGIDITY[1]:
         yield (f"{path}.young = {m.young:g} Pa over strength = {m.strength:g} Pa is {m.young / m.strength:.3g}, which "
                "looks wrong: clays have 50 to 2000; is one of them a number of kPa?")

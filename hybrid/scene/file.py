@@ -118,7 +118,8 @@ def _index(place, override, names, depth):
         single = above in (["body"], ["stage"]) and name not in place and below
         return None if single and name in ("0", _label(place, above)) else name
     if not isinstance(place, list):
-        raise SceneError(f"override {clipped(override)}: {path} = {clipped(place)} is a value and has no {name!r} in it")
+        raise SceneError(f"override {clipped(override)}: {path} = {clipped(place)} is a value and has no {name!r} in "
+                         "it")
     if name.isdecimal():
         if len(name) > 9 or int(name) >= len(place):
             raise SceneError(f"override {clipped(override)}: {path} has {len(place)} in it, counted from 0")

@@ -16,15 +16,17 @@ from hybrid.scene.table import described, file_name
 
 LARGEST = 1e30      # of any quantity in SI units: squares and products of such numbers stay finite
 MOST = 10**9        # whole numbers, which count things
+MANY = 20           # faults in a message
 SHOWN = 80          # characters of a value in a message
 
 
 class Faults(SceneError):
-    """Several faults as one error; texts: one of each."""
+    """Several faults as one error, which lists the first MANY; texts: one of each."""
 
     def __init__(self, texts):
         self.texts = texts
-        super().__init__(texts[0] if len(texts) == 1 else "\n  - ".join([f"{len(texts)} faults", *texts]))
+        more = [f"and {len(texts) - MANY} more"] if len(texts) > MANY else []
+        super().__init__(texts[0] if len(texts) == 1 else "\n  - ".join([f"{len(texts)} faults", *texts[:MANY], *more]))
 
 
 def build_table(cls, given, path, base):

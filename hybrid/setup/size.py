@@ -20,8 +20,8 @@ BYTES_ON_AXIS = 100     # coordinates and what is made from them along one axis
 
 
 def refuse_cells(scene):
-    """SceneError where the cells along one axis, or the blocks of a grid that follows a body, are more than memory holds:
-    found without making them."""
+    """SceneError where memory does not hold the cells along one axis, or the blocks of a grid that follows a body; they
+    are counted without being made."""
     axes = {name: getattr(scene.grid, name) for name in "xyz"}
     counts = {name: _least_cells(axis) for name, axis in axes.items()}
     blocks = prod(_cells(axis) / 2**axis.doublings for axis in axes.values() if axis.moves)

@@ -76,11 +76,13 @@ def test_the_turned_surface_counts(simulation):
 @pytest.mark.parametrize("components, lost", [((), True), (("x",), False), (("y", "z"), True)])
 def test_a_body_that_leaves_the_grid_stops_the_run_unless_it_is_driven_there(simulation, components, lost):
     monitor, free = DomainExit(simulation.model, simulation.state), ~np.isin(FREEDOMS, components)
-    outside = view(simulation, moved(simulation, (0.05, 0.4, 0.2)))
+    outside = view(simulation, moved(simulation, (0.05, 0.4, 0.2)), [[1]])
     body = replace(simulation.model.bodies[0], free=free)
     texts = list(monitor.stops(replace(outside, model=replace(simulation.model, bodies=(body,)))))
     assert len(texts) == lost and all("leaves the grid" in text for text in texts)
     assert not list(DomainExit(simulation.model, outside.state).stops(outside))     # there from the start
+    assert not list(monitor.stops(view(simulation, outside.state, [[]])))           # flies above the soil
+    assert list(monitor.stops(view(simulation, moved(simulation, (0.05, 0.4, 0.05)), [[]])))    # is too low
 
 
 @pytest.mark.parametrize("position, speed, lost", [
