@@ -1,6 +1,6 @@
 """The size of a scene's grid and soil before anything of that size is made: a SceneError where it cannot fit in memory.
 
-    memory = 200 bytes per node + `growing_memory` of the points and of the entries of the soil block
+    memory = 400 bytes per node + `growing_memory` of the points and of the entries of the soil block
 
 Entries: nodes couple with all that are at most two cells away, so n nodes in a row have 5 n - 6 entries, and a box of
 them (3 - c)² Π (5 n_i - 6) with c collapsed axes. Nodes count that touch soil, held ones too.
@@ -15,7 +15,7 @@ from hybrid.output.model_sheet import growing_memory_of
 from hybrid.runtime.errors import SceneError
 from hybrid.runtime.memory import available_memory
 
-BYTES_PER_NODE = 200    # conditions, numbers, masses and vectors of a node, with soil or without
+BYTES_PER_NODE = 400    # conditions, numbers, masses and vectors of a node, with soil or without
 BYTES_ON_AXIS = 100     # coordinates and what is made from them along one axis
 
 
