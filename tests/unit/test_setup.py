@@ -12,6 +12,7 @@ from hybrid.body.rigid import FREEDOMS
 from hybrid.contact.corners import distances
 from hybrid.runtime.errors import SceneError
 from hybrid.scene import Axis, Body, Grid, Layer, Material, Pull, Scene, Soil, Stage, Time
+from hybrid.scene.accuracy import apply_accuracy
 from hybrid.setup import bodies, law
 from hybrid.setup import grid as setup_grid
 from hybrid.setup import soil as setup_soil
@@ -78,18 +79,17 @@ def test_the_box_of_soil_is_cut_by_the_grid():
     assert lower.tolist() == [0.3, 0.0, -0.5] and upper.tolist() == [1.0, 0.5, 0.5]       # top overrides upper[2]
 
 
-def test_what_accuracy_changed_is_said_where_it_makes_a_scene_invalid():
-    """Blocks of 2^2 cells of 0.5 m fill 6 m; of 1 m they do not."""
+def test_cells_that_accuracy_changed_fill_their_axes():
+    """Blocks of 2^2 cells of 1 m do not fill 6 m, and of 0.75 m they do not end where the soil does."""
     body = Body(GEOMETRY, 1000.0, rest_on=0.0)
     moving = scene(z=Axis(-4.0, 2.0, 0.5, around=(1.0, 1.0), doublings=2), bodies=(body,))
-    hybrid.validate(moving)
-    with pytest.raises(SceneError) as error:
-        build(replace(moving, accuracy="draft"))
-    text = str(error.value)
-    assert "grid.z.end = 2: must be start = -4 plus a multiple of size" in text
-    assert "accuracy = 'draft' changed them (cells x 2, steps x 2" in text and "leave accuracy out" in text
-    with pytest.raises(SceneError, match="(?s)soil.top = -0.5: must be on a grid line.*accuracy = 'draft'"):
-        build(scene(soil=Soil(ELASTIC, top=-0.5), accuracy="draft"))
+    assert apply_accuracy(replace(moving, accuracy="draft"))[0].grid.z.size == pytest.approx(0.5)
+    assert apply_accuracy(scene(soil=Soil(ELASTIC, top=-0.5), accuracy="draft"))[0].grid.z.size == pytest.approx(0.5)
+
+
+def test_what_accuracy_changed_is_said_where_a_scene_is_invalid():
+    with pytest.raises(SceneError, match="(?s)soil.top = -0.5123: must be on a grid line.*accuracy = 'draft' changed them"):
+        build(scene(soil=Soil(ELASTIC, top=-0.5123), accuracy="draft"))
 
 
 def test_stress_at_rest_is_the_weight_above():
