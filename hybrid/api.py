@@ -33,7 +33,7 @@ def run(scene, out=None, overrides=(), resume=False, quiet=False, body_force=Non
         signals.take()      # again: PETSc has its own handlers
         if resume:
             _resume(simulation, folder / checkpoint.NAME)
-        with output.output_errors():
+        with output.output_errors(folder):
             place.begin()
         simulation.run(output.standard(folder, progress=not quiet, run=place.run))
     return simulation

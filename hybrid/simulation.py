@@ -126,13 +126,13 @@ class Simulation:
         interrupted. Raises OutputError, which interrupts the run, for an OSError of an observer.
         """
         summary, stop = {"outcome": "completed", "reason": ""}, None
-        with output_errors():
-            for observer in observers:
+        for observer in observers:
+            with _errors_of(observer):
                 observer.start(self)
         try:
             for record in self.steps():
-                with output_errors():
-                    for observer in observers:
+                for observer in observers:
+                    with _errors_of(observer):
                         observer.accepted(record, self)
         except (KeyboardInterrupt, OutputError) as error:
             summary.update(outcome="interrupted", reason=str(error) or "SIGINT")
@@ -155,7 +155,7 @@ class Simulation:
         failure = None
         for observer in observers:
             try:
-                with output_errors():
+                with _errors_of(observer):
                     observer.finish(summary, self)
             except Exception as error:
                 log.warning("%s failed at the end of the run: %s", type(observer).__name__, error)
@@ -252,6 +252,11 @@ class Simulation:
             return self.warned
         return self.warned + self.imbalance.notes(stage, self.model.scheme.with_pair(stage.beta, stage.gamma),
                                                   self._step_length(stage))
+
+
+def _errors_of(observer):
+    """Context in which an OSError becomes an OutputError with the file, or the folder, of the observer."""
+    return output_errors(getattr(observer, "path", None) or getattr(observer, "folder", None) or "the results")
 
 
 def _body_record(terms, state):

@@ -50,12 +50,12 @@ def sync(path):
 
 
 @contextmanager
-def output_errors():
-    """Context in which an OSError becomes an OutputError with the file and the remedy."""
+def output_errors(place):
+    """Context in which an OSError becomes an OutputError with the file, or else `place`, and the remedy."""
     try:
         yield
     except OSError as error:
-        name = error.filename if error.filename is not None else "a file of the results"
+        name = error.filename if error.filename is not None else place
         raise OutputError(f"{name}: cannot be written ({error.strerror or error}); make room for the results, or make "
                           "their folder writable, and continue by --resume") from error
 

@@ -8,11 +8,13 @@ is kept allocated, so that a disk filled by other files does not cost the state.
 """
 
 import dataclasses
+import errno
 import hashlib
 import json
 import os
 import time
 import zipfile
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -53,9 +55,10 @@ class Checkpoints:
         self._written = time.monotonic()
         if simulation.state.step:
             self.saved = simulation.state.step
-            reserve(self.path)
         elif simulation.scene.output.checkpoint:
             self._save(simulation)
+        if simulation.scene.output.checkpoint:
+            reserve(self.path)      # a disk without room for it is full now
 
     def accepted(self, record, simulation):
         self._note(simulation)
@@ -82,7 +85,8 @@ class Checkpoints:
             sync(history)       # before a checkpoint that relies on its lines
         state, extra = self._accepted
         save(self.path, state, simulation.scene, extra, self.run)
-        reserve(self.path)
+        with suppress(OSError):     # the room of the last one is free, unless somebody else was faster
+            reserve(self.path)
         self.saved, self._written = state.step, time.monotonic()
 
 
@@ -106,7 +110,7 @@ def save(path, state, scene=None, extra=None, run=""):
     partial = partial_name(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     with open(os.open(partial, os.O_RDWR | os.O_CREAT, 0o666), "r+b") as file:  # into the space kept by `reserve`
-        np.savez(file, **arrays)
+        _write(file, arrays)
         file.truncate()
         file.flush()
         os.fsync(file.fileno())
@@ -114,14 +118,25 @@ def save(path, state, scene=None, extra=None, run=""):
     sync(path.parent)
 
 
+def _write(file, arrays):
+    """What np.savez writes. That leaves its archive open where the disk is full, to fail again later."""
+    with zipfile.ZipFile(file, "w") as archive:
+        for name, value in arrays.items():
+            with archive.open(f"{name}.npy", "w", force_zip64=True) as entry:
+                np.lib.format.write_array(entry, np.asanyarray(value), allow_pickle=False)
+
+
 def reserve(path):
-    """Allocate the space of the next checkpoint, which is as large as the one at `path`, where there is room for it."""
+    """Allocate the space of the next checkpoint, which is as large as the one at `path`, where the file system can do so.
+    Raises OSError where there is no room."""
     partial = partial_name(path)
     try:
         with open(partial, "wb") as file:
             os.posix_fallocate(file.fileno(), 0, path.stat().st_size)
-    except OSError:
+    except OSError as error:
         partial.unlink(missing_ok=True)
+        if error.errno in (errno.ENOSPC, errno.EDQUOT):
+            raise OSError(error.errno, error.strerror, os.fspath(path)) from None
 
 
 def load(path, scene=None):
