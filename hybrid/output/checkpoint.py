@@ -14,7 +14,6 @@ import json
 import os
 import time
 import zipfile
-from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -32,6 +31,9 @@ NAME = "checkpoint.npz"
 FORMAT = 4
 CONTINUED = ("increment", "solver_memory")    # attributes of a Simulation that its next step continues with
 LONGEST = 600.0     # [s] of computing between two checkpoints
+# By which a checkpoint may be larger than the last, where contact begins or points are split, and than that of the start,
+# which has no history yet: 2.2 for a box that slides; and bytes.
+GROWTH, FIRST_GROWTH, MORE = 1.25, 2.5, 65536
 
 
 class CheckpointError(HybridError):
@@ -55,16 +57,18 @@ class Checkpoints:
         self._written = time.monotonic()
         if simulation.state.step:
             self.saved = simulation.state.step
+            if simulation.scene.output.checkpoint:
+                reserve(self.path)
         elif simulation.scene.output.checkpoint:
             self._save(simulation)
-        if simulation.scene.output.checkpoint:
-            reserve(self.path)      # a disk without room for it is full now
+            reserve(self.path, FIRST_GROWTH)
 
     def accepted(self, record, simulation):
         self._note(simulation)
         every = simulation.scene.output.checkpoint
         if every and (record.step % every == 0 or time.monotonic() - self._written > LONGEST):
             self._save(simulation)
+            reserve(self.path)      # a disk without room for the next one is full now
 
     def finish(self, summary, simulation):
         try:
@@ -85,8 +89,6 @@ class Checkpoints:
             sync(history)       # before a checkpoint that relies on its lines
         state, extra = self._accepted
         save(self.path, state, simulation.scene, extra, self.run)
-        with suppress(OSError):     # the room of the last one is free, unless somebody else was faster
-            reserve(self.path)
         self.saved, self._written = state.step, time.monotonic()
 
 
@@ -126,13 +128,13 @@ def _write(file, arrays):
                 np.lib.format.write_array(entry, np.asanyarray(value), allow_pickle=False)
 
 
-def reserve(path):
-    """Allocate the space of the next checkpoint, which is as large as the one at `path`, where the file system can do so.
-    Raises OSError where there is no room."""
+def reserve(path, growth=GROWTH):
+    """Allocate the space of the next checkpoint, which may be `growth` times as large as the one at `path`, where the
+    file system can do so. Raises OSError where there is no room."""
     partial = partial_name(path)
     try:
         with open(partial, "wb") as file:
-            os.posix_fallocate(file.fileno(), 0, path.stat().st_size)
+            os.posix_fallocate(file.fileno(), 0, int(growth * path.stat().st_size) + MORE)
     except OSError as error:
         partial.unlink(missing_ok=True)
         if error.errno in (errno.ENOSPC, errno.EDQUOT):

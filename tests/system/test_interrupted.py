@@ -222,10 +222,11 @@ def test_a_folder_that_vanishes_stops_the_run_with_its_state(scene, whole, tmp_p
 
 @pytest.mark.slow
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root may mount a small file system")
-@pytest.mark.parametrize("share", [0.1, 0.3, 0.5, 0.6, 0.7, 0.8])
+@pytest.mark.parametrize("share", [0.1, 0.3, 0.45, 0.6, 0.7, 0.8])
 def test_a_small_disk(scene, whole, tmp_path, share):
     """`share`: room, of what the whole run needs. A run that starts keeps the last step whose results are on disk."""
-    size = share * (sum(path.stat().st_size for path in whole.iterdir()) + (whole / checkpoint.NAME).stat().st_size)
+    reserved = checkpoint.GROWTH * (whole / checkpoint.NAME).stat().st_size + checkpoint.MORE
+    size = share * (sum(path.stat().st_size for path in whole.iterdir()) + reserved)
     subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size:.0f}", "none", tmp_path], check=True)
     try:
         process = start(scene, tmp_path / "o")

@@ -73,7 +73,7 @@ def test_a_checkpoint_that_finds_no_room_leaves_the_last_one(tmp_path, monkeypat
     simulation, path = FakeSimulation(), tmp_path / "c.npz"
     checkpoint.save(path, simulation.state_at(2))
     checkpoint.reserve(path)
-    assert (tmp_path / ".c.npz.partial").stat().st_size == path.stat().st_size
+    assert (tmp_path / ".c.npz.partial").stat().st_size > 1.25 * path.stat().st_size
     with monkeypatch.context() as patch, pytest.raises(OSError):
         patch.setattr(checkpoint, "_write", half)
         checkpoint.save(path, simulation.state_at(4))
