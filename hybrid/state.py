@@ -109,7 +109,7 @@ class ContactHistory:
     position  (m, 3) [m] of the contact point, which moves with the grid
     touching  (m,) bool, in contact at the last accepted step
     anchor    (m, 3) [m] body frame, reference point of the tangential spring; defined while touching
-    rest      (m,) [m] gap, not positive, at which its spring has no force; stiffness: (m,) [N/m] of that spring
+    rest      (m,) [m] gap, not positive, at which its spring has no force; share: (m,) of contact it had, beside an edge
     side      (m, 3) body frame, outward normal of the body where the point touches, else 0
     """
 
@@ -120,7 +120,7 @@ class ContactHistory:
     anchor: np.ndarray
     side: np.ndarray
     rest: np.ndarray
-    stiffness: np.ndarray
+    share: np.ndarray
 
     @classmethod
     def empty(cls):

@@ -10,8 +10,9 @@ until it leaves the reach. If it were placed on the domain anew in each step, it
 is compressed (a domain follows the average strain of its point, the contact point the larger strain next to the body)
 and would add energy to the springs, as much as the plastic work under a settling anchor.
 
-Stiffness changes from step to step, and a place may be found deep inside the body. The gap g_0 at which a spring has no
-force is moved so that no force grows by this alone (`_keep_forces`); else energy would come from nothing.
+A place may be found deep inside the body: one that looked away, or that was left out beside an edge. Its spring starts
+without force, at the gap g_0 that it has then, and |g_0| falls by the way that the point slides along the body
+(`rest_after`): else energy would come from nothing, or soil that has passed under an edge would never press.
 
 In plane strain a body is the prism over its section through its centre of mass: contact points lie in the plane of that
 section, and forces are those on the thickness of the slice.
@@ -47,7 +48,8 @@ class Corners:
     anchor: (m, 3) [m] body frame, of the tangential spring: history while touching, else the predicted first-contact
         point (contact/first_contact.py); side: (m, 3) body frame, outward normal where the point touches or is
         predicted to touch, 0 if unknown
-    rest: (m,) [m] gap g_0 <= 0 at which the spring has no force (soil_to_body.py)
+    rest: (m,) [m] gap g_0 <= 0 at which the spring has no force (soil_to_body.py); share: (m,) of contact, in [0, 1],
+        below 1 beside an edge
     clearance: (m,) [m] signed distance from the surface at the start: an open point that moves less than this cannot
         touch, so most points are not projected
     facet: (m,) triangle that a point is held to, -1 for those that find theirs; None where none is held
@@ -64,6 +66,7 @@ class Corners:
     anchor: np.ndarray
     side: np.ndarray
     rest: np.ndarray
+    share: np.ndarray
     clearance: np.ndarray
     facet: np.ndarray | None = None
 
@@ -130,12 +133,12 @@ def find_corners(domains, pressure, places, grid, active, body, surface, reach, 
     if not domains.half.any():
         area = area / 2         # all eight corners of a point coincide: they share its stiffness
     start = (found["position"] - body.position) @ body.rotation
-    if edges is not None:
-        area = area * edges.share(start, normal @ body.rotation)
-    stiffness, before = pressure[point] * area, found.pop("stiffness")
+    share = np.ones(len(start)) if edges is None else edges.share(start, normal @ body.rotation)
+    before = found.pop("share")
     if len(history.point):      # else the run begins, maybe with an overlap that is meant
-        _keep_forces(found, start, before, stiffness, surface)
-    corners = Corners(start=start, node=node[use], weight=weight[use], stiffness=stiffness, **found)
+        _keep_forces(found, start, before, share, surface)
+    corners = Corners(start=start, node=node[use], weight=weight[use], stiffness=pressure[point] * area * share, share=share,
+                      **found)
     is_open = ~corners.touching
     corners.anchor[is_open], corners.side[is_open] = predicted_contact_points(
         corners.position[is_open], corners.moved(expected[0])[is_open], body, expected[1], surface,
@@ -143,16 +146,15 @@ def find_corners(domains, pressure, places, grid, active, body, surface, reach, 
     return corners
 
 
-def _keep_forces(found, y, before, stiffness, surface):
-    """Move the gaps without force and the anchors of the contact points `found` at y (m, 3) [m] in the body frame, so that
-    no force grows because a spring of stiffness `before` (m,) [N/m], 0 for a new one, now has `stiffness`.
+def _keep_forces(found, y, before, share, surface):
+    """Move the gaps without force of the contact points `found` at y (m, 3) [m] in the body frame that are inside the body,
+    so that no force grows because a point whose share of contact was `before` (m,), 0 for a new one, now has `share`.
 
     FORMULATION (39a).
     """
-    at = np.flatnonzero(((found["clearance"] < 0.0) | found["touching"]) & (stiffness > 0.0))
-    ratio, gap = before[at] / stiffness[at], gaps(y[at], surface, found["side"][at])
-    found["rest"][at] = np.minimum(0.0, gap + ratio * np.maximum(found["rest"][at] - gap, 0.0))
-    found["anchor"][at] = y[at] + np.minimum(ratio, 1.0)[:, None] * (found["anchor"][at] - y[at])
+    at = np.flatnonzero((found["clearance"] < 0.0) & (share > before))
+    gap = gaps(y[at], surface, found["side"][at])
+    found["rest"][at] = np.minimum(0.0, gap + before[at] / share[at] * np.maximum(found["rest"][at] - gap, 0.0))
 
 
 def _within_reach(domains, places, collapsed, body, surface, reach, history):
@@ -162,7 +164,7 @@ def _within_reach(domains, places, collapsed, body, surface, reach, history):
     followed = (within | history.touching) & domains.included[history.point]
     new = _new_points(domains, places, collapsed, body, surface, reach, history.point * len(places) + history.place)
     old = {name: getattr(history, name)[followed]
-           for name in ("point", "place", "position", "touching", "anchor", "side", "rest", "stiffness")}
+           for name in ("point", "place", "position", "touching", "anchor", "side", "rest", "share")}
     known = old["side"].any(axis=1)[:, None]    # near a rim another side of the body may be closer by now
     old |= {"clearance": distance[followed], "normal": np.where(known, old["side"] @ body.rotation.T, normal[followed])}
     return {name: np.concatenate([values, new.get(name, np.zeros((len(new["point"]), *values.shape[1:]), values.dtype))])

@@ -54,6 +54,7 @@ class CornerContact:
     anchor: (m, 3) [m] body frame, the anchor of the history once the state is accepted; side: (m, 3) N, body frame
     pressure: (m,) p [N]; triangle: (m,) of the closest point, weights: (m, 3) of its vertices there
     energy: stored in the springs [J]; dissipated: friction work of the step [J]
+    rest: of all Corners, as in Corners, once the state is accepted
     """
 
     active: np.ndarray
@@ -70,6 +71,7 @@ class CornerContact:
     weights: np.ndarray
     energy: float
     dissipated: float
+    rest: np.ndarray
 
     def __len__(self):
         return len(self.active)
@@ -157,6 +159,7 @@ def evaluate(corners, position, centre, rotation, surface, friction, tangential)
     points = _closest_points(y, corners, surface)
     if corners.facet is not None:
         _hold(points, y, corners.facet, surface)
+    rest = rest_after(corners, y, points.gap)
     active = np.flatnonzero(np.isfinite(points.gap))
     active = active[corners.stiffness[active] * (points.gap - corners.rest)[active] < 0.0]
     points = points.select(active)
@@ -169,7 +172,16 @@ def evaluate(corners, position, centre, rotation, surface, friction, tangential)
         active, points.gap, found.side @ rotation.T, found.force @ rotation.T, rotation @ found.tangent @ rotation.T,
         position[active] - centre, found.slip, found.anchor, found.side,
         closed.stiffness * (closed.rest - points.gap), points.triangle, points.weights,
-        float(total(found.energy)), float(total(found.dissipated)))
+        float(total(found.energy)), float(total(found.dissipated)), rest)
+
+
+def rest_after(corners, y, gap):
+    """Gaps (m,) [m] without force after a step to y (m, 3) [m], where points have `gap` (m,): FORMULATION (39a)."""
+    late = np.flatnonzero(corners.rest < 0.0)
+    rest = corners.rest.copy()
+    way = np.sum((y[late] - corners.start[late]) ** 2, axis=1) - (gap[late] - corners.clearance[late]) ** 2
+    rest[late] = np.minimum(0.0, np.maximum(rest[late] + np.sqrt(np.maximum(way, 0.0)), np.minimum(gap[late], 0.0)))
+    return rest
 
 
 def _closest_points(y, corners, surface):
@@ -204,8 +216,8 @@ def commit(corners, position, contact):
     anchor, side = np.zeros((len(corners), 3)), np.zeros((len(corners), 3))
     touching[contact.active] = True
     anchor[contact.active], side[contact.active] = contact.anchor, contact.side
-    return ContactHistory(corners.point, corners.place, position, touching, anchor, side, corners.rest,
-                          corners.stiffness)
+    return ContactHistory(corners.point, corners.place, position, touching, anchor, side, contact.rest,
+                          corners.share)
 
 
 @njit(cache=True)

@@ -103,11 +103,11 @@ def test_energy_of_the_drive():
 
 
 def test_stiff_springs_cost_no_iterations(monkeypatch):
-    """Linear systems are solved the more tightly the stiffer contact is; else iterations are nearly four times as many."""
+    """Linear systems are solved the more tightly the stiffer contact is; else iterations are more than twice as many."""
     def iterations(penalty):
         return newton_iterations(platen.press(penalty=penalty, steps=4).records)
 
     soft, stiff = iterations(50.0), iterations(1e7)
     assert stiff < 2 * soft
     monkeypatch.setattr(newton, "STIFF", float("inf"))
-    assert iterations(1e7) > 3 * max(soft, stiff)
+    assert iterations(1e7) > 2 * max(soft, stiff)

@@ -57,20 +57,20 @@ def test_soil_in_front_heaves(drag):
 
 
 def test_energy_of_the_drag_balances(drag):
-    """On cells of 0.4 m, where the anchor leaps, transfer between points and grid loses 6.6 % of what is put in."""
+    """On cells of 0.4 m, where the anchor leaps, 4.3 % of what is put in comes from soil that comes to lie inside it."""
     _, records = drag
     before, after = of(records, "settle")[-1].energies, of(records, "drag")[-1].energies
     put_in = after["pull"] + before["potential"] - after["potential"]
     error = after["error"] - before["error"]
-    assert error == pytest.approx(-0.066 * put_in, abs=0.015 * put_in)
+    assert error == pytest.approx(0.043 * put_in, abs=0.015 * put_in)
 
 
 @pytest.mark.slow
 def test_energy_of_the_demo_balances():
-    """demos/anchor.toml: the balance loses 3.4 % of the work of the pull, 1.1 % of it in the landing."""
+    """demos/anchor.toml: 2.6 % of the work of the pull come from nothing, where soil comes to lie inside the anchor."""
     records = list(build(load_scene(DEMOS / "anchor.toml")).steps())
     before, after = of(records, "settle")[-1].energies, of(records, "drag")[-1].energies
-    assert after["error"] == pytest.approx(-0.034 * after["pull"], abs=0.015 * after["pull"])
+    assert after["error"] == pytest.approx(0.026 * after["pull"], abs=0.015 * after["pull"])
     assert abs(after["error"] - before["error"]) < 0.04 * after["pull"]
 
 

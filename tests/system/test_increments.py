@@ -36,7 +36,8 @@ def scene(geometry, **soil):
                      parameters={"radius": 0.2, "size": 0.12}, position=(0.03, -0.02, 0.2),
                      velocity=(0.4, 0.1, -3.0), spin=(0.0, 3.0, 0.0), friction=0.3,
                      pull=Pull(point=(0.0, 0.0, 0.0), velocity=(0.5, 0.0, 0.0), stiffness=1e4, length=1.0)),),
-        time=Time(step=LENGTH), stages=(Stage("one", 2),), solver=Solver(linear="direct"))
+        time=Time(step=LENGTH), stages=(Stage("one", 2),),
+        solver=Solver(linear="direct", tolerance=1e-6, line_search=False))
 
 
 def ready(described):

@@ -182,7 +182,7 @@ def test_contact_points_keep_their_soil_points_and_their_order():
     np.testing.assert_array_equal(new.position[:, 0], [4, 5, 1, 2, 0])
     assert moving_grid._without_contact([history], origin).tolist() == [False, True, False, False]
     assert new.touching.tolist() == [True, True, False, True, False]
-    np.testing.assert_array_equal(new.stiffness, [4, 5, 1, 2, 0])
+    np.testing.assert_array_equal(new.share, [4, 5, 1, 2, 0])
 
 
 @pytest.mark.parametrize(("change", "text"), [
@@ -201,3 +201,11 @@ def test_contact_points_keep_their_soil_points_and_their_order():
 def test_grids_that_cannot_travel_are_refused(change, text):
     with pytest.raises(SceneError, match=text.replace("(", r"\(")):
         validate(change(flown_over()))
+
+
+def test_a_plate_that_slides_along_elastic_soil_carries_what_one_that_stands_does():
+    """Soil that passes under its front edge comes to press; if it did not, it would carry two thirds."""
+    sliding = plough(inertia=False)
+    body = replace(sliding.bodies[0], velocity=(0.0, 0.0, -0.05), position=(2.8, 0.0, 0.301))
+    standing = replace(sliding, bodies=(body,))
+    assert forces(sliding)[0][-1, 2] == pytest.approx(forces(standing)[0][-1, 2], rel=0.08)

@@ -29,7 +29,7 @@ def test_resumed_run_ends_where_the_whole_run_ends(geometry, tmp_path):
     whole = build(scene(geometry))
     list(whole.steps())
     hybrid.run(scene(geometry, steps=3), out=tmp_path, quiet=True)
-    resumed = hybrid.run(scene(geometry, steps=6), out=tmp_path, resume=True, quiet=True)
+    resumed = hybrid.run(scene(geometry, steps=6, line_search=False), out=tmp_path, resume=True, quiet=True)
     assert resumed.state.step == 6 and resumed.state.time == pytest.approx(0.06)
     assert np.allclose(resumed.state.bodies[0].position, whole.state.bodies[0].position, rtol=0, atol=1e-9)
     assert np.allclose(resumed.state.points.position, whole.state.points.position, rtol=0, atol=1e-9)
@@ -75,7 +75,7 @@ def test_increments_go_on_to_the_last_bit(geometry, tmp_path, monkeypatch):
     """A hard hit halves increments; the run goes on with the one that it stopped at, 7.5 ms of 10 ms."""
     monkeypatch.setattr(newton, "MOST", 4)
     whole, parts, _ = in_one_go_and_in_two(
-        tmp_path, lambda steps: scene(geometry, steps, {"velocity": (0.4, 0.1, -3.0)}), 3, 4)
+        tmp_path, lambda steps: scene(geometry, steps, {"velocity": (0.4, 0.1, -3.0)}, line_search=False), 3, 4)
     history = read_history(tmp_path / "parts")
     assert history["increments"].min() < history["increments"].max() and history["rejections"].sum() > 5
     assert [name for name in whole if whole[name] != parts[name]] == []
@@ -130,10 +130,10 @@ def test_a_checkpoint_of_another_format_is_refused(geometry, tmp_path):
 
 
 def test_a_failed_run_keeps_its_steps_and_names_the_remedy(geometry, tmp_path, monkeypatch):
-    hybrid.run(scene(geometry, steps=3), out=tmp_path, quiet=True)
+    hybrid.run(scene(geometry, steps=3, line_search=False), out=tmp_path, quiet=True)
     monkeypatch.setattr(newton, "MOST", 1)
     with pytest.raises(StepError, match="time.step") as failure:
-        hybrid.run(scene(geometry, steps=6), out=tmp_path, resume=True, quiet=True)
+        hybrid.run(scene(geometry, steps=6, line_search=False), out=tmp_path, resume=True, quiet=True)
     assert "All accepted steps are kept" in str(failure.value)
     assert read_history(tmp_path)["step"].tolist()[:3] == [1, 2, 3]
     assert (tmp_path / "checkpoint.npz").exists() and '"failed"' in (tmp_path / "summary.json").read_text()

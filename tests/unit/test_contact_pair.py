@@ -118,26 +118,22 @@ def following(change, **values):
     return (dict(zip(id_of(p.corners)[f.active].tolist(), f.pressure)) for p, f in ((pair, found), (after, again)))
 
 
-@pytest.mark.parametrize("factor, kept", [(0.25, 0.25), (1.0, 1.0), (4.0, 1.0)])
-def test_a_spring_that_stiffens_keeps_its_force(factor, kept):
-    """Its stiffness was `factor` times what it is now. One that softens loses force: g_0 is not outside the body."""
-    before, after = following(lambda history: replace(history, stiffness=factor * history.stiffness))
-    assert set(after) == set(before)
-    np.testing.assert_allclose([after[c] for c in before], kept * np.array(list(before.values())), rtol=1e-9)
-
-
 def test_contact_points_that_are_found_inside_a_body_start_without_force():
-    """New ones, and those that were left out before, beside an edge. They resist from there on."""
+    """New ones, and those that were left out before, beside an edge. They resist from there on, and press as others do
+    when they have slid as far as they were inside."""
     grid, pair = pair_of()
     still = np.zeros((grid.node_count, 3))
-    history = pair.commit(pair.evaluate(still, POSE), still)
-    left_out = replace(history, stiffness=np.zeros(len(history.point)))
+    found = pair.evaluate(still, POSE)
+    history = pair.commit(found, still)
+    left_out = replace(history, share=np.zeros(len(history.point)))
     unknown = replace(history, **{name: values[:1] for name, values in vars(left_out).items()})
     for before in (left_out, unknown):
         _, after = pair_of(history=before)
         assert len(after.evaluate(still, POSE)) == 0
         deeper = after.evaluate(still, (POSE[0] - (0.0, 0.0, 1e-3), POSE[1]))
         assert len(deeper) and (deeper.pressure < 1.1e-3 * after.corners.stiffness[deeper.active]).all()
+        moved = after.evaluate(still, (POSE[0] + (0.3 * -found.gap.min(), 0.0, 0.0), POSE[1]))
+        assert (moved.rest >= after.corners.rest).all() and moved.rest.sum() > after.corners.rest.sum()
 
 
 def test_points_left_out_have_no_contact_points():

@@ -189,7 +189,7 @@ def _rest(ratio, offset, **body):
     return Observation(abs(simulation.state.bodies[0].position[2] / RADIUS - 0.9), texts)
 
 
-NARROW = r"spacings of contact points, limit 2:.*cells of at most"
+NARROW = r"spacings of contact points, limit 2:.*cells of at most|falls free at .* below the surface of the soil"
 OPEN = r"inside the soil without contact.*body\.contact = .faces"
 CORNERS = {"contact": "corners", "penalty": 50.0}
 PLACES = {"corners (published)": {"contact": "corners"}, "faces": {}}
