@@ -132,14 +132,14 @@ def test_a_second_signal_ends_the_process_at_once():
 
 
 def test_signals_are_given_back_and_those_ignored_stay_so():
-    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    before, interrupt = signal.signal(signal.SIGHUP, signal.SIG_IGN), signal.getsignal(signal.SIGINT)
     try:
         with stop_signals():
-            assert signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
+            assert signal.getsignal(signal.SIGHUP) is signal.SIG_IGN and signal.getsignal(signal.SIGINT) != interrupt
             with pytest.raises(Stopped) as stop:
                 signal.raise_signal(signal.SIGTERM)
             assert stop.value.exit_code == 143
-        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+        assert signal.getsignal(signal.SIGINT) is interrupt
     finally:
         signal.signal(signal.SIGHUP, before)
 
