@@ -4,6 +4,7 @@ Spacing of the places on the faces of domains    s = 2 l / k <= r/16, on held so
 penalty on elastic soil                           p_f = 500 / h
 penalty on soil that yields                       p_f = 20 / h
 penalty on held soil                              p_f E = W / (π r δ²),  δ = 2 s²/r
+of a curved body that rests on elastic soil       the softer one of 500 / h and that on held soil,  s <= r/32
 
 with l the smallest half-width of a domain (bodies are where cells are fine), h the smallest cell, W the weight of the
 body and r the radius of curvature that nine tenths of its surface exceed (a body of planes: its size). On elastic soil
@@ -11,7 +12,9 @@ the overlap is that of 1/500 of a cell under the same pressure. Soil that yields
 20/h leaves an overlap of 1/2000 of a cell; a pipe in clay takes 6 iterations a step with it, and 28 with 400/h. In sand E is
 small at the surface, but contact points move with the grid: the stiffer their springs, the fewer of them carry a body. On
 held soil nothing but the penalty gives way: there δ is the overlap of a sphere under its weight, whose contact patch,
-sqrt(2 r δ), has a radius of two spacings; a stiffer one would feel the places one by one.
+sqrt(2 r δ), has a radius of two spacings; a stiffer one would feel the places one by one. A curved body that
+nothing but elastic soil carries would also roll on single places if the soil is stiff. There s shrinks with the cells, so
+cells that resolve the patch of Hertz, a/4, make 500/h the softer one again.
 """
 
 from dataclasses import replace
@@ -26,7 +29,7 @@ from hybrid.runtime.comm import largest, minimum
 from hybrid.runtime.errors import SceneError
 
 FEWEST, MOST = 4, 32                # places along a face
-CURVATURE, HELD_CURVATURE = 16, 32  # spacings in a radius of curvature
+CURVATURE, REST_CURVATURE = 16, 32  # spacings in a radius of curvature; of bodies that rest on soil of given shape
 STIFFNESS = {False: 500.0, True: 20.0}  # p_f h, by whether the soil yields
 PATCH = 2.0                         # spacings in the radius of a contact patch on held soil
 PUBLISHED = 50.0                    # [1/m] p_f
@@ -38,7 +41,7 @@ def connect_to_soil(described, body, rotation, soil, gravity):
     """The body, at an initial `rotation` (3, 3), with all of its contact that follows from `soil`; gravity (3,) [m/s²].
     Raises SceneError."""
     body = in_slice(body, soil.grid, rotation)
-    chosen, spacing, radius = _places(described, body, soil)
+    chosen, spacing, radius = _places(described, body, soil, gravity)
     edges = None
     if not (soil.held or chosen.at_corners):
         edges = find_edges(body.surface, soil.grid.smallest_cell, rotation[soil.grid.collapsed])
@@ -46,12 +49,12 @@ def connect_to_soil(described, body, rotation, soil, gravity):
     return rigid.with_stiffness(body, soil.law.young, soil.held)
 
 
-def _places(described, body, soil):
+def _places(described, body, soil, gravity):
     """(Places, their spacing [m], radius of curvature [m] of the body)."""
     width, radius = 2 * minimum(soil.constants.half_width[:, ~soil.grid.collapsed]), curvature_radius(body.surface)
     if described.contact == "corners":
         return places.corners(), width, radius
-    wanted = (HELD_CURVATURE if soil.held else CURVATURE) * width / radius
+    wanted = (REST_CURVATURE if soil.held or _rests(body, soil, radius, gravity) else CURVATURE) * width / radius
     k = int(places.BLOCK * np.ceil(np.clip(wanted, FEWEST, MOST) / places.BLOCK))
     reach = places.HELD_REACH if soil.held else places.FACE_REACH
     return places.faces(k, soil.grid.collapsed, reach), width / k, radius
@@ -59,17 +62,24 @@ def _places(described, body, soil):
 
 def _penalty(described, body, soil, spacing, radius, gravity):
     """p_f [1/m], or on held soil p_f E [N/m³]."""
-    young, weight = largest(soil.law.young), body.mass.mass * np.linalg.norm(gravity)
-    factor = young if soil.held else 1.0
+    young, factor = largest(soil.law.young), largest(soil.law.young) if soil.held else 1.0
     if described.penalty is not None:
         return described.penalty * factor
     if described.contact == "corners":
         return PUBLISHED * factor
-    if not soil.held or weight == 0.0:
-        return STIFFNESS[soil.law.plastic] / soil.grid.smallest_cell * factor
+    stiff, weight = STIFFNESS[soil.law.plastic] / soil.grid.smallest_cell, body.mass.mass * np.linalg.norm(gravity)
+    rests = _rests(body, soil, radius, gravity)
+    if weight == 0.0 or not (soil.held or rests):
+        return stiff * factor
     radius = min(radius, body.radius)
-    overlap = 0.5 * (PATCH * min(spacing, radius / HELD_CURVATURE)) ** 2 / radius
-    return weight / (np.pi * radius * overlap**2)
+    overlap = 0.5 * (PATCH * min(spacing, radius / REST_CURVATURE)) ** 2 / radius
+    felt = weight / (np.pi * radius * overlap**2)
+    return felt if soil.held else min(stiff, felt / young)
+
+
+def _rests(body, soil, radius, gravity):
+    """Whether nothing but elastic soil carries the weight of a body with this `radius` of curvature [m]."""
+    return np.isfinite(radius) and not soil.law.plastic and gravity.any() and body.free[:3][gravity != 0.0].all()
 
 
 def curvature_radius(surface):

@@ -212,6 +212,18 @@ def test_the_penalty_follows_from_the_cells(more, expected):
     np.testing.assert_allclose(body.contact_pressure, expected * 1e6)
 
 
+@pytest.mark.parametrize("young, driven, softer", [(1e9, (), True), (1e9, ("z",), False), (1e4, (), False)])
+def test_a_body_that_rolls_on_stiff_soil_does_not_feel_single_places(young, driven, softer):
+    """Its penalty is that on held soil, where this is the softer one and the weight is the load."""
+    ball = replace(box(0.4, 0.4, 0.4, rest_on=0.0, driven=driven), geometry=GEOMETRY.with_name("sphere.geo"),
+                   parameters={"radius": 0.2, "size": 0.1})
+    deforming, held = (build(soil_scene([ball], held=held, young=young, gravity=(0.0, 0.0, -9.81))).model.bodies[0]
+                       for held in (False, True))
+    expected = held.contact_pressure if softer else 500 / 0.2 * young
+    np.testing.assert_allclose(deforming.contact_pressure, expected)
+    assert (deforming.places.along == held.places.along) == (not driven)
+
+
 @pytest.mark.parametrize("young", [1e5, 1e9])
 def test_on_held_soil_the_modulus_does_not_matter(young):
     """The pressure per overlap follows from the weight of the body; a given p_f is a factor on E."""

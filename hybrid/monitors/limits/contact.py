@@ -19,6 +19,8 @@ def low_penalty(scene, model):
     soil, across = model.soil.constants, ~model.soil.grid.collapsed[:2]
     soil_depth = maximum((soil.position + soil.half_width)[:, 2]) - minimum((soil.position - soil.half_width)[:, 2])
     for described, body in zip(scene.bodies, model.bodies):
+        if described.penalty is None and not body.places.at_corners:
+            continue    # derived
         depth = min([soil_depth, *np.ptp(initial_vertices(described, body), axis=0)[:2][across]])
         ratio = body.penalty * depth
         if ratio < STIFFNESS_RATIO:

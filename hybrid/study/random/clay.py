@@ -6,8 +6,14 @@ metre of slice does not depend on the length of the pipe.
 Cone: a quarter of a penetrometer, smooth, pushed in from the surface. The force rises smoothly with the depth: jitter is
 the deviation (root mean square) from a cubic through the last half of the run, relative to the mean force there.
 
-Collapse: a block of the height H under gravity that grows in 20 quasi-static steps. It spreads and finishes, and nothing
-is thrown above where it stood; its weight over its strength is 4 to 40.
+Collapse: a block of the height H and the half width W, on a smooth base, under gravity that grows in 20 quasi-static steps.
+Its weight over its strength is N = γ H / s_u = 4 to 40. A slab of the height h carries itself if its thrust
+γ h²/2 - 2 s_u h is not above 0, so the block flows until h = 4 s_u / γ, and as it keeps its volume
+
+    half width in the end = W max(1, N/4)
+
+The grid reaches farther than that. The width is recorded without an aim, as the shape is a slab for large N only: for N < 6
+the foot goes out farther than the top; for large N the slab is as high as one or two of these cells, and up to a sixth short.
 """
 
 import numpy as np
@@ -111,9 +117,8 @@ def draw_collapse(generator):
 
 def collapse(height, slender, cells, load, rigidity, poisson):
     """Scene of a block that is half a model; cells: in its height."""
-    size, width = height / cells, height / slender
-    width = max(1, round(width / size)) * size
-    reach = np.ceil((width + 4 * height) / size) * size
+    size, width = height / cells, initial_width(height, slender, cells)
+    reach = np.ceil((1.5 * final_width(height, slender, cells, load) + 4 * size) / size) * size
     strength = 1800.0 * 10.0 * height / load
     grid = Grid(Axis(start=0.0, end=float(reach), size=size), Axis(start=0.0, end=size, collapsed=True),
                 Axis(start=0.0, end=height + 2 * size, size=size), Faces(x_max="free"))
@@ -122,9 +127,22 @@ def collapse(height, slender, cells, load, rigidity, poisson):
                  stages=(Stage("load", 20, gravity=(0.0, 1.0)),), gravity=(0.0, 0.0, -10.0))
 
 
-def measure_collapse(run, height, **_):
+def initial_width(height, slender, cells):
+    """Half width [m] of a block: a whole number of cells."""
+    return max(1, round(cells / slender)) * height / cells
+
+
+def final_width(height, slender, cells, load):
+    """Half width [m] to which it flows on a smooth base."""
+    return initial_width(height, slender, cells) * max(1.0, load / 4)
+
+
+def measure_collapse(run, height, slender, cells, load, **_):
     """{error: value} of a block."""
-    return {"thrown": max(0.0, run.simulation.state.points.position[:, 2].max() / height - 1)}
+    points = run.simulation.state.points
+    front = (points.position + points.half_width)[:, 0].max()
+    return {"thrown": max(0.0, points.position[:, 2].max() / height - 1),
+            "width": front / final_width(height, slender, cells, load) - 1}
 
 
 FAMILIES = {
