@@ -74,9 +74,9 @@ def test_faces_carry_the_same_pressure_as_corners(facets):
     assert found.force == pytest.approx(press(50.0).force, rel=1e-9)
 
 
-@pytest.mark.parametrize("cell, missed", [(0.4, 2.5e-3), (0.2, 1.5e-3)])
+@pytest.mark.parametrize("cell, missed", [(0.4, 7e-4), (0.2, 4e-4)])
 def test_the_derived_penalty_is_out_of_sight(cell, missed):
-    """p_f = 500/h: the contact takes h/(500 L) of the displacement."""
+    """p_f = 2000/h for a driven plane: the contact takes h/(2000 L) of the displacement."""
     assert abs(platen.press(cell=cell).force / IDEAL - 1) < missed
 
 
