@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 import hybrid
-from hybrid import Axis, Body, Faces, Grid, Material, Output, Pull, Scene, Soil, Solver, Stage, Time
+from hybrid import Axis, Body, Faces, Grid, Material, Output, Pull, Scene, Soil, Stage, Time
 from hybrid.output.history import read_history
 
 GEOMETRY = Path(__file__).parents[1] / "geometry" / "stockless_anchor.geo"
@@ -38,7 +38,6 @@ def coarse_anchor(drag_steps=50, **anchor_parameters):
         time=Time(step=0.04),
         stages=(Stage("settle", 25, step=0.04, pull=False, held=("ry",), beta=0.5625, gamma=1.0),
                 Stage("drag", drag_steps)),
-        solver=Solver(tolerance=1e-3),
         output=Output(every=10, pictures=(drag_steps,)))
 
 

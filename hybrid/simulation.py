@@ -16,6 +16,7 @@ from functools import cached_property
 import numpy as np
 
 from hybrid.body.attitude import quaternion
+from hybrid.contact.soil_to_body import nearest
 from hybrid.monitors import Monitors, StepView
 from hybrid.monitors.failure_hints import overstretched_domains
 from hybrid.monitors.initial_equilibrium import initial_imbalance
@@ -64,8 +65,8 @@ class Simulation:
 
     @property
     def surfaces(self):
-        """ContactSurface of each body."""
-        return [body.surface for body in self.model.bodies]
+        """ContactSurface of each body's geometry, as it is drawn."""
+        return [body.outline for body in self.model.bodies]
 
     @property
     def body_names(self):
@@ -112,11 +113,12 @@ class Simulation:
 
     def contact_forces(self, b):
         """Force of the soil on each surface vertex of body b at the last accepted step, (V, 3) [N]."""
-        forces = np.zeros((len(self.surfaces[b].vertices), 3))
+        surface = self.surfaces[b]
+        forces = np.zeros((len(surface.vertices), 3))
         if self.evaluation is not None:
             contact = self.evaluation.contacts[b]
-            vertices = self.surfaces[b].triangles[contact.triangle]
-            np.add.at(forces, vertices, contact.weights[:, :, None] * contact.force[:, None])
+            triangle, weights = nearest(contact.arm @ self.state.bodies[b].rotation, contact.side, surface)
+            np.add.at(forces, surface.triangles[triangle], weights[:, :, None] * contact.force[:, None])
         return forces
 
     def run(self, observers=()):

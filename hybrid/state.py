@@ -109,7 +109,7 @@ class ContactHistory:
     position  (m, 3) [m] of the contact point, which moves with the grid
     touching  (m,) bool, in contact at the last accepted step
     anchor    (m, 3) [m] body frame, reference point of the tangential spring; defined while touching
-    rest      (m,) [m] gap, not positive, at which its spring has no force; share: (m,) of contact it had, beside an edge
+    rest      (m,) [m] gap, not positive, at which its spring has no force
     side      (m, 3) body frame, outward normal of the body where the point touches, else 0
     """
 
@@ -120,12 +120,11 @@ class ContactHistory:
     anchor: np.ndarray
     side: np.ndarray
     rest: np.ndarray
-    share: np.ndarray
 
     @classmethod
     def empty(cls):
         return cls(np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros(0, bool),
-                   np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0), np.zeros(0))
+                   np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0))
 
 
 @dataclass

@@ -41,7 +41,8 @@ class RigidBody:
 
     free: (6,) bool, the unknowns; drive: (6,) [m/s, rad/s] spatial rates of the others, zero for held components
     places: where contact is evaluated on the domains of soil points (`hybrid.contact.places`)
-    edges: sharp ones, beside which there is no contact (`hybrid.contact.edges`), None on held soil
+    surface: in contact with soil; on soil that deforms the outline with its sharp edges rounded off (`hybrid.body.rounded`)
+    outline: ContactSurface of the geometry, as it is drawn; None: `surface`
     penalty: p_f [1/m], or on held soil p_f E [N/m³]; contact_pressure: (n,) p_f E [N/m³] against each soil point, given
         by `with_stiffness`
     """
@@ -55,9 +56,13 @@ class RigidBody:
     tangential: float
     penalty: float = 0.0
     places: object = None
-    edges: object = None
     contact_pressure: np.ndarray | None = None
     line: Line | None = None
+    outline: ContactSurface | None = None
+
+    def __post_init__(self):
+        if self.outline is None:
+            object.__setattr__(self, "outline", self.surface)
 
     @property
     def radius(self):
@@ -72,8 +77,8 @@ def with_stiffness(body, young, held):
 
 
 def bounding_box(body, state):
-    """Lower and upper corner (2, 3) [m] of the axis-parallel box about the body's surface."""
-    extent = body.surface.extent
+    """Lower and upper corner (2, 3) [m] of the axis-parallel box about a body."""
+    extent = body.outline.extent
     return state.position + np.array([[-extent(-axis) for axis in state.rotation],
                                       [extent(axis) for axis in state.rotation]])
 

@@ -65,6 +65,14 @@ class ContactSurface:
         """Whether each triangle (t,) carries a curved patch."""
         return self.tree.kind[:, SECOND] == 1
 
+    @property
+    def corner_normals(self):
+        """Normals (t, 3, 3) of the surface at the corners of its triangles."""
+        nodes = self.tree.patches.nodes
+        if not len(nodes):
+            return np.repeat(self.normals[:, None], 3, axis=1)
+        return nodes[:, [3, 3, 3]] + nodes[:, [3, 4, 5]] * np.array([0.0, 1.0, 1.0])[:, None]
+
     def extent(self, direction):
         """Largest product [m] of a point of the surface with `direction` (3,)."""
         flat, nodes = float((self.vertices @ direction).max()), self.tree.patches.nodes

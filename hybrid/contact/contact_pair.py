@@ -22,7 +22,7 @@ class ContactPair:
         reach, expected: as in corners.find_corners."""
         self.body = body
         self.corners = find_corners(domains, body.contact_pressure, body.places, grid, active, state, body.surface,
-                                    reach, history, expected, body.edges)
+                                    reach, history, expected)
 
     def evaluate(self, displacement, pose):
         """CornerContact at nodal increments (N, 3) [m] (None: held soil) and a pose."""

@@ -10,9 +10,8 @@ until it leaves the reach. If it were placed on the domain anew in each step, it
 is compressed (a domain follows the average strain of its point, the contact point the larger strain next to the body)
 and would add energy to the springs, as much as the plastic work under a settling anchor.
 
-A place may be found deep inside the body: one that looked away, or that was left out beside an edge. Its spring starts
-without force, at the gap g_0 that it has then, and |g_0| falls by the way that the point slides along the body
-(`rest_after`): else energy would come from nothing, or soil that has passed under an edge would never press.
+A place may be found inside the body: one that looked away until then. Its spring starts without force, at the gap g_0 that
+it has then: else energy would come from nothing.
 
 In plane strain a body is the prism over its section through its centre of mass: contact points lie in the plane of that
 section, and forces are those on the thickness of the slice.
@@ -30,7 +29,6 @@ from numba import njit
 from hybrid.body.closest import NO_SIDE, closest
 from hybrid.contact import places as rules
 from hybrid.contact.first_contact import predicted_contact_points
-from hybrid.contact.soil_to_body import gaps
 from hybrid.runtime.comm import largest, total
 from hybrid.soil.basis import find_cell, hat
 
@@ -48,8 +46,7 @@ class Corners:
     anchor: (m, 3) [m] body frame, of the tangential spring: history while touching, else the predicted first-contact
         point (contact/first_contact.py); side: (m, 3) body frame, outward normal where the point touches or is
         predicted to touch, 0 if unknown
-    rest: (m,) [m] gap g_0 <= 0 at which the spring has no force (soil_to_body.py); share: (m,) of contact, in [0, 1],
-        below 1 beside an edge
+    rest: (m,) [m] gap g_0 <= 0 at which the spring has no force
     clearance: (m,) [m] signed distance from the surface at the start: an open point that moves less than this cannot
         touch, so most points are not projected
     facet: (m,) triangle that a point is held to, -1 for those that find theirs; None where none is held
@@ -66,7 +63,6 @@ class Corners:
     anchor: np.ndarray
     side: np.ndarray
     rest: np.ndarray
-    share: np.ndarray
     clearance: np.ndarray
     facet: np.ndarray | None = None
 
@@ -115,12 +111,12 @@ class Domains:
         return cls(points.position, half, volume, included)
 
 
-def find_corners(domains, pressure, places, grid, active, body, surface, reach, history, expected, edges=None):
+def find_corners(domains, pressure, places, grid, active, body, surface, reach, history, expected):
     """Contact points within `reach` (Reach) of the surface of `body` (a BodyState).
 
     domains: Domains; pressure: (n,) p_f E [N/m³] of its contact with each; places: Places; active: (N,) bool, nodes that
     carry mass; history: ContactHistory; expected: nodal increments (N, 3) [m] (None: held soil) and pose of the body
-    from which the step starts to iterate; edges: Edges beside which there is no contact.
+    from which the step starts to iterate.
     """
     found = _within_reach(domains, places, grid.collapsed, body, surface, reach, history)
     node, weight = _interpolation(found["position"], grid.axes, active)
@@ -133,28 +129,12 @@ def find_corners(domains, pressure, places, grid, active, body, surface, reach, 
     if not domains.half.any():
         area = area / 2         # all eight corners of a point coincide: they share its stiffness
     start = (found["position"] - body.position) @ body.rotation
-    share = np.ones(len(start)) if edges is None else edges.share(start, normal @ body.rotation)
-    before = found.pop("share")
-    if len(history.point):      # else the run begins, maybe with an overlap that is meant
-        _keep_forces(found, start, before, share, surface)
-    corners = Corners(start=start, node=node[use], weight=weight[use], stiffness=pressure[point] * area * share, share=share,
-                      **found)
+    corners = Corners(start=start, node=node[use], weight=weight[use], stiffness=pressure[point] * area, **found)
     is_open = ~corners.touching
     corners.anchor[is_open], corners.side[is_open] = predicted_contact_points(
         corners.position[is_open], corners.moved(expected[0])[is_open], body, expected[1], surface,
         corners.clearance[is_open])
     return corners
-
-
-def _keep_forces(found, y, before, share, surface):
-    """Move the gaps without force of the contact points `found` at y (m, 3) [m] in the body frame that are inside the body,
-    so that no force grows because a point whose share of contact was `before` (m,), 0 for a new one, now has `share`.
-
-    FORMULATION (39a).
-    """
-    at = np.flatnonzero((found["clearance"] < 0.0) & (share > before))
-    gap = gaps(y[at], surface, found["side"][at])
-    found["rest"][at] = np.minimum(0.0, gap + before[at] / share[at] * np.maximum(found["rest"][at] - gap, 0.0))
 
 
 def _within_reach(domains, places, collapsed, body, surface, reach, history):
@@ -163,8 +143,10 @@ def _within_reach(domains, places, collapsed, body, surface, reach, history):
     within = np.abs(distance) <= reach.at(history.position, normal, body)
     followed = (within | history.touching) & domains.included[history.point]
     new = _new_points(domains, places, collapsed, body, surface, reach, history.point * len(places) + history.place)
+    if not len(history.point):      # the run begins, maybe with an overlap that is meant
+        del new["rest"]
     old = {name: getattr(history, name)[followed]
-           for name in ("point", "place", "position", "touching", "anchor", "side", "rest", "share")}
+           for name in ("point", "place", "position", "touching", "anchor", "side", "rest")}
     known = old["side"].any(axis=1)[:, None]    # near a rim another side of the body may be closer by now
     old |= {"clearance": distance[followed], "normal": np.where(known, old["side"] @ body.rotation.T, normal[followed])}
     return {name: np.concatenate([values, new.get(name, np.zeros((len(new["point"]), *values.shape[1:]), values.dtype))])
@@ -202,7 +184,7 @@ def _new_points(domains, places, collapsed, body, surface, reach, known):
     position, normal, distance = _gaps_in_space(position, collapsed, body, surface, farthest)
     stay = np.flatnonzero((distance <= reach.at(position, normal, body)) & (places.facing(number, normal) > 0.0))
     return {"point": point[stay], "place": number[stay], "position": position[stay], "clearance": distance[stay],
-            "normal": normal[stay]}
+            "normal": normal[stay], "rest": np.minimum(distance[stay], 0.0)}
 
 
 def _near(domains, collapsed, body, surface, reach):

@@ -159,7 +159,7 @@ def evaluate(corners, position, centre, rotation, surface, friction, tangential)
     points = _closest_points(y, corners, surface)
     if corners.facet is not None:
         _hold(points, y, corners.facet, surface)
-    rest = rest_after(corners, y, points.gap)
+    rest = np.minimum(np.maximum(corners.rest, points.gap), 0.0)    # a point that comes out will press as any other
     active = np.flatnonzero(np.isfinite(points.gap))
     active = active[corners.stiffness[active] * (points.gap - corners.rest)[active] < 0.0]
     points = points.select(active)
@@ -173,15 +173,6 @@ def evaluate(corners, position, centre, rotation, surface, friction, tangential)
         position[active] - centre, found.slip, found.anchor, found.side,
         closed.stiffness * (closed.rest - points.gap), points.triangle, points.weights,
         float(total(found.energy)), float(total(found.dissipated)), rest)
-
-
-def rest_after(corners, y, gap):
-    """Gaps (m,) [m] without force after a step to y (m, 3) [m], where points have `gap` (m,): FORMULATION (39a)."""
-    late = np.flatnonzero(corners.rest < 0.0)
-    rest = corners.rest.copy()
-    way = np.sum((y[late] - corners.start[late]) ** 2, axis=1) - (gap[late] - corners.clearance[late]) ** 2
-    rest[late] = np.minimum(0.0, np.maximum(rest[late] + np.sqrt(np.maximum(way, 0.0)), np.minimum(gap[late], 0.0)))
-    return rest
 
 
 def _closest_points(y, corners, surface):
@@ -210,14 +201,21 @@ def gaps(y, surface, side=None):
     return points.gap
 
 
+def nearest(y, side, surface):
+    """Triangle (m,) of the surface nearest to places y (m, 3) [m] that touch its `side` (m, 3), and weights (m, 3) of its
+    vertices there; all in the body frame."""
+    points = ClosestPoints.empty(len(y))
+    _project(y, CornerStart(y, np.zeros(len(y)), side), surface.radius, surface.tree, points)
+    return points.triangle, points.weights
+
+
 def commit(corners, position, contact):
     """ContactHistory after acceptance: every followed corner at its `position` (m, 3) [m]."""
     touching = np.zeros(len(corners), bool)
     anchor, side = np.zeros((len(corners), 3)), np.zeros((len(corners), 3))
     touching[contact.active] = True
     anchor[contact.active], side[contact.active] = contact.anchor, contact.side
-    return ContactHistory(corners.point, corners.place, position, touching, anchor, side, contact.rest,
-                          corners.share)
+    return ContactHistory(corners.point, corners.place, position, touching, anchor, side, contact.rest)
 
 
 @njit(cache=True)

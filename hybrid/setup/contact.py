@@ -23,8 +23,10 @@ import numpy as np
 
 from hybrid.body import rigid
 from hybrid.body.rigid import FREEDOMS
+from hybrid.body.rounded import round_off
+from hybrid.body.sharp_edges import find_edges
+from hybrid.body.surface import build_surface
 from hybrid.contact import places
-from hybrid.contact.edges import find_edges
 from hybrid.runtime.comm import largest, minimum
 from hybrid.runtime.errors import SceneError
 
@@ -43,10 +45,10 @@ def connect_to_soil(described, body, rotation, soil, gravity):
     Raises SceneError."""
     body = in_slice(body, soil.grid, rotation)
     chosen, spacing, radius = _places(described, body, soil, gravity)
-    edges = None
     if not (soil.held or chosen.at_corners):
-        edges = find_edges(body.surface, soil.grid.smallest_cell, rotation[soil.grid.collapsed])
-    body = replace(body, places=chosen, edges=edges, penalty=_penalty(described, body, soil, spacing, radius, gravity))
+        body = replace(body, surface=round_off(body.surface, find_edges(
+            body.surface, soil.grid.smallest_cell, rotation[soil.grid.collapsed])))
+    body = replace(body, places=chosen, penalty=_penalty(described, body, soil, spacing, radius, gravity))
     return rigid.with_stiffness(body, soil.law.young, soil.held)
 
 
@@ -119,5 +121,11 @@ def in_slice(body, grid, rotation):
                                      for name in ("mass", "inertia", "matrix", "gravity_load")})
         fixed = np.array([freedom == letter or (freedom.startswith("r") and freedom != "r" + letter)
                           for freedom in FREEDOMS])
-        body = replace(body, mass=mass, free=body.free & ~fixed)
+        body = replace(body, mass=mass, free=body.free & ~fixed, surface=_without_ends(body.surface, rotation[axis]))
     return body
+
+
+def _without_ends(surface, axis):
+    """The surface of a prism without its ends, which no point of its section is near."""
+    sides = np.abs(surface.normals @ axis) < 0.5
+    return build_surface(surface.vertices, surface.triangles[sides], surface.corner_normals[sides])

@@ -66,7 +66,7 @@ def corners_in(surface, y, anchor, pose=(np.zeros(3), np.eye(3)), touching=True)
     return Corners(
         np.arange(m), np.zeros(m, np.int64), pose[0] + y @ pose[1].T, y, np.zeros((m, 8), np.int64), np.full((m, 8), 0.125),
         np.full(m, 2e4), np.full(m, touching), np.array(np.broadcast_to(anchor, (m, 3)), float),
-        np.zeros((m, 3)), np.zeros(m), np.ones(m), np.zeros(m))
+        np.zeros((m, 3)), np.zeros(m), np.zeros(m))
 
 
 def contact_of(corners, surface, pose=(np.zeros(3), np.eye(3)), place=None, mu=MU):

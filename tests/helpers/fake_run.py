@@ -87,7 +87,7 @@ class FakeSimulation:
         point = np.arange(n)
         position, anchor, side = self.random.random((3, n, 3))
         contact = ContactHistory(point, point % 6, position, self.random.random(n) < 0.1, anchor, side,
-                                 np.zeros(n), np.zeros(n))
+                                 np.zeros(n))
         return State(step * DT, step, points, [body], [contact], {"pull": 1 / 3 * step})
 
     def contact_forces(self, b):

@@ -57,12 +57,12 @@ def test_soil_in_front_heaves(drag):
 
 
 def test_energy_of_the_drag_balances(drag):
-    """On cells of 0.4 m, where the anchor leaps, 4.3 % of what is put in comes from soil that comes to lie inside it."""
+    """On cells of 0.4 m, where the anchor leaps, 1.5 % of what is put in is lost: in the steps and in springs that soften."""
     _, records = drag
     before, after = of(records, "settle")[-1].energies, of(records, "drag")[-1].energies
     put_in = after["pull"] + before["potential"] - after["potential"]
     error = after["error"] - before["error"]
-    assert error == pytest.approx(0.043 * put_in, abs=0.015 * put_in)
+    assert error == pytest.approx(-0.015 * put_in, abs=0.015 * put_in)
 
 
 @pytest.mark.slow

@@ -25,7 +25,7 @@ from hybrid.study.scenes import FREE, NO_OUTPUT, ROLLERS, box, driven, loaded_by
 
 
 def test_an_increment_is_given_up_when_the_residual_does_not_fall():
-    falling = [0.2 * 0.95**n for n in range(60)]        # 0.6 after ten iterations
+    falling = [0.2 * 0.95**n for n in range(60)]        # 0.6 after two iterations
     assert all(newton.progressing(falling[:n]) for n in range(1, 61))
     assert newton.progressing([1.0] * newton.PATIENCE) and not newton.progressing([1.0] * (newton.PATIENCE + 1))
     assert not newton.progressing(falling + [falling[-1]] * newton.PATIENCE)
@@ -82,9 +82,9 @@ def test_shorter_updates_start_from_the_best_iterate():
 def pressed(tolerance, monkeypatch, most):
     """(Outcome, errors) of a plate that is pressed on elastic soil with at most so many iterations."""
     monkeypatch.setattr(newton, "MOST", most)
-    plate = driven(0.4, 0.4, 0.2, velocity=(0.0, 0.0, -0.01), rest_on=0.0, position=(0.4, 0.4, 0.0))
+    plate = driven(0.4, 0.4, 0.2, velocity=(0.0, 0.0, -0.01), rest_on=0.0, position=(0.4, 0.4, 0.0), contact="corners")
     simulation = build(soil_scene([plate], time=Time(1.0, inertia=False),
-                                  solver=Solver(linear="direct", tolerance=tolerance)))
+                                  solver=Solver(linear="direct", tolerance=tolerance, line_search=False)))
     workspace = Workspace(simulation.model)
     outcome = newton.solve(begin(simulation.model, simulation.state, 1.0, False, workspace))
     workspace.destroy()
@@ -106,7 +106,7 @@ def hardly_loaded(share, tolerance):
     side, height = Axis(0.0, 1.0, 0.5), 2.0
     soil = Soil(Material(law="hencky", young=1e7, poisson=0.3, density=1000.0), geostatic=False, top=height)
     simulation = build(loaded_by_weight("block", Grid(side, side, Axis(0.0, 2.5, 0.5), Faces()), soil, 2, -10.0 * share,
-                                        solver=Solver(linear="direct", tolerance=tolerance)))
+                                        solver=Solver(linear="direct", tolerance=tolerance, line_search=False)))
     records = list(simulation.steps())
     return records, simulation.state.points.stress[:, 2, 2].mean() / (-share * 1e4 * height / 2)
 
@@ -233,9 +233,9 @@ def test_a_footing_is_lifted_off(law, monkeypatch):
     records = footing(0.0, moves, law)
     force = [r.bodies[0].contact_force[2] for r in records]
     assert force[1] > 1.5e4 and force[-2:] == [0.0, 0.0] and sum(r.rejections + r.judged for r in records) == 0
-    assert max(r.iterations for r in records) <= 8
+    assert max(r.iterations for r in records[2:]) <= 12
     monkeypatch.setattr(soil_terms, "residual", _without_memory(soil_terms.residual))
-    with pytest.raises(StepError, match="residual 1.00e"):
+    with pytest.raises(StepError, match="step [34] failed"):
         footing(0.0, moves, law)
 
 
@@ -254,13 +254,13 @@ def test_a_footing_comes_down_over_a_gap():
 
 
 def test_a_light_touch_is_as_accurate_as_a_firm_one():
-    """1e-7 m and 1e-4 m give forces in this proportion; and after a firm touch, to whose forces errors are relative
+    """1e-7 m and 1e-5 m give forces in this proportion; and after a firm touch, to whose forces errors are relative
     while it is lifted off, a light one depends no more on the tolerance."""
-    light, firm = (footing(0.0, [-depth])[0].bodies[0].contact_force[2] for depth in (1e-7, 1e-4))
-    assert light == pytest.approx(1e-3 * firm, rel=2e-3)
+    light, firm = (footing(0.0, [-depth])[0].bodies[0].contact_force[2] for depth in (1e-7, 1e-5))
+    assert light == pytest.approx(1e-2 * firm, rel=2e-3)
     loose, tight = (footing(0.0, [-1e-4, 1.1e-3, -1e-3 - 1e-7], tolerance=tolerance)[-1].bodies[0].contact_force[2]
                     for tolerance in (1e-6, 1e-12))
-    assert loose == pytest.approx(tight, rel=1e-2) and light < loose < 1.5 * light  # the surface has come back 20 nm higher
+    assert loose == pytest.approx(tight, rel=1e-2) and loose == pytest.approx(light, rel=5e-3)
 
 
 # ------------------------------------------------------------------ bodies that nothing touches

@@ -73,7 +73,7 @@ def corners_at(feature, seed=4, places=None):
     place = CENTRE + y @ ROTATION.T
     return Corners(np.arange(m), np.zeros(m, np.int64), place, y, np.zeros((m, 8), np.int64), np.full((m, 8), 0.125),
                    1e5 * (1 + np.arange(m)), np.ones(m, bool), anchor, np.zeros((m, 3)), np.zeros(m),
-                   np.ones(m), np.zeros(m))
+                   np.zeros(m))
 
 
 def contact_at(corners, feature, law, place=None, pose=(CENTRE, ROTATION)):

@@ -1,21 +1,21 @@
-"""Sharp edges of a body, beside which soil that deforms is not in contact.
+"""Sharp edges of a body, and how far contact on soil that deforms stays away from them.
 
 The displacement of the grid bends at nodes only. A rigid face whose edge lies inside a cell, or on a line of the grid,
 therefore drives soil beyond its edge too: a footing on clay carries the load of one that is wider by a third of a cell
-on each side with its edges on grid lines, and by up to 0.8 cells with its edges inside cells. Without contact within
+on each side with its edges on grid lines, and by up to 0.8 cells with its edges inside cells. With edges rounded off
+(`hybrid.body.rounded`) from
 
     d = min(h/2, ρ/2)        h smallest cell, ρ largest distance of a point of the face from its edges
 
-of an edge the load is, on average over all places of the edge in a cell, that of the footing itself. d vanishes with
-the cells; ρ keeps contact on faces narrower than a cell. An edge is convex and bends by more than BEND at both of its ends;
-the rim of a cut through the body is none. Edges of triangles that run from the apex of a cone bend there only, and are
-none of the cone: without contact beside them its tip would sink in by a cell before it touches.
+on, the load is, on average over all places of the edge in a cell, that of the footing itself. d vanishes with the cells;
+with ρ narrow faces keep contact. An edge is convex and bends by more than BEND at both of its ends; the rim of a
+cut through the body is none. Edges of triangles that run from the apex of a cone bend there only, and are none of the
+cone: rounded off, its tip would sink in by a cell before it touches.
 """
 
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
@@ -23,27 +23,20 @@ from hybrid.body.smooth import shared_edges
 
 SHARE = 0.5                     # of a cell, and of ρ
 BEND = np.radians(20.0)         # between the faces at an edge; 30° at the shoulder of a cone of 60°
-RAMP = 0.25                     # of d, over which contact sets in
 SAMPLES = 6                     # points along an edge of a triangle at which ρ is measured
 
 
-class Edges(NamedTuple):
-    """e edges, body frame: segment (e, 2, 3) [m] their ends; normal (e, 2, 3) outward, of the two faces that meet there;
-    inset (e, 2) [m], d of these faces."""
+class SharpEdges(NamedTuple):
+    """e edges of a ContactSurface, each with two sides: triangle (e, 2) and number (e, 2) of the edge there; inset (e, 2)
+    [m], d on the face that the triangle is part of."""
 
-    segment: np.ndarray
-    normal: np.ndarray
+    triangle: np.ndarray
+    number: np.ndarray
     inset: np.ndarray
-
-    def share(self, y, normal):
-        """Share (m,) in [0, 1] of contact at points y (m, 3) [m] where the body has outward normals (m, 3)."""
-        out = np.ones(len(y))
-        _share(np.ascontiguousarray(y), np.ascontiguousarray(normal), *self, out)
-        return out
 
 
 def find_edges(surface, cell, along=()):
-    """Edges of a ContactSurface on a grid with smallest cells of `cell` [m].
+    """SharpEdges of a ContactSurface on a grid with smallest cells of `cell` [m].
 
     along: unit vectors (3,) of the collapsed axes in the body frame, in the directions of which the body is a prism;
     only edges parallel to them count, and distances are those in the section.
@@ -56,20 +49,17 @@ def find_edges(surface, cell, along=()):
     convex = np.einsum("ei,ei->e", normals[t], corners[other].mean(axis=1) - corners[t].mean(axis=1)) < 0.0
     segment = np.stack([corners[t, k], corners[t, (k + 1) % 3]], axis=1)
     chosen = bends & convex & _parallel(segment, along)
-    sides = np.stack([t, other], axis=1)[chosen]
+    sides, numbers = np.stack([t, other], axis=1)[chosen], np.stack([k, j], axis=1)[chosen]
     segment = _in_section(segment[chosen], along)
     inset = np.array([min(SHARE * cell, SHARE * _inradius(_in_section(corners[face == f], along),
                                                           segment[(face[sides] == f).any(axis=1)]))
                       for f in range(face.max() + 1)])
-    return Edges(segment, np.ascontiguousarray(normals[sides]), inset[face[sides]].reshape(-1, 2))
+    return SharpEdges(sides, numbers, inset[face[sides]].reshape(-1, 2))
 
 
 def _bends(surface, t, k, other, j):
     """(2, e) [rad] between the normals of the two sides at both ends of edges: edge k of triangle t, j of `other`."""
-    nodes = surface.tree.patches.nodes
-    normals = np.repeat(surface.normals[:, None], 3, axis=1)
-    if len(nodes):
-        normals = nodes[:, [3, 3, 3]] + nodes[:, [3, 4, 5]] * np.array([0.0, 1.0, 1.0])[:, None]
+    normals = surface.corner_normals
     pairs = ((normals[t, (k + a) % 3], normals[other, (j + 1 - a) % 3]) for a in (0, 1))
     return np.arccos([np.clip(np.einsum("ei,ei->e", *pair), -1.0, 1.0) for pair in pairs])
 
@@ -102,26 +92,3 @@ def _inradius(corners, segment):
         s = np.clip((places - start) @ d / max(d @ d, 1e-300), 0.0, 1.0)
         nearest = np.minimum(nearest, np.linalg.norm(places - start - s[:, None] * d, axis=1))
     return nearest.max()
-
-
-@njit(cache=True)
-def _share(y, normal, segment, sides, inset, out):
-    for n in range(len(y)):
-        for e in range(len(segment)):
-            first = second = 0.0
-            for i in range(3):
-                first += normal[n, i] * sides[e, 0, i]
-                second += normal[n, i] * sides[e, 1, i]
-            d = inset[e, 0] if first >= second else inset[e, 1]
-            along = length = 0.0
-            for i in range(3):
-                step = segment[e, 1, i] - segment[e, 0, i]
-                along += (y[n, i] - segment[e, 0, i]) * step
-                length += step * step
-            s = min(max(along / length, 0.0), 1.0) if length > 0.0 else 0.0
-            distance = 0.0
-            for i in range(3):
-                off = y[n, i] - segment[e, 0, i] - s * (segment[e, 1, i] - segment[e, 0, i])
-                distance += off * off
-            ramp = (np.sqrt(distance) - (1.0 - 0.5 * RAMP) * d) / (RAMP * d)
-            out[n] = min(out[n], max(ramp, 0.0))
