@@ -12,6 +12,7 @@ limits of time, memory and size. The mesh comes back as arrays; `hybrid.body.sol
 import dataclasses
 import functools
 import json
+import logging
 import math
 import os
 import signal
@@ -26,7 +27,9 @@ import numpy as np
 from hybrid.body import geometry_text
 from hybrid.body.solid import TetMesh, oriented, smoothed, validate
 from hybrid.runtime.errors import GeometryError
+from hybrid.runtime.sandbox import offered, shortcoming
 
+log = logging.getLogger("hybrid")
 SECONDS, MEMORY, TETRAHEDRA = 60, 4 << 30, 500_000  # limits: processor time [s], address space [bytes], mesh
 WAITING = 5                                         # limit of time that passes, in those of processor time
 FACTOR = "HYBRID_MESH_LIMIT"                        # variable of the environment: these limits times a number
@@ -60,6 +63,8 @@ def generate(path, parameters=None, size=None):
 @functools.lru_cache(KEPT)
 def _mesh(path, files, parameters):
     """TetMesh of the files ((name, bytes), ...) with these parameters ((name, value), ...)."""
+    if not offered():
+        log.warning("geometry %s: gmsh is %s", path, shortcoming())
     answer = in_child("mesh", path, dict(files), dict(parameters))
     names = answer.pop("point_names").tolist()
     points = dict(zip(names, answer.pop("point_places")))

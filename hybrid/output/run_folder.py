@@ -2,7 +2,9 @@
 
 run.json has the identity of that run: a name that no other run has, and the keys of its scene that determine the physics.
 A checkpoint carries the same name. A new run writes its own run.json first, and from then on nothing in the folder can be
-taken for its results, even if the run is killed before it has removed what an earlier one has left.
+taken for its results, even if the run is killed before it has removed what an earlier one has left. Results stay while a
+new run reads its scene and meshes its bodies, which may fail; .run.starting says that they are to be replaced, so that a
+run that is killed meanwhile is not continued from them.
 
 What a run without `resume` and `overwrite` finds, and what becomes of it:
 
@@ -30,10 +32,11 @@ from pathlib import Path
 from hybrid.output import atomic, checkpoint
 from hybrid.output.history import count_steps
 from hybrid.output.summary import NAME as SUMMARY
-from hybrid.runtime.errors import RunFolderError
+from hybrid.runtime.errors import HybridError, RunFolderError
 
 NAME = "run.json"
 LOCK = ".run.lock"
+STARTING = ".run.starting"
 NO_LOCKS = errno.ENOLCK, errno.ENOTSUP, errno.ENOSYS    # of file systems without locks
 CHEAP = 600.0       # [s] of computing, up to which a completed run is replaced by the same one
 RESULTS = re.compile(r"run\.json|history\.csv|summary\.json|checkpoint\.npz|(soil|body_.+)(_\d{6,}\.vtu|\.pvd)"
@@ -63,12 +66,20 @@ class RunFolder:
                                  "by --out") from None
         try:
             self._check_resume() if self._resume else self._check_replace()
+            if not self._resume and _results(self.path):
+                (self.path / STARTING).write_text(time.strftime("%Y-%m-%d %H:%M:%S"), encoding="utf-8")
+        except OSError as error:
+            self._unlock()
+            raise RunFolderError(f"{error.filename}: cannot be written or read ({error.strerror}); choose another folder "
+                                 "by --out") from None
         except BaseException:
             self._unlock()
             raise
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, kind, *_):
+        if kind and issubclass(kind, HybridError):
+            self._started()     # a scene that is refused replaces nothing
         self._unlock()
 
     def begin(self):
@@ -82,10 +93,17 @@ class RunFolder:
                     "physics": checkpoint.fingerprint(self._scene)}
         if not self._resume:
             self._write({**identity, "cleared": False})
+            self._started()
             for path in _results(self.path):
                 if path.name != NAME:
                     path.unlink(missing_ok=True)
         self._write({**identity, "cleared": True})
+
+    def _started(self):
+        try:
+            (self.path / STARTING).unlink(missing_ok=True)
+        except OSError:
+            pass        # the folder has vanished meanwhile
 
     def _write(self, identity):
         with atomic(self.path / NAME) as partial:
@@ -95,7 +113,12 @@ class RunFolder:
 
     def _check_resume(self):
         """Refuse to resume where the checkpoint is not of the run that the folder belongs to."""
-        identity, path = _read(self.path / NAME), self.path / checkpoint.NAME
+        identity, path, marker = _read(self.path / NAME), self.path / checkpoint.NAME, self.path / STARTING
+        if marker.exists():
+            raise checkpoint.CheckpointError(
+                f"{self.path}: the run of {marker.read_text(encoding='utf-8')[:20]}, which was to replace these results, was "
+                "stopped before its first checkpoint: start it again without --resume; or, to continue the earlier run, "
+                f"delete {marker}")
         if identity and not (identity["cleared"] and path.exists()):
             raise checkpoint.CheckpointError(
                 f"{self.path}: its run was stopped before its first checkpoint, or writes none (output.checkpoint = 0): "

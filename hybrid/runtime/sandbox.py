@@ -55,6 +55,8 @@ def shortcoming():
         return "not confined: this system has neither Landlock nor seccomp; only the text of the geometry is checked"
     if "landlock" not in names:
         return "may read files of this user: this system has no Landlock; the text of the geometry is checked"
+    if "seccomp" not in names:
+        return "confined by Landlock alone: seccomp is used on x86-64 only; the text of the geometry is checked"
     return ""
 
 

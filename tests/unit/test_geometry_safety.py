@@ -225,8 +225,17 @@ def test_a_signal_ends_the_meshing_at_once_with_its_process(tmp_path, mark, numb
 
 
 def test_a_system_that_cannot_confine_says_so_in_the_sheet(monkeypatch):
-    assert bool(sandbox.shortcoming()) == ("landlock" not in sandbox.offered())
+    assert bool(sandbox.shortcoming()) == (len(sandbox.offered()) < 2)
     monkeypatch.setattr(sandbox, "offered", lambda: ["seccomp"])
     assert "may read files" in sandbox.shortcoming()
+    monkeypatch.setattr(sandbox, "offered", lambda: ["landlock"])
+    assert "Landlock alone" in sandbox.shortcoming()
     monkeypatch.setattr(sandbox, "offered", list)
     assert "not confined" in sandbox.shortcoming()
+
+
+def test_a_run_on_a_system_that_cannot_confine_gives_a_note(monkeypatch, caplog):
+    monkeypatch.setattr(mesh, "offered", list)
+    monkeypatch.setattr(mesh, "shortcoming", lambda: "not confined")
+    mesh.generate(ROOT / "geometry" / "box.geo", {"size": 0.37})
+    assert "box.geo: gmsh is not confined" in caplog.text

@@ -12,7 +12,7 @@ from small_scene import SCENE
 
 from hybrid.output import checkpoint, run_folder
 from hybrid.output.run_folder import RunFolder
-from hybrid.runtime.errors import RunFolderError
+from hybrid.runtime.errors import RunFolderError, SceneError
 from hybrid.scene.file import load_scene
 from hybrid.state import Points, State
 
@@ -112,6 +112,31 @@ def test_a_checkpoint_of_an_earlier_run_is_never_continued(folder, scene, monkey
     assert started(folder, replace(scene, gravity=(0.0, 0.0, -1.0))) == ["run.json"]
     with pytest.raises(checkpoint.CheckpointError, match="stopped before its first checkpoint"):
         started(folder, scene, resume=True)
+
+
+@pytest.mark.parametrize("ending", [SystemExit, KeyboardInterrupt, MemoryError])
+def test_a_run_that_is_stopped_while_it_meshes_is_not_continued_from_older_results(folder, scene, ending):
+    run = computed(folder, scene)
+    with pytest.raises(ending), RunFolder(folder, scene):
+        raise ending    # before begin()
+    with pytest.raises(checkpoint.CheckpointError, match=r"before its first checkpoint: start it again without --resume; or, "
+                                                         r"to continue the earlier run, delete .*\.run\.starting"):
+        started(folder, scene, resume=True)
+    (folder / run_folder.STARTING).unlink()
+    with RunFolder(folder, scene, resume=True) as place:
+        assert place.run == run
+    with pytest.raises(ending), RunFolder(folder, scene):
+        raise ending
+    assert started(folder, scene) == ["run.json"]
+
+
+def test_a_scene_that_is_refused_leaves_the_folder_as_it_was(folder, scene):
+    computed(folder, scene)
+    before = sorted(folder.iterdir())
+    with pytest.raises(SceneError), RunFolder(folder, scene):
+        raise SceneError("no")
+    assert sorted(folder.iterdir()) == before
+    assert "checkpoint.npz" in started(folder, scene, resume=True)
 
 
 def test_a_checkpoint_put_there_by_hand_is_of_another_run(folder, scene, tmp_path):
