@@ -26,6 +26,7 @@ REASONS = {
 READERS = ("Merge", "MergeWithBoundingBox", "MergeFile", "Include", "ShapeFromFile")
 PRINTERS = ("Printf", "Warning", "Error", "Echo")
 OPTIONS = ("General", "PostProcessing", "Print")       # kinds of options; those with texts name files and programs
+FILE_OPTIONS = ("FileName", "CommandLine")             # of fields
 KERNELS = ("OpenCASCADE", "Built-in")
 BRANCH_ENDS = ("EndIf", "EndFor", "Else", "Return")    # where gmsh goes on after text that it skips
 LONGEST = 1000                                         # [characters] of a string; beyond 1023 gmsh runs what follows
@@ -111,6 +112,8 @@ def screened(text, path):
             raise _refusal(path, line, f"SetFactory({after[1]}) starts a plugin", 'use SetFactory("OpenCASCADE")')
         if word == "Solver" and after[0] == ".":
             raise _refusal(path, line, f"Solver.{after[1]} is about other programs")
+        if word in FILE_OPTIONS and after[0] == "=":
+            raise _refusal(path, line, f"{word} names a file or a program")
         if word in OPTIONS and after[0] == "." and after[2] == "=" and not re.match(r"[-+.0-9]", after[3]):
             raise _refusal(path, line, f"{word}.{after[1]} = {after[3]} may name a file or a program",
                            "delete this statement, or give the option as a number")

@@ -239,3 +239,10 @@ def test_a_run_on_a_system_that_cannot_confine_gives_a_note(monkeypatch, caplog)
     monkeypatch.setattr(mesh, "shortcoming", lambda: "not confined")
     mesh.generate(ROOT / "geometry" / "box.geo", {"size": 0.37})
     assert "box.geo: gmsh is not confined" in caplog.text
+
+
+def test_a_field_reads_no_file(tmp_path):
+    text = 'Field[1] = Structured; Field[1].FileName = "/etc/passwd"; Background Field = 1;'
+    path = geometry(tmp_path / "body.geo", text, "")
+    with pytest.raises(GeometryError, match="FileName names a file or a program, which is refused"):
+        mesh.generate(path)
