@@ -28,7 +28,7 @@ def main(arguments=None):
     open_streams()
     try:
         try:
-            return _main(arguments)
+            return _told("", _main(arguments))
         finally:
             sys.stdout.flush()      # here, where a failure can still be told
     except BrokenPipeError:

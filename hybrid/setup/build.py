@@ -4,6 +4,7 @@ import numpy as np
 
 from hybrid.runtime.errors import SceneError
 from hybrid.scene.accuracy import apply_accuracy
+from hybrid.scene.check_sense import sense_notes
 from hybrid.scene.defaults import resolve
 from hybrid.scene.file import validate
 from hybrid.scheme import Scheme
@@ -39,8 +40,19 @@ def build(scene, *, body_force=None, law=None):
 
 
 def _assemble(scene, accuracy, body_force, law):
-    """Simulation of a checked Scene without `accuracy`; accuracy: texts of what it changed, for the model sheet."""
+    """Simulation of a checked Scene without `accuracy`; accuracy: texts of what it changed, for the model sheet. Numbers
+    that look wrong may be why a scene is refused: notes about them follow the error."""
     scene, decisions = resolve(scene)
+    try:
+        return _put_together(scene, decisions, accuracy, body_force, law)
+    except SceneError as error:
+        if notes := list(sense_notes(scene)):
+            raise SceneError("\n  ".join([str(error), *notes])) from None
+        raise
+
+
+def _put_together(scene, decisions, accuracy, body_force, law):
+    """Simulation of a Scene all of whose keys are decided."""
     refuse_cells(scene)
     gravity = np.array(scene.gravity, float)
     loads = Loads(gravity, body_force).during(0.0, 0.0, (scene.stages[0].gravity[0],) * 2)

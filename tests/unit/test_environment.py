@@ -96,6 +96,14 @@ def test_output_that_does_not_fit_is_one_line():
         assert process.communicate()[1] == "hybrid: output: No space left on device\n" and process.returncode == 2
 
 
+def test_messages_that_do_not_fit_change_no_exit_code(tmp_path):
+    code = ("import contextlib, sys\nfrom hybrid.cli import main\nwith contextlib.suppress(OSError):\n"
+            "    sys.stderr.write('note')\nsys.exit(main(['schema', '--out', sys.argv[1]]))")
+    with open("/dev/full", "w") as full:
+        done = subprocess.run([sys.executable, "-c", code, tmp_path / "schema.json"], stderr=full)
+    assert done.returncode == 0
+
+
 @pytest.mark.parametrize("closed", [(1,), (0, 1, 2)])
 def test_closed_streams_are_not_given_to_files(closed, tmp_path):
     """The file that is opened next would get their number, and what libraries print."""

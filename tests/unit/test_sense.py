@@ -7,6 +7,7 @@ import pytest
 from hybrid.bench.scenes import block
 from hybrid.monitors.limits.place import LIMITS
 from hybrid.runtime.data import DEMOS, GEOMETRY
+from hybrid.runtime.errors import SceneError
 from hybrid.scene import Pull, Time
 from hybrid.scene.check_sense import sense_notes
 from hybrid.scene.defaults import resolve
@@ -51,6 +52,12 @@ SLOPE = "slope"
 def test_a_number_that_looks_wrong_gives_a_note(name, overrides, words):
     found = notes(name, *overrides)
     assert any(words in note for note in found), found
+
+
+def test_a_scene_that_is_refused_says_which_numbers_look_wrong():
+    with pytest.raises(SceneError, match=r"more than the law can carry(.|\n)*strength = 10 Pa looks wrong: .* of kPa\?"):
+        build(load_scene(DEMOS / "slope.toml", [CLAY, *SHARED, "soil.geostatic=true", "stage.0.gravity=[1, 1]",
+                                                    "soil.material.strength=10"]))
 
 
 def test_layers_are_looked_at_for_their_own_values():
