@@ -1,11 +1,14 @@
 """Running a scene with its results in a folder."""
 
 import logging
+from contextlib import ExitStack
 from pathlib import Path
 
 from hybrid import output
 from hybrid.output import checkpoint
 from hybrid.output.run_folder import RunFolder
+from hybrid.runtime import ranks
+from hybrid.runtime.errors import HybridError
 from hybrid.runtime.stop_signals import stop_signals
 from hybrid.scene.file import load_scene, validate
 from hybrid.setup.build import build
@@ -28,15 +31,28 @@ def run(scene, out=None, overrides=(), resume=False, quiet=False, body_force=Non
     """
     scene = load_scene(scene, overrides) if isinstance(scene, (str, Path)) else validate(scene)
     folder = Path(out) if out is not None else Path("out") / scene.name
-    with stop_signals() as signals, RunFolder(folder, scene, resume, overwrite) as place:
+    with stop_signals() as signals, ExitStack() as stack:
+        place = _in_first(lambda: stack.enter_context(RunFolder(folder, scene, resume, overwrite)))
         simulation = build(scene, body_force=body_force, law=law)
         signals.take()      # again: PETSc has its own handlers
         if resume:
             _resume(simulation, folder / checkpoint.NAME)
         with output.output_errors(folder):
-            place.begin()
-        simulation.run(output.standard(folder, progress=not quiet, run=place.run))
+            _in_first(lambda: place.begin())
+        simulation.run(_in_first(lambda: output.standard(folder, progress=not quiet, run=place.run)) or ())
     return simulation
+
+
+def _in_first(function):
+    """Result of a function that only the first process calls, None in the others; all raise its error."""
+    result = fault = None
+    if ranks.rank() == 0:
+        try:
+            result = function()
+        except (HybridError, OSError) as error:
+            fault = error
+    ranks.same_fault(fault)
+    return result
 
 
 def _resume(simulation, path):

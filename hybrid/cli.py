@@ -8,12 +8,17 @@ SIGHUP, 141 nobody reads what is printed (`hybrid demos | head -1`).
 
 import argparse
 import errno
+import logging
+import os
 import sys
+import traceback
+from contextlib import nullcontext
 from importlib import import_module
 from pathlib import Path
 
 from hybrid.bench import CASES
 from hybrid.output.sheet_text import format_sheet, mesh_sheet
+from hybrid.runtime import ranks
 from hybrid.runtime.environment import open_streams, silence
 from hybrid.runtime.errors import HybridError, SceneError, StepError
 from hybrid.runtime.kernel_cache import require_folder
@@ -42,6 +47,9 @@ def main(arguments=None):
 
 def _main(arguments):
     options = parser().parse_args(arguments)
+    options.arguments = sys.argv[1:] if arguments is None else arguments
+    if ranks.started() > 1:
+        return _with_others(options)
     try:
         if options.command in (run, check, bench, study):
             require_folder()
@@ -56,6 +64,32 @@ def _main(arguments):
         return _told(f"\nhybrid: interrupted{f' by {stop}' if str(stop) else ''}{hint}",
                      getattr(stop, "exit_code", INTERRUPTED))
     return 0
+
+
+def _with_others(options):
+    """Exit code of a run by several processes, one fault of which ends all: told once, by the process that has it."""
+    ranks.prepare()
+    if ranks.rank():
+        logging.getLogger("hybrid").setLevel(logging.CRITICAL)
+    code, text = 0, ""
+    try:
+        if options.command is not run:
+            raise SceneError("several ranks work together in `hybrid run` only; start this command without mpirun")
+        require_folder()
+        options.command(options)
+    except HybridError as error:
+        code, text = 2, f"hybrid: {error}"
+    except KeyboardInterrupt as stop:
+        code, text = getattr(stop, "exit_code", INTERRUPTED), "\nhybrid: interrupted; continue with --resume"
+    except BaseException:
+        code, text = 1, f"hybrid: {traceback.format_exc()}"
+    if not code:
+        return 0
+    if ranks.end_together():
+        return code if ranks.rank() else _told(text, code)
+    _told(f"{text}\nhybrid: this happened on rank {ranks.rank()} of {ranks.started()}; the others are ended", code)
+    ranks.abort(code)
+    return code
 
 
 def _told(text, code=2):
@@ -83,6 +117,9 @@ def parser():
     sub.add_argument("--out", type=folder, metavar="DIR", help="folder of results (default: out/<scene name>)")
     sub.add_argument("--resume", action="store_true", help="continue from the last checkpoint in that folder")
     sub.add_argument("--overwrite", action="store_true", help="replace the results in that folder")
+
+    sub.add_argument("--ranks", type=int, metavar="N", help="number of processes that share the work (default: one); "
+                                                            "started by mpirun")
 
     sub = _command(commands, "check", check, "validate a scene; print the size of its model, warnings and the "
                                              "predicted cost of a run")
@@ -169,13 +206,32 @@ def run(options):
     """`hybrid run`: the results go to --out, or out/<scene name> in the working folder."""
     from hybrid.scene.file import load_scene
 
+    if options.ranks is not None and options.ranks != ranks.started():
+        _start_ranks(options)
     scene = load_scene(options.scene, options.overrides)
     from hybrid.api import run as run_scene
     from hybrid.runtime.jit_notice import compilation_notice  # late: a mistake in the scene is reported at once
 
     out = options.out or Path("out") / scene.name
-    with compilation_notice():
+    with compilation_notice() if ranks.rank() == 0 else nullcontext():
         run_scene(scene, out, resume=options.resume, overwrite=options.overwrite)
+
+
+def _start_ranks(options):
+    """Become mpirun, which starts this command that many times."""
+    if options.ranks < 1 or ranks.started() > 1:
+        raise SceneError(f"--ranks {options.ranks}: must be 1 or more, and under mpirun the number of its processes "
+                         f"({ranks.started()}); leave it out there")
+    # Open MPI refuses to run as root, and more processes than cores, unless told that this is meant
+    environment = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+                   "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_hwloc_base_binding_policy": "none",
+                   "NUMBA_NUM_THREADS": str(max(1, (os.cpu_count() or 1) // options.ranks)), **os.environ}
+    command = ["mpirun", "-q", "-n", str(options.ranks), sys.executable, "-m", "hybrid", *options.arguments]
+    try:
+        os.execvpe(command[0], command, environment)
+    except OSError as error:
+        raise SceneError(f"--ranks {options.ranks}: mpirun cannot be started ({error.strerror}); install it "
+                         "(apt-get install openmpi-bin), or run on one rank") from None
 
 
 def check(options):

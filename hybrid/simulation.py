@@ -11,6 +11,7 @@ What a user reads, stable from version to version:
 """
 
 import logging
+from copy import copy
 from functools import cached_property
 
 import numpy as np
@@ -24,9 +25,10 @@ from hybrid.monitors.limits import limit_warnings
 from hybrid.output import output_errors
 from hybrid.output.model_sheet import model_sheet
 from hybrid.output.record import BodyRecord, Record
-from hybrid.runtime import comm, timing
+from hybrid.runtime import comm, ranks, timing
 from hybrid.runtime.errors import HybridError, OutputError, StepError
 from hybrid.runtime.memory import map_large_arrays
+from hybrid.step import processes
 from hybrid.step.energy import balance_error, energies
 from hybrid.step.equations import begin
 from hybrid.step.increments import Control, outer_step
@@ -55,13 +57,18 @@ class Simulation:
         self.moving_grid, self.level, self.decisions = moving_grid, level, decisions
         self.initial_bodies = list(state.bodies)
         self.evaluation, self.increment, self.solver_memory = None, None, None
+        self._initial_position = None
         workspace = Workspace(model)
         start = begin(model, state, scene.time.step, False, workspace)
         evaluation = start.evaluate(start.at_rest())
         self._start_energy = energies(model, state, evaluation)     # a body may start with a small overlap
         self.imbalance = initial_imbalance(start, evaluation)
         workspace.destroy()
-        self._monitors = Monitors(model, state)
+        self._sheet = self._forces = None
+        if ranks.started() > 1:
+            self._sheet = self.sheet()      # of all points
+            self.model, self.state = processes.split(model, state)
+        self._monitors = Monitors(self.model, self.state)
 
     @property
     def surfaces(self):
@@ -81,7 +88,7 @@ class Simulation:
     @property
     def initial_position(self):
         """(n, 3) [m] of the points."""
-        return self.model.soil.constants.position
+        return self._initial_position if self._initial_position is not None else self.model.soil.constants.position
 
     def resume(self, state, increment=None, solver_memory=None):
         """Continue from `state`, with an increment of `increment` [s] first, and with what the choice of the linear solver
@@ -89,6 +96,8 @@ class Simulation:
         self.state, self.increment, self.solver_memory = state, increment, solver_memory
         if self.moving_grid:
             self.model = self.moving_grid.model_with(self.model, state.ground)
+        if ranks.started() > 1:
+            self.model, self.state = processes.resumed(self.model, state)
 
     @property
     def total_steps(self):
@@ -97,7 +106,7 @@ class Simulation:
 
     def sheet(self):
         """What is modelled and what is left out, with sizes: {section: {label: value}}."""
-        return {**model_sheet(self.scene, self.model, self.imbalance, self.level, self.most_points, self.decisions),
+        return self._sheet or {**model_sheet(self.scene, self.model, self.imbalance, self.level, self.most_points, self.decisions),
                 **({"warnings": list(self.warned)} if self.warned else {})}
 
     @cached_property
@@ -113,6 +122,8 @@ class Simulation:
 
     def contact_forces(self, b):
         """Force of the soil on each surface vertex of body b at the last accepted step, (V, 3) [N]."""
+        if self._forces is not None:
+            return self._forces[b]
         surface = self.surfaces[b]
         forces = np.zeros((len(surface.vertices), 3))
         if self.evaluation is not None:
@@ -128,14 +139,12 @@ class Simulation:
         interrupted. Raises OutputError, which interrupts the run, for an OSError of an observer.
         """
         summary, stop = {"outcome": "completed", "reason": ""}, None
-        for observer in observers:
-            with _errors_of(observer):
-                observer.start(self)
+        self._whole = self._gathered()
+        self._tell(observers, lambda observer: observer.start(self._whole))
         try:
             for record in self.steps():
-                for observer in observers:
-                    with _errors_of(observer):
-                        observer.accepted(record, self)
+                self._whole = self._gathered()
+                self._tell(observers, lambda observer, record=record: observer.accepted(record, self._whole))
         except (KeyboardInterrupt, OutputError) as error:
             summary.update(outcome="interrupted", reason=str(error) or "SIGINT")
             stop = error
@@ -152,13 +161,33 @@ class Simulation:
                 stop.kept = summary.get("checkpoint_step")
         return summary
 
+    def _tell(self, observers, call):
+        """Call each observer; in all processes an error of theirs ends the run."""
+        fault = None
+        try:
+            for observer in observers:
+                with _errors_of(observer), comm.alone():
+                    call(observer)
+        except HybridError as error:
+            fault = error
+        ranks.same_fault(fault)
+
+    def _gathered(self):
+        """What observers see: this simulation, in a run by several processes with the points of all, in the first one."""
+        if ranks.started() == 1:
+            return self
+        whole = copy(self)
+        whole._forces = [comm.total([self.contact_forces(b)]) for b in range(len(self.surfaces))]
+        whole.state, whole._initial_position = processes.gather(self.model, self.state)
+        return whole
+
     def _finish(self, observers, summary):
         """Call `finish` of every observer, also when one of them fails; its error is raised unless the run failed."""
         failure = None
         for observer in observers:
             try:
-                with _errors_of(observer):
-                    observer.finish(summary, self)
+                with _errors_of(observer), comm.alone():
+                    observer.finish(summary, self._whole)
             except Exception as error:
                 log.warning("%s failed at the end of the run: %s", type(observer).__name__, error)
                 failure = failure or error
@@ -203,6 +232,8 @@ class Simulation:
                 raise
             self.evaluation, self.increment = report.evaluation, control.dt
             self.solver_memory = workspace.systems.choice.memory()
+            if self.model.soil.grid.nodes is not None and report.soil is not self.model.soil:    # points have gone to other processes
+                self.model, model = self.model.with_soil(report.soil), model.with_soil(report.soil)
             record, lost = self._record(stage.name, stage_step, report, model.scheme)
             yield record
             if lost:

@@ -59,6 +59,7 @@ class PointConstants:
     volume                (n,) [m³] at the start
     mass                  (n,) [kg]
     geostatic_gradient    (n, 3) [Pa/m] of the principal stress at rest along z, None without geostatic stress
+    number                (n,) increasing, of the point among those of all processes; None where one has them all
     """
 
     position: np.ndarray
@@ -66,6 +67,7 @@ class PointConstants:
     volume: np.ndarray
     mass: np.ndarray
     geostatic_gradient: np.ndarray | None = None
+    number: np.ndarray | None = None
 
     def __len__(self):
         return len(self.mass)

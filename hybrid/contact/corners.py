@@ -29,7 +29,7 @@ from numba import njit
 from hybrid.body.closest import NO_SIDE, closest
 from hybrid.contact import places as rules
 from hybrid.contact.first_contact import predicted_contact_points
-from hybrid.runtime.comm import largest, total
+from hybrid.runtime.comm import anywhere, largest, total
 from hybrid.soil.basis import find_cell, hat
 
 CORNERS = rules.corners()
@@ -143,7 +143,7 @@ def _within_reach(domains, places, collapsed, body, surface, reach, history):
     within = np.abs(distance) <= reach.at(history.position, normal, body)
     followed = (within | history.touching) & domains.included[history.point]
     new = _new_points(domains, places, collapsed, body, surface, reach, history.point * len(places) + history.place)
-    if not len(history.point):      # the run begins, maybe with an overlap that is meant
+    if not anywhere([len(history.point)]):      # the run begins, maybe with an overlap that is meant
         del new["rest"]
     old = {name: getattr(history, name)[followed]
            for name in ("point", "place", "position", "touching", "anchor", "side", "rest")}

@@ -94,6 +94,35 @@ class Grid:
         """Edge [m] of the smallest cell."""
         return min(np.diff(a).min() for a in self.axes if len(a) > 1)
 
+    # -------------------------------------------------------------- values of several processes (hybrid.grid.blocks)
+
+    nodes = None    # how nodes are exchanged; None where one process has them all
+
+    def summed(self, values):
+        """Nodal values (N, ...), of which each process has added its part, with the parts of all; may be changed."""
+        return values
+
+    def summed_cells(self, values):
+        """The same for values (a, b, c) of the cells."""
+        return values
+
+    def cells_from_owners(self, values):
+        """Values (a, b, c) of the cells with those of copies from their owners; may be changed."""
+        return values
+
+    @property
+    def owned_cells(self):
+        """Cells (a, b, c) bool that belong to this process."""
+        return True
+
+    def own_unknowns(self, free):
+        """Index of the unknowns that belong to this process among those of the `free` (N, 3) components."""
+        return ...
+
+    def count_unknowns(self, free):
+        """Number of `free` (N, 3) components of all nodes, over all processes."""
+        return int(np.count_nonzero(free))
+
 
 def make_grid(axes, extent, faces, all_fixed=False):
     """Grid from node arrays [m], axis extents (3, 2) [m] and a dict face -> "free" | "roller" | "fixed".

@@ -26,6 +26,7 @@ import math
 
 import numpy as np
 
+from hybrid.runtime import comm
 from hybrid.runtime.memory import available_memory, direct_factor_memory
 
 SWEEPS, INCOMPLETE, DAMPED, DIRECT = range(4)
@@ -106,7 +107,7 @@ class SolverChoice:
 
     def refusal(self, unknowns):
         """Why a direct factor of so many unknowns is not taken; empty if its estimated memory fits."""
-        need, left = direct_factor_memory(unknowns, self.plane), FITS * available_memory()
+        need, left = direct_factor_memory(unknowns, self.plane), comm.minimum([FITS * available_memory()])
         if self.linear == "direct" or need <= left:
             return ""
         return (f"a direct factor does not fit: it needs about {need / 2**20:.0f} MiB of memory, limit "

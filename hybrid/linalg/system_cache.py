@@ -7,6 +7,7 @@ from hybrid.linalg.petsc import BlockSystem
 from hybrid.linalg.precond_pattern import ReducedMatrix, reduced_entries
 from hybrid.linalg.solver_choice import SolverChoice
 from hybrid.linalg.stencil_pattern import make_pattern
+from hybrid.runtime.comm import anywhere
 
 
 class Systems:
@@ -23,6 +24,10 @@ class Systems:
             self.choice = _choice(model)
         self._model, self._active = model, None
 
+    def follow_points(self, model):
+        """Use a model whose points have moved from process to process, and nothing else has changed."""
+        self._model = model
+
     def destroy(self):
         """Release the matrices. PETSc keeps them until they are destroyed, even if Python holds no reference."""
         if self._system:
@@ -34,7 +39,8 @@ class Systems:
         small_support = np.zeros_like(active) if small_support is None else small_support
         same_nodes = self._active is not None and np.array_equal(active, self._active)
         reduced = self._model.solver.linear != "direct"
-        if not same_nodes or reduced and not np.array_equal(small_support, self._small_support):
+        same = same_nodes and not (reduced and not np.array_equal(small_support, self._small_support))
+        if anywhere([not same]):    # all processes make theirs together
             pattern = self._pattern if same_nodes else None
             self.destroy()      # frees the old matrices before the new ones are allocated
             grid = self._model.soil.grid
@@ -49,6 +55,11 @@ class Systems:
         if solver.linear != "direct":
             reduced = ReducedMatrix(pattern.indptr, pattern.indices,
                                     reduced_entries(pattern, model.soil.grid.shape, small_support))
+        if model.soil.grid.nodes is not None:
+            from hybrid.linalg.petsc_ranks import DistributedSystem
+
+            return DistributedSystem(pattern, model.soil.grid, model.body_unknowns, solver.linear_tolerance, reduced,
+                                     model.soil.law.symmetric, self.choice)
         return BlockSystem(pattern.indptr, pattern.indices, model.body_unknowns, solver.linear,
                            solver.linear_tolerance, reduced, model.soil.law.symmetric, self.choice)
 

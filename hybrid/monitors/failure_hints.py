@@ -71,7 +71,7 @@ def probable_causes(step, evaluation):
     lost = (evaluation is not None and quasi_static and model.bodies
             and not anywhere([len(contact) for contact in evaluation.contacts]))
     residual = evaluation and evaluation.norms.get("soil [N]")
-    limit = model.soil.roundoff_force(step.pattern.size)
+    limit = model.soil.roundoff_force(model.soil.grid.count_unknowns(step.pattern.free))
     if lost:
         names = ", ".join(body.name for body in model.bodies)
         causes.append(f"No corner of the soil touches {names} any more, so that without inertia no force balances the "

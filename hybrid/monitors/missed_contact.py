@@ -10,6 +10,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from hybrid.monitors.monitor import Monitor
+from hybrid.runtime.comm import anywhere, maximum
 
 DEPTH = 0.25    # of a domain: sharp edges have no force there yet, spheres of twice the spacing touch at half of it
 PART = 0.05
@@ -22,9 +23,10 @@ class MissedContact(Monitor):
         """Body, depth, limit and remedy."""
         soil = view.model.soil
         for b, body, motion, contact in view.bodies:
-            if self.given(b) or len(contact) or not body.places.at_corners or soil.basis != "gimp":
+            if self.given(b) or anywhere([len(contact)]) or not body.places.at_corners or soil.basis != "gimp":
                 continue
-            share, depth = _deepest(body, motion, view.state.points, ~soil.grid.collapsed)
+            found = _deepest(body, motion, view.state.points, ~soil.grid.collapsed)
+            share, depth = (maximum([value]) for value in found)
             if share > DEPTH and depth > PART * body.radius:
                 yield b, (
                     f"{body.name} is inside the soil without contact: at t = {view.state.time:.4g} s its deepest "

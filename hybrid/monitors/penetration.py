@@ -8,7 +8,7 @@ normal of the body and l the half-widths of a domain, the next layer is 2 Σ |n_
 import numpy as np
 
 from hybrid.monitors.monitor import Monitor
-from hybrid.runtime.comm import maximum, total
+from hybrid.runtime.comm import anywhere, maximum, total
 
 LIMIT = 1.0     # overlap over the height of a domain
 SHARE = 0.25                        # of the force on a body, carried by points deeper than LIMIT
@@ -20,7 +20,7 @@ class Penetration(Monitor):
     def warnings(self, view):
         """Body, depth, limit and remedy."""
         for b, body, _, contact in view.bodies:
-            if self.given(b) or not len(contact) or view.model.soil.basis != "gimp":
+            if self.given(b) or not anywhere([len(contact)]) or view.model.soil.basis != "gimp":
                 continue
             depth, force = _depths(contact, view.state.contacts[b], view.state.points)
             share = total(force[depth > LIMIT]) / max(total(force), 1e-300)

@@ -1,17 +1,44 @@
-"""The only place for sums, counts, extremes, norms and numbering over points, nodes, corners or unknowns.
+"""The only place for sums, counts, extremes, norms and numbering over points, nodes, corners or unknowns, and for
+exchanging arrays between processes.
 
-In a parallel run each process would hold its own points. No other module may assume that one process holds all of them:
-a number over all points is computed by a function of this module, from the values that this process holds
-(tests/unit/test_comm.py lists the exceptions). Processes exchange these numbers in `_over_processes` alone. Today there
-is one process, and it holds all values.
+In a run by several processes each holds its own points and nodes (`hybrid.step.processes`). No other module may assume that
+one process holds all of them: a number over all points is computed by a function of this module, from the values that this
+process holds (tests/unit/test_comm.py lists the exceptions). All processes get the same number, bit for bit, because each
+combines the same values in the same order; so all of them take the same decisions.
+
+Before the soil is split, and in a run by one process, every process holds all values, and nothing is exchanged.
 """
 
+from contextlib import contextmanager
+from functools import reduce
+
 import numpy as np
+
+from hybrid.runtime.ranks import rank, world
+
+_split = False      # whether each process holds only its share
+
+
+def split():
+    """From now on every process holds only its share of all values."""
+    global _split
+    _split = world() is not None
+
+
+@contextmanager
+def alone():
+    """Context in which this process holds all values that it counts or adds up."""
+    global _split
+    before, _split = _split, False
+    try:
+        yield
+    finally:
+        _split = before
 
 
 def _over_processes(local, combine):
     """Result over all processes from the `local` one of each; combine: function of two results."""
-    return local
+    return reduce(combine, world().allgather(local)) if _split else local
 
 
 def total(values, axis=0):
@@ -54,3 +81,43 @@ def anywhere(chosen):
 def norm(vector):
     """Euclidean norm of a vector that is distributed over all processes."""
     return float(_over_processes(np.linalg.norm(vector), np.hypot))
+
+
+# ------------------------------------------------------------------ exchange of arrays
+
+
+def joined(values):
+    """The entries of all processes, one process after the other, in every process: for few entries."""
+    return np.concatenate(world().allgather(np.asarray(values))) if _split else values
+
+
+def offset(own):
+    """Sum of `own` over the processes before this one."""
+    return int(sum(world().allgather(own)[:rank()])) if _split else 0
+
+
+def from_first(values):
+    """Array of the first process, in every process."""
+    return world().bcast(values)
+
+
+def to_each(parcels):
+    """parcels: one for each process; returns the parcels for this one, by sender."""
+    return world().alltoall(parcels)
+
+
+def to_first(parcel):
+    """List of the parcels of all processes in the first one, None in the others."""
+    return world().gather(parcel)
+
+
+def neighbours(send, receive, width, kind):
+    """Exchange arrays with other processes. send: {rank: array}; receive: {rank: length}; width: shape of an entry; kind:
+    its dtype. Returns {rank: array (length, *width)}."""
+    arrived = {other: np.empty((length, *width), kind) for other, length in receive.items()}
+    kept = {other: np.ascontiguousarray(array) for other, array in send.items()}    # until they are sent
+    requests = [world().Irecv(array, other) for other, array in arrived.items()]
+    requests += [world().Isend(array, other) for other, array in kept.items()]
+    for request in requests:
+        request.Wait()
+    return arrived

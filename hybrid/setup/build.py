@@ -15,6 +15,7 @@ from hybrid.setup.size import refuse_cells, refuse_size
 from hybrid.setup.soil import build_soil, lay_out
 from hybrid.simulation import Simulation
 from hybrid.state import ContactHistory, State
+from hybrid.step import processes
 from hybrid.step.loads import Loads
 from hybrid.step.model import Model
 
@@ -53,6 +54,7 @@ def _assemble(scene, accuracy, body_force, law):
 
 def _put_together(scene, decisions, accuracy, body_force, law):
     """Simulation of a Scene all of whose keys are decided."""
+    processes.refuse(scene, law)
     refuse_cells(scene)
     gravity = np.array(scene.gravity, float)
     loads = Loads(gravity, body_force).during(0.0, 0.0, (scene.stages[0].gravity[0],) * 2)

@@ -50,14 +50,16 @@ def find_faces(mean, grid, modulus, volume):
     """
     filled, stiff = np.zeros((2, *(max(1, n - 1) for n in grid.shape)))
     _fill(mean.first, mean.count, mean.value, volume, modulus, filled, stiff)
+    filled, stiff = grid.summed_cells(filled), grid.summed_cells(stiff)
     share = filled / _cell_volumes(grid)
     empty = np.where(filled > 0, np.maximum(1 - share, 0) ** 2, 0)
-    fullest = _fullest_neighbour(share)
+    fullest = grid.cells_from_owners(_fullest_neighbour(share))
+    own = np.broadcast_to(grid.owned_cells, share.shape)
     faces, moduli = [], []
     for axis in range(3):
         (a, b), (best_a, best_b), (empty_a, empty_b) = (_pairs(values, axis) for values in (share, fullest, empty))
         weight = np.maximum(empty_a * (b >= ALIKE * best_a), empty_b * (a >= ALIKE * best_b))
-        chosen = (weight > NEGLIGIBLE) & (a > 0) & (b > 0)
+        chosen = (weight > NEGLIGIBLE) & (a > 0) & (b > 0) & _pairs(own, axis)[0]
         cells = np.argwhere(chosen)
         faces.append(np.column_stack([cells, np.full(len(cells), axis)]))
         moduli.append((weight * sum(_pairs(stiff, axis)))[chosen] / sum(_pairs(filled, axis))[chosen])

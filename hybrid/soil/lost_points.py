@@ -16,8 +16,10 @@ import numpy as np
 from numba import njit
 from scipy import ndimage
 
+from hybrid.runtime.comm import anywhere, joined, offset, total
 from hybrid.runtime.errors import StepError
 
+TOUCH = np.ones((3, 3, 3))   # cells are neighbours if they share a corner
 DISTORTION_LIMIT = 10.0  # [-] principal stretch of F or its inverse: beyond it a point no longer represents soil
 
 
@@ -41,18 +43,31 @@ def detached_pieces(basis, grid, active=None):
     filled = np.zeros(shape, np.bool_)
     active = np.ones(len(basis.first), bool) if active is None else active
     _mark_filled(basis.first, basis.count, active, filled)
-    piece, count = ndimage.label(filled, np.ones((3, 3, 3)))
+    piece, count = ndimage.label(filled, TOUCH) if grid.nodes is None else _label_together(filled, grid)
     if count <= 1:
         return np.zeros(len(basis.first), int), np.array([True])
     own = piece[tuple(np.minimum(basis.first, np.array(shape) - 1).T)] * active
-    sizes = np.bincount(own, minlength=count + 1)
+    sizes = total([np.bincount(own, minlength=count + 1)])
     sizes[0] = 0
     held = np.zeros(count + 1, bool)
     nodes = np.argwhere(grid.fixed[:, ~grid.collapsed].any(axis=1).reshape(grid.shape))
     for shift in np.ndindex(2, 2, 2):
         held[piece[tuple(np.clip(nodes - shift, 0, np.array(shape) - 1).T)]] = True
+    held = total([held]) > 0
     own[own == sizes.argmax()] = 0
     return own, held
+
+
+def _label_together(filled, grid):
+    """ndimage.label of the `filled` cells (a, b, c) of all processes: numbers of the local ones, and of all pieces."""
+    piece, count = ndimage.label(grid.summed_cells(filled.astype(np.int64)) > 0, TOUCH)
+    before, number = None, np.where(piece > 0, piece + offset(count), 0)
+    while before is None or anywhere(number != before):     # the smallest number spreads from process to process
+        before = number.copy()
+        smallest = ndimage.minimum(grid.cells_from_owners(number), piece, np.arange(count + 1))
+        number = np.where(piece > 0, np.asarray(smallest, np.int64)[piece], 0)
+    numbers = np.unique(joined(np.append(0, np.unique(number))))
+    return np.searchsorted(numbers, number), len(numbers) - 1
 
 
 @njit(cache=True)
@@ -89,8 +104,9 @@ def distorted(deformation):
 
 
 def list_points(ids, positions=None, limit=5):
-    """Text that names the first `limit` of the points `ids`, with their positions (n, 3) [m] if given."""
-    ids = np.asarray(ids)
+    """Text that names the first `limit` of the points `ids`, with their positions (n, 3) [m] if given; all processes
+    name the points of all."""
+    ids, positions = joined(np.asarray(ids)), positions if positions is None else joined(positions)
     at = [""] * len(ids)
     if positions is not None:
         at = [" at (" + ", ".join(f"{x:.4g}" for x in p) + ") m" for p in positions]
@@ -101,7 +117,7 @@ def list_points(ids, positions=None, limit=5):
 def refuse_outside_grid(leaving, position, grid):
     """Raises StepError if any points are `leaving` (n,) bool the grid for `position` (n, 3) [m]."""
     ids = np.flatnonzero(leaving)
-    if len(ids) == 0:
+    if not anywhere([len(ids)]):
         return
     ends = "; ".join(f"{axis} {low:.6g} to {high:.6g}" for axis, (low, high) in zip("xyz", grid.extent))
     raise StepError(f"{list_points(ids, position[ids])} would leave the grid ({ends} m); enlarge the grid, hold its "
@@ -111,6 +127,6 @@ def refuse_outside_grid(leaving, position, grid):
 def refuse_detached(detached, position):
     """Raises StepError if any points at `position` (n, 3) [m] are `detached` (n,) bool in a quasi-static scene."""
     ids = np.flatnonzero(detached)
-    if len(ids):
+    if anywhere([len(ids)]):
         raise StepError(f"{list_points(ids, position[ids])} touch no other soil and no held node, so nothing carries "
                         'them in a quasi-static scene; set soil.stray = "freeze" or "remove", or time.inertia = true')

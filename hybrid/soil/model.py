@@ -133,7 +133,7 @@ class Soil:
         carried += [load] if load.ndim > 1 else []
         mass, *nodal = transfer.points_to_grid(basis, slabs, self.grid.axes, points.position,
                                                _active_only(points, self.constants.mass), *carried,
-                                               affine=points.affine)
+                                               affine=points.affine, summed=self.grid.nodes and self.grid.summed)
         if load.ndim > 1:
             load = nodal.pop()
         for values in nodal:
@@ -172,7 +172,7 @@ class Soil:
                                fbar.mean_dilatation(step.mean, self.grid.collapsed, strain))
         if step.cuts:
             ghost.add_force(step.cuts, self.grid, displacement, force)
-        return SoilTrial(strain, response, stress, force)
+        return SoilTrial(strain, response, stress, self.grid.summed(force))
 
     def fill_stiffness(self, step, trial, pattern, values, error=1.0):
         """Put the tangent of `trial` into the soil block (entries `values`).
@@ -274,7 +274,7 @@ class Soil:
             return 0.0
         force = np.zeros_like(displacement)
         ghost.add_force(step.cuts, self.grid, displacement, force)
-        return float(np.sum(force * displacement))
+        return float(total(force * displacement, axis=None))
 
     def stored_energy(self, points):
         """Elastic energy of committed points [J]."""

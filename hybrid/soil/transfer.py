@@ -42,15 +42,18 @@ class _PointFields(NamedTuple):
     affine: np.ndarray
 
 
-def points_to_grid(basis, slabs, axes, position, mass, *fields, affine=None):
+def points_to_grid(basis, slabs, axes, position, mass, *fields, affine=None, summed=None):
     """Nodal mass (N,) [kg], and a nodal field (N, 3) for each field (n, 3) of the points; zero at nodes without mass.
 
-    position: (n, 3) [m]; mass: (n,) [kg]; affine: (n, k, 3, 3), the gradients C_p of the first k fields, or None.
+    position: (n, 3) [m]; mass: (n,) [kg]; affine: (n, k, 3, 3), the gradients C_p of the first k fields, or None; summed:
+    function that adds up nodal values (N, ...) over processes.
     """
     affine = np.empty((len(position), 0, 3, 3)) if affine is None else np.ascontiguousarray(affine)
     nodes = int(np.prod([len(a) for a in axes]))
     m, nodal = np.zeros(nodes), np.zeros((len(fields), nodes, 3))
     _points_to_grid(slabs, basis, tuple(axes), _PointFields(position, mass, np.stack(fields), affine), m, nodal)
+    if summed is not None:
+        m, nodal = summed(m), np.stack([summed(values) for values in nodal])
     filled = m > 0
     nodal[:, filled] /= m[filled, None]
     return m, *nodal

@@ -12,6 +12,7 @@ from hybrid.body.rigid import BodyTrial, RigidBody
 from hybrid.contact.contact_pair import ContactPair
 from hybrid.contact.corners import Reach
 from hybrid.contact.soil_to_body import CornerContact
+from hybrid.runtime.comm import anywhere
 from hybrid.scheme import Scheme
 from hybrid.state import BodyState
 from hybrid.step import soil_terms
@@ -143,7 +144,7 @@ class BodyTerms:
         """
         own, free = self.step.unknowns, self.step.free
         ww = self.step.pair.add_tangent(self.contact, pattern, system.values, system.uw[:, own], system.wu[own])
-        if not self.step.scheme.inertia and not len(self.contact):
+        if not self.step.scheme.inertia and not anywhere([len(self.contact)]):
             ww = ww + stiffness * np.diag([1.0, 1.0, 1.0, *[self.step.body.radius**2] * 3])
         system.ww[own, own] += (ww + self.trial.tangent)[np.ix_(free, free)]
 

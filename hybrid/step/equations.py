@@ -113,6 +113,8 @@ class Step:
             nodal_contact = soil.forces["contact"]
         with phase("contact"):
             bodies = tuple(b.evaluate(unknowns, nodal_contact) for b in self.bodies)
+            if bodies and nodal_contact is not None:
+                self.model.soil.grid.summed(nodal_contact)
         residual, norms, error, internal = np.zeros(0), {}, 0.0, 0.0
         if soil is not None:
             residual, internal, norms["soil [N]"], error = soil_terms.residual(
@@ -164,7 +166,8 @@ class Step:
     def within_rounding(self, evaluation):
         """Whether the residual of the soil is no larger than the round-off of its stiffness, and that of every body
         within the tolerance."""
-        limit = self.model.soil.roundoff_force(self.pattern.size) if self.soil is not None else 0.0
+        soil, free = self.model.soil, self.pattern.free
+        limit = soil.roundoff_force(soil.grid.count_unknowns(free)) if self.soil is not None else 0.0
         return evaluation.norms.get("soil [N]", 0.0) <= limit and all(
             terms.error()[1] <= self.model.solver.tolerance for terms in evaluation.bodies)
 

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 
 from hybrid.monitors.plastic_increment import largest_increment
 from hybrid.runtime.errors import StepError
-from hybrid.step import failure_message, newton
+from hybrid.soil.model import Soil
+from hybrid.step import failure_message, newton, processes
 from hybrid.step.equations import Evaluation, begin
 from hybrid.step.error_estimate import even, following, local_error, shorter
 
@@ -32,6 +33,7 @@ def outer_step(model, workspace, state, length, pulling, control):
         rest = start.time + length - state.time
         dt = control.increment(rest)
         step = outcome = None   # frees the last increment before the next one is begun
+        model, state = processes.settle(model, state, workspace)
         step = begin(model, state, dt, pulling, workspace)
         outcome = newton.solve(step)
         accepted, error = control.judge(step, outcome)
@@ -40,7 +42,7 @@ def outer_step(model, workspace, state, length, pulling, control):
             last = rest - dt <= ROUND_OFF * length
             before, state = state, step.accept(outcome.evaluation, start.time + length if last else None)
             report.accept(dt, error, 0.0 if model.scheme.inertia else largest_increment(before.points, state.points))
-    report.evaluation = outcome.evaluation
+    report.evaluation, report.soil = outcome.evaluation, model.soil
     return state, report
 
 
@@ -111,7 +113,7 @@ class Report:
                 within round-off (`hybrid.step.newton`)
     iterations, krylov      of Newton's method and of the linear solver, in all trials
     plastic_increment       largest growth of the plastic strain of a point in an increment, 0 with inertia
-    evaluation  the last accepted one
+    evaluation  the last accepted one; soil: Soil whose points the new state has
     """
 
     dt: float
@@ -123,6 +125,7 @@ class Report:
     krylov: int = 0
     plastic_increment: float = 0.0
     evaluation: Evaluation | None = None
+    soil: Soil | None = None
 
     def count(self, outcome, accepted):
         """Add a trial."""

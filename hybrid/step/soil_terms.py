@@ -47,15 +47,16 @@ def residual(step, terms, displacement, springs):
 
     springs: [N/m] stiffness of the contact, by body.
     """
-    free = step.pattern.free
+    free, grid = step.pattern.free, step.model.soil.grid
+    own = grid.own_unknowns(free)
     parts = [force[free] for force in terms.forces.values()]
     left = sum(parts)
-    norms = {name: comm.norm(part) for name, part in zip(terms.forces, parts)}
-    norm, scale = comm.norm(left), max(step.reference, *norms.values())
-    inertia = step.model.scheme.mass_factor(step.dt) * comm.norm((step.soil.mass[:, None] * displacement)[free])
-    noise = ROUNDING * (inertia + np.abs(step.model.soil.grid.extent).max() * sum(springs))
+    norms = {name: comm.norm(part[own]) for name, part in zip(terms.forces, parts)}
+    norm, scale = comm.norm(left[own]), max(step.reference, *norms.values())
+    inertia = step.model.scheme.mass_factor(step.dt) * comm.norm((step.soil.mass[:, None] * displacement)[free][own])
+    noise = ROUNDING * (inertia + np.abs(grid.extent).max() * sum(springs))
     if not any(value for name, value in norms.items() if name != "internal"):
-        noise += step.model.soil.roundoff_force(step.pattern.size)
+        noise += step.model.soil.roundoff_force(grid.count_unknowns(free))
     return left, norms["internal"], norm, max(norm - noise, 0.0) / scale if scale > 0 else 0.0
 
 
@@ -65,4 +66,5 @@ def add_tangent(step, trial, error):
     with phase("assemble"):
         step.model.soil.fill_stiffness(step.soil, trial, pattern, values, error)
         mass = np.repeat(step.soil.mass[:, None], 3, axis=1)[pattern.free]
-        values[pattern.diagonal] += step.model.scheme.mass_factor(step.dt) * mass
+        own = step.model.soil.grid.own_unknowns(pattern.free)     # each process adds its own nodes' mass
+        values[pattern.diagonal[own]] += step.model.scheme.mass_factor(step.dt) * mass[own]

@@ -18,6 +18,13 @@ class Workspace:
         self._model = model
         self.systems.renew(model)
 
+    def follow_points(self, model):
+        """Go on with a model whose points have moved from process to process."""
+        self.soil = None
+        self.soil = SoilWorkspace(model.soil, model.solver)
+        self._model = model
+        self.systems.follow_points(model)
+
     def destroy(self):
         """Release the matrices."""
         self.systems.destroy()

@@ -1,0 +1,161 @@
+"""Blocks of a grid: each process holds one block of cells, with the nodes and points in it.
+
+    own cells    low <= (i, j, k) < high, disjoint, together all cells
+    own nodes    those with the numbers of own cells; the last node of an axis belongs to the block of the last cell
+    local box    own cells and one more around them, with all of their nodes: what lies outside the own ones is a copy
+
+A domain reaches no farther than the cells next to that of its point. So points in own cells give to local nodes only, and a
+process has whole fields around its points once it has exchanged those of its copies with their owners. Numbers of nodes and
+cells are local ones everywhere else: kernels see a smaller grid.
+
+Blocks are found by cutting the grid again and again at a plane of nodes, so that both sides have their share of the points.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hybrid.grid.axes import Grid
+from hybrid.runtime import comm
+from hybrid.runtime.errors import SceneError
+
+
+def cut_into_blocks(points_in_cell, parts):
+    """Boxes (parts, 2, 3) of cells [low, high) with nearly equal shares of the points, (a, b, c) int numbers in each cell.
+
+    Raises SceneError where there are not enough layers of cells.
+    """
+    return np.array(_cut(points_in_cell, np.zeros(3, int), parts))
+
+
+def _cut(points, low, parts):
+    if parts == 1:
+        return [(low, low + points.shape)]
+    filled = [np.flatnonzero(points.sum(axis=tuple({0, 1, 2} - {axis}))) for axis in range(3)]
+    axis = int(np.argmax([np.ptp(layers) if len(layers) else 0 for layers in filled]))
+    below = parts // 2
+    if points.shape[axis] < 2:
+        raise SceneError(f"--ranks: the grid has too few cells with soil for so many processes (one of {parts} parts is a "
+                         "single cell); run on one rank, or on fewer")
+    layers = np.cumsum(points.sum(axis=tuple({0, 1, 2} - {axis})))
+    at = 1 + int(np.argmin(np.abs(layers[:-1] - layers[-1] * below / parts)))
+    first, second = np.split(points, [at], axis=axis)
+    above = low.copy()
+    above[axis] += at
+    return _cut(first, low, below) + _cut(second, above, parts - below)
+
+
+class Exchange:
+    """Plan by which copies on a lattice get the values of their owners, or give theirs to be added up.
+
+    own: boxes (ranks, 2, 3) that belong to each process; local: boxes that each has; rank: of this process
+    """
+
+    def __init__(self, own, local, rank):
+        low, high = local[rank]
+        self._shape, self.owned = high - low, np.zeros(high - low, bool)
+        self.owned[_within(own[rank], low)] = True
+        self.owned = self.owned.ravel()
+        others = [other for other in range(len(own)) if other != rank]
+        self._copies = {other: self._numbers(_common(local[rank], own[other]), low) for other in others}
+        self._given = {other: self._numbers(_common(own[rank], local[other]), low) for other in others}
+        self._copies, self._given = ({other: at for other, at in found.items() if len(at)}
+                                     for found in (self._copies, self._given))
+
+    def _numbers(self, box, low):
+        numbers = np.arange(self._shape.prod()).reshape(self._shape)
+        return numbers[_within(box, low)].ravel() if (box[1] > box[0]).all() else np.zeros(0, int)
+
+    def from_owners(self, values):
+        """Fill the copies of `values` (n, ...) in place."""
+        self._move(values, self._given, self._copies, add=False)
+        return values
+
+    def summed(self, values):
+        """Add up `values` (n, ...) over all processes in place."""
+        self._move(values, self._copies, self._given, add=True)
+        return self.from_owners(values)
+
+    def _move(self, values, out, into, add):
+        arrived = comm.neighbours({other: values[at] for other, at in out.items()},
+                                  {other: len(at) for other, at in into.items()}, values.shape[1:], values.dtype)
+        for other, at in into.items():
+            if add:
+                values[at] += arrived[other]
+            else:
+                values[at] = arrived[other]
+
+
+def _within(box, low):
+    return tuple(slice(a, b) for a, b in zip(box[0] - low, box[1] - low))
+
+
+def _common(a, b):
+    return np.array([np.maximum(a[0], b[0]), np.minimum(a[1], b[1])])
+
+
+@dataclass(frozen=True)
+class Block(Grid):
+    """The local box of one process. extent, volumes and smallest_cell are those of the whole grid.
+
+    lines: nodes [m] of the whole grid by axis; boxes (ranks, 2, 3) of own cells; nodes, cells: Exchange
+    """
+
+    lines: tuple = ()
+    boxes: np.ndarray | None = None
+    nodes: Exchange | None = None
+    cells: Exchange | None = None
+
+    def summed(self, values):
+        return self.nodes.summed(values)
+
+    def from_owners(self, values):
+        """Nodal values (N, ...) with those of copies from their owners."""
+        return self.nodes.from_owners(values)
+
+    def summed_cells(self, values):
+        return self.cells.summed(values.reshape(-1)).reshape(values.shape)
+
+    def cells_from_owners(self, values):
+        return self.cells.from_owners(values.reshape(-1)).reshape(values.shape)
+
+    @property
+    def owned_cells(self):
+        return self.cells.owned.reshape([max(1, n - 1) for n in self.shape])
+
+    def own_unknowns(self, free):
+        return np.broadcast_to(self.nodes.owned[:, None], free.shape)[free]
+
+    def count_unknowns(self, free):
+        return comm.count(free[self.nodes.owned])
+
+    def owner(self, position):
+        """(n,) rank of the process in whose cells positions (n, 3) [m] lie, or that is nearest along the axes."""
+        cell = cells_of(position, self.lines)
+        found = np.zeros(len(position), int)
+        for rank, (low, high) in enumerate(self.boxes):
+            found[((cell >= low) & (cell < high)).all(axis=1)] = rank
+        return found
+
+
+def cells_of(position, lines):
+    """(n, 3) cell of each position (n, 3) [m] on a grid of nodes `lines`, the nearest one outside."""
+    return np.stack([np.clip(np.searchsorted(nodes, x, side="right") - 1, 0, max(0, len(nodes) - 2))
+                     for nodes, x in zip(lines, position.T)], axis=1)
+
+
+def block_of(grid, boxes, rank):
+    """Block of the process `rank` from the whole Grid."""
+    cells = np.array([max(1, n - 1) for n in grid.shape])
+    around = np.stack([np.maximum(boxes[:, 0] - 1, 0), np.minimum(boxes[:, 1] + 1, cells)], axis=1)
+    more = np.array(grid.shape) > 1      # one more node than cells, but on a collapsed axis
+    with_nodes = around + np.array([np.zeros(3, int), more])
+    own = boxes.copy()
+    own[:, 1] += (boxes[:, 1] == cells) & more
+    part = _within(with_nodes[rank], np.zeros(3, int))
+    whole = grid.shape
+    block = Block(tuple(np.ascontiguousarray(nodes[one]) for nodes, one in zip(grid.axes, part)), grid.extent,
+                  grid.fixed.reshape(*whole, 3)[part].reshape(-1, 3).copy(), grid.closed, lines=grid.axes, boxes=boxes,
+                  nodes=Exchange(own, with_nodes, rank), cells=Exchange(boxes, around, rank))
+    block.__dict__.update(volumes=grid.volumes.reshape(whole)[part].ravel().copy(), smallest_cell=grid.smallest_cell)
+    return block

@@ -1,0 +1,267 @@
+"""The block system of several processes, solved by PETSc: as `hybrid.linalg.petsc`, with what differs between processes.
+
+    K_uu   each process keeps the part that its own points give, over all its local unknowns, and applies it to them; sums
+           over processes go along one fixed plan of scatters. Rows are exchanged only for what M^-1 is made from
+    M^-1   of the assembled rows of each process: sweeps or incomplete factors of the block of its own unknowns, in which the
+           others are left out (block Jacobi); the direct factor is that of MUMPS, of all rows
+    K_ww   whole in every process, and so is the Schur complement; its columns are made by all processes together
+
+GMRES sees vectors with the own soil unknowns of each process, and those of the bodies in the first one.
+"""
+
+import numpy as np
+from petsc4py import PETSc
+
+from hybrid.linalg.precond_pattern import ReducedMatrix
+from hybrid.linalg.solver_choice import DAMPED, DIRECT, INCOMPLETE, MOST, SWEEPS
+from hybrid.runtime import comm, ranks
+from hybrid.runtime.errors import StepError
+
+RAISED = 1.5                # as in hybrid.linalg.petsc
+SMALLEST_DIAGONAL = 1e-13   # as there
+INVERSES = {
+    SWEEPS: {"pc_type": "sor"},
+    INCOMPLETE: {"pc_type": "bjacobi", "sub_ksp_type": "preonly", "sub_pc_type": "ilu", "sub_pc_factor_zeropivot": 0.0},
+    DIRECT: {"pc_type": "lu", "pc_factor_mat_solver_type": "mumps"},
+}
+INVERSES[DAMPED] = INVERSES[INCOMPLETE]
+ALL, SELF = PETSc.COMM_WORLD, PETSc.COMM_SELF
+
+
+class _Calls:
+    """What PETSc calls of a DistributedSystem; it must not find its method `destroy`."""
+
+    def __init__(self, system):
+        self._system = system
+
+    def mult(self, _, x, y):
+        self._system.mult(x, y)
+
+    def apply(self, _, x, y):
+        self._system.apply(x, y)
+
+
+class DistributedSystem:
+    """Storage and solution of the block system; attributes and methods as those of BlockSystem.
+
+    pattern: Pattern of the local unknowns; grid: Block; reduced: ReducedMatrix, None for all of K_uu; choice: SolverChoice
+    """
+
+    def __init__(self, pattern, grid, body_unknowns, tolerance, reduced, sweeps, choice):
+        n, m = pattern.size, body_unknowns
+        self.values = np.empty(len(pattern.indices))
+        self.uw, self.wu, self.ww = np.zeros((n, m), order="F"), np.zeros((m, n), order="F"), np.zeros((m, m), order="F")
+        self._tolerance, self._sweeps, self._choice = tolerance, sweeps, choice
+        self._own = np.broadcast_to(grid.nodes.owned[:, None], pattern.free.shape)[pattern.free]
+        self._count = int(np.count_nonzero(self._own))
+        self.body_unknowns, self.soil_unknowns = m, comm.count(self._own)
+        numbers = self._numbers(pattern, grid)
+        self._map = PETSc.LGMap().create(numbers, comm=ALL)
+        sizes = (self._count, self.soil_unknowns)
+        self._vector, self._copy = PETSc.Vec().createMPI(sizes, comm=ALL), PETSc.Vec().createSeq(n, comm=SELF)
+        self._result, self._inverted = self._vector.duplicate(), self._vector.duplicate()
+        places = PETSc.IS().createGeneral(numbers, comm=SELF)
+        self._scatter = PETSc.Scatter().create(self._vector, places, self._copy, None)
+        places.destroy()
+        self._product = self._copy.duplicate()
+        self._local = PETSc.Mat().createAIJWithArrays((n, n), (pattern.indptr, pattern.indices, self.values), comm=SELF)
+        self._reduced = reduced or ReducedMatrix(pattern.indptr, pattern.indices, np.ones(len(pattern.indices), bool))
+        self._made = {}     # {solver: (matrix of unassembled parts, local matrix, assembled matrix, KSP)}
+        self._parts = [self._map, self._vector, self._copy, self._result, self._inverted, self._scatter, self._product,
+                       self._local]
+        self._make_krylov()
+
+    def _numbers(self, pattern, grid):
+        """(n,) numbers of the local unknowns among those of all processes."""
+        numbers = np.full(pattern.free.shape, -1)
+        own = pattern.free & grid.nodes.owned[:, None]
+        numbers[own] = comm.offset(self._count) + np.arange(self._count)
+        found = grid.from_owners(numbers)[pattern.free].astype(PETSc.IntType)
+        assert (found >= 0).all(), "processes have different active nodes"
+        return found
+
+    def _make_krylov(self):
+        own = self._count + (self.body_unknowns if ranks.rank() == 0 else 0)
+        sizes = (own, self.soil_unknowns + self.body_unknowns)
+        self._matrix = PETSc.Mat().createPython((sizes, sizes), context=_Calls(self), comm=ALL)
+        self._matrix.setUp()
+        self._x, self._b = self._matrix.createVecs()
+        self._ksp = PETSc.KSP().create(ALL)
+        self._ksp.setOptionsPrefix("hybrid_")
+        self._ksp.setOperators(self._matrix)
+        self._ksp.setType("gmres")
+        self._ksp.setGMRESRestart(100)
+        self._ksp.setPCSide(PETSc.PC.Side.RIGHT)
+        self._ksp.getPC().setType("python")
+        self._ksp.getPC().setPythonContext(_Calls(self))
+        self._ksp.setFromOptions()
+        self._parts += [self._matrix, self._x, self._b, self._ksp]
+
+    def destroy(self):
+        """Release the memory of matrices and factors."""
+        for thing in [*self._parts, *(each for made in self._made.values() for each in made)]:
+            thing.destroy()
+        self._parts, self._made = [], {}
+
+    def clear(self):
+        """Set all blocks except K_uu to zero."""
+        for block in (self.uw, self.wu, self.ww):
+            block[...] = 0.0
+
+    # -------------------------------------------------------------- vectors of own and of local unknowns
+
+    def _to_local(self, own):
+        """(n,) values of the local unknowns from those of the own ones."""
+        self._vector.array = own
+        self._scatter.scatter(self._vector, self._copy, addv=PETSc.InsertMode.INSERT, mode=PETSc.ScatterMode.FORWARD)
+        return self._copy.array_r
+
+    def _summed(self, local):
+        """(own,) sums over processes of values (n,) of local unknowns."""
+        self._product.array = local
+        self._result.set(0.0)
+        self._scatter.scatter(self._product, self._result, addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
+        return self._result.array_r
+
+    def _of_bodies(self, vector):
+        """(m,) entries of the bodies in a vector of GMRES, in every process."""
+        if not self.body_unknowns:
+            return np.zeros(0)
+        return comm.from_first(vector.array_r[self._count:].copy())
+
+    def _put(self, vector, soil, bodies):
+        vector.array = soil if ranks.rank() else np.concatenate([soil, bodies])
+
+    # -------------------------------------------------------------- what GMRES calls
+
+    def mult(self, x, y):
+        """y = K x."""
+        soil, bodies = self._to_local(x.array_r[:self._count]), self._of_bodies(x)
+        self._local.mult(self._copy, self._product)
+        on_bodies = comm.total([self.wu @ soil]) + self.ww @ bodies if self.body_unknowns else bodies
+        self._put(y, self._summed(self._product.array_r + self.uw @ bodies), on_bodies)
+
+    def apply(self, x, y):
+        """y = the preconditioner's inverse times x."""
+        bodies, soil = self._of_bodies(x), x.array_r[:self._count]
+        if self.body_unknowns:
+            bodies = np.linalg.solve(self._schur, bodies)
+            soil = soil - self._summed(self.uw @ bodies)
+        self._put(y, self._inverse(soil), bodies)
+
+    def _inverse(self, own):
+        """(own,) M^-1 times own entries (own,)."""
+        self._vector.array = own
+        self._made[self._solver][-1].solve(self._vector, self._inverted)
+        return self._inverted.array_r
+
+    # -------------------------------------------------------------- preconditioner
+
+    def factor(self):
+        """Prepare the preconditioner after assembly."""
+        self._local.assemble()
+        self._local.stateIncrease()
+        self._order = self._choice.begin(self.soil_unknowns, self.body_unknowns, self._sweeps)
+        self._prepare(0)
+
+    def _prepare(self, at):
+        self._at, self._failed, (solver, most) = at, "", self._order[at]
+        self._solver, self._most = solver, most
+        if solver not in self._made:
+            self._made[solver] = self._make(solver)
+        unassembled, local, matrix, ksp = self._made[solver]
+        if solver != DIRECT:
+            self._reduced.update(self.values)
+        local.assemble()
+        local.stateIncrease()
+        unassembled.assemble()
+        unassembled.convert("aij", matrix)
+        diagonal = matrix.getDiagonal()
+        values = diagonal.array
+        small = np.abs(values) < SMALLEST_DIAGONAL
+        values[small] = np.copysign(SMALLEST_DIAGONAL, values[small])
+        if solver == DAMPED:
+            values *= RAISED
+        diagonal.array = values
+        if solver != DIRECT:
+            matrix.setDiagonal(diagonal)
+        diagonal.destroy()
+        ksp.setOperators(matrix)
+        ksp.setUp()
+        if solver == DIRECT:
+            self._choice.factors += 1
+            code = ksp.getPC().getFactorMatrix().getMumpsInfog(1)
+            self._failed = "" if code >= 0 else f"the direct factor fails with error {code} of MUMPS"
+        if not self._failed:
+            self._form_schur()
+
+    def _make(self, solver):
+        """(unassembled, local, assembled, KSP) of a solver."""
+        n, sizes = len(self._own), (self._count, self.soil_unknowns)
+        csr = (self._reduced.indptr, self._reduced.indices, self._reduced.values)
+        local = self._local
+        if solver == DIRECT:
+            self._local.incRef()
+        else:
+            self._reduced.update(self.values)
+            local = PETSc.Mat().createAIJWithArrays((n, n), csr, comm=SELF)
+        unassembled = PETSc.Mat().createIS((sizes, sizes), lgmapr=self._map, lgmapc=self._map, comm=ALL)
+        unassembled.setISLocalMat(local)
+        unassembled.assemble()
+        matrix = PETSc.Mat()
+        unassembled.convert("aij", matrix)
+        ksp = PETSc.KSP().create(ALL)
+        prefix = f"hybrid_inverse_{solver}_"
+        ksp.setOptionsPrefix(prefix)
+        ksp.setType("preonly")
+        ksp.setOperators(matrix)
+        options = PETSc.Options()
+        for key, value in INVERSES[solver].items():
+            options[prefix + key] = value
+        ksp.setFromOptions()
+        return unassembled, local, matrix, ksp
+
+    def _form_schur(self):
+        """S = K_ww - K_wu M^-1 K_uw in every process."""
+        self._schur = self.ww.copy()
+        for a in range(self.body_unknowns):
+            if comm.anywhere(self.uw[:, a]):
+                column = self._to_local(self._inverse(self._summed(self.uw[:, a]).copy()))
+                with np.errstate(invalid="ignore"):
+                    self._schur[:, a] -= comm.total([self.wu @ column])
+
+    # -------------------------------------------------------------- solution
+
+    def solve(self, soil, body, tolerance=None):
+        """Increments (n,) of the local unknowns and (m,) of the bodies, and the number of Krylov iterations, as
+        `BlockSystem.solve`; soil: residuals (n,), summed over processes."""
+        self._put(self._b, -soil[self._own], -body)
+        total, failures = 0, {}
+        while True:
+            solver, tolerance = self._solver, self._tolerance if tolerance is None else tolerance
+            failure, count = self._attempt(tolerance)
+            total += count
+            if not failure:
+                self._choice.solved(solver, count, tolerance)
+                bodies = self._of_bodies(self._x)
+                return self._to_local(self._x.array_r[:self._count]).copy(), bodies, total
+            failures[solver] = failure
+            self._choice.failed(solver)
+            if self._at + 1 == len(self._order):
+                reasons = ", and ".join([*failures.values(), self._choice.refusal(self.soil_unknowns)]).strip(", and ")
+                raise StepError(f"linear solver: {reasons}")
+            self._prepare(self._at + 1)
+
+    def _attempt(self, tolerance):
+        """(Reason of failure, "" if there is none; number of Krylov iterations)."""
+        if self._failed:
+            return self._failed, 0
+        if not np.isfinite(self._schur).all() or self.body_unknowns and not np.linalg.cond(self._schur) < 1e300:
+            return "the Schur complement of the bodies is singular", 0
+        self._ksp.setTolerances(rtol=tolerance, atol=0.0, max_it=min(self._most, MOST))
+        self._ksp.setUp()
+        self._ksp.solve(self._b, self._x)
+        reason, count = self._ksp.getConvergedReason(), self._ksp.getIterationNumber()
+        if reason < 0 or comm.anywhere(~np.isfinite(self._x.array_r)):
+            return f"no convergence in {count} iterations, PETSc reason {reason}", count
+        return "", count

@@ -1,0 +1,68 @@
+"""The processes of a run: how many there are, which one this is, and how they end together. The only module that starts MPI.
+
+One process is the rule; several are started by mpirun (`hybrid run --ranks`). A fault that all of them find, such as a
+mistake in the scene, is told once and ends them all; one that a single process meets ends the others, which would wait for
+it forever.
+"""
+
+import os
+import time
+from functools import cache
+
+# Set by mpirun of Open MPI, MPICH and Intel MPI, and by srun --mpi
+STARTED = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MPI_LOCALNRANKS", "PMIX_RANK")
+
+
+@cache
+def world():
+    """Communicator of all processes, None where one was started."""
+    if not any(name in os.environ for name in STARTED):
+        return None
+    from mpi4py import MPI  # its import starts MPI, which a run by one process leaves out
+
+    return MPI.COMM_WORLD if MPI.COMM_WORLD.size > 1 else None
+
+
+def started():
+    """Number of processes that run this program together."""
+    return world().size if world() else 1
+
+
+def rank():
+    """Number of this process, from 0."""
+    return world().rank if world() else 0
+
+
+@cache
+def _last_words():
+    """A communicator of its own, so that nothing else is mistaken for the end."""
+    return world().Dup()
+
+
+def prepare():
+    """To be called by all processes, before anything can fail."""
+    if world():
+        _last_words()
+
+
+def same_fault(error):
+    """Raise the `error` of the first process, unless it is None, in all of them."""
+    if world():
+        error = world().bcast(error)
+    if error is not None:
+        raise error
+
+
+def end_together(seconds=10.0):
+    """Whether all other processes end as well within some `seconds`; to be asked by one that has failed."""
+    request, end = _last_words().Ibarrier(), time.monotonic() + seconds
+    while not request.Test():
+        if time.monotonic() > end:
+            return False
+        time.sleep(0.01)
+    return True
+
+
+def abort(code):
+    """End all processes at once."""
+    world().Abort(code)
