@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from hybrid.api import run
+from hybrid.contact import corners
 from hybrid.runtime.errors import SceneError, StepError
 from hybrid.scene import Axis, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
 from hybrid.scene.file import validate
@@ -205,9 +206,14 @@ def test_grids_that_cannot_travel_are_refused(change, text):
         validate(change(flown_over()))
 
 
-def test_a_plate_that_slides_along_elastic_soil_carries_what_one_that_stands_does():
-    """Soil that passes under its front edge comes to press; if it did not, it would carry two thirds."""
+def test_a_plate_that_slides_along_elastic_soil_carries_what_one_that_stands_does(monkeypatch):
+    """Soil that passes under its front edge comes to press; if it did not, the plate would sink in."""
     sliding = plough(inertia=False)
     body = replace(sliding.bodies[0], velocity=(0.0, 0.0, -0.05), position=(2.8, 0.0, 0.301))
     standing = replace(sliding, bodies=(body,))
-    assert forces(sliding)[0][-1, 2] == pytest.approx(forces(standing)[0][-1, 2], rel=0.08)
+    stands = forces(standing)[0]
+    assert forces(sliding)[0][-1, 2] == pytest.approx(stands[-1, 2], rel=0.05)
+    search = corners._new_points
+    monkeypatch.setattr(corners, "_new_points", lambda *given: {
+        name: values[:None if not len(given[-1]) else 0] for name, values in search(*given).items()})
+    assert forces(plough(inertia=False, steps=15))[0][-1, 2] < 0.8 * stands[14, 2]
