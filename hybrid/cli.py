@@ -225,6 +225,7 @@ def _start_ranks(options):
     # Open MPI refuses to run as root, and more processes than cores, unless told that this is meant
     environment = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
                    "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_hwloc_base_binding_policy": "none",
+                   "OMPI_MCA_mpi_yield_when_idle": "1",     # a rank that waits leaves its core to others
                    "NUMBA_NUM_THREADS": str(max(1, (os.cpu_count() or 1) // options.ranks)), **os.environ}
     command = ["mpirun", "-q", "-n", str(options.ranks), sys.executable, "-m", "hybrid", *options.arguments]
     try:
