@@ -145,6 +145,6 @@ def test_memory_of_a_grid_that_travels():
     command = [sys.executable, "-c", TRAVELS]
     output = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
     estimated, predicted, measured, run, most, points, growth = map(float, output.split())
-    assert 0.5 < estimated / run < 2 and 0.5 < predicted / run < 2
+    assert 0.5 < estimated / run < 2 and 0.4 < predicted / run < 2     # a run may try several preconditioners
     assert measured < 0.8 * run
     assert growth > 1.3 and 0.8 * most < points < 1.1 * most

@@ -36,7 +36,7 @@ def flown_over(steps=60, behind="freeze", **soil):
 def plough(x=(), z=(), size=0.2, steps=30, inertia=True):
     """A box pressed into elastic soil while it slides along it, in plane strain and without friction."""
     body = box(0.8, 0.8, 0.6, position=(1.6, 0.0, 0.301), velocity=(1.0, 0.0, -0.05), driven=("x", "y", "z"),
-               held=("rx", "ry", "rz"))
+               held=("rx", "ry", "rz"), penalty=500 / size)
     axes = [Axis(0.0, 6.4, size, growth=1.4, **dict(x)), Axis(-0.2, 0.2, collapsed=True),
             Axis(-3.2, 1.6, size, growth=1.4, **dict(z))]
     return Scene(

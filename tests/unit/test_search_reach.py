@@ -27,7 +27,7 @@ def body_at(*position, velocity=(0.0, 0.0, 0.0)):
                             spin=np.zeros(3))
     surface = SimpleNamespace(vertices=vertices, extent=lambda direction: (vertices @ direction).max())
     places = SimpleNamespace(reach=REACH)
-    return SimpleNamespace(radius=np.linalg.norm(HALF), surface=surface, places=places), state
+    return SimpleNamespace(radius=np.linalg.norm(HALF), surface=surface, outline=surface, places=places), state
 
 
 def grid_of(x, y, z):

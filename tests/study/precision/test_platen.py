@@ -24,10 +24,10 @@ def test_error_falls_with_the_penalty(error, recorded):
 
 
 def test_along_default_only_the_penalty_is_seen(recorded):
-    """The cube is pressed evenly, and p_f = 500/h: springs in series say what is left."""
+    """The cube is pressed evenly, and p_f = 2000/h: springs in series say what is left."""
     coarse, fine = (r.errors for r in recorded(platen, "default"))
     for cell, found in ((0.4, coarse), (0.2, fine)):
-        assert found["force"] == pytest.approx(1 - platen.in_series(500 / cell)[0] / platen.IDEAL, rel=1e-3)
+        assert found["force"] == pytest.approx(1 - platen.in_series(2000 / cell)[0] / platen.IDEAL, rel=1e-3)
     assert max(coarse["springs"], fine["springs"]) < 1e-5
 
 
