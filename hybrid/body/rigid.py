@@ -41,7 +41,7 @@ class RigidBody:
 
     free: (6,) bool, the unknowns; drive: (6,) [m/s, rad/s] spatial rates of the others, zero for held components
     places: where contact is evaluated on the domains of soil points (`hybrid.contact.places`)
-    surface: in contact with soil; on soil that deforms the outline with its sharp edges rounded off (`hybrid.body.rounded`)
+    surface: in contact with soil; on soil that yields or that it is driven into the outline with its sharp edges rounded off (`hybrid.body.rounded`)
     outline: ContactSurface of the geometry, as it is drawn; None: `surface`
     penalty: p_f [1/m], or on held soil p_f E [N/m³]; contact_pressure: (n,) p_f E [N/m³] against each soil point, given
         by `with_stiffness`

@@ -45,7 +45,7 @@ def connect_to_soil(described, body, rotation, soil, gravity):
     Raises SceneError."""
     body = in_slice(body, soil.grid, rotation)
     chosen, spacing, radius = _places(described, body, soil, gravity)
-    if not (soil.held or chosen.at_corners):
+    if not (soil.held or chosen.at_corners or _carried(body, soil, gravity)):
         body = replace(body, surface=round_off(body.surface, find_edges(
             body.surface, soil.grid.smallest_cell, rotation[soil.grid.collapsed])))
     body = replace(body, places=chosen, penalty=_penalty(described, body, soil, spacing, radius, gravity))
@@ -84,7 +84,12 @@ def _penalty(described, body, soil, spacing, radius, gravity):
 
 def _rests(body, soil, radius, gravity):
     """Whether nothing but elastic soil carries the weight of a body with this `radius` of curvature [m]."""
-    return np.isfinite(radius) and not soil.law.plastic and gravity.any() and body.free[:3][gravity != 0.0].all()
+    return np.isfinite(radius) and _carried(body, soil, gravity)
+
+
+def _carried(body, soil, gravity):
+    """Whether nothing but elastic soil carries the weight of a body, so that its force on the soil is known."""
+    return not soil.law.plastic and gravity.any() and body.free[:3][gravity != 0.0].all()
 
 
 def curvature_radius(surface):
