@@ -21,6 +21,7 @@ from scipy.sparse import coo_matrix, diags, identity, kron
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import spsolve
 
+from hybrid.body.closest import closest
 from hybrid.body.smooth import shared_edges, unit
 from hybrid.body.surface import build_surface
 
@@ -36,7 +37,7 @@ def round_off(surface, edges):
     triangles fold however small the insets are."""
     split, origin = _split(surface.triangles, edges)
     for _ in range(TRIES if len(edges.triangle) else 0):
-        moved = surface.vertices[origin] + _displacements(surface, split, edges)
+        moved = _onto(surface, surface.vertices[origin] + _displacements(surface, split, edges), split)
         if not _folded(moved[split], surface.normals).any():
             return _Skin(surface, split, moved, edges).close()
         edges = edges._replace(inset=SMALLER * edges.inset)
@@ -86,6 +87,15 @@ def _displacements(surface, split, edges):
     skin = kron(_laplacian(surface, split, count) + FREE * identity(count), identity(3))
     found = spsolve((skin + CONDITION * conditions.T @ conditions).tocsc(), CONDITION * conditions.T @ value)
     return found.reshape(-1, 3)
+
+
+def _onto(surface, points, split):
+    """Vertices after the split at `points` (n, 3) [m], on the tangent planes of the surface, moved onto it."""
+    if not len(surface.tree.patches.nodes):
+        return points
+    normals = np.zeros_like(points)
+    np.add.at(normals, split, surface.corner_normals)
+    return np.array([closest(point, np.inf, surface.tree, tuple(side))[2] for point, side in zip(points, unit(normals))])
 
 
 def _away(surface):

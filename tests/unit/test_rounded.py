@@ -118,6 +118,13 @@ def test_the_rim_of_a_cylinder_is_an_edge_and_its_facets_are_none():
     assert rim(body) == 0 and gap(body, 0.5, 0.0, 0.44) == pytest.approx(0.0, abs=2e-4) and gap(body, 0.5, 0.0, 0.5) > 0.015
 
 
+def test_a_slender_cylinder_of_few_facets_stays_round():
+    """Vertices that move by twice its radius along it do not leave its surface."""
+    surface = surface_of("cylinder.geo", radius=0.05, height=5.0, size=0.1)
+    body = rounded(surface, 0.2)
+    assert body is not surface and np.linalg.norm(body.vertices[:, :2], axis=1).max() < 0.053      # 0.065 on the tangent planes
+
+
 def test_the_shoulder_of_a_cone_is_an_edge_and_its_tip_is_none():
     """Triangles that meet at the tip bend there, and not at the shoulder; those at the shoulder bend by 30°."""
     surface = surface_of("cone.geo", radius=1.0, angle=60.0, shaft=2.0, size=0.3)
