@@ -158,9 +158,14 @@ def parser():
     sub.add_argument("--out", type=Path, metavar="FILE", help="write to a file instead")
 
     sub = _command(commands, "mesh", mesh, "mesh a geometry; print the size of the mesh and the mass of the body")
-    sub.add_argument("geometry", type=Path, metavar="FILE.geo", help="geometry file that gmsh reads")
-    sub.add_argument("--density", type=float, default=7850.0, metavar="RHO",
-                     help="density of the body in kg/m³ (default: 7850, steel)")
+    sub.add_argument("geometry", type=Path, metavar="FILE", help="geometry (.geo), solid, triangles or mesh (.step, "
+                                                                 ".iges, .brep, .stl, .msh)")
+    sub.add_argument("--density", default="7850", metavar="RHO",
+                     help="density of the body in kg/m³ (default: 7850, steel), or of each of its volumes, as "
+                          "shank=7850,fluke=7200")
+    sub.add_argument("--scale", type=float, default=1.0, metavar="METRES",
+                     help="metres in a unit of the file, 0.001 for triangles in millimetres (default: 1)")
+    sub.add_argument("--symmetry", choices=["x", "y"], help="cut the body in half: keep what lies at positive x or y")
     _set_argument(sub, "name=value", "set a parameter of the geometry, such as size=0.1")
     sub.add_argument("--out", type=Path, metavar="FILE.vtu", help="write the mesh as VTK XML, for ParaView")
     return top
@@ -345,8 +350,7 @@ def schema(options):
 
 def mesh(options):
     """`hybrid mesh`: sizes, mass properties about the centre of mass, named points."""
-    if not 0 < options.density < float("inf"):
-        raise SceneError(f"--density = {options.density:g}: must be positive; in kg/m³, 7850 is steel")
+    density = mesh_density(options.density)
     if options.out and options.out.suffix.lower() != MESH_ENDING:
         raise SceneError(f"--out {options.out}: the mesh is written as VTK XML; give a name that ends in "
                          f"{MESH_ENDING}, such as {options.out.with_suffix(MESH_ENDING)}")
@@ -354,14 +358,29 @@ def mesh(options):
     from hybrid.body.mesh import generate  # late: a mistake in the arguments is reported at once
     from hybrid.body.smooth_mass import mass_and_surface
 
-    body = generate(options.geometry, parameters)
-    mass, _ = mass_and_surface(body, options.density)
-    print(format_sheet(mesh_sheet(body, mass, options.density)))
+    volumes = tuple(density) if isinstance(density, dict) else ()
+    body = generate(options.geometry, parameters, None, options.scale, options.symmetry, volumes)
+    mass, _ = mass_and_surface(body, density)
+    print(format_sheet(mesh_sheet(body, mass, density)))
     if options.out:
         from hybrid.output.vtk import write_mesh
 
         write_mesh(options.out, body)
         print(f"\nwritten to {options.out}")
+
+
+def mesh_density(text):
+    """Density [kg/m³] of --density: one number, or {name of a volume: number}."""
+    named = [part.rpartition("=") for part in text.split(",")]
+    try:
+        densities = {name.strip(): float(number) for name, _, number in named}
+    except ValueError:
+        densities = {}
+    sound = len(densities) == len(named) and all(0 < rho < float("inf") for rho in densities.values())
+    if not sound or len(named) > 1 and "" in densities:
+        raise SceneError(f"--density = {text}: must be a positive number of kg/m³, 7850 is steel, or one for each volume, "
+                         "such as shank=7850,fluke=7200")
+    return densities.get("", densities)
 
 
 def geometry_parameters(overrides):

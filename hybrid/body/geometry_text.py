@@ -11,7 +11,8 @@ import re
 from hybrid.runtime.errors import GeometryError
 
 MESH_HEADS = (b"$MeshFormat", b"$Comments", b"$NOD")   # gmsh takes any other .msh file for a program
-SUFFIXES = (".geo", ".msh", ".stl", ".step", ".stp", ".iges", ".igs", ".brep")
+SOLIDS = (".step", ".stp", ".iges", ".igs", ".brep")   # files of CAD
+SUFFIXES = (".geo", ".msh", ".stl", *SOLIDS)
 LARGEST, LONGEST_TEXT, MOST = 200_000_000, 4_000_000, 100   # [bytes] of all files, of a .geo file; number of files
 REASONS = {
     **dict.fromkeys(("SystemCall", "System", "NonBlockingSystemCall", "SendToServer", "ExternalProcess"),

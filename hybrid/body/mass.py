@@ -77,6 +77,28 @@ def condensed_mass(mesh, density):
     )
 
 
+def combined(parts):
+    """MassProperties of a body of several `parts`, each a MassProperties in the same coordinates."""
+    if len(parts) == 1:
+        return parts[0]
+    mass = sum(part.mass for part in parts)
+    centre = sum(part.mass * part.centre for part in parts) / mass
+    inertia = sum(part.inertia + steiner(part.mass, part.centre - centre) for part in parts)
+    return point_mass(mass, centre, inertia)
+
+
+def steiner(mass, arm):
+    """Inertia (3, 3) [kg m²] of a point mass [kg] at `arm` (3,) [m]."""
+    return mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+
+
+def point_mass(mass, centre, inertia):
+    """MassProperties of a mass [kg] at its `centre` (3,) [m] with `inertia` (3, 3) [kg m²] about it."""
+    matrix = np.zeros((6, 6))
+    matrix[:3, :3], matrix[3:, 3:] = mass * np.eye(3), inertia
+    return MassProperties(float(mass), centre, inertia, matrix, mass * np.eye(6, 3))
+
+
 def assemble(points, tets, density):
     """Nodes (n, 3) in dolfinx's order, sparse mass (3n, 3n) [kg] and loads of unit gravity (3n, 3) [kg]."""
     with without_compiler_log():

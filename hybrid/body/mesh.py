@@ -1,8 +1,11 @@
-"""From a gmsh geometry file to the tetrahedra and the contact surface of a rigid body.
+"""From a file of gmsh or CAD to the tetrahedra and the contact surface of a rigid body.
 
 A geometry declares its parameters with DefineConstant under the name "Parameters/..." (lengths in metres), a
 physical volume "body", a physical surface "contact", and where a body is cut by a symmetry plane a physical
-surface "symmetry". Physical points are named places, such as the point where a body is pulled.
+surface "symmetry". Physical points are named places, such as the point where a body is pulled. Physical volumes of
+other names may have densities of their own. Other files (.step, .iges, .brep, .stl, .msh) need no groups: these are made
+(`hybrid.body.bare_files`). A `scale` makes metres of the coordinates of any file, and a body that is drawn as a whole is
+cut in half, by gmsh if it is a solid and by `hybrid.body.half` if it is a mesh.
 
 A geometry file is a program. Its text is checked (`hybrid.body.geometry_text`), and gmsh reads it in a process of its
 own (`hybrid.body.mesh_worker`) that is confined to copies of the checked files (`hybrid.runtime.sandbox`), within
@@ -25,7 +28,9 @@ from pathlib import Path
 import numpy as np
 
 from hybrid.body import geometry_text
-from hybrid.body.solid import TetMesh, oriented, smoothed, validate
+from hybrid.body.half import half_of
+from hybrid.body.solid import TetMesh, boundary_faces, oriented, smoothed, validate
+from hybrid.body.symmetry import AXES
 from hybrid.runtime.errors import GeometryError
 from hybrid.runtime.sandbox import offered, shortcoming
 
@@ -40,37 +45,60 @@ KEPT = 32                                           # meshes of this process, fo
 versions = {}                                       # of gmsh, once it has been used
 
 
-def generate(path, parameters=None, size=None):
+def generate(path, parameters=None, size=None, scale=1.0, symmetry=None, volumes=()):
     """Mesh the geometry file at `path` and return a validated TetMesh.
 
-    `parameters` maps names declared by the file to numbers [SI units; angles in the unit that the file states]; `size`
-    [m] is the edge length of the tetrahedra, short for the parameter of that name.
-    Raises GeometryError with the reason when the file, a parameter, a group or the mesh is unusable or above a limit.
+    `parameters` maps names declared by the file to numbers [SI units; angles in the unit that the file states]; a file of
+    CAD has the parameter `size`. `size` [m] is the edge length of the tetrahedra, short for the parameter of that name.
+    `scale` [-] multiplies all coordinates: 0.001 for triangles in millimetres. `symmetry` "x" or "y": the half on the
+    positive side of the plane x = 0 or y = 0. `volumes`: names of the physical volumes that the body consists of, instead
+    of "body". Raises GeometryError with the reason when the file, a parameter, a group or the mesh is unusable or above
+    a limit.
     """
     path = Path(path)
     parameters = dict(parameters or {})
     if size is not None:
         parameters["size"] = size
+    if symmetry not in (None, *AXES):
+        raise GeometryError(f"geometry {path}: symmetry = {symmetry!r} must be one of {', '.join(map(repr, AXES))}")
+    check_values(path, {**parameters, "scale": scale})
     files = geometry_text.files_of(path)
-    check_values(path, parameters)
     given = tuple(sorted((name, float(value)) for name, value in parameters.items()))
-    mesh = _mesh(path, tuple(files.items()), given)
+    mesh = _mesh(path, tuple(files.items()), given, float(scale), symmetry, tuple(volumes))
     copies = {name: value.copy() for name, value in vars(mesh).items() if isinstance(value, np.ndarray)}
     points = {name: place.copy() for name, place in mesh.named_points.items()}
     return dataclasses.replace(mesh, named_points=points, **copies)
 
 
 @functools.lru_cache(KEPT)
-def _mesh(path, files, parameters):
+def _mesh(path, files, parameters, scale, symmetry, volumes):
     """TetMesh of the files ((name, bytes), ...) with these parameters ((name, value), ...)."""
     if not offered():
         log.warning("geometry %s: gmsh is %s", path, shortcoming())
-    answer = in_child("mesh", path, dict(files), dict(parameters))
-    names = answer.pop("point_names").tolist()
-    points = dict(zip(names, answer.pop("point_places")))
-    mesh = oriented(TetMesh(named_points=points, name=path.stem, **answer))
+    answer = in_child("mesh", path, dict(files), dict(parameters), scale=scale, symmetry=symmetry, volumes=volumes)
+    answer["regions"] = tuple(answer["regions"].tolist())
+    names, places = answer.pop("point_names").tolist(), answer.pop("point_places")
+    if scale != 1.0:
+        answer["points"], places = scale * answer["points"], scale * places
+    cut = path.suffix.lower() in geometry_text.SOLIDS
+    if "contact" not in answer:
+        answer["contact"] = _outside(answer["tets"], answer["symmetry"])
+    mesh = oriented(TetMesh(named_points=dict(zip(names, places)), name=path.stem, **answer))
     validate(mesh)
+    if symmetry and not cut:
+        mesh = half_of(mesh, symmetry)
+        validate(mesh)
+    if symmetry and not len(mesh.symmetry):
+        raise GeometryError(f"geometry {path}: no face of it lies in the plane {symmetry} = 0, which symmetry = "
+                            f"'{symmetry}' cuts it by; move the plane of symmetry of the drawing there")
     return smoothed(mesh)
+
+
+def _outside(tets, symmetry):
+    """Faces (t, 3) around the tetrahedra but those of the cut face."""
+    cut = {tuple(sorted(face)) for face in symmetry.tolist()}
+    faces = boundary_faces(tets)
+    return faces[[tuple(sorted(face)) not in cut for face in faces.tolist()]]
 
 
 def parameter_names(path):
@@ -86,16 +114,17 @@ def check_values(path, parameters):
         number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
         if not number or not math.isfinite(value):
             raise GeometryError(f"geometry {path}: parameter '{name}' = {value!r} must be a finite number")
-    if parameters.get("size", 1.0) <= 0.0:
-        raise GeometryError(f"geometry {path}: size = {parameters['size']} m must be positive")
+    for name, unit in (("size", " m"), ("scale", "")):
+        if parameters.get(name, 1.0) <= 0.0:
+            raise GeometryError(f"geometry {path}: {name} = {parameters[name]}{unit} must be positive")
 
 
-def in_child(task, path, files, parameters):
+def in_child(task, path, files, parameters, **more):
     """Arrays {name: array} that a confined process of its own answers with; GeometryError if it gives none."""
     factor = _factor()
     seconds = max(1, math.ceil(SECONDS * factor))
     request = {"task": task, "path": str(path), "file": next(iter(files)), "parameters": parameters, "seconds": seconds,
-               "memory": int(MEMORY * factor), "tetrahedra": int(TETRAHEDRA * factor), "remedy": REMEDY}
+               "memory": int(MEMORY * factor), "tetrahedra": int(TETRAHEDRA * factor), "remedy": REMEDY, **more}
     try:
         with tempfile.TemporaryDirectory(prefix="hybrid-mesh-") as scratch:
             folder = Path(scratch)

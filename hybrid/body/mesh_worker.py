@@ -16,6 +16,8 @@ from pathlib import Path
 import gmsh
 import numpy as np
 
+from hybrid.body.bare_files import make_groups
+from hybrid.body.geometry_text import SOLIDS
 from hybrid.runtime.errors import GeometryError
 from hybrid.runtime.sandbox import confine, limit
 
@@ -24,13 +26,6 @@ NO_REASON = "gmsh gives no reason, which is so when it needs more than {:.3g} Gi
 LARGEST_ANSWER = 1 << 30       # [bytes]
 TRIANGLE, TETRAHEDRON = 2, 4  # gmsh's numbers of the linear element types
 SEAM = 1e-3                   # between two normals of one node on one surface
-WRAPPERS = {  # by suffix: .geo statements that make a volume of a file without physical groups
-    **dict.fromkeys((".step", ".stp", ".iges", ".igs", ".brep"),
-                    'SetFactory("OpenCASCADE"); Geometry.OCCTargetUnit = "M"; Merge "{name}"; '
-                    'Physical Volume("body") = {{1}}; Physical Surface("contact") = Abs(Boundary{{ Volume{{1}}; }});'),
-    ".stl": 'Merge "{name}"; Surface Loop(1) = {{1}}; Volume(1) = {{1}}; '
-            'Physical Volume("body") = {{1}}; Physical Surface("contact") = {{1}};',
-}
 
 
 def main(request):
@@ -63,11 +58,13 @@ def mesh(request):
     """Arrays of the mesh: the fields of TetMesh, and its named points as two arrays."""
     path = Path(request["path"])
     check_names(path, request["parameters"])
-    require_groups(path)
+    if path.suffix.lower() != ".geo":
+        make_groups(path, request)
+    require_groups(path, request["volumes"])
     gmsh.model.mesh.generate(3)
     check_log(path)
     check_size(path, request["tetrahedra"], request["remedy"])
-    return read_mesh(path)
+    return read_mesh(path, request["volumes"])
 
 
 @contextmanager
@@ -79,6 +76,8 @@ def session(file, request):
     try:
         gmsh.logger.start()
         gmsh.option.setNumber("General.Terminal", 0)
+        if file.suffix.lower() in SOLIDS:
+            gmsh.option.setString("Geometry.OCCTargetUnit", "M")    # a .geo file says it by itself
         for name, value in request["parameters"].items():
             given = {"type": "number", "name": PREFIX + name, "values": [float(value)], "clients": {"given": 31}}
             gmsh.onelab.set(json.dumps(given))
@@ -101,7 +100,7 @@ def declared():
 
 def check_names(path, given):
     """Refuse parameters that the file does not declare."""
-    known = declared()
+    known = ["size"] if path.suffix.lower() in SOLIDS else declared()
     for name in given:
         if name not in known:
             raise GeometryError(f"geometry {path} has no parameter '{name}'" + _parameter_remedy(path, name, known))
@@ -123,8 +122,8 @@ def check_log(path):
 
 def _parameter_remedy(path, name, known):
     """End of the message on a parameter that the file does not declare: the nearest one, or how to declare it."""
-    if path.suffix != ".geo":
-        return f": {path.suffix or 'its'} files declare none; remove '{name}', or use a .geo file"
+    if path.suffix.lower() != ".geo" and not known:
+        return f": {path.suffix} files declare none; remove '{name}', or use a .geo file"
     if known:
         nearest = difflib.get_close_matches(name, known, n=1, cutoff=0.0)[0]
         return f"; did you mean '{nearest}'? (declared: {', '.join(sorted(known))})"
@@ -138,38 +137,68 @@ def groups(dim):
     return {gmsh.model.getPhysicalName(dim, t): gmsh.model.getEntitiesForPhysicalGroup(dim, t) for t in tags}
 
 
-def require_groups(path):
-    """Refuse a geometry without the two groups, or with volumes that belong to no body."""
-    for dim, kind, name in ((3, "Volume", "body"), (2, "Surface", "contact")):
+def require_groups(path, volumes):
+    """Refuse a geometry without its groups, with volumes that belong to no body, or without the `volumes` named."""
+    wanted = [(3, "Volume", "body")] * (not volumes) + [(2, "Surface", "contact")] * has_surface(path)
+    for dim, kind, name in wanted:
         if name not in groups(dim):
             found = ", ".join(f"'{n}'" for n in groups(dim)) or "none"
             raise GeometryError(f"geometry {path} has no physical {kind.lower()} '{name}' (found: {found}); "
                                 + _group_remedy(path, kind, name))
-    outside = {tag for _, tag in gmsh.model.getEntities(3)} - set(map(int, groups(3)["body"]))
+    check_volumes_named(path, volumes)
+    outside = {tag for _, tag in gmsh.model.getEntities(3)} - {tag for tags in body_groups(volumes) for tag in tags}
     if outside:
-        raise GeometryError(
-            f"geometry {path}: volumes {sorted(outside)} are not in the physical volume 'body'; "
-            "delete them, fuse them or add them to the group"
-        )
+        one = f"the physical volumes {', '.join(volumes)} of body.density" if volumes else "the physical volume 'body'"
+        raise GeometryError(f"geometry {path}: volumes {sorted(outside)} are not in {one}; "
+                            "delete them, fuse them or add them to " + ("one of them" if volumes else "the group"))
+
+
+def has_surface(path):
+    """Whether the contact surface is a group: of triangles and meshes it is all of the outside unless they have one."""
+    return path.suffix.lower() in (".geo", *SOLIDS) or "contact" in groups(2)
+
+
+def body_groups(volumes):
+    """Volumes [(tag, ...)] of each physical volume that a body consists of."""
+    return [tuple(map(int, groups(3)[name])) for name in volumes or ["body"]]
+
+
+def check_volumes_named(path, volumes):
+    """Refuse names that are no physical volumes, and volumes that have two of the names."""
+    known = [name for name in groups(3) if name != "body"] or list(groups(3))
+    for name in volumes:
+        if name not in groups(3):
+            nearest = difflib.get_close_matches(name, known, n=1, cutoff=0.0)
+            raise GeometryError(f"geometry {path} has no physical volume '{name}', which density names"
+                                + (f"; did you mean '{nearest[0]}'? (it has: {', '.join(known)})" if known else
+                                   ": its volumes have no names; give one number as density"))
+    tags = [tag for group in body_groups(volumes) for tag in group] if volumes else []
+    twice = sorted({tag for tag in tags if tags.count(tag) > 1})
+    if twice:
+        raise GeometryError(f"geometry {path}: volumes {twice} are in several of the physical volumes that density names "
+                            f"({', '.join(volumes)}); a volume has one density")
 
 
 def _group_remedy(path, kind, name):
     """End of the message on a missing group: what can be done for this type of file."""
-    wrapper = WRAPPERS.get(path.suffix.lower())
-    if wrapper:
-        return (f"a {path.suffix} file has no physical groups: write a .geo file next to it and use that as geometry: "
-                + wrapper.format(name=path.name))
+    named = [found for found in groups(3) if found != "body"] if (kind, name) == ("Volume", "body") else []
+    if named:
+        example = ", ".join(f"{found} = 7850.0" for found in named)
+        return f'add Physical {kind}("{name}") = {{...}}; or give the density of each: density = {{ {example} }}'
     if path.suffix.lower() == ".msh":
         return f'add Physical {kind}("{name}") = {{...}}; to the .geo file that the mesh was made from'
     return f'add Physical {kind}("{name}") = {{...}};'
 
 
-def read_mesh(path):
-    """Arrays of TetMesh of gmsh's current model: only nodes of the tetrahedra, triangles as gmsh orients them."""
+def read_mesh(path, volumes):
+    """Arrays of TetMesh of gmsh's current model: only nodes of the tetrahedra, triangles as gmsh orients them. Without
+    `contact` where all of the outside is that."""
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     index = np.full(int(tags.max()) + 1 if len(tags) else 1, -1, dtype=np.int64)
-    solids, skins = groups(3), groups(2)
-    tets = elements(solids["body"], 3, TETRAHEDRON, path)
+    skins = groups(2)
+    solids = [tag for group in body_groups(volumes) for tag in group]
+    parts = [elements([tag], 3, TETRAHEDRON, path) for tag in solids]
+    tets = np.vstack(parts)
     if not len(tets):
         raise GeometryError(f"geometry {path}: the physical volume 'body' has no volume elements; "
                             "check that its surface is closed, or try another size")
@@ -177,18 +206,35 @@ def read_mesh(path):
     index[used] = np.arange(len(used))
     row = np.zeros(len(index), dtype=np.int64)
     row[tags.astype(np.int64)] = np.arange(len(tags))
-    contact = elements(skins["contact"], 2, TRIANGLE, path)
     symmetry = elements(skins.get("symmetry", []), 2, TRIANGLE, path)
     points = read_points(path)
+    regions, region = named_volumes(volumes, solids)
     return dict(
         points=np.asarray(coordinates).reshape(-1, 3)[row[used]],
         tets=index[tets],
-        contact=index[contact],
-        normals=read_normals(skins["contact"], contact),
+        **contact_surface(path, skins, index),
         symmetry=index[symmetry],
         point_names=np.array(list(points), str),
         point_places=np.array(list(points.values()), float).reshape(-1, 3),
+        regions=np.array(regions, str),
+        **({"region": np.repeat(region, [len(part) for part in parts])} if regions else {}),
     )
+
+
+def contact_surface(path, skins, index):
+    """Triangles and normals of the group `contact`; nothing without one."""
+    if not has_surface(path):
+        return {}
+    contact = elements(skins["contact"], 2, TRIANGLE, path)
+    return {"contact": index[contact], "normals": read_normals(skins["contact"], contact)}
+
+
+def named_volumes(volumes, solids):
+    """Names of the physical volumes that share the `solids`, and the number of that of each; ([], []) if they do not."""
+    names = list(volumes) or [name for name in groups(3) if name != "body"]
+    of = {int(tag): k for k, name in enumerate(names) for tag in groups(3)[name]}
+    counted = sum(len(groups(3)[name]) for name in names)
+    return (names, [of[tag] for tag in solids]) if counted == len(of) == len(solids) else ([], [])
 
 
 def elements(entities, dim, kind, path):

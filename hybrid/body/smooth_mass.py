@@ -15,38 +15,55 @@ from dataclasses import replace
 
 import numpy as np
 
-from hybrid.body.mass import condensed_mass
+from hybrid.body.mass import combined, condensed_mass, point_mass
+from hybrid.body.solid import owners
 from hybrid.body.surface import build_surface
+from hybrid.runtime.errors import GeometryError
 
 ORDER = 5       # Gauss points along each of v, w, s: exact for polynomials of degree 9
 
 
 def mass_and_surface(mesh, density):
-    """(MassProperties, ContactSurface about the centre of mass) of a TetMesh of uniform `density` [kg/m³].
+    """(MassProperties, ContactSurface about the centre of mass) of a TetMesh.
 
-    GeometryError as from `condensed_mass` and `build_surface`.
+    density: [kg/m³], or {name of a physical volume: [kg/m³]} of all its regions. GeometryError as from `condensed_mass`
+    and `build_surface`.
     """
-    mass = condensed_mass(mesh, density)
+    parts = list(_parts(mesh, density))
+    mass = combined([condensed_mass(part, own) for part, _, own in parts])
     surface = build_surface(mesh.points - mass.centre, mesh.contact, mesh.normals)
-    if not len(surface.tree.patches.nodes):
+    nodes = surface.tree.patches.nodes
+    if not len(nodes):
         return mass, surface
-    mass = with_layers(mass, surface.tree.patches.nodes, density)
+    mass = _with_layers(mass, [(own, layers(nodes[triangles])) for _, triangles, own in parts])
     return mass, build_surface(mesh.points - mass.centre, mesh.contact, mesh.normals)
 
 
-def with_layers(facets, nodes, density):
-    """MassProperties of the smooth solid, given those of its facets and the `nodes` (t, 9, 3) of patches about their
-    centre."""
-    volume, first, second = layers(nodes)
-    mass = facets.mass + density * volume
-    offset = density * first / mass
-    second = 0.5 * np.trace(facets.inertia) * np.eye(3) - facets.inertia + density * second
+def _parts(mesh, density):
+    """Yields (TetMesh of a part, its contact triangles, density [kg/m³]) of parts of uniform density."""
+    if not isinstance(density, dict):
+        yield mesh, slice(None), density
+        return
+    given, found = sorted(density), sorted(mesh.regions)
+    if given != found:
+        raise GeometryError(f"geometry '{mesh.name}': density names the volumes {', '.join(given)}, but it has "
+                            f"{', '.join(found) or 'none with names'}; give the density of each, or one number for all")
+    under = mesh.region[owners(mesh)]
+    for number, name in enumerate(mesh.regions):
+        tets = mesh.tets[mesh.region == number]
+        used, tets = np.unique(tets, return_inverse=True)
+        part = replace(mesh, points=mesh.points[used], tets=tets.reshape(-1, 4), region=None)
+        yield part, under == number, density[name]
+
+
+def _with_layers(facets, layers_by_density):
+    """MassProperties of the smooth solid, given those of its facets and [(density, layers about their centre)]."""
+    mass = facets.mass + sum(density * volume for density, (volume, _, _) in layers_by_density)
+    offset = sum(density * first for density, (_, first, _) in layers_by_density) / mass
+    second = 0.5 * np.trace(facets.inertia) * np.eye(3) - facets.inertia
+    second = second + sum(density * part for density, (_, _, part) in layers_by_density)
     second -= mass * np.outer(offset, offset)
-    inertia = np.trace(second) * np.eye(3) - second
-    matrix = np.zeros((6, 6))
-    matrix[:3, :3], matrix[3:, 3:] = mass * np.eye(3), inertia
-    return replace(facets, mass=float(mass), centre=facets.centre + offset, inertia=inertia, matrix=matrix,
-                   gravity_load=mass * np.eye(6, 3))
+    return point_mass(mass, facets.centre + offset, np.trace(second) * np.eye(3) - second)
 
 
 def layers(nodes):

@@ -9,6 +9,9 @@
 |                | None where it has none                                   |        |      |
 | symmetry       | triangles of the cut face, counter-clockwise outside     | (s, 3) | -    |
 | named_points   | name -> coordinates                                      | (3,)   | m    |
+| regions        | names of the physical volumes that share the tetrahedra  | -      | -    |
+| region         | number in `regions` of the one of each tetrahedron; None | (m,)   | -    |
+|                | where the volumes have no names                          |        |      |
 """
 
 from dataclasses import dataclass, field, replace
@@ -36,6 +39,13 @@ class TetMesh:
     named_points: dict[str, np.ndarray] = field(default_factory=dict)
     name: str = ""
     normals: np.ndarray | None = None
+    regions: tuple[str, ...] = ()
+    region: np.ndarray | None = None
+
+    def region_volumes(self):
+        """{name of a physical volume: its volume [m³]}."""
+        volumes = signed_volumes(self.points, self.tets)
+        return dict(zip(self.regions, np.bincount(self.region, volumes, len(self.regions)).tolist()))
 
 
 def boundary_faces(tets):
@@ -50,6 +60,13 @@ def boundary_faces(tets):
         raise GeometryError(f"{count.max()} tetrahedra share the face of nodes {bad.tolist()}, but at most 2 can; "
                             "remove tetrahedra that are there twice")
     return faces[first[count == 1]]
+
+
+def owners(mesh):
+    """Number (t,) of the tetrahedron under each contact triangle."""
+    faces = np.sort(mesh.tets[:, FACES].reshape(-1, 3), axis=1).tolist()
+    of = {tuple(face): k // 4 for k, face in enumerate(faces)}
+    return np.array([of[face] for face in map(tuple, np.sort(mesh.contact, axis=1).tolist())], np.int64)
 
 
 def oriented(mesh):
@@ -130,7 +147,8 @@ def check_pieces(mesh):
     piece = connected_components(joined, directed=False)[1]
     pieces = len(np.unique(piece[mesh.tets[:, 0]]))
     if pieces > 1:
-        raise GeometryError(f"{label(mesh)} is in {pieces} pieces, but a body is one solid: fuse with BooleanUnion")
+        raise GeometryError(f"{label(mesh)} is in {pieces} pieces, but a body is one solid: fuse with BooleanUnion, or "
+                            "with BooleanFragments where the parts differ in density")
 
 
 def check_watertight(mesh, boundary):

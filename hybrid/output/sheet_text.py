@@ -15,8 +15,12 @@ def mesh_sheet(body, mass, density):
         "lower corner [m]": body.points.min(axis=0),
         "upper corner [m]": body.points.max(axis=0),
     }
+    if body.regions:
+        mesh_rows["volumes [m³]"] = [f"{name}: {volume:.6g}" for name, volume in body.region_volumes().items()]
     mass_rows = {
-        "density [kg/m³]": density,
+        "density [kg/m³]": [f"{name}: {rho:g}" for name, rho in density.items()] if isinstance(density, dict)
+        else density,
+        **({"modelled": "half of a body, as is all that follows"} if len(body.symmetry) else {}),
         "mass [kg]": mass.mass,
         "centre of mass [m]": mass.centre,
         "inertia about the centre [kg m²]": list(mass.inertia),

@@ -27,13 +27,22 @@ class Pull:
 
 @table
 class Body:
-    """A rigid body meshed from a gmsh geometry."""
+    """A rigid body meshed from a file of gmsh or CAD."""
 
-    geometry: Path = key("path of the gmsh geometry (.geo); in a scene file relative to that file")
-    density: float = key("density of the body", "kg/m³", above=0, remedy="7850 is steel")
+    geometry: Path = key("path of the geometry (.geo), or of a solid, triangles or a mesh (.step, .iges, .brep, .stl, "
+                         ".msh); in a scene file relative to that file")
+    density: float | dict[str, float] = key(
+        "density of the body, or of each of its physical volumes by name, such as { shank = 7850.0, fluke = 7200.0 }",
+        "kg/m³", above=0, remedy="7850 is steel")
     name: str = key("label of the body and of its files in the output", default="body")
     parameters: dict[str, float] = key("values of the geometry's named parameters, in the units that the .geo states",
                                        default_factory=dict)
+    scale: float = key("metres in a unit of the geometry's coordinates, 0.001 for triangles in millimetres; .step and "
+                       ".iges are read in metres whatever their unit", "-", default=1.0, above=0,
+                       remedy="0.001 is for millimetres, 1 for metres")
+    symmetry: Literal["x", "y"] | None = key(
+        "the file has the whole body, and the half of it at positive x or y of the geometry is modelled; a .geo file cuts "
+        "by itself", default=None)
     position: Vector | None = key("place of the geometry's origin; left out: (0, 0, 0)", "m", default=None)
     rotation: tuple[float, float, float, float] | None = key(
         "(ax, ay, az, angle): axis and angle of a rotation about the geometry's origin; left out: none", "-, deg",

@@ -4,7 +4,7 @@ None of them changes what runs. ODD lists single values; the functions below it 
 its mesh: `hybrid.monitors.limits.place`.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import hypot, inf, pi
 
 from hybrid.scene.soil import of_layer, span
@@ -28,6 +28,8 @@ class Odd:
 
     def note(self, path, value):
         """[The note about a value], [] where it looks right or there is none."""
+        if isinstance(value, dict):
+            return [note for name, item in value.items() for note in replace(self, key=f"{self.key}.{name}").note(path, item)]
         if value is None or not self.above < value < self.below:
             return []
         return [f"{path}.{self.key} = {shown(value)}{f' {self.unit}' if self.unit else ''} looks wrong: {self.meaning}"]

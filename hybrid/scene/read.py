@@ -140,7 +140,9 @@ def _one_of(value, hint, path, base):
         options = [option for option in options if get_origin(option) is tuple] or options
         return _convert(value, options[0], path, base)
     for option in options:  # and so does a table, or one of some names
-        if is_dataclass(option) and isinstance(value, dict) or get_origin(option) is Literal and isinstance(value, str):
+        tables = is_dataclass(option) or get_origin(option) is dict
+        number = option is float and isinstance(value, float)
+        if number or tables and isinstance(value, dict) or get_origin(option) is Literal and isinstance(value, str):
             return _convert(value, option, path, base)
     for option in options:
         try:

@@ -127,13 +127,13 @@ def range_faults(value, path=""):
 
 def range_fault(value, declared, path):
     """Nothing where `value`, or each number of it, lies in the range of a Key, else the one fault."""
-    numbers = value if isinstance(value, tuple) else (value,)
+    numbers = value if isinstance(value, tuple) else tuple(value.values()) if isinstance(value, dict) else (value,)
     limit = str(declared.range)
     if declared.range.above == 0 and any(0 < number < TINY for number in numbers):
         limit = f"at least {TINY:g}"
     if declared.unit not in ("", "-"):
         limit += f", in {declared.unit}" if limit == "positive" else f" {declared.unit}"
-    limit += " each" * (numbers is value)
+    limit += " each" * isinstance(value, (tuple, dict))
     return need(all(number in declared.range for number in numbers), path, value, limit, declared.remedy)
 
 
@@ -144,6 +144,8 @@ def need(ok, path, value, limit, remedy):
 
 def shown(value):
     """Text of a value as a scene file has it, strings without quotes."""
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{name} = {shown(item)}" for name, item in list(value.items())[:12]) + " }"
     if isinstance(value, (tuple, list)):
         if len(value) > 12:
             return f"[{', '.join(map(shown, value[:3]))}, ... {len(value)} values]"

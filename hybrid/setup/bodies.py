@@ -20,7 +20,8 @@ def mesh_of(described):
     """TetMesh of a body's geometry."""
     from hybrid.body.mesh import generate  # late, as in build_body: a scene without bodies needs no gmsh and dolfinx
 
-    return generate(described.geometry, described.parameters)
+    volumes = tuple(described.density) if isinstance(described.density, dict) else ()
+    return generate(described.geometry, described.parameters, None, described.scale, described.symmetry, volumes)
 
 
 def build_body(described, body_mesh, gravity):

@@ -185,7 +185,7 @@ def test_geometry_without_volume_elements_is_refused(monkeypatch):
     try:
         with mesh_worker.session(path, {"path": path, "parameters": {}, "memory": 0}):
             with pytest.raises(GeometryError, match="no volume elements"):
-                mesh_worker.mesh({"path": path, "parameters": {}, "tetrahedra": 1000, "remedy": ""})
+                mesh_worker.mesh({"path": path, "parameters": {}, "tetrahedra": 1000, "remedy": "", "volumes": ()})
     finally:
         gmsh.finalize()
 
@@ -214,30 +214,6 @@ def test_a_parameter_of_a_file_without_any_is_refused_with_the_name_it_must_have
         generate(geo(text), {"length": 2.0})
     text = text.replace('Name "Box/length"', 'Name "Parameters/length"')
     assert np.ptp(generate(geo(text), {"length": 2.0}).points[:, 0]) == pytest.approx(2.0)
-
-
-@pytest.mark.parametrize("suffix", [".stl", ".step"])
-def test_a_file_that_cannot_have_groups_is_refused_with_a_geometry_that_can_be_used(tmp_path, suffix):
-    """The statements of the message, written into a .geo file, make the body."""
-    gmsh.initialize([], False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
-        gmsh.model.occ.addBox(0, 0, 0, 1, 1, 1)
-        gmsh.model.occ.synchronize()
-        gmsh.option.setString("Geometry.OCCTargetUnit", "M")
-        if suffix == ".stl":
-            gmsh.model.mesh.generate(2)
-        gmsh.write(str(tmp_path / f"cad{suffix}"))
-    finally:
-        gmsh.finalize()
-    with pytest.raises(GeometryError, match=f"a {suffix} file has no physical groups") as refused:
-        generate(tmp_path / f"cad{suffix}")
-    (tmp_path / "body.geo").write_text(str(refused.value).split("use that as geometry: ")[1] + "\n")
-    mesh = generate(tmp_path / "body.geo")
-    scale = np.ptp(mesh.points, axis=0).max()
-    assert signed_volumes(mesh.points, mesh.tets).sum() == pytest.approx(scale**3)
-    with pytest.raises(GeometryError, match=f"no parameter 'radius': {suffix} files declare none"):
-        generate(tmp_path / f"cad{suffix}", {"radius": 1.0})
 
 
 # ---- validation on arrays ----------------------------------------------------------------------------------
