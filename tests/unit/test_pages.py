@@ -4,13 +4,16 @@ Shape of README by its own rule: one minute to know what it is, five to a result
 """
 
 import re
+import tomllib
 from pathlib import Path
 
 import pytest
 
 from hybrid.body.mesh import generate
 from hybrid.cli import parser
+from hybrid.scene.body import Body
 from hybrid.scene.file import load_scene
+from hybrid.scene.read import build_table
 
 ROOT = Path(__file__).parents[2]
 README = ROOT / "README.md"
@@ -99,12 +102,14 @@ def test_script_of_the_pictures_uses_what_there_is():
 
 def test_geometry_and_scene_of_the_how_to_are_right(tmp_path):
     page = ROOT / "demos/own-geometry.md"
-    (geometry,), (scene,) = blocks(page, "geo"), blocks(page, "toml")
+    (geometry,), (drawing, scene) = blocks(page, "geo"), blocks(page, "toml")
     (tmp_path / "wedge.geo").write_text(geometry, encoding="utf-8")
     (tmp_path / "wedge.toml").write_text(scene, encoding="utf-8")
     (body,) = load_scene(tmp_path / "wedge.toml").bodies
     mesh = generate(body.geometry, {"width": 0.5})
     assert len(mesh.contact) and len(mesh.symmetry) and set(mesh.named_points) == {"eye"}
+    (table,) = tomllib.loads(drawing)["body"]
+    assert build_table(Body, table, "body", tmp_path).density == {"shank": 7850.0, "fluke": 7200.0}
 
 
 def test_equations_are_numbered_in_order_and_cited_numbers_exist():
