@@ -24,8 +24,8 @@ os.environ.setdefault("NUMBA_THREADING_LAYER", "workqueue")
 prepare()
 choose_folder()     # of compiled kernels, likewise
 
-_SCENE = ("Axis Body Condition Faces Freedom Grid Law Layer Material Output Pull Scene Soil Solver Stage Target Time "
-          "Vector").split()
+_SCENE = ("Axis Body Condition Faces Freedom Grid Law Layer Load Material Motion Output Pull Scene Soil Solver Stage "
+          "Target Time Vector").split()
 _HOMES = {
     **dict.fromkeys(_SCENE, "hybrid.scene"),
     **dict.fromkeys(("load_scene", "validate"), "hybrid.scene.file"),

@@ -119,7 +119,7 @@ def predict(simulation):
     Raises StepError when the linear system of the first step cannot be solved.
     """
     stage = simulation.scene.stages[0]
-    model, length = simulation.stage_model(stage, 0.0), stage.step or simulation.scene.time.step
+    model, length = simulation.stage_model(0, 0.0), stage.step or simulation.scene.time.step
     state, workspace = _disturbed(model.begin_stage(simulation.state), model.soil.grid.smallest_cell), Workspace(model)
     effort = _effort(model, state)
 

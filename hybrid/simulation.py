@@ -17,6 +17,7 @@ from functools import cached_property
 import numpy as np
 
 from hybrid.body.attitude import quaternion
+from hybrid.body.rigid import FREEDOMS
 from hybrid.contact.soil_to_body import nearest
 from hybrid.monitors import Monitors, StepView
 from hybrid.monitors.failure_hints import overstretched_domains
@@ -32,6 +33,7 @@ from hybrid.step import processes
 from hybrid.step.energy import balance_error, energies
 from hybrid.step.equations import begin
 from hybrid.step.increments import Control, outer_step
+from hybrid.step.work import drive_name, load_name
 from hybrid.step.workspace import Workspace
 
 log = logging.getLogger("hybrid")
@@ -204,16 +206,16 @@ class Simulation:
             workspace.systems.choice.restore(self.solver_memory)
         try:
             first, starts = 0, 0.0      # steps and time before the stage
-            for stage in self.scene.stages:
-                yield from self._stage_steps(stage, first, starts, workspace)
+            for number, stage in enumerate(self.scene.stages):
+                yield from self._stage_steps(number, stage, first, starts, workspace)
                 first, starts = first + stage.steps, starts + stage.steps * self._step_length(stage)
         finally:
             workspace.destroy()
 
-    def _stage_steps(self, stage, first, starts, workspace):
+    def _stage_steps(self, number, stage, first, starts, workspace):
         """Records of the remaining steps of a stage that comes after `first` steps and starts at a time [s]."""
         length, begun = self._step_length(stage), self.state.step > first
-        control, model = self._control(length, begun), self.stage_model(stage, starts)
+        control, model = self._control(length, begun), self.stage_model(number, starts)
         workspace.renew(model)
         if not begun:
             self.state = model.begin_stage(self.state)
@@ -247,10 +249,11 @@ class Simulation:
         """Length [s] of the outer steps of a stage."""
         return stage.step or self.scene.time.step
 
-    def stage_model(self, stage, starts):
-        """Model of a `stage` that starts at a time [s]."""
+    def stage_model(self, number, starts):
+        """Model of the stage of a `number`, from 0, that starts at a time [s]."""
+        stage = self.scene.stages[number]
         loads = self.model.loads.during(starts, stage.steps * self._step_length(stage), stage.gravity)
-        return self.model.for_stage(stage.held, stage.beta, stage.gamma, loads)
+        return self.model.for_stage(stage.held, stage.beta, stage.gamma, loads, number, starts)
 
     def _control(self, length, begun):
         """Increment control of a stage with outer steps of `length` [s]; one that has `begun` continues with its last
@@ -297,4 +300,15 @@ def _body_record(terms, state):
     motion, contact = state.bodies[terms.step.number], terms.contact
     return BodyRecord(
         terms.step.body.name, motion.position, quaternion(motion.rotation), motion.velocity, motion.spin,
-        contact.resultant[:3], contact.resultant[3:], terms.trial.tension, contact.largest_overlap)
+        contact.resultant[:3], contact.resultant[3:], terms.trial.tension, contact.largest_overlap,
+        **_guided(terms.step.body, motion, state.work))
+
+
+def _guided(body, motion, work):
+    """Reactions, loads and their work of a body, as fields of its BodyRecord."""
+    guided = [name for name, free in zip(FREEDOMS, body.free) if not free]
+    done = {name: work[drive_name(body, name)] for name in guided if drive_name(body, name) in work}
+    if load_name(body) in work:
+        done["load"] = work[load_name(body)]
+    reaction = {} if motion.reaction is None else {name: motion.reaction[FREEDOMS.index(name)] for name in guided}
+    return {"reaction": reaction, "load": motion.load, "work": done}

@@ -138,6 +138,7 @@ class BodyState:
     spin, spin_rate         (3,) [rad/s, rad/s²] in the body frame
     target       (3,) [m] far end of its pull line, None before the line is laid out
     reaction     (6,) [N, N m about the centre] of the guides of held and driven components, zero for free ones
+    load         (6,) [N, N m about the centre] of the loads of its stage, None where none act
     algorithmic  (6,) acceleration and spin rate that generalised-alpha carries, None for other schemes
     """
 
@@ -150,6 +151,7 @@ class BodyState:
     target: np.ndarray | None = None
     reaction: np.ndarray | None = None
     algorithmic: np.ndarray | None = None
+    load: np.ndarray | None = None
 
 
 @dataclass

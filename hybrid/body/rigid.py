@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hybrid.body import motion
+from hybrid.body import guides, motion
 from hybrid.body.attitude import cayley, exp_so3
+from hybrid.body.guides import Guide, PointLoad, StageControl
 from hybrid.body.line import line_force
 from hybrid.body.surface import ContactSurface
 from hybrid.state import BodyState
@@ -40,6 +41,9 @@ class RigidBody:
     """Constants of a body.
 
     free: (6,) bool, the unknowns; drive: (6,) [m/s, rad/s] spatial rates of the others, zero for held components
+    guides, loads: tables of time that components follow, and forces on it, in the present stage; drive_rate: (6,) second
+        rates of driven components in the present increment, None where no table acts
+    stages: StageControl of each stage of the run, empty where none changes anything of the body
     places: where contact is evaluated on the domains of soil points (`hybrid.contact.places`)
     surface: in contact with soil; on soil that yields or that it is driven into the outline with its sharp edges rounded off (`hybrid.body.rounded`)
     outline: ContactSurface of the geometry, as it is drawn; None: `surface`
@@ -59,10 +63,19 @@ class RigidBody:
     contact_pressure: np.ndarray | None = None
     line: Line | None = None
     outline: ContactSurface | None = None
+    guides: tuple[Guide, ...] = ()
+    loads: tuple[PointLoad, ...] = ()
+    drive_rate: np.ndarray | None = None
+    stages: tuple[StageControl, ...] = ()
 
     def __post_init__(self):
         if self.outline is None:
             object.__setattr__(self, "outline", self.surface)
+
+    @property
+    def driven(self):
+        """(6,) bool, components that guides drive in any stage."""
+        return np.any([self.drive != 0.0, *(control.driven for control in self.stages)], axis=0)
 
     @property
     def radius(self):
@@ -86,11 +99,12 @@ def bounding_box(body, state):
 @dataclass(frozen=True)
 class BodyTrial:
     """Forces on a body at a trial pose, contact apart: residuals (6,) [N, N m], tangent (6, 6), tension [N], and
-    own_moment [N m], |J Ẇ| + |W × J W| at the start of the step."""
+    own_moment [N m], |J Ẇ| + |W × J W| at the start of the step; load: of forces and moments of the stage."""
 
     inertia: np.ndarray
     weight: np.ndarray
     line: np.ndarray
+    load: np.ndarray
     tangent: np.ndarray
     tension: float
     line_energy: float
@@ -110,8 +124,9 @@ def moved_pose(pose, increment):
     return pose[0] + increment[:3], exp_so3(increment[3:]) @ pose[1]
 
 
-def evaluate(body, state, pose, target, gravity, scheme, dt):
-    """BodyTrial at `pose`. target: (3,) [m] far end of the pull line, None if none acts; gravity: (3,) [m/s²]."""
+def evaluate(body, state, pose, target, gravity, scheme, dt, time=0.0):
+    """BodyTrial at `pose`. target: (3,) [m] far end of the pull line, None if none acts; gravity: (3,) [m/s²]; time: [s]
+    of the loads."""
     position, rotation = pose
     inertia, tangent, own = np.zeros(6), np.zeros((6, 6)), 0.0
     if scheme.inertia:
@@ -124,7 +139,11 @@ def evaluate(body, state, pose, target, gravity, scheme, dt):
             position, rotation, body.line.attachment, target, body.line.length, body.line.stiffness,
             body.line.tension_only)
         tangent = tangent + line_tangent
-    return BodyTrial(inertia, _weight(body, rotation, gravity), line, tangent, tension, energy, own)
+    load = np.zeros(6)
+    if body.loads:
+        load, by_rotation = guides.load_on(body.loads, rotation, time)
+        tangent = tangent + by_rotation
+    return BodyTrial(inertia, _weight(body, rotation, gravity), line, load, tangent, tension, energy, own)
 
 
 def _weight(body, rotation, gravity):
@@ -149,15 +168,41 @@ def rotation_angle(body, state, pose, scheme, dt):
     return motion.rotation_angle(body.mass.inertia, state, *pose, dt, scheme)
 
 
-def accept(body, state, pose, target, reaction, scheme, dt):
+def accept(body, state, pose, target, reaction, scheme, dt, load=None):
     """New BodyState at the converged pose. target: (3,) [m] far end of the pull line or None; reaction: (6,) [N, N m]
-    of the guides."""
+    of the guides; load: (6,) [N, N m] of the loads of the stage."""
     if scheme.inertia:
         new = motion.updated(body.mass.inertia, state, *pose, dt, scheme)
     else:
         new = BodyState(*pose, (pose[0] - state.position) / dt, np.zeros(3), np.zeros(3), np.zeros(3))
-    new = new if body.free.all() else _impose_guide_rates(body, new)
-    return replace(new, target=target, reaction=reaction)
+    if not body.free.all():
+        new = _impose_guide_rates(body, new, 0.5 * dt)
+    return replace(new, target=target, reaction=reaction, load=load)
+
+
+def begin_increment(body, state, scheme, dt):
+    """`state` with the rates that guides with tables impose at the start of an increment `dt` [s]. The reaction there
+    takes the inertia force that they need from then on."""
+    if body.drive_rate is None:
+        return state
+    new = _impose_guide_rates(body, state, -0.5 * dt)
+    if state.reaction is None or not scheme.inertia:
+        return new
+    jump = np.concatenate([body.mass.mass * (new.acceleration - state.acceleration),
+                           state.rotation @ body.mass.inertia @ (new.spin_rate - state.spin_rate)])
+    return replace(new, reaction=np.where(body.free, 0.0, state.reaction + jump))
+
+
+def begin_loads(body, state, time, scheme):
+    """`state` after the loads of another stage begin to act at a `time` [s]: what they change accelerates free components
+    from the start of the next step, and guides of the others take it."""
+    if not body.loads and state.load is None:
+        return state
+    now = -guides.load_on(body.loads, state.rotation, time)[0]
+    change = now - (np.zeros(6) if state.load is None else state.load)
+    new = _accelerated(body, state, change) if scheme.inertia else state
+    reaction = None if state.reaction is None else state.reaction - np.where(body.free, 0.0, change)
+    return replace(new, reaction=reaction, load=now if body.loads else None)
 
 
 def release_guides(body, state):
@@ -168,14 +213,18 @@ def release_guides(body, state):
     """
     if state.reaction is None or not np.any(state.reaction[body.free]):
         return state
-    force, moment = np.split(np.where(body.free, state.reaction, 0.0), 2)
+    return replace(_accelerated(body, state, -state.reaction), reaction=np.where(body.free, 0.0, state.reaction))
+
+
+def _accelerated(body, state, load):
+    """`state` with the accelerations of free components that a force and moment `load` (6,) [N, N m] adds."""
+    force, moment = np.split(np.where(body.free, load, 0.0), 2)
     axes, inertia = state.rotation.T[:, body.free[3:]], body.mass.inertia     # free axes, in the body frame
     spin_rate = axes @ np.linalg.solve(axes.T @ inertia @ axes, axes.T @ (state.rotation.T @ moment))
-    guided = np.concatenate([force / body.mass.mass, spin_rate])    # accelerations that the reaction prevented
+    added = np.concatenate([force / body.mass.mass, spin_rate])
     return replace(
-        state, acceleration=state.acceleration - guided[:3], spin_rate=state.spin_rate - guided[3:],
-        algorithmic=None if state.algorithmic is None else state.algorithmic - guided,
-        reaction=np.where(body.free, 0.0, state.reaction))
+        state, acceleration=state.acceleration + added[:3], spin_rate=state.spin_rate + added[3:],
+        algorithmic=None if state.algorithmic is None else state.algorithmic + added)
 
 
 def engage_guides(body, state, gravity, scheme):
@@ -196,19 +245,31 @@ def engage_guides(body, state, gravity, scheme):
     return new, impulse_work
 
 
-def _impose_guide_rates(body, state):
+def jolt(body, old, new):
+    """Work (6,) [J], by spatial component, of the impulse that changes the rates of BodyState `old` to those of `new`; its
+    sum is the gain of kinetic energy."""
+    turn, inertia = old.rotation, body.mass.inertia
+    work = 0.5 * body.mass.mass * (new.velocity - old.velocity) * (new.velocity + old.velocity)
+    moment = turn @ inertia @ (new.spin - old.spin)
+    return np.concatenate([work, 0.5 * moment * (turn @ (new.spin + old.spin))])
+
+
+def _impose_guide_rates(body, state, after=0.0):
     """`state` with the rates that guides impose: by the scheme alone the rate of a component that is stopped would
-    oscillate about zero."""
+    oscillate about zero. after: [s] from the middle of the present increment."""
     rotation, algorithmic = state.rotation, state.algorithmic
+    drive, second_drive = body.drive, 0.0
+    if body.drive_rate is not None:
+        drive, second_drive = body.drive + after * body.drive_rate, body.drive_rate
 
     def imposed(rates, guide):  # rates (6,): translation in space, rotation in the body frame; guide: both in space
         rates = np.where(body.free, np.concatenate([rates[:3], rotation @ rates[3:]]), guide)
         return np.concatenate([rates[:3], rotation.T @ rates[3:]])
 
-    first = imposed(np.concatenate([state.velocity, state.spin]), body.drive)
-    second = imposed(np.concatenate([state.acceleration, state.spin_rate]), 0.0)
+    first = imposed(np.concatenate([state.velocity, state.spin]), drive)
+    second = imposed(np.concatenate([state.acceleration, state.spin_rate]), second_drive)
     return replace(state, velocity=first[:3], spin=first[3:], acceleration=second[:3], spin_rate=second[3:],
-                   algorithmic=None if algorithmic is None else imposed(algorithmic, 0.0))
+                   algorithmic=None if algorithmic is None else imposed(algorithmic, second_drive))
 
 
 def kinetic_energy(body, state):

@@ -267,19 +267,19 @@ def _flatten(prefix, item, flat):
     elif isinstance(item, (list, tuple)):
         item = enumerate(item)
     else:
-        flat[prefix] = _content(item) if prefix.endswith(".geometry") else repr(item)
+        flat[prefix] = _content(item) if isinstance(item, Path) else repr(item)
         return
     for key, value in item:
         _flatten(f"{prefix}.{key}" if prefix else str(key), value, flat)
 
 
 def _content(path):
-    """Name and digest of a geometry with the files that it reads, as gmsh gets them."""
+    """Name and digest of a file; of a geometry with the files that it reads, as gmsh gets them."""
     path = Path(path)
     if not path.is_file():
         return path.name
     try:
-        files = files_of(path)
+        files = files_of(path) if path.suffix == ".geo" else {path.name: path.read_bytes()}
     except GeometryError:       # of a file that was never meshed
         files = {path.name: path.read_bytes()}
     return f"{path.name} (sha256 {hashlib.sha256(b'|'.join(files.values())).hexdigest()[:12]})"

@@ -51,6 +51,7 @@ def model_sheet(scene, model, imbalance=None, level="", most_points=0, decisions
         "linear solver": _linear_solver(model, pattern.size),
         "soil tangent": _tangent(scene.soil, soil.law) if not soil.held else "none, the soil is held",
         "steps": " + ".join(f"{s.steps} ({s.name})" for s in scene.stages),
+        **_of_stages(scene),
         "time integration": _schemes(scene, model.scheme),
         "increments": _increments(scene, soil.grid.smallest_cell),
         "memory, estimated [MiB]": round(memory / 2**20),
@@ -145,6 +146,20 @@ def _body(described, body):
         parts.append("driven " + " ".join(described.driven))
     parts.append(f"contact at {len(body.places)} {described.contact} of each domain")
     return f"{body.name}: {', '.join(parts)}"
+
+
+def _of_stages(scene):
+    """{label: motions and loads of bodies in the stages}, empty where they have none."""
+    texts = []
+    for stage in scene.stages:
+        parts = [" ".join(filter(None, (motion.body, *(
+            f"{word} {' '.join(names)}" for word, names in (
+                ("free", motion.free), ("held", motion.held), ("driven", (motion.component,) * (motion.component is not None)))
+            if names)))) for motion in stage.motions]
+        parts += [" ".join(filter(None, (load.body, "loaded by a", " and a ".join(
+            name for name in ("force", "moment") if getattr(load, name) is not None)))) for load in stage.loads]
+        texts += [f"{stage.name}: {', '.join(parts)}"] if parts else []
+    return {"motions and loads": texts} if texts else {}
 
 
 def _schemes(scene, scheme):

@@ -27,7 +27,9 @@ from hybrid.state import Points, Population
 class BodyRecord:
     """One body at the end of a step: centre of mass, attitude (w, x, y, z), velocity, spin, and the forces on it.
 
-    The contact moment is about the centre of mass; force and moment are in the spatial frame, the spin is in
+    reaction and work are {component: force or moment of its guides, work done by them [J]} of components that are held or
+    driven ("x" ... "rz"), with work["load"] of loads; load: (6,) [N, N m], None where none act. Moments are about the
+    centre of mass; force and moment are in the spatial frame, the spin is in
     the body frame, as in `hybrid.state.BodyState`.
     """
 
@@ -40,6 +42,9 @@ class BodyRecord:
     contact_moment: np.ndarray
     line_tension: float = 0.0
     overlap: float = 0.0
+    reaction: dict[str, float] = field(default_factory=dict)
+    load: np.ndarray | None = None
+    work: dict[str, float] = field(default_factory=dict)
 
     def row(self):
         """Flat dict of this body's columns, each name ending in its unit."""
@@ -57,6 +62,12 @@ class BodyRecord:
             for axis, value in zip("xyz", vector):
                 columns[f"{kind}{axis}_{unit}"] = value
         columns["tension_N"], columns["overlap_m"] = self.line_tension, self.overlap
+        for name, value in self.reaction.items():
+            columns[f"reaction_m{name[1]}_Nm" if name[0] == "r" else f"reaction_f{name}_N"] = value
+        if self.load is not None:
+            columns.update(zip((f"load_{kind}_{unit}" for kind, unit in zip(
+                ("fx", "fy", "fz", "mx", "my", "mz"), ["N"] * 3 + ["Nm"] * 3)), self.load))
+        columns.update({"load_J" if name == "load" else f"drive_{name}_J": value for name, value in self.work.items()})
         return {f"{self.name}_{key}": float(value) for key, value in columns.items()}
 
 

@@ -9,7 +9,9 @@ from hybrid.scene.schema import (
     Grid,
     Law,
     Layer,
+    Load,
     Material,
+    Motion,
     Output,
     Pull,
     Scene,
@@ -21,5 +23,5 @@ from hybrid.scene.schema import (
     Vector,
 )
 
-__all__ = ["Axis", "Body", "Condition", "Faces", "Freedom", "Grid", "Law", "Layer", "Material", "Output", "Pull",
-           "Scene", "Soil", "Solver", "Stage", "Target", "Time", "Vector"]
+__all__ = ["Axis", "Body", "Condition", "Faces", "Freedom", "Grid", "Law", "Layer", "Load", "Material", "Motion", "Output",
+           "Pull", "Scene", "Soil", "Solver", "Stage", "Target", "Time", "Vector"]

@@ -9,6 +9,7 @@ from math import cos, hypot, radians, sin
 
 from hybrid.scene.check_grid import grid_faults
 from hybrid.scene.check_material import material_faults
+from hybrid.scene.check_stage import stage_faults
 from hybrid.scene.defaults import resolve
 from hybrid.scene.read import clipped
 from hybrid.scene.table import TINY, need, range_faults, shown
@@ -34,6 +35,7 @@ def faults(scene):
     yield from need(scene.stages, "stage", "none", "at least one", "add a [[stage]] with a name and steps")
     for i, stage in enumerate(scene.stages):
         yield from _stage(f"stage.{i}", stage, scene.time)
+        yield from stage_faults(f"stage.{i}", stage, scene)
     first = scene.stages[0].gravity[0] if scene.stages else 1.0
     yield from need(not scene.soil.geostatic or scene.soil.held or first == 1.0, "stage.0.gravity", first,
                     "1 at the start of soil in geostatic stress", "set soil.geostatic = false to turn gravity on")

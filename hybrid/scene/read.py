@@ -138,6 +138,8 @@ def _one_of(value, hint, path, base):
         return _convert(value, options[0], path, base)
     if isinstance(value, (list, tuple)):  # the option that is a list gives the more precise message
         options = [option for option in options if get_origin(option) is tuple] or options
+        if isinstance(next(iter(value), None), (list, tuple)):     # rows of numbers
+            options = [option for option in options if get_origin(next(iter(get_args(option)), None)) is tuple] or options
         return _convert(value, options[0], path, base)
     for option in options:  # and so does a table, or one of some names
         tables = is_dataclass(option) or get_origin(option) is dict
@@ -203,7 +205,7 @@ def _words(hint, plural=False):
         return " or ".join(_words(item) for item in items if item is not NoneType)
     if kind is tuple:
         count = "" if items[-1] is Ellipsis else f"{len(items)} "
-        return f"a list of {count}{_words(items[0], plural=True)}"
+        return f"{'lists' if plural else 'a list'} of {count}{_words(items[0], plural=True)}"
     if is_dataclass(kind):
         return "tables" if plural else f"a table ({', '.join(file_name(f) for f in fields(kind))})"
     one, many = {

@@ -139,7 +139,8 @@ def _words(hint, plural=False):
     if kind is Literal:
         return ("any of " if plural else "") + ", ".join(f"`{item}`" for item in items)
     if kind is tuple:
-        return f"{'' if items[-1] is Ellipsis else f'{len(items)} '}{_words(items[0], plural=True)}"
+        lists = "lists of " if plural else ""
+        return f"{lists}{'' if items[-1] is Ellipsis else f'{len(items)} '}{_words(items[0], plural=True)}"
     if is_dataclass(kind):
         return "tables" if plural else "table"
     if kind is dict:

@@ -2,7 +2,7 @@
 
 A scene file (TOML) and these classes correspond one to one; None in Python is a key left out of a file. The tables are
 [grid.x], [grid.y], [grid.z], [grid.faces], [soil], [soil.material], [[soil.layer]], [soil.layer.material], [[body]],
-[body.parameters], [body.pull], [time], [[stage]], [accuracy], [solver] and [output]. demos/scene-reference.md has all
+[body.parameters], [body.pull], [time], [[stage]], [[stage.motion]], [[stage.load]], [accuracy], [solver] and [output]. demos/scene-reference.md has all
 keys on one page. Files are read in `hybrid.scene.file` and checked in `hybrid.scene.check`; nothing here computes.
 """
 
@@ -11,29 +11,11 @@ from typing import Literal
 from hybrid.scene.body import Body, Freedom, Pull, Vector
 from hybrid.scene.grid import Axis, Condition, Faces, Grid
 from hybrid.scene.soil import Law, Layer, Material, Soil
+from hybrid.scene.stage import Load, Motion, Stage
 from hybrid.scene.table import key, table
 
-__all__ = ["Axis", "Body", "Condition", "Faces", "Freedom", "Grid", "Law", "Layer", "Material", "Output", "Pull",
-           "Scene", "Soil", "Solver", "Stage", "Target", "Time", "Vector"]
-
-
-@table
-class Stage:
-    """A period of time."""
-
-    name: str = key("label of the stage in the output")
-    steps: int = key("outer steps", "-", at_least=1, remedy="remove the stage to leave it out")
-    step: float | None = key("duration of each outer step; left out: time.step", "s", default=None, above=0,
-                             remedy="leave it out for time.step")
-    pull: bool = key("whether pull lines act", default=True)
-    held: tuple[Freedom, ...] = key("translations and rotations of all bodies that stay as they are in this stage, "
-                                    "driven ones too", default=())
-    gravity: tuple[float, float] = key("shares of gravity that act at the start and at the end of the stage, linear in "
-                                       "between", "-", default=(1.0, 1.0), at_least=0, at_most=10,
-                                       remedy="[0.0, 1.0] turns gravity on, leave it out for all of it")
-    beta: float | None = key("β of Newmark's scheme in this stage, such as that of a dissipative pair to settle with; "
-                             "left out: that of [time]", "-", default=None)
-    gamma: float | None = key("γ of that pair; left out: that of [time]", "-", default=None)
+__all__ = ["Axis", "Body", "Condition", "Faces", "Freedom", "Grid", "Law", "Layer", "Load", "Material", "Motion", "Output",
+           "Pull", "Scene", "Soil", "Solver", "Stage", "Target", "Time", "Vector"]
 
 
 @table

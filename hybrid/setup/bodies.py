@@ -10,6 +10,7 @@ from hybrid.body.rigid import FREEDOMS, Line, RigidBody
 from hybrid.contact.corners import Domains, distances, overlap
 from hybrid.runtime.comm import minimum
 from hybrid.runtime.errors import SceneError
+from hybrid.setup.stages import point_of, stage_controls
 from hybrid.state import BodyState
 
 TOUCH = 1e-3    # radii that two bodies may overlap, as facets of curved bodies that touch do
@@ -24,8 +25,9 @@ def mesh_of(described):
     return generate(described.geometry, described.parameters, None, described.scale, described.symmetry, volumes)
 
 
-def build_body(described, body_mesh, gravity):
-    """(RigidBody, its initial BodyState); its contact follows from the soil (`hybrid.setup.contact`)."""
+def build_body(described, body_mesh, gravity, stages=()):
+    """(RigidBody, its initial BodyState); its contact follows from the soil (`hybrid.setup.contact`). stages: those of the
+    scene."""
     from hybrid.body.smooth_mass import mass_and_surface
 
     properties, surface = mass_and_surface(body_mesh, described.density)
@@ -41,7 +43,10 @@ def build_body(described, body_mesh, gravity):
     body = RigidBody(
         name=described.name, mass=properties, surface=surface, free=free, drive=rates * driven,
         friction=described.friction, tangential=described.tangential,
-        line=build_line(described, body_mesh, properties))
+        line=build_line(described, body_mesh, properties),
+        stages=stage_controls(stages, described, body_mesh, properties.centre))
+    if body.stages:
+        free = free | body.stages[0].released
     falling = gravity * free[:3]  # nothing touches a body at the start, so it accelerates freely
     spin = np.array(described.spin, float)
     motion = BodyState(position, rotation, np.array(described.velocity, float), falling, spin,
@@ -54,13 +59,7 @@ def build_line(described, body_mesh, properties):
     pull = described.pull
     if pull is None:
         return None
-    if isinstance(pull.point, str):
-        if pull.point not in body_mesh.named_points:
-            raise SceneError(f"body.pull.point = {pull.point!r} is not a physical point of {described.geometry.name}; "
-                             f"it has {', '.join(body_mesh.named_points) or 'none'}")
-        point = body_mesh.named_points[pull.point]
-    else:
-        point = np.array(pull.point, float)
+    point = point_of(pull.point, "body.pull.point", described, body_mesh)
     direction = np.array(pull.direction if pull.direction is not None else pull.velocity, float)
     return Line(point - properties.centre, direction / np.linalg.norm(direction), np.array(pull.velocity, float),
                 pull.stiffness, pull.length, pull.tension_only)

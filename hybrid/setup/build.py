@@ -61,7 +61,7 @@ def _put_together(scene, decisions, accuracy, body_force, law):
     if not scene.grid.moves:
         refuse_size(scene, [axis_nodes(axis) for axis in (scene.grid.x, scene.grid.y, scene.grid.z)])
     meshes = [mesh_of(described) for described in scene.bodies]
-    placed = [build_body(*pair, loads.on_bodies(0.0)) for pair in zip(scene.bodies, meshes)]
+    placed = [build_body(*pair, loads.on_bodies(0.0), scene.stages) for pair in zip(scene.bodies, meshes)]
     refuse_overlap_of_bodies(placed, [axis.collapsed for axis in (scene.grid.x, scene.grid.y, scene.grid.z)])
     grid, moving_grid, layouts = build_grid(scene, placed)
     soil, points = build_soil(scene, grid, loads, law)

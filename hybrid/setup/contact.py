@@ -70,7 +70,7 @@ def _penalty(described, body, soil, spacing, radius, gravity):
         return described.penalty * factor
     if described.contact == "corners":
         return PUBLISHED * factor
-    pressed = body.drive.any() and not np.isfinite(radius) and not soil.law.plastic
+    pressed = body.driven.any() and not np.isfinite(radius) and not soil.law.plastic
     stiff = (PRESSED if pressed else STIFFNESS[soil.law.plastic]) / soil.grid.smallest_cell
     weight = body.mass.mass * np.linalg.norm(gravity)
     rests = _rests(body, soil, radius, gravity)
@@ -89,7 +89,7 @@ def _rests(body, soil, radius, gravity):
 
 def _carried(body, soil, gravity):
     """Whether nothing but elastic soil carries the weight of a body, so that its force on the soil is known."""
-    return not soil.law.plastic and gravity.any() and body.free[:3][gravity != 0.0].all()
+    return not soil.law.plastic and gravity.any() and (body.free & ~body.driven)[:3][gravity != 0.0].all()
 
 
 def curvature_radius(surface):

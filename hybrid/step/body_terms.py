@@ -1,13 +1,13 @@
 """A body in one increment, and its terms in the equations: FORMULATION (33), (37) and its contact.
 
-    R_w = inertia - weight + line + Σ contact        on the body's free unknowns        [N, N m]
+    R_w = inertia - weight + line + Σ contact - loads        on the body's free unknowns        [N, N m]
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from hybrid.body import rigid
+from hybrid.body import guides, rigid
 from hybrid.body.rigid import BodyTrial, RigidBody
 from hybrid.contact.contact_pair import ContactPair
 from hybrid.contact.corners import Reach
@@ -35,6 +35,7 @@ class BodyStep:
     pair      its contact with the soil; reach: of the search for it
     unknowns  slice of the bodies' unknowns that are its own
     line_force  (3,) [N] residual of the line at the start of the step
+    begin     [s] start of the step
     """
 
     number: int
@@ -48,6 +49,7 @@ class BodyStep:
     gravity: np.ndarray
     scheme: Scheme
     dt: float
+    begin: float = 0.0
 
     @property
     def free(self):
@@ -84,14 +86,15 @@ class BodyStep:
         pose = self.pose(unknowns)
         contact = self.pair.evaluate(unknowns.displacement, pose)
         on_body = self.pair.add_residual(contact, nodal_contact)
-        trial = rigid.evaluate(self.body, self.state, pose, self.target, self.gravity, self.scheme, self.dt)
-        terms = np.array([trial.inertia, trial.weight, trial.line, on_body])
+        trial = rigid.evaluate(self.body, self.state, pose, self.target, self.gravity, self.scheme, self.dt,
+                               self.begin + self.dt)
+        terms = np.array([trial.inertia, trial.weight, trial.line, on_body, trial.load])
         return BodyTerms(self, pose, trial, contact, terms, self.pair.springs(contact))
 
 
 @dataclass(frozen=True)
 class BodyTerms:
-    """Terms of a body at a trial pose: `terms` (4, 6) [N, N m] inertia, weight, line and contact; springs: [N/m]
+    """Terms of a body at a trial pose: `terms` (5, 6) [N, N m] inertia, weight, line, contact and loads; springs: [N/m]
     stiffness of its contact."""
 
     step: BodyStep
@@ -152,7 +155,8 @@ class BodyTerms:
         """New BodyState."""
         step = self.step
         target = step.state.target if step.target is None else step.target
-        return rigid.accept(step.body, step.state, self.pose, target, self.reaction, step.scheme, step.dt)
+        return rigid.accept(step.body, step.state, self.pose, target, self.reaction, step.scheme, step.dt,
+                            -self.trial.load if step.body.loads else None)
 
 
 def begin_bodies(model, state, dt, pulling, domains, active, nodal):
@@ -161,7 +165,9 @@ def begin_bodies(model, state, dt, pulling, domains, active, nodal):
     gravity, grid, first, begun = model.loads.on_bodies(state.time + dt), model.soil.grid, 0, []
     velocity, predicted = nodal
     for number, body in enumerate(model.bodies):
-        motion, unknowns = state.bodies[number], slice(first, first + np.count_nonzero(body.free))
+        body = guides.during(body, state.time, dt, model.scheme.rotation == "cayley")
+        motion = rigid.begin_increment(body, state.bodies[number], model.scheme, dt)
+        unknowns = slice(first, first + np.count_nonzero(body.free))
         first = unknowns.stop
         target, line_force = None, np.zeros(3)
         if pulling and body.line:
@@ -175,5 +181,5 @@ def begin_bodies(model, state, dt, pulling, domains, active, nodal):
         pose = rigid.predicted_pose(body, motion, model.scheme, dt)
         pair = ContactPair(body, motion, state.contacts[number], domains, grid, active, reach, (predicted, pose))
         begun.append(BodyStep(number, body, motion, target, pair, reach, unknowns, line_force, gravity, model.scheme,
-                              dt))
+                              dt, state.time))
     return tuple(begun)

@@ -10,6 +10,7 @@ from hybrid.scene import Solver
 from hybrid.scheme import Scheme
 from hybrid.soil.model import Soil
 from hybrid.step.loads import Loads
+from hybrid.step.work import add_by_component
 
 
 @dataclass(frozen=True)
@@ -38,11 +39,12 @@ class Model:
         bodies = tuple(rigid.with_stiffness(body, soil.law.young, soil.held) for body in self.bodies)
         return replace(self, soil=soil, bodies=bodies)
 
-    def for_stage(self, held=(), beta=None, gamma=None, loads=None):
+    def for_stage(self, held=(), beta=None, gamma=None, loads=None, number=None, start=0.0):
         """The same model with more components ("x" ... "rz") of every body held and, if given, Newmark's rule or other
-        loads."""
+        loads; number: of the stage, from 0, with what it changes of bodies, from its `start` [s] on."""
         held = np.isin(FREEDOMS, held)
         bodies = tuple(replace(b, free=b.free & ~held, drive=b.drive * ~held) for b in self.bodies)
+        bodies = tuple(b if number is None or not b.stages else b.stages[number].apply(b, start) for b in bodies)
         return replace(self, scheme=self.scheme.with_pair(beta, gamma), bodies=bodies, loads=loads or self.loads)
 
     def begin_stage(self, state):
@@ -52,10 +54,12 @@ class Model:
         for body, motion in zip(self.bodies, state.bodies, strict=True):
             if self.scheme.inertia:
                 motion = rigid.release_guides(body, motion)
+            before = motion
             motion, impulse_work = rigid.engage_guides(body, motion, gravity, self.scheme)
-            bodies.append(motion)
             if impulse_work:
                 work["drive"] = work.get("drive", 0.0) + impulse_work
+                add_by_component(work, body, rigid.jolt(body, before, motion))
+            bodies.append(rigid.begin_loads(body, motion, state.time, self.scheme))
         return replace(state, bodies=bodies, work=work)
 
     def lay_out_lines(self, state):

@@ -129,7 +129,7 @@ class MovingGrid:
         body, points = model.bodies[self.body], state.points
         box = rigid.bounding_box(body, state.bodies[self.body])
         depth = box[1, 2] - maximum(points.position[:, 2] + points.half_width[:, 2])
-        if depth <= 0.0 or not (body.free[2] or body.drive[2]):
+        if depth <= 0.0 or not (body.free[2] or body.driven[2]):
             return number(points)
         return number(self.lay_out(self.grid(self.layouts_for(box - (0.0, 0.0, depth))))[0])
 

@@ -1,5 +1,10 @@
 """Work of one increment, by what does it: plastic flow, ghost penalty, friction, drive, pull and load (`hybrid.step.energy`)."""
 
+import numpy as np
+
+from hybrid.body import guides, rigid
+from hybrid.body.rigid import FREEDOMS
+
 
 def work_after(step, evaluation, points, bodies):
     """Work [J] done since the start of the run, {name: value}, at the end of an increment.
@@ -15,23 +20,52 @@ def work_after(step, evaluation, points, bodies):
         add("plastic", step.model.soil.plastic_work(step.soil, evaluation.soil_trial))
         add("ghost", step.model.soil.ghost_work(step.soil, evaluation.unknowns.displacement))
     for terms in evaluation.bodies:
-        if terms.step.body.drive.any():
-            add("drive", _of_drive(terms))
+        if terms.step.body.drive.any() or terms.step.body.guides:
+            mean, moved, jolt = _of_drive(terms, step.state.bodies[terms.step.number])
+            add("drive", float(mean @ moved) + float(jolt.sum()))
+            add_by_component(work, terms.step.body, mean * moved + jolt)
     for terms in evaluation.bodies:
         add("friction", terms.contact.dissipated)
     for terms in evaluation.bodies:
         if terms.step.body.line:
             add("pull", _of_pull(terms))
+    for terms in evaluation.bodies:
+        if own := terms.step.body.loads:
+            done = guides.work_of_loads(own, step.state.bodies[terms.step.number], bodies[terms.step.number],
+                                        step.state.time, step.dt)
+            add("load", done)
+            add(load_name(terms.step.body), done)
     if not step.model.loads.gravity_alone:
         add("load", _of_loads(step, points, bodies))
     return work
 
 
-def _of_drive(terms):
-    """Mean reaction of the guides times the displacement that they impose."""
-    before, now = terms.step.state.reaction, terms.reaction
+def drive_name(body, component):
+    """Name of the work that guides of a component, such as "x", have done on a body."""
+    return f"drive of {body.name} {component}"
+
+
+def load_name(body):
+    """Name of the work that loads of the stages have done on a body."""
+    return f"load of {body.name}"
+
+
+def add_by_component(work, body, values):
+    """Add the work (6,) [J] of a body's guides to {name: [J]} by component."""
+    for component, value in zip(FREEDOMS, values):
+        if value:
+            name = drive_name(body, component)
+            work[name] = work.get(name, 0.0) + float(value)
+
+
+def _of_drive(terms, committed):
+    """(6,) each: mean reaction of the guides, the displacement that they impose, and the work of the impulse by which they
+    change the rates of a `committed` BodyState."""
+    own = terms.step
+    before, now = own.state.reaction, terms.reaction
     mean = now if before is None else 0.5 * (before + now)
-    return float(mean @ (terms.step.dt * terms.step.body.drive))
+    jolt = rigid.jolt(own.body, committed, own.state) if own.body.guides and own.scheme.inertia else np.zeros(6)
+    return mean, own.dt * own.body.drive, jolt
 
 
 def _of_pull(terms):

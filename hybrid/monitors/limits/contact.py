@@ -3,7 +3,10 @@
 import numpy as np
 
 from hybrid.body.attitude import rotation_from_axis_angle
+from hybrid.body.table import Table
 from hybrid.runtime.comm import maximum, minimum, total
+from hybrid.scene.check_stage import components
+from hybrid.scene.stage import table_rows
 
 # Each number is the one from which a failure case of the study goes wrong.
 STIFFNESS_RATIO = 10.0      # p_f times the depth of soil [-]: below it contact springs take a tenth of the displacement
@@ -93,11 +96,27 @@ def _travel(scene, described, name):
     axis, travel = "xyz".index(name), 0.0
     for stage in scene.stages:
         length = stage.steps * (stage.step or scene.time.step)
-        if name in described.driven and name not in stage.held:
+        own = [motion for motion in stage.motions if motion.body in (None, described.name) and name in components(motion)]
+        if own and name not in own[0].free:
+            travel += driven_by(own[0], length)
+        elif own and described.pull and stage.pull:
+            travel += described.pull.velocity[axis] * length
+        elif own:
+            continue
+        elif name in described.driven and name not in stage.held:
             travel += described.velocity[axis] * length
         elif described.pull and stage.pull and name not in {*stage.held, *described.held, *described.driven}:
             travel += described.pull.velocity[axis] * length
     return travel
+
+
+def driven_by(motion, length):
+    """Distance [m] by which a Motion drives its component in a stage of `length` [s], 0 of one that holds."""
+    if motion.component is None:
+        return 0.0
+    rate = motion.velocity is not None
+    table = Table.of(table_rows(motion.velocity if rate else motion.displacement, 2, "motion"), 0.0)
+    return float((table.integral(0.0, length) if rate else table.at(length) - table.at(0.0))[0])
 
 
 def _width(place):

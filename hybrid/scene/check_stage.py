@@ -1,0 +1,70 @@
+"""Checks of the motions and loads of bodies in the stages of a scene."""
+
+from hybrid.runtime.errors import SceneError
+from hybrid.scene.read import clipped, did_you_mean
+from hybrid.scene.stage import table_rows
+from hybrid.scene.table import need
+
+
+def stage_faults(key, stage, scene):
+    """Texts of all faults in the motions and loads of a Stage, at the `key` of a scene file."""
+    taken = {}
+    for i, motion in enumerate(stage.motions):
+        path = f"{key}.motion.{i}"
+        yield from _body(path, motion, scene)
+        yield from _motion(path, motion, scene.grid)
+        name = motion.body or (scene.bodies[0].name if len(scene.bodies) == 1 else None)
+        for component in components(motion):
+            yield from need((name, component) not in taken, path, component,
+                            f"in one motion of the stage and is in {taken.get((name, component))} too",
+                            "keep one of them")
+            taken.setdefault((name, component), path)
+    for i, load in enumerate(stage.loads):
+        path = f"{key}.load.{i}"
+        yield from _body(path, load, scene)
+        yield from need(load.force is not None or load.moment is not None, path, "nothing", "a force or a moment",
+                        "give force = [0.0, 0.0, -1e3] for a load of 1 kN downwards")
+        yield from need(load.point is None or load.force is not None, f"{path}.point", load.point,
+                        "left out without a force", "a moment has no point")
+        yield from _tables(path, (("force", load.force, 4), ("moment", load.moment, 4)))
+
+
+def components(motion):
+    """Names of the components that a Motion speaks of."""
+    return (*motion.free, *motion.held, *([motion.component] if motion.component else []))
+
+
+def _body(path, given, scene):
+    names = [body.name for body in scene.bodies]
+    if given.body is None:
+        yield from need(len(names) == 1, f"{path}.body", "left out", "given where the scene does not have one body",
+                        f"name one of {', '.join(names)}" if names else "add a [[body]]")
+    else:
+        yield from need(given.body in names, f"{path}.body", clipped(given.body),
+                        f"one of {', '.join(names) or 'the bodies, of which there are none'}",
+                        f"name a [[body]]{did_you_mean(given.body, names)}")
+
+
+def _motion(path, motion, grid):
+    named = components(motion)
+    yield from need(named, path, "nothing", "a motion of a component", "give free, held, or component with a velocity or "
+                    "a displacement")
+    given = [name for name in ("velocity", "displacement") if getattr(motion, name) is not None]
+    yield from need(len(given) == (motion.component is not None), f"{path}.component", motion.component or "left out",
+                    f"with one of velocity and displacement, but has {' and '.join(given) or 'none of them'}",
+                    "write component = 'x' and velocity = 0.1")
+    for axis in "xyz":
+        if getattr(grid, axis).collapsed:
+            fixed = [name for name in named if name == axis or name[0] == "r" and name != "r" + axis]
+            yield from need(not fixed, path, fixed, f"a motion in the plane across the collapsed axis {axis}",
+                            "leave these components out")
+    yield from _tables(path, (("velocity", motion.velocity, 2), ("displacement", motion.displacement, 2)))
+
+
+def _tables(path, tables):
+    for name, value, columns in tables:
+        if value is not None:
+            try:
+                table_rows(value, columns, f"{path}.{name}")
+            except SceneError as error:
+                yield str(error)
