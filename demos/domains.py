@@ -26,6 +26,7 @@ import numpy as np
 
 from hybrid.grid.axes import FACES, make_grid
 from hybrid.grid.colouring import make_slabs
+from hybrid.runtime.errors import StepError
 from hybrid.scene import Axis, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
 from hybrid.setup.build import build
 from hybrid.soil.basis import evaluate_basis
@@ -225,7 +226,10 @@ def stretched_bar(stretch, per_cell, rule="stretch", already=0.0, cells=8, steps
         fixed[nodes > before * length - 1.0] = True
         soil = replace(simulation.model.soil, grid=replace(simulation.model.soil.grid, fixed=fixed))
         model = model.with_soil(soil)
-        step = begin(model, state, 1.0, False, Workspace(model))
+        try:
+            step = begin(model, state, 1.0, False, Workspace(model))
+        except StepError:       # the bar has parted, and nothing carries one of its pieces
+            break
         displacement = np.zeros((len(nodes), 3))
         displacement[:, 0] = (factor / before - 1) * nodes
         evaluation = balanced(step, Unknowns(displacement, ()), 1e-9 * young)
