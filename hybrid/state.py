@@ -113,6 +113,7 @@ class ContactHistory:
     anchor    (m, 3) [m] body frame, reference point of the tangential spring; defined while touching
     rest      (m,) [m] gap, not positive, at which its spring has no force
     side      (m, 3) body frame, outward normal of the body where the point touches, else 0
+    opened    (m,) bool, whether its bond has broken (`hybrid.contact.interface`); left out: none
     """
 
     point: np.ndarray
@@ -122,6 +123,11 @@ class ContactHistory:
     anchor: np.ndarray
     side: np.ndarray
     rest: np.ndarray
+    opened: np.ndarray | None = None
+
+    def __post_init__(self):
+        if self.opened is None:
+            self.opened = np.zeros(len(self.point), bool)
 
     @classmethod
     def empty(cls):

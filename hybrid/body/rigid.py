@@ -47,6 +47,7 @@ class RigidBody:
     places: where contact is evaluated on the domains of soil points (`hybrid.contact.places`)
     surface: in contact with soil; on soil that yields or that it is driven into the outline with its sharp edges rounded off (`hybrid.body.rounded`)
     outline: ContactSurface of the geometry, as it is drawn; None: `surface`
+    friction: μ, inf where adhesion alone limits the shear; interface: `hybrid.contact.interface.Interface`, None without
     penalty: p_f [1/m], or on held soil p_f E [N/m³]; contact_pressure: (n,) p_f E [N/m³] against each soil point, given
         by `with_stiffness`
     """
@@ -67,6 +68,7 @@ class RigidBody:
     loads: tuple[PointLoad, ...] = ()
     drive_rate: np.ndarray | None = None
     stages: tuple[StageControl, ...] = ()
+    interface: object = None
 
     def __post_init__(self):
         if self.outline is None:

@@ -17,12 +17,12 @@ from hybrid.runtime.comm import total
 class ContactPair:
     """A body and the contact points near it, frozen during a step."""
 
-    def __init__(self, body, state, history, domains, grid, active, reach, expected):
+    def __init__(self, body, state, history, domains, grid, active, reach, expected, limits=None):
         """body: RigidBody; state: BodyState; history: ContactHistory; domains: Domains of the soil's points; active,
-        reach, expected: as in corners.find_corners."""
+        reach, expected, limits: as in corners.find_corners."""
         self.body = body
         self.corners = find_corners(domains, body.contact_pressure, body.places, grid, active, state, body.surface,
-                                    reach, history, expected)
+                                    reach, history, expected, limits)
 
     def evaluate(self, displacement, pose):
         """CornerContact at nodal increments (N, 3) [m] (None: held soil) and a pose."""

@@ -29,6 +29,7 @@ from numba import njit
 from hybrid.body.closest import NO_SIDE, closest
 from hybrid.contact import places as rules
 from hybrid.contact.first_contact import predicted_contact_points
+from hybrid.contact.interface import ATTACHED, NONE, PlaceLimits, lie_before, place_limits
 from hybrid.runtime.comm import anywhere, largest, total
 from hybrid.soil.basis import find_cell, hat
 
@@ -49,6 +50,7 @@ class Corners:
     rest: (m,) [m] gap g_0 <= 0 at which the spring has no force
     clearance: (m,) [m] signed distance from the surface at the start: an open point that moves less than this cannot
         touch, so most points are not projected
+    limits: PlaceLimits of the interface, empty where friction alone acts
     facet: (m,) triangle that a point is held to, -1 for those that find theirs; None where none is held
     """
 
@@ -64,6 +66,7 @@ class Corners:
     side: np.ndarray
     rest: np.ndarray
     clearance: np.ndarray
+    limits: PlaceLimits = NONE
     facet: np.ndarray | None = None
 
     def __len__(self):
@@ -111,24 +114,29 @@ class Domains:
         return cls(points.position, half, volume, included)
 
 
-def find_corners(domains, pressure, places, grid, active, body, surface, reach, history, expected):
+def find_corners(domains, pressure, places, grid, active, body, surface, reach, history, expected, limits=None):
     """Contact points within `reach` (Reach) of the surface of `body` (a BodyState).
 
     domains: Domains; pressure: (n,) p_f E [N/m³] of its contact with each; places: Places; active: (N,) bool, nodes that
     carry mass; history: ContactHistory; expected: nodal increments (N, 3) [m] (None: held soil) and pose of the body
-    from which the step starts to iterate.
+    from which the step starts to iterate; limits: PointLimits of an interface of clay (`hybrid.contact.interface`).
     """
     found = _within_reach(domains, places, grid.collapsed, body, surface, reach, history)
+    if limits is not None:
+        begins = limits.tension > 0.0 and not anywhere([len(history.point)])
+        found["before"] = _before_body(found, domains, body, surface, begins)
     node, weight = _interpolation(found["position"], grid.axes, active)
     use = np.flatnonzero(weight.any(axis=1))
     use = use[np.lexsort((found["place"][use], found["point"][use]))]
     found = {name: values[use] for name, values in found.items()}
     point, place = found["point"], found["place"]
-    normal = found.pop("normal")
+    normal = found["normal"]
     area = places.area(place, domains.half[point], domains.volume[point]) * places.facing(place, normal)
     if not domains.half.any():
         area = area / 2         # all eight corners of a point coincide: they share its stiffness
     start = (found["position"] - body.position) @ body.rotation
+    found["limits"] = place_limits(limits, found, area, domains, places, found.pop("before", None))
+    del found["normal"], found["opened"]
     corners = Corners(start=start, node=node[use], weight=weight[use], stiffness=pressure[point] * area, **found)
     is_open = ~corners.touching
     corners.anchor[is_open], corners.side[is_open] = predicted_contact_points(
@@ -141,16 +149,29 @@ def _within_reach(domains, places, collapsed, body, surface, reach, history):
     """Contact points within reach, {name: values}: those of the history, carried by the grid, and new ones."""
     _, normal, distance = _gaps_in_space(history.position, collapsed, body, surface, np.inf)
     within = np.abs(distance) <= reach.at(history.position, normal, body)
-    followed = (within | history.touching) & domains.included[history.point]
+    followed = (within | history.touching | history.opened) & domains.included[history.point]
     new = _new_points(domains, places, collapsed, body, surface, reach, history.point * len(places) + history.place)
     if not anywhere([len(history.point)]):      # the run begins, maybe with an overlap that is meant
         del new["rest"]
     old = {name: getattr(history, name)[followed]
-           for name in ("point", "place", "position", "touching", "anchor", "side", "rest")}
+           for name in ("point", "place", "position", "touching", "anchor", "side", "rest", "opened")}
     known = old["side"].any(axis=1)[:, None]    # near a rim another side of the body may be closer by now
     old |= {"clearance": distance[followed], "normal": np.where(known, old["side"] @ body.rotation.T, normal[followed])}
     return {name: np.concatenate([values, new.get(name, np.zeros((len(new["point"]), *values.shape[1:]), values.dtype))])
             for name, values in old.items()}
+
+
+def _before_body(found, domains, body, surface, begins):
+    """(m,) bool, whether contact points `found` {name: values} lie before the body's surface, not beside its edges. Where a
+    run `begins`, those close to it are bonded: their springs start without force."""
+    y, normal = (found["position"] - body.position) @ body.rotation, found["normal"] @ body.rotation
+    before = lie_before(y, normal, surface.tree)
+    if begins:
+        close = before & (np.abs(found["clearance"]) <= ATTACHED * domains.half[found["point"]].min(axis=1))
+        found["touching"] |= close
+        found["rest"] = np.where(close, np.maximum(found["clearance"], 0.0), found["rest"])
+        found["side"][close], found["anchor"][close] = normal[close], y[close]
+    return before
 
 
 def distances(y, surface, reach=np.inf):

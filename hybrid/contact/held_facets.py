@@ -24,10 +24,10 @@ TURNED = 0.01   # between the normals of two facets, from which a change from on
 
 
 def facets(corners, contact, surface):
-    """Facets (m,) to hold corners to: those that carry them in a CornerContact, -1 for open corners and those on an edge,
-    a vertex or a curved patch."""
+    """Facets (m,) to hold corners to: those that carry them in a CornerContact, -1 for corners that are open, pull, or lie
+    on an edge, a vertex or a curved patch."""
     facet = np.full(len(corners), -1)
-    plane = ~surface.curved[contact.triangle]
+    plane = ~surface.curved[contact.triangle] & (contact.pressure > 0.0)
     on_face = plane & (np.einsum("ci,ci->c", contact.side, surface.normals[contact.triangle]) > 1 - ON_FACE)
     facet[contact.active[on_face]] = contact.triangle[on_face]
     return facet
@@ -36,7 +36,7 @@ def facets(corners, contact, surface):
 def facet_error(corners, contact, position, centre, rotation, surface):
     """Largest difference of the gap to a held facet from that to the surface, relative to the overlap that gives the
     pressure [-]. position: (m, 3) [m] of the corners; centre, rotation: pose of the body."""
-    held = corners.facet[contact.active] >= 0
+    held = (corners.facet[contact.active] >= 0) & (contact.pressure > 0.0)
     index = contact.active[held]
     y = np.ascontiguousarray((position[index] - centre) @ rotation)
     difference = np.abs(gaps(y, surface, corners.side[index]) - contact.gap[held])

@@ -1,4 +1,4 @@
-"""Law of contact: points on the soil's surface against the surface of a body, with Coulomb friction.
+"""Law of contact: points on the soil's surface against the surface of a body, with friction, adhesion and a bond.
 
     y = R^T (x_c - c)      y - foot = g N      p = ε_N (g_0 - g) > 0
     z = y - y_anchor       g_t = P z,  P = I - N N^T
@@ -23,6 +23,9 @@ force on the corner. The normal turns with y on a curved face, at an edge and at
 | y_anchor   | where the tangential spring has no force            | ClosedCorners.anchor                | m    |
 | g_t, s     | tangential gap and its direction                    | g_t, s                              | m, - |
 
+With an interface of clay (contact/interface.py, FORMULATION (40a)) the limit of the shear is L = min(μ p, α s_u a), and
+bonded points pull, p >= -T; where p = -T or L = α s_u a the derivatives of p and L vanish.
+
 On a plane face G = 0. The anchor is history in the body frame: it is objective, and it
 does not change when a corner passes from one triangle to the next. The anchor of a corner that closes in this step is
 its predicted first-contact point (contact/first_contact.py). Without friction (μ = 0) neither anchor nor tangential law
@@ -40,6 +43,7 @@ import numpy as np
 from numba import njit
 
 from hybrid.body.closest import closest, gap_geometry, outside_bounds
+from hybrid.contact.interface import PlaceLimits, shear_limit, work_to_break
 from hybrid.runtime.comm import maximum, total
 from hybrid.state import ContactHistory
 
@@ -54,7 +58,7 @@ class CornerContact:
     anchor: (m, 3) [m] body frame, the anchor of the history once the state is accepted; side: (m, 3) N, body frame
     pressure: (m,) p [N]; triangle: (m,) of the closest point, weights: (m, 3) of its vertices there
     energy: stored in the springs [J]; dissipated: friction work of the step [J]
-    rest: of all Corners, as in Corners, once the state is accepted
+    rest: of all Corners, as in Corners, once the state is accepted; opened: (m,) bool, whether the bond breaks in the step
     """
 
     active: np.ndarray
@@ -72,6 +76,7 @@ class CornerContact:
     energy: float
     dissipated: float
     rest: np.ndarray
+    opened: np.ndarray
 
     def __len__(self):
         return len(self.active)
@@ -116,17 +121,19 @@ class ClosestPoints(NamedTuple):
 
 class ClosedCorners(NamedTuple):
     """Corners that the law is evaluated at, body frame: y, anchor (m, 3) [m]; origin (m, 3) [m], where the path begins
-    along which friction does work in this step; stiffness (m,) ε_N [N/m]; rest (m,) [m] gap without force."""
+    along which friction does work in this step; stiffness (m,) ε_N [N/m]; rest (m,) [m] gap without force; limits:
+    PlaceLimits."""
 
     y: np.ndarray
     anchor: np.ndarray
     origin: np.ndarray
     stiffness: np.ndarray
     rest: np.ndarray
+    limits: PlaceLimits
 
 
 class Coulomb(NamedTuple):
-    """Coefficient of friction μ and ratio ε_T/ε_N of the penalties."""
+    """Coefficient of friction μ, inf where adhesion alone limits the shear, and ratio ε_T/ε_N of the penalties."""
 
     mu: float
     ratio: float
@@ -134,7 +141,7 @@ class Coulomb(NamedTuple):
 
 class Response(NamedTuple):
     """Output of the law, body frame: force (m, 3) [N], tangent (m, 3, 3) [N/m], slip (m,) bool, anchor (m, 3) [m] after
-    the step, side (m, 3) N, energy and dissipated (m,) [J]."""
+    the step, side (m, 3) N, energy and dissipated (m,) [J], opened (m,) bool."""
 
     force: np.ndarray
     tangent: np.ndarray
@@ -143,11 +150,12 @@ class Response(NamedTuple):
     side: np.ndarray
     energy: np.ndarray
     dissipated: np.ndarray
+    opened: np.ndarray
 
     @classmethod
     def empty(cls, m):
         return cls(np.empty((m, 3)), np.empty((m, 3, 3)), np.zeros(m, np.bool_), np.empty((m, 3)), np.empty((m, 3)),
-                   np.zeros(m), np.zeros(m))
+                   np.zeros(m), np.zeros(m), np.zeros(m, np.bool_))
 
 
 def evaluate(corners, position, centre, rotation, surface, friction, tangential):
@@ -161,18 +169,27 @@ def evaluate(corners, position, centre, rotation, surface, friction, tangential)
         _hold(points, y, corners.facet, surface)
     rest = np.minimum(np.maximum(corners.rest, points.gap), 0.0)    # a point that comes out will press as any other
     active = np.flatnonzero(np.isfinite(points.gap))
-    active = active[corners.stiffness[active] * (points.gap - corners.rest)[active] < 0.0]
+    pressed = corners.stiffness[active] * (points.gap - corners.rest)[active] < 0.0
+    limits = corners.limits
+    if len(limits.tension):
+        bonded = limits.tension > 0.0
+        pressed |= bonded[active]
+        rest[bonded] = corners.rest[bonded]
+    active = active[pressed]
     points = points.select(active)
     origin = np.where(corners.touching[active, None], corners.anchor[active], corners.start[active])
     closed = ClosedCorners(y[active], corners.anchor[active], origin, corners.stiffness[active],
-                           corners.rest[active])
+                           corners.rest[active], limits.select(active))
     found = Response.empty(len(active))
     _law(closed, points, Coulomb(friction, tangential), surface.tree, found)
+    pressure = closed.stiffness * (closed.rest - points.gap)
+    if len(limits.tension):
+        pressure = np.maximum(pressure, -closed.limits.tension)
     return CornerContact(
         active, points.gap, found.side @ rotation.T, found.force @ rotation.T, rotation @ found.tangent @ rotation.T,
         position[active] - centre, found.slip, found.anchor, found.side,
-        closed.stiffness * (closed.rest - points.gap), points.triangle, points.weights,
-        float(total(found.energy)), float(total(found.dissipated)), rest)
+        pressure, points.triangle, points.weights,
+        float(total(found.energy)), float(total(found.dissipated)), rest, found.opened)
 
 
 def _closest_points(y, corners, surface):
@@ -215,7 +232,11 @@ def commit(corners, position, contact):
     anchor, side = np.zeros((len(corners), 3)), np.zeros((len(corners), 3))
     touching[contact.active] = True
     anchor[contact.active], side[contact.active] = contact.anchor, contact.side
-    return ContactHistory(corners.point, corners.place, position, touching, anchor, side, contact.rest)
+    opened = None
+    if len(corners.limits.opened):
+        opened = corners.limits.opened.copy()
+        opened[contact.active[contact.opened]] = True
+    return ContactHistory(corners.point, corners.place, position, touching, anchor, side, contact.rest, opened)
 
 
 @njit(cache=True)
@@ -241,38 +262,47 @@ def _project(y, start, radius, tree, points):
 @njit(cache=True)
 def _law(corners, points, coulomb, tree, out):
     """The law of the module's head at every closed corner."""
-    y, y_anchor, origin, stiffness, rest = corners      # unpacked once, as in _project
+    y, y_anchor, origin, stiffness, rest, limits = corners      # unpacked once, as in _project
     gap, triangle, feature, foot, weights = points
-    force, tangent, slip, anchor, side, energy, dissipated = out
-    M, g_t, t, K = np.empty((3, 3)), np.empty(3), np.empty(3), np.empty((3, 3))
+    shear, tension, _ = limits
+    force, tangent, slip, anchor, side, energy, dissipated, opened = out
+    M, g_t, t, K, bonds = np.empty((3, 3)), np.empty(3), np.empty(3), np.empty((3, 3)), len(tension) > 0
     for n in range(len(y)):
         eps_n, eps_t = stiffness[n], coulomb.ratio * stiffness[n]
-        p = eps_n * (rest[n] - gap[n])
+        p, slope, bonded = eps_n * (rest[n] - gap[n]), eps_n, bonds and tension[n] > 0.0
+        energy[n] = 0.5 * p * p / eps_n
+        if bonded and p < -tension[n]:
+            energy[n] = work_to_break(tension[n], p, eps_n)
+            p, slope, opened[n] = -tension[n], 0.0, True
         N, dgap, G = gap_geometry(y[n], foot[n], weights[n], gap[n], triangle[n], feature[n], tree)
         for i in range(3):
             side[n, i], anchor[n, i], force[n, i] = N[i], y_anchor[n, i], -p * N[i]
             for j in range(3):
-                tangent[n, i, j] = eps_n * N[i] * dgap[j] - p * G[i][j]
-        energy[n] = 0.5 * p * p / eps_n
-        if coulomb.mu == 0.0:
-            continue
-        _tangential_gap(y[n], y_anchor[n], N, G, g_t, M)
-        size, limit = math.sqrt(g_t[0] * g_t[0] + g_t[1] * g_t[1] + g_t[2] * g_t[2]), coulomb.mu * p
-        slip[n] = not eps_t * size <= limit
-        if slip[n]:
-            s = g_t[0] / size, g_t[1] / size, g_t[2] / size
-            _slip(limit, size, coulomb.mu * eps_n, dgap, s, M, t, K)
-            dissipated[n] = limit * _slipped(y[n], origin[n], s, limit / eps_t)
-            energy[n] += 0.5 * limit * limit / eps_t
+                tangent[n, i, j] = slope * N[i] * dgap[j] - p * G[i][j]
+        if coulomb.mu > 0.0:
+            limit, change = shear_limit(p, slope, coulomb.mu, n, shear, bonded)
+            _tangential_gap(y[n], y_anchor[n], N, G, g_t, M)
+            size = math.sqrt(g_t[0] * g_t[0] + g_t[1] * g_t[1] + g_t[2] * g_t[2])
+            slip[n] = not eps_t * size <= limit
+            if slip[n]:
+                s = g_t[0] / size, g_t[1] / size, g_t[2] / size
+                _slip(limit, size, change, dgap, s, M, t, K)
+                dissipated[n] = limit * _slipped(y[n], origin[n], s, limit / eps_t)
+                energy[n] += 0.5 * limit * limit / eps_t
+                for i in range(3):
+                    anchor[n, i] = y[n, i] - s[i] * (limit / eps_t)
+            elif limit > 0.0:
+                _stick(eps_t, g_t, M, t, K)
+                energy[n] += 0.5 * eps_t * size * size
+            else:
+                t[:], K[:] = 0.0, 0.0       # pulled, without shear strength
             for i in range(3):
-                anchor[n, i] = y[n, i] - s[i] * (limit / eps_t)
-        else:
-            _stick(eps_t, g_t, M, t, K)
-            energy[n] += 0.5 * eps_t * size * size
-        for i in range(3):
-            force[n, i] += t[i]
-            for j in range(3):
-                tangent[n, i, j] += K[i, j]
+                force[n, i] += t[i]
+                for j in range(3):
+                    tangent[n, i, j] += K[i, j]
+        if opened[n]:
+            dissipated[n] += energy[n]
+            energy[n] = 0.0
 
 
 @njit(cache=True)
@@ -298,7 +328,7 @@ def _stick(eps_t, g_t, M, t, K):
 
 @njit(cache=True)
 def _slip(limit, size, slope, dgap, s, M, t, K):
-    """Fill t (3,) = μ p s and K (3, 3) = ∂t/∂y. limit: μ p [N]; size: |g_t| [m]; slope: μ ε_N [N/m]; dgap: ∂g/∂y."""
+    """Fill t (3,) = L s and K (3, 3) = ∂t/∂y. limit: L [N]; size: |g_t| [m]; slope: -∂L/∂g [N/m]; dgap: ∂g/∂y."""
     for i in range(3):
         t[i] = limit * s[i]
         for j in range(3):

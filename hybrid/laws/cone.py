@@ -89,14 +89,19 @@ class Cone(Hencky):
     def energy(self, elastic):
         return stored(elastic, self.parameters)
 
+    def cohesion(self, plastic_strain):
+        """k(α) (n,) [Pa] after accumulated plastic strain, (n,) or a number."""
+        strength, slope, residual = self.parameters.T[[4, 6, 7]]
+        return np.maximum(strength + slope * plastic_strain, residual)
+
     def yield_function(self, stress, plastic_strain=0.0):
         """f (n,) [Pa] at principal stresses (n, 3) and accumulated plastic strain (n,)."""
-        eta, strength, ratio, slope, residual = self.parameters.T[[2, 4, 5, 6, 7]]
+        eta, ratio = self.parameters.T[[2, 5]]
         mean = stress.mean(axis=1)
         deviator = stress - mean[:, None]
         norm = np.sqrt(np.sum(deviator**2, axis=1))
         g = np.array([_section(s, size, e)[0] for s, size, e in zip(deviator, norm, ratio)])
-        return g * norm / np.sqrt(2) + eta * mean - np.maximum(strength + slope * plastic_strain, residual)
+        return g * norm / np.sqrt(2) + eta * mean - self.cohesion(plastic_strain)
 
 
 def merge(laws, members):

@@ -145,6 +145,11 @@ def _body(described, body):
     if described.driven:
         parts.append("driven " + " ".join(described.driven))
     parts.append(f"contact at {len(body.places)} {described.contact} of each domain")
+    if described.adhesion:
+        parts.append(f"shear at most {described.adhesion:g} s_u" + (
+            "" if described.friction is None else f" and {described.friction:g} of the pressure"))
+    if described.tension is not None:
+        parts.append("never breaks away" if described.tension == "full" else f"breaks away at {described.tension:g} Pa")
     return f"{body.name}: {', '.join(parts)}"
 
 
@@ -251,7 +256,7 @@ def _faces(faces, collapsed):
 def _not_modelled_of(described, body):
     """Texts about what the contact of a body does without, and its held components."""
     if body.friction == 0.0:
-        yield f"friction of {body.name}: body.friction = 0"
+        yield f"friction of {body.name}: body.{'adhesion' if described.adhesion == 0.0 else 'friction'} = 0"
     held = [name for name, free in zip(FREEDOMS, body.free) if not free and name not in described.driven]
     if held:
         yield f"motion of {body.name} in {', '.join(held)}: held"

@@ -56,8 +56,15 @@ class Body:
     driven: tuple[Freedom, ...] = key(
         "translations and rotations that keep the velocity and spin of the start, whatever force that needs",
         default=())
-    friction: float = key("Coulomb coefficient against the soil", "-", default=0.0, at_least=0,
-                          remedy="0.45 is steel on sand")
+    friction: float | None = key("Coulomb coefficient μ against the soil: shear is at most μ times the pressure; left out: 0, "
+                                 "or no such limit with `adhesion`", "-", default=None, at_least=0,
+                                 remedy="0.45 is steel on sand")
+    adhesion: float | None = key("adhesion factor α against clay (von-mises): shear is at most α times the s_u of the touching "
+                                 "soil, softened where that softens; with `friction` the smaller limit holds", "-",
+                                 default=None, at_least=0, at_most=1, remedy="0.3 to 0.5 is usual of steel in soft clay")
+    tension: float | Literal["full"] | None = key(
+        "tension that soil on the body bears before it breaks away there, once and for all; full: it never breaks away; "
+        "left out: none", "Pa", default=None, above=0, remedy="leave it out for soil that comes off freely")
     contact: Literal["faces", "corners"] | None = key(
         "where contact is evaluated on the soil's points: the faces of their domains, or the corners of the domains as "
         "in the published method", default=None)

@@ -29,6 +29,7 @@ def faults(scene):
         yield from material_faults(scene.soil, scene.grid)
     for i, body in enumerate(scene.bodies):
         yield from _body(f"body.{i}", body, scene.time.inertia)
+        yield from _interface(f"body.{i}", body, scene.soil)
         yield from need(body.contact != "faces" or scene.soil.basis == "gimp", f"body.{i}.contact", body.contact,
                         f"'corners' with soil.basis = {scene.soil.basis!r}, whose points have no faces", "leave it out")
     yield from _time("time", scene.time)
@@ -119,6 +120,16 @@ def _body(key, body, inertia):
                         "release that freedom or start it at rest")
     if body.pull is not None:
         yield from _pull(f"{key}.pull", body.pull)
+
+
+def _interface(key, body, soil):
+    laws = {layer.law or soil.material.law for layer in soil.layers} | {soil.material.law}
+    others = sorted(laws - {"von-mises"})
+    yield from need(body.adhesion is None or not others, f"{key}.adhesion", body.adhesion,
+                    f"left out with law = {', '.join(map(repr, others))}, which has no s_u",
+                    "use law = 'von-mises' in all of the soil, or friction alone")
+    yield from need(body.tension is None or not soil.held, f"{key}.tension", body.tension,
+                    "left out on held soil, which follows no body", "set soil.held = false")
 
 
 def _spatial_spin(body):

@@ -121,7 +121,7 @@ def range_faults(value, path=""):
         elif isinstance(item, tuple) and item and is_dataclass(item[0]):
             for i, own in enumerate(item):
                 yield from range_faults(own, f"{name}.{i}")
-        elif item is not None and described(f).range:
+        elif item is not None and not isinstance(item, str) and described(f).range:
             yield from range_fault(item, described(f), name)
 
 

@@ -42,7 +42,7 @@ def build_body(described, body_mesh, gravity, stages=()):
     rates = np.concatenate([described.velocity, rotation @ described.spin])
     body = RigidBody(
         name=described.name, mass=properties, surface=surface, free=free, drive=rates * driven,
-        friction=described.friction, tangential=described.tangential,
+        friction=described.friction or 0.0, tangential=described.tangential,
         line=build_line(described, body_mesh, properties),
         stages=stage_controls(stages, described, body_mesh, properties.centre))
     if body.stages:

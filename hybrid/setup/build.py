@@ -66,7 +66,7 @@ def _put_together(scene, decisions, accuracy, body_force, law):
     grid, moving_grid, layouts = build_grid(scene, placed)
     soil, points = build_soil(scene, grid, loads, law)
     motions, contacts = [motion for _, motion in placed], [ContactHistory.empty() for _ in placed]
-    bodies = [connect_to_soil(described, body, motion.rotation, soil, gravity)
+    bodies = [connect_to_soil(described, body, motion.rotation, soil, gravity, scene.soil.material.cone)
               for described, (body, motion) in zip(scene.bodies, placed)]
     for body, motion in zip(bodies, motions):
         refuse_overlap(body, motion, points, soil)

@@ -27,6 +27,8 @@ from hybrid.body.rounded import round_off
 from hybrid.body.sharp_edges import find_edges
 from hybrid.body.surface import build_surface
 from hybrid.contact import places
+from hybrid.contact.interface import Interface
+from hybrid.laws.drucker_prager import cone_constants
 from hybrid.runtime.comm import largest, minimum
 from hybrid.runtime.errors import SceneError
 
@@ -40,16 +42,32 @@ SHARP = 0.1                         # of the area: fillets and tips, which cells
 STRAIGHT = 0.02                    # sine of the angle between a prism's surface and its axis
 
 
-def connect_to_soil(described, body, rotation, soil, gravity):
-    """The body, at an initial `rotation` (3, 3), with all of its contact that follows from `soil`; gravity (3,) [m/s²].
-    Raises SceneError."""
+def connect_to_soil(described, body, rotation, soil, gravity, cone):
+    """The body, at an initial `rotation` (3, 3), with all of its contact that follows from `soil`; gravity (3,) [m/s²];
+    cone: soil.material.cone. Raises SceneError."""
     body = in_slice(body, soil.grid, rotation)
     chosen, spacing, radius = _places(described, body, soil, gravity)
     if not (soil.held or chosen.at_corners or _carried(body, soil, gravity)):
         body = replace(body, surface=round_off(body.surface, find_edges(
             body.surface, soil.grid.smallest_cell, rotation[soil.grid.collapsed])))
     body = replace(body, places=chosen, penalty=_penalty(described, body, soil, spacing, radius, gravity))
+    body = replace(body, friction=_friction(described), interface=_interface(described, cone))
     return rigid.with_stiffness(body, soil.law.young, soil.held)
+
+
+def _friction(described):
+    """Coefficient of friction, inf where adhesion alone limits the shear; 0 where either of them is none."""
+    if described.adhesion == 0.0:
+        return 0.0
+    return described.friction if described.friction is not None else 0.0 if described.adhesion is None else np.inf
+
+
+def _interface(described, cone):
+    """Interface of a body, None where its contact is that of friction alone."""
+    tension = {None: 0.0, "full": np.inf}.get(described.tension, described.tension)
+    if not described.adhesion and not tension:
+        return None
+    return Interface(described.adhesion / cone_constants(0.0, cone)[1] if described.adhesion else None, tension)
 
 
 def _places(described, body, soil, gravity):
@@ -60,6 +78,8 @@ def _places(described, body, soil, gravity):
     wanted = (REST_CURVATURE if soil.held or _rests(body, soil, radius, gravity) else CURVATURE) * width / radius
     k = int(places.BLOCK * np.ceil(np.clip(wanted, FEWEST, MOST) / places.BLOCK))
     reach = places.HELD_REACH if soil.held else places.FACE_REACH
+    if _interface(described, "plane strain"):   # the steps that domains make of a surface are as high as a domain
+        reach = max(reach, width / soil.grid.smallest_cell)
     return places.faces(k, soil.grid.collapsed, reach), width / k, radius
 
 

@@ -179,7 +179,8 @@ def begin_bodies(model, state, dt, pulling, domains, active, nodal):
             fall = min(fall, grid.smallest_cell)
         reach = search_reach(body, motion, grid, velocity, dt, fall)
         pose = rigid.predicted_pose(body, motion, model.scheme, dt)
-        pair = ContactPair(body, motion, state.contacts[number], domains, grid, active, reach, (predicted, pose))
+        limits = body.interface and body.interface.of_points(model.soil.law, state.points.plastic_strain)
+        pair = ContactPair(body, motion, state.contacts[number], domains, grid, active, reach, (predicted, pose), limits)
         begun.append(BodyStep(number, body, motion, target, pair, reach, unknowns, line_force, gravity, model.scheme,
                               dt, state.time))
     return tuple(begun)

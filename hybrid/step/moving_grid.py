@@ -222,5 +222,5 @@ def _renumbered(contact, origin, before):
     point = number[contact.point]
     stay = np.flatnonzero(point >= 0)
     stay = stay[np.argsort(point[stay], kind="stable")]
-    own = ("place", "position", "touching", "anchor", "side", "rest")
+    own = ("place", "position", "touching", "anchor", "side", "rest", "opened")
     return replace(contact, point=point[stay], **{name: getattr(contact, name)[stay] for name in own})

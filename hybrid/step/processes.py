@@ -21,6 +21,7 @@ def refuse(scene, law):
         return
     unable = [(scene.grid.moves, "a grid that follows a body (grid.*.around)"), (scene.soil.held, "held soil (soil.held)"),
               (law is not None, "a law of your own (soil.material.law = 'user')"),
+              (any(body.adhesion or body.tension for body in scene.bodies), "clay that sticks (body.adhesion, body.tension)"),
               (scene.soil.stray != "stop", f"soil.stray = {scene.soil.stray!r}")]
     for found, what in unable:
         if found:

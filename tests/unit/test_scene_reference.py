@@ -94,7 +94,7 @@ def test_units_and_defaults_are_in_the_schema():
     penalty = body["properties"]["penalty"]
     assert penalty.pop("description").startswith("[1/m] p_f: contact has a pressure of p_f E per unit of overlap")
     assert penalty == {"type": "number", "exclusiveMinimum": 0}
-    assert body["properties"]["friction"]["default"] == 0.0
+    assert body["properties"]["velocity"]["default"] == [0.0, 0.0, 0.0]
     assert body["required"] == ["geometry", "density"]
     assert json_schema()["required"] == ["grid", "soil", "time", "stage"]
     assert set(json_schema()["$defs"]["Layer"]["properties"]["material"]["properties"]) >= {"young", "strength"}

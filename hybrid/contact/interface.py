@@ -1,0 +1,170 @@
+"""Strength of the interface between clay and a body: adhesion, and tension until it breaks away.
+
+    shear  |t| <= min(μ p, α s_u a)           s_u of the touching soil, softened as its law softens
+    normal  p >= -σ_t a                        of a bonded contact point; p > 0 of any other one
+
+| symbol | meaning                                                    | in the code                    | unit |
+|--------|------------------------------------------------------------|--------------------------------|------|
+| α      | adhesion factor                                            | Interface.adhesion = α/ξ       | -    |
+| s_u    | undrained shear strength, k/ξ of von Mises' law            | Cone.cohesion = k              | Pa   |
+| σ_t    | tension at which the interface opens, inf: never           | Interface.tension              | Pa   |
+| a      | area of the contact point projected along N, ε_N/(p_f E)   | `point_limits`                 | m²   |
+
+A contact point is bonded from the step in which it first touches, or from the start of the run if it begins within
+`ATTACHED` of the surface; then its spring pulls too, about the gap g_0 that it had there. A point whose tension reaches
+σ_t a carries that to the end of the step, which keeps the residual continuous, and is open from then on: it presses and
+shears as soil without a bond does, and is followed wherever it goes, so that it does not bond again.
+
+A point without a bond can have no shear where it has no pressure: there the limit is the smaller one of α s_u a and
+RAMP p, so that the force does not jump where a point opens.
+
+Equations: FORMULATION (40a).
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from scipy.spatial import cKDTree
+
+from hybrid.body.closest import NO_SIDE, closest
+
+ATTACHED = 0.1  # half-widths of a domain from the surface, within which a contact point is bonded at the start
+BEFORE = 0.5    # half-widths before a face, where the domain of a point that covers it lies
+AROUND = 4.0    # widths of a domain up to which a contact point bears the interface of others
+ALONG = 0.9     # cosine between the way from the surface to a place before it and the normal there
+RAMP = 10.0     # shear over pressure of points without a bond, up to which adhesion is mobilised
+
+
+@dataclass(frozen=True)
+class Interface:
+    """adhesion: α/ξ, None where friction alone limits the shear; tension: σ_t [Pa], 0 without a bond, inf for ever."""
+
+    adhesion: float | None
+    tension: float
+
+    def of_points(self, law, plastic_strain):
+        """PointLimits of soil points with a `law` and accumulated plastic strain (n,)."""
+        shear = None if self.adhesion is None else self.adhesion * law.cohesion(plastic_strain)
+        return PointLimits(shear, self.tension)
+
+
+class PointLimits(NamedTuple):
+    """Stresses [Pa] that the interface carries: shear (n,) α s_u of each soil point, None without adhesion; tension."""
+
+    shear: np.ndarray | None
+    tension: float
+
+
+class PlaceLimits(NamedTuple):
+    """Forces [N] that contact points carry, frozen in a step; empty arrays where there is no such limit.
+
+    shear: (m,) α s_u a; tension: (m,) σ_t a of bonded points, 0 of others; opened: (m,) bool, broken away
+    """
+
+    shear: np.ndarray
+    tension: np.ndarray
+    opened: np.ndarray
+
+    def select(self, index):
+        return PlaceLimits(*(values[index] if len(values) else values for values in self))
+
+
+NONE = PlaceLimits(np.zeros(0), np.zeros(0), np.zeros(0, bool))
+
+
+def place_limits(limits, found, area, domains, places, before_body):
+    """PlaceLimits of contact points `found` {name: (m, ...)}: position, normal, point, place, clearance, touching and opened
+    as in corners.Corners and ContactHistory. limits: PointLimits, None for none; area: (m,) [m²]; domains: Domains of the
+    soil's points; places: Places on them; before_body: (m,) bool, as from `lie_before`."""
+    if limits is None:
+        return NONE
+    shear, tension, opened = np.zeros(0), np.zeros(0), np.zeros(0, bool)
+    bearer = np.arange(len(area)) if places.at_corners else _bearers(found, before_body & (area > 0.0), domains, places)
+    if limits.shear is not None:
+        shear = _borne(limits.shear[found["point"]] * area, bearer)
+    if limits.tension > 0.0:
+        opened = found["opened"]
+        tension = np.where(found["touching"] & ~opened & (area > 0.0), limits.tension, 0.0)
+        if np.isfinite(limits.tension):
+            tension *= _borne(area, bearer)
+    return PlaceLimits(shear, tension, opened)
+
+
+def _bearers(found, borne, domains, places):
+    """Numbers (m,) of the contact points that bear the interface of each; borne: (m,) bool, those that another may bear.
+
+    The surface of the soil is made of steps. A few contact points at their tips touch a body: they bear the interface of
+    the faces around them, as far as these are part of the surface and no farther from the body than a domain is high.
+    """
+    bearer, half = np.arange(len(borne)), domains.half[found["point"]]
+    height = 2 * np.einsum("ci,ci->c", np.abs(found["normal"]), half)
+    touching = np.flatnonzero(found["touching"])
+    near = np.flatnonzero((found["clearance"] < height) & borne & ~found["touching"])
+    if len(touching) and len(near):
+        near = near[_exposed(found, near, domains, places)]
+        width = AROUND * 2 * half[touching].max()
+        place = np.concatenate([found["position"], width * found["normal"]], axis=1)
+        distance, index = cKDTree(place[touching]).query(place[near], distance_upper_bound=width)
+        reached = np.isfinite(distance)
+        bearer[near[reached]] = touching[index[reached]]
+    return bearer
+
+
+def _exposed(found, near, domains, places):
+    """(k,) bool, whether no other domain lies before the faces on which contact points `near` (k,) are."""
+    group = found["place"] // places.offset.shape[1]
+    faces, face = np.unique(found["point"][near] * len(places) + group[near], return_inverse=True)
+    point, group = faces // len(places), faces % len(places)
+    half = domains.half[point]
+    before = domains.position[point] + (places.centre[group] + BEFORE * places.normal[group]) * half
+    others = np.unique(found["point"])
+    scale = domains.half[others].max(axis=0)
+    _, index = cKDTree(domains.position[others] / scale).query(before / scale, k=min(3, len(others)), p=np.inf)
+    other = others[index.reshape(len(point), -1)]
+    within = (np.abs(before[:, None] - domains.position[other]) < domains.half[other]).all(axis=2)
+    return ~(within & (other != point[:, None])).any(axis=1)[face]
+
+
+def _borne(values, bearer):
+    """Sums (m,) of the values (m,) that each contact point bears."""
+    return np.bincount(bearer, values, len(values))
+
+
+@njit(cache=True)
+def shear_limit(p, slope, mu, n, shear, bonded):
+    """Largest shear force [N] of contact point n under a pressure p [N], and its derivative by -g [N/m].
+
+    slope: ∂p/∂(-g) [N/m]; mu: inf where friction sets no limit; shear: of PlaceLimits; bonded: whether it may pull.
+    """
+    limit, change = np.inf, 0.0
+    if len(shear) > 0:
+        limit = shear[n]
+        if not bonded and not RAMP * p > limit:
+            limit, change = RAMP * p, RAMP * slope
+    if mu < np.inf and not mu * p > limit:
+        limit, change = mu * p, mu * slope
+    if limit < 0.0:
+        return 0.0, 0.0
+    return limit, change
+
+
+@njit(cache=True)
+def work_to_break(tension, p, eps_n):
+    """Work [J] to a bond's `tension` T [N], and at T to the end of the step, where its spring would have p < -T."""
+    return tension * (-p - 0.5 * tension) / eps_n
+
+
+@njit(cache=True)
+def lie_before(y, normal, tree):
+    """(m,) bool, whether places y (m, 3) [m] outside a body lie along the normal (m, 3) of the closest point of its surface,
+    and not beside an edge; all in the body frame."""
+    before = np.ones(len(y), np.bool_)
+    for n in range(len(y)):
+        _, _, foot, _, gap = closest((y[n, 0], y[n, 1], y[n, 2]), np.inf, tree, NO_SIDE)
+        along = 0.0
+        for i in range(3):
+            along += (y[n, i] - foot[i]) * normal[n, i]
+        before[n] = along >= ALONG * gap
+    return before

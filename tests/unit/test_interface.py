@@ -1,0 +1,170 @@
+"""Interface of clay: who bears its area, what is bonded, and what is remembered of a bond that has broken."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from contact_bed import PRESSURE, ball, bed, body_at, box, domains_of, id_of
+
+from hybrid.contact import places as rules
+from hybrid.contact.contact_pair import ContactPair
+from hybrid.contact.corners import Reach
+from hybrid.contact.interface import Interface, PointLimits
+from hybrid.laws.von_mises import VonMises
+from hybrid.runtime.errors import SceneError
+from hybrid.scene import Axis, Body, Grid, Material, Scene, Soil, Stage, Time
+from hybrid.scene.file import validate
+from hybrid.state import ContactHistory
+
+SHEAR = 2e3     # [Pa]
+
+
+def pair_of(surface, height, history=None, tension=0.0, shear=SHEAR):
+    """Grid and ContactPair of a body whose centre is `height` above a flat bed of 0.8 m x 0.8 m."""
+    grid, position, half = bed()
+    body = SimpleNamespace(surface=surface, friction=np.inf, tangential=0.5, places=rules.faces(4), free=np.ones(6, bool),
+                           contact_pressure=np.full(len(position), PRESSURE))
+    pose = np.array([0.4, 0.4, height]), np.eye(3)
+    limits = PointLimits(np.full(len(position), shear), tension)
+    pair = ContactPair(body, body_at(*pose), history or ContactHistory.empty(), domains_of(position, half), grid,
+                       np.ones(grid.node_count, bool), Reach(0.05, 0.0), (np.zeros((grid.node_count, 3)), pose), limits)
+    return grid, pair
+
+
+def steps_of(surface, heights, tension):
+    """Normal forces (k,) [N] on the bed, energies and dissipated work of a body that goes through heights; histories."""
+    grid, pair = pair_of(surface, heights[0], tension=tension)
+    still, out = np.zeros((grid.node_count, 3)), []
+    for height in heights:
+        found = pair.evaluate(still, (np.array([0.4, 0.4, height]), np.eye(3)))
+        history = pair.commit(found, still)
+        out.append((found.resultant[2], found.energy, found.dissipated, history))
+        _, pair = pair_of(surface, height, history, tension)
+    return out
+
+
+PLATE = box(half=(0.2, 0.2, 0.1))       # 16 whole domains of 0.1 m x 0.1 m
+STIFF = PRESSURE * 0.16                 # [N/m]
+
+
+def test_the_area_of_flat_contact_is_that_of_the_body():
+    grid, pair = pair_of(PLATE, 0.099)
+    found = pair.evaluate(np.zeros((grid.node_count, 3)), (np.array([0.4, 0.4, 0.099]), np.eye(3)))
+    assert pair.corners.limits.shear[found.active].sum() == pytest.approx(SHEAR * 0.16, rel=1e-9)
+
+
+def test_contact_points_that_touch_bear_the_steps_around_them():
+    """A ball in a bed whose points inside it are removed: few of its contact points touch, and bear the interface of
+    all of the cap."""
+    radius, height = 0.25, 0.1
+    grid, position, half = bed((16, 16, 8), 0.05)
+    centre = np.array([0.4, 0.4, height])
+    nearest_corner = np.maximum(np.abs(position - centre) - half, 0.0)
+    inside = np.linalg.norm(nearest_corner, axis=1) < radius - 5e-3
+    domains = domains_of(position, half, ~inside)
+    body = SimpleNamespace(surface=ball(radius), friction=np.inf, tangential=0.5, places=rules.faces(8), free=np.ones(6, bool),
+                           contact_pressure=np.full(len(position), PRESSURE))
+    limits = PointLimits(np.full(len(position), SHEAR), 0.0)
+
+    def pair(history):
+        return ContactPair(body, body_at(centre), history, domains, grid, np.ones(grid.node_count, bool), Reach(0.03, 0.0),
+                           (np.zeros((grid.node_count, 3)), (centre, np.eye(3))), limits)
+
+    still = np.zeros((grid.node_count, 3)), (centre, np.eye(3))
+    first = pair(ContactHistory.empty())
+    after = pair(first.commit(first.evaluate(*still), still[0]))
+    touching = after.corners.touching
+    area, own = after.corners.limits.shear[touching].sum() / SHEAR, after.corners.stiffness[touching].sum() / PRESSURE
+    cap = 2 * np.pi * radius * (radius - height)
+    assert area == pytest.approx(cap, rel=0.2) and own < 0.5 * cap      # of soil up to a domain away, so rather larger
+
+
+def test_strength_is_that_of_the_law_softened_and_matched():
+    """α s_u with s_u as given, whatever state the cone is matched to, and falling with plastic strain to the residual."""
+    strength, alpha = 1e4, 0.5
+    for cone, xi in (("plane strain", 1.0), ("compression", 2 / np.sqrt(3))):
+        law = VonMises(np.full(3, 1e7), 0.49, strength, cone, -2e4, 4e3)
+        limits = Interface(alpha / xi, 0.0).of_points(law, np.array([0.0, 0.1, 1.0]))
+        np.testing.assert_allclose(limits.shear, alpha * np.array([1e4, 8e3, 4e3]))
+
+
+def test_without_a_bond_nothing_pulls():
+    forces = [force for force, *_ in steps_of(PLATE, (0.099, 0.1005, 0.102), 0.0)]
+    assert forces[0] == pytest.approx(STIFF * 1e-3, rel=1e-9) and forces[1:] == [0.0, 0.0]
+
+
+def test_a_full_bond_pulls_as_it_presses():
+    forces = [force for force, *_ in steps_of(PLATE, (0.099, 0.1005, 0.12, 0.099), np.inf)]
+    np.testing.assert_allclose(forces, STIFF * np.array([1e-3, -5e-4, -2e-2, 1e-3]), rtol=1e-9)
+
+
+def test_a_bond_breaks_at_its_limit_and_stays_broken():
+    """Pulled to the limit it bears σ_t A in that step and nothing after it; pressed again, it does not bond again. What
+    was put into it has been dissipated."""
+    tension = 1e4
+    limit, way = tension * 0.16, 0.6e-3
+    found = steps_of(PLATE, (0.099, 0.1 + 0.5 * limit / STIFF, 0.1 + way, 0.1 + way, 0.0995, 0.1005), tension)
+    np.testing.assert_allclose([force for force, *_ in found], [STIFF * 1e-3, -0.5 * limit, -limit, 0.0, STIFF * 5e-4, 0.0],
+                               rtol=1e-9, atol=1e-9)
+    dissipated = [lost for _, _, lost, _ in found]
+    assert dissipated[2] == pytest.approx(limit * (way - 0.5 * limit / STIFF), rel=1e-9)
+    assert sum(dissipated) == pytest.approx(dissipated[2])
+    assert [history.opened.any() for *_, history in found] == [False, False, True, True, True, True]
+
+
+def test_what_has_opened_is_followed_however_far_the_body_goes():
+    found = steps_of(PLATE, (0.099, 0.12, 0.4, 0.0995), 1e4)
+    opened = [set(id_of(history)[history.opened]) for *_, history in found]
+    assert opened[1] and opened[1] == opened[2] == opened[3]
+    assert found[3][0] == pytest.approx(STIFF * 5e-4, rel=1e-9)
+
+
+def test_soil_that_begins_on_the_body_is_bonded_where_it_is():
+    """0.1 half-widths, 2.5 mm, away: no force there, and pulled from there on. Farther away it is not bonded."""
+    forces = [force for force, *_ in steps_of(PLATE, (0.102, 0.1025, 0.1018), np.inf)]
+    np.testing.assert_allclose(forces, STIFF * np.array([0.0, -5e-4, 2e-4]), rtol=1e-8, atol=1e-6)
+    assert [force for force, *_ in steps_of(PLATE, (0.103, 0.104), np.inf)] == [0.0, 0.0]
+
+
+# ------------------------------------------------------------------ keys
+
+
+def scene_with(geometry, law="von-mises", held=False, layers=(), **values):
+    axis = Axis(start=0.0, end=1.0, size=0.25)
+    material = Material(law="von-mises", young=1e6, poisson=0.49, density=1800.0, strength=1e4)
+    if law == "hencky":
+        material = Material(law="hencky", young=1e6, poisson=0.3, density=1800.0)
+    return Scene(name="keys", grid=Grid(axis, axis, axis), soil=Soil(material, top=0.5, held=held, layers=layers),
+                 bodies=(Body(geometry / "box.geo", 2000.0, rest_on=0.5, position=(0.5, 0.5, 0.0), **values),),
+                 time=Time(0.01), stages=(Stage("one", 1),))
+
+
+def test_keys_are_accepted(geometry):
+    for values in ({"adhesion": 0.5}, {"adhesion": 1.0, "friction": 0.3, "tension": "full"}, {"tension": 5e3}):
+        validate(scene_with(geometry, **values))
+
+
+@pytest.mark.parametrize("values, soil, text", [
+    ({"adhesion": 1.2}, {}, "body.0.adhesion = 1.2: must be from 0 to 1"),
+    ({"adhesion": 0.5}, {"law": "hencky"}, "body.0.adhesion = 0.5: must be left out with law = 'hencky', which has no s_u"),
+    ({"tension": 0.0}, {}, "body.0.tension = 0: must be positive, in Pa"),
+    ({"tension": "half"}, {}, "body.0.tension = 'half': unknown; valid: full"),
+    ({"tension": "full"}, {"held": True}, "body.0.tension = full: must be left out on held soil"),
+])
+def test_faults_are_refused(geometry, values, soil, text):
+    with pytest.raises(SceneError) as error:
+        validate(scene_with(geometry, **soil, **values))
+    assert text in str(error.value)
+
+
+def test_adhesion_alone_needs_no_friction_and_no_adhesion_is_smooth():
+    from hybrid.setup.contact import _friction, _interface
+
+    for values, mu, adhesion in (({}, 0.0, None), ({"friction": 0.3}, 0.3, None), ({"adhesion": 0.5}, np.inf, 0.5),
+                                 ({"adhesion": 0.5, "friction": 0.3}, 0.3, 0.5), ({"adhesion": 0.0}, 0.0, None),
+                                 ({"adhesion": 0.0, "friction": 0.3}, 0.0, None)):
+        described = Body("box.geo", 1.0, **values)
+        made = _interface(described, "plane strain")
+        assert _friction(described) == mu and (made and made.adhesion) == adhesion
+    assert _interface(replace(Body("box.geo", 1.0), tension="full"), "compression").tension == np.inf
