@@ -35,7 +35,7 @@ def test_the_page_has_every_table_and_key():
     text = page()
     for heading, cls in tables():
         assert heading in text
-    assert "| `friction` | number | - | `0` | at least 0 | Coulomb coefficient against the soil |" in text
+    assert "| `tolerance` | number | - | `0.0001` | from 1e-14 to below 1 | tolerance of the residual, relative to the forces acting |" in text
     assert "| `steps` | whole number | - | *required* | at least 1 | outer steps |" in text
     assert text.count("\n| `") >= sum(len(cls.__dataclass_fields__) for cls in {cls for _, cls in tables()})
     assert "| `hencky` | `relative_density`, `buoyant`, `young`" in text
