@@ -47,16 +47,17 @@ class Simulation:
     moving_grid           how the grid follows a body, None for a grid that does not move
     level                 texts about what `accuracy` has changed in the scene
     decisions             what was decided of keys that the scene left out (`hybrid.scene.defaults`)
+    start                 rows {label: value} of the sheet about bodies in place and how the soil has settled
     evaluation            Evaluation that led to the state, None before the first step
     increment             [s] that the next step of this stage tries first, None: all of it
     solver_memory         (7,) counts of the linear solver (`SolverChoice.memory`), None before the first step
     imbalance             of the initial state, None for soil that is held or weighs nothing
     """
 
-    def __init__(self, scene, model, state, meshes, moving_grid=None, level="", decisions=()):
+    def __init__(self, scene, model, state, meshes, moving_grid=None, level="", decisions=(), start=None):
         map_large_arrays()      # PETSc is loaded by now
         self.scene, self.model, self.state, self.meshes = scene, model, state, meshes
-        self.moving_grid, self.level, self.decisions = moving_grid, level, decisions
+        self.moving_grid, self.level, self.decisions, self.start = moving_grid, level, decisions, start or {}
         self.initial_bodies = list(state.bodies)
         self.evaluation, self.increment, self.solver_memory = None, None, None
         self._initial_position = None
@@ -108,8 +109,11 @@ class Simulation:
 
     def sheet(self):
         """What is modelled and what is left out, with sizes: {section: {label: value}}."""
-        return self._sheet or {**model_sheet(self.scene, self.model, self.imbalance, self.level, self.most_points, self.decisions),
-                **({"warnings": list(self.warned)} if self.warned else {})}
+        if self._sheet:
+            return self._sheet
+        sheet = model_sheet(self.scene, self.model, self.imbalance, self.level, self.most_points, self.decisions)
+        sheet["modelled"].update(self.start)
+        return {**sheet, **({"warnings": list(self.warned)} if self.warned else {})}
 
     @cached_property
     def warned(self):
@@ -287,7 +291,7 @@ class Simulation:
         if self.imbalance is None:
             return self.warned
         return self.warned + self.imbalance.notes(stage, self.model.scheme.with_pair(stage.beta, stage.gamma),
-                                                  self._step_length(stage))
+                                                  self._step_length(stage), "settled at the start" in self.start)
 
 
 def _errors_of(observer):

@@ -4,7 +4,7 @@
 
 Geostatic stress balances the weight of level soil that fills its cells between held sides, to round-off. It does not
 do so at a face that is cut free, under a slope, or where cells are filled unevenly; and soil without initial stress has
-to take up all of its weight. Bodies are left out: they start without contact.
+to take up all of its weight. Bodies that touch the soil at the start press on it.
 
 With inertia the soil then swings, as a column of its height H does in
 
@@ -21,6 +21,7 @@ import numpy as np
 from hybrid.runtime.comm import anywhere, maximum, minimum, total
 
 TOLERANCE = 1e-6  # share of the weight from which a run warns; round-off is below 1e-12
+SETTLED = 0.02      # the same of soil that has settled (`hybrid.setup.settle`)
 RESOLVED = 0.1    # largest step over the period of the swing
 
 
@@ -40,11 +41,13 @@ class InitialImbalance:
         place = ", ".join(f"{x:.4g}" for x in self.place)
         return f"{100 * self.share:.2g} % of the weight, largest at node ({place}) m"
 
-    def notes(self, stage, scheme, length):
-        """Texts (none or one) for a run that starts with `stage`, in steps of `length` [s] by `scheme`."""
-        if self.share <= TOLERANCE:
+    def notes(self, stage, scheme, length, settled=False):
+        """Texts (none or one) for a run that starts with `stage`, in steps of `length` [s] by `scheme`; settled: whether
+        the soil has settled before."""
+        limit = SETTLED if settled else TOLERANCE
+        if self.share <= limit:
             return ()
-        return (f"initial imbalance: {self}, is not balanced at the start, limit {100 * TOLERANCE:g} %. "
+        return (f"initial imbalance: {self}, is not balanced at the start, limit {100 * limit:g} %. "
                 f"{self._cause()} {_remedy(stage, scheme)}{self._too_long(length) if scheme.inertia else ''}",)
 
     def _too_long(self, length):
@@ -68,7 +71,11 @@ def initial_imbalance(step, evaluation):
     weight = 0.0 if step.soil is None else float(total(step.soil.mass)) * float(np.linalg.norm(step.model.gravity))
     if weight == 0.0:
         return None
-    force = np.where(step.pattern.free, evaluation.soil_trial.force - step.soil.weight, 0.0)
+    force = evaluation.soil_trial.force - step.soil.weight
+    for terms in evaluation.bodies:
+        if len(terms.contact):
+            terms.step.pair.add_residual(terms.contact, force)
+    force = np.where(step.pattern.free, force, 0.0)
     size, grid = np.linalg.norm(force, axis=1), step.model.soil.grid
     node = np.unravel_index(int(np.argmax(size)), grid.shape)
     place = tuple(float(nodes[i]) for nodes, i in zip(grid.axes, node))

@@ -7,14 +7,12 @@ import numpy as np
 from hybrid.body.attitude import rotation_from_axis_angle
 from hybrid.body.motion import free_spin_rate
 from hybrid.body.rigid import FREEDOMS, Line, RigidBody
-from hybrid.contact.corners import Domains, distances, overlap
-from hybrid.runtime.comm import minimum
+from hybrid.contact.corners import distances
 from hybrid.runtime.errors import SceneError
 from hybrid.setup.stages import point_of, stage_controls
 from hybrid.state import BodyState
 
 TOUCH = 1e-3    # radii that two bodies may overlap, as facets of curved bodies that touch do
-OVERLAP = 0.1   # half-widths of a point that a body may overlap the soil at the start
 
 
 def mesh_of(described):
@@ -63,19 +61,6 @@ def build_line(described, body_mesh, properties):
     direction = np.array(pull.direction if pull.direction is not None else pull.velocity, float)
     return Line(point - properties.centre, direction / np.linalg.norm(direction), np.array(pull.velocity, float),
                 pull.stiffness, pull.length, pull.tension_only)
-
-
-def refuse_overlap(body, motion, points, soil):
-    """SceneError when the body starts deeper in the soil than contact springs bear: they would throw it out."""
-    domains = Domains.of(points, soil.constants.volume, soil.basis)
-    depth, count = overlap(domains, soil.grid, motion, body.surface)
-    limit = OVERLAP * minimum(points.half_width)
-    if depth > limit:
-        raise SceneError(
-            f"body {body.name!r} overlaps the soil at the start: {count} corners of the points' domains lie up to "
-            f"{depth:.3g} m inside the body, limit {limit:.3g} m; set body.rest_on to the height of the soil's "
-            "surface, or raise body.position. A body cannot start embedded: drive it in, with body.driven and "
-            "body.velocity")
 
 
 def refuse_overlap_of_bodies(placed, collapsed):

@@ -2,15 +2,18 @@
 
 import numpy as np
 
+from hybrid.body.rigid import with_stiffness
 from hybrid.runtime.errors import SceneError
 from hybrid.scene.accuracy import apply_accuracy
 from hybrid.scene.check_sense import sense_notes
 from hybrid.scene.defaults import resolve
 from hybrid.scene.file import validate
 from hybrid.scheme import Scheme
-from hybrid.setup.bodies import build_body, mesh_of, refuse_overlap, refuse_overlap_of_bodies
+from hybrid.setup.bodies import build_body, mesh_of, refuse_overlap_of_bodies
 from hybrid.setup.contact import connect_to_soil
 from hybrid.setup.grid import axis_nodes, build_grid
+from hybrid.setup.in_place import put_in_place, starts_inside
+from hybrid.setup.settle import settle
 from hybrid.setup.size import refuse_cells, refuse_size
 from hybrid.setup.soil import build_soil, lay_out
 from hybrid.simulation import Simulation
@@ -68,14 +71,27 @@ def _put_together(scene, decisions, accuracy, body_force, law):
     motions, contacts = [motion for _, motion in placed], [ContactHistory.empty() for _ in placed]
     bodies = [connect_to_soil(described, body, motion.rotation, soil, gravity, scene.soil.material.cone)
               for described, (body, motion) in zip(scene.bodies, placed)]
-    for body, motion in zip(bodies, motions):
-        refuse_overlap(body, motion, points, soil)
+    inside = [starts_inside(body, motion, points, soil) for body, motion in zip(bodies, motions)]
+    taken = []
+    if any(inside):
+        soil, points, contacts, taken = put_in_place(
+            soil, points, *([one if there else None for one, there in zip(items, inside)] for items in (bodies, motions)))
+        bodies = [with_stiffness(body, soil.law.young, soil.held) for body in bodies]
     model = Model(soil, tuple(bodies), build_scheme(scene.time), loads, scene.solver)
     state = State(0.0, 0, points, motions, contacts)
     if moving_grid is not None:
         moving_grid.lay_out = lambda grid: lay_out(scene.soil, grid, gravity)
         state.ground = moving_grid.first_ground(layouts, soil)
-    return Simulation(scene, model, state, meshes, moving_grid, accuracy, decisions)
+    settled = None
+    if taken:
+        state, settled = settle(model, state, scene.stages[0].step or scene.time.step)
+    return Simulation(scene, model, state, meshes, moving_grid, accuracy, decisions, _start(taken, settled))
+
+
+def _start(taken, settled):
+    """Rows {label: value} of the model sheet about bodies that are in place and soil that has settled."""
+    rows = {"in place from the start": [str(one) for one in taken]} if taken else {}
+    return {**rows, **({"settled at the start": str(settled)} if settled else {})}
 
 
 def build_scheme(time):

@@ -150,6 +150,14 @@ def in_slice(body, grid, rotation):
     return body
 
 
+def section(body, rotation, grid):
+    """ContactSurface of a body's geometry, on a grid with a collapsed axis without the ends of the prism."""
+    surface = body.outline
+    for axis in np.flatnonzero(grid.collapsed):
+        surface = _without_ends(surface, rotation[axis])
+    return surface
+
+
 def _without_ends(surface, axis):
     """The surface of a prism without its ends, which no point of its section is near."""
     sides = np.abs(surface.normals @ axis) < 0.5

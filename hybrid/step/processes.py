@@ -37,8 +37,9 @@ def split(model, state):
     constants = replace(soil.constants, number=np.arange(len(state.points)))
     mine = block.owner(state.points.position) == ranks.rank()
     comm.split()
+    contacts = [_rows(history, mine[history.point]) for history in state.contacts]
     model, state = _with_points(replace_soil(model, grid=block), replace(state, contacts=[]), select(
-        Population(state.points, constants, soil.law.rows), mine), [ContactHistory.empty() for _ in model.bodies])
+        Population(state.points, constants, soil.law.rows), mine), contacts)
     assert len(state.points) < comm.number(state.points), "one process holds all points"
     return model, state
 

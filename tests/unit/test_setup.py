@@ -161,8 +161,10 @@ def test_a_line_is_fixed_to_a_point_of_the_geometry():
         bodies.build_line(described, SimpleNamespace(named_points={}), None)
 
 
-def test_a_body_starts_outside_the_soil():
-    sunk = scene(bodies=(Body(GEOMETRY, 1000.0, position=(0.5, 0.5, -0.2)),))
+@pytest.mark.parametrize("soil, contact", [({"held": True}, None), ({"basis": "mpm"}, None), ({}, "corners")])
+def test_soil_that_cannot_be_cut_refuses_a_body_inside_it(soil, contact):
+    sunk = scene(bodies=(Body(GEOMETRY, 1000.0, position=(0.5, 0.5, -0.2), contact=contact),))
+    sunk = replace(sunk, soil=replace(sunk.soil, **soil))
     with pytest.raises(SceneError, match="body 'body' overlaps the soil at the start: .* set body.rest_on"):
         build(sunk)
 

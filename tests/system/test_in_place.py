@@ -1,0 +1,73 @@
+"""Bodies that are in the soil from the start: what they take of it, and what is left is in equilibrium."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hybrid.contact.corners import distances
+from hybrid.runtime.data import GEOMETRY
+from hybrid.scene import Axis, Body, Faces, Grid, Material, Scene, Soil, Stage, Time
+from hybrid.setup.build import build
+from hybrid.setup.contact import section
+
+CLAY = Material(law="von-mises", young=5e6, poisson=0.49, density=1700.0, strength=1e4, cone="plane strain")
+HELD = ("x", "y", "z", "rx", "ry", "rz")
+STEEL, DEPTH, SLICE = 7850.0, -1.487, 0.05
+
+
+def scene(geometry, rotation, parameters, material=CLAY, inertia=False, **more):
+    body = Body(GEOMETRY / geometry, STEEL, parameters=parameters, position=(0.0, 0.025, DEPTH), rotation=rotation, **more)
+    return Scene(name="in place", soil=Soil(material, top=0.0), bodies=(body,), time=Time(0.01, inertia=inertia),
+                 grid=Grid(Axis(start=-1.6, end=1.6, size=0.2), Axis(start=0.0, end=SLICE, collapsed=True),
+                           Axis(start=-3.0, end=0.2, size=0.2), Faces(z_min="fixed")), stages=(Stage("rest", 2),))
+
+
+PLATE = ("box.geo", None, {"length": 1.0, "width": 0.1, "height": 0.24, "size": 0.12}), 0.24
+THIN = ("box.geo", None, {"length": 1.0, "width": 0.1, "height": 0.03, "size": 0.1}), 0.03
+TILTED = ("box.geo", (0.0, 1.0, 0.0, 30.0), {"length": 1.0, "width": 0.1, "height": 0.24, "size": 0.12}), 0.24
+PIPE = ("cylinder.geo", (1.0, 0.0, 0.0, 90.0), {"radius": 0.5, "height": 0.3, "size": 0.05}), np.pi / 4
+
+
+@pytest.mark.parametrize("shape, area, error, force", [(*PLATE, 1e-9, 0.05), (*THIN, 0.02, 0.15), (*TILTED, 0.03, 0.08), (*PIPE, 0.01, 0.05)])
+def test_soil_and_steel_are_never_in_one_place_and_what_is_left_carries_the_body(shape, area, error, force):
+    """The soil that is taken has the body's volume, no point is inside the body, and the force that holds it is its weight
+    less that of this soil: div σ = -ρ g, whatever K0."""
+    simulation = build(scene(*shape, held=HELD))
+    body, points = simulation.model.bodies[0], simulation.state.points
+    full = 3.2 * 3.0 * SLICE
+    taken = full - simulation.model.soil.constants.volume.sum()
+    assert taken == pytest.approx(area * SLICE, rel=error)
+    assert simulation.model.soil.constants.mass.sum() == pytest.approx((full - taken) * CLAY.density)
+    motion = simulation.state.bodies[0]
+    y = np.where(simulation.model.soil.grid.collapsed, motion.position, points.position) - motion.position
+    outside, _ = distances(y @ motion.rotation, section(body, motion.rotation, simulation.model.soil.grid))
+    assert outside.min() > 0.0
+    assert simulation.imbalance.share < 0.02 and not points.plastic_strain.max() > 1e-9
+    held = next(simulation.steps()).bodies[0].contact_force[2]
+    assert held == pytest.approx(CLAY.density * 9.81 * area * SLICE, rel=force)
+    row, = simulation.sheet()["modelled"]["in place from the start"]
+    assert "body is in place: it takes" in row and "settled at the start" in simulation.sheet()["modelled"]
+
+
+def test_a_body_of_the_soils_density_rests_where_it_is():
+    """Free, with inertia: it neither sinks nor rises, and the soil around it does not move."""
+    simulation = build(replace(scene(*PLATE[0], inertia=True), stages=(Stage("rest", 5),)))
+    same = build(replace(simulation.scene, bodies=(replace(simulation.scene.bodies[0], density=CLAY.density),)))
+    heavy = [list(one.steps())[-1].bodies[0].position[2] - DEPTH for one in (simulation, same)]
+    assert abs(heavy[1]) < 0.05 * abs(heavy[0]) and heavy[0] < 0.0
+
+
+def test_a_body_in_place_in_space():
+    ball = Body(GEOMETRY / "sphere.geo", STEEL, parameters={"radius": 0.3, "size": 0.1}, position=(0.03, 0.0, -0.61),
+                held=HELD)
+    side = Axis(start=-0.8, end=0.8, size=0.2)
+    simulation = build(Scene(name="ball", grid=Grid(side, side, Axis(start=-1.4, end=0.2, size=0.2), Faces(z_min="fixed")),
+                             soil=Soil(Material(relative_density=38.0), top=0.0), bodies=(ball,),
+                             time=Time(1.0, inertia=False), stages=(Stage("rest", 1),)))
+    taken = 1.6 * 1.6 * 1.4 - simulation.model.soil.constants.volume.sum()
+    assert taken == pytest.approx(4 / 3 * np.pi * 0.3**3, rel=0.03)
+    density = simulation.model.soil.constants.mass[0] / simulation.model.soil.constants.volume[0]
+    force = next(simulation.steps()).bodies[0].contact_force
+    assert force[2] == pytest.approx(density * 9.81 * 4 / 3 * np.pi * 0.3**3, rel=0.2)     # three cells in its diameter
+    assert np.abs(force[:2]).max() < 0.05 * force[2]
