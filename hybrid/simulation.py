@@ -25,7 +25,7 @@ from hybrid.monitors.initial_equilibrium import initial_imbalance
 from hybrid.monitors.limits import limit_warnings
 from hybrid.output import output_errors
 from hybrid.output.model_sheet import model_sheet
-from hybrid.output.record import BodyRecord, Record
+from hybrid.output.record import BodyRecord, JointRecord, Record
 from hybrid.runtime import comm, ranks, timing
 from hybrid.runtime.errors import HybridError, OutputError, StepError
 from hybrid.runtime.memory import map_large_arrays
@@ -278,7 +278,7 @@ class Simulation:
             increments=report.increments, iterations=report.iterations, rejections=report.rejections,
             residual=evaluation.error, contacts=int(comm.total([len(terms.contact) for terms in evaluation.bodies])),
             seconds=timing.collect(), energies=energy,
-            bodies=[_body_record(terms, state) for terms in evaluation.bodies], time_error=report.error,
+            bodies=[_body_record(terms, state) for terms in evaluation.bodies], joints=_joint_records(evaluation), time_error=report.error,
             krylov=report.krylov, judged=report.judged,
             notes=self._initial_notes() + self._monitors.notes(view))
         return record, self._monitors.stop(view)
@@ -306,6 +306,15 @@ def _body_record(terms, state):
         terms.step.body.name, motion.position, quaternion(motion.rotation), motion.velocity, motion.spin,
         contact.resultant[:3], contact.resultant[3:], terms.trial.tension, contact.largest_overlap,
         **_guided(terms.step.body, motion, state.work))
+
+
+def _joint_records(evaluation):
+    """[JointRecord] of an Evaluation."""
+    if evaluation.joints is None:
+        return []
+    terms = evaluation.joints
+    return [JointRecord(joint.name, force, float(np.degrees(joint.angle(pair))) if joint.turning else None)
+            for joint, pair, force in zip(terms.step.joints, terms.pairs, terms.forces())]
 
 
 def _guided(body, motion, work):

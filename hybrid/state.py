@@ -161,6 +161,17 @@ class BodyState:
 
 
 @dataclass
+class JointState:
+    """Joints of a model, row by row.
+
+    multipliers  (n,) [N, N m]; active: (n,) bool, rows that are zero: joints, stops that touch, taut lines, sticking friction
+    """
+
+    multipliers: np.ndarray
+    active: np.ndarray
+
+
+@dataclass
 class State:
     """Everything that a run needs to continue.
 
@@ -168,6 +179,7 @@ class State:
     points    Points; bodies: a BodyState for each body; contacts: a ContactHistory for each body
     work      [J] done since the start, {name: value} (`hybrid.step.energy`)
     ground    Ground, None where the grid does not move
+    joints    JointState, None without joints
     """
 
     time: float
@@ -177,3 +189,4 @@ class State:
     contacts: list[ContactHistory]
     work: dict[str, float] = field(default_factory=dict)
     ground: Ground | None = None
+    joints: JointState | None = None

@@ -24,7 +24,7 @@ from hybrid.output.history import NAME as HISTORY
 from hybrid.runtime.errors import GeometryError, HybridError
 from hybrid.scene import Scene
 from hybrid.scene.defaults import resolve
-from hybrid.state import BodyState, ContactHistory, Ground, PointConstants, Points, Population, State
+from hybrid.state import BodyState, ContactHistory, Ground, JointState, PointConstants, Points, Population, State
 
 NESTED = {"points": Points, "constants": PointConstants, "behind": Population}  # fields that are dataclasses themselves
 NAME = "checkpoint.npz"
@@ -102,6 +102,8 @@ def save(path, state, scene=None, extra=None, run=""):
     arrays.update(_fields(state.points, "points"))
     if state.ground is not None:
         arrays.update(_fields(state.ground, "ground"))
+    if state.joints is not None:
+        arrays.update(_fields(state.joints, "joints"))
     for name, items in (("bodies", state.bodies), ("contacts", state.contacts)):
         arrays[f"{name}/count"] = len(items)
         for i, item in enumerate(items):
@@ -163,6 +165,7 @@ def load(path, scene=None):
         contacts=_restored_list(ContactHistory, arrays, "contacts"),
         work={name: float(value) for name, value in _below(arrays, "work/").items()},
         ground=_restored(Ground, arrays, "ground") if _below(arrays, "ground/") else None,
+        joints=_restored(JointState, arrays, "joints") if _below(arrays, "joints/") else None,
     )
 
 

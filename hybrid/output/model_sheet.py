@@ -45,6 +45,7 @@ def model_sheet(scene, model, imbalance=None, level="", most_points=0, decisions
         "body unknowns": model.body_unknowns,
         "entries of the soil block": entries,
         "bodies": [_body(*pair) for pair in zip(scene.bodies, model.bodies)] or "none",
+        **({"joints": [_joint(joint) for joint in scene.joints]} if scene.joints else {}),
         **({"gmsh": shortcoming()} if scene.bodies and shortcoming() else {}),
         "soil law": _law(scene.soil.material, soil.law) if not soil.held else "none, the soil is held",
         "basis": scene.soil.basis if not soil.held else "none, the soil is held",
@@ -151,6 +152,14 @@ def _body(described, body):
     if described.tension is not None:
         parts.append("never breaks away" if described.tension == "full" else f"breaks away at {described.tension:g} Pa")
     return f"{body.name}: {', '.join(parts)}"
+
+
+def _joint(joint):
+    """Kind of a joint and what it joins."""
+    limits = f", from {joint.limits[0]:g} to {joint.limits[1]:g} degrees" if joint.limits else ""
+    friction = f", friction of {joint.friction_moment:g} N m" if joint.friction_moment else ""
+    other = joint.bodies[1] if len(joint.bodies) == 2 else "the ground"
+    return f"{joint.name}: {joint.kind} of {joint.bodies[0]} and {other}{limits}{friction}"
 
 
 def _of_stages(scene):

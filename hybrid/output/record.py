@@ -72,6 +72,22 @@ class BodyRecord:
 
 
 @dataclass
+class JointRecord:
+    """One joint at the end of a step: force [N] and moment about the joined point [N m] (6,) on its first body, along the axes
+    of space, and the angle [deg] of a hinge, None of others."""
+
+    name: str
+    force: np.ndarray
+    angle: float | None = None
+
+    def row(self):
+        """Flat dict of this joint's columns, each name ending in its unit."""
+        names = ("fx_N", "fy_N", "fz_N", "mx_Nm", "my_Nm", "mz_Nm")
+        columns = {f"{self.name}_{name}": float(value) for name, value in zip(names, self.force)}
+        return columns if self.angle is None else columns | {f"{self.name}_angle_deg": self.angle}
+
+
+@dataclass
 class Record:
     """One accepted outer step.
 
@@ -84,7 +100,7 @@ class Record:
     contacts        number of corners and samples in contact
     seconds         {phase: wall time [s]}, columns of history.csv
     energies        {name: [J]} of the balance, columns of history.csv
-    bodies          [BodyRecord]
+    bodies          [BodyRecord]; joints: [JointRecord]
     notes           warnings, each given once in a run, such as that a body leaves the grid
     time_error      [m] estimated error of positions that time integration adds in the step, None without time.accuracy
     """
@@ -106,6 +122,7 @@ class Record:
     time_error: float | None = None
     krylov: int = 0
     judged: int = 0
+    joints: list[JointRecord] = field(default_factory=list)
 
     def row(self):
         """Flat dict for one line of history.csv, each name ending in its unit where it has one."""
@@ -127,6 +144,8 @@ class Record:
             row["time_error_m"] = float(self.time_error)
         for body in self.bodies:
             row.update(body.row())
+        for joint in self.joints:
+            row.update(joint.row())
         row.update({f"energy_{column(name)}_J": float(value) for name, value in self.energies.items()})
         row.update({f"seconds_{column(phase)}": float(value) for phase, value in self.seconds.items()})
         return row

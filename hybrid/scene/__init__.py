@@ -7,6 +7,7 @@ from hybrid.scene.schema import (
     Faces,
     Freedom,
     Grid,
+    Joint,
     Law,
     Layer,
     Load,
@@ -23,5 +24,5 @@ from hybrid.scene.schema import (
     Vector,
 )
 
-__all__ = ["Axis", "Body", "Condition", "Faces", "Freedom", "Grid", "Law", "Layer", "Load", "Material", "Motion", "Output",
+__all__ = ["Axis", "Body", "Condition", "Faces", "Freedom", "Grid", "Joint", "Law", "Layer", "Load", "Material", "Motion", "Output",
            "Pull", "Scene", "Soil", "Solver", "Stage", "Target", "Time", "Vector"]

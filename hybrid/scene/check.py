@@ -8,6 +8,7 @@ import re
 from math import cos, hypot, radians, sin
 
 from hybrid.scene.check_grid import grid_faults
+from hybrid.scene.check_joint import joint_faults
 from hybrid.scene.check_material import material_faults
 from hybrid.scene.check_stage import stage_faults
 from hybrid.scene.defaults import resolve
@@ -43,6 +44,8 @@ def faults(scene):
     yield from _distinct_names("soil.layer", scene.soil.layers)
     yield from _distinct_names("body", scene.bodies, file_label)
     yield from _distinct_names("stage", scene.stages)
+    yield from _distinct_names("joint", scene.joints, file_label)
+    yield from joint_faults(scene)
 
 
 def file_label(name):

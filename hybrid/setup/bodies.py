@@ -63,15 +63,20 @@ def build_line(described, body_mesh, properties):
                 pull.stiffness, pull.length, pull.tension_only)
 
 
-def refuse_overlap_of_bodies(placed, collapsed):
+def refuse_overlap_of_bodies(placed, joined, collapsed):
     """SceneError where two of the bodies `placed`, each a RigidBody and BodyState, overlap at the start: no force acts
-    between bodies. collapsed: (3,) bool, axes along which only their sections count."""
-    for (one, pose), (other, place) in combinations(placed, 2):
+    between bodies. joined: pairs of their numbers that may; collapsed: (3,) bool, axes along which only their sections
+    count."""
+    joined = {frozenset(pair) for pair in joined}
+    for first, second in combinations(range(len(placed)), 2):
+        if {first, second} in joined:
+            continue
+        (one, pose), (other, place) = placed[first], placed[second]
         depth = max(_depth(one, pose, other, place, collapsed), _depth(other, place, one, pose, collapsed))
         if depth > TOUCH * min(one.radius, other.radius):
             raise SceneError(f"bodies {one.name!r} and {other.name!r} overlap at the start, by {depth:.3g} m or more; "
                              "move one of them by body.position or body.rest_on. Bodies do not touch one another in "
-                             "this model; make one geometry of parts that belong together")
+                             "this model; join bodies that belong together by a [[joint]], or make one geometry of them")
 
 
 def _depth(one, pose, other, place, collapsed):

@@ -13,12 +13,13 @@ from hybrid.setup.bodies import build_body, mesh_of, refuse_overlap_of_bodies
 from hybrid.setup.contact import connect_to_soil
 from hybrid.setup.grid import axis_nodes, build_grid
 from hybrid.setup.in_place import put_in_place, starts_inside
+from hybrid.setup.joints import build_joints, refuse_velocities
 from hybrid.setup.settle import settle
 from hybrid.setup.size import refuse_cells, refuse_size
 from hybrid.setup.soil import build_soil, lay_out
 from hybrid.simulation import Simulation
 from hybrid.state import ContactHistory, State
-from hybrid.step import processes
+from hybrid.step import joint_terms, processes
 from hybrid.step.loads import Loads
 from hybrid.step.model import Model
 
@@ -65,7 +66,9 @@ def _put_together(scene, decisions, accuracy, body_force, law):
         refuse_size(scene, [axis_nodes(axis) for axis in (scene.grid.x, scene.grid.y, scene.grid.z)])
     meshes = [mesh_of(described) for described in scene.bodies]
     placed = [build_body(*pair, loads.on_bodies(0.0), scene.stages) for pair in zip(scene.bodies, meshes)]
-    refuse_overlap_of_bodies(placed, [axis.collapsed for axis in (scene.grid.x, scene.grid.y, scene.grid.z)])
+    joints = build_joints(scene, placed, meshes)
+    refuse_overlap_of_bodies(placed, [joint.bodies for joint in joints],
+                             [axis.collapsed for axis in (scene.grid.x, scene.grid.y, scene.grid.z)])
     grid, moving_grid, layouts = build_grid(scene, placed)
     soil, points = build_soil(scene, grid, loads, law)
     motions, contacts = [motion for _, motion in placed], [ContactHistory.empty() for _ in placed]
@@ -77,8 +80,9 @@ def _put_together(scene, decisions, accuracy, body_force, law):
         soil, points, contacts, taken = put_in_place(
             soil, points, *([one if there else None for one, there in zip(items, inside)] for items in (bodies, motions)))
         bodies = [with_stiffness(body, soil.law.young, soil.held) for body in bodies]
-    model = Model(soil, tuple(bodies), build_scheme(scene.time), loads, scene.solver)
-    state = State(0.0, 0, points, motions, contacts)
+    model = Model(soil, tuple(bodies), build_scheme(scene.time), loads, scene.solver, joints)
+    state = State(0.0, 0, points, motions, contacts, joints=joint_terms.start(model))
+    refuse_velocities(model, state)
     if moving_grid is not None:
         moving_grid.lay_out = lambda grid: lay_out(scene.soil, grid, gravity)
         state.ground = moving_grid.first_ground(layouts, soil)

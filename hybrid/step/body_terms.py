@@ -1,6 +1,6 @@
 """A body in one increment, and its terms in the equations: FORMULATION (33), (37) and its contact.
 
-    R_w = inertia - weight + line + Σ contact - loads        on the body's free unknowns        [N, N m]
+    R_w = inertia - weight + line + Σ contact - loads - joints        on the body's free unknowns        [N, N m]
 """
 
 from dataclasses import dataclass
@@ -81,20 +81,22 @@ class BodyStep:
             return angle
         return max(angle, rigid.rotation_angle(self.body, self.state, self.pose(unknowns), self.scheme, self.dt))
 
-    def evaluate(self, unknowns, nodal_contact):
-        """BodyTerms at trial Unknowns. Its contact is added to `nodal_contact` (N, 3) [N], None for held soil."""
+    def evaluate(self, unknowns, nodal_contact, joints=None):
+        """BodyTerms at trial Unknowns. Its contact is added to `nodal_contact` (N, 3) [N], None for held soil; joints:
+        JointTerms, None without joints."""
         pose = self.pose(unknowns)
         contact = self.pair.evaluate(unknowns.displacement, pose)
         on_body = self.pair.add_residual(contact, nodal_contact)
         trial = rigid.evaluate(self.body, self.state, pose, self.target, self.gravity, self.scheme, self.dt,
                                self.begin + self.dt)
-        terms = np.array([trial.inertia, trial.weight, trial.line, on_body, trial.load])
+        terms = np.array([trial.inertia, trial.weight, trial.line, on_body, trial.load,
+                          joints.on_body(self.number) if joints else np.zeros(6)])
         return BodyTerms(self, pose, trial, contact, terms, self.pair.springs(contact))
 
 
 @dataclass(frozen=True)
 class BodyTerms:
-    """Terms of a body at a trial pose: `terms` (5, 6) [N, N m] inertia, weight, line, contact and loads; springs: [N/m]
+    """Terms of a body at a trial pose: `terms` (6, 6) [N, N m] inertia, weight, line, contact, loads and joints; springs: [N/m]
     stiffness of its contact."""
 
     step: BodyStep

@@ -1,11 +1,12 @@
 """Energy of a committed state and the balance of a run: FORMULATION (51).
 
     stored = kinetic + elastic + potential + contact springs + line
-    stored(t) - stored(0) + plastic + friction + ghost + left = work of pull, drive and load + error
+    stored(t) - stored(0) + plastic + friction + ghost + left + stop = work of pull, drive and load + error
 
 Ghost is the work of the ghost penalty, which resists increments and stores nothing. Kinetic energy is that of points and bodies, none in a quasi-static scene; the energy that the transfer between points
 and grid loses is part of the error. Drive is the work of guides: of driven components, and of the impulse when a stage
-holds a body that moves or drives one that rests. Load is the work of all loads but the whole of gravity
+holds a body that moves or drives one that rests. Stop, of scenes with joints, is the kinetic energy lost where stops and
+lines engage. Load is the work of all loads but the whole of gravity
 (`hybrid.step.loads`, `hybrid.body.guides`). Left is the energy of soil that a moving grid leaves behind, and the energy lost where it merges
 points (`hybrid.step.moving_grid`).
 """
@@ -32,7 +33,8 @@ def energies(model, state, evaluation=None):
     if evaluation is not None:
         out["contact"] = sum(terms.contact.energy for terms in evaluation.bodies)
         out["line"] = sum(terms.trial.line_energy for terms in evaluation.bodies)
-    return out | {name: state.work.get(name, 0.0) for name in WORKS}
+    stop = {"stop": state.work["stop"]} if "stop" in state.work else {}
+    return out | {name: state.work.get(name, 0.0) for name in WORKS} | stop
 
 
 def soil_energies(model, points):
@@ -47,4 +49,5 @@ def balance_error(now, start):
     """Energy that the balance does not account for [J], from `energies` now and at the start."""
     stored = sum(now[name] - start[name] for name in STORED)
     lost = sum(now[name] for name in ("plastic", "friction", "ghost", "left"))
+    lost += now.get("stop", 0.0)
     return stored + lost - sum(now[name] for name in ("pull", "drive", "load"))

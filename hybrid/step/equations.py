@@ -22,8 +22,9 @@ from hybrid.runtime.timing import phase
 from hybrid.soil.model import Refusal, SoilStep, SoilTrial
 from hybrid.soil.transfer import interpolate
 from hybrid.state import State
-from hybrid.step import body_terms, soil_terms
+from hybrid.step import body_terms, joint_terms, soil_terms
 from hybrid.step.body_terms import BodyStep, BodyTerms
+from hybrid.step.joint_terms import JointStep, JointTerms
 from hybrid.step.model import Model
 from hybrid.step.search_reach import travel_ratio
 from hybrid.step.work import work_after
@@ -33,10 +34,12 @@ LARGEST_ROTATION = 2.0  # [rad] of a body in a step; beyond π it equals a small
 
 @dataclass(frozen=True)
 class Unknowns:
-    """Trial values: nodal displacement increments (N, 3) [m] (None for held soil), poses of the bodies."""
+    """Trial values: nodal displacement increments (N, 3) [m] (None for held soil), poses of the bodies, multipliers (n,) of
+    their joints (None without joints)."""
 
     displacement: np.ndarray | None
     poses: tuple
+    multipliers: np.ndarray | None = None
 
 
 @dataclass(frozen=True)
@@ -46,7 +49,7 @@ class Evaluation:
 
     soil (n,) [N] and body (m,) [N, N m]: residual on the unknowns; error: largest residual of soil and bodies relative
     to the forces acting on each; norms: the same in physical units, by name; internal: norm [N] of the internal forces;
-    rates: `Scheme.advance` of the nodes; bodies: BodyTerms of each body.
+    rates: `Scheme.advance` of the nodes; bodies: BodyTerms of each body; joints: JointTerms, None without joints.
     """
 
     unknowns: Unknowns
@@ -58,6 +61,7 @@ class Evaluation:
     soil_trial: SoilTrial | None
     rates: tuple | None
     bodies: tuple[BodyTerms, ...]
+    joints: JointTerms | None = None
 
     @property
     def contacts(self):
@@ -81,17 +85,19 @@ class Step:
     system: BlockSystem
     bodies: tuple[BodyStep, ...]
     reference: float = 0.0
+    joints: JointStep | None = None
 
     # -------------------------------------------------------------- trial values
 
     def predictor(self):
         """Unknowns where everything keeps its velocity."""
-        return Unknowns(_predicted(self.model, self.soil, self.dt), tuple(b.predicted_pose() for b in self.bodies))
+        return Unknowns(_predicted(self.model, self.soil, self.dt), tuple(b.predicted_pose() for b in self.bodies),
+                        self.joints and self.state.joints.multipliers)
 
     def at_rest(self):
         """Unknowns where nothing moves."""
         return Unknowns(None if self.soil is None else np.zeros_like(self.soil.velocity),
-                        tuple(b.committed_pose() for b in self.bodies))
+                        tuple(b.committed_pose() for b in self.bodies), self.joints and self.state.joints.multipliers)
 
     def moved(self, unknowns, soil, body, scale=1.0):
         """Unknowns after `scale` times the increments soil (n,), body (m,)."""
@@ -99,7 +105,10 @@ class Step:
         if displacement is not None:
             displacement = displacement.copy()
             displacement[self.pattern.free] += scale * soil
-        return Unknowns(displacement, tuple(b.moved_pose(unknowns, scale * body) for b in self.bodies))
+        multipliers = unknowns.multipliers
+        if self.joints:
+            multipliers = multipliers + scale * self.joints.scale * body[self.joints.size:]
+        return Unknowns(displacement, tuple(b.moved_pose(unknowns, scale * body) for b in self.bodies), multipliers)
 
     # -------------------------------------------------------------- residual and tangent
 
@@ -111,8 +120,9 @@ class Step:
             if isinstance(soil, Refusal):
                 return soil
             nodal_contact = soil.forces["contact"]
+        joints = self.joints and self.joints.evaluate(unknowns.poses, unknowns.multipliers)
         with phase("contact"):
-            bodies = tuple(b.evaluate(unknowns, nodal_contact) for b in self.bodies)
+            bodies = tuple(b.evaluate(unknowns, nodal_contact, joints) for b in self.bodies)
             if bodies and nodal_contact is not None:
                 self.model.soil.grid.summed(nodal_contact)
         residual, norms, error, internal = np.zeros(0), {}, 0.0, 0.0
@@ -122,8 +132,12 @@ class Step:
         for terms in bodies:
             own, own_error = terms.error()
             norms, error = norms | own, max(error, own_error)
-        return Evaluation(unknowns, residual, np.concatenate([np.zeros(0), *(terms.residual for terms in bodies)]),
-                          error, norms, internal, soil and soil.trial, soil and soil.rates, bodies)
+        on_bodies = [np.zeros(0), *(terms.residual for terms in bodies)]
+        if joints:
+            on_bodies.append(joints.residual())
+            norms, error = norms | {"joints [m]": np.abs(joints.values[joints.active]).max(initial=0.0)}, max(error, joints.error())
+        return Evaluation(unknowns, residual, np.concatenate(on_bodies), error, norms, internal, soil and soil.trial,
+                          soil and soil.rates, bodies, joints)
 
     def assemble(self, evaluation):
         """Fill the block system with the tangent at an evaluation, and factor it."""
@@ -134,6 +148,8 @@ class Step:
         with phase("contact"):
             for terms in evaluation.bodies:
                 terms.add_tangent(self.pattern, self.system, stiffness)
+            if evaluation.joints:
+                evaluation.joints.add_tangent(self.system.ww)
         with phase("factor"):
             self.system.factor()
 
@@ -205,9 +221,12 @@ class Step:
                 points = model.soil.accept(self.soil, evaluation.soil_trial, displacement, *evaluation.rates)
             bodies = [terms.accept() for terms in evaluation.bodies]
             contacts = [terms.step.pair.commit(terms.contact, displacement) for terms in evaluation.bodies]
-            work = work_after(self, evaluation, points, bodies)
+            joints, lost = evaluation.joints and evaluation.joints.state(), 0.0
+            if joints:
+                bodies, joints, lost = joint_terms.engaged(self, evaluation.joints, bodies, joints)
+            work = work_after(self, evaluation, points, bodies, lost)
         time, number = (state.time + self.dt, state.step) if end is None else (end, state.step + 1)
-        return State(time, number, points, bodies, contacts, work, state.ground)
+        return State(time, number, points, bodies, contacts, work, state.ground, joints)
 
 
 def begin(model, state, dt, pulling, workspace):
@@ -227,7 +246,7 @@ def begin(model, state, dt, pulling, workspace):
     nodal = None if soil is None else soil.velocity, _predicted(model, soil, dt)
     with phase("contact search"):
         bodies = body_terms.begin_bodies(model, state, dt, pulling, domains, active, nodal)
-    return Step(model, state, dt, soil, pattern, system, bodies)
+    return Step(model, state, dt, soil, pattern, system, bodies, joints=joint_terms.begin_joints(model, state, dt))
 
 
 def _predicted(model, soil, dt):

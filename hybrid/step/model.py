@@ -5,10 +5,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hybrid.body import rigid
+from hybrid.body.joints import Joint
 from hybrid.body.rigid import FREEDOMS, RigidBody
 from hybrid.scene import Solver
 from hybrid.scheme import Scheme
 from hybrid.soil.model import Soil
+from hybrid.step import joint_terms
 from hybrid.step.loads import Loads
 from hybrid.step.work import add_by_component
 
@@ -16,13 +18,14 @@ from hybrid.step.work import add_by_component
 @dataclass(frozen=True)
 class Model:
     """What is modelled in a stage; it never changes. solver: the scene's own settings of Newton's method and of the
-    linear systems inside it."""
+    linear systems inside it; joints: of bodies, with their pairs of numbers."""
 
     soil: Soil
     bodies: tuple[RigidBody, ...]
     scheme: Scheme
     loads: Loads
     solver: Solver = Solver()
+    joints: tuple[Joint, ...] = ()
 
     @property
     def gravity(self):
@@ -31,8 +34,8 @@ class Model:
 
     @property
     def body_unknowns(self):
-        """Number of free components of all bodies."""
-        return sum(int(np.count_nonzero(body.free)) for body in self.bodies)
+        """Number of free components of all bodies, and of rows of their joints."""
+        return sum(int(np.count_nonzero(body.free)) for body in self.bodies) + sum(len(j.bounds) for j in self.joints)
 
     def with_soil(self, soil):
         """The same model with other soil."""
@@ -60,7 +63,10 @@ class Model:
                 work["drive"] = work.get("drive", 0.0) + impulse_work
                 add_by_component(work, body, rigid.jolt(body, before, motion))
             bodies.append(rigid.begin_loads(body, motion, state.time, self.scheme))
-        return replace(state, bodies=bodies, work=work)
+        bodies, joints, lost = joint_terms.begin_stage(self, bodies, state.joints)
+        if lost:
+            work["drive"] = work.get("drive", 0.0) - lost
+        return replace(state, bodies=bodies, work=work, joints=joints)
 
     def lay_out_lines(self, state):
         """`state` with the pull lines of all bodies laid out, just taut, where they are not yet."""

@@ -1,4 +1,4 @@
-"""Work of one increment, by what does it: plastic flow, ghost penalty, friction, drive, pull and load (`hybrid.step.energy`)."""
+"""Work of one increment, by what does it: plastic flow, ghost penalty, friction, stops, drive, pull and load (`hybrid.step.energy`)."""
 
 import numpy as np
 
@@ -6,10 +6,10 @@ from hybrid.body import guides, rigid
 from hybrid.body.rigid import FREEDOMS
 
 
-def work_after(step, evaluation, points, bodies):
+def work_after(step, evaluation, points, bodies, lost=0.0):
     """Work [J] done since the start of the run, {name: value}, at the end of an increment.
 
-    evaluation: the accepted one; points, bodies: the new state.
+    evaluation: the accepted one; points, bodies: the new state; lost: where stops and lines of joints engage.
     """
     work = dict(step.state.work)
 
@@ -26,6 +26,9 @@ def work_after(step, evaluation, points, bodies):
             add_by_component(work, terms.step.body, mean * moved + jolt)
     for terms in evaluation.bodies:
         add("friction", terms.contact.dissipated)
+    if evaluation.joints:
+        add("friction", evaluation.joints.dissipated())
+        add("stop", lost)
     for terms in evaluation.bodies:
         if terms.step.body.line:
             add("pull", _of_pull(terms))

@@ -1,0 +1,359 @@
+"""Joined bodies: double pendulum, pendulum against a stop and with friction, a spinning hinged pair, rods, lines, welds."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.spatial.transform import Rotation
+
+from hybrid.body.attitude import exp_so3
+from hybrid.linalg.petsc import BlockSystem
+from hybrid.output.checkpoint import load, save
+from hybrid.runtime.errors import SceneError
+from hybrid.scene import Joint, Load, Motion, Stage
+from hybrid.scene.file import validate
+from hybrid.setup.build import build
+from hybrid.step.equations import Unknowns, begin
+from hybrid.step.workspace import Workspace
+from hybrid.study.scenes import box, plane
+
+G = 9.81
+LENGTHS = 0.6, 0.4
+GRAVITY = (0.0, 0.0, -G)
+TIGHT = {"linear": "direct", "tolerance": 1e-9}
+
+
+def joined(bodies, joints, steps, step, gravity=GRAVITY, **options):
+    """Scene of joined bodies high above held soil."""
+    scene = plane(bodies[0], steps, step, gravity=gravity, solver=TIGHT, **options)
+    return replace(scene, bodies=tuple(bodies), joints=tuple(joints))
+
+
+def arm(name, length, x, **given):
+    """A bar along x, whose middle is `x` m from the origin and 5 m above the soil."""
+    return box(length, 0.1, 0.08, name=name, position=(x, 0.0, 5.0), **given)
+
+
+def middle(simulation, number):
+    """Centre of mass in the geometry."""
+    return simulation.masses[number].centre
+
+
+# ------------------------------------------------------------------ pendulums
+
+
+CENTRE = 0.0      # height of the centre of the bars in their geometry
+
+
+def pendulum(steps, step, **joint):
+    hinge = Joint(name="pin", kind="hinge", bodies=("upper",), point=(-LENGTHS[0] / 2, 0.0, CENTRE), axis=(0.0, 1.0, 0.0), **joint)
+    return joined([arm("upper", LENGTHS[0], LENGTHS[0] / 2)], [hinge], steps, step)
+
+
+def double_pendulum(steps, step):
+    first, second = LENGTHS
+    scene = pendulum(steps, step)
+    pin = Joint("knee", "hinge", ("lower", "upper"), (-second / 2, 0.0, CENTRE), axis=(0.0, 1.0, 0.0))
+    return replace(scene, bodies=(*scene.bodies, arm("lower", second, first + second / 2)), joints=(*scene.joints, pin))
+
+
+def bar(length):
+    """Mass and moment of inertia about y of a bar."""
+    mass = 1000.0 * length * 0.1 * 0.08
+    return mass, mass * (length**2 + 0.08**2) / 12
+
+
+def double_reference(time):
+    """Angles from the downward vertical of both bars, released at rest from the horizontal."""
+    (m1, i1), (m2, i2), (long, short) = bar(LENGTHS[0]), bar(LENGTHS[1]), LENGTHS
+    l1, l2 = long / 2, short / 2
+
+    def rates(_, y):
+        a, b, u, v = y
+        mass = np.array([[i1 + m1 * l1**2 + m2 * long**2, m2 * long * l2 * np.cos(a - b)],
+                         [m2 * long * l2 * np.cos(a - b), i2 + m2 * l2**2]])
+        force = [-m2 * long * l2 * np.sin(a - b) * v * v - (m1 * l1 + m2 * long) * G * np.sin(a),
+                 m2 * long * l2 * np.sin(a - b) * u * u - m2 * G * l2 * np.sin(b)]
+        return [u, v, *np.linalg.solve(mass, force)]
+
+    return solve_ivp(rates, (0.0, time), [np.pi / 2, np.pi / 2, 0.0, 0.0], "DOP853", rtol=1e-12, atol=1e-12).y[:, -1]
+
+
+def double_error(steps, duration=1.0, **time):
+    scene = double_pendulum(steps, duration / steps)
+    simulation = build(replace(scene, time=replace(scene.time, **time)))
+    records = list(simulation.steps())
+    a, b = double_reference(duration)[:2]
+    (long, short), upper, lower = LENGTHS, *(motion.position for motion in simulation.state.bodies)
+    expected = np.array([[0.5 * long * np.sin(a), 0.0, -0.5 * long * np.cos(a)],
+                         [long * np.sin(a) + 0.5 * short * np.sin(b), 0.0,
+                          -long * np.cos(a) - 0.5 * short * np.cos(b)]]) + (0.0, 0.0, 5.0 + CENTRE)
+    return np.linalg.norm(np.array([upper, lower]) - expected), simulation, records
+
+
+def test_double_pendulum_converges_to_an_accurate_integration_with_second_order():
+    errors = [double_error(steps, 0.5)[0] for steps in (50, 100, 200)]
+    rates = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert errors[-1] < 5e-3 and (rates > 1.7).all(), (errors, rates)
+
+
+def test_the_order_is_lost_with_a_scheme_of_first_order():
+    errors = [double_error(steps, 0.5, beta=0.5625, gamma=1.0)[0] for steps in (50, 100)]
+    assert np.log2(errors[0] / errors[1]) < 1.4
+
+
+def test_joints_hold_to_round_off_and_their_forces_are_in_the_history():
+    _, simulation, records = double_error(50)
+    upper, lower = simulation.state.bodies
+    knee = upper.position + upper.rotation @ (LENGTHS[0] / 2, 0.0, 0.0)
+    np.testing.assert_allclose(knee, lower.position - lower.rotation @ (LENGTHS[1] / 2, 0.0, 0.0), atol=1e-7)
+    row = records[-1].row()
+    assert {"pin_fx_N", "pin_my_Nm", "knee_angle_deg"} <= set(row)
+    assert abs(row["pin_fy_N"]) < 1e-6
+    forces = np.array([[record.joints[0].force[:3], record.joints[1].force[:3]] for record in records])
+    masses = [mass.mass for mass in simulation.masses]
+    accelerations = simulation.state.bodies[1].acceleration
+    np.testing.assert_allclose(forces[-1, 1], masses[1] * (accelerations + (0.0, 0.0, G)), rtol=1e-5, atol=1e-3)
+
+
+def test_a_pendulum_stops_at_its_limit_without_rebound():
+    """It falls by 60 degrees, loses all its energy at the stop, and rests there on the moment m g l cos 60."""
+    simulation = build(pendulum(120, 0.005, limits=(-10.0, 60.0)))
+    records = list(simulation.steps())
+    mass, _ = bar(LENGTHS[0])
+    angle = np.array([record.joints[0].angle for record in records])
+    fallen = mass * G * 0.3 * np.sin(np.pi / 3)
+    stopped = np.argmax(angle > 59.999)
+    assert records[-1].energies["stop"] == pytest.approx(fallen, rel=0.01)
+    np.testing.assert_allclose(angle[stopped:], 60.0, atol=1e-5)
+    assert angle.max() < 60.0 + 1e-5
+    np.testing.assert_allclose(simulation.state.bodies[0].spin, 0.0, atol=1e-6)
+    moment = records[-1].joints[0].force[4]
+    assert moment == pytest.approx(-mass * G * 0.3 * np.cos(np.pi / 3), rel=1e-5)
+    inertia = mass * (0.6**2 + 0.08**2) / 12 + mass * 0.3**2
+
+    def swing(t, y):
+        return [y[1], mass * G * 0.3 * np.cos(y[0]) / inertia]
+
+    def reach(t, y):
+        return y[0] - np.pi / 3
+
+    reach.terminal = True
+    time = solve_ivp(swing, (0.0, 2.0), [0.0, 0.0], events=reach, rtol=1e-10).t[-1]
+    assert records[stopped].time == pytest.approx(time, abs=0.01)
+    assert sum(record.rejections for record in records) == 0
+
+
+def test_a_pendulum_that_swings_away_from_its_stop_is_free_again():
+    """Pushed against the stop by a moment, then let go."""
+    push = Load(moment=(0.0, -100.0, 0.0))
+    scene = replace(pendulum(1, 0.005, limits=(0.0, 170.0)), stages=(Stage("push", 10, loads=(push,)), Stage("fall", 20)))
+    simulation = build(scene)
+    records = list(simulation.steps())
+    angle = np.array([record.joints[0].angle for record in records])
+    np.testing.assert_allclose(angle[:10], 0.0, atol=1e-5)
+    mass, _ = bar(LENGTHS[0])
+    inertia = mass * (0.6**2 + 0.08**2) / 12 + mass * 0.3**2
+    assert np.radians(angle[-1]) == pytest.approx(0.5 * mass * G * 0.3 / inertia * 0.1**2, rel=0.1)
+
+
+def test_friction_of_a_hinge_holds_or_takes_energy():
+    mass, _ = bar(LENGTHS[0])
+    weight = mass * G * 0.3
+    held = list(build(pendulum(20, 0.01, friction_moment=1.1 * weight)).steps())
+    assert all(record.iterations < 4 for record in held)
+    assert max(abs(record.joints[0].angle) for record in held) < 1e-4
+    assert held[-1].joints[0].force[4] == pytest.approx(-weight, rel=1e-3)
+    slipped = list(build(pendulum(40, 0.005, friction_moment=0.3 * weight)).steps())
+    angle = np.radians(slipped[-1].joints[0].angle)
+    assert angle > 0.3
+    assert slipped[-1].energies["friction"] == pytest.approx(0.3 * weight * angle, rel=1e-3)
+    assert slipped[-1].energies["kinetic"] == pytest.approx(
+        weight * np.sin(angle) - 0.3 * weight * angle, rel=0.01)
+
+
+# ------------------------------------------------------------------ in space
+
+
+def pair_reference(simulation, joint, time):
+    """Positions of two hinged bodies after free flight, from accelerations with constraint forces, to round-off."""
+    start = simulation.initial_bodies
+    mass = np.array([m.mass for m in simulation.masses])
+    inertia = [m.inertia for m in simulation.masses]
+    arms, axis = joint.points, np.cross(joint.turning[1], joint.turning[2])
+
+    def rates(_, y):
+        x, v, w = y[:6].reshape(2, 3), y[6:12].reshape(2, 3), y[12:18].reshape(2, 3)
+        turn = [Rotation.from_quat(q / np.linalg.norm(q)).as_matrix() for q in y[18:].reshape(2, 4)]
+        s = [turn[i] @ arms[i] for i in (0, 1)]
+        e = turn[1] @ axis
+        across = np.linalg.svd(e[None])[2][1:]
+        kkt, rhs = np.zeros((17, 17)), np.zeros(17)
+        for i, sign in ((0, 1.0), (1, -1.0)):
+            full = turn[i] @ inertia[i] @ turn[i].T
+            own = slice(6 * i, 6 * i + 6)
+            kkt[own, own] = np.block([[mass[i] * np.eye(3), np.zeros((3, 3))], [np.zeros((3, 3)), full]])
+            rhs[6 * i + 3:6 * i + 6] = -np.cross(w[i], full @ w[i])
+            tilde = np.array([[0, -s[i][2], s[i][1]], [s[i][2], 0, -s[i][0]], [-s[i][1], s[i][0], 0]])
+            kkt[12:15, 6 * i:6 * i + 3], kkt[12:15, 6 * i + 3:6 * i + 6] = sign * np.eye(3), -sign * tilde
+            kkt[15:, 6 * i + 3:6 * i + 6] = sign * across
+            rhs[12:15] -= sign * np.cross(w[i], np.cross(w[i], s[i]))
+        rhs[15:] = across @ np.cross(w[1], e) * ((w[0] - w[1]) @ e)
+        kkt[:12, 12:] = kkt[12:, :12].T
+        a = np.linalg.solve(kkt, rhs)[:12].reshape(2, 2, 3)
+        turning = [quaternion_rate(w[i], y[18 + 4 * i:22 + 4 * i]) for i in (0, 1)]
+        return np.concatenate([v.ravel(), a[:, 0].ravel(), a[:, 1].ravel(), *turning])
+
+    y = np.concatenate([*(b.position for b in start), *(b.velocity for b in start), *(b.rotation @ b.spin for b in start),
+                        *(Rotation.from_matrix(b.rotation).as_quat() for b in start)])
+    end = solve_ivp(rates, (0.0, time), y, "DOP853", rtol=1e-11, atol=1e-11).y[:, -1]
+    return end[:6].reshape(2, 3)
+
+
+def quaternion_rate(w, q):
+    """dq/dt of a quaternion (x, y, z, w) for a spin in space."""
+    return 0.5 * np.concatenate([q[3] * w + np.cross(w, q[:3]), [-w @ q[:3]]])
+
+
+def spinning(steps, duration=0.5):
+    """A bar and a box on a hinge, tumbling in free flight: rates of one rigid body, and a rotation about the hinge."""
+    spin, hinge, turn = np.array([3.0, -2.0, 4.0]), np.array([0.3, 0.0, 5.0]), np.array([1.0, 0.0, 1.0])
+    centres = np.array([[0.0, 0.0, 5.0], [0.5, 0.0, 5.0]])
+    spins = [spin + 2.5 * turn, spin]
+    bodies = [box(0.6, 0.1, 0.08, name="bar", position=(0.0, 0.0, 5.0), spin=tuple(spins[0]),
+                  velocity=tuple(np.cross(spins[0], centres[0] - hinge))),
+              box(0.4, 0.2, 0.08, name="box", position=(0.5, 0.0, 5.0), spin=tuple(spins[1]),
+                  velocity=tuple(np.cross(spins[1], centres[1] - hinge)))]
+    joint = Joint("pin", "hinge", ("bar", "box"), (0.3, 0.0, CENTRE), axis=tuple(turn))
+    return joined(bodies, [joint], steps, duration / steps, gravity=(0.0, 0.0, 0.0))
+
+
+def test_a_spinning_hinged_pair_converges_with_second_order():
+    errors = []
+    for steps in (50, 100, 200):
+        simulation = build(spinning(steps))
+        joint, start = simulation.model.joints[0], sum(
+            m.mass * b.velocity for m, b in zip(simulation.masses, simulation.initial_bodies))
+        list(simulation.steps())
+        end = sum(m.mass * b.velocity for m, b in zip(simulation.masses, simulation.state.bodies))
+        np.testing.assert_allclose(end, start, atol=1e-6 * np.linalg.norm(start))
+        expected = pair_reference(simulation, joint, 0.5)
+        errors.append(np.linalg.norm([b.position for b in simulation.state.bodies] - expected))
+    rates = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert errors[-1] < 2e-3 and (rates > 1.7).all(), (errors, rates)
+
+
+def welded(steps):
+    """Largest difference of the positions of a bar, and of two halves of it that are welded, pushed at an end for 0.2 s."""
+    bodies = [arm("one", 0.3, 0.15), arm("other", 0.3, 0.45)]
+    weld = Joint("weld", "weld", ("one", "other"), (0.15, 0.0, CENTRE))
+    push = Stage("push", steps, loads=(Load(body="one", point=(-0.15, 0.0, CENTRE), force=(0.0, 0.0, 20.0)),))
+    two = build(replace(joined(bodies, [weld], 1, 0.2 / steps), stages=(push,)))
+    whole = replace(push, loads=(replace(push.loads[0], body="body", point=(-0.3, 0.0, CENTRE)),))
+    one = build(replace(plane(arm("body", 0.6, 0.3), 1, 0.2 / steps, gravity=GRAVITY, solver=TIGHT), stages=(whole,)))
+    for simulation in (two, one):
+        list(simulation.steps())
+    np.testing.assert_allclose(two.state.bodies[1].rotation, two.state.bodies[0].rotation, atol=1e-7)
+    return np.abs(0.5 * (two.state.bodies[0].position + two.state.bodies[1].position) - one.state.bodies[0].position).max() + (
+        np.abs(two.state.bodies[1].rotation - one.state.bodies[0].rotation).max())
+
+
+def test_a_weld_makes_one_body_of_two():
+    errors = np.array([welded(steps) for steps in (20, 40, 80)])
+    assert errors[-1] < 3e-4 and (np.log2(errors[:-1] / errors[1:]) > 1.7).all(), errors
+
+
+@pytest.mark.parametrize("kind", ["rod", "line"])
+def test_a_weight_on_a_rod_or_a_line_hangs_by_its_weight(kind):
+    """A line that is longer than the way to its end lets the body fall until it is taut, then stops it."""
+    length = 1.0 if kind == "rod" else 1.2
+    joint = Joint("cable", kind, ("upper",), (0.0, 0.0, CENTRE), end=(0.3, 0.0, 6.0), length=length)
+    simulation = build(joined([arm("upper", 0.6, 0.3)], [joint], 60, 0.01))
+    records = list(simulation.steps())
+    mass, _ = bar(0.6)
+    assert records[-1].joints[0].force[2] == pytest.approx(mass * G, rel=1e-5)
+    assert simulation.state.bodies[0].position[2] == pytest.approx(6.0 - length, abs=1e-6)
+    if kind == "line":
+        assert not records[10].joints[0].force.any()
+        assert records[-1].energies["stop"] == pytest.approx(mass * G * 0.2, rel=0.02)
+
+
+def test_driven_through_a_ball_joint_and_with_redundant_rows():
+    """A held plane of motion makes rows of a hinge redundant: forces are finite and along the plane."""
+    flat = {"held": ("y", "rx", "rz")}
+    bodies = [arm("upper", 0.6, 0.3, **flat), arm("lower", 0.4, 0.8, **flat)]
+    joints = [Joint("pin", "hinge", ("upper",), (-0.3, 0.0, CENTRE), axis=(0.0, 1.0, 0.0)),
+              Joint("knee", "ball", ("lower", "upper"), (-0.2, 0.0, CENTRE))]
+    simulation = build(joined(bodies, joints, 20, 0.01))
+    records = list(simulation.steps())
+    assert np.isfinite(records[-1].joints[1].force).all() and records[-1].joints[0].force[1] == 0.0
+    free = build(double_pendulum(20, 0.01))
+    list(free.steps())
+    np.testing.assert_allclose(simulation.state.bodies[1].position, free.state.bodies[1].position, atol=1e-6)
+
+
+def test_a_driven_crank_moves_a_rod():
+    """Two bars on a hinge, the first turned by a table: its hinge to the ground needs no guide for translations."""
+    scene = double_pendulum(1, 0.01)
+    turn = Motion(body="upper", component="ry", displacement=((0.0, 0.0), (0.2, 30.0)))
+    simulation = build(replace(scene, stages=(Stage("turn", 20, motions=(turn,)),)))
+    list(simulation.steps())
+    upper = simulation.state.bodies[0]
+    np.testing.assert_allclose(upper.rotation, exp_so3([0.0, np.pi / 6, 0.0]), atol=1e-10)
+    np.testing.assert_allclose(upper.position - upper.rotation @ (0.3, 0.0, 0.0), (0.0, 0.0, 5.0), atol=1e-6)
+
+
+# ------------------------------------------------------------------ tangent, checkpoint, refusals
+
+
+def test_tangent_of_joined_bodies_by_differences():
+    simulation = build(double_pendulum(4, 0.01))
+    list(simulation.steps())
+    workspace = Workspace(simulation.model)
+    step = begin(simulation.model, simulation.state, 0.01, False, workspace)
+    guess = step.predictor()
+    guess = Unknowns(guess.displacement, guess.poses, guess.multipliers + np.linspace(-30.0, 40.0, len(guess.multipliers)))
+    evaluation = step.evaluate(guess)
+    step.assemble(evaluation)
+    assert isinstance(step.system, BlockSystem)
+    m, h = len(evaluation.body), 1e-7
+    fd = np.array([(step.evaluate(step.moved(guess, np.zeros(0), h * e)).body
+                    - step.evaluate(step.moved(guess, np.zeros(0), -h * e)).body) / (2 * h) for e in np.eye(m)]).T
+    np.testing.assert_allclose(step.system.ww, fd, atol=1e-5 * np.abs(fd).max())
+    workspace.destroy()
+
+
+def test_a_resumed_run_of_joined_bodies_equals_the_run_in_one_go(tmp_path):
+    scene = pendulum(80, 0.01, limits=(-10.0, 60.0))
+    whole = build(scene)
+    for record in whole.steps():
+        if record.step == 30:
+            save(tmp_path / "checkpoint.npz", whole.state, whole.scene)
+    again = build(scene)
+    again.resume(load(tmp_path / "checkpoint.npz", again.scene))
+    list(again.steps())
+    for one, other in zip(whole.state.bodies, again.state.bodies):
+        np.testing.assert_array_equal(one.position, other.position)
+        np.testing.assert_array_equal(one.spin, other.spin)
+    np.testing.assert_array_equal(whole.state.joints.multipliers, again.state.joints.multipliers)
+
+
+@pytest.mark.parametrize("changes, match", [
+    ({"kind": "ball"}, "axis = given: must be left out"), ({"axis": None}, "axis = left out: must be given"),
+    ({"bodies": ("ship",)}, "names of bodies: upper"), ({"bodies": ()}, "one name, or two"),
+    ({"limits": (10.0, 60.0)}, "0, the angle at the start, between them"), ({"name": "upper"}, "names of bodies"),
+    ({"length": 2.0}, "left out with kind = 'hinge'"), ({"point": "eye"}, "joint.0.point = 'eye' is not a physical point"),
+])
+def test_contradictions_are_refused(changes, match):
+    scene = pendulum(1, 0.01)
+    with pytest.raises(SceneError, match=match):
+        build(replace(scene, joints=(replace(scene.joints[0], **changes),)))
+
+
+def test_schemes_without_damping_and_velocities_against_a_joint_are_refused():
+    scene = pendulum(1, 0.01)
+    with pytest.raises(SceneError, match="damps in a scene with joints"):
+        validate(replace(scene, time=replace(scene.time, scheme="energy-momentum")))
+    with pytest.raises(SceneError, match="velocities that it does not allow"):
+        build(replace(scene, bodies=(replace(scene.bodies[0], velocity=(1.0, 0.0, 0.0)),)))
