@@ -47,8 +47,9 @@ class Body:
     rotation: tuple[float, float, float, float] | None = key(
         "(ax, ay, az, angle): axis and angle of a rotation about the geometry's origin; left out: none", "-, deg",
         default=None)
-    rest_on: float | None = key("height z of the lowest contact vertex, instead of position z; left out: as positioned",
-                                "m", default=None)
+    rest_on: float | Literal["ground"] | None = key(
+        "height z of the lowest contact vertex, instead of position z; ground: as low as soil.ground, or soil.top, lets it; "
+        "left out: as positioned", "m", default=None)
     velocity: Vector = key("velocity of the centre of mass at the start", "m/s", default=(0.0, 0.0, 0.0))
     spin: Vector = key("angular velocity at the start, about the axes of the body", "rad/s", default=(0.0, 0.0, 0.0))
     held: tuple[Freedom, ...] = key("translations and rotations (about the axes of space) that do not change",

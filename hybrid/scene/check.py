@@ -7,6 +7,7 @@ module has what relates several keys, or a key to names and files.
 import re
 from math import cos, hypot, radians, sin
 
+from hybrid.runtime.errors import SceneError
 from hybrid.scene.check_grid import grid_faults
 from hybrid.scene.check_joint import joint_faults
 from hybrid.scene.check_material import material_faults
@@ -96,8 +97,29 @@ def _soil(key, soil, grid):
                         f"{key}.lower", lower,
                         f"below upper = {shown(upper)} and top = {shown(top)} along each axis",
                         "swap the corners")
+    if soil.ground is not None:
+        yield from _ground(f"{key}.ground", soil, grid, top)
     yield from need(soil.blend is None or soil.transfer == "blended", f"{key}.blend", soil.blend,
                     f"left out with transfer = {soil.transfer!r}", "or set transfer = 'blended'")
+
+
+def _ground(key, soil, grid, top):
+    from hybrid.scene.ground import heights     # late: it loads numpy, which other scenes are read without
+
+    moving = [name for name in "xyz" if getattr(grid, name).window]
+    yield from need(not moving, key, "given", f"left out with grid.{'.'.join(moving)}.window: soil that comes in would not have "
+                    "settled", "leave out the window")
+    yield from need(soil.basis == "gimp", key, "given", "left out with soil.basis = 'mpm', whose points have no domains to "
+                    "cut", "leave out soil.basis")
+    try:
+        x, y, z = heights(soil.ground, key)
+    except SceneError as error:
+        yield str(error)
+        return
+    low, high = grid.z.start, top
+    yield from need(low < z.min() and z.max() <= high + 1e-9 * (high - low), key, f"{z.min():g} to {z.max():g} m",
+                    f"above {low:g} m, the end of the grid, and at most soil.top = {high:g} m", "raise soil.top and grid.z.end, "
+                    "or lower the ground")
 
 
 # ------------------------------------------------------------------ bodies

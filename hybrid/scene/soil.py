@@ -1,6 +1,7 @@
 """The soil of a scene: the box of material points, its material and layers; values of each law and of each layer."""
 
 from dataclasses import fields
+from pathlib import Path
 from typing import Literal, get_type_hints
 
 from hybrid.scene.table import key, table
@@ -74,6 +75,10 @@ class Soil:
 
     material: Material = key("law and values of the soil in no layer")
     top: float | None = key("z of the surface; left out: upper end of the grid", "m", default=None)
+    ground: tuple[tuple[float, float], ...] | Path | None = key(
+        "surface that is not level, at most as high as `top`: a profile along x as a list of [x, z], straight in between and "
+        "level beyond its ends, or the path of a CSV file with columns x, z, or x, y, z of a grid of heights", "m",
+        default=None)
     lower: tuple[float, float, float] | None = key("lower corner of the box of soil; left out: that of the grid", "m",
                                                    default=None)
     upper: tuple[float, float, float] | None = key("upper corner of that box; left out: that of the grid, up to `top`",

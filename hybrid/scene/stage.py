@@ -82,7 +82,7 @@ def table_rows(value, columns, path):
         return ((0.0, value),)
     if isinstance(value, tuple) and value and isinstance(value[0], float):
         return ((0.0, *value),)
-    rows = _read(value, columns, path) if isinstance(value, Path) else value
+    rows = csv_rows(value, (columns,), path) if isinstance(value, Path) else value
     if not rows:
         raise SceneError(f"{path} = {value}: must be a table with at least one row; give [time, value] rows")
     for before, after in zip(rows, rows[1:]):
@@ -92,8 +92,10 @@ def table_rows(value, columns, path):
     return rows
 
 
-def _read(file, columns, path):
-    """Rows of a CSV file; a first line that is no numbers is a heading, lines that begin with # are comments."""
+def csv_rows(file, columns, path, first="the time first"):
+    """Rows of a CSV file with as many numbers each as one of `columns`; a first line that is no numbers is a heading, lines
+    that begin with # are comments."""
+    count = " or ".join(map(str, columns))
     try:
         if file.stat().st_size > LONGEST:
             raise SceneError(f"{path} = {file}: has {file.stat().st_size} bytes, limit {LONGEST}; thin it out")
@@ -101,15 +103,15 @@ def _read(file, columns, path):
                                 if line.strip() and not line.lstrip().startswith("#")))
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         reason = getattr(error, "strerror", None) or error
-        raise SceneError(f"{path} = {file}: cannot be read ({reason}); give a CSV file with {columns} columns") from None
+        raise SceneError(f"{path} = {file}: cannot be read ({reason}); give a CSV file with {count} columns") from None
     rows = []
     for number, line in enumerate(lines):
         values = _numbers(line)
         if values is None and number == 0:
             continue
-        if values is None or len(values) != columns:
-            raise SceneError(f"{path} = {file}: line {','.join(line)[:60]!r} must have {columns} finite numbers with commas "
-                             "between them, the time first")
+        if values is None or len(values) not in columns or rows and len(values) != len(rows[0]):
+            raise SceneError(f"{path} = {file}: line {','.join(line)[:60]!r} must have {count} finite numbers with commas "
+                             f"between them, {first}")
         rows.append(values)
     return tuple(rows)
 

@@ -33,7 +33,7 @@ def build_body(described, body_mesh, gravity, stages=()):
     if described.rotation:
         rotation = rotation_from_axis_angle(described.rotation[:3], np.radians(described.rotation[3]))
     position = np.array(described.position or (0.0, 0.0, 0.0)) + rotation @ properties.centre
-    if described.rest_on is not None:
+    if described.rest_on not in (None, "ground"):
         position[2] = described.rest_on + surface.extent(-rotation[2])     # of its lowest point
     driven = np.isin(FREEDOMS, described.driven)
     free = ~(np.isin(FREEDOMS, described.held) | driven)

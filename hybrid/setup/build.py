@@ -12,6 +12,7 @@ from hybrid.scheme import Scheme
 from hybrid.setup.bodies import build_body, mesh_of, refuse_overlap_of_bodies
 from hybrid.setup.contact import connect_to_soil
 from hybrid.setup.grid import axis_nodes, build_grid
+from hybrid.setup.ground import lower_to_ground
 from hybrid.setup.in_place import put_in_place, starts_inside
 from hybrid.setup.joints import build_joints, refuse_velocities
 from hybrid.setup.settle import settle
@@ -66,6 +67,7 @@ def _put_together(scene, decisions, accuracy, body_force, law):
         refuse_size(scene, [axis_nodes(axis) for axis in (scene.grid.x, scene.grid.y, scene.grid.z)])
     meshes = [mesh_of(described) for described in scene.bodies]
     placed = [build_body(*pair, loads.on_bodies(0.0), scene.stages) for pair in zip(scene.bodies, meshes)]
+    scene, placed = lower_to_ground(scene, placed)
     joints = build_joints(scene, placed, meshes)
     refuse_overlap_of_bodies(placed, [joint.bodies for joint in joints],
                              [axis.collapsed for axis in (scene.grid.x, scene.grid.y, scene.grid.z)])
@@ -87,7 +89,7 @@ def _put_together(scene, decisions, accuracy, body_force, law):
         moving_grid.lay_out = lambda grid: lay_out(scene.soil, grid, gravity)
         state.ground = moving_grid.first_ground(layouts, soil)
     settled = None
-    if taken:
+    if taken or scene.soil.ground is not None:
         state, settled = settle(model, state, scene.stages[0].step or scene.time.step)
     return Simulation(scene, model, state, meshes, moving_grid, accuracy, decisions, _start(taken, settled))
 

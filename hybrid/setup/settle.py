@@ -46,11 +46,12 @@ def settle(model, state, length):
     if model.soil.held or not anywhere(state.points.stress):
         return state, None
     soil = replace(model.soil, transfer="increments", allow_detached=False)
-    still = replace(model.with_soil(soil), scheme=Scheme(inertia=False)).for_stage(FREEDOMS)
+    still = replace(model.with_soil(soil), scheme=Scheme(inertia=False), joints=()).for_stage(FREEDOMS)
+    begun = replace(state, joints=None)     # joints of bodies that are held say nothing
     workspace = Workspace(still)
     try:
-        before = _imbalance(still, state, length, workspace)
-        found = still.begin_stage(state)
+        before = _imbalance(still, begun, length, workspace)
+        found = still.begin_stage(begun)
         for _ in range(MOST):
             found, report = outer_step(still, workspace, found, length, False, Control(length, SMALLEST * length, None))
             if _imbalance(still, found, length, workspace).share < BALANCED:

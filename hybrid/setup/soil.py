@@ -14,9 +14,10 @@ from hybrid.laws.user import adopt
 from hybrid.runtime.comm import anywhere, largest
 from hybrid.runtime.errors import SceneError
 from hybrid.scene.soil import of_layer
+from hybrid.setup.ground import cut_to_ground
 from hybrid.setup.law import build_law, coefficient_at_rest, material_values
 from hybrid.soil.model import BLEND, Soil
-from hybrid.soil.points import at_rest, overburden, tile
+from hybrid.soil.points import at_rest, overburden, overburden_of_columns, tile
 
 
 @dataclass(frozen=True)
@@ -56,21 +57,26 @@ def lay_out(described, grid, gravity, own_law=None):
                          f"but law = {described.material.law!r} and {own_law and 'one' or 'none'} is given")
     lower, upper = soil_box(described, grid)
     constants, top = tile(grid, lower, upper, np.broadcast_to(described.points_per_axis, 3), 1.0), upper[2]
+    level = top
+    if described.ground is not None:
+        constants, level = cut_to_ground(constants, described.ground)
     strata = find_strata(described, constants.position[:, 2], top)
     density, k0 = np.empty(len(constants)), np.empty(len(constants))
     for s in strata:
         density[s.points], k0[s.points] = s.values["density"], s.k0
     constants = replace(constants, mass=density * constants.volume)
-    vertical = overburden(constants, np.linalg.norm(gravity))
+    weight_above = overburden if described.ground is None else overburden_of_columns
+    vertical = weight_above(constants, np.linalg.norm(gravity))
     constants, stress = initial_stress(described, constants, density, k0, vertical, gravity)
     if own_law is not None:
         law = adopt(own_law(constants, stress.copy()), len(constants))
     else:
-        laws = [build_law(s, k0[s.points] * vertical[s.points], s.top - constants.position[s.points, 2])
-                for s in strata]
+        tops = [np.broadcast_to(level, len(constants))[s.points] if s.top == top else s.top for s in strata]
+        laws = [build_law(s, k0[s.points] * vertical[s.points], upper - constants.position[s.points, 2])
+                for s, upper in zip(strata, tops)]
         law = laws[0] if len(laws) == 1 else merge(laws, [s.points for s in strata])
     if anywhere(stress):
-        _refuse_yielding(law, stress, top - constants.position[:, 2])
+        _refuse_yielding(law, stress, level - constants.position[:, 2])
     return constants, stress, law
 
 

@@ -59,6 +59,18 @@ def overburden(constants, gravity):
     return (np.cumsum(weight[::-1])[::-1] - 0.5 * weight)[level]
 
 
+def overburden_of_columns(constants, gravity):
+    """The same under ground that is not level: weight above in the own column of points, which are in the order of `tile`."""
+    position, half = constants.position, constants.half_width
+    weight = constants.mass * gravity / (4 * half[:, 0] * half[:, 1])
+    begins = np.flatnonzero(np.any(position[1:, :2] != position[:-1, :2], axis=1)) + 1
+    above = np.cumsum(weight[::-1])[::-1]
+    last = np.append(begins, len(weight))                   # of each column, one beyond
+    column = np.searchsorted(begins, np.arange(len(weight)), side="right")
+    beyond = np.append(above, 0.0)[last[column]]
+    return above - beyond - 0.5 * weight
+
+
 def at_rest(constants, principal_stress, elastic_strain):
     """Points at rest with principal stresses (n, 3) [Pa] along the axes, and the elastic strains (n, 3) of these."""
     n = len(constants)
