@@ -2,7 +2,8 @@
 
 The force then oscillates about its mean from step to step, as contact opens and closes. The warning is given when, over
 the last STEPS steps, the root mean square deviation of the force from a straight line exceeds LIMIT times its mean and
-the force changes its direction at least REVERSALS times.
+the force changes its direction at least REVERSALS times, or when contact is lost LOSSES times in the last LONG steps: a
+stiff contact is closed for single steps only.
 """
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy as np
 from hybrid.monitors.monitor import Monitor
 
 STEPS, REVERSALS = 12, 5
+LONG, LOSSES = 48, 3
 LIMIT = 0.6     # half of that is the most in runs of anchors with cells of 0.2 m, 0.53 with 0.4 m
 
 
@@ -18,7 +20,7 @@ class ForceOscillation(Monitor):
 
     def __init__(self, model, state):
         super().__init__(model, state)
-        self._forces = {}       # body -> magnitudes of its contact force in the last STEPS steps [N]
+        self._forces = {}       # body -> magnitudes of its contact force in the last LONG steps [N]
 
     def warnings(self, view):
         """Body, deviation, limit and remedy."""
@@ -29,14 +31,21 @@ class ForceOscillation(Monitor):
                 continue
             forces = self._forces.setdefault(b, [])
             forces.append(float(np.linalg.norm(contact.resultant[:3])))
-            del forces[:-STEPS]
-            deviation, reversals = oscillation(forces) if len(forces) == STEPS else (0.0, 0)
-            if deviation > LIMIT and reversals >= REVERSALS:
-                yield b, (
-                    f"the contact force on {body.name} oscillates: in the last {STEPS} steps to t = "
-                    f"{view.state.time:.4g} s it deviates by {deviation:.0%} from its mean (root mean square), limit "
-                    f"{LIMIT:.0%}, and reverses {reversals} times. Only its mean is reliable. Leave out time.scheme, as the "
-                    "default damps, or use a lower body.penalty")
+            del forces[:-LONG]
+            if found := _found(forces):
+                yield b, (f"the contact force on {body.name} oscillates: up to t = {view.state.time:.4g} s {found}. Only its "
+                          "mean is reliable. Leave out time.scheme, as the default damps, or use a lower body.penalty")
+
+
+def _found(forces):
+    """What is found in the last forces [N], with its limit, as a clause; empty where nothing is."""
+    deviation, reversals = oscillation(forces[-STEPS:]) if len(forces) >= STEPS else (0.0, 0)
+    if deviation > LIMIT and reversals >= REVERSALS:
+        return (f"it deviates by {deviation:.0%} from its mean (root mean square, last {STEPS} steps), limit {LIMIT:.0%}, and "
+                f"reverses {reversals} times")
+    touches = np.array(forces) > 0.0
+    losses = np.count_nonzero(touches[:-1] & ~touches[1:])
+    return f"contact is lost {losses} times in {len(forces)} steps, limit {LOSSES - 1}" if losses >= LOSSES else ""
 
 
 def oscillation(forces):

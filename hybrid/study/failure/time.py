@@ -134,7 +134,7 @@ def light_body(ratio, **time):
     in turn; a lighter one meets a mass at rest and a contact spring, and is thrown back: at its initial speed in that
     model, at up to three times that speed if the step is longer than the contact (`bounce_step`).
     """
-    body = box(1.0, 1.0, 0.5, density=ratio * DENSITY * CELL**3 / 0.5, velocity=(0.0, 0.0, -SPEED),
+    body = box(1.0, 1.0, 0.5, density=ratio * DENSITY * CELL / 0.5, velocity=(0.0, 0.0, -SPEED),
                position=(CELL / 2, CELL / 2, 0.0), rest_on=LENGTH, held=("x", "y", "rx", "ry", "rz"))
     simulation, records, texts = simulate(_impact(body, 1.0 * CELL / WAVE, 1.5, time))
     exact = -SPEED * np.exp(-records[-1].time * WAVE / (ratio * CELL))
