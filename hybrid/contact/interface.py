@@ -34,6 +34,7 @@ ATTACHED = 0.1  # half-widths of a domain from the surface, within which a conta
 BEFORE = 0.5    # half-widths before a face, where the domain of a point that covers it lies
 AROUND = 4.0    # widths of a domain up to which a contact point bears the interface of others
 ALONG = 0.9     # cosine between the way from the surface to a place before it and the normal there
+TURN = 0.5      # largest difference of the normals there: beside a rounded edge the soil is away from the body
 RAMP = 10.0     # shear over pressure of points without a bond, up to which adhesion is mobilised
 
 
@@ -105,7 +106,7 @@ def _bearers(found, borne, domains, places):
     if len(touching) and len(near):
         near = near[_exposed(found, near, domains, places)]
         width = AROUND * 2 * half[touching].max()
-        place = np.concatenate([found["position"], width * found["normal"]], axis=1)
+        place = np.concatenate([found["position"], width / TURN * found["normal"]], axis=1)
         distance, index = cKDTree(place[touching]).query(place[near], distance_upper_bound=width)
         reached = np.isfinite(distance)
         bearer[near[reached]] = touching[index[reached]]

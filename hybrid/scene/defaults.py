@@ -95,6 +95,8 @@ def _contact(scene, body):
 def _tangential(scene, body):
     if body.contact == "corners":
         return 1.0, "as stiff as the normal springs"
+    if body.adhesion:   # a pipe laid on clay: 450 iterations instead of 2000
+        return 0.3, "clay that sticks slips after much less than a hundredth of a cell, and needs fewer iterations"
     # a rolling body creeps by (T/N) (a/r) ε_N / (3 ε_T), a the half-width of its contact: 1 % of a steep ride with 1
     return 3.0, "stiffer than the normal springs, so that a rolling body hardly creeps"
 

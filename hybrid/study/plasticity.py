@@ -9,6 +9,8 @@ elastic soil of that stiffness would need for the collapse load. Models use thei
 quarter of the circle. The clay has von Mises' law, as strong as Tresca's in plane strain. In axial symmetry it is at
 most as strong as Tresca's (√J2 = s_u lies inside of the hexagon), so the exact load of the circle is 5.69 at most.
 
+Between smooth and rough, with an adhesion α = sin Δ, the cylinder has π + 2Δ + 2 cosΔ + 4 (cos Δ/2 + sin Δ/2).
+
 Cylinder: no body can start embedded, so the points that reach into it are removed (`wish_in_place`), and the
 weight, which grows from zero in the first stage, closes the gap. The clay at the axis bears 20 s_u, so none opens.
 """
@@ -87,7 +89,13 @@ def push(shape, across, friction=0.0):
 PRESSURE, COVER = 20.0, 5.0     # at the axis [s_u]; depth of the axis [diameters]
 
 
-def buried(across, friction=0.0, way=0.1, rigidity=500.0, steps=20, fill=20, around=6.0, fine=1.25):
+def deep_factor(adhesion):
+    """Exact F / (D s_u) of a cylinder moved sideways deep in clay, with an adhesion α = sin Δ (Randolph & Houlsby 1984)."""
+    turn = np.arcsin(adhesion)
+    return np.pi + 2 * turn + 2 * np.cos(turn) + 4 * (np.cos(turn / 2) + np.sin(turn / 2))
+
+
+def buried(across, friction=0.0, adhesion=None, way=0.1, rigidity=500.0, steps=20, fill=20, around=6.0, fine=1.25):
     """Scene of a cylinder of 1 m diameter that hangs above the soil; `wish_in_place` puts it at z = 0.
 
     across: cells in a diameter; rigidity: E / s_u; way [m], along x, in `steps`; around [m]: half-width of the soil.
@@ -101,7 +109,7 @@ def buried(across, friction=0.0, way=0.1, rigidity=500.0, steps=20, fill=20, aro
     density = PRESSURE * STRENGTH / (9.81 * up[-1])
     body = Body(GEOMETRY / "cylinder.geo", 1000.0, name="cylinder", rest_on=up[-1], rotation=(1.0, 0.0, 0.0, 90.0),
                 parameters={"radius": 0.5, "height": 3 * size, "size": 0.05}, position=(0.0, 0.25 * size, 0.0),
-                friction=friction, velocity=(way / steps, 0.0, 0.0), driven=("x",), held=("y", "z", "rx", "ry", "rz"))
+                friction=friction, adhesion=adhesion, velocity=(way / steps, 0.0, 0.0), driven=("x",), held=("y", "z", "rx", "ry", "rz"))
     return Scene(name="buried", grid=Grid(x, slice_, z, Faces(z_min="fixed")),
                  soil=Soil(clay(rigidity, density), top=up[-1], geostatic=False), bodies=(body,), time=Time(1.0, inertia=False),
                  stages=(Stage("fill", fill, gravity=(0.0, 1.0), held=("x",)), Stage("push", steps)))
@@ -120,9 +128,9 @@ def wish_in_place(simulation, radius=0.5):
     return Simulation(simulation.scene, simulation.model.with_soil(soil), state, simulation.meshes)
 
 
-def sideways(across, friction=0.0, **values):
+def sideways(across, friction=0.0, adhesion=None, **values):
     """Pushed of the cylinder, force over (diameter × s_u)."""
-    simulation = wish_in_place(build(buried(across, friction, **values)))
+    simulation = wish_in_place(build(buried(across, friction, adhesion, **values)))
     records, seconds = timed_steps(simulation)
     force = -np.array([record.bodies[0].contact_force[0] for record in records if record.stage == "push"])
     thickness = simulation.scene.grid.y.end
