@@ -104,7 +104,7 @@ def _soil(key, soil, grid):
 
 
 def _ground(key, soil, grid, top):
-    from hybrid.scene.ground import heights     # late: it loads numpy, which other scenes are read without
+    from hybrid.scene.ground import heights  # late: it loads numpy, which other scenes are read without
 
     moving = [name for name in "xyz" if getattr(grid, name).window]
     yield from need(not moving, key, "given", f"left out with grid.{'.'.join(moving)}.window: soil that comes in would not have "
