@@ -12,6 +12,7 @@ import numpy as np
 
 from hybrid.body import guides, motion
 from hybrid.body.attitude import cayley, exp_so3
+from hybrid.body.embedded_line import LineSoil, embedded_line_force
 from hybrid.body.guides import Guide, PointLoad, StageControl
 from hybrid.body.line import line_force
 from hybrid.body.surface import ContactSurface
@@ -26,7 +27,7 @@ FREEDOMS = ("x", "y", "z", "rx", "ry", "rz")
 @dataclass(frozen=True)
 class Line:
     """Pull line: attachment (3,) [m] from the centre in the body frame, initial direction (3,) from there to its far
-    end, velocity (3,) [m/s] of the far end, stiffness [N/m], unstretched length [m]."""
+    end, velocity (3,) [m/s] of the far end, stiffness [N/m], unstretched length [m]; soil: that the line cuts through, None where it feels none."""
 
     attachment: np.ndarray
     direction: np.ndarray
@@ -34,6 +35,7 @@ class Line:
     stiffness: float
     length: float
     tension_only: bool = True
+    soil: LineSoil | None = None
 
 
 @dataclass(frozen=True)
@@ -137,9 +139,10 @@ def evaluate(body, state, pose, target, gravity, scheme, dt, time=0.0):
             body.mass.mass, body.mass.inertia, state, position, rotation, dt, scheme)
     line, tension, energy = np.zeros(6), 0.0, 0.0
     if target is not None:
-        tension, line, line_tangent, energy = line_force(
-            position, rotation, body.line.attachment, target, body.line.length, body.line.stiffness,
-            body.line.tension_only)
+        pull = body.line
+        ends = position, rotation, pull.attachment, target, pull.length, pull.stiffness
+        tension, line, line_tangent, energy = (
+            line_force(*ends, pull.tension_only) if pull.soil is None else embedded_line_force(*ends, pull.soil))
         tangent = tangent + line_tangent
     load = np.zeros(6)
     if body.loads:

@@ -23,6 +23,16 @@ class Pull:
     direction: Vector | None = key("direction from the point to the far end at the start; left out: along `velocity`",
                                    "-", default=None)
     tension_only: bool = key("the line goes slack instead of pushing", default=True)
+    diameter: float | None = key(
+        "of the wire, or of the bars of the chain, that cuts through the soil between the ground and the point: it is pulled "
+        "at the ground, and its force on the body is smaller and steeper; left out: the line feels no soil. Of a half body half of the line is modelled", "m", default=None,
+        above=0, remedy="0.05 is a chain of 50 mm")
+    chain: bool = key("with `diameter`: a chain, which bears on 2.5 diameters; else a wire, on one", default=True)
+    bearing_factor: float | None = key(
+        "Nc of clay (von-mises) or Nq of sand in the bearing of that line; left out: 11, or exp(π tan φ) tan²(45° + φ/2)", "-",
+        default=None, above=0, remedy="8.5 to 14 is usual in clay")
+    line_friction: float = key("friction along that line over its bearing", "-", default=0.4, at_least=0, at_most=1,
+                               remedy="0.35 to 0.5 is usual of a chain")
 
 
 @table

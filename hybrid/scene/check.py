@@ -34,6 +34,8 @@ def faults(scene):
         yield from _interface(f"body.{i}", body, scene.soil)
         yield from need(body.contact != "faces" or scene.soil.basis == "gimp", f"body.{i}.contact", body.contact,
                         f"'corners' with soil.basis = {scene.soil.basis!r}, whose points have no faces", "leave it out")
+        if body.pull and body.pull.diameter is not None:
+            yield from _line_in_soil(f"body.{i}.pull.diameter", body.pull, scene.soil)
     yield from _time("time", scene.time)
     yield from need(scene.stages, "stage", "none", "at least one", "add a [[stage]] with a name and steps")
     for i, stage in enumerate(scene.stages):
@@ -101,6 +103,14 @@ def _soil(key, soil, grid):
         yield from _ground(f"{key}.ground", soil, grid, top)
     yield from need(soil.blend is None or soil.transfer == "blended", f"{key}.blend", soil.blend,
                     f"left out with transfer = {soil.transfer!r}", "or set transfer = 'blended'")
+
+
+def _line_in_soil(key, pull, soil):
+    for wrong, what in ((soil.held, "soil.held"), (bool(soil.layers), "soil.layer"), (soil.ground is not None, "soil.ground"),
+                        (soil.material.law in ("hencky", "user"), f"soil.material.law = {soil.material.law!r}"),
+                        (not pull.tension_only, "tension_only = false")):
+        yield from need(not wrong, key, pull.diameter, f"left out with {what}: the bearing of a line is known in level clay or "
+                        "sand of one kind", "leave it out")
 
 
 def _ground(key, soil, grid, top):

@@ -15,6 +15,7 @@ from hybrid.setup.grid import axis_nodes, build_grid
 from hybrid.setup.ground import lower_to_ground
 from hybrid.setup.in_place import put_in_place, starts_inside
 from hybrid.setup.joints import build_joints, refuse_velocities
+from hybrid.setup.line_soil import line_through_soil
 from hybrid.setup.settle import settle
 from hybrid.setup.size import refuse_cells, refuse_size
 from hybrid.setup.soil import build_soil, lay_out
@@ -68,6 +69,8 @@ def _put_together(scene, decisions, accuracy, body_force, law):
     meshes = [mesh_of(described) for described in scene.bodies]
     placed = [build_body(*pair, loads.on_bodies(0.0), scene.stages) for pair in zip(scene.bodies, meshes)]
     scene, placed = lower_to_ground(scene, placed)
+    placed = [(line_through_soil(scene, described, body, mesh), motion)
+              for described, (body, motion), mesh in zip(scene.bodies, placed, meshes)]
     joints = build_joints(scene, placed, meshes)
     refuse_overlap_of_bodies(placed, [joint.bodies for joint in joints],
                              [axis.collapsed for axis in (scene.grid.x, scene.grid.y, scene.grid.z)])
@@ -91,12 +94,14 @@ def _put_together(scene, decisions, accuracy, body_force, law):
     settled = None
     if taken or scene.soil.ground is not None:
         state, settled = settle(model, state, scene.stages[0].step or scene.time.step)
-    return Simulation(scene, model, state, meshes, moving_grid, accuracy, decisions, _start(taken, settled))
+    return Simulation(scene, model, state, meshes, moving_grid, accuracy, decisions, _start(taken, settled, bodies))
 
 
-def _start(taken, settled):
-    """Rows {label: value} of the model sheet about bodies that are in place and soil that has settled."""
+def _start(taken, settled, bodies):
+    """Rows {label: value} of the model sheet about bodies that are in place, soil that has settled and lines in it."""
     rows = {"in place from the start": [str(one) for one in taken]} if taken else {}
+    lines = [f"{body.name}: {body.line.soil}" for body in bodies if body.line and body.line.soil]
+    rows |= {"pull lines in soil": lines} if lines else {}
     return {**rows, **({"settled at the start": str(settled)} if settled else {})}
 
 

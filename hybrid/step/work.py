@@ -31,7 +31,7 @@ def work_after(step, evaluation, points, bodies, lost=0.0):
         add("stop", lost)
     for terms in evaluation.bodies:
         if terms.step.body.line:
-            add("pull", _of_pull(terms))
+            add("pull", _of_pull(terms, bodies[terms.step.number]))
     for terms in evaluation.bodies:
         if own := terms.step.body.loads:
             done = guides.work_of_loads(own, step.state.bodies[terms.step.number], bodies[terms.step.number],
@@ -71,10 +71,13 @@ def _of_drive(terms, committed):
     return mean, own.dt * own.body.drive, jolt
 
 
-def _of_pull(terms):
-    """Mean force of the line times the displacement of its far end."""
-    force = -0.5 * (terms.step.line_force + terms.trial.line[:3])
-    return float(force @ (terms.step.dt * terms.step.body.line.velocity))
+def _of_pull(terms, new):
+    """Mean force of the line times the displacement of its far end; of a line that cuts through soil, which takes a part,
+    times that of its point on the body. new: BodyState after the step."""
+    force, line, old = -0.5 * (terms.step.line_force + terms.trial.line[:3]), terms.step.body.line, terms.step.state
+    if line.soil is None:
+        return float(force @ (terms.step.dt * line.velocity))
+    return float(force @ (new.position - old.position + (new.rotation - old.rotation) @ line.attachment))
 
 
 def _of_loads(step, points, bodies):
