@@ -11,7 +11,7 @@ most as strong as Tresca's (√J2 = s_u lies inside of the hexagon), so the exac
 
 Between smooth and rough, with an adhesion α = sin Δ, the cylinder has π + 2Δ + 2 cosΔ + 4 (cos Δ/2 + sin Δ/2).
 
-Cylinder: no body can start embedded, so the points that reach into it are removed (`wish_in_place`), and the
+Cylinder: the points that reach into it are removed whole (`wish_in_place`; scenes cut them, `hybrid.setup.in_place`), and the
 weight, which grows from zero in the first stage, closes the gap. The clay at the axis bears 20 s_u, so none opens.
 """
 
