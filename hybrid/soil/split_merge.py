@@ -37,16 +37,24 @@ def select(population, ids):
 
 def concatenate(first, second):
     """Both populations, the points of the second after those of the first. An array that only one has is zero for the
-    other."""
+    other, and so is the gradient of an algorithmic acceleration that only one carries, as after a stage of another scheme."""
     def both(a, b):
         if a is None and b is None:
             return None
         a = np.zeros((len(first), *b.shape[1:]), b.dtype) if a is None else a
         b = np.zeros((len(second), *a.shape[1:]), a.dtype) if b is None else b
-        return np.concatenate([a, b])
+        carried = max(a.shape[1:2], b.shape[1:2])
+        return np.concatenate([_padded(a, carried), _padded(b, carried)])
 
     return Population(_mapped(both, first.points, second.points), _mapped(both, first.constants, second.constants),
                       np.concatenate([first.rows, second.rows]))
+
+
+def _padded(values, length):
+    """values (n, k, ...) with zeros up to a `length` (k,) of the second axis."""
+    if values.shape[1:2] == length:
+        return values
+    return np.concatenate([values, np.zeros((len(values), length[0] - values.shape[1], *values.shape[2:]))], axis=1)
 
 
 def _mapped(function, *items):

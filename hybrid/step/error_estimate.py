@@ -40,6 +40,7 @@ from hybrid.body.attitude import cayley_vector
 from hybrid.body.motion import updated
 from hybrid.runtime.comm import total
 from hybrid.soil.transfer import interpolate
+from hybrid.step.joint_terms import engages
 
 SAFETY = 0.9
 SHRINK, GROW = 0.2, 2.0     # limits of the ratio of neighbouring increments
@@ -64,7 +65,7 @@ def local_error(step, evaluation):
     errors = [LocalError(0.0, "a scene without free components")]
     if step.soil is not None:
         errors.append(LocalError(_of_soil(step, evaluation), "the soil"))
-    for b in step.bodies:
+    for b in () if engages(step, evaluation.joints) else step.bodies:   # an impulse has no acceleration
         errors.append(LocalError(_of_body(b, b.pose(evaluation.unknowns)), b.body.name))
     return max(errors, key=lambda error: error.length)
 

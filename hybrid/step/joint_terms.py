@@ -249,11 +249,18 @@ def consistent(model, bodies, joints, active):
     return bodies, replace(joints, multipliers=multipliers), loss
 
 
+def engages(step, terms):
+    """Whether stops, lines or friction engage in an increment, with an impulse. step: Step; terms: its JointTerms or None."""
+    if terms is None or not step.model.scheme.inertia:
+        return False
+    bounded = np.isfinite(terms.step.bounds).any(axis=1)
+    return bool((terms.active & bounded & ~step.state.joints.active).any())
+
+
 def engaged(step, terms, bodies, joints):
     """(bodies, JointState, work [J]) at the end of an increment, after the impulses of stops, lines and friction that engage
     in it. step: Step; terms: its JointTerms; bodies, joints: of the new state."""
-    bounded = np.isfinite(terms.step.bounds).any(axis=1)
-    if not step.model.scheme.inertia or not (terms.active & bounded & ~step.state.joints.active).any():
+    if not engages(step, terms):
         return bodies, joints, 0.0
     return *consistent(step.model, bodies, joints, terms.active)[:2], _energy_along(step, terms)
 

@@ -11,12 +11,13 @@ from hybrid.body.attitude import exp_so3
 from hybrid.linalg.petsc import BlockSystem
 from hybrid.output.checkpoint import load, save
 from hybrid.runtime.errors import SceneError
-from hybrid.scene import Joint, Load, Motion, Stage
+from hybrid.scene import Axis, Faces, Grid, Joint, Load, Motion, Stage
 from hybrid.scene.file import validate
 from hybrid.setup.build import build
 from hybrid.step.equations import Unknowns, begin
 from hybrid.step.workspace import Workspace
-from hybrid.study.scenes import box, plane
+from hybrid.study.scenes import box, elastic, plane
+from hybrid.study.scenes import scene as soil_box
 
 G = 9.81
 LENGTHS = 0.6, 0.4
@@ -302,6 +303,32 @@ def test_a_driven_crank_moves_a_rod():
     upper = simulation.state.bodies[0]
     np.testing.assert_allclose(upper.rotation, exp_so3([0.0, np.pi / 6, 0.0]), atol=1e-10)
     np.testing.assert_allclose(upper.position - upper.rotation @ (0.3, 0.0, 0.0), (0.0, 0.0, 5.0), atol=1e-6)
+
+
+def test_increments_by_accuracy_pass_an_impact():
+    scene = pendulum(30, 0.02, limits=(-10.0, 60.0))
+    scene = replace(scene, time=replace(scene.time, accuracy=1e-3))
+    records = list(build(scene).steps())
+    assert records[-1].joints[0].angle == pytest.approx(60.0, abs=1e-4)
+    mass, _ = bar(LENGTHS[0])
+    assert records[-1].energies["stop"] == pytest.approx(mass * G * 0.3 * np.sin(np.pi / 3), rel=0.01)
+
+
+def test_without_inertia_a_load_goes_through_joints_into_the_soil():
+    """A plate over all of the elastic soil, and a post on it: welded, or on a hinge that a stop keeps upright."""
+    side = Axis(start=-0.4, end=0.4, size=0.2)
+    turns = ("x", "y", "rx", "rz")
+    bodies = [box(1.06, 1.06, 0.1, name="plate", rest_on=0.0, held=turns),
+              box(0.1, 0.1, 0.4, name="post", position=(0.0, 0.0, 0.3), held=("y", "rx", "rz"))]
+    push = Load(body="post", point=(0.0, 0.0, 0.2), force=((0.0, 0.0, 0.0, 0.0), (1.0, 50.0, 0.0, -2000.0)))
+    for joint in (Joint("foot", "weld", ("post", "plate"), (0.0, 0.0, -0.2)),
+                  Joint("foot", "hinge", ("post", "plate"), (0.0, 0.0, -0.2), axis=(0.0, 1.0, 0.0), limits=(-5.0, 0.0))):
+        scene = soil_box("post", Grid(side, side, Axis(start=-0.4, end=0.2, size=0.2), Faces()), elastic(1e6, 0.25), bodies,
+                         0.5, [Stage("press", 2, loads=(push,))], soil={"top": 0.0}, time={"inertia": False}, solver=TIGHT)
+        records = list(build(replace(scene, joints=(joint,))).steps())
+        assert records[-1].bodies[0].contact_force[2] == pytest.approx(2000.0, rel=1e-6)
+        np.testing.assert_allclose(records[-1].joints[0].force[[0, 2]], [-50.0, 2000.0], rtol=1e-6)
+        assert records[-1].joints[0].force[4] == pytest.approx(-50.0 * 0.4, rel=0.02)
 
 
 # ------------------------------------------------------------------ tangent, checkpoint, refusals

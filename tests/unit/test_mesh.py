@@ -14,7 +14,8 @@ from hybrid.body.solid import TetMesh, boundary_faces, oriented, signed_volumes,
 from hybrid.runtime.errors import GeometryError
 
 GEOMETRY = Path(__file__).parents[2] / "geometry"
-SHIPPED = ["sphere", "box", "cylinder", "cone", "notched_block", "stockless_anchor"]
+SHIPPED = ["sphere", "box", "cylinder", "cone", "notched_block", "stockless_anchor", "ac14_fluke",
+           "ac14_shank"]
 HEAD = """SetFactory("OpenCASCADE");
 DefineConstant[ length = {1.0, Name "Parameters/length"} size = {0.6, Name "Parameters/size"} ];
 Mesh.MeshSizeMin = size;

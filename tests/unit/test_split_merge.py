@@ -128,3 +128,16 @@ def test_halves_with_opposite_rotations_merge_to_a_point_with_their_volume(popul
     np.testing.assert_allclose(np.linalg.det(whole.points.deformation), 1.1**3)
     assert np.isfinite(whole.points.stress).all()
     assert_same(whole, pop.concatenate(first, second))
+
+
+def test_points_of_stages_with_different_schemes_come_together(population):
+    """Generalised alpha carries a third gradient, that of its acceleration; points without have none of it."""
+    points = population.points
+    third = replace(population, points=replace(points, algorithmic=points.acceleration,
+                                               affine=np.concatenate([points.affine, points.affine[:, 1:]], axis=1)))
+    for first, second in ((population, third), (third, population)):
+        both = pop.concatenate(first, second)
+        assert both.points.affine.shape == (2 * COUNT, 3, 3, 3)
+        np.testing.assert_array_equal(both.points.affine[:, :2], np.concatenate([points.affine, points.affine]))
+        plain = slice(0, COUNT) if first is population else slice(COUNT, None)
+        assert not both.points.affine[plain, 2].any() and not both.points.algorithmic[plain].any()
