@@ -18,6 +18,7 @@ import numpy as np
 
 from hybrid.body.attitude import quaternion
 from hybrid.body.rigid import FREEDOMS
+from hybrid.body.symmetry import copies
 from hybrid.contact.soil_to_body import nearest
 from hybrid.monitors import Monitors, StepView
 from hybrid.monitors.failure_hints import overstretched_domains
@@ -87,6 +88,11 @@ class Simulation:
     def masses(self):
         """MassProperties of each body."""
         return [body.mass for body in self.model.bodies]
+
+    @property
+    def mirrors(self):
+        """Planes of symmetry of the model, each once."""
+        return tuple({(m.axis, m.at): m for body in self.model.bodies for m in body.mirrors}.values())
 
     @property
     def initial_position(self):
@@ -279,7 +285,7 @@ class Simulation:
             residual=evaluation.error, contacts=int(comm.total([len(terms.contact) for terms in evaluation.bodies])),
             seconds=timing.collect(), energies=energy,
             bodies=[_body_record(terms, state) for terms in evaluation.bodies], joints=_joint_records(evaluation), time_error=report.error,
-            krylov=report.krylov, judged=report.judged,
+            krylov=report.krylov, judged=report.judged, copies=copies(self.mirrors),
             notes=self._initial_notes() + self._monitors.notes(view))
         return record, self._monitors.stop(view)
 
@@ -305,7 +311,7 @@ def _body_record(terms, state):
     return BodyRecord(
         terms.step.body.name, motion.position, quaternion(motion.rotation), motion.velocity, motion.spin,
         contact.resultant[:3], contact.resultant[3:], terms.trial.tension, contact.largest_overlap,
-        **_guided(terms.step.body, motion, state.work))
+        **_guided(terms.step.body, motion, state.work), mirrors=terms.step.body.mirrors)
 
 
 def _joint_records(evaluation):
@@ -313,7 +319,8 @@ def _joint_records(evaluation):
     if evaluation.joints is None:
         return []
     terms = evaluation.joints
-    return [JointRecord(joint.name, force, float(np.degrees(joint.angle(pair))) if joint.turning else None)
+    return [JointRecord(joint.name, force, float(np.degrees(joint.angle(pair))) if joint.turning else None,
+                        evaluation.bodies[joint.bodies[0]].step.body.mirrors)
             for joint, pair, force in zip(terms.step.joints, terms.pairs, terms.forces())]
 
 

@@ -86,7 +86,7 @@ def _mesh(path, files, parameters, scale, symmetry, volumes):
     mesh = oriented(TetMesh(named_points=dict(zip(names, places)), name=path.stem, **answer))
     validate(mesh)
     if symmetry and not cut:
-        mesh = half_of(mesh, symmetry)
+        mesh = half_of(smoothed(mesh), symmetry)
         validate(mesh)
     if symmetry and not len(mesh.symmetry):
         raise GeometryError(f"geometry {path}: no face of it lies in the plane {symmetry} = 0, which symmetry = "

@@ -16,6 +16,7 @@ from hybrid.body.embedded_line import LineSoil, embedded_line_force
 from hybrid.body.guides import Guide, PointLoad, StageControl
 from hybrid.body.line import line_force
 from hybrid.body.surface import ContactSurface
+from hybrid.body.symmetry import Mirror
 from hybrid.state import BodyState
 
 if TYPE_CHECKING:
@@ -46,6 +47,7 @@ class RigidBody:
     guides, loads: tables of time that components follow, and forces on it, in the present stage; drive_rate: (6,) second
         rates of driven components in the present increment, None where no table acts
     stages: StageControl of each stage of the run, empty where none changes anything of the body
+    mirrors: planes of symmetry that it lies in; stray_cap: whether it has a cut face that lies in none
     places: where contact is evaluated on the domains of soil points (`hybrid.contact.places`)
     surface: in contact with soil; on soil that yields or that it is driven into the outline with its sharp edges rounded off (`hybrid.body.rounded`)
     outline: ContactSurface of the geometry, as it is drawn; None: `surface`
@@ -71,6 +73,8 @@ class RigidBody:
     drive_rate: np.ndarray | None = None
     stages: tuple[StageControl, ...] = ()
     interface: object = None
+    mirrors: tuple[Mirror, ...] = ()
+    stray_cap: bool = False
 
     def __post_init__(self):
         if self.outline is None:

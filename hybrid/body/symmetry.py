@@ -1,8 +1,17 @@
-"""Planes of symmetry: the axes that they are normal to, and the halves of a body that they cut."""
+"""Planes of symmetry: the halves of a body that they cut, and what the whole has of what is modelled.
+
+A body in n planes of symmetry (n = 1: half a model, 2: a quarter) is one of 2^n mirror images. The whole has 2^n times the
+mass, energy and work. Of forces the components along the normals cancel, of moments all but that about the normal, and
+both with two planes; the others are 2^n times those of the part.
+"""
+
+import re
+from dataclasses import dataclass
 
 from hybrid.runtime.errors import GeometryError
 
 AXES = {"x": 0, "y": 1}     # of the normals of planes of symmetry
+VECTOR = re.compile(r"(?:.*_)?([fm])([xyz])_Nm?")
 UNEQUAL = 0.01              # of the volume: halves that differ by more are no mirror images
 
 
@@ -15,3 +24,48 @@ def check_halves(whole, kept, axis, what):
         raise GeometryError(f"{what} is not symmetric about {axis} = 0: {kept:.4g} m³ lie at {axis} > 0 and "
                             f"{whole - kept:.4g} m³ at {axis} < 0; move the plane of symmetry of the drawing to "
                             f"{axis} = 0, or leave symmetry = '{axis}' out")
+
+
+@dataclass(frozen=True)
+class Mirror:
+    """A plane of symmetry of the model: axis "x" or "y", its coordinate `at` [m], and whether the body ends there (cut), or
+    lies across it as a whole."""
+
+    axis: str
+    at: float
+    cut: bool
+
+    def __str__(self):
+        return f"{self.axis} = {self.at:g} m"
+
+    @property
+    def guides(self):
+        """Components that a body in this plane does not have."""
+        return (self.axis, *(f"r{other}" for other in "xyz" if other != self.axis))
+
+
+def copies(mirrors):
+    """How many times what is modelled the whole is."""
+    return 2 ** len(mirrors)
+
+
+def whole_columns(columns, mirrors):
+    """Columns {name: value} of a body, each of force, moment, energy or work with that of the whole after it."""
+    out = {}
+    for name, value in columns.items():
+        out[name] = value
+        quantity, _, unit = name.rpartition("_")
+        if mirrors and unit in ("N", "Nm", "J"):
+            times = _share(name, [mirror.axis for mirror in mirrors])
+            out[f"{quantity}_whole_{unit}"] = times * value if times else 0.0
+    return out
+
+
+def _share(name, axes):
+    """Whole over modelled of a column, for planes normal to `axes`."""
+    found = VECTOR.fullmatch(name)
+    if found:
+        kind, along = found.groups()
+        if kind == "f" and along in axes or kind == "m" and any(axis != along for axis in axes):
+            return 0
+    return copies(axes)

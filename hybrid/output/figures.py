@@ -99,7 +99,8 @@ def trajectory(folder, path=None):
 
 
 def tension(folder, path=None, against="time"):
-    """Line tension of every pulled body against "time" [s] or "distance" [m]; from history.csv.
+    """Line tension of every pulled body against "time" [s] or "distance" [m], of the whole body where half of it is
+    modelled; from history.csv.
 
     Distance is how far the centre has moved horizontally since the last stage began; only that stage is then
     drawn. Writes line_tension.png in `folder` unless `path` is given, and returns the path.
@@ -110,25 +111,64 @@ def tension(folder, path=None, against="time"):
     starts = _stage_starts(history)
     first = max(0, starts[-1] - 1) if against == "distance" else 0
     history = {column: values[first:] for column, values in history.items()}
-    pulled = [name for name in body_names(history) if np.any(history[f"{name}_tension_N"])]
-    largest = max((np.abs(history[f"{name}_tension_N"]).max() for name in pulled), default=0.0)
-    scale, unit = (1e6, "MN") if largest >= 1e6 else (1e3, "kN") if largest >= 1e3 else (1.0, "N")
+    column = {name: next(column for column in (f"{name}_tension_whole_N", f"{name}_tension_N") if column in history)
+              for name in body_names(history)}
+    pulled = [name for name in column if np.any(history[column[name]])]
+    whole = ", whole body" if any("whole" in column[name] for name in pulled) else ""
+    largest = max((np.abs(history[column[name]]).max() for name in pulled), default=0.0)
+    scale, unit = _force_unit(largest)
     with figure(path) as drawing:
         axes = drawing.subplots()
         for name, colour in zip(pulled, COLOURS * len(pulled)):
             x, y = history[f"{name}_x_m"], history[f"{name}_y_m"]
             distance = np.hypot(x - x[0], y - y[0])
             abscissa = history["time_s"] if against == "time" else distance
-            axes.plot(abscissa, history[f"{name}_tension_N"] / scale, color=colour, label=name)
+            axes.plot(abscissa, history[column[name]] / scale, color=colour, label=name)
         axes.set_ylim(bottom=0)
         axes.margins(x=0.02)
         axes.set_xlabel("time [s]" if against == "time" else "drag distance [m]")
-        axes.set_ylabel(f"line tension [{unit}]")
+        axes.set_ylabel(f"line tension{whole} [{unit}]")
         if against == "time":
             _mark_stages(axes, history)
         if len(pulled) > 1:
             axes.legend()
     return path
+
+
+def resistance(folder, path=None):
+    """Force of the soil against every driven translation, against the way driven in the last stage; of the whole body
+    where half of it is modelled; from history.csv.
+
+    Writes resistance.png in `folder` unless `path` is given, and returns the path; None where no body is driven.
+    """
+    history, path = read_history(folder), Path(path or Path(folder) / "resistance.png")
+    first = max(0, _stage_starts(history)[-1] - 1)
+    curves = {}
+    for name in body_names(history):
+        for axis in "xyz":
+            way = history[f"{name}_{axis}_m"][first:] - history[f"{name}_{axis}_m"][first]
+            if f"{name}_drive_{axis}_J" in history and abs(way[-1]) > 0.0:
+                whole = f"{name}_contact_f{axis}_whole_N"
+                force = history[whole if whole in history else f"{name}_contact_f{axis}_N"][first:]
+                curves[f"{name} along {axis}" + ", whole body" * (whole in history)] = (
+                    np.abs(way), -np.sign(way[-1]) * force)
+    if not curves:
+        return None
+    scale, unit = _force_unit(max(np.abs(force).max() for _, force in curves.values()))
+    with figure(path) as drawing:
+        axes = drawing.subplots()
+        for (label, (way, force)), colour in zip(curves.items(), COLOURS * len(curves)):
+            axes.plot(way[1:], force[1:] / scale, color=colour, label=label)
+        axes.margins(x=0.02)
+        axes.set_xlabel(f"way in stage '{history['stage'][-1]}' [m]")
+        axes.set_ylabel(f"resistance of the soil [{unit}]")
+        axes.legend()
+    return path
+
+
+def _force_unit(largest):
+    """(newtons in a unit, its name) for forces up to `largest` [N]."""
+    return (1e6, "MN") if largest >= 1e6 else (1e3, "kN") if largest >= 1e3 else (1.0, "N")
 
 
 def pitch(history, name):

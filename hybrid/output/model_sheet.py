@@ -3,6 +3,7 @@
 import numpy as np
 
 from hybrid.body.rigid import FREEDOMS
+from hybrid.body.symmetry import copies
 from hybrid.linalg.solver_choice import SolverChoice
 from hybrid.linalg.stencil_pattern import make_pattern
 from hybrid.runtime.comm import maximum, minimum, number
@@ -47,6 +48,7 @@ def model_sheet(scene, model, imbalance=None, level="", most_points=0, decisions
         "bodies": [_body(*pair) for pair in zip(scene.bodies, model.bodies)] or "none",
         **({"joints": [_joint(joint) for joint in scene.joints]} if scene.joints else {}),
         **({"gmsh": shortcoming()} if scene.bodies and shortcoming() else {}),
+        **_symmetry(model),
         "soil law": _law(scene.soil.material, soil.law) if not soil.held else "none, the soil is held",
         "basis": scene.soil.basis if not soil.held else "none, the soil is held",
         "linear solver": _linear_solver(model, pattern.size),
@@ -141,7 +143,10 @@ def _layer(layer, scene, soil):
 
 def _body(described, body):
     """Sizes of a body, its driven components and its contact with the soil."""
-    parts = [f"{len(body.surface.triangles)} contact triangles", f"{body.mass.mass:.6g} kg",
+    cut = all(mirror.cut for mirror in body.mirrors)
+    whole = (", the whole " if cut else " in this part, which stand for ") + f"{copies(body.mirrors) * body.mass.mass:.6g} kg"
+    whole *= bool(body.mirrors)
+    parts = [f"{len(body.surface.triangles)} contact triangles", f"{body.mass.mass:.6g} kg{whole}",
              f"{np.count_nonzero(body.free)} free components"]
     if described.driven:
         parts.append("driven " + " ".join(described.driven))
@@ -160,6 +165,17 @@ def _joint(joint):
     friction = f", friction of {joint.friction_moment:g} N m" if joint.friction_moment else ""
     other = joint.bodies[1] if len(joint.bodies) == 2 else "the ground"
     return f"{joint.name}: {joint.kind} of {joint.bodies[0]} and {other}{limits}{friction}"
+
+
+def _symmetry(model):
+    """Row about the planes of symmetry that bodies lie in, if there are any."""
+    mirrors = {(m.axis, m.at): m for body in model.bodies for m in body.mirrors}.values()
+    if not mirrors:
+        return {}
+    part = {1: "half", 2: "a quarter"}.get(len(mirrors), "a part")
+    planes = " and ".join(map(str, mirrors))
+    return {"symmetry": [f"{planes}: {part} of the whole is modelled", f"forces, masses and energies are those of this part; "
+                         f"those of the whole, {copies(mirrors)} times as large, are named so"]}
 
 
 def _of_stages(scene):

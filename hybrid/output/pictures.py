@@ -37,7 +37,7 @@ REMEDY = "try: apt install libegl1 libgl1-mesa-dri (off-screen OpenGL), pip inst
 
 class Pictures:
     """Observer that writes soil_step_005.png, ... at the steps `scene.output.pictures`, counted from the
-    start of the last stage, and trajectory.png and line_tension.png at the end."""
+    start of the last stage, and trajectory.png, line_tension.png and resistance.png at the end."""
 
     def __init__(self, folder):
         self.folder = Path(folder)
@@ -73,6 +73,7 @@ class Pictures:
         figures.trajectory(self.folder)
         if any(np.any(history[f"{name}_tension_N"]) for name in body_names(history)):
             figures.tension(self.folder)
+        figures.resistance(self.folder)
 
     def _collect(self, limit=TIME_LIMIT):
         if self.drawing:

@@ -8,6 +8,8 @@ import shutil
 import sys
 import time
 
+from hybrid.body.symmetry import copies
+
 INTERVAL, SHARE = 30.0, 0.05    # without a terminal: seconds, and share of all steps, from one line to the next
 
 
@@ -89,7 +91,8 @@ def describe(record, steps, remaining):
         f"residual {record.residual:.1e}",
         f"{record.contacts} contacts",
     ]
-    parts += [f"tension {force(body.line_tension)}" for body in record.bodies if body.line_tension]
+    parts += [f"tension {force(copies(body.mirrors) * body.line_tension)}{' of the whole' * bool(body.mirrors)}"
+              for body in record.bodies if body.line_tension]
     return "  ".join(parts)
 
 

@@ -19,6 +19,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from hybrid.body.symmetry import Mirror, whole_columns
 from hybrid.soil.split_merge import concatenate
 from hybrid.state import Points, Population
 
@@ -30,7 +31,8 @@ class BodyRecord:
     reaction and work are {component: force or moment of its guides, work done by them [J]} of components that are held or
     driven ("x" ... "rz"), with work["load"] of loads; load: (6,) [N, N m], None where none act. Moments are about the
     centre of mass; force and moment are in the spatial frame, the spin is in
-    the body frame, as in `hybrid.state.BodyState`.
+    the body frame, as in `hybrid.state.BodyState`. All values are those of what is modelled; mirrors: planes of symmetry
+    that the body lies in.
     """
 
     name: str
@@ -45,9 +47,11 @@ class BodyRecord:
     reaction: dict[str, float] = field(default_factory=dict)
     load: np.ndarray | None = None
     work: dict[str, float] = field(default_factory=dict)
+    mirrors: tuple[Mirror, ...] = ()
 
     def row(self):
-        """Flat dict of this body's columns, each name ending in its unit."""
+        """Flat dict of this body's columns, each name ending in its unit; of a body in a plane of symmetry each force,
+        moment and work with that of the whole body, such as tension_whole_N after tension_N."""
         columns = {}
         for axis, value in zip("xyz", self.position):
             columns[f"{axis}_m"] = value
@@ -68,22 +72,24 @@ class BodyRecord:
             columns.update(zip((f"load_{kind}_{unit}" for kind, unit in zip(
                 ("fx", "fy", "fz", "mx", "my", "mz"), ["N"] * 3 + ["Nm"] * 3)), self.load))
         columns.update({"load_J" if name == "load" else f"drive_{name}_J": value for name, value in self.work.items()})
-        return {f"{self.name}_{key}": float(value) for key, value in columns.items()}
+        return {f"{self.name}_{key}": float(value) for key, value in whole_columns(columns, self.mirrors).items()}
 
 
 @dataclass
 class JointRecord:
     """One joint at the end of a step: force [N] and moment about the joined point [N m] (6,) on its first body, along the axes
-    of space, and the angle [deg] of a hinge, None of others."""
+    of space, and the angle [deg] of a hinge, None of others; mirrors: planes of symmetry that the body lies in."""
 
     name: str
     force: np.ndarray
     angle: float | None = None
+    mirrors: tuple[Mirror, ...] = ()
 
     def row(self):
         """Flat dict of this joint's columns, each name ending in its unit."""
         names = ("fx_N", "fy_N", "fz_N", "mx_Nm", "my_Nm", "mz_Nm")
-        columns = {f"{self.name}_{name}": float(value) for name, value in zip(names, self.force)}
+        columns = whole_columns(dict(zip(names, self.force)), self.mirrors)
+        columns = {f"{self.name}_{name}": float(value) for name, value in columns.items()}
         return columns if self.angle is None else columns | {f"{self.name}_angle_deg": self.angle}
 
 
@@ -102,6 +108,7 @@ class Record:
     energies        {name: [J]} of the balance, columns of history.csv
     bodies          [BodyRecord]; joints: [JointRecord]
     notes           warnings, each given once in a run, such as that a body leaves the grid
+    copies          how many times what is modelled the whole is: 2 of half a model, 4 of a quarter
     time_error      [m] estimated error of positions that time integration adds in the step, None without time.accuracy
     """
 
@@ -123,6 +130,7 @@ class Record:
     krylov: int = 0
     judged: int = 0
     joints: list[JointRecord] = field(default_factory=list)
+    copies: int = 1
 
     def row(self):
         """Flat dict for one line of history.csv, each name ending in its unit where it has one."""
@@ -146,7 +154,10 @@ class Record:
             row.update(body.row())
         for joint in self.joints:
             row.update(joint.row())
-        row.update({f"energy_{column(name)}_J": float(value) for name, value in self.energies.items()})
+        for name, value in self.energies.items():
+            row[f"energy_{column(name)}_J"] = float(value)
+            if self.copies > 1:
+                row[f"energy_{column(name)}_whole_J"] = self.copies * float(value)
         row.update({f"seconds_{column(phase)}": float(value) for phase, value in self.seconds.items()})
         return row
 

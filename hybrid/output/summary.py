@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from hybrid.body.symmetry import copies
 from hybrid.output import atomic
 from hybrid.output.history import NAME as HISTORY
 from hybrid.output.history import read_history
@@ -79,11 +80,23 @@ class Summary:
             "totals": {**self.counts, "seconds": self.seconds},
             "wall_seconds_of_this_session": time.perf_counter() - self.began,
             "work_J": simulation.state.work,
+            **_whole(simulation),
             "versions": versions(getattr(simulation, "versions", None)),
             "machine": machine(),
         }
         with atomic(self.folder / NAME) as partial:
             partial.write_text(json.dumps(content, indent=2, default=_plain) + "\n", encoding="utf-8")
+
+
+def _whole(simulation):
+    """Planes of symmetry, and masses and works of the whole beside those of what is modelled; nothing without one."""
+    mirrors = getattr(simulation, "mirrors", ())
+    if not mirrors:
+        return {}
+    bodies = {body.name: {"mass_kg": body.mass.mass, "mass_whole_kg": copies(body.mirrors) * body.mass.mass}
+              for body in simulation.model.bodies}
+    return {"symmetry": {"planes": list(map(str, mirrors)), "whole_over_modelled": copies(mirrors), "bodies": bodies,
+                         "work_whole_J": {k: copies(mirrors) * work for k, work in simulation.state.work.items()}}}
 
 
 def versions(known=None):

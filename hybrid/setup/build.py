@@ -1,5 +1,7 @@
 """From a Scene to a model and its initial state."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from hybrid.body.rigid import with_stiffness
@@ -19,6 +21,7 @@ from hybrid.setup.line_soil import line_through_soil
 from hybrid.setup.settle import settle
 from hybrid.setup.size import refuse_cells, refuse_size
 from hybrid.setup.soil import build_soil, lay_out
+from hybrid.setup.symmetry import stray_cap, with_symmetry
 from hybrid.simulation import Simulation
 from hybrid.state import ContactHistory, State
 from hybrid.step import joint_terms, processes
@@ -67,6 +70,7 @@ def _put_together(scene, decisions, accuracy, body_force, law):
     if not scene.grid.moves:
         refuse_size(scene, [axis_nodes(axis) for axis in (scene.grid.x, scene.grid.y, scene.grid.z)])
     meshes = [mesh_of(described) for described in scene.bodies]
+    scene, held, mirrors = with_symmetry(scene, meshes)
     placed = [build_body(*pair, loads.on_bodies(0.0), scene.stages) for pair in zip(scene.bodies, meshes)]
     scene, placed = lower_to_ground(scene, placed)
     placed = [(line_through_soil(scene, described, body, mesh), motion)
@@ -77,8 +81,9 @@ def _put_together(scene, decisions, accuracy, body_force, law):
     grid, moving_grid, layouts = build_grid(scene, placed)
     soil, points = build_soil(scene, grid, loads, law)
     motions, contacts = [motion for _, motion in placed], [ContactHistory.empty() for _ in placed]
-    bodies = [connect_to_soil(described, body, motion.rotation, soil, gravity, scene.soil.material.cone)
-              for described, (body, motion) in zip(scene.bodies, placed)]
+    bodies = [replace(connect_to_soil(described, body, motion.rotation, soil, gravity, scene.soil.material.cone),
+                      mirrors=planes, stray_cap=stray_cap(described, mesh, planes))
+              for described, mesh, planes, (body, motion) in zip(scene.bodies, meshes, mirrors, placed)]
     inside = [starts_inside(body, motion, points, soil) for body, motion in zip(bodies, motions)]
     taken = []
     if any(inside):
@@ -94,7 +99,8 @@ def _put_together(scene, decisions, accuracy, body_force, law):
     settled = None
     if taken or scene.soil.ground is not None:
         state, settled = settle(model, state, scene.stages[0].step or scene.time.step)
-    return Simulation(scene, model, state, meshes, moving_grid, accuracy, decisions, _start(taken, settled, bodies))
+    return Simulation(scene, model, state, meshes, moving_grid, accuracy, (*decisions, *held),
+                      _start(taken, settled, bodies))
 
 
 def _start(taken, settled, bodies):

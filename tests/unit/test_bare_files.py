@@ -12,7 +12,7 @@ from hybrid import cli
 from hybrid.body.half import half_of
 from hybrid.body.mesh import generate
 from hybrid.body.smooth_mass import mass_and_surface
-from hybrid.body.solid import signed_volumes, validate
+from hybrid.body.solid import signed_volumes, smoothed, validate
 from hybrid.runtime.errors import GeometryError
 
 GEOMETRY = Path(__file__).parents[2] / "geometry"
@@ -101,9 +101,9 @@ def test_half_of_a_box_is_exact_and_its_cap_lies_in_the_plane(drawn, suffix, axi
     assert area == pytest.approx(np.delete(sides, a).prod())
 
 
-@pytest.mark.parametrize("suffix, error", [(".step", 1e-5), (".brep", 1e-5), (".stl", 3e-3), (".msh", 3e-3)])
+@pytest.mark.parametrize("suffix, error", [(".step", 1e-5), (".brep", 1e-5), (".stl", 3e-4), (".msh", 3e-4)])
 def test_half_of_a_sphere_is_half_of_it_and_round(drawn, suffix, error):
-    """The facets of r = 0.5 m and 0.08 m alone would be 0.7 % light."""
+    """The facets of r = 0.5 m and 0.08 m alone would be 0.9 % light."""
     mesh = generate(drawn / f"sphere{suffix}", symmetry="y")
     body, surface = mass_and_surface(mesh, 1000.0)
     mass = 1000.0 * 2 / 3 * np.pi * 0.5**3
@@ -120,7 +120,7 @@ def test_half_of_a_sphere_is_half_of_it_and_round(drawn, suffix, error):
 def test_halves_of_random_meshes_fill_what_they_are_cut_from():
     """Whatever lies across the plane: the half is closed, and the two halves are the whole."""
     for shift in (0.0, 0.013, -0.2):
-        mesh = generate(GEOMETRY / "cylinder.geo", {"radius": 0.4}, size=0.15)
+        mesh = generate(GEOMETRY / "box.geo", {"width": 0.7}, size=0.2)
         turned = mesh.points @ np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))[0]
         sides = []
         for sign in (1.0, -1.0):
@@ -131,7 +131,7 @@ def test_halves_of_random_meshes_fill_what_they_are_cut_from():
                 tets, contact = tets[:, [0, 2, 1, 3]], contact[:, ::-1]
             whole = mesh.__class__(points, tets, contact)
             try:
-                half = half_of(whole, "y")
+                half = half_of(smoothed(whole), "y")
             except GeometryError as error:
                 assert shift and "is not symmetric about y = 0" in str(error)
                 continue

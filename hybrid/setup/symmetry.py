@@ -1,0 +1,102 @@
+"""Which planes of symmetry pass through the bodies of a scene.
+
+A face of the grid at the end of x or y is a plane of symmetry if it is a roller, the soil reaches it, gravity lies in it,
+and a body either ends there, with the cut face of its geometry (the group `symmetry`) in the plane, or lies across it with
+its middle in the plane. A body that reaches both ends of the axis, as a platen on all of the soil, has none. In the plane a
+body moves along it and turns about its normal only; its other components are held.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from hybrid.body.attitude import rotation_from_axis_angle
+from hybrid.body.symmetry import AXES, Mirror
+from hybrid.runtime.errors import SceneError
+from hybrid.scene.check_stage import components
+from hybrid.scene.defaults import Decision
+
+IN_PLANE = 1e-6     # of the size of a body: cut faces nearer to the plane are in it
+MIDDLE = 0.02       # the same of the middle of a body across the plane, whose facets need not be symmetric
+
+
+def with_symmetry(scene, meshes):
+    """(Scene in which bodies in planes of symmetry are held there, Decisions about it, Mirrors (tuple) of each body).
+
+    Raises SceneError where a body that is cut would leave its plane.
+    """
+    bodies, decisions, found = [], [], []
+    for i, (described, mesh) in enumerate(zip(scene.bodies, meshes)):
+        mirrors = tuple(mirrors_of(scene, described, mesh))
+        needed = dict.fromkeys(name for mirror in mirrors for name in mirror.guides)
+        for mirror in mirrors:
+            _refuse_motion(scene, f"body.{i}", described, mirror)
+        if more := [name for name in needed if name not in described.held]:
+            described = replace(described, held=(*described.held, *more))
+            decisions.append(Decision(f"body.{i}.held", list(described.held), "the model is symmetric about "
+                                      + " and ".join(map(str, mirrors))))
+        bodies.append(described)
+        found.append(mirrors)
+    return replace(scene, bodies=tuple(bodies)), tuple(decisions), found
+
+
+def mirrors_of(scene, described, mesh):
+    """Yields the Mirrors of a body."""
+    points, cap = _placed(described, mesh)
+    size = np.ptp(points, axis=0).max()
+    for name, a in AXES.items():
+        axis = getattr(scene.grid, name)
+        ends = (axis.nodes[0], axis.nodes[-1]) if axis.nodes is not None else (axis.start, axis.end)
+        low, high = points[:, a].min(), points[:, a].max()
+        covers = low < ends[0] + IN_PLANE * size and high > ends[1] - IN_PLANE * size
+        for side, at, other in (("min", ends[0], ends[1]), ("max", ends[1], ends[0])):
+            if axis.collapsed or scene.gravity[a] or getattr(scene.grid.faces, f"{name}_{side}") != "roller":
+                continue
+            cut = len(cap) > 0 and np.abs(cap[:, a] - at).max() < IN_PLANE * size
+            across = not len(cap) and not covers and low < at < high and abs(0.5 * (low + high) - at) < MIDDLE * size
+            if (cut or across) and _soil_reaches(scene, a, at) and (cut or not _moves(scene, described, name)):
+                yield Mirror(name, at, cut)
+
+
+def stray_cap(described, mesh, mirrors):
+    """Whether the cut face of a body lies in no plane of symmetry of the model."""
+    return len(mesh.symmetry) > 0 and not any(mirror.cut for mirror in mirrors)
+
+
+def _placed(described, mesh):
+    """Nodes (n, 3) of a body and of its cut face (m, 3) [m] at the start; heights without body.rest_on."""
+    rotation = np.eye(3)
+    if described.rotation:
+        rotation = rotation_from_axis_angle(described.rotation[:3], np.radians(described.rotation[3]))
+    points = np.array(described.position or (0.0, 0.0, 0.0)) + mesh.points @ rotation.T
+    return points, points[np.unique(mesh.symmetry)] if len(mesh.symmetry) else np.zeros((0, 3))
+
+
+def _soil_reaches(scene, a, at):
+    soil = scene.soil
+    low, high = (None if corner is None else corner[a] for corner in (soil.lower, soil.upper))
+    return (low is None or low <= at) and (high is None or high >= at)
+
+
+def _leaving(scene, described, guides):
+    """Components of `guides` that something moves."""
+    rates = dict(zip(("x", "y", "z"), described.velocity))
+    if not described.rotation:
+        rates |= dict(zip(("rx", "ry", "rz"), described.spin))
+    names = [name for name in guides if name in described.driven or rates.get(name)]
+    for stage in scene.stages:
+        names += [name for motion in stage.motions if motion.body in (None, described.name)
+                  for name in components(motion) if name in guides and name not in motion.held]
+    return list(dict.fromkeys(names))
+
+
+def _moves(scene, described, axis):
+    return bool(_leaving(scene, described, Mirror(axis, 0.0, False).guides))
+
+
+def _refuse_motion(scene, key, described, mirror):
+    leaving = _leaving(scene, described, mirror.guides)
+    if leaving:
+        raise SceneError(f"{key} ({described.name}) is cut by {mirror}, a plane of symmetry of the grid, but moves in "
+                         f"{', '.join(leaving)}: its mirror image would move against it. Model the whole body, or leave "
+                         "these components out")
