@@ -159,7 +159,7 @@ def work_to_break(tension, p, eps_n):
 
 @njit(cache=True)
 def lie_before(y, normal, tree):
-    """(m,) bool, whether places y (m, 3) [m] outside a body lie along the normal (m, 3) of the closest point of its surface,
+    """(m,) bool, whether places y (m, 3) [m] are in a body or lie along the normal (m, 3) of the closest point of its surface,
     and not beside an edge; all in the body frame."""
     before = np.ones(len(y), np.bool_)
     for n in range(len(y)):
@@ -167,5 +167,5 @@ def lie_before(y, normal, tree):
         along = 0.0
         for i in range(3):
             along += (y[n, i] - foot[i]) * normal[n, i]
-        before[n] = along >= ALONG * gap
+        before[n] = gap <= 0.0 or along >= ALONG * gap
     return before

@@ -56,8 +56,8 @@ def test_a_footing_breaks_away_from_its_edges_at_its_limit():
 
 
 def test_adhesion_raises_the_resistance_of_a_cylinder():
-    """Cells of a quarter of the diameter and half of the way, on which the smooth cylinder has 0.8 of its factor."""
-    smooth, rough = (sideways(4, None, adhesion, fill=4, steps=5, way=0.05).factor[-1] for adhesion in (0.0, 1.0))
+    """Cells of a quarter of the diameter and a third of the way, on which the smooth cylinder has 0.8 of its factor."""
+    smooth, rough = (sideways(4, None, adhesion, fill=6, steps=4, way=0.03).factor[-1] for adhesion in (0.0, 1.0))
     assert 1.1 < rough / smooth < 1.1 * deep_factor(1.0) / deep_factor(0.0)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import hybrid
-from hybrid import Axis, Body, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
+from hybrid import Axis, Body, Faces, Grid, Material, Motion, Output, Scene, Soil, Solver, Stage, Time
 from hybrid.output import checkpoint
 from hybrid.output.history import read_history
 from hybrid.runtime.errors import StepError
@@ -176,3 +176,23 @@ def test_an_observer_that_fails_at_the_end_keeps_no_other_from_it(geometry, fail
     with pytest.raises(StepError if fails else ValueError, match="step 1 failed" if fails else "no room left"):
         simulation.run([Observer(True), Observer(False)])
     assert outcomes == ["failed" if fails else "completed"]
+
+
+def test_bonds_that_have_broken_stay_broken_in_a_resumed_run(geometry, tmp_path):
+    """A block that rests on clay is lifted to beyond its tension, comes back and is lifted again; it stops in between."""
+    axis, speed = Axis(start=0.0, end=0.4, size=0.2), ((0.0, 2e-3), (3.0, 2e-3), (3.1, -2e-3), (6.0, -2e-3), (6.1, 2e-3))
+    material = Material(law="von-mises", young=1e6, poisson=0.3, density=1000.0, strength=1e6)
+
+    def described(steps):
+        return Scene(
+            name="lifted", grid=Grid(axis, axis, Axis(start=-0.4, end=0.2, size=0.2), Faces(z_min="fixed")),
+            soil=Soil(material, top=0.0, geostatic=False), gravity=(0.0, 0.0, 0.0), time=Time(1.0, inertia=False),
+            bodies=(Body(geometry / "box.geo", 1000.0, parameters={"length": 1.0, "width": 1.0, "height": 0.2, "size": 0.5},
+                         position=(0.2, 0.2, 0.0), rest_on=0.0, held=("x", "y", "rx", "ry", "rz"), tension=5e3),),
+            stages=(Stage("lift", steps, motions=(Motion(component="z", velocity=speed),)),), output=Output(every=0))
+
+    whole, parts, stopped = in_one_go_and_in_two(tmp_path, described, 4, 8)
+    assert stopped.contacts[0].opened.any()
+    assert [name for name in whole if whole[name] != parts[name] and not name.startswith("extra/")] == []
+    forces = read_history(tmp_path / "whole")["body_contact_fz_N"]
+    assert forces.min() == pytest.approx(-5e3 * 0.16, rel=1e-3) and forces[-1] == 0.0

@@ -120,6 +120,13 @@ def test_what_has_opened_is_followed_however_far_the_body_goes():
     assert found[3][0] == pytest.approx(STIFF * 5e-4, rel=1e-9)
 
 
+@pytest.mark.parametrize("overlap", [0.0, 1e-12, -1e-12, 1e-4])
+def test_soil_that_begins_at_the_body_is_bonded_whatever_the_round_off(overlap):
+    grid, pair = pair_of(PLATE, 0.1 - overlap, tension=np.inf)
+    assert (pair.corners.limits.tension > 0.0).sum() * 0.05**2 / 16 == pytest.approx(0.16)
+    assert pair.corners.rest[pair.corners.touching].max() == pytest.approx(max(0.0, -overlap), abs=1e-15)
+
+
 def test_soil_that_begins_on_the_body_is_bonded_where_it_is():
     """0.1 half-widths, 2.5 mm, away: no force there, and pulled from there on. Farther away it is not bonded."""
     forces = [force for force, *_ in steps_of(PLATE, (0.102, 0.1025, 0.1018), np.inf)]
