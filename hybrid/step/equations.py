@@ -135,7 +135,7 @@ class Step:
         on_bodies = [np.zeros(0), *(terms.residual for terms in bodies)]
         if joints:
             on_bodies.append(joints.residual())
-            norms, error = norms | {"joints [m]": np.abs(joints.values[joints.active]).max(initial=0.0)}, max(error, joints.error())
+            norms, error = norms | {"joints [m]": joints.opened()}, max(error, joints.error())
         return Evaluation(unknowns, residual, np.concatenate(on_bodies), error, norms, internal, soil and soil.trial,
                           soil and soil.rates, bodies, joints)
 

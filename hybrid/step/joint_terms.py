@@ -104,6 +104,10 @@ class JointTerms:
         creep = np.where(_friction(self.step.bounds), CREEP, 0.0) * k / s * self.multipliers
         return np.where(self.active, -s * self.values - creep, (self.multipliers - self.target) * k / s)
 
+    def opened(self):
+        """Largest value [m or rad] of the rows that should be zero."""
+        return np.abs(self.values[self.active]).max(initial=0.0)
+
     def error(self):
         """Largest error, relative to what `solver.tolerance` = 1 would allow."""
         missed = self.residual() / (self.step.scale * self.step.length * EXACT)

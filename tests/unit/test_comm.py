@@ -101,6 +101,8 @@ ARRAYS = set("""half half_width deformation b_elastic stress plastic_strain affi
 LOCAL = {   # module: why a process may do it by itself
     "soil/lost_points.py": "nothing to change among its own points",
     "contact/corners.py": "whether points have domains at all",
+    "contact/interface.py": "several processes refuse clay that sticks",
+    "step/joint_terms.py": "rows of joints, which every process has",
     "monitors/limits/soil.py": "point that a message names",
     "monitors/missed_contact.py": "vertex of a body among its own points",
     "setup/law.py": "refusal of its own points",
