@@ -2,3 +2,5 @@
 
 No other package reads a scene, apart from what observers print.
 """
+
+import hybrid.runtime.kernel_copies  # noqa: F401 (before a kernel of this folder is compiled)

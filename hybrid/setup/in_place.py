@@ -224,7 +224,7 @@ def _soil_shares(boxes, surface, motion, collapsed):
         d, normal = distances(_in_frame(place.reshape(-1, 3), motion, collapsed), surface)
         width = np.repeat(2 * across[ids] / count, len(offset), axis=0)
         width = np.einsum("si,si->s", np.abs(normal @ motion.rotation.T), width)
-        soil = np.clip(0.5 + d / np.maximum(width, TINY), 0.0, 1.0).reshape(len(ids), -1)
+        soil = np.clip(0.5 + d / np.maximum(width, TINY), 0.0, 1.0).reshape(len(ids), len(offset))
         share[ids] = soil.mean(axis=1)
         for turn, axis in enumerate(axes[ids].T):
             height = offset.T[axis]                         # (k, s) of each sample along the axis of its box
