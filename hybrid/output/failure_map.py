@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from string import ascii_lowercase
+from textwrap import fill
 
 import numpy as np
 
@@ -51,7 +52,8 @@ def draw_two_parameter_maps(path, maps, mark):
             first, second = (list(dict.fromkeys(s[i] for kinds in case.kinds.values() for s in kinds)) for i in (0, 1))
             for axes, (method, kinds) in zip(row, case.kinds.items()):
                 _paint(axes, [[kinds.get((a, b)) for a in first] for b in second])
-                _title(axes, number, f"{case.title}: {method}" + " (default)" * (method == case.default))
+                text = f"{case.title}: {method}" + " (default)" * (method == case.default)
+                _title(axes, number, fill(text, 44))    # titles must not reach the next map
                 axes.set_xticks(range(len(first)), [_label(a) for a in first], fontsize=5.5)
                 axes.set_yticks(range(len(second)), [_label(b) for b in second], fontsize=5.5)
                 axes.set_xlabel(case.parameters[0], fontsize=6, labelpad=1)
