@@ -2,12 +2,13 @@
 
 1 places.py         places on the points' domains: quadrature points of faces, or corners (the published method)
 2 corners.py        finds those near a body; they are material points carried by the grid, called contact points
-  edges.py          leaves out those beside sharp edges, where the grid does not resolve the rim of a contact
 3 first_contact.py  predicts where an open contact point will touch: the anchor of its tangential spring
 4 soil_to_body.py   contact points against the body's surface; pressure, stick or slip, tangent
   interface.py      clay that sticks: adhesion, tension until it breaks away, and the points that bear them
 5 assembly.py       forces and tangent into the residual and the block system, through the nodes of their cells
 6 contact_pair.py   does 2 to 5 for one body; tunnelling.py rejects a step that carried contact points through it
+
+bodies.py: overlap of two bodies, between which no force acts.
 """
 
 import hybrid.runtime.kernel_copies  # noqa: F401 (before a kernel of this folder is compiled)

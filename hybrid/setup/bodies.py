@@ -7,12 +7,10 @@ import numpy as np
 from hybrid.body.attitude import rotation_from_axis_angle
 from hybrid.body.motion import free_spin_rate
 from hybrid.body.rigid import FREEDOMS, Line, RigidBody
-from hybrid.contact.corners import distances
+from hybrid.contact.bodies import TOUCH, depth_of_overlap
 from hybrid.runtime.errors import SceneError
 from hybrid.setup.stages import point_of, stage_controls
 from hybrid.state import BodyState
-
-TOUCH = 1e-3    # radii that two bodies may overlap, as facets of curved bodies that touch do
 
 
 def mesh_of(described):
@@ -72,23 +70,8 @@ def refuse_overlap_of_bodies(placed, joined, collapsed):
         if {first, second} in joined:
             continue
         (one, pose), (other, place) = placed[first], placed[second]
-        depth = max(_depth(one, pose, other, place, collapsed), _depth(other, place, one, pose, collapsed))
+        depth = depth_of_overlap((one, pose), (other, place), collapsed)
         if depth > TOUCH * min(one.radius, other.radius):
             raise SceneError(f"bodies {one.name!r} and {other.name!r} overlap at the start, by {depth:.3g} m or more; "
                              "move one of them by body.position or body.rest_on. Bodies do not touch one another in "
                              "this model; join bodies that belong together by a [[joint]], or make one geometry of them")
-
-
-def _depth(one, pose, other, place, collapsed):
-    """Depth [m] in the `other` body of the deepest of some places in `one`: its vertices, the middles of its edges and
-    facets, and these a little below its surface, as bodies at the same place have all others in common."""
-    surface = one.surface
-    corners = surface.vertices[surface.triangles]
-    middle = corners.mean(axis=1)
-    below = middle - 2 * TOUCH * one.radius * surface.normals
-    below = below[distances(below, surface)[0] < 0.0]
-    edges = (0.5 * (corners[:, i] + corners[:, i - 1]) for i in range(3))
-    position = pose.position + np.concatenate([surface.vertices, middle, below, *edges]) @ pose.rotation.T
-    y = (np.where(collapsed, place.position, position) - place.position) @ place.rotation
-    y = y[((y > other.surface.lower) & (y < other.surface.upper)).all(axis=1)]
-    return float(np.max(-distances(y, other.surface)[0], initial=0.0)) if len(y) else 0.0

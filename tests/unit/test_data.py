@@ -46,7 +46,7 @@ def test_the_command_lists_and_copies(tmp_path, monkeypatch, capsys):
     assert cli.main(["demos", "slope", "--to", "mine"]) == 0
     assert capsys.readouterr().out.splitlines()[-1] == "hybrid run mine/demos/slope.toml"
     assert cli.main(["demos", "nowhere"]) == 2
-    assert "demo 'nowhere': no such shipped scene; there are anchor, " in capsys.readouterr().err
+    assert "demo 'nowhere': no such shipped scene; there are ac14, anchor, " in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("given", ["anchor", "anchor.toml", "demos/anchor.toml"])

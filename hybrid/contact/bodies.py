@@ -1,0 +1,34 @@
+"""Overlap of two rigid bodies. No force acts between bodies: an overlap is refused at the start, and reported in a run."""
+
+import numpy as np
+
+from hybrid.contact.corners import distances
+
+TOUCH = 1e-3    # radii that two bodies may overlap, as facets of curved bodies that touch do
+
+
+def depth_of_overlap(one, other, collapsed):
+    """Depth [m] of the deepest place of either body found in the other one, 0 where they are apart.
+
+    one, other: (RigidBody, BodyState); collapsed: (3,) bool, axes along which only their sections count.
+    """
+    (body, pose), (second, place) = one, other
+    apart = np.where(collapsed, 0.0, place.position - pose.position)
+    if np.linalg.norm(apart) > body.radius + second.radius:
+        return 0.0
+    return max(_depth(body, pose, second, place, collapsed), _depth(second, place, body, pose, collapsed))
+
+
+def _depth(one, pose, other, place, collapsed):
+    """Depth [m] in the `other` body of the deepest of some places in `one`: its vertices, the middles of its edges and
+    facets, and these a little below its surface, as bodies at the same place have all others in common."""
+    surface = one.surface
+    corners = surface.vertices[surface.triangles]
+    middle = corners.mean(axis=1)
+    below = middle - 2 * TOUCH * one.radius * surface.normals
+    below = below[distances(below, surface)[0] < 0.0]
+    edges = (0.5 * (corners[:, i] + corners[:, i - 1]) for i in range(3))
+    position = pose.position + np.concatenate([surface.vertices, middle, below, *edges]) @ pose.rotation.T
+    y = (np.where(collapsed, place.position, position) - place.position) @ place.rotation
+    y = y[((y > other.surface.lower) & (y < other.surface.upper)).all(axis=1)]
+    return float(np.max(-distances(y, other.surface)[0], initial=0.0)) if len(y) else 0.0
