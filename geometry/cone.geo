@@ -1,10 +1,13 @@
 // Solid penetrometer: a cone under a round shaft, tip at the origin, axis along z. Lengths in metres.
+// Parts of its surface: tip, the cone and, under a sleeve, its cylindrical extension; sleeve, if it has a length; shaft, the rest.
 SetFactory("OpenCASCADE");
 
 DefineConstant[
   radius = {0.1, Name "Parameters/radius"},  // [m] of the shaft
   angle  = {60,  Name "Parameters/angle"},   // [deg] at the tip, between opposite sides
   shaft  = {1.0, Name "Parameters/shaft"},   // [m] length of the shaft
+  sleeve = {0.0, Name "Parameters/sleeve"},  // [m] length of the friction sleeve, a part of the shaft; 0: none
+  extension = {0.4 * radius, Name "Parameters/extension"},  // [m] of the shaft between cone and sleeve
   size   = {0.03, Name "Parameters/size"}    // [m] edge length of the tetrahedra
 ];
 
@@ -14,8 +17,31 @@ Mesh.MeshSizeMax = size;
 height = radius / Tan(angle * Pi / 360);
 
 Cone(1) = {0, 0, 0, 0, 0, height, 0, radius};
-Cylinder(2) = {0, 0, height, 0, 0, shaft, radius};
-BooleanUnion(3) = { Volume{1}; Delete; }{ Volume{2}; Delete; };
+If (sleeve > 0)
+  Geometry.OCCUnionUnify = 0;    // tip, sleeve and shaft stay faces of their own
+  Cylinder(2) = {0, 0, height, 0, 0, extension, radius};
+  Cylinder(4) = {0, 0, height + extension, 0, 0, sleeve, radius};
+  Cylinder(5) = {0, 0, height + extension + sleeve, 0, 0, shaft - extension - sleeve, radius};
+  BooleanUnion(3) = { Volume{1}; Delete; }{ Volume{2, 4, 5}; Delete; };
+Else
+  Cylinder(2) = {0, 0, height, 0, 0, shaft, radius};
+  BooleanUnion(3) = { Volume{1}; Delete; }{ Volume{2}; Delete; };
+  extension = 0;
+EndIf
+
+outside() = Abs(Boundary{ Volume{3}; });
+r = 1.001 * radius;
+e = 0.001 * radius;
+tip() = Surface In BoundingBox {-r, -r, -e, r, r, height + extension + e};
+side() = Surface In BoundingBox {-r, -r, height + extension - e, r, r, height + extension + sleeve + e};
+rest() = outside();
+rest() -= tip();
+rest() -= side();
 
 Physical Volume("body") = {3};
-Physical Surface("contact") = Abs(Boundary{ Volume{3}; });
+Physical Surface("contact") = outside();
+Physical Surface("tip") = tip();
+If (sleeve > 0)
+  Physical Surface("sleeve") = side();
+EndIf
+Physical Surface("shaft") = rest();

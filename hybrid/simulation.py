@@ -311,7 +311,8 @@ def _body_record(terms, state):
     return BodyRecord(
         terms.step.body.name, motion.position, quaternion(motion.rotation), motion.velocity, motion.spin,
         contact.resultant[:3], contact.resultant[3:], terms.trial.tension, contact.largest_overlap,
-        **_guided(terms.step.body, motion, state.work), mirrors=terms.step.body.mirrors)
+        **_guided(terms.step.body, motion, state.work), mirrors=terms.step.body.mirrors,
+        parts=terms.step.body.parts.forces(contact) if terms.step.body.parts else {})
 
 
 def _joint_records(evaluation):

@@ -46,9 +46,11 @@ def half_of(mesh, axis):
     number = np.zeros(len(points), np.int64)
     number[used] = np.arange(len(used))
     contact = outer[~on_plane]
+    former = _former(mesh, contact, cuts)
     return replace(
         mesh, points=points[used], tets=number[tets], contact=number[contact], symmetry=number[outer[on_plane]],
-        normals=_normals(mesh, contact, cuts, a),
+        normals=_normals(mesh, contact, cuts, former, a),
+        part=None if mesh.part is None else mesh.part[former],
         region=None if mesh.region is None else mesh.region[parents],
         named_points={name: x for name, x in mesh.named_points.items() if x[a] >= -ON * np.ptp(points[:, a])})
 
@@ -132,20 +134,24 @@ def _tetrahedra(polygons):
     return found
 
 
-def _normals(mesh, contact, cuts, a):
-    """Normals (t, 3, 3) at the corners of the triangles `contact` (t, 3) that are left: those of the triangles of `mesh`
-    that they are part of. At corners from `cuts` they lie between those at the ends of the edge, and in the plane where
+def _former(mesh, contact, cuts):
+    """Number (t,) of the triangle of the contact surface of `mesh` that each of the triangles `contact` (t, 3) is part of, -1
+    of none; cuts: {number of a new point: the ends of its edge}."""
+    number = {tuple(sorted(triangle)): k for k, triangle in enumerate(mesh.contact.tolist())}
+    nodes = ({node for corner in corners for node in cuts.get(corner, (corner,))} for corners in contact.tolist())
+    return np.array([number.get(tuple(sorted(found)), -1) for found in nodes], np.int64)
+
+
+def _normals(mesh, contact, cuts, former, a):
+    """Normals (t, 3, 3) at the corners of the triangles `contact` (t, 3) that are left: those of the `former` triangles (t,) of
+    `mesh` that they are part of. At corners from `cuts` they lie between those at the ends of the edge, and in the plane where
     the surface crosses it nearly at right angles."""
     ends = np.array([cuts.get(node, (node, node)) for node in contact.ravel().tolist()]).reshape(-1, 3, 2)
-    former = {tuple(sorted(triangle)): k for k, triangle in enumerate(mesh.contact.tolist())}
     normals = np.full((*contact.shape, 3), np.nan)
-    for t, corners in enumerate(ends):
-        nodes = sorted(set(corners.ravel().tolist()))
-        if len(nodes) == 3 and tuple(nodes) in former:
-            k = former[tuple(nodes)]
-            of = dict(zip(mesh.contact[k].tolist(), mesh.normals[k]))
-            between = np.array([of[i] + of[j] for i, j in corners.tolist()])
-            normals[t] = between / np.linalg.norm(between, axis=1, keepdims=True)
+    for t in np.flatnonzero(former >= 0):
+        of = dict(zip(mesh.contact[former[t]].tolist(), mesh.normals[former[t]]))
+        between = np.array([of[i] + of[j] for i, j in ends[t].tolist()])
+        normals[t] = between / np.linalg.norm(between, axis=1, keepdims=True)
     upright = np.isin(contact, list(cuts)) & (np.abs(normals[:, :, a]) < UPRIGHT)
     normals[upright, a] = 0.0
     normals[upright] /= np.linalg.norm(normals[upright], axis=1, keepdims=True)

@@ -2,8 +2,9 @@
 
 A geometry declares its parameters with DefineConstant under the name "Parameters/..." (lengths in metres), a
 physical volume "body", a physical surface "contact", and where a body is cut by a symmetry plane a physical
-surface "symmetry". Physical points are named places, such as the point where a body is pulled. Physical volumes of
-other names may have densities of their own. Other files (.step, .iges, .brep, .stl, .msh) need no groups: these are made
+surface "symmetry". Physical points are named places, such as the point where a body is pulled. Physical surfaces of
+other names are parts whose contact forces are reported apart (`hybrid.body.parts`), physical volumes of other names may
+have densities of their own. Other files (.step, .iges, .brep, .stl, .msh) need no groups: these are made
 (`hybrid.body.bare_files`). A `scale` makes metres of the coordinates of any file, and a body that is drawn as a whole is
 cut in half, by gmsh if it is a solid and by `hybrid.body.half` if it is a mesh.
 
@@ -41,6 +42,7 @@ FACTOR = "HYBRID_MESH_LIMIT"                        # variable of the environmen
 REMEDY = (f"make the elements larger (parameter size, Mesh.MeshSizeMin) or the shape simpler; {FACTOR}=10 in the "
           "environment makes the limits of meshing ten times as large")
 START = "import sys; sys.path[:] = {path!r}; from hybrid.body.mesh_worker import main; main({request!r})"
+REST = "rest"                                       # part of a surface that is in no other one, where it has parts
 KEPT = 32                                           # meshes of this process, for scenes that share a body
 versions = {}                                       # of gmsh, once it has been used
 
@@ -77,12 +79,14 @@ def _mesh(path, files, parameters, scale, symmetry, volumes):
         log.warning("geometry %s: gmsh is %s", path, shortcoming())
     answer = in_child("mesh", path, dict(files), dict(parameters), scale=scale, symmetry=symmetry, volumes=volumes)
     answer["regions"] = tuple(answer["regions"].tolist())
+    named = [answer.pop(name) for name in ("parts", "part_triangles", "part_numbers")]
     names, places = answer.pop("point_names").tolist(), answer.pop("point_places")
     if scale != 1.0:
         answer["points"], places = scale * answer["points"], scale * places
     cut = path.suffix.lower() in geometry_text.SOLIDS
     if "contact" not in answer:
         answer["contact"] = _outside(answer["tets"], answer["symmetry"])
+    answer["parts"], answer["part"] = _parts(answer["contact"], *named)
     mesh = oriented(TetMesh(named_points=dict(zip(names, places)), name=path.stem, **answer))
     validate(mesh)
     if symmetry and not cut:
@@ -99,6 +103,17 @@ def _outside(tets, symmetry):
     cut = {tuple(sorted(face)) for face in symmetry.tolist()}
     faces = boundary_faces(tets)
     return faces[[tuple(sorted(face)) not in cut for face in faces.tolist()]]
+
+
+def _parts(contact, names, triangles, numbers):
+    """Names of the parts of the contact surface, and the number (t,) of that of each of its triangles `contact` (t, 3); (),
+    None without any. Parts without a triangle there are left out; triangles in none are the part REST, the last one."""
+    known = dict(zip(map(tuple, np.sort(triangles, axis=1).tolist()), numbers.tolist()))
+    part = np.array([known.get(face, len(names)) for face in map(tuple, np.sort(contact, axis=1).tolist())])
+    used, part = np.unique(part, return_inverse=True)
+    if not (used < len(names)).any():
+        return (), None
+    return tuple([*names.tolist(), REST][k] for k in used), part.reshape(-1)
 
 
 def parameter_names(path):

@@ -213,6 +213,7 @@ def read_mesh(path, volumes):
         points=np.asarray(coordinates).reshape(-1, 3)[row[used]],
         tets=index[tets],
         **contact_surface(path, skins, index),
+        **named_parts(path, skins, index),
         symmetry=index[symmetry],
         point_names=np.array(list(points), str),
         point_places=np.array(list(points.values()), float).reshape(-1, 3),
@@ -227,6 +228,21 @@ def contact_surface(path, skins, index):
         return {}
     contact = elements(skins["contact"], 2, TRIANGLE, path)
     return {"contact": index[contact], "normals": read_normals(skins["contact"], contact)}
+
+
+def named_parts(path, skins, index):
+    """Physical surfaces of other names: these, their triangles (k, 3) and the number (k,) of the surface of each."""
+    names = [name for name in skins if name and name not in ("contact", "symmetry")]
+    seen = {}
+    for name in names:
+        for tag in skins[name]:
+            if seen.setdefault(int(tag), name) != name:
+                raise GeometryError(f"geometry {path}: surface {tag} is in the physical surfaces '{seen[int(tag)]}' and "
+                                    f"'{name}', whose forces are reported apart; keep it in one of them")
+    triangles = [elements(skins[name], 2, TRIANGLE, path) for name in names]
+    return {"parts": np.array(names, str),
+            "part_triangles": index[np.vstack([np.zeros((0, 3), np.int64), *triangles])],
+            "part_numbers": np.repeat(np.arange(len(names)), [len(found) for found in triangles])}
 
 
 def named_volumes(volumes, solids):

@@ -15,6 +15,7 @@ from hybrid.body.attitude import cayley, exp_so3
 from hybrid.body.embedded_line import LineSoil, embedded_line_force
 from hybrid.body.guides import Guide, PointLoad, StageControl
 from hybrid.body.line import line_force
+from hybrid.body.parts import SurfaceParts
 from hybrid.body.surface import ContactSurface
 from hybrid.body.symmetry import Mirror
 from hybrid.state import BodyState
@@ -47,6 +48,7 @@ class RigidBody:
     guides, loads: tables of time that components follow, and forces on it, in the present stage; drive_rate: (6,) second
         rates of driven components in the present increment, None where no table acts
     stages: StageControl of each stage of the run, empty where none changes anything of the body
+    parts: SurfaceParts whose contact forces are reported apart, None where the geometry names none
     mirrors: planes of symmetry that it lies in; stray_cap: whether it has a cut face that lies in none
     places: where contact is evaluated on the domains of soil points (`hybrid.contact.places`)
     surface: in contact with soil; on soil that yields or that it is driven into the outline with its sharp edges rounded off (`hybrid.body.rounded`)
@@ -75,6 +77,7 @@ class RigidBody:
     interface: object = None
     mirrors: tuple[Mirror, ...] = ()
     stray_cap: bool = False
+    parts: SurfaceParts | None = None
 
     def __post_init__(self):
         if self.outline is None:

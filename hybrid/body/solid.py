@@ -12,6 +12,9 @@
 | regions        | names of the physical volumes that share the tetrahedra  | -      | -    |
 | region         | number in `regions` of the one of each tetrahedron; None | (m,)   | -    |
 |                | where the volumes have no names                          |        |      |
+| parts          | names of the physical surfaces that share `contact`      | -      | -    |
+| part           | number in `parts` of the one of each triangle; None      | (t,)   | -    |
+|                | where the surfaces have no names                         |        |      |
 """
 
 from dataclasses import dataclass, field, replace
@@ -41,6 +44,8 @@ class TetMesh:
     normals: np.ndarray | None = None
     regions: tuple[str, ...] = ()
     region: np.ndarray | None = None
+    parts: tuple[str, ...] = ()
+    part: np.ndarray | None = None
 
     def region_volumes(self):
         """{name of a physical volume: its volume [m³]}."""

@@ -46,6 +46,7 @@ def model_sheet(scene, model, imbalance=None, level="", most_points=0, decisions
         "body unknowns": model.body_unknowns,
         "entries of the soil block": entries,
         "bodies": [_body(*pair) for pair in zip(scene.bodies, model.bodies)] or "none",
+        **_parts(model.bodies),
         **({"joints": [_joint(joint) for joint in scene.joints]} if scene.joints else {}),
         **({"gmsh": shortcoming()} if scene.bodies and shortcoming() else {}),
         **_symmetry(model),
@@ -157,6 +158,15 @@ def _body(described, body):
     if described.tension is not None:
         parts.append("never breaks away" if described.tension == "full" else f"breaks away at {described.tension:g} Pa")
     return f"{body.name}: {', '.join(parts)}"
+
+
+def _parts(bodies):
+    """Row about the parts of surfaces whose forces the history has apart; empty where geometries name none."""
+    texts = [f"{body.name}: " + ", ".join(
+        f"{name} {copies([mirror for mirror in body.mirrors if mirror.cut]) * area:.4g} m²"
+        for name, area in zip(body.parts.names, body.parts.area)) + (", of the whole" if body.mirrors else "")
+        for body in bodies if body.parts]
+    return {"parts of surfaces, forces on each in the history": texts} if texts else {}
 
 
 def _joint(joint):

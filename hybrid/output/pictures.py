@@ -21,6 +21,7 @@ from pathlib import Path
 
 import numpy as np
 
+from hybrid.body.symmetry import copies
 from hybrid.output import atomic
 from hybrid.output.history import NAME as HISTORY
 from hybrid.output.history import body_names, read_history
@@ -37,7 +38,7 @@ REMEDY = "try: apt install libegl1 libgl1-mesa-dri (off-screen OpenGL), pip inst
 
 class Pictures:
     """Observer that writes soil_step_005.png, ... at the steps `scene.output.pictures`, counted from the
-    start of the last stage, and trajectory.png, line_tension.png and resistance.png at the end."""
+    start of the last stage, and trajectory.png, line_tension.png, resistance.png and parts.png at the end."""
 
     def __init__(self, folder):
         self.folder = Path(folder)
@@ -74,11 +75,25 @@ class Pictures:
         if any(np.any(history[f"{name}_tension_N"]) for name in body_names(history)):
             figures.tension(self.folder)
         figures.resistance(self.folder)
+        figures.parts(self.folder, _part_areas(simulation))
 
     def _collect(self, limit=TIME_LIMIT):
         if self.drawing:
             self.drawing.collect(limit)
         self.drawing = None
+
+
+def _part_areas(simulation):
+    """Areas of the parts of bodies, as `hybrid.output.figures.parts` takes them."""
+    areas = {}
+    for body, motion in zip(simulation.model.bodies, simulation.state.bodies):
+        if body.parts:
+            times = copies([mirror for mirror in body.mirrors if mirror.cut])
+            seen = {axis: times * np.array([body.parts.across(-row), body.parts.across(row)])
+                    for axis, row in zip("xyz", motion.rotation)}
+            areas[body.name] = {name: (times * area, {axis: both[:, k] for axis, both in seen.items()})
+                                for k, (name, area) in enumerate(zip(body.parts.names, body.parts.area))}
+    return areas
 
 
 def render(path, simulation, caption="", initial=None):

@@ -29,7 +29,8 @@ class BodyRecord:
     """One body at the end of a step: centre of mass, attitude (w, x, y, z), velocity, spin, and the forces on it.
 
     reaction and work are {component: force or moment of its guides, work done by them [J]} of components that are held or
-    driven ("x" ... "rz"), with work["load"] of loads; load: (6,) [N, N m], None where none act. Moments are about the
+    driven ("x" ... "rz"), with work["load"] of loads; load: (6,) [N, N m], None where none act; parts: {name of a part of the
+    surface: force of the soil on it (3,) [N]}, which add up to contact_force, empty where the geometry names none. Moments are about the
     centre of mass; force and moment are in the spatial frame, the spin is in
     the body frame, as in `hybrid.state.BodyState`. All values are those of what is modelled; mirrors: planes of symmetry
     that the body lies in.
@@ -48,6 +49,7 @@ class BodyRecord:
     load: np.ndarray | None = None
     work: dict[str, float] = field(default_factory=dict)
     mirrors: tuple[Mirror, ...] = ()
+    parts: dict[str, np.ndarray] = field(default_factory=dict)
 
     def row(self):
         """Flat dict of this body's columns, each name ending in its unit; of a body in a plane of symmetry each force,
@@ -65,6 +67,8 @@ class BodyRecord:
         ):
             for axis, value in zip("xyz", vector):
                 columns[f"{kind}{axis}_{unit}"] = value
+        for name, force in self.parts.items():
+            columns.update(zip((f"contact_{column(name)}_f{axis}_N" for axis in "xyz"), force))
         columns["tension_N"], columns["overlap_m"] = self.line_tension, self.overlap
         for name, value in self.reaction.items():
             columns[f"reaction_m{name[1]}_Nm" if name[0] == "r" else f"reaction_f{name}_N"] = value

@@ -1,5 +1,7 @@
 """Text of a sheet {section: {label: value}}, such as the model sheet, and the sheet of a mesh."""
 
+import numpy as np
+
 from hybrid.runtime.sandbox import shortcoming
 
 
@@ -17,6 +19,8 @@ def mesh_sheet(body, mass, density):
     }
     if body.regions:
         mesh_rows["volumes [m³]"] = [f"{name}: {volume:.6g}" for name, volume in body.region_volumes().items()]
+    if body.parts:
+        mesh_rows["parts of the surface"] = [f"{name}: {n} triangles" for name, n in zip(body.parts, np.bincount(body.part))]
     mass_rows = {
         "density [kg/m³]": [f"{name}: {rho:g}" for name, rho in density.items()] if isinstance(density, dict)
         else density,

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from hybrid.body.parts import surface_parts
 from hybrid.body.rigid import with_stiffness
 from hybrid.runtime.errors import SceneError
 from hybrid.scene.accuracy import apply_accuracy
@@ -81,9 +82,8 @@ def _put_together(scene, decisions, accuracy, body_force, law):
     grid, moving_grid, layouts = build_grid(scene, placed)
     soil, points = build_soil(scene, grid, loads, law)
     motions, contacts = [motion for _, motion in placed], [ContactHistory.empty() for _ in placed]
-    bodies = [replace(connect_to_soil(described, body, motion.rotation, soil, gravity, scene.soil.material.cone),
-                      mirrors=planes, stray_cap=stray_cap(described, mesh, planes))
-              for described, mesh, planes, (body, motion) in zip(scene.bodies, meshes, mirrors, placed)]
+    bodies = [_connected(*one, soil, gravity, scene.soil.material.cone)
+              for one in zip(scene.bodies, meshes, mirrors, placed)]
     inside = [starts_inside(body, motion, points, soil) for body, motion in zip(bodies, motions)]
     taken = []
     if any(inside):
@@ -101,6 +101,15 @@ def _put_together(scene, decisions, accuracy, body_force, law):
         state, settled = settle(model, state, scene.stages[0].step or scene.time.step)
     return Simulation(scene, model, state, meshes, moving_grid, accuracy, (*decisions, *held),
                       _start(taken, settled, bodies))
+
+
+def _connected(described, mesh, mirrors, placed, soil, gravity, cone):
+    """RigidBody with its contact, its planes of symmetry and the parts of its surface; placed: (RigidBody, BodyState)."""
+    body, motion = placed
+    connected = connect_to_soil(described, body, motion.rotation, soil, gravity, cone)
+    parts = surface_parts(mesh, body.outline, connected.surface, motion.rotation[soil.grid.collapsed],
+                          connected.mass.mass / body.mass.mass)
+    return replace(connected, mirrors=mirrors, stray_cap=stray_cap(described, mesh, mirrors), parts=parts)
 
 
 def _start(taken, settled, bodies):
