@@ -205,7 +205,7 @@ def _part_curves(history, name, own):
             front = across[axis][int(way[-1] > 0.0)]
             area, how = (front, "across") if front > SEEN * area else (area, "along")
             if area:
-                down = axis == "z" and way[-1] < 0.0
+                down = axis == "z" and bool(way[-1] < 0.0)
                 yield f"{name}: {part}, {area:.3g} m² {how}", down, np.abs(way), -np.sign(way[-1]) * force / area
 
 
