@@ -4,7 +4,8 @@
 
 The residual of soil that rotates or yields rises or hardly falls before it falls: a line search from the start takes up
 to four times the iterations. So whole updates, s = 1, are taken as long as they make progress, and shorter ones from the
-best iterate after that (a watchdog: Chamberlain et al., Math. Program. Study 16 (1982) 1-17).
+best iterate after that (a watchdog: Chamberlain et al., Math. Program. Study 16 (1982) 1-17). Where an update leaves most
+of the residual in a few nodes, these are solved for by themselves before the next one (`hybrid.step.restriction`).
 
 The linear systems K δ = -R are solved to FORMULATION (48). The settings are those of the scene, `hybrid.scene.Solver`.
 """
@@ -16,6 +17,7 @@ from hybrid.runtime.errors import StepError
 from hybrid.runtime.timing import phase
 from hybrid.soil.model import Refusal
 from hybrid.step.equations import Evaluation, Step
+from hybrid.step.restriction import restricted, rough_nodes
 
 SHORTEST = 1 / 16  # of a Newton update, tried by the line search
 # An update that leaves less than this share of the residual is taken as it is (anchor, 60 steps: 391 iterations and 402
@@ -36,6 +38,9 @@ PATIENCE, FALL, MOST = 10, 0.8, 100
 TRIAL = 5
 # Errors that are accepted when progress has ended: HAIR times the tolerance, or ROUGH where the residual is round-off.
 HAIR, ROUGH = 3.0, 1e-3
+# Nodes that carry most of the residual are solved for by themselves where an update leaves more than SLOW of it, until
+# SMOOTH of theirs is left or BRIEF iterations make no progress.
+SLOW, SMOOTH, BRIEF = 0.5, 0.1, 4
 # A corner may be carried by a facet whose overlap differs from that with the nearest one by this share (1e-5 to 1e-2 in
 # spheres that roll over rows of corners); it is tried with HOLDS sets of facets.
 AMBIGUOUS, HOLDS = 0.05, 5
@@ -141,7 +146,7 @@ def _newton(step, solver, evaluation):
     return outcome.followed_by(_iterate(step, solver, step.evaluate(outcome.evaluation.unknowns), PATIENCE, True))
 
 
-def _iterate(step, solver, evaluation, patience, shorten):
+def _iterate(step, solver, evaluation, patience, shorten, smooth=True):
     errors, krylov, current, jumps = [], 0, False, []
     forcing = max(solver.linear_tolerance / max(1.0, step.contrast() / STIFF), FINEST)
     good = GOOD_YIELDING if step.model.soil.law.plastic else GOOD
@@ -165,6 +170,8 @@ def _iterate(step, solver, evaluation, patience, shorten):
         before, evaluation = evaluation, line_search(step, evaluation, soil, body, shorten)
         if isinstance(evaluation, Refusal):
             return Outcome(best, iteration, krylov, tuple(errors), f"the update {evaluation.reason}")
+        if smooth and evaluation.error > max(SLOW * errors[-1], solver.tolerance):
+            evaluation = smoothed(step, solver, evaluation)
         jumps.append(any(held_facets.switched(a, b) for a, b in zip(before.contacts, evaluation.contacts)))
         # assembling and factoring the soil block costs several solutions; the bodies' few unknowns cost nothing
         current = bool(step.pattern.size) and evaluation.error < good * errors[-1]
@@ -173,6 +180,23 @@ def _iterate(step, solver, evaluation, patience, shorten):
                    f"{'' if progressing(errors, patience) else f' without progress in the last {patience}'}, "
                    f"tolerance {solver.tolerance:.0e} ({_with_units(best.norms)})",
                    jumping=sum(jumps[-patience:]) > 1)
+
+
+def smoothed(step, solver, evaluation):
+    """Evaluation after the few nodes that carry most of its residual, and the bodies, have been solved for by themselves
+    (`hybrid.step.restriction`); `evaluation` itself where they are not few, or have no better solution."""
+    nodes = rough_nodes(step, evaluation)
+    if nodes is None:
+        return evaluation
+    part = restricted(step, nodes)
+    try:
+        start = part.evaluate(evaluation.unknowns)
+        aim = max(SMOOTH * start.error, solver.tolerance)
+        outcome = _iterate(part, replace(solver, tolerance=aim), start, BRIEF, True, smooth=False)
+    finally:
+        part.system.destroy()
+    new = step.evaluate(outcome.evaluation.unknowns)
+    return new if not isinstance(new, Refusal) else step.evaluate(evaluation.unknowns)
 
 
 def _with_units(norms):
