@@ -17,7 +17,7 @@ from functools import cached_property
 import numpy as np
 
 from hybrid.body.attitude import quaternion
-from hybrid.body.rigid import FREEDOMS
+from hybrid.body.rigid import FREEDOMS, line_ends
 from hybrid.body.symmetry import copies
 from hybrid.contact.soil_to_body import nearest
 from hybrid.monitors import Monitors, StepView
@@ -312,7 +312,15 @@ def _body_record(terms, state):
         terms.step.body.name, motion.position, quaternion(motion.rotation), motion.velocity, motion.spin,
         contact.resultant[:3], contact.resultant[3:], terms.trial.tension, contact.largest_overlap,
         **_guided(terms.step.body, motion, state.work), mirrors=terms.step.body.mirrors,
-        parts=terms.step.body.parts.forces(contact) if terms.step.body.parts else {})
+        parts=terms.step.body.parts.forces(contact) if terms.step.body.parts else {},
+        line_ends=_line_ends(terms.step.body.line, motion))
+
+
+def _line_ends(line, motion):
+    """Pull and angles of a line that cuts through soil, zero before it is laid out; None of others."""
+    if line is None or line.soil is None:
+        return None
+    return (0.0,) * 4 if motion.target is None else line_ends(line, motion)
 
 
 def _joint_records(evaluation):

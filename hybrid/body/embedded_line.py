@@ -31,6 +31,7 @@ from hybrid.body.line import line_force
 
 BISECTIONS = 60     # of the angle at the shackle, to round-off
 STEEPEST = 0.5 * math.pi
+SHALLOW = 0.02      # angle [-] below which a line is not drawn: it comes up to the mudline asymptotically
 
 
 @dataclass(frozen=True)
@@ -71,6 +72,30 @@ def shackle(tension, angle, load, friction):
             middle = 0.5 * (low + high)
             low, high = (middle, high) if carried(middle) < load else (low, middle)
     return tension * math.exp(friction * (angle - high)), high
+
+
+def line_ends(position, rotation, attachment, target, length, stiffness, soil):
+    """Pull [N] and angle [-] at the mudline, tension [N] and angle at the shackle, of a line through soil (LineSoil); arguments
+    as those of `line_force`."""
+    place = position + rotation @ attachment
+    span, depth = place - target, soil.mudline - place[2]
+    across, pull = math.hypot(span[0], span[1]), max(0.0, stiffness * (math.sqrt(span @ span) - length))
+    if depth <= 0.0 or pull == 0.0 or across <= 1e-9 * length:      # straight, as in `embedded_line_force`
+        angle = math.atan2(-span[2], across)
+        return pull, angle, pull, angle
+    angle = math.atan2(max(0.0, target[2] - soil.mudline), across)
+    return pull, angle, *shackle(pull, angle, soil.load(depth)[0], soil.friction)
+
+
+def shape_in_soil(pull, angle, depth, soil, count=200):
+    """Places (n, 2) of a line: distance from the shackle and height [m], from there up to where it is flatter than SHALLOW
+    or reaches the mudline, for a pull [N] and angle [-] there; dx = dz / tan θ."""
+    z = np.linspace(depth, 0.0, count)
+    steep = np.array([shackle(pull, angle, soil.load(each)[0], soil.friction)[1] for each in z])
+    z, steep = z[steep > SHALLOW], steep[steep > SHALLOW]
+    cotangent = 1.0 / np.tan(steep)
+    x = np.concatenate([[0.0], np.cumsum(-0.5 * np.diff(z) * (cotangent[1:] + cotangent[:-1]))])
+    return np.column_stack([x, soil.mudline - z])
 
 
 def _g(angle, friction):

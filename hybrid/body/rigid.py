@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hybrid.body import guides, motion
+from hybrid.body import embedded_line, guides, motion
 from hybrid.body.attitude import cayley, exp_so3
 from hybrid.body.embedded_line import LineSoil, embedded_line_force
 from hybrid.body.guides import Guide, PointLoad, StageControl
@@ -128,6 +128,12 @@ def lay_out_line(body, state):
         return state
     shackle = state.position + state.rotation @ body.line.attachment
     return replace(state, target=shackle + body.line.length * body.line.direction)
+
+
+def line_ends(line, state):
+    """(Pull [N], angle [-]) at the mudline and at the shackle of a Line that cuts through soil, in a BodyState with its far end."""
+    return embedded_line.line_ends(state.position, state.rotation, line.attachment, state.target, line.length,
+                                   line.stiffness, line.soil)
 
 
 def moved_pose(pose, increment):

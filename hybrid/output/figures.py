@@ -19,8 +19,6 @@ from matplotlib.figure import Figure
 from hybrid.output import atomic
 from hybrid.output.history import body_names, read_history
 
-SEEN = 0.05                           # of the area of a part: less of it seen against the way counts as along the way
-FELT = 1e-3                           # of the largest stress on a part: parts with less are not drawn
 COLUMN, PAGE = 85 / 25.4, 170 / 25.4  # widths [in]
 COLOURS = ("#1f5a94", "#c8553d", "#3a7d44", "#7a4e9c", "#c28f0e", "#4d4d4d")
 MARKERS = "osD^vP"
@@ -110,7 +108,7 @@ def tension(folder, path=None, against="time"):
     if against not in ("time", "distance"):
         raise ValueError(f"against = {against!r}: choose 'time' or 'distance'")
     history, path = read_history(folder), Path(path or Path(folder) / "line_tension.png")
-    starts = _stage_starts(history)
+    starts = stage_starts(history)
     first = max(0, starts[-1] - 1) if against == "distance" else 0
     history = {column: values[first:] for column, values in history.items()}
     column = {name: next(column for column in (f"{name}_tension_whole_N", f"{name}_tension_N") if column in history)
@@ -118,7 +116,7 @@ def tension(folder, path=None, against="time"):
     pulled = [name for name in column if np.any(history[column[name]])]
     whole = ", whole body" if any("whole" in column[name] for name in pulled) else ""
     largest = max((np.abs(history[column[name]]).max() for name in pulled), default=0.0)
-    scale, unit = _force_unit(largest)
+    scale, unit = force_unit(largest)
     with figure(path) as drawing:
         axes = drawing.subplots()
         for name, colour in zip(pulled, COLOURS * len(pulled)):
@@ -144,17 +142,17 @@ def resistance(folder, path=None):
     Writes resistance.png in `folder` unless `path` is given, and returns the path; None where no body is driven.
     """
     history, path = read_history(folder), Path(path or Path(folder) / "resistance.png")
-    first = max(0, _stage_starts(history)[-1] - 1)
+    first = max(0, stage_starts(history)[-1] - 1)
     curves = {}
     for name in body_names(history):
-        for axis, way in _driven_ways(history, name, first):
+        for axis, way in driven_ways(history, name, first):
             whole = f"{name}_contact_f{axis}_whole_N"
             force = history[whole if whole in history else f"{name}_contact_f{axis}_N"][first:]
             curves[f"{name} along {axis}" + ", whole body" * (whole in history)] = (
                 np.abs(way), -np.sign(way[-1]) * force)
     if not curves:
         return None
-    scale, unit = _force_unit(max(np.abs(force).max() for _, force in curves.values()))
+    scale, unit = force_unit(max(np.abs(force).max() for _, force in curves.values()))
     with figure(path) as drawing:
         axes = drawing.subplots()
         for (label, (way, force)), colour in zip(curves.items(), COLOURS * len(curves)):
@@ -166,50 +164,7 @@ def resistance(folder, path=None):
     return path
 
 
-def parts(folder, areas, path=None):
-    """Mean stress on every named part of driven bodies against the way driven in the last stage, one panel a part, as the tip
-    resistance and the sleeve friction of a cone (of a body driven down against the depth); from history.csv.
-
-    areas: {body: {part: (area [m²], area [m²] seen by what moves along {"x": (down, up), "y": ..., "z": ...})}} of the whole.
-    The force along the way is that over the area seen against it, of a part along the way over its own area. Parts with less
-    than FELT of the largest stress are left out. Writes parts.png in `folder` unless `path` is given, and returns the path;
-    None where no driven body has parts.
-    """
-    history, path = read_history(folder), Path(path or Path(folder) / "parts.png")
-    curves = [curve for name, own in areas.items() for curve in _part_curves(history, name, own)]
-    largest = max((np.abs(stress).max() for _, _, _, stress in curves), default=0.0)
-    curves = [curve for curve in curves if largest and np.abs(curve[3]).max() > FELT * largest]
-    if not curves:
-        return None
-    with figure(path, PAGE if len(curves) > 1 else COLUMN) as drawing:
-        for axes, (label, down, way, stress) in zip(drawing.subplots(1, len(curves), squeeze=False)[0], curves):
-            scale, unit = _force_unit(np.abs(stress).max())
-            names = f"way in stage '{history['stage'][-1]}' [m]", f"force over area [{unit.replace('N', 'Pa')}]"
-            values = way[1:], stress[1:] / scale
-            axes.plot(*(values[::-1] if down else values))
-            axes.set_xlabel(names[down])
-            axes.set_ylabel("way down [m]" if down else names[1])
-            axes.set_title(label, fontsize=8)
-            if down:
-                axes.set_ylim(way[-1], 0.0)
-    return path
-
-
-def _part_curves(history, name, own):
-    """Yields (label, whether driven down, way [m], stress [Pa]) of the parts of body `name`; own: {part: areas}."""
-    first = max(0, _stage_starts(history)[-1] - 1)
-    for axis, way in _driven_ways(history, name, first):
-        for part, (area, across) in own.items():
-            quantity = f"{name}_contact_{part.replace(' ', '_')}_f{axis}"
-            force = history[next(c for c in (f"{quantity}_whole_N", f"{quantity}_N") if c in history)][first:]
-            front = across[axis][int(way[-1] > 0.0)]
-            area, how = (front, "across") if front > SEEN * area else (area, "along")
-            if area:
-                down = axis == "z" and bool(way[-1] < 0.0)
-                yield f"{name}: {part}, {area:.3g} m² {how}", down, np.abs(way), -np.sign(way[-1]) * force / area
-
-
-def _driven_ways(history, name, first):
+def driven_ways(history, name, first):
     """Yields (axis, way (steps,) [m] from step `first` on) of each translation of body `name` that is driven."""
     for axis in "xyz":
         way = history[f"{name}_{axis}_m"][first:] - history[f"{name}_{axis}_m"][first]
@@ -217,7 +172,7 @@ def _driven_ways(history, name, first):
             yield axis, way
 
 
-def _force_unit(largest):
+def force_unit(largest):
     """(newtons in a unit, its name) for forces up to `largest` [N]."""
     return (1e6, "MN") if largest >= 1e6 else (1e3, "kN") if largest >= 1e3 else (1.0, "N")
 
@@ -364,14 +319,14 @@ def _limits_at_least(axes, span):
         axes.set_ylim((low + high - span) / 2, (low + high + span) / 2)
 
 
-def _stage_starts(history):
+def stage_starts(history):
     """Row at which each stage begins."""
     stage = history["stage"]
     return [0, *(np.flatnonzero(stage[1:] != stage[:-1]) + 1)]
 
 
 def _mark_stages(axes, history):
-    starts, last, line = _stage_starts(history), 0.0, 0
+    starts, last, line = stage_starts(history), 0.0, 0
     for i in starts if len(starts) > 1 else []:
         begin = history["time_s"][i - 1] if i else 0.0
         line = line + 1 if 0.0 < begin - last < 0.15 * history["time_s"][-1] else 0   # no room beside the last name

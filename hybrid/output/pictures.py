@@ -21,6 +21,8 @@ from pathlib import Path
 
 import numpy as np
 
+from hybrid.body.embedded_line import shape_in_soil
+from hybrid.body.rigid import line_ends
 from hybrid.body.symmetry import copies
 from hybrid.output import atomic
 from hybrid.output.history import NAME as HISTORY
@@ -30,6 +32,7 @@ from hybrid.output.record import drawn, initial_bodies, placed
 log = logging.getLogger("hybrid")
 
 TIME_LIMIT = 300.0  # seconds for one picture
+SHARES = (1.0, 0.5, 0.25)    # of the pull at the end of a run, at which lines in soil are drawn
 GRACE = 3.0         # seconds that an interrupted run still waits for one
 # EGL needs no X server; where it is missing VTK may choose for itself.
 TRIES = {"VTK_DEFAULT_OPENGL_WINDOW": "vtkEGLRenderWindow"}, {}
@@ -38,7 +41,7 @@ REMEDY = "try: apt install libegl1 libgl1-mesa-dri (off-screen OpenGL), pip inst
 
 class Pictures:
     """Observer that writes soil_step_005.png, ... at the steps `scene.output.pictures`, counted from the
-    start of the last stage, and trajectory.png, line_tension.png, resistance.png and parts.png at the end."""
+    start of the last stage, and trajectory.png, line_tension.png, resistance.png, parts.png and line_in_soil.png at the end."""
 
     def __init__(self, folder):
         self.folder = Path(folder)
@@ -69,13 +72,15 @@ class Pictures:
         history = read_history(self.folder) if (self.folder / HISTORY).exists() else {}
         if not simulation.body_names or not len(history.get("step", ())):
             return
-        from hybrid.output import figures  # late: matplotlib takes a while, and most of a run does without
+        # late: matplotlib takes a while, and most of a run does without
+        from hybrid.output import body_figures, figures
 
         figures.trajectory(self.folder)
         if any(np.any(history[f"{name}_tension_N"]) for name in body_names(history)):
             figures.tension(self.folder)
         figures.resistance(self.folder)
-        figures.parts(self.folder, _part_areas(simulation))
+        body_figures.parts(self.folder, _part_areas(simulation))
+        body_figures.line_in_soil(self.folder, _line_shapes(simulation))
 
     def _collect(self, limit=TIME_LIMIT):
         if self.drawing:
@@ -84,7 +89,7 @@ class Pictures:
 
 
 def _part_areas(simulation):
-    """Areas of the parts of bodies, as `hybrid.output.figures.parts` takes them."""
+    """Areas of the parts of bodies, as `hybrid.output.body_figures.parts` takes them."""
     areas = {}
     for body, motion in zip(simulation.model.bodies, simulation.state.bodies):
         if body.parts:
@@ -94,6 +99,20 @@ def _part_areas(simulation):
             areas[body.name] = {name: (times * area, {axis: both[:, k] for axis, both in seen.items()})
                                 for k, (name, area) in enumerate(zip(body.parts.names, body.parts.area))}
     return areas
+
+
+def _line_shapes(simulation):
+    """Shapes of lines that cut through soil, at shares of the present pull, as `body_figures.line_in_soil` takes them."""
+    shapes = {}
+    for body, motion in zip(simulation.model.bodies, simulation.state.bodies):
+        if body.line and body.line.soil and motion.target is not None:
+            line = body.line
+            depth = line.soil.mudline - (motion.position + motion.rotation @ line.attachment)[2]
+            pull, angle = line_ends(line, motion)[:2]
+            if pull > 0.0 and depth > 0.0:
+                shapes[body.name] = [(f"{100 * share:g} % of the pull", shape_in_soil(share * pull, angle, depth, line.soil))
+                                     for share in SHARES]
+    return shapes
 
 
 def render(path, simulation, caption="", initial=None):

@@ -30,7 +30,8 @@ class BodyRecord:
 
     reaction and work are {component: force or moment of its guides, work done by them [J]} of components that are held or
     driven ("x" ... "rz"), with work["load"] of loads; load: (6,) [N, N m], None where none act; parts: {name of a part of the
-    surface: force of the soil on it (3,) [N]}, which add up to contact_force, empty where the geometry names none. Moments are about the
+    surface: force of the soil on it (3,) [N]}, which add up to contact_force, empty where the geometry names none; line_ends: (pull [N], angle [-] above the horizontal) at
+    the mudline and at the shackle of a line that cuts through soil, else None. Moments are about the
     centre of mass; force and moment are in the spatial frame, the spin is in
     the body frame, as in `hybrid.state.BodyState`. All values are those of what is modelled; mirrors: planes of symmetry
     that the body lies in.
@@ -50,6 +51,7 @@ class BodyRecord:
     work: dict[str, float] = field(default_factory=dict)
     mirrors: tuple[Mirror, ...] = ()
     parts: dict[str, np.ndarray] = field(default_factory=dict)
+    line_ends: tuple[float, float, float, float] | None = None
 
     def row(self):
         """Flat dict of this body's columns, each name ending in its unit; of a body in a plane of symmetry each force,
@@ -70,6 +72,9 @@ class BodyRecord:
         for name, force in self.parts.items():
             columns.update(zip((f"contact_{column(name)}_f{axis}_N" for axis in "xyz"), force))
         columns["tension_N"], columns["overlap_m"] = self.line_tension, self.overlap
+        if self.line_ends is not None:
+            pull, angle, _, steep = self.line_ends
+            columns.update(mudline_pull_N=pull, mudline_angle_deg=np.degrees(angle), shackle_angle_deg=np.degrees(steep))
         for name, value in self.reaction.items():
             columns[f"reaction_m{name[1]}_Nm" if name[0] == "r" else f"reaction_f{name}_N"] = value
         if self.load is not None:

@@ -40,7 +40,8 @@ STARTING = ".run.starting"
 NO_LOCKS = errno.ENOLCK, errno.ENOTSUP, errno.ENOSYS    # of file systems without locks
 CHEAP = 600.0       # [s] of computing, up to which a completed run is replaced by the same one
 RESULTS = re.compile(r"run\.json|history\.csv|summary\.json|checkpoint\.npz|(soil|body_.+)(_\d{6,}\.vtu|\.pvd)"
-                     r"|soil_step_\d{3,}\.png|trajectory\.png|line_tension\.png|resistance\.png")
+                     r"|soil_step_\d{3,}\.png|trajectory\.png|line_tension\.png|resistance\.png|parts\.png"
+                     r"|line_in_soil\.png")
 
 
 class RunFolder:

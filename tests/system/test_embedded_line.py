@@ -1,13 +1,18 @@
 """A pull line that cuts through the soil above an anchor, in a scene: its bearing, its work, and what it cannot do."""
 
+from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
-from hybrid.body.embedded_line import shackle
+from hybrid.body.embedded_line import LineSoil, shackle, shape_in_soil
+from hybrid.output.history import History, body_names, read_history
+from hybrid.output.pictures import Pictures
 from hybrid.runtime.data import GEOMETRY
 from hybrid.runtime.errors import SceneError
 from hybrid.scene import Axis, Body, Faces, Grid, Layer, Material, Pull, Scene, Soil, Stage, Time
+from hybrid.scene.file import load_scene
 from hybrid.setup.build import build
 
 CLAY = Material(law="von-mises", young=1e7, poisson=0.49, density=1700.0, strength=1e4, strength_gradient=1e3)
@@ -51,3 +56,44 @@ def test_sand_bears_with_the_depth():
 def test_a_line_in_other_soil_is_refused(soil):
     with pytest.raises(SceneError, match="body.0.pull.diameter = 0.04: must be left out with soil"):
         build(scene(**soil))
+
+
+DEMO = Path(__file__).parents[2] / "demos" / "embedded.toml"
+
+
+def integrated(pull, depth, strength=5e3, gradient=1.5e3, width=2.5 * 0.076, friction=0.4):
+    """Tension and angle at the shackle by T dθ/ds = -Q, dT/ds = μ Q, dz/ds = -sin θ from the mudline down, with
+    Q = 11 (s_u + k z) b, and from 0 at the mudline over the first width."""
+    def down(z, state):
+        q = 11 * (strength + gradient * z) * width * min(1.0, z / width)
+        return [-friction * q / np.sin(state[1]), q / (state[0] * np.sin(state[1]))]
+
+    return solve_ivp(down, (0.0, depth), [pull, 1e-6], "Radau", rtol=1e-10, atol=1e-12).y[:, -1]
+
+
+def test_an_anchor_in_clay_feels_what_the_differential_equation_says(tmp_path):
+    """demos/embedded.toml in five steps: from the third one on the chain is not upright at the shackle. The
+    forces of the history: that of the guides, soil and weight are in balance with the tension at its angle."""
+    simulation = build(load_scene(DEMO, ["stage.0.steps=5", "body.anchor.pull.velocity=[0.5, 0.0, 0.0]"]))
+    simulation.run([History(tmp_path), Pictures(tmp_path)])
+    found = read_history(tmp_path)
+    for k in (1, 2, 4):
+        expected = integrated(found["anchor_mudline_pull_N"][k], 10.0)
+        assert found["anchor_tension_N"][k] == pytest.approx(expected[0], rel=1e-4)
+        assert found["anchor_shackle_angle_deg"][k] == pytest.approx(np.degrees(expected[1]), rel=1e-4)
+    assert found["anchor_mudline_angle_deg"] == pytest.approx(np.zeros(5), abs=1e-3)
+    angle = np.radians(found["anchor_shackle_angle_deg"])
+    for axis, part, weight in (("x", np.cos(angle), 0.0), ("z", np.sin(angle), -8 * 7850.0 * 9.81)):
+        rest = found[f"anchor_reaction_f{axis}_N"] + found[f"anchor_contact_f{axis}_N"] + weight
+        assert rest == pytest.approx(-found["anchor_tension_N"] * part, abs=1e-3 * found["anchor_tension_N"].max())
+    assert (tmp_path / "line_in_soil.png").stat().st_size > 5000
+    assert body_names(found) == ["anchor"]
+
+
+def test_the_shape_of_a_line_is_its_integral():
+    """Rise over distance along the drawn line is tan θ, and it ends at the mudline."""
+    soil = LineSoil(0.0, 1e4, 1e3, 0.2, 0.4)
+    x, z = shape_in_soil(1e6, 0.3, 4.0, soil).T
+    middle = 0.5 * (z[1:] + z[:-1])
+    steep = [shackle(1e6, 0.3, soil.load(-height)[0], 0.4)[1] for height in middle]
+    assert np.diff(z) / np.diff(x) == pytest.approx(np.tan(steep), rel=1e-3) and (x[0], z[0], z[-1]) == (0.0, -4.0, 0.0)

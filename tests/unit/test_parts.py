@@ -8,7 +8,7 @@ import pytest
 from hybrid.body.mesh import generate
 from hybrid.body.parts import surface_parts
 from hybrid.body.smooth_mass import mass_and_surface
-from hybrid.output import figures
+from hybrid.output import body_figures
 from hybrid.output.history import History, read_history
 from hybrid.runtime.data import GEOMETRY
 from hybrid.runtime.errors import GeometryError
@@ -88,8 +88,8 @@ def test_their_stresses_are_drawn(tmp_path):
     simulation = build(scene)
     simulation.run([History(tmp_path)])
     areas = {"cone": {"tip": (2.0, {axis: (0.8, 0.1) for axis in "xyz"})}}
-    assert figures.parts(tmp_path, areas).stat().st_size > 5000
-    assert figures.parts(tmp_path, {}) is None
+    assert body_figures.parts(tmp_path, areas).stat().st_size > 5000
+    assert body_figures.parts(tmp_path, {}) is None
 
 
 def test_parts_of_a_prism_are_those_of_its_slice(tmp_path):

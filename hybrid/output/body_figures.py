@@ -1,0 +1,85 @@
+"""Figures of what a run knows of its bodies beside their history: stresses on parts of surfaces, lines that cut through soil."""
+
+from pathlib import Path
+
+import numpy as np
+
+from hybrid.output.figures import COLUMN, PAGE, driven_ways, figure, force_unit, stage_starts
+from hybrid.output.history import read_history
+
+SEEN = 0.05     # of the area of a part: less of it seen against the way counts as along the way
+FELT = 1e-3     # of the largest stress on a part: parts with less are not drawn
+
+
+def parts(folder, areas, path=None):
+    """Mean stress on every named part of driven bodies against the way driven in the last stage, one panel a part, as the tip
+    resistance and the sleeve friction of a cone (of a body driven down against the depth); from history.csv.
+
+    areas: {body: {part: (area [m²], area [m²] seen by what moves along {"x": (down, up), "y": ..., "z": ...})}} of the whole.
+    The force along the way is that over the area seen against it, of a part along the way over its own area. Parts with less
+    than FELT of the largest stress are left out. Writes parts.png in `folder` unless `path` is given, and returns the path;
+    None where no driven body has parts.
+    """
+    history, path = read_history(folder), Path(path or Path(folder) / "parts.png")
+    curves = [curve for name, own in areas.items() for curve in _part_curves(history, name, own)]
+    largest = max((np.abs(stress).max() for _, _, _, stress in curves), default=0.0)
+    curves = [curve for curve in curves if largest and np.abs(curve[3]).max() > FELT * largest]
+    if not curves:
+        return None
+    with figure(path, PAGE if len(curves) > 1 else COLUMN) as drawing:
+        for axes, (label, down, way, stress) in zip(drawing.subplots(1, len(curves), squeeze=False)[0], curves):
+            scale, unit = force_unit(np.abs(stress).max())
+            names = f"way in stage '{history['stage'][-1]}' [m]", f"force over area [{unit.replace('N', 'Pa')}]"
+            values = way[1:], stress[1:] / scale
+            axes.plot(*(values[::-1] if down else values))
+            axes.set_xlabel(names[down])
+            axes.set_ylabel("way down [m]" if down else names[1])
+            axes.set_title(label, fontsize=8)
+            if down:
+                axes.set_ylim(way[-1], 0.0)
+    return path
+
+
+def _part_curves(history, name, own):
+    """Yields (label, whether driven down, way [m], stress [Pa]) of the parts of body `name`; own: {part: areas}."""
+    first = max(0, stage_starts(history)[-1] - 1)
+    for axis, way in driven_ways(history, name, first):
+        for part, (area, across) in own.items():
+            quantity = f"{name}_contact_{part.replace(' ', '_')}_f{axis}"
+            force = history[next(c for c in (f"{quantity}_whole_N", f"{quantity}_N") if c in history)][first:]
+            front = across[axis][int(way[-1] > 0.0)]
+            area, how = (front, "across") if front > SEEN * area else (area, "along")
+            if area:
+                down = axis == "z" and bool(way[-1] < 0.0)
+                yield f"{name}: {part}, {area:.3g} m² {how}", down, np.abs(way), -np.sign(way[-1]) * force / area
+
+
+def line_in_soil(folder, shapes, path=None):
+    """Lines that cut through soil, one after the other in rows: their shape, and the tension and the angle at the shackle by
+    the pull at the mudline; from history.csv.
+
+    shapes: {body: [(label, (n, 2) distance from the shackle and height [m])]}. Writes line_in_soil.png in `folder` unless
+    `path` is given, and returns the path; None without lines.
+    """
+    if not shapes:
+        return None
+    history, path = read_history(folder), Path(path or Path(folder) / "line_in_soil.png")
+    with figure(path, PAGE, 0.72 * COLUMN * len(shapes)) as drawing:
+        for (name, curves), row in zip(shapes.items(), drawing.subplots(len(shapes), 3, squeeze=False)):
+            pull, tension = (next(history[c] for c in (f"{name}_{q}_whole_N", f"{name}_{q}_N") if c in history)
+                             for q in ("mudline_pull", "tension"))
+            scale, unit = force_unit(pull.max())
+            for label, curve in curves:
+                row[0].plot(*curve.T, label=label)
+            row[0].set_xlabel("distance from the shackle [m]")
+            row[0].set_ylabel("height [m]")
+            row[0].set_title(name, fontsize=8)
+            row[0].legend()
+            row[1].plot(pull / scale, tension / scale)
+            row[1].set_ylabel(f"tension at the shackle [{unit}]")
+            row[2].plot(pull / scale, history[f"{name}_shackle_angle_deg"])
+            row[2].set_ylabel("angle at the shackle [°]")
+            for axes in row[1:]:
+                axes.set_xlabel(f"pull at the mudline [{unit}]")
+                axes.set_ylim(bottom=0.0)
+    return path
