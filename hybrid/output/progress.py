@@ -10,6 +10,7 @@ import time
 
 from hybrid.body.symmetry import copies
 
+IN_PLACE = "in place from the start"    # row of the model sheet that is reported before the first step
 INTERVAL, SHARE = 30.0, 0.05    # without a terminal: seconds, and share of all steps, from one line to the next
 
 
@@ -24,6 +25,9 @@ class Progress:
     def start(self, simulation):
         self.began = self.printed = time.perf_counter()
         self.first = self.step = simulation.state.step
+        if not self.first:
+            for text in getattr(simulation, "start", {}).get(IN_PLACE, ()):
+                self._print(text)
         self._show("starting the first step")
 
     def accepted(self, record, simulation):

@@ -1,11 +1,13 @@
 """Bodies that are in the soil from the start: what they take of it, and what is left is in equilibrium."""
 
 from dataclasses import replace
+from io import StringIO
 
 import numpy as np
 import pytest
 
 from hybrid.contact.corners import distances
+from hybrid.output.progress import Progress
 from hybrid.runtime.data import GEOMETRY
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Scene, Soil, Stage, Time
 from hybrid.setup.build import build
@@ -71,3 +73,17 @@ def test_a_body_in_place_in_space():
     force = next(simulation.steps()).bodies[0].contact_force
     assert force[2] == pytest.approx(density * 9.81 * 4 / 3 * np.pi * 0.3**3, rel=0.2)     # three cells in its diameter
     assert np.abs(force[:2]).max() < 0.05 * force[2]
+
+
+@pytest.mark.parametrize("place, asks", [(-0.05, True), (-0.15, True), (-0.4, False), (-1.0, False), (0.0, None)])
+def test_a_body_that_hardly_overlaps_the_ground_is_asked_whether_that_is_meant(place, asks):
+    """Before the first step, in the terminal: less than a cell of 0.2 m deep may be a wrong number."""
+    described = scene(*PIPE[0], held=HELD)
+    simulation = build(replace(described, bodies=(replace(described.bodies[0], rest_on=place),)))
+    rows = simulation.start.get("in place from the start", [])
+    assert [("only" in row and 'set body.rest_on = "ground"' in row) for row in rows] == ([] if asks is None else [asks])
+    if asks:
+        assert f"only {-place:g} m deep in the ground, {-place / 0.2:g} cells, limit 1" in rows[0]
+    stream = StringIO()
+    Progress(stream).start(simulation)
+    assert stream.getvalue().splitlines() == rows

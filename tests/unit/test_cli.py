@@ -191,7 +191,7 @@ def test_mesh_prints_sizes_and_mass(stand_in, capsys, tmp_path):
     body = SimpleNamespace(
         points=np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]), tets=np.array([[0, 1, 2, 3]]),
         contact=np.zeros((3, 3), int), symmetry=np.zeros((1, 3), int),
-        named_points={"eye": np.array([1.0, 0.0, 0.0])}, name="tet", regions=())
+        named_points={"eye": np.array([1.0, 0.0, 0.0])}, name="tet", regions=(), parts=())
     mass = SimpleNamespace(mass=1308.33333, centre=np.full(3, 0.25), inertia=np.diag([1.0, 2.0, 3.0]) + 1e-17)
     stand_in("hybrid.body.mesh", generate=lambda *given: seen.append(given) or body)
     stand_in("hybrid.body.smooth_mass", mass_and_surface=lambda *given: seen.append(given) or (mass, None))

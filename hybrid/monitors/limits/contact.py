@@ -4,6 +4,7 @@ import numpy as np
 
 from hybrid.body.attitude import rotation_from_axis_angle
 from hybrid.body.table import Table
+from hybrid.contact.corners import distances
 from hybrid.runtime.comm import maximum, minimum, total
 from hybrid.scene.check_stage import components
 from hybrid.scene.stage import table_rows
@@ -12,6 +13,10 @@ from hybrid.scene.stage import table_rows
 STIFFNESS_RATIO = 10.0      # p_f times the depth of soil [-]: below it contact springs take a tenth of the displacement
 TANGENTIAL_RATIO = 0.3      # ε_T/ε_N [-]: below it a rolling sphere creeps by 5 % of its path and more
 SPACINGS = 2.0              # width of a body over the spacing of contact points [-]: below it too few sample the body
+THICKNESS = 2.0             # of a wall with clay on both sides, in cells: thinner ones may have no grid line free of soil between
+THIN_SHARE = 0.25           # of the surface in clay, that is thinner
+ACROSS = 0.3                # cosine: faces that a driven body moves along are not parted from the soil
+SAMPLES = 20                # of a thickness
 CELL_ROWS = 1.5             # mass of a body over that of a row of cells [-]: lighter ones rebound from nodes
 
 
@@ -55,6 +60,46 @@ def narrow_body(scene, model):
             yield (f"{body.name} is {width:.3g} m wide, {width / spacing:.2g} spacings of contact points, limit "
                    f"{SPACINGS:g}: too few of them sample the body, so that its contact force depends on where it "
                    f"stands, or is zero. {denser} cells of at most {cell * width / (SPACINGS * spacing):.2g} m")
+
+
+def thin_wall(scene, model):
+    """Walls in clay so thin that the soil on both sides shares nodes, which keep it together: it does not part from them."""
+    if model.soil.held or not {scene.soil.material.law, *(layer.law for layer in scene.soil.layers)} & {"von-mises", "hencky"}:
+        return
+    cell, soil = model.soil.grid.smallest_cell, model.soil.constants
+    top = maximum(soil.position[:, 2] + soil.half_width[:, 2])
+    for described, body in zip(scene.bodies, model.bodies):
+        if described.tension == "full" or not (body.free.any() or body.driven.any()):
+            continue
+        thickness, share = _thickness(scene, described, body, THICKNESS * cell, top)
+        if share > THIN_SHARE:
+            yield (f"{body.name} is {thickness:.2g} m thick where the soil is on both sides of it, {thickness / cell:.2g} cells "
+                   f"of {cell:.3g} m, limit {THICKNESS:g}: soil on both sides shares nodes of the grid, so it does not part "
+                   "from the body, and the load is that of soil that sticks to it (a strip plate pulled out of clay, 1.5 "
+                   f'widths deep: 3.5 times as much). Use cells of at most {thickness / THICKNESS:.2g} m, or set '
+                   'body.tension = "full" if the soil is to stay on it')
+
+
+def _thickness(scene, described, body, limit, top):
+    """(Mean thickness [m] of the walls of a body that are thinner than `limit` [m], and their share of its surface), of its
+    surface across the way it is driven and below `top` [m] at the end."""
+    vertices, surface = initial_vertices(described, body), body.surface
+    corners = vertices[surface.triangles]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    area = 0.5 * np.linalg.norm(normal, axis=1)
+    way = np.array([_travel(scene, described, name) for name in "xyz"])
+    across = np.ones(len(area), bool)
+    if way.any() and not body.free[:3].any():
+        across = np.abs(normal @ way) > ACROSS * 2 * area * np.linalg.norm(way)
+    inward = (surface.vertices[surface.triangles].mean(axis=1)[:, None]
+              - limit * np.linspace(0.0, 1.0, SAMPLES + 1)[1:, None] * surface.normals[:, None])
+    gap = distances(inward.reshape(-1, 3), surface)[0].reshape(-1, SAMPLES)
+    outside, each = gap > 0.0, np.arange(len(gap))
+    first = np.argmax(outside, axis=1)
+    depth = limit * (first + 1) / SAMPLES - np.maximum(gap[each, first], 0.0)
+    down = corners.mean(axis=1)[:, 2] + min(way[2], 0.0)
+    thin = outside.any(axis=1) & across & (np.maximum(down, down - depth * normal[:, 2] / (2 * area)) < top)
+    return float(np.average(depth[thin], weights=area[thin])) if thin.any() else limit, area[thin].sum() / area.sum()
 
 
 def light_body(scene, model):
@@ -137,4 +182,4 @@ def initial_vertices(described, body):
     return centre + body.surface.vertices @ rotation.T
 
 
-LIMITS = (low_penalty, low_tangential_stiffness, narrow_body, light_body, driven_past_grid_end)
+LIMITS = (low_penalty, low_tangential_stiffness, narrow_body, thin_wall, light_body, driven_past_grid_end)

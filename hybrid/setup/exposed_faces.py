@@ -1,0 +1,103 @@
+"""Contact points on the faces of soil that a body in place has exposed, from the start in equilibrium with it.
+
+The ends of the boxes that a cut leaves follow the body in steps. Contact points on faces that the cut has exposed therefore
+start at the surface of the body itself, overlapping it by what gives the pressure of the soil that was there,
+
+    y = foot - N δ      δ = max(0, -N·σ N) / (p_f E)
+
+Equations: FORMULATION (54).
+"""
+
+import numpy as np
+from numba import njit
+
+from hybrid.body.closest import NO_SIDE, closest
+from hybrid.contact.corners import distances
+from hybrid.grid.blocks import cells_of
+from hybrid.setup.cut_boxes import chunks, in_frame
+from hybrid.state import ContactHistory
+
+OUTSIDE = 1e-3      # of a half-width: distance from a face at which it is seen what covers it
+
+
+def first_contact_points(body, motion, soil, stress, before, boxes):
+    """ContactHistory of the contact points on faces exposed by the cut, touching the body with the stress of the soil.
+
+    stress: (n, 3) [Pa], principal, of the points of `boxes`; before: Boxes of the soil without the body.
+    """
+    collapsed, places = soil.grid.collapsed, body.places
+    old, new = _Cells(before, soil.grid), _Cells(boxes, soil.grid)
+    face = places.normal[np.arange(len(places)) // places.offset.shape[1]]
+    found = []
+    for ids in chunks(_close(boxes, body, motion, collapsed), len(places)):
+        point, number = np.repeat(ids, len(places)), np.tile(np.arange(len(places)), len(ids))
+        place = boxes.position[point] + places.flat[number] * boxes.half[point]
+        beyond = place + OUTSIDE * face[number] * boxes.half[point]
+        exposed = np.flatnonzero(old.contain(beyond) & ~new.contain(beyond))
+        point, number, y = point[exposed], number[exposed], in_frame(place[exposed], motion, collapsed)
+        distance, normal = distances(y, body.surface)
+        reached = np.abs(distance) < 2 * np.linalg.norm(np.where(collapsed, 0.0, before.half[boxes.parent[point]]), axis=1)
+        in_space = normal @ motion.rotation.T
+        stay = np.flatnonzero((places.facing(number, in_space) > 0.0) & reached)
+        foot = np.empty((len(stay), 3))
+        _feet(np.ascontiguousarray(y[stay]), body.surface.tree, foot)
+        point, number, in_space = point[stay], number[stay], in_space[stay]
+        principal = stress[point]
+        if soil.constants.geostatic_gradient is not None:
+            rise = motion.position[2] + foot @ motion.rotation[2] - boxes.position[point, 2]
+            principal = principal + soil.constants.geostatic_gradient[point] * rise[:, None]
+        squeezed = np.maximum(0.0, -np.einsum("ci,ci->c", in_space**2, principal)) / body.contact_pressure[point]
+        found.append((point, number, foot - squeezed[:, None] * normal[stay], normal[stay]))
+    point, number, y, side = (np.concatenate(column) for column in zip(*found))
+    order = np.lexsort((number, point))
+    y, side = y[order], side[order]
+    return ContactHistory(point[order], number[order], motion.position + y @ motion.rotation.T, np.ones(len(y), bool), y,
+                          side, np.zeros(len(y)))
+
+
+def _close(boxes, body, motion, collapsed):
+    """Numbers of the boxes within two of their sizes from the surface that soil touches."""
+    size = 2 * np.linalg.norm(np.where(collapsed, 0.0, boxes.half), axis=1)
+    y, surface = in_frame(boxes.position, motion, collapsed), body.surface
+    ids = np.flatnonzero(((y > surface.lower - size[:, None]) & (y < surface.upper + size[:, None])).all(axis=1))
+    return ids[np.abs(distances(y[ids], surface)[0]) < size[ids]]
+
+
+class _Cells:
+    """Boxes by the cells of a grid that they lie in, each in one."""
+
+    def __init__(self, boxes, grid):
+        self.boxes, self.axes, self.collapsed = boxes, grid.axes, grid.collapsed
+        self.lower, self.upper = grid.extent.T
+        self.counts = [max(1, len(nodes) - 1) for nodes in grid.axes]
+        cell = np.ravel_multi_index(cells_of(boxes.position, grid.axes).T, self.counts)
+        self.order = np.argsort(cell, kind="stable")
+        self.first = np.searchsorted(cell[self.order], np.arange(np.prod(self.counts) + 1))
+
+    def contain(self, place):
+        """(m,) bool, whether places (m, 3) [m] are in a box."""
+        out = np.zeros(len(place), np.bool_)
+        inside = (((place > self.lower) & (place < self.upper)) | self.collapsed).all(axis=1)
+        cell = np.ravel_multi_index(cells_of(np.clip(place, self.lower, self.upper), self.axes).T, self.counts)
+        half = np.where(self.collapsed, np.inf, self.boxes.half)
+        _contained(place, cell, self.first, self.order, self.boxes.position, half, out)
+        return out & inside
+
+
+@njit(cache=True)
+def _contained(place, cell, first, order, position, half, out):
+    for n in range(len(place)):
+        for k in range(first[cell[n]], first[cell[n] + 1]):
+            b = order[k]
+            out[n] = out[n] or (abs(place[n, 0] - position[b, 0]) <= half[b, 0] and
+                                abs(place[n, 1] - position[b, 1]) <= half[b, 1] and
+                                abs(place[n, 2] - position[b, 2]) <= half[b, 2])
+
+
+@njit(cache=True)
+def _feet(y, tree, foot):
+    """Fill the points (n, 3) of the surface closest to y (n, 3), body frame."""
+    for n in range(len(y)):
+        _, _, x, _, _ = closest((y[n, 0], y[n, 1], y[n, 2]), np.inf, tree, NO_SIDE)
+        for i in range(3):
+            foot[n, i] = x[i]
