@@ -24,7 +24,7 @@ os.environ.setdefault("NUMBA_THREADING_LAYER", "workqueue")
 prepare()
 choose_folder()     # of compiled kernels, likewise
 
-_SCENE = ("Axis Body Condition Faces Freedom Grid Joint Law Layer Load Material Motion Output Pull Scene Soil Solver Stage "
+_SCENE = ("Axis Body Condition Contact Faces Freedom Grid Joint Law Layer Load Material Motion Output Pull Scene Soil Solver Stage "
           "Target Time Vector").split()
 _HOMES = {
     **dict.fromkeys(_SCENE, "hybrid.scene"),

@@ -26,7 +26,7 @@ from hybrid.monitors.initial_equilibrium import initial_imbalance
 from hybrid.monitors.limits import limit_warnings
 from hybrid.output import output_errors
 from hybrid.output.model_sheet import model_sheet
-from hybrid.output.record import BodyRecord, JointRecord, Record
+from hybrid.output.record import BodyRecord, JointRecord, PairRecord, Record
 from hybrid.runtime import comm, ranks, timing
 from hybrid.runtime.errors import HybridError, OutputError, StepError
 from hybrid.runtime.memory import map_large_arrays
@@ -284,7 +284,8 @@ class Simulation:
             increments=report.increments, iterations=report.iterations, rejections=report.rejections,
             residual=evaluation.error, contacts=int(comm.total([len(terms.contact) for terms in evaluation.bodies])),
             seconds=timing.collect(), energies=energy,
-            bodies=[_body_record(terms, state) for terms in evaluation.bodies], joints=_joint_records(evaluation), time_error=report.error,
+            bodies=[_body_record(terms, state) for terms in evaluation.bodies], joints=_joint_records(evaluation),
+            pairs=_pair_records(evaluation), time_error=report.error,
             krylov=report.krylov, judged=report.judged, copies=copies(self.mirrors),
             notes=self._initial_notes() + self._monitors.notes(view))
         return record, self._monitors.stop(view)
@@ -331,6 +332,15 @@ def _joint_records(evaluation):
     return [JointRecord(joint.name, force, float(np.degrees(joint.angle(pair))) if joint.turning else None,
                         evaluation.bodies[joint.bodies[0]].step.body.mirrors)
             for joint, pair, force in zip(terms.step.joints, terms.pairs, terms.forces())]
+
+
+def _pair_records(evaluation):
+    """[PairRecord] of an Evaluation."""
+    if evaluation.pairs is None:
+        return []
+    bodies = [terms.step.body for terms in evaluation.bodies]
+    return [PairRecord(*(bodies[number].name for number in pair.numbers), *evaluation.pairs.of_pair(index),
+                       bodies[pair.numbers[0]].mirrors) for index, pair in enumerate(evaluation.pairs.step.pairs)]
 
 
 def _guided(body, motion, work):

@@ -172,6 +172,33 @@ class JointState:
 
 
 @dataclass
+class PairHistory:
+    """Contact of two bodies: of each side (0: places on the first body, 1: on the second one) that touch, m of them,
+
+    number  (m,) of the place (`hybrid.contact.samples`); anchor: (m, 3) [m] in the frame of the other body, reference point of
+            the tangential spring; rest: (m,) [m] gap, not positive, at which its spring has no force
+    factor  (1,) by which the contact is stiffer than under weight alone, for the speed at which it began
+    """
+
+    number_0: np.ndarray
+    anchor_0: np.ndarray
+    rest_0: np.ndarray
+    number_1: np.ndarray
+    anchor_1: np.ndarray
+    rest_1: np.ndarray
+    factor: np.ndarray
+
+    @classmethod
+    def empty(cls):
+        none = np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros(0)
+        return cls(*none, *none, np.ones(1))
+
+    def side(self, i):
+        """(number, anchor, rest) of a side."""
+        return ((self.number_0, self.anchor_0, self.rest_0), (self.number_1, self.anchor_1, self.rest_1))[i]
+
+
+@dataclass
 class State:
     """Everything that a run needs to continue.
 
@@ -180,6 +207,7 @@ class State:
     work      [J] done since the start, {name: value} (`hybrid.step.energy`)
     ground    Ground, None where the grid does not move
     joints    JointState, None without joints
+    pairs     PairHistory of each pair of bodies that may touch one another
     """
 
     time: float
@@ -190,3 +218,4 @@ class State:
     work: dict[str, float] = field(default_factory=dict)
     ground: Ground | None = None
     joints: JointState | None = None
+    pairs: list[PairHistory] = field(default_factory=list)

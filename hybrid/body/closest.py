@@ -215,6 +215,31 @@ def closest(y, reach, tree, side=NO_SIDE):
             slot, feature, v, w, _ = search(y0, y1, y2, widened, tree, side, OPPOSITE)
     if slot < 0:
         return -1, 0, (y0, y1, y2), (0.0, 0.0, 0.0), math.inf
+    return _place((y0, y1, y2), slot, feature, v, w, whole, reach, tree)
+
+
+@njit(cache=True)
+def closest_facing(y, outward, least, tree):
+    """As `closest`, for a point y on the surface of another body with the normal `outward` there, a tuple of three: where
+    it is inside, the closest point on a side that looks at it, N·outward < -least; gap inf where there is none."""
+    found = closest(y, math.inf, tree, NO_SIDE)
+    triangle, feature, foot, weights, gap = found
+    if gap >= 0.0:
+        return found
+    N, _, _ = gap_geometry(y, foot, weights, gap, triangle, feature, tree)
+    if dot(N, outward) < -least:
+        return found
+    side = -outward[0], -outward[1], -outward[2]
+    slot, feature, v, w, _ = search(y[0], y[1], y[2], math.inf, tree, side, least)
+    if slot < 0 or not _behind(y[0], y[1], y[2], slot, feature, tree):
+        return -1, 0, (y[0], y[1], y[2]), (0.0, 0.0, 0.0), math.inf
+    return _place((y[0], y[1], y[2]), slot, feature, v, w, False, math.inf, tree)
+
+
+@njit(cache=True)
+def _place(y, slot, feature, v, w, whole, reach, tree):
+    """As `closest`, from the closest feature of the facet in a slot and the weights of its corners there."""
+    y0, y1, y2 = y
     if tree.kind[tree.order[slot], SECOND + feature]:
         found = _on_patches((y0, y1, y2), tree.order[slot], v, w, whole, tree)
         if found[0] >= 0:

@@ -8,7 +8,8 @@
 5 assembly.py       forces and tangent into the residual and the block system, through the nodes of their cells
 6 contact_pair.py   does 2 to 5 for one body; tunnelling.py rejects a step that carried contact points through it
 
-bodies.py: overlap of two bodies, between which no force acts.
+samples.py, body_to_body.py: places on the surfaces of two bodies, and their contact with one another (`hybrid.step.pair_terms`);
+bodies.py: overlap of two bodies, refused at the start.
 """
 
 import hybrid.runtime.kernel_copies  # noqa: F401 (before a kernel of this folder is compiled)

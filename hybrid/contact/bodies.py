@@ -1,7 +1,8 @@
-"""Overlap of two rigid bodies. No force acts between bodies: an overlap is refused at the start, and reported in a run."""
+"""Overlap of two rigid bodies: refused at the start."""
 
 import numpy as np
 
+from hybrid.body import rigid
 from hybrid.contact.corners import distances
 
 TOUCH = 1e-3    # radii that two bodies may overlap, as facets of curved bodies that touch do
@@ -32,3 +33,15 @@ def _depth(one, pose, other, place, collapsed):
     y = (np.where(collapsed, place.position, position) - place.position) @ place.rotation
     y = y[((y > other.surface.lower) & (y < other.surface.upper)).all(axis=1)]
     return float(np.max(-distances(y, other.surface)[0], initial=0.0)) if len(y) else 0.0
+
+
+def volume_of_overlap(one, other, per_axis=24):
+    """Volume [m³] that two bodies, each (RigidBody, BodyState), share: by points at equal distances in the common part of their
+    boxes."""
+    boxes = np.array([rigid.bounding_box(*pair) for pair in (one, other)])
+    lower, upper = boxes[:, 0].max(axis=0), boxes[:, 1].min(axis=0)
+    steps = [low + (np.arange(per_axis) + 0.5) / per_axis * (high - low) for low, high in zip(lower, upper)]
+    points, inside = np.stack([axis.ravel() for axis in np.meshgrid(*steps)], axis=1), True
+    for body, pose in (one, other):
+        inside &= distances((points - pose.position) @ pose.rotation, body.outline)[0] < 0.0
+    return float(np.mean(inside) * np.prod(upper - lower))

@@ -10,13 +10,13 @@
 | ForceOscillation | the contact force oscillates because the scheme does not damp         |
 | EnergyBalance    | energy is gained, or lost in one step, that the balance cannot explain |
 | PlasticIncrement | an increment without inertia adds too much plastic strain             |
-| BodiesMeet       | bodies that no joint connects overlap                                 |
+| BodyOverlap      | bodies are pressed deep into one another                              |
 | JudgedIncrements | many increments end with a residual above the tolerance               |
 
 Other errors stop no run. `failure_hints` adds probable causes and remedies to the message of a step that fails.
 """
 
-from hybrid.monitors.bodies_meet import BodiesMeet
+from hybrid.monitors.body_overlap import BodyOverlap
 from hybrid.monitors.domain_exit import DomainExit
 from hybrid.monitors.energy_balance import EnergyBalance
 from hybrid.monitors.force_oscillation import ForceOscillation
@@ -30,7 +30,7 @@ from hybrid.monitors.plastic_increment import PlasticIncrement
 
 MONITORS = (
     DomainExit, LostContact, LostPoints, MissedContact, Penetration, ForceOscillation, EnergyBalance, PlasticIncrement,
-    BodiesMeet, JudgedIncrements)
+    BodyOverlap, JudgedIncrements)
 
 __all__ = ["MONITORS", "Monitors", "StepView", *(kind.__name__ for kind in MONITORS)]
 

@@ -24,7 +24,7 @@ class EnergyBalance(Monitor):
         if gain > GAIN * stored > 0:
             yield "gain", (f"energy balance: unaccounted gain of {gain:.3g} J at t = {view.state.time:.4g} s "
                            f"({_share(gain, stored, GAIN)}). {_remedy(view)}")
-        if scheme.inertia and not scheme.first_order and loss > LOSS * stored > 0:
+        if scheme.inertia and not scheme.first_order and not view.struck and loss > LOSS * stored > 0:
             yield "loss", (f"energy balance: unaccounted loss of {loss:.3g} J in the step to t = "
                            f"{view.state.time:.4g} s ({_share(loss, stored, LOSS)}). {_remedy(view)}")
 

@@ -31,6 +31,12 @@ class StepView:
         """(index, RigidBody, BodyState, Contact) of each body."""
         return zip(range(len(self.contacts)), self.model.bodies, self.state.bodies, self.contacts)
 
+    @property
+    def struck(self):
+        """Whether bodies touch one another: the scheme hands an impulse on over some steps, so that energy is missing for a while."""
+        pairs = getattr(getattr(self.report, "evaluation", None), "pairs", None)
+        return pairs is not None and pairs.energy > 0.0
+
     def surface(self):
         """Height [m] of the highest soil."""
         points = self.state.points

@@ -24,11 +24,21 @@ from hybrid.output.history import NAME as HISTORY
 from hybrid.runtime.errors import GeometryError, HybridError
 from hybrid.scene import Scene
 from hybrid.scene.defaults import resolve
-from hybrid.state import BodyState, ContactHistory, Ground, JointState, PointConstants, Points, Population, State
+from hybrid.state import (
+    BodyState,
+    ContactHistory,
+    Ground,
+    JointState,
+    PairHistory,
+    PointConstants,
+    Points,
+    Population,
+    State,
+)
 
 NESTED = {"points": Points, "constants": PointConstants, "behind": Population}  # fields that are dataclasses themselves
 NAME = "checkpoint.npz"
-FORMAT = 4
+FORMAT = 5
 CONTINUED = ("increment", "solver_memory")    # attributes of a Simulation that its next step continues with
 LONGEST = 600.0     # [s] of computing between two checkpoints
 # By which a checkpoint may be larger than the last, where contact begins or points are split, and than that of the start,
@@ -104,7 +114,7 @@ def save(path, state, scene=None, extra=None, run=""):
         arrays.update(_fields(state.ground, "ground"))
     if state.joints is not None:
         arrays.update(_fields(state.joints, "joints"))
-    for name, items in (("bodies", state.bodies), ("contacts", state.contacts)):
+    for name, items in (("bodies", state.bodies), ("contacts", state.contacts), ("pairs", state.pairs)):
         arrays[f"{name}/count"] = len(items)
         for i, item in enumerate(items):
             arrays.update(_fields(item, f"{name}/{i}"))
@@ -166,6 +176,7 @@ def load(path, scene=None):
         work={name: float(value) for name, value in _below(arrays, "work/").items()},
         ground=_restored(Ground, arrays, "ground") if _below(arrays, "ground/") else None,
         joints=_restored(JointState, arrays, "joints") if _below(arrays, "joints/") else None,
+        pairs=_restored_list(PairHistory, arrays, "pairs"),
     )
 
 

@@ -12,6 +12,7 @@ from hybrid.runtime.sandbox import shortcoming
 from hybrid.scene.soil import USES, of_layer, span
 from hybrid.soil.workspace import keeps_tangents
 
+PAIRS = 12      # of bodies in contact that the sheet lists
 # [bytes], as measured
 LIBRARIES = 320e6       # interpreter with dolfinx, PETSc, gmsh and compiled kernels
 PICTURES = 95e6         # process that draws pictures
@@ -48,6 +49,7 @@ def model_sheet(scene, model, imbalance=None, level="", most_points=0, decisions
         "bodies": [_body(*pair) for pair in zip(scene.bodies, model.bodies)] or "none",
         **_parts(model.bodies),
         **({"joints": [_joint(joint) for joint in scene.joints]} if scene.joints else {}),
+        **({"bodies in contact": _pairs(scene, model)} if len(scene.bodies) > 1 else {}),
         **({"gmsh": shortcoming()} if scene.bodies and shortcoming() else {}),
         **_symmetry(model),
         "soil law": _law(scene.soil.material, soil.law) if not soil.held else "none, the soil is held",
@@ -175,6 +177,17 @@ def _joint(joint):
     friction = f", friction of {joint.friction_moment:g} N m" if joint.friction_moment else ""
     other = joint.bodies[1] if len(joint.bodies) == 2 else "the ground"
     return f"{joint.name}: {joint.kind} of {joint.bodies[0]} and {other}{limits}{friction}"
+
+
+def _pairs(scene, model):
+    """Friction and stiffness of the contact of bodies with one another, and which pairs have none."""
+    names, rows = [body.name for body in scene.bodies], []
+    for pair in model.pairs[:PAIRS]:
+        one, other = (names[b] for b in pair.numbers)
+        rows.append(f"{one} and {other}: friction {pair.law.mu:g}, an overlap of {pair.overlap:.3g} m under {pair.load:.4g} N")
+    rows += [f"and {len(model.pairs) - PAIRS} more"] if len(model.pairs) > PAIRS else []
+    joined = sorted({" and ".join(joint.bodies) for joint in scene.joints if len(joint.bodies) == 2})
+    return rows + ([f"none between {', '.join(joined)}: joined"] if joined else [])
 
 
 def _symmetry(model):

@@ -103,6 +103,25 @@ class JointRecord:
 
 
 @dataclass
+class PairRecord:
+    """Contact of two bodies with one another at the end of a step: force (3,) [N] of the `second` one on the `first`, along the axes
+    of space; deepest overlap [m]; number of places in contact; mirrors: planes of symmetry that they lie in."""
+
+    first: str
+    second: str
+    force: np.ndarray
+    overlap: float
+    places: int
+    mirrors: tuple[Mirror, ...] = ()
+
+    def row(self):
+        """Flat dict of this pair's columns, each name ending in its unit."""
+        columns = whole_columns(dict(zip(("fx_N", "fy_N", "fz_N"), self.force)), self.mirrors)
+        columns["overlap_m"] = self.overlap
+        return {f"{self.second}_on_{self.first}_{name}": float(value) for name, value in columns.items()}
+
+
+@dataclass
 class Record:
     """One accepted outer step.
 
@@ -115,7 +134,7 @@ class Record:
     contacts        number of corners and samples in contact
     seconds         {phase: wall time [s]}, columns of history.csv
     energies        {name: [J]} of the balance, columns of history.csv
-    bodies          [BodyRecord]; joints: [JointRecord]
+    bodies          [BodyRecord]; joints: [JointRecord]; pairs: [PairRecord] of bodies that may touch one another
     notes           warnings, each given once in a run, such as that a body leaves the grid
     copies          how many times what is modelled the whole is: 2 of half a model, 4 of a quarter
     time_error      [m] estimated error of positions that time integration adds in the step, None without time.accuracy
@@ -139,6 +158,7 @@ class Record:
     krylov: int = 0
     judged: int = 0
     joints: list[JointRecord] = field(default_factory=list)
+    pairs: list[PairRecord] = field(default_factory=list)
     copies: int = 1
 
     def row(self):
@@ -161,8 +181,8 @@ class Record:
             row["time_error_m"] = float(self.time_error)
         for body in self.bodies:
             row.update(body.row())
-        for joint in self.joints:
-            row.update(joint.row())
+        for part in (*self.joints, *self.pairs):
+            row.update(part.row())
         for name, value in self.energies.items():
             row[f"energy_{column(name)}_J"] = float(value)
             if self.copies > 1:

@@ -8,6 +8,7 @@ import re
 from math import cos, hypot, radians, sin
 
 from hybrid.runtime.errors import SceneError
+from hybrid.scene.check_contact import contact_faults
 from hybrid.scene.check_grid import grid_faults
 from hybrid.scene.check_joint import joint_faults
 from hybrid.scene.check_material import material_faults
@@ -49,6 +50,7 @@ def faults(scene):
     yield from _distinct_names("stage", scene.stages)
     yield from _distinct_names("joint", scene.joints, file_label)
     yield from joint_faults(scene)
+    yield from contact_faults(scene)
 
 
 def file_label(name):

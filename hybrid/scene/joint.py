@@ -8,7 +8,7 @@ from hybrid.scene.table import key, table
 
 @table
 class Joint:
-    """An exact joint of two bodies, or of a body and the ground. Joined bodies do not touch one another."""
+    """An exact joint of two bodies, or of a body and the ground. Joined bodies do not touch one another, others do (`contact`)."""
 
     name: str = key("label of the joint in the output")
     kind: Literal["hinge", "ball", "weld", "rod", "line"] = key(

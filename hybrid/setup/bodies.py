@@ -1,14 +1,10 @@
 """The rigid bodies of a scene: mesh, mass, surface, initial motion, pull line, and contact with the soil."""
 
-from itertools import combinations
-
 import numpy as np
 
 from hybrid.body.attitude import rotation_from_axis_angle
 from hybrid.body.motion import free_spin_rate
 from hybrid.body.rigid import FREEDOMS, Line, RigidBody
-from hybrid.contact.bodies import TOUCH, depth_of_overlap
-from hybrid.runtime.errors import SceneError
 from hybrid.setup.stages import point_of, stage_controls
 from hybrid.state import BodyState
 
@@ -59,19 +55,3 @@ def build_line(described, body_mesh, properties):
     direction = np.array(pull.direction if pull.direction is not None else pull.velocity, float)
     return Line(point - properties.centre, direction / np.linalg.norm(direction), np.array(pull.velocity, float),
                 pull.stiffness, pull.length, pull.tension_only)
-
-
-def refuse_overlap_of_bodies(placed, joined, collapsed):
-    """SceneError where two of the bodies `placed`, each a RigidBody and BodyState, overlap at the start: no force acts
-    between bodies. joined: pairs of their numbers that may; collapsed: (3,) bool, axes along which only their sections
-    count."""
-    joined = {frozenset(pair) for pair in joined}
-    for first, second in combinations(range(len(placed)), 2):
-        if {first, second} in joined:
-            continue
-        (one, pose), (other, place) = placed[first], placed[second]
-        depth = depth_of_overlap((one, pose), (other, place), collapsed)
-        if depth > TOUCH * min(one.radius, other.radius):
-            raise SceneError(f"bodies {one.name!r} and {other.name!r} overlap at the start, by {depth:.3g} m or more; "
-                             "move one of them by body.position or body.rest_on. Bodies do not touch one another in "
-                             "this model; join bodies that belong together by a [[joint]], or make one geometry of them")

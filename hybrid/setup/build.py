@@ -12,7 +12,8 @@ from hybrid.scene.check_sense import sense_notes
 from hybrid.scene.defaults import resolve
 from hybrid.scene.file import validate
 from hybrid.scheme import Scheme
-from hybrid.setup.bodies import build_body, mesh_of, refuse_overlap_of_bodies
+from hybrid.setup.bodies import build_body, mesh_of
+from hybrid.setup.body_contact import build_pairs, refuse_overlap_of_bodies
 from hybrid.setup.contact import connect_to_soil
 from hybrid.setup.grid import axis_nodes, build_grid
 from hybrid.setup.ground import lower_to_ground
@@ -90,8 +91,9 @@ def _put_together(scene, decisions, accuracy, body_force, law):
         soil, points, contacts, taken = put_in_place(
             soil, points, *([one if there else None for one, there in zip(items, inside)] for items in (bodies, motions)))
         bodies = [with_stiffness(body, soil.law.young, soil.held) for body in bodies]
-    model = Model(soil, tuple(bodies), build_scheme(scene.time), loads, scene.solver, joints)
-    state = State(0.0, 0, points, motions, contacts, joints=joint_terms.start(model))
+    pairs, touching = build_pairs(scene, bodies, motions, joints, grid, gravity)
+    model = Model(soil, tuple(bodies), build_scheme(scene.time), loads, scene.solver, joints, pairs)
+    state = State(0.0, 0, points, motions, contacts, joints=joint_terms.start(model), pairs=touching)
     refuse_velocities(model, state)
     if moving_grid is not None:
         moving_grid.lay_out = lambda grid: lay_out(scene.soil, grid, gravity)

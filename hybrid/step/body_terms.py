@@ -1,6 +1,6 @@
 """A body in one increment, and its terms in the equations: FORMULATION (33), (37) and its contact.
 
-    R_w = inertia - weight + line + Σ contact - loads - joints        on the body's free unknowns        [N, N m]
+    R_w = inertia - weight + line + Σ contact - loads - joints - other bodies       on the body's free unknowns        [N, N m]
 """
 
 from dataclasses import dataclass
@@ -22,6 +22,9 @@ from hybrid.step.search_reach import search_reach
 # all of the moments of inertia, a tolerance of 1e-6 makes the period of a plate wrong by 4e-5, where the scheme is wrong by
 # 1e-6. With the default tolerance, 1e-4, rates are solved to 1e-10.
 FLIGHT = 1e-6
+# Without inertia a body that rests on others may have no stiffness, or that of a corner: it moves by at most this share of its size
+# in an iteration, and REST of the stiffness of its contact is added against motions that nothing resists, as the rolling of a ball.
+PACE, REST = 0.01, 1e-6
 
 
 @dataclass(frozen=True)
@@ -81,9 +84,9 @@ class BodyStep:
             return angle
         return max(angle, rigid.rotation_angle(self.body, self.state, self.pose(unknowns), self.scheme, self.dt))
 
-    def evaluate(self, unknowns, nodal_contact, joints=None):
+    def evaluate(self, unknowns, nodal_contact, joints=None, pairs=None):
         """BodyTerms at trial Unknowns. Its contact is added to `nodal_contact` (N, 3) [N], None for held soil; joints:
-        JointTerms, None without joints."""
+        JointTerms, None without joints; pairs: PairTerms, None where bodies do not touch one another."""
         pose = self.pose(unknowns)
         contact = self.pair.evaluate(unknowns.displacement, pose)
         on_body = self.pair.add_residual(contact, nodal_contact)
@@ -91,13 +94,17 @@ class BodyStep:
                                self.begin + self.dt)
         terms = np.array([trial.inertia, trial.weight, trial.line, on_body, trial.load,
                           joints.on_body(self.number) if joints else np.zeros(6)])
-        return BodyTerms(self, pose, trial, contact, terms, self.pair.springs(contact))
+        springs = self.pair.springs(contact)
+        if pairs:
+            terms = np.concatenate([terms, pairs.on_body(self.number)[None]])
+            springs = float(np.hypot(springs, pairs.springs(self.number)))
+        return BodyTerms(self, pose, trial, contact, terms, springs, pairs is not None)
 
 
 @dataclass(frozen=True)
 class BodyTerms:
-    """Terms of a body at a trial pose: `terms` (6, 6) [N, N m] inertia, weight, line, contact, loads and joints; springs: [N/m]
-    stiffness of its contact."""
+    """Terms of a body at a trial pose: `terms` (k, 6) [N, N m] inertia, weight, line, contact, loads, joints and, where there are
+    others, contact with other bodies; springs: [N/m] stiffness of its contact; beside: whether other bodies may touch it."""
 
     step: BodyStep
     pose: tuple
@@ -105,6 +112,7 @@ class BodyTerms:
     contact: CornerContact
     terms: np.ndarray
     springs: float
+    beside: bool = False
 
     @property
     def total(self):
@@ -150,8 +158,16 @@ class BodyTerms:
         own, free = self.step.unknowns, self.step.free
         ww = self.step.pair.add_tangent(self.contact, pattern, system.values, system.uw[:, own], system.wu[own])
         if not self.step.scheme.inertia and not anywhere([len(self.contact)]):
+            if self.beside:
+                stiffness = self._pace() or stiffness
             ww = ww + stiffness * np.diag([1.0, 1.0, 1.0, *[self.step.body.radius**2] * 3])
         system.ww[own, own] += (ww + self.trial.tangent)[np.ix_(free, free)]
+
+    def _pace(self):
+        """[N/m] with which the residual moves the body by PACE of its size; it vanishes with the residual."""
+        radius, free = self.step.body.radius, np.where(self.step.free, self.total, 0.0)
+        force = np.linalg.norm(free[:3]) + np.linalg.norm(free[3:]) / radius
+        return force / (PACE * 2 * radius) + REST * self.springs
 
     def accept(self):
         """New BodyState."""

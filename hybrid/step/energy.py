@@ -32,6 +32,8 @@ def energies(model, state, evaluation=None):
         out["potential"] -= body.mass.mass * float(motion.position @ model.gravity)
     if evaluation is not None:
         out["contact"] = sum(terms.contact.energy for terms in evaluation.bodies)
+        if evaluation.pairs:
+            out["contact"] += evaluation.pairs.energy
         out["line"] = sum(terms.trial.line_energy for terms in evaluation.bodies)
     stop = {"stop": state.work["stop"]} if "stop" in state.work else {}
     return out | {name: state.work.get(name, 0.0) for name in WORKS} | stop

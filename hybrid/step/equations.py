@@ -22,10 +22,11 @@ from hybrid.runtime.timing import phase
 from hybrid.soil.model import Refusal, SoilStep, SoilTrial
 from hybrid.soil.transfer import interpolate
 from hybrid.state import State
-from hybrid.step import body_terms, joint_terms, soil_terms
+from hybrid.step import body_terms, joint_terms, pair_terms, soil_terms
 from hybrid.step.body_terms import BodyStep, BodyTerms
 from hybrid.step.joint_terms import JointStep, JointTerms
 from hybrid.step.model import Model
+from hybrid.step.pair_terms import PairsStep, PairTerms
 from hybrid.step.search_reach import travel_ratio
 from hybrid.step.work import work_after
 
@@ -49,7 +50,8 @@ class Evaluation:
 
     soil (n,) [N] and body (m,) [N, N m]: residual on the unknowns; error: largest residual of soil and bodies relative
     to the forces acting on each; norms: the same in physical units, by name; internal: norm [N] of the internal forces;
-    rates: `Scheme.advance` of the nodes; bodies: BodyTerms of each body; joints: JointTerms, None without joints.
+    rates: `Scheme.advance` of the nodes; bodies: BodyTerms of each body; joints: JointTerms, None without joints;
+    pairs: PairTerms, None where no bodies may touch one another.
     """
 
     unknowns: Unknowns
@@ -62,6 +64,7 @@ class Evaluation:
     rates: tuple | None
     bodies: tuple[BodyTerms, ...]
     joints: JointTerms | None = None
+    pairs: PairTerms | None = None
 
     @property
     def contacts(self):
@@ -86,6 +89,7 @@ class Step:
     bodies: tuple[BodyStep, ...]
     reference: float = 0.0
     joints: JointStep | None = None
+    pairs: PairsStep | None = None
 
     # -------------------------------------------------------------- trial values
 
@@ -122,7 +126,8 @@ class Step:
             nodal_contact = soil.forces["contact"]
         joints = self.joints and self.joints.evaluate(unknowns.poses, unknowns.multipliers)
         with phase("contact"):
-            bodies = tuple(b.evaluate(unknowns, nodal_contact, joints) for b in self.bodies)
+            pairs = self.pairs and self.pairs.evaluate(unknowns.poses)
+            bodies = tuple(b.evaluate(unknowns, nodal_contact, joints, pairs) for b in self.bodies)
             if bodies and nodal_contact is not None:
                 self.model.soil.grid.summed(nodal_contact)
         residual, norms, error, internal = np.zeros(0), {}, 0.0, 0.0
@@ -137,7 +142,7 @@ class Step:
             on_bodies.append(joints.residual())
             norms, error = norms | {"joints [m]": joints.opened()}, max(error, joints.error())
         return Evaluation(unknowns, residual, np.concatenate(on_bodies), error, norms, internal, soil and soil.trial,
-                          soil and soil.rates, bodies, joints)
+                          soil and soil.rates, bodies, joints, pairs)
 
     def assemble(self, evaluation):
         """Fill the block system with the tangent at an evaluation, and factor it."""
@@ -148,6 +153,8 @@ class Step:
         with phase("contact"):
             for terms in evaluation.bodies:
                 terms.add_tangent(self.pattern, self.system, stiffness)
+            if evaluation.pairs:
+                evaluation.pairs.add_tangent(self.system.ww)
             if evaluation.joints:
                 evaluation.joints.add_tangent(self.system.ww)
         with phase("factor"):
@@ -226,7 +233,8 @@ class Step:
                 bodies, joints, lost = joint_terms.engaged(self, evaluation.joints, bodies, joints)
             work = work_after(self, evaluation, points, bodies, lost)
         time, number = (state.time + self.dt, state.step) if end is None else (end, state.step + 1)
-        return State(time, number, points, bodies, contacts, work, state.ground, joints)
+        pairs = evaluation.pairs.histories() if evaluation.pairs else []
+        return State(time, number, points, bodies, contacts, work, state.ground, joints, pairs)
 
 
 def begin(model, state, dt, pulling, workspace):
@@ -246,7 +254,8 @@ def begin(model, state, dt, pulling, workspace):
     nodal = None if soil is None else soil.velocity, _predicted(model, soil, dt)
     with phase("contact search"):
         bodies = body_terms.begin_bodies(model, state, dt, pulling, domains, active, nodal)
-    return Step(model, state, dt, soil, pattern, system, bodies, joints=joint_terms.begin_joints(model, state, dt))
+    return Step(model, state, dt, soil, pattern, system, bodies, joints=joint_terms.begin_joints(model, state, dt),
+                pairs=pair_terms.begin_pairs(model, state, bodies, dt))
 
 
 def _predicted(model, soil, dt):

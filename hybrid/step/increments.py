@@ -17,6 +17,7 @@ from hybrid.soil.model import Soil
 from hybrid.step import failure_message, newton, processes
 from hybrid.step.equations import Evaluation, begin
 from hybrid.step.error_estimate import even, following, local_error, shorter
+from hybrid.step.pair_terms import struck
 
 EASY = 6            # Newton iterations up to which the next increment may be twice as long
 ROUND_OFF = 1e-9    # of an outer step: a rest as short as this is none
@@ -80,7 +81,7 @@ class Control:
             if self.dt < self.smallest:
                 raise StepError(failure_message.not_converged(step, outcome, self.smallest))
             return False, None
-        easy = outcome.iterations <= EASY
+        easy = outcome.iterations <= EASY and not struck(step, outcome.evaluation)
         if not self.accuracy:
             self._accept(min(2 * self.dt, self._length) if easy else self.dt)
             return True, None

@@ -12,13 +12,15 @@ from hybrid.scheme import Scheme
 from hybrid.soil.model import Soil
 from hybrid.step import joint_terms
 from hybrid.step.loads import Loads
+from hybrid.step.pair_terms import BodyPair
 from hybrid.step.work import add_by_component
 
 
 @dataclass(frozen=True)
 class Model:
     """What is modelled in a stage; it never changes. solver: the scene's own settings of Newton's method and of the
-    linear systems inside it; joints: of bodies, with their pairs of numbers."""
+    linear systems inside it; joints: of bodies, with their pairs of numbers; pairs: of bodies that may touch
+    one another."""
 
     soil: Soil
     bodies: tuple[RigidBody, ...]
@@ -26,6 +28,7 @@ class Model:
     loads: Loads
     solver: Solver = Solver()
     joints: tuple[Joint, ...] = ()
+    pairs: tuple[BodyPair, ...] = ()
 
     @property
     def gravity(self):

@@ -81,6 +81,8 @@ def solve(step: Step):
     solver = step.model.solver
     if reason := step.rotation_too_large():
         return Outcome(None, 0, 0, (), reason)
+    if step.pairs and step.pairs.hasty:
+        return Outcome(None, 0, 0, (), step.pairs.hasty)
     evaluation = first_evaluation(step)
     if isinstance(evaluation, Refusal):
         return Outcome(None, 0, 0, (), f"the first guess {evaluation.reason}")
@@ -213,6 +215,8 @@ def rejection(step, evaluation):
     ratio = step.search_radius_ratio(evaluation.unknowns)
     if ratio > 1:
         return f"soil and body moved {ratio:.1f} times farther than the contact search allows for"
+    if reason := step.pairs and step.pairs.rejection(evaluation.pairs, step.bodies):
+        return reason
     count = step.tunnelled(evaluation)
     return f"{count} corners of the soil passed through a body" if count else ""
 

@@ -26,6 +26,8 @@ def work_after(step, evaluation, points, bodies, lost=0.0):
             add_by_component(work, terms.step.body, mean * moved + jolt)
     for terms in evaluation.bodies:
         add("friction", terms.contact.dissipated)
+    if evaluation.pairs:
+        add("friction", evaluation.pairs.dissipated)
     if evaluation.joints:
         add("friction", evaluation.joints.dissipated())
         add("stop", lost)

@@ -44,20 +44,6 @@ def test_two_bodies_far_apart_move_as_each_alone(geometry, options):
     assert all(len(contact) for contact in both.evaluation.contacts)
 
 
-# ------------------------------------------------------------------ no force acts between bodies
-
-@pytest.mark.parametrize("speed, met", [(1.0, True), (0.5, False)])
-def test_bodies_that_run_into_one_another_are_reported(speed, met):
-    """A box starts 0.1 m from a held one and is driven by 0.12 or 0.06 m; 0.02 m is 8 % of its radius."""
-    post = steel(0.3, 0.3, 0.3, name="post", position=(1.0, 0.4, 0.0), rest_on=0.1, held=("x", "y", "z", "rx", "ry", "rz"))
-    ram = steel(0.3, 0.3, 0.3, name="ram", position=(0.6, 0.4, 0.0), rest_on=0.1, held=("y", "z", "rx", "ry", "rz"),
-                driven=("x",), velocity=(speed, 0.0, 0.0))
-    simulation = build(soil_scene([post, ram], x=(0.0, 2.0), poisson=0.3, steps=6, time=Time(step=0.02)))
-    notes = [note for record in simulation.steps() for note in record.notes if "overlap" in note]
-    assert len(notes) == met
-    assert all("bodies post and ram overlap by" in note and "limit" in note and "[[joint]]" in note for note in notes)
-
-
 # ------------------------------------------------------------------ a held plate as a wall
 
 SPEED, YOUNG, DENSITY = 1.0, 1e6, 1800.0

@@ -26,7 +26,7 @@ def test_no_tiny_increment_is_left_at_the_end():
 
 def judged(control, dt, iterations=EASY, converged=True):
     """Whether a trial of `dt` is accepted."""
-    return control.judge(SimpleNamespace(dt=dt), SimpleNamespace(
+    return control.judge(SimpleNamespace(dt=dt, pairs=None), SimpleNamespace(
         converged=converged, iterations=iterations, evaluation=None, judged=False))[0]
 
 

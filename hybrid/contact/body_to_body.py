@@ -1,0 +1,284 @@
+"""Contact of two rigid bodies: the law of `hybrid.contact.soil_to_body` at places on the surface of each.
+
+    F = ½ Σ k a f(y)  over places x = c_a + R_a X of body a,   y = R_bᵀ (x - c_b)  in the frame of body b, and the other way round
+
+X never changes in the frame of its body, and the anchor of the tangential spring never changes in that of the other one: the
+springs are objective. Force and moment on both bodies act at the same place, so that they cancel to round-off. With D = ∂F/∂x
+at fixed attitude, r_a = x - c_a, r_b = x - c_b and q = (δc_a, δφ_a, δc_b, δφ_b),
+
+    δF = Q q,  Q = [D, -D r̃_a, -D, D r̃_b - F̃]
+    K = [ Q;  r̃_a Q;  -Q;  -r̃_b Q ] + [ 0;  F̃ P_a;  0;  F̃ P_b ]      P_a q = r̃_a δφ_a,  P_b q = δc_a - r̃_a δφ_a - δc_b
+
+A place presses only on a side of the other body that looks at it (`hybrid.body.closest.closest_facing`): no history is needed
+to tell one side of a thin plate from the other, nor the face of a box from its flank.
+
+Equations: FORMULATION (60) to (62).
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from hybrid.body.attitude import log_so3
+from hybrid.body.closest import closest_facing, outside_bounds
+from hybrid.body.surface import ContactSurface
+from hybrid.contact import soil_to_body
+from hybrid.contact.assembly import skew
+from hybrid.contact.interface import NONE
+from hybrid.contact.samples import Places, Samples
+from hybrid.contact.tunnelling import _pierced
+
+FACING = 0.1    # cosine between a place's normal and that of the other body, reversed, above which it presses
+HALVINGS = 14   # bisections of the path to the first contact
+FINEST = 0.02   # of the depth that counts as passing through: shortest step along a path
+
+
+@dataclass(frozen=True)
+class Side:
+    """One body's places against the surface of the other one: numbers a and b of the bodies in the model."""
+
+    a: int
+    b: int
+    samples: Samples
+    surface: ContactSurface
+
+
+class Path(NamedTuple):
+    """Motion from pose to pose of body a, relative to body b: way (3,) [m] between their centres and its change; attitudes
+    (3, 3) at the start, axes (3,) and angles [rad] of their rotations."""
+
+    way: np.ndarray
+    change: np.ndarray
+    turn_a: np.ndarray
+    axis_a: np.ndarray
+    angle_a: float
+    turn_b: np.ndarray
+    axis_b: np.ndarray
+    angle_b: float
+
+
+class PairContact(NamedTuple):
+    """Places of one side in contact at trial poses, m of them, vectors in space: active (m,) among its Places; force (m, 3) [N],
+    minus that on body a; tangent (m, 3, 3) [N/m]; arms (m, 3) [m] from the centres of a and b; anchor (m, 3) [m] in the frame of
+    b and rest (m,) [m] of the history once the state is accepted; gap (m,) [m]; energy, dissipated [J]; springs [N/m]; slip (m,)."""
+
+    active: np.ndarray
+    force: np.ndarray
+    tangent: np.ndarray
+    arm_a: np.ndarray
+    arm_b: np.ndarray
+    anchor: np.ndarray
+    rest: np.ndarray
+    gap: np.ndarray
+    energy: float
+    dissipated: float
+    springs: float
+    slip: np.ndarray
+
+    def residual(self):
+        """(12,) [N, N m] on both bodies, about their centres."""
+        force = self.force.sum(axis=0)
+        return np.concatenate([force, np.cross(self.arm_a, self.force).sum(axis=0),
+                               -force, -np.cross(self.arm_b, self.force).sum(axis=0)])
+
+    def stiffness(self):
+        """K (12, 12) of the residual by (δc_a, δφ_a, δc_b, δφ_b)."""
+        D, F, a, b = self.tangent, skew(self.force), skew(self.arm_a), skew(self.arm_b)
+        Q = np.concatenate([D, -D @ a, -D, D @ b - F], axis=2)
+        out = np.empty((12, 12))
+        out[:3] = Q.sum(axis=0)
+        out[3:6] = (a @ Q).sum(axis=0)
+        out[6:9] = -out[:3]
+        out[9:] = -(b @ Q).sum(axis=0)
+        turning = (F @ a).sum(axis=0)
+        out[3:6, 3:6] += turning
+        out[9:, :3] += F.sum(axis=0)
+        out[9:, 3:6] -= turning
+        out[9:, 6:9] -= F.sum(axis=0)
+        return out
+
+
+def relative(pose_a, pose_b, collapsed):
+    """(turn (3, 3), way (3,) [m]): a point X of body a is at turn X + way in the frame of body b; collapsed: (3,) bool, axes
+    along which the centres count as being at one place."""
+    way = np.where(collapsed, 0.0, pose_a[0] - pose_b[0])
+    return pose_b[1].T @ pose_a[1], pose_b[1].T @ way
+
+
+@dataclass(frozen=True)
+class SideStep:
+    """Places of a Side near the other body, frozen during an increment.
+
+    start: (m, 3) [m] in the frame of body b; touching: (m,) bool at the start; anchor: (m, 3) [m] of the history, else where the
+    place is predicted to touch first; rest: (m,) [m] gap without force; stiffness: (m,) [N/m]
+    """
+
+    side: Side
+    places: Places
+    start: np.ndarray
+    touching: np.ndarray
+    anchor: np.ndarray
+    rest: np.ndarray
+    stiffness: np.ndarray
+    law: soil_to_body.Coulomb
+    collapsed: np.ndarray
+
+    def evaluate(self, poses):
+        """PairContact at poses of all bodies."""
+        pose_a, pose_b = poses[self.side.a], poses[self.side.b]
+        turn, way = relative(pose_a, pose_b, self.collapsed)
+        y, outward, surface = self.places.point @ turn.T + way, self.places.normal @ turn.T, self.side.surface
+        points = soil_to_body.ClosestPoints.empty(len(y))
+        _project(y, outward, self.start, self.places.clearance, surface.radius, surface.tree, points)
+        active = np.flatnonzero(self.stiffness * (self.rest - points.gap) > 0.0)
+        points = points.select(active)
+        origin = np.where(self.touching[active, None], self.anchor[active], self.start[active])
+        closed = soil_to_body.ClosedCorners(
+            y[active], self.anchor[active], origin, self.stiffness[active], self.rest[active], NONE)
+        found = soil_to_body.Response.empty(len(active))
+        soil_to_body._law(closed, points, self.law, surface.tree, found)
+        R = pose_b[1]
+        arm_b = y[active] @ R.T
+        arm_a = self.places.point[active] @ pose_a[1].T
+        return PairContact(
+            active, found.force @ R.T, R @ found.tangent @ R.T, arm_a, arm_b, found.anchor,
+            np.minimum(np.maximum(self.rest[active], points.gap), 0.0), points.gap, float(found.energy.sum()),
+            float(found.dissipated.sum()), float(np.sqrt(np.sum(closed.stiffness**2))), found.slip)
+
+    def history(self, contact):
+        """(number, anchor, rest) of the places in contact."""
+        return self.places.number[contact.active], contact.anchor, contact.rest
+
+    def passed(self, contact, poses, depth):
+        """Number of places that the increment carried through the other body, or deeper than `depth` [m] into it on their way."""
+        is_open = ~self.touching
+        is_open[contact.active] = False
+        turn, way = relative(poses[self.side.a], poses[self.side.b], self.collapsed)
+        path = self.places.point @ turn.T + way - self.start
+        checked = np.flatnonzero(is_open & (np.linalg.norm(path, axis=1) > np.maximum(self.places.clearance, depth)))
+        if not len(checked):
+            return 0
+        start, path, surface = self.start[checked], path[checked], self.side.surface
+        outside = soil_to_body.gaps(start + path, surface) >= 0.0
+        passed = _pierced(start, path, FINEST * depth, surface.tree) & outside
+        for fraction in (0.25, 0.5, 0.75):
+            passed |= (soil_to_body.gaps(start + fraction * path, surface) < -depth) & outside
+        return int(np.count_nonzero(passed))
+
+
+def begin(side, poses, predicted, reach, history, stiffness, law, collapsed):
+    """SideStep from committed `poses` of all bodies and those `predicted` at the end of the increment; reach: [m] of the search;
+    history: (number, anchor, rest) of places in contact; stiffness: k/2 [N/m³]."""
+    turn, way = relative(poses[side.a], poses[side.b], collapsed)
+    places = side.samples.near(turn, way, side.surface, reach)
+    start, m = places.point @ turn.T + way, len(places.number)
+    number, known, rests = history
+    anchor, rest, touching = start.copy(), np.zeros(m), np.isin(places.number, number)
+    order = np.argsort(number)
+    at = order[np.searchsorted(number[order], places.number[touching])]
+    anchor[touching], rest[touching] = known[at], rests[at]
+    if m:
+        path = _path(poses[side.a], poses[side.b], predicted[side.a], predicted[side.b], collapsed)
+        _first_contact(places.point, places.normal, touching, path, side.surface.radius, side.surface.tree, anchor)
+    return SideStep(side, places, start, touching, anchor, rest, stiffness * places.area, law, collapsed)
+
+
+def closing_speed(begun, rates_a, rates_b, poses, dt):
+    """Largest speed [m/s] at which places of a SideStep approach the other body that may touch it within `dt` [s]. rates:
+    (velocity, spin) in space of both bodies."""
+    if not len(begun.start):
+        return 0.0
+    (c_a, R_a), (c_b, _) = poses[begun.side.a], poses[begun.side.b]
+    arm_a = begun.places.point @ R_a.T
+    arm_b = arm_a + np.where(begun.collapsed, 0.0, c_a - c_b)
+    moving = rates_a[0] + np.cross(rates_a[1], arm_a) - rates_b[0] - np.cross(rates_b[1], arm_b)
+    speed = np.einsum("mi,mi->m", moving, begun.places.normal @ R_a.T)
+    return float(np.max(speed[speed * 2.0 * dt > begun.places.clearance], initial=0.0))
+
+
+def _path(start_a, start_b, end_a, end_b, collapsed):
+    turns = []
+    for start, end in ((start_a, end_a), (start_b, end_b)):
+        turn = log_so3(end[1] @ start[1].T)
+        angle = float(np.linalg.norm(turn))
+        turns.append((np.ascontiguousarray(start[1]), turn / angle if angle > 0.0 else turn, angle))
+    way = np.where(collapsed, 0.0, start_a[0] - start_b[0])
+    return Path(way, np.where(collapsed, 0.0, end_a[0] - end_b[0]) - way, *turns[0], *turns[1])
+
+
+@njit(cache=True)
+def _project(y, outward, start, clearance, radius, tree, points):
+    """Fill `points` (ClosestPoints) for places now at y (m, 3)."""
+    gap, triangle, feature, foot, weights = points
+    for n in range(len(y)):
+        x0, x1, x2 = y[n, 0] - start[n, 0], y[n, 1] - start[n, 1], y[n, 2] - start[n, 2]
+        away = x0 * x0 + x1 * x1 + x2 * x2 < max(clearance[n], 0.0) ** 2
+        if away or outside_bounds(y[n, 0], y[n, 1], y[n, 2], radius, tree):
+            gap[n] = np.inf
+            continue
+        normal = outward[n, 0], outward[n, 1], outward[n, 2]
+        t, f, x, w, g = closest_facing((y[n, 0], y[n, 1], y[n, 2]), normal, FACING, tree)
+        triangle[n], feature[n], gap[n] = t, f, g
+        for i in range(3):
+            foot[n, i], weights[n, i] = x[i], w[i]
+
+
+@njit(cache=True)
+def _first_contact(point, normal, touching, path, radius, tree, anchor):
+    """Replace the `anchor` (m, 3) of places that do not touch by the place where they are predicted to touch first, or to be at
+    the end."""
+    for n in range(len(point)):
+        if touching[n]:
+            continue
+        y = _at(path, point, n, 1.0)
+        if not outside_bounds(y[0], y[1], y[2], radius, tree) and _gap(path, point, normal, n, 1.0, tree) < 0.0:
+            before, after = 0.0, 1.0
+            for _ in range(HALVINGS):
+                middle = 0.5 * (before + after)
+                if _gap(path, point, normal, n, middle, tree) < 0.0:
+                    after = middle
+                else:
+                    before = middle
+            y = _at(path, point, n, after)
+        for i in range(3):
+            anchor[n, i] = y[i]
+
+
+@njit(cache=True)
+def _gap(path, point, normal, n, fraction, tree):
+    outward = _turned(path, normal, n, fraction, 0.0)
+    return closest_facing(_at(path, point, n, fraction), outward, FACING, tree)[4]
+
+
+@njit(cache=True)
+def _at(path, point, n, fraction):
+    """Place n in the frame of body b at a fraction of the path."""
+    return _turned(path, point, n, fraction, 1.0)
+
+
+@njit(cache=True)
+def _turned(path, vector, n, fraction, moved):
+    """Vector n of body a in the frame of body b, with `moved` times the way between their centres."""
+    R = path.turn_a
+    x = (R[0, 0] * vector[n, 0] + R[0, 1] * vector[n, 1] + R[0, 2] * vector[n, 2],
+         R[1, 0] * vector[n, 0] + R[1, 1] * vector[n, 1] + R[1, 2] * vector[n, 2],
+         R[2, 0] * vector[n, 0] + R[2, 1] * vector[n, 1] + R[2, 2] * vector[n, 2])
+    x = _rotated(x, path.axis_a, fraction * path.angle_a)
+    x = (x[0] + moved * (path.way[0] + fraction * path.change[0]), x[1] + moved * (path.way[1] + fraction * path.change[1]),
+         x[2] + moved * (path.way[2] + fraction * path.change[2]))
+    x = _rotated(x, path.axis_b, -fraction * path.angle_b)
+    R = path.turn_b
+    return (R[0, 0] * x[0] + R[1, 0] * x[1] + R[2, 0] * x[2], R[0, 1] * x[0] + R[1, 1] * x[1] + R[2, 1] * x[2],
+            R[0, 2] * x[0] + R[1, 2] * x[1] + R[2, 2] * x[2])
+
+
+@njit(cache=True)
+def _rotated(x, axis, angle):
+    """Rodrigues' formula."""
+    c, s = np.cos(angle), np.sin(angle)
+    along = (1.0 - c) * (axis[0] * x[0] + axis[1] * x[1] + axis[2] * x[2])
+    return (c * x[0] + s * (axis[1] * x[2] - axis[2] * x[1]) + along * axis[0],
+            c * x[1] + s * (axis[2] * x[0] - axis[0] * x[2]) + along * axis[1],
+            c * x[2] + s * (axis[0] * x[1] - axis[1] * x[0]) + along * axis[2])

@@ -1,0 +1,215 @@
+"""Places on the surface of a body at which its contact with another body is evaluated.
+
+Each triangle is cut into 4^n equal ones, whose centroids, on the curved patch where there is one, are the places: the
+midpoint rule of ∫ k g dA. Only triangles near the other body are cut, and of them only what is near it, so that the number of
+places does not grow with the size of a body. A place keeps its number, which names triangle and part.
+
+A sharp edge or corner that meets a face of the other body lies between places of that face. So edges carry places as well, and
+count with an area of their length times a width; corners count with an area of their own (`hybrid.setup.body_contact`).
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from hybrid.body.closest import closest
+from hybrid.body.patches import _normal, _point
+from hybrid.body.smooth import shared_edges
+from hybrid.contact.corners import distances
+
+FINEST = 12     # times that a triangle may be cut into four
+SPREAD = 1.5    # spacings in the longest edge of a part of a triangle
+BEND = np.radians(20.0)     # between the faces at a sharp edge, as in `hybrid.body.sharp_edges`
+
+
+class Pieces(NamedTuple):
+    """Triangles of a surface: corners (t, 3, 3) [m], normal (t, 3), nodes (t, 9, 3) of their patches (empty if none is
+    curved), curved (t,) bool, bulge [m] of patches, cuts (t,) times that each is cut into four, first (t,) number of its places."""
+
+    corners: np.ndarray
+    normal: np.ndarray
+    nodes: np.ndarray
+    curved: np.ndarray
+    bulge: float
+    cuts: np.ndarray
+    first: np.ndarray
+
+
+class Places(NamedTuple):
+    """m places on a body: number (m,) of each; point (m, 3) [m] and outward normal (m, 3) in its frame; area (m,) [m²];
+    clearance (m,) [m]: they cannot touch the other body before they move by it."""
+
+    number: np.ndarray
+    point: np.ndarray
+    normal: np.ndarray
+    area: np.ndarray
+    clearance: np.ndarray
+
+
+@dataclass(frozen=True)
+class Samples:
+    """All places of a body, against one other body.
+
+    pieces: the triangles that are cut where it is necessary; edges: Places on its sharp edges and corners, whose clearance is
+    not set; share: part of the body that lies in the slice of plane strain, else 1; flat: (k, 3) unit vectors of the body frame
+    along collapsed axes, along which places lie at the centre of mass
+    """
+
+    pieces: Pieces
+    edges: Places
+    share: float = 1.0
+    flat: np.ndarray | None = None
+
+    def near(self, turn, way, surface, reach):
+        """Places within `reach` [m] of the `surface` of another body, in whose frame a point X of this one is at turn X + way."""
+        count = 256
+        while True:
+            found = (np.empty(count, np.int64), np.empty((count, 3)), np.empty((count, 3)), np.empty(count), np.empty(count))
+            flat = np.zeros((0, 3)) if self.flat is None else self.flat
+            needed = _near(self.pieces, flat, turn, way, surface.tree, reach, found)
+            if needed <= count:
+                break
+            count = needed
+        places = Places(*(values[:needed] for values in found))
+        edges = self.edges
+        distance = distances(edges.point @ turn.T + way, surface, reach)[0]
+        close = distance <= reach
+        joined = Places(*(np.concatenate([a, b[close]]) for a, b in zip(places, edges._replace(clearance=distance))))
+        return joined._replace(area=self.share * joined.area)
+
+
+def sample(surface, spacing, width, corner, flat=None, share=1.0):
+    """Samples of a ContactSurface with a `spacing` [m] of places, a `width` [m] that edges count with and an area `corner` [m²]
+    of corners; flat, share: as in Samples."""
+    corners = surface.vertices[surface.triangles]
+    longest = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).max(axis=1)
+    cuts = np.clip(np.ceil(np.log2(longest / (SPREAD * spacing))), 0, FINEST).astype(np.int64)
+    total = np.cumsum(np.concatenate([[0], 4**cuts]))
+    patches = surface.tree.patches
+    pieces = Pieces(corners, surface.normals, patches.nodes, surface.curved, patches.bulge, cuts, total[:-1])
+    point, normal, area = _edges(surface, spacing, width, corner)
+    for axis in () if flat is None else flat:
+        point = point - (point @ axis)[:, None] * axis
+    edges = Places(total[-1] + np.arange(len(point)), point, normal, area, np.zeros(len(point)))
+    return Samples(pieces, edges, share, flat)
+
+
+def _edges(surface, spacing, width, corner):
+    """Places (e, 3) [m] on sharp convex edges and at the corners where three of them end, normals (e, 3) there and areas (e,)."""
+    t, k = shared_edges(surface.triangles)
+    ends = surface.triangles[t[:, 0], k[:, 0]], surface.triangles[t[:, 0], (k[:, 0] + 1) % 3]
+    of_corner = surface.corner_normals
+    start = of_corner[t[:, 0], k[:, 0]], of_corner[t[:, 1], (k[:, 1] + 1) % 3]
+    end = of_corner[t[:, 0], (k[:, 0] + 1) % 3], of_corner[t[:, 1], k[:, 1]]
+    corners = surface.vertices[surface.triangles]
+    behind = corners[t[:, 1]].mean(axis=1) - corners[t[:, 0]].mean(axis=1)
+    bend = np.minimum(*(np.arccos(np.clip(np.einsum("ei,ei->e", *pair), -1.0, 1.0)) for pair in (start, end)))
+    chosen = np.flatnonzero((bend > BEND) & (np.einsum("ei,ei->e", surface.normals[t[:, 0]], behind) < 0.0))
+    points, normals, areas = [np.zeros((0, 3))], [np.zeros((0, 3))], [np.zeros(0)]
+    for e in chosen:
+        a, b = surface.vertices[ends[0][e]], surface.vertices[ends[1][e]]
+        length = np.linalg.norm(b - a)
+        count = max(1, int(np.ceil(length / spacing)))
+        s = (np.arange(count) + 0.5)[:, None] / count
+        own = (1 - s) * (start[0][e] + start[1][e]) + s * (end[0][e] + end[1][e])
+        points.append((1 - s) * a + s * b - s * (1 - s) * _bow(surface, t[e, 0], k[e, 0]))
+        normals.append(own / np.linalg.norm(own, axis=1)[:, None])
+        areas.append(np.full(count, width * length / count))
+    at, count = np.unique(np.concatenate([ends[0][chosen], ends[1][chosen]]), return_counts=True)
+    at = at[count >= 3]
+    if len(at):
+        total = np.zeros((len(surface.vertices), 3))
+        np.add.at(total, surface.triangles, surface.vertex_normals)
+        total = total[at]
+        points.append(surface.vertices[at])
+        normals.append(total / np.linalg.norm(total, axis=1)[:, None])
+        areas.append(np.full(len(at), corner))
+    return np.concatenate(points), np.concatenate(normals), np.concatenate(areas)
+
+
+def _bow(surface, t, k):
+    """Curvature c (3,) [m] of an edge of a patch, 0 of a straight one."""
+    nodes = surface.tree.patches.nodes
+    return nodes[t, 6 + k] if len(nodes) else np.zeros(3)
+
+
+@njit(cache=True)
+def _near(pieces, flat, turn, way, tree, reach, found):
+    """Fill `found`, the arrays of Places, and return the number of places, which may be more than fit.
+
+    A part of a triangle is followed where a ball around it is within reach. It is known by the weights (v, w) of its first
+    corner and the length h of its sides in them, negative for the part in the middle, which lies the other way round.
+    """
+    number, point, normal, area, clearance = found
+    count = 0
+    stack_v, stack_w, stack_h = np.empty(64), np.empty(64), np.empty(64)
+    stack_n, stack_path = np.empty(64, np.int64), np.empty(64, np.int64)
+    for t in range(len(pieces.cuts)):
+        size = 0.0
+        for k in range(3):
+            square = 0.0
+            for i in range(3):
+                middle = (pieces.corners[t, 0, i] + pieces.corners[t, 1, i] + pieces.corners[t, 2, i]) / 3.0
+                square += (pieces.corners[t, k, i] - middle) ** 2
+            size = max(size, np.sqrt(square))
+        stack_v[0], stack_w[0], stack_h[0], stack_n[0], stack_path[0], top = 0.0, 0.0, 1.0, 0, 0, 1
+        while top > 0:
+            top -= 1
+            v, w, h, n, path = stack_v[top], stack_w[top], stack_h[top], stack_n[top], stack_path[top]
+            x, N, jacobian = _at(pieces, t, v + h / 3.0, w + h / 3.0, flat)
+            y = (turn[0, 0] * x[0] + turn[0, 1] * x[1] + turn[0, 2] * x[2] + way[0],
+                 turn[1, 0] * x[0] + turn[1, 1] * x[1] + turn[1, 2] * x[2] + way[1],
+                 turn[2, 0] * x[0] + turn[2, 1] * x[1] + turn[2, 2] * x[2] + way[2])
+            last = n == pieces.cuts[t]
+            around = 0.0 if last else abs(h) * size + 2.0 * pieces.bulge
+            outside = tree.patches.bulge + reach + around
+            inside = True
+            for i in range(3):
+                inside = inside and tree.boxes[1, i] - outside <= y[i] <= tree.boxes[1, 3 + i] + outside
+            if not inside:
+                continue
+            triangle, _, _, _, gap = closest(y, tree.patches.steepness * (reach + around), tree)
+            if triangle < 0:
+                continue
+            if not last:
+                half = 0.5 * h
+                for child in range(4):
+                    stack_v[top + child] = v + half * (child == 1 or child == 3)
+                    stack_w[top + child] = w + half * (child == 2 or child == 3)
+                    stack_h[top + child] = half if child < 3 else -half
+                    stack_n[top + child], stack_path[top + child] = n + 1, 4 * path + child
+                top += 4
+                continue
+            if gap > reach * tree.patches.steepness:
+                continue
+            if count < len(number):
+                number[count] = pieces.first[t] + path
+                area[count] = 0.5 * jacobian * h * h
+                clearance[count] = gap / tree.patches.steepness if gap > 0.0 else gap
+                for i in range(3):
+                    point[count, i], normal[count, i] = x[i], N[i]
+            count += 1
+    return count
+
+
+@njit(cache=True)
+def _at(pieces, t, v, w, flat):
+    """Point at weights (v, w) of triangle t, its normal, and twice the area over that in the weights."""
+    if len(pieces.nodes) and pieces.curved[t]:
+        x, x_v, x_w = _point(t, v, w, pieces.nodes)
+        N, _, _ = _normal(t, v, w, pieces.nodes)
+    else:
+        c = pieces.corners
+        x_v = c[t, 1, 0] - c[t, 0, 0], c[t, 1, 1] - c[t, 0, 1], c[t, 1, 2] - c[t, 0, 2]
+        x_w = c[t, 2, 0] - c[t, 0, 0], c[t, 2, 1] - c[t, 0, 1], c[t, 2, 2] - c[t, 0, 2]
+        x = (c[t, 0, 0] + v * x_v[0] + w * x_w[0], c[t, 0, 1] + v * x_v[1] + w * x_w[1], c[t, 0, 2] + v * x_v[2] + w * x_w[2])
+        N = pieces.normal[t, 0], pieces.normal[t, 1], pieces.normal[t, 2]
+    a = x_v[1] * x_w[2] - x_v[2] * x_w[1]
+    b = x_v[2] * x_w[0] - x_v[0] * x_w[2]
+    c2 = x_v[0] * x_w[1] - x_v[1] * x_w[0]
+    for k in range(len(flat)):
+        along = flat[k, 0] * x[0] + flat[k, 1] * x[1] + flat[k, 2] * x[2]
+        x = x[0] - along * flat[k, 0], x[1] - along * flat[k, 1], x[2] - along * flat[k, 2]
+    return x, N, np.sqrt(a * a + b * b + c2 * c2)

@@ -1,0 +1,125 @@
+"""Contact of the bodies of a scene with one another: which pairs may touch, how stiff, and at which places.
+
+    k = F / (A δ)       F the weight of the lighter body (`contact.load`), A the area in contact at the overlap δ
+
+| pair                 | spacing s of places | overlap δ | area A                                    |
+|----------------------|---------------------|-----------|-------------------------------------------|
+| a curved body        | r/32                | 2 s²/r    | π r δ; in plane strain 4/3 b sqrt(2 r δ)  |
+| bodies of planes     | d/16                | d/1000    | (d/4)²; in plane strain b d/4             |
+
+with 1/r the sum of both curvatures, d the size of the smaller body and b the thickness of the slice. So a sphere sinks by a
+thousandth of its diameter into what it rests on, and its patch of contact has a radius of two spacings. Edges count with a width
+and corners with an area with which they alone carry F at an overlap of d/1000. An impact overlaps bodies by at most IMPACT d.
+
+Equations: FORMULATION (60), (63).
+"""
+
+from itertools import combinations
+
+import numpy as np
+
+from hybrid.contact import body_to_body
+from hybrid.contact.bodies import TOUCH, depth_of_overlap, volume_of_overlap
+from hybrid.contact.body_to_body import Side
+from hybrid.contact.samples import sample
+from hybrid.contact.soil_to_body import Coulomb
+from hybrid.runtime.errors import SceneError
+from hybrid.setup.contact import curvature_radius, section
+from hybrid.state import PairHistory
+from hybrid.step.pair_terms import BodyPair
+
+CURVED, PLANE = 32, 16      # spacings in a radius of curvature; in the size of bodies of planes
+SINKS = 1e-3                # of the size: overlap under F
+IMPACT = 5e-3               # of the size: overlap by an impact
+STANDARD = 9.81             # [m/s²] where a scene has no gravity
+
+
+def refuse_overlap_of_bodies(placed, joined, collapsed):
+    """SceneError where two of the bodies `placed`, each a RigidBody and BodyState, overlap at the start. joined: pairs of their
+    numbers that may; collapsed: (3,) bool, axes along which only their sections count."""
+    joined = {frozenset(pair) for pair in joined}
+    for first, second in combinations(range(len(placed)), 2):
+        if {first, second} in joined:
+            continue
+        one, other = placed[first], placed[second]
+        depth = depth_of_overlap(one, other, collapsed)
+        if depth > TOUCH * min(one[0].radius, other[0].radius):
+            volume = volume_of_overlap(one, other)
+            raise SceneError(f"bodies {one[0].name!r} and {other[0].name!r} overlap at the start, by {depth:.3g} m or more and about "
+                             f"{volume:.2g} m³; move one of them by body.position or body.rest_on. Join bodies that belong together by "
+                             "a [[joint]], or make one geometry of them")
+
+
+def build_pairs(scene, bodies, motions, joints, grid, gravity):
+    """(tuple of BodyPair, [PairHistory] at the start) of all bodies that no joint connects.
+
+    bodies: RigidBody and motions: BodyState of each; gravity: (3,) [m/s²]. Bodies that overlap a little at the start begin without
+    force.
+    """
+    joined = {frozenset(joint.bodies) for joint in joints}
+    given = {frozenset(contact.bodies): contact for contact in scene.contacts}
+    surfaces = [section(body, motion.rotation, grid) for body, motion in zip(bodies, motions)] if len(bodies) > 1 else []
+    pairs, histories = [], []
+    for numbers in combinations(range(len(bodies)), 2):
+        if frozenset(numbers) in joined:
+            continue
+        described = [scene.bodies[n] for n in numbers]
+        own = given.get(frozenset(body.name for body in described))
+        pair = _pair(numbers, described, own, [bodies[n] for n in numbers], [surfaces[n] for n in numbers],
+                     [motions[n] for n in numbers], grid, float(np.linalg.norm(gravity)) or STANDARD)
+        pairs.append(pair)
+        histories.append(_history(pair, motions))
+    return tuple(pairs), histories
+
+
+def _pair(numbers, described, own, bodies, surfaces, motions, grid, g):
+    collapsed = grid.collapsed
+    slice_width = np.prod([np.ptp(grid.extent[axis]) for axis in np.flatnonzero(collapsed)]) if collapsed.any() else None
+    radii = tuple(_radius(surface, motion, collapsed) for surface, motion in zip(surfaces, motions))
+    size, masses = 2.0 * min(radii), [body.mass.mass for body in bodies]
+    moving = [mass for mass, body in zip(masses, bodies) if body.free[:3].any()] or masses
+    load = own.load if own and own.load is not None else min(moving) * g
+    curvature = sum(1.0 / curvature_radius(surface) for surface in surfaces)
+    radius = min(1.0 / curvature, size / 2) if curvature > 0.0 else np.inf
+    spacing = radius / CURVED if curvature > 0.0 else size / PLANE
+    overlap = 2.0 * spacing**2 / radius if curvature > 0.0 else SINKS * size
+    stiffness = load / (_area(overlap, radius, size, slice_width) * overlap)
+    carried = 2.0 * load / (stiffness * SINKS * size)     # [m²]; by places of one side, which have half of the stiffness
+    width = carried / (size / 2 if slice_width is None else slice_width)
+    sides = []
+    for a, b in ((0, 1), (1, 0)):
+        flat, share = None, 1.0
+        if collapsed.any():
+            flat = motions[a].rotation[collapsed]
+            share = slice_width / np.prod([np.ptp(surfaces[a].vertices @ axis) for axis in flat])
+        sides.append(Side(numbers[a], numbers[b], sample(surfaces[a], spacing, width, carried, flat, share), surfaces[b]))
+    impact = 1.5 / sum(1.0 / mass for mass in moving) / (
+        _area(IMPACT * size, radius, size, slice_width) * (IMPACT * size)**2)
+    friction = own.friction if own and own.friction is not None else min(body.friction or 0.0 for body in described)
+    return BodyPair(numbers, tuple(sides), stiffness, impact, size, Coulomb(friction, min(b.tangential for b in described)), radii,
+                    collapsed, load, overlap)
+
+
+def _area(overlap, radius, size, slice_width):
+    """Force over k times the overlap [m²]."""
+    if slice_width is None:
+        return np.pi * radius * overlap if np.isfinite(radius) else (size / 4)**2
+    return 4 / 3 * slice_width * np.sqrt(2.0 * radius * overlap) if np.isfinite(radius) else slice_width * size / 4
+
+
+def _radius(surface, motion, collapsed):
+    """[m] of a ball around a body's section."""
+    if not collapsed.any():
+        return surface.radius
+    across = surface.vertices @ motion.rotation[~collapsed].T
+    return float(np.linalg.norm(across, axis=1).max()) + surface.tree.patches.bulge
+
+
+def _history(pair, motions):
+    """PairHistory at the start, whose places inside the other body have no force."""
+    poses, empty, parts = [(motion.position, motion.rotation) for motion in motions], PairHistory.empty(), []
+    for i, side in enumerate(pair.sides):
+        begun = body_to_body.begin(side, poses, poses, TOUCH * pair.size, empty.side(i), pair.stiffness, pair.law, pair.collapsed)
+        found = begun.evaluate(poses)
+        parts += [begun.places.number[found.active], begun.start[found.active], found.gap]
+    return PairHistory(*parts, np.ones(1))

@@ -1,0 +1,221 @@
+"""Bodies in contact with one another, in one increment: their forces and stiffness in the bodies' block of the equations.
+
+The law is that of `hybrid.contact.body_to_body`, at places on both bodies, each side with half of the stiffness k. Pairs that are
+too far apart to touch in the increment cost a distance of centres.
+
+    k = f k_0       k_0 from the weight of the lighter body (`hybrid.setup.body_contact`)
+
+f >= 1 is chosen where contact begins, from the speed at which it does, and kept until the bodies have come apart, so that an
+impact overlaps bodies by no more than IMPACT of their size.
+
+Equations: FORMULATION (60) to (63).
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hybrid.contact import body_to_body
+from hybrid.contact.body_to_body import PairContact, Side, SideStep
+from hybrid.contact.soil_to_body import Coulomb
+from hybrid.state import PairHistory
+
+MARGIN = {True: 0.02, False: 0.1}   # of the size of the smaller body: reach beyond twice the predicted path, with and without inertia
+LEFT = 0.02     # of the speed of the fastest body: velocity that an impulse has yet to give, above which increments do not grow
+STRIDE = 0.5    # of the same: longest predicted path of bodies that may meet in an increment
+PASSED = 0.01   # of the same: depth of places on their way that counts as having passed through
+
+
+@dataclass(frozen=True)
+class BodyPair:
+    """Two bodies that may touch one another.
+
+    numbers: of the first and second body; sides: places of the first one on the second, and the other way round
+    stiffness: k_0 [N/m³]; impact: [N s²/m⁵] k over the square of the speed of an impact; size: [m] of the smaller body
+    law: Coulomb; radii: (2,) [m] of balls around them; collapsed: (3,) bool axes; load: [N] that k_0 is made for, and overlap: [m] under it
+    """
+
+    numbers: tuple[int, int]
+    sides: tuple[Side, Side]
+    stiffness: float
+    impact: float
+    size: float
+    law: Coulomb
+    radii: tuple[float, float]
+    collapsed: np.ndarray
+    load: float
+    overlap: float
+
+    def distance(self, poses):
+        """[m] between the balls around both bodies."""
+        apart = poses[self.numbers[0]][0] - poses[self.numbers[1]][0]
+        return float(np.linalg.norm(np.where(self.collapsed, 0.0, apart))) - sum(self.radii)
+
+    def path(self, poses, others):
+        """Upper bound [m] of the way of any place relative to the other body from `poses` to `others`."""
+        (a, b), ways = self.numbers, []
+        for number, radius in zip(self.numbers, self.radii):
+            ways.append(np.linalg.norm(others[number][1] - poses[number][1], 2) * radius)
+        change = (others[a][0] - poses[a][0]) - (others[b][0] - poses[b][0])
+        return float(np.linalg.norm(change)) + sum(ways)
+
+
+@dataclass(frozen=True)
+class PairStep:
+    """A pair near enough to touch, frozen during an increment: index in the model; sides; factor f; reach [m] of the search."""
+
+    index: int
+    pair: BodyPair
+    sides: tuple[SideStep, SideStep]
+    factor: float
+    reach: float
+
+
+@dataclass(frozen=True)
+class PairsStep:
+    """All pairs during an increment. poses: committed, of all bodies; near: PairStep of those that may touch; columns: (b, 6)
+    places of the bodies' components among their unknowns, -1 of components that are none; hasty: why the increment is too long for
+    what bodies are predicted to do, empty if it is not."""
+
+    poses: tuple
+    pairs: tuple[BodyPair, ...]
+    near: tuple[PairStep, ...]
+    columns: np.ndarray
+    hasty: str = ""
+
+    def evaluate(self, poses):
+        """PairTerms at trial poses of all bodies."""
+        return PairTerms(self, poses, tuple(tuple(side.evaluate(poses) for side in one.sides) for one in self.near))
+
+    def rejection(self, terms, bodies):
+        """Why the increment to PairTerms must not be accepted, empty if it may be."""
+        near = {one.index: one for one in self.near}
+        for index, pair in enumerate(self.pairs):
+            names = " and ".join(bodies[b].body.name for b in pair.numbers)
+            reach = near[index].reach if index in near else pair.distance(self.poses)
+            if pair.path(self.poses, terms.poses) > max(reach, pair.distance(self.poses)):
+                return f"bodies {names} moved farther than the search for their contact allows for"
+        for one, sides in zip(self.near, terms.contacts):
+            count = sum(step.passed(found, terms.poses, PASSED * one.pair.size) for step, found in zip(one.sides, sides))
+            if count:
+                names = " and ".join(bodies[b].body.name for b in one.pair.numbers)
+                return f"bodies {names} pass through one another, at {count} places"
+        return ""
+
+
+@dataclass(frozen=True)
+class PairTerms:
+    """Contact of all pairs near one another at trial poses: contacts of both sides of each PairStep."""
+
+    step: PairsStep
+    poses: tuple
+    contacts: tuple[tuple[PairContact, PairContact], ...]
+
+    def on_body(self, number):
+        """Residual (6,) [N, N m] of all pairs on a body: minus their force and moment about its centre."""
+        total = np.zeros(6)
+        for _, side, found in self._sides():
+            if len(found.active) and number in (side.a, side.b):
+                residual = found.residual()
+                total += residual[:6] if number == side.a else residual[6:]
+        return total
+
+    def springs(self, number):
+        """Root of the sum of squares [N/m] of all springs in contact on a body."""
+        return float(np.sqrt(sum(found.springs**2 for _, side, found in self._sides() if number in (side.a, side.b))))
+
+    def add_tangent(self, ww):
+        """Add the stiffness of all pairs to the bodies' block (m, m)."""
+        for _, side, found in self._sides():
+            if len(found.active):
+                places = np.concatenate([self.step.columns[side.a], self.step.columns[side.b]])
+                own = places >= 0
+                ww[np.ix_(places[own], places[own])] += found.stiffness()[np.ix_(own, own)]
+
+    @property
+    def energy(self):
+        """[J] in the springs."""
+        return sum(found.energy for _, _, found in self._sides())
+
+    @property
+    def dissipated(self):
+        """Work [J] against friction in the increment."""
+        return sum(found.dissipated for _, _, found in self._sides())
+
+    def of_pair(self, index):
+        """(force (3,) [N] of the second body on the first one, deepest overlap [m], number of places in contact)."""
+        force, depth, count = np.zeros(3), 0.0, 0
+        for pair, side, found in self._sides():
+            if pair == index and len(found.active):
+                first = self.step.pairs[index].numbers[0]
+                force += (-1.0 if side.a == first else 1.0) * found.force.sum(axis=0)
+                depth, count = max(depth, float(-found.gap.min())), count + len(found.active)
+        return force, depth, count
+
+    def histories(self):
+        """[PairHistory] of all pairs of the model once the increment is accepted."""
+        out = [PairHistory.empty() for _ in self.step.pairs]
+        for one, sides in zip(self.step.near, self.contacts):
+            parts = [step.history(found) for step, found in zip(one.sides, sides)]
+            out[one.index] = PairHistory(*parts[0], *parts[1], np.array([one.factor]))
+        return out
+
+    def _sides(self):
+        """(index of the pair, Side, PairContact) of all near pairs, both ways."""
+        for one, sides in zip(self.step.near, self.contacts):
+            for step, found in zip(one.sides, sides):
+                yield one.index, step.side, found
+
+
+def begin_pairs(model, state, bodies, dt):
+    """PairsStep of an increment of `dt` [s], None where no bodies may touch one another. bodies: BodyStep of each."""
+    if not model.pairs:
+        return None
+    poses = tuple(body.committed_pose() for body in bodies)
+    predicted = tuple(body.predicted_pose() for body in bodies)
+    fall = np.linalg.norm(model.loads.on_bodies(state.time + dt)) * dt**2 if model.scheme.inertia else 0.0
+    histories = state.pairs or [PairHistory.empty() for _ in model.pairs]
+    near, hasty = [], ""
+    for index, (pair, history) in enumerate(zip(model.pairs, histories)):
+        path = pair.path(poses, predicted)
+        reach = 2.0 * path + fall + MARGIN[model.scheme.inertia] * pair.size
+        if path > STRIDE * pair.size and pair.distance(poses) <= path:
+            names = " and ".join(bodies[b].body.name for b in pair.numbers)
+            hasty = f"bodies {names} approach one another by {path:.3g} m, limit {STRIDE * pair.size:.3g} m where they may meet"
+        elif pair.distance(poses) <= reach:
+            near.append(_begin_pair(index, pair, history, bodies, poses, predicted, reach, dt))
+    columns = np.full((len(bodies), 6), -1)
+    for body in bodies:
+        columns[body.number, body.free] = np.arange(body.unknowns.start, body.unknowns.stop)
+    return PairsStep(poses, model.pairs, tuple(near), columns, hasty)
+
+
+def struck(step, evaluation):
+    """Whether the increment to an Evaluation leaves a body with an impulse that the scheme has not handed on yet, so that the next
+    one must not be longer: generalised alpha moves bodies by the acceleration of earlier increments, and an impulse is a force
+    times the length of its own one."""
+    if step.pairs is None or not step.model.scheme.auxiliary:
+        return False
+    states = [terms.accept() for terms in evaluation.bodies]
+    left = max(np.linalg.norm(new.algorithmic[:3] - new.acceleration) for new in states)
+    fastest = max(np.linalg.norm(new.velocity) for new in states) + np.linalg.norm(step.model.gravity) * step.dt
+    return bool(0.5 * step.dt * left > LEFT * fastest)
+
+
+def _begin_pair(index, pair, history, bodies, poses, predicted, reach, dt):
+    """PairStep of a pair that may touch."""
+    def both(factor):
+        return tuple(body_to_body.begin(side, poses, predicted, reach, history.side(i), 0.5 * factor * pair.stiffness, pair.law,
+                                        pair.collapsed) for i, side in enumerate(pair.sides))
+
+    factor = float(history.factor[0])
+    if not len(history.number_0) and not len(history.number_1):
+        factor = 1.0
+        rates = {b: (bodies[b].state.velocity, bodies[b].state.rotation @ bodies[b].state.spin) for b in pair.numbers}
+        begun = both(1.0)
+        speed = max(body_to_body.closing_speed(one, rates[one.side.a], rates[one.side.b], poses, dt) for one in begun)
+        if not bodies[0].scheme.inertia or pair.impact * speed**2 <= pair.stiffness:
+            return PairStep(index, pair, begun, factor, reach)
+        factor = pair.impact * speed**2 / pair.stiffness
+        return PairStep(index, pair, tuple(replace(one, stiffness=factor * one.stiffness) for one in begun), factor, reach)
+    return PairStep(index, pair, both(factor), factor, reach)
