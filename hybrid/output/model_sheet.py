@@ -184,7 +184,7 @@ def _pairs(scene, model):
     names, rows = [body.name for body in scene.bodies], []
     for pair in model.pairs[:PAIRS]:
         one, other = (names[b] for b in pair.numbers)
-        rows.append(f"{one} and {other}: friction {pair.law.mu:g}, an overlap of {pair.overlap:.3g} m under {pair.load:.4g} N")
+        rows.append(f"{one} and {other}: friction {pair.law.mu:g}, an overlap of up to {pair.overlap:.3g} m under {pair.load:.4g} N")
     rows += [f"and {len(model.pairs) - PAIRS} more"] if len(model.pairs) > PAIRS else []
     joined = sorted({" and ".join(joint.bodies) for joint in scene.joints if len(joint.bodies) == 2})
     return rows + ([f"none between {', '.join(joined)}: joined"] if joined else [])

@@ -250,4 +250,4 @@ def test_contact_that_is_too_soft_for_a_force_is_reported_with_the_cure(load, re
 
 def test_the_sheet_lists_pairs():
     sheet = build(stack(1)).sheet()["modelled"]["bodies in contact"]
-    assert len(sheet) == 6 and sheet[0].startswith("slab and box0: friction 0.5, an overlap of")
+    assert len(sheet) == 6 and sheet[0].startswith("slab and box0: friction 0.5, an overlap of up to")
