@@ -16,14 +16,14 @@ SetFactory("OpenCASCADE");
 
 DefineConstant[
   hinge           = {0.489, Name "Parameters/hinge"},          // [m] x of the hinge (published)
-  tip             = {1.54,  Name "Parameters/tip"},            // [m] x of the tip
+  tip             = {1.52,  Name "Parameters/tip"},            // [m] x of the tip
   fluke_gap       = {0.30,  Name "Parameters/fluke_gap"},      // [m] y of the inner edge, beside the shank
-  fluke_width     = {1.00,  Name "Parameters/fluke_width"},    // [m] of one fluke, at its broadest
-  fluke_thickness = {0.36,  Name "Parameters/fluke_thickness"},// [m] at the crown
+  fluke_width     = {1.05,  Name "Parameters/fluke_width"},    // [m] of one fluke, at its broadest
+  fluke_thickness = {0.375, Name "Parameters/fluke_thickness"},// [m] at the crown
   tip_thickness   = {0.06,  Name "Parameters/tip_thickness"},  // [m]
-  crown_width     = {2.74,  Name "Parameters/crown_width"},    // [m] along y, whole anchor
-  crown_radius    = {0.255, Name "Parameters/crown_radius"},   // [m]
-  palm_height     = {0.10,  Name "Parameters/palm_height"},    // [m] how far the tripping palms stand out
+  crown_width     = {2.66,  Name "Parameters/crown_width"},    // [m] along y, whole anchor
+  crown_radius    = {0.25,  Name "Parameters/crown_radius"},   // [m]
+  palm_height     = {0.105, Name "Parameters/palm_height"},    // [m] how far the tripping palms stand out
   size            = {0.12,  Name "Parameters/size"}            // [m] edge length of the tetrahedra
 ];
 
@@ -36,24 +36,12 @@ R = crown_radius;
 // ---- crown: a bar along y -------------------------------------------------------------------------------
 Cylinder(1) = {hinge, 0, 0, 0, B, 0, R};
 
-// ---- palms: one wedge through the crown, standing out on both faces ---------------------------------------
+// ---- palms: one lobe through the crown, standing out on both faces ----------------------------------------
+// Round: on a plateau half a cell wide, soil lies as deep in the springs of contact as its rounded edges are round.
 H = R + palm_height;
-p = newp;
-Point(p)   = {hinge - 0.8*R, 0, 0};
-Point(p+1) = {hinge - 0.2*R, 0, -H};
-Point(p+2) = {hinge + 0.2*R, 0, -H};
-Point(p+3) = {hinge + 0.8*R, 0, 0};
-Point(p+4) = {hinge + 0.2*R, 0, H};
-Point(p+5) = {hinge - 0.2*R, 0, H};
-l = newl;
-Line(l)   = {p, p+1};
-Line(l+1) = {p+1, p+2};
-Line(l+2) = {p+2, p+3};
-Line(l+3) = {p+3, p+4};
-Line(l+4) = {p+4, p+5};
-Line(l+5) = {p+5, p};
-Curve Loop(101) = {l:l+5};
-Plane Surface(101) = {101};
+Disk(101) = {hinge, 0, 0, H, 0.75*R};
+Rotate{ {1, 0, 0}, {hinge, 0, 0}, Pi/2 }{ Surface{101}; }
+Rotate{ {0, 1, 0}, {hinge, 0, 0}, Pi/2 }{ Surface{101}; }
 palm() = Extrude{0, 0.75*B, 0}{ Surface{101}; };
 
 // ---- fluke: plan swept along z, cut by its side profile ---------------------------------------------------
