@@ -234,11 +234,10 @@ def named_parts(path, skins, index):
     """Physical surfaces of other names: these, their triangles (k, 3) and the number (k,) of the surface of each."""
     names = [name for name in skins if name and name not in ("contact", "symmetry")]
     seen = {}
-    for name in names:
-        for tag in skins[name]:
-            if seen.setdefault(int(tag), name) != name:
-                raise GeometryError(f"geometry {path}: surface {tag} is in the physical surfaces '{seen[int(tag)]}' and "
-                                    f"'{name}', whose forces are reported apart; keep it in one of them")
+    for name, tag in ((name, int(tag)) for name in names for tag in skins[name]):
+        if seen.setdefault(tag, name) != name:
+            raise GeometryError(f"geometry {path}: surface {tag} is in the physical surfaces '{seen[tag]}' and '{name}', "
+                                "whose forces are reported apart; keep it in one of them")
     triangles = [elements(skins[name], 2, TRIANGLE, path) for name in names]
     return {"parts": np.array(names, str),
             "part_triangles": index[np.vstack([np.zeros((0, 3), np.int64), *triangles])],

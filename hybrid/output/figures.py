@@ -135,43 +135,6 @@ def tension(folder, path=None, against="time"):
     return path
 
 
-def resistance(folder, path=None):
-    """Force of the soil against every driven translation, against the way driven in the last stage; of the whole body
-    where half of it is modelled; from history.csv.
-
-    Writes resistance.png in `folder` unless `path` is given, and returns the path; None where no body is driven.
-    """
-    history, path = read_history(folder), Path(path or Path(folder) / "resistance.png")
-    first = max(0, stage_starts(history)[-1] - 1)
-    curves = {}
-    for name in body_names(history):
-        for axis, way in driven_ways(history, name, first):
-            whole = f"{name}_contact_f{axis}_whole_N"
-            force = history[whole if whole in history else f"{name}_contact_f{axis}_N"][first:]
-            curves[f"{name} along {axis}" + ", whole body" * (whole in history)] = (
-                np.abs(way), -np.sign(way[-1]) * force)
-    if not curves:
-        return None
-    scale, unit = force_unit(max(np.abs(force).max() for _, force in curves.values()))
-    with figure(path) as drawing:
-        axes = drawing.subplots()
-        for (label, (way, force)), colour in zip(curves.items(), COLOURS * len(curves)):
-            axes.plot(way[1:], force[1:] / scale, color=colour, label=label)
-        axes.margins(x=0.02)
-        axes.set_xlabel(f"way in stage '{history['stage'][-1]}' [m]")
-        axes.set_ylabel(f"resistance of the soil [{unit}]")
-        axes.legend()
-    return path
-
-
-def driven_ways(history, name, first):
-    """Yields (axis, way (steps,) [m] from step `first` on) of each translation of body `name` that is driven."""
-    for axis in "xyz":
-        way = history[f"{name}_{axis}_m"][first:] - history[f"{name}_{axis}_m"][first]
-        if f"{name}_drive_{axis}_J" in history and abs(way[-1]) > 0.0:
-            yield axis, way
-
-
 def force_unit(largest):
     """(newtons in a unit, its name) for forces up to `largest` [N]."""
     return (1e6, "MN") if largest >= 1e6 else (1e3, "kN") if largest >= 1e3 else (1.0, "N")

@@ -78,7 +78,7 @@ class Pictures:
         figures.trajectory(self.folder)
         if any(np.any(history[f"{name}_tension_N"]) for name in body_names(history)):
             figures.tension(self.folder)
-        figures.resistance(self.folder)
+        body_figures.resistance(self.folder)
         body_figures.parts(self.folder, _part_areas(simulation))
         body_figures.line_in_soil(self.folder, _line_shapes(simulation))
 

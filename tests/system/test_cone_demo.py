@@ -29,4 +29,6 @@ def test_the_tip_feels_the_strength_and_the_weight_and_the_sleeve_the_adhesion()
     middle = DEPTH + 0.025 * (STEPS - 1.5) - 2 / 3 * R / np.tan(np.pi / 6)      # of the face, over its projection
     theory = 4 / 3 * (1 + np.log(RIGIDITY)) * (1.25 + RIGIDITY / 2000) + 2.2 * ADHESION
     assert (q - WEIGHT * middle) / STRENGTH == pytest.approx(theory, rel=0.2)
+    assert sum(rows[-1][f"cone_contact_{name}_fz_N"] for name in ("tip", "sleeve", "shaft")) == pytest.approx(
+        rows[-1]["cone_contact_fz_N"], rel=1e-12)
     assert f == pytest.approx(ADHESION * STRENGTH, rel=0.08)
