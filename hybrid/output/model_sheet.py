@@ -18,6 +18,7 @@ LIBRARIES = 320e6       # interpreter with dolfinx, PETSc, gmsh and compiled ker
 PICTURES = 95e6         # process that draws pictures
 BYTES_PER_POINT = 1600  # history, constants, trial buffers and temporaries of one point
 BYTES_PER_ENTRY = 34    # entry of the soil block: value, index, incomplete factor and its temporaries
+PART = 0.1      # of points and matrix, besides: those of an increment restricted to few nodes (`hybrid.step.restriction`)
 KEPT_PER_POINT, KEPT_PER_ENTRY = 648, 8     # tangents kept within an increment: 81 numbers and one
 FBAR_PER_POINT = 4000   # more with F-bar and contact on faces, as measured in a travelling grid
 
@@ -87,7 +88,7 @@ def growing_memory(soil, pattern, solver, direct=False):
 def growing_memory_of(points, entries, unknowns, fbar, kept, direct, plane):
     """The same by numbers; kept: whether points keep their tangents; plane: whether an axis is collapsed."""
     per_point = BYTES_PER_POINT + KEPT_PER_POINT * kept + FBAR_PER_POINT * fbar
-    memory = per_point * points + (BYTES_PER_ENTRY + KEPT_PER_ENTRY * kept) * entries
+    memory = (1 + PART) * (per_point * points + (BYTES_PER_ENTRY + KEPT_PER_ENTRY * kept) * entries)
     return memory + (direct_factor_memory(unknowns, plane) if direct else 0.0)
 
 
