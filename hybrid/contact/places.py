@@ -57,7 +57,7 @@ class Places:
     @property
     def along(self):
         """Number of places along the edge of a face, 1 for corners."""
-        return 1 if self.at_corners else round(self.share ** (-0.5 if len(set(self.axis)) == 3 else -1.0))
+        return 1 if self.at_corners else round(self.share ** (-1 / max(1, len(set(self.axis)) - 1)))
 
     @property
     def centre(self):
@@ -114,7 +114,7 @@ def faces(k, collapsed=(False, False, False), reach=FACE_REACH):
                 offset.append(place.reshape(-1, 3))
                 normal.append(side * np.eye(3)[axis])
                 axes.append(axis)
-    share = 1.0 / (k if any(collapsed) else k * k)
+    share = k ** (np.count_nonzero(collapsed) - 2.0)    # along a face of one free axis, none, there is one place
     return Places(np.array(offset), np.array(normal), np.array(axes), share, reach)
 
 

@@ -35,6 +35,13 @@ def test_a_collapsed_axis_has_one_place_along_it_and_no_face(axis):
     assert areas(found).sum() == pytest.approx(2 * (u + v) * 2 * HALF[axis], rel=1e-14)
 
 
+@pytest.mark.parametrize("axis", range(3))
+def test_in_a_column_each_end_has_one_place_with_its_whole_area(axis):
+    found = places.faces(4, np.arange(3) != axis)
+    assert len(found) == 2 and (found.axis == axis).all() and found.along == 1
+    assert areas(found) == pytest.approx(np.full(2, np.delete(2 * HALF, axis).prod()), rel=1e-14)
+
+
 @pytest.mark.parametrize("k", [1, 3, 4, 8])
 def test_places_are_the_midpoints_of_equal_rectangles_of_each_face(k):
     """They integrate linear functions exactly, and lie on their face."""
