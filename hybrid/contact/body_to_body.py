@@ -131,7 +131,7 @@ class SideStep:
         turn, way = relative(pose_a, pose_b, self.collapsed)
         y, outward, surface = self.places.point @ turn.T + way, self.places.normal @ turn.T, self.side.surface
         points = soil_to_body.ClosestPoints.empty(len(y))
-        _project(y, outward, self.start, self.places.clearance, surface.radius, surface.tree, points)
+        _project(y, outward, self.side.samples.first_edge > self.places.number, self.start, self.places.clearance, surface.radius, surface.tree, points)
         active = np.flatnonzero(self.stiffness * (self.rest - points.gap) > 0.0)
         points = points.select(active)
         origin = np.where(self.touching[active, None], self.anchor[active], self.start[active])
@@ -181,7 +181,7 @@ def begin(side, poses, predicted, reach, history, stiffness, law, collapsed):
     anchor[touching], rest[touching] = known[at], rests[at]
     if m:
         path = _path(poses[side.a], poses[side.b], predicted[side.a], predicted[side.b], collapsed)
-        _first_contact(places.point, places.normal, touching, path, side.surface.radius, side.surface.tree, anchor)
+        _first_contact(places.point, places.normal, side.samples.first_edge > places.number, touching, path, side.surface.radius, side.surface.tree, anchor)
     return SideStep(side, places, start, touching, anchor, rest, stiffness * places.area, law, collapsed)
 
 
@@ -209,8 +209,8 @@ def _path(start_a, start_b, end_a, end_b, collapsed):
 
 
 @njit(cache=True)
-def _project(y, outward, start, clearance, radius, tree, points):
-    """Fill `points` (ClosestPoints) for places now at y (m, 3)."""
+def _project(y, outward, on_face, start, clearance, radius, tree, points):
+    """Fill `points` (ClosestPoints) for places now at y (m, 3); on_face: (m,) bool, not on edges."""
     gap, triangle, feature, foot, weights = points
     for n in range(len(y)):
         x0, x1, x2 = y[n, 0] - start[n, 0], y[n, 1] - start[n, 1], y[n, 2] - start[n, 2]
@@ -219,25 +219,25 @@ def _project(y, outward, start, clearance, radius, tree, points):
             gap[n] = np.inf
             continue
         normal = outward[n, 0], outward[n, 1], outward[n, 2]
-        t, f, x, w, g = closest_facing((y[n, 0], y[n, 1], y[n, 2]), normal, FACING, tree)
+        t, f, x, w, g = closest_facing((y[n, 0], y[n, 1], y[n, 2]), normal, FACING, on_face[n], tree)
         triangle[n], feature[n], gap[n] = t, f, g
         for i in range(3):
             foot[n, i], weights[n, i] = x[i], w[i]
 
 
 @njit(cache=True)
-def _first_contact(point, normal, touching, path, radius, tree, anchor):
+def _first_contact(point, normal, on_face, touching, path, radius, tree, anchor):
     """Replace the `anchor` (m, 3) of places that do not touch by the place where they are predicted to touch first, or to be at
     the end."""
     for n in range(len(point)):
         if touching[n]:
             continue
         y = _at(path, point, n, 1.0)
-        if not outside_bounds(y[0], y[1], y[2], radius, tree) and _gap(path, point, normal, n, 1.0, tree) < 0.0:
+        if not outside_bounds(y[0], y[1], y[2], radius, tree) and _gap(path, point, normal, on_face, n, 1.0, tree) < 0.0:
             before, after = 0.0, 1.0
             for _ in range(HALVINGS):
                 middle = 0.5 * (before + after)
-                if _gap(path, point, normal, n, middle, tree) < 0.0:
+                if _gap(path, point, normal, on_face, n, middle, tree) < 0.0:
                     after = middle
                 else:
                     before = middle
@@ -247,9 +247,9 @@ def _first_contact(point, normal, touching, path, radius, tree, anchor):
 
 
 @njit(cache=True)
-def _gap(path, point, normal, n, fraction, tree):
+def _gap(path, point, normal, on_face, n, fraction, tree):
     outward = _turned(path, normal, n, fraction, 0.0)
-    return closest_facing(_at(path, point, n, fraction), outward, FACING, tree)[4]
+    return closest_facing(_at(path, point, n, fraction), outward, FACING, on_face[n], tree)[4]
 
 
 @njit(cache=True)

@@ -54,13 +54,14 @@ class Samples:
 
     pieces: the triangles that are cut where it is necessary; edges: Places on its sharp edges and corners, whose clearance is
     not set; share: part of the body that lies in the slice of plane strain, else 1; flat: (k, 3) unit vectors of the body frame
-    along collapsed axes, along which places lie at the centre of mass
+    along collapsed axes, along which places lie at the centre of mass; first_edge: number of the first place on an edge
     """
 
     pieces: Pieces
     edges: Places
     share: float = 1.0
     flat: np.ndarray | None = None
+    first_edge: int = 0
 
     def near(self, turn, way, surface, reach):
         """Places within `reach` [m] of the `surface` of another body, in whose frame a point X of this one is at turn X + way."""
@@ -93,7 +94,7 @@ def sample(surface, spacing, width, corner, flat=None, share=1.0):
     for axis in () if flat is None else flat:
         point = point - (point @ axis)[:, None] * axis
     edges = Places(total[-1] + np.arange(len(point)), point, normal, area, np.zeros(len(point)))
-    return Samples(pieces, edges, share, flat)
+    return Samples(pieces, edges, share, flat, int(total[-1]))
 
 
 def _edges(surface, spacing, width, corner):

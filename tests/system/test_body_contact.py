@@ -1,6 +1,7 @@
 """Bodies in contact with one another: impacts, rolling and sliding, stacks, thin bodies, plane strain, without inertia, resumed."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,11 +9,12 @@ import pytest
 from hybrid.output.checkpoint import load, save
 from hybrid.runtime.errors import SceneError
 from hybrid.scene import Contact
-from hybrid.scene.file import validate
+from hybrid.scene.file import load_scene, validate
 from hybrid.setup.build import build
-from hybrid.study.scenes import box, collapsed, plane, sphere
+from hybrid.study.scenes import NO_OUTPUT, box, collapsed, plane, sphere
 
 G = 9.81
+ROOT = Path(__file__).parents[2]
 HELD = ("x", "y", "z", "rx", "ry", "rz")
 
 
@@ -161,6 +163,30 @@ def test_a_stack_of_boxes_stays_at_rest():
     for state, start in zip(simulation.state.bodies[1:], simulation.initial_bodies[1:]):
         assert np.abs(state.position - start.position).max() < 1e-3 and np.abs(state.rotation - np.eye(3)).max() < 3e-4
         assert np.abs(state.velocity).max() < 1e-3
+
+
+def test_equal_boxes_exactly_above_one_another_converge_as_any_others():
+    """Edges lie in the flanks of the other box to round-off."""
+    bodies = [box(0.8, 0.8, 0.4, name=f"box{i}", position=(1.1, -0.7, 2.2 + 0.4 * i), friction=0.5) for i in range(3)]
+    bodies[0] = replace(bodies[0], held=HELD)
+    _, records = run(scene(bodies, 12, 0.02))
+    assert sum(r.rejections for r in records) == 0 and max(r.iterations for r in records) <= 6
+    assert [p.places for p in records[-1].pairs if p.force.any()] == [p.places for p in records[-1].pairs if p.places]
+
+
+def test_a_pile_on_sand_carries_the_weights_above():
+    """The demo stack.toml on cells of 0.5 m: forces on sand and between blocks at the end of the first stage."""
+    described = load_scene(ROOT / "demos/stack.toml", [f"grid.{axis}.size=0.5" for axis in "xyz"])
+    x, y, z = (getattr(described.grid, axis) for axis in "xyz")
+    grid = replace(described.grid, y=replace(y, start=-1.5, end=1.5), x=x, z=z)
+    simulation = build(replace(described, grid=grid, stages=described.stages[:1], output=NO_OUTPUT))
+    records = list(simulation.steps())
+    weight = simulation.masses[0].mass * G
+    row = records[-1].row()
+    assert row["lower_contact_fz_N"] == pytest.approx(3 * weight, rel=0.03)
+    assert row["middle_on_lower_fz_N"] == pytest.approx(-2 * weight, rel=0.03)
+    assert row["upper_on_middle_fz_N"] == pytest.approx(-weight, rel=0.03)
+    assert row["ball_z_m"] == pytest.approx(simulation.initial_bodies[3].position[2]) and weight == pytest.approx(7534.0, rel=1e-3)
 
 
 def test_a_stack_without_inertia_carries_the_weights_above():
