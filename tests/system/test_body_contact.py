@@ -8,7 +8,7 @@ import pytest
 
 from hybrid.output.checkpoint import load, save
 from hybrid.runtime.errors import SceneError
-from hybrid.scene import Contact
+from hybrid.scene import Contact, Joint
 from hybrid.scene.file import load_scene, validate
 from hybrid.setup.build import build
 from hybrid.study.scenes import NO_OUTPUT, box, collapsed, plane, sphere
@@ -272,6 +272,15 @@ def test_contact_that_is_too_soft_for_a_force_is_reported_with_the_cure(load, re
     assert len(notes) == 1 and "[[contact]]" in notes[0]      # a driven body overlaps whatever the stiffness is
     row = records[-1].row()
     assert row["ram_on_post_fx_N"] == pytest.approx(-row["post_reaction_fx_N"], rel=1e-9) and row["ram_on_post_fx_N"] < 0.0
+
+
+def test_joined_bodies_do_not_touch_one_another():
+    bodies = [box(0.5, 0.5, 0.5, name=name, position=(x, 0.0, 2.0), friction=0.5) for name, x in (("one", 0.0), ("two", 0.4))]
+    pin = Joint("pin", "weld", ("one", "two"), (0.2, 0.0, 0.0))
+    simulation, records = run(replace(scene(bodies, 3, 0.01), joints=(pin,)))
+    assert simulation.model.pairs == () and records[-1].pairs == []
+    assert simulation.sheet()["modelled"]["bodies in contact"] == ["none between one and two: joined"]
+    assert np.abs(simulation.state.bodies[0].velocity - (0.0, 0.0, -0.03 * G)).max() < 1e-9
 
 
 def test_the_sheet_lists_pairs():

@@ -5,9 +5,12 @@ import os
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
+
+from hybrid.output.history import read_history
 
 pytest.importorskip("mpi4py")
 pytestmark = pytest.mark.skipif(shutil.which("mpirun") is None, reason="needs mpirun")
@@ -115,6 +118,19 @@ def test_body_that_slides_on_yielding_sand(scene, tmp_path):
     for name in ("position", "stress"):
         one, three = points(tmp_path / "one")[name], points(tmp_path / "three")[name]
         assert np.abs(one - three).max() < 1e-3 * np.abs(one).max()
+
+
+def test_bodies_that_rest_on_one_another(tmp_path):
+    """The demo stack.toml on cells of 0.5 m, four steps: forces of the soil and of blocks on one another."""
+    coarse = [text for axis in "xyz" for text in ("--set", f"grid.{axis}.size=0.5")]
+    few = ["--set", "grid.y.start=-1.5", "--set", "grid.y.end=1.5", "--set", "stage.stand.steps=4", "--set", "stage.drop.steps=1",
+           "--set", "output.every=0", "--set", "output.pictures=[]"]
+    for folder, ranks in (("one", 1), ("two", 2)):
+        hybrid("run", Path(__file__).parents[2] / "demos/stack.toml", *coarse, *few, "--out", tmp_path / folder, *(["--ranks", 2] * (ranks > 1)))
+    rows = [read_history(tmp_path / folder) for folder in ("one", "two")]
+    for name in ("lower_contact_fz_N", "middle_on_lower_fz_N", "upper_on_middle_fz_N"):
+        one, two = (row[name] for row in rows)
+        assert np.abs(one).min() > 100.0 and np.abs(one - two).max() < 1e-4 * np.abs(one).max(), name
 
 
 def test_what_ranks_cannot_do_is_refused_once(scene, tmp_path):
