@@ -17,6 +17,7 @@ from functools import cached_property
 import numpy as np
 
 from hybrid.body.attitude import quaternion
+from hybrid.body.joints import Joint
 from hybrid.body.rigid import FREEDOMS, line_ends
 from hybrid.body.symmetry import copies
 from hybrid.contact.soil_to_body import nearest
@@ -228,7 +229,7 @@ class Simulation:
         control, model = self._control(length, begun), self.stage_model(number, starts)
         workspace.renew(model)
         if not begun:
-            self.state = model.begin_stage(self.state)
+            self.state = model.begin_stage(self.state, self.stage_model(number - 1, 0.0).guides if number else ())
         if stage.pull:
             self.state = model.lay_out_lines(self.state)
         for stage_step in range(max(1, self.state.step - first + 1), stage.steps + 1):
@@ -284,7 +285,7 @@ class Simulation:
             increments=report.increments, iterations=report.iterations, rejections=report.rejections,
             residual=evaluation.error, contacts=int(comm.total([len(terms.contact) for terms in evaluation.bodies])),
             seconds=timing.collect(), energies=energy,
-            bodies=[_body_record(terms, state) for terms in evaluation.bodies], joints=_joint_records(evaluation),
+            bodies=[_body_record(terms, state, evaluation.joints) for terms in evaluation.bodies], joints=_joint_records(evaluation),
             pairs=_pair_records(evaluation), time_error=report.error,
             krylov=report.krylov, judged=report.judged, copies=copies(self.mirrors),
             notes=self._initial_notes() + self._monitors.notes(view))
@@ -306,13 +307,17 @@ def _errors_of(observer):
     return output_errors(getattr(observer, "path", None) or getattr(observer, "folder", None) or "the results")
 
 
-def _body_record(terms, state):
+def _body_record(terms, state, joints):
     """BodyRecord of a body, by its BodyTerms at the step that led to `state`."""
     motion, contact = state.bodies[terms.step.number], terms.contact
+    reaction, load, work = _guided(terms.step.body, motion, state.work)
+    for guide, force in joints.guides() if joints else ():
+        if guide.bodies[0] == terms.step.number:
+            reaction[guide.name], work[guide.name] = force, state.work[drive_name(terms.step.body, guide.name)]
     return BodyRecord(
         terms.step.body.name, motion.position, quaternion(motion.rotation), motion.velocity, motion.spin,
         contact.resultant[:3], contact.resultant[3:], terms.trial.tension, contact.largest_overlap,
-        **_guided(terms.step.body, motion, state.work), mirrors=terms.step.body.mirrors,
+        reaction, load, work, mirrors=terms.step.body.mirrors,
         parts=terms.step.body.parts.forces(contact) if terms.step.body.parts else {},
         line_ends=_line_ends(terms.step.body.line, motion))
 
@@ -331,7 +336,7 @@ def _joint_records(evaluation):
     terms = evaluation.joints
     return [JointRecord(joint.name, force, float(np.degrees(joint.angle(pair))) if joint.turning else None,
                         evaluation.bodies[joint.bodies[0]].step.body.mirrors)
-            for joint, pair, force in zip(terms.step.joints, terms.pairs, terms.forces())]
+            for joint, pair, force in zip(terms.step.joints, terms.pairs, terms.forces()) if isinstance(joint, Joint)]
 
 
 def _pair_records(evaluation):
@@ -350,4 +355,4 @@ def _guided(body, motion, work):
     if load_name(body) in work:
         done["load"] = work[load_name(body)]
     reaction = {} if motion.reaction is None else {name: motion.reaction[FREEDOMS.index(name)] for name in guided}
-    return {"reaction": reaction, "load": motion.load, "work": done}
+    return reaction, motion.load, done

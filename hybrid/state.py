@@ -165,10 +165,12 @@ class JointState:
     """Joints of a model, row by row.
 
     multipliers  (n,) [N, N m]; active: (n,) bool, rows that are zero: joints, stops that touch, taut lines, sticking friction
+    missed       (n,) [m, rad] values of the rows; None where no point of a body is guided
     """
 
     multipliers: np.ndarray
     active: np.ndarray
+    missed: np.ndarray | None = None
 
 
 @dataclass

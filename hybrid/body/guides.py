@@ -55,12 +55,13 @@ class PointLoad:
 
 @dataclass(frozen=True)
 class StageControl:
-    """What a stage changes of a body: released and held components (6,) bool, guides, loads."""
+    """What a stage changes of a body: released and held components (6,) bool, guides, loads, and PointGuides."""
 
     released: np.ndarray
     held: np.ndarray
     guides: tuple[Guide, ...] = ()
     loads: tuple[PointLoad, ...] = ()
+    points: tuple = ()
 
     @property
     def driven(self):

@@ -206,7 +206,7 @@ def _of_stages(scene):
     """{label: motions and loads of bodies in the stages}, empty where they have none."""
     texts = []
     for stage in scene.stages:
-        parts = [" ".join(filter(None, (motion.body, *(
+        parts = [" ".join(filter(None, (motion.body, _point(motion.point), *(
             f"{word} {' '.join(names)}" for word, names in (
                 ("free", motion.free), ("held", motion.held), ("driven", (motion.component,) * (motion.component is not None)))
             if names)))) for motion in stage.motions]
@@ -214,6 +214,11 @@ def _of_stages(scene):
             name for name in ("force", "moment") if getattr(load, name) is not None)))) for load in stage.loads]
         texts += [f"{stage.name}: {', '.join(parts)}"] if parts else []
     return {"motions and loads": texts} if texts else {}
+
+
+def _point(point):
+    """Text of a point whose motion is given, None of the centre of mass."""
+    return point and f"at {point if isinstance(point, str) else ', '.join(f'{x:g}' for x in point)}"
 
 
 def _schemes(scene, scheme):

@@ -29,8 +29,8 @@ class BodyRecord:
     """One body at the end of a step: centre of mass, attitude (w, x, y, z), velocity, spin, and the forces on it.
 
     reaction and work are {component: force or moment of its guides, work done by them [J]} of components that are held or
-    driven ("x" ... "rz"), with work["load"] of loads; load: (6,) [N, N m], None where none act; parts: {name of a part of the
-    surface: force of the soil on it (3,) [N]}, which add up to contact_force, empty where the geometry names none; line_ends: (pull [N], angle [-] above the horizontal) at
+    driven ("x" ... "rz", "tip x" of a point "tip"), with work["load"] of loads;
+    load: (6,) [N, N m], None where none act; parts: {name of a part of the surface: force of the soil on it (3,) [N]}, which add up to contact_force, empty where the geometry names none; line_ends: (pull [N], angle [-] above the horizontal) at
     the mudline and at the shackle of a line that cuts through soil, else None. Moments are about the
     centre of mass; force and moment are in the spatial frame, the spin is in
     the body frame, as in `hybrid.state.BodyState`. All values are those of what is modelled; mirrors: planes of symmetry
@@ -76,11 +76,12 @@ class BodyRecord:
             pull, angle, _, steep = self.line_ends
             columns.update(mudline_pull_N=pull, mudline_angle_deg=np.degrees(angle), shackle_angle_deg=np.degrees(steep))
         for name, value in self.reaction.items():
-            columns[f"reaction_m{name[1]}_Nm" if name[0] == "r" else f"reaction_f{name}_N"] = value
+            point, _, name = name.rpartition(" ")
+            columns[f"reaction_m{name[1]}_Nm" if name[0] == "r" else f"reaction_{point}{'_' * bool(point)}f{name}_N"] = value
         if self.load is not None:
             columns.update(zip((f"load_{kind}_{unit}" for kind, unit in zip(
                 ("fx", "fy", "fz", "mx", "my", "mz"), ["N"] * 3 + ["Nm"] * 3)), self.load))
-        columns.update({"load_J" if name == "load" else f"drive_{name}_J": value for name, value in self.work.items()})
+        columns.update({"load_J" if name == "load" else f"drive_{name.replace(' ', '_')}_J": value for name, value in self.work.items()})
         return {f"{self.name}_{key}": float(value) for key, value in whole_columns(columns, self.mirrors).items()}
 
 

@@ -24,7 +24,7 @@ def demo_titles():
 
 
 def copy_demo(name, folder):
-    """Copy a shipped scene to folder/demos and the geometries to folder/geometry; returns the path of the scene.
+    """Copy a shipped scene and its table to folder/demos and the geometries to folder/geometry; returns the path of the scene.
 
     Geometries that are there already are kept. Raises SceneError for an unknown name, or if the scene is there already.
     """
@@ -34,7 +34,7 @@ def copy_demo(name, folder):
     if scene.exists():
         raise SceneError(f"{scene}: exists already; remove it, or choose another folder by --to")
     try:
-        for source in (DEMOS / scene.name, *GEOMETRY.glob("*.geo")):
+        for source in (DEMOS / scene.name, *DEMOS.glob(f"{name}.csv"), *GEOMETRY.glob("*.geo")):
             target = Path(folder) / source.parent.name / source.name
             target.parent.mkdir(parents=True, exist_ok=True)
             if not target.exists():

@@ -22,7 +22,8 @@ def joint_faults(scene):
             yield from need(name in names, f"{key}.bodies", clipped(name), f"names of bodies: {', '.join(names) or 'none'}",
                             f"name a [[body]]{did_you_mean(name, names)}")
         yield from _kind(key, joint)
-    if scene.joints and scene.time.inertia:
+    points = any(motion.point is not None for stage in scene.stages for motion in stage.motions)
+    if (scene.joints or points) and scene.time.inertia:
         yield from _scheme(scene)
 
 
@@ -53,5 +54,5 @@ def _scheme(scene):
     for stage in scene.stages:
         radius = scheme.with_pair(stage.beta, stage.gamma).spectral_radius
         yield from need(radius <= DAMPED, "time.scheme", time.scheme,
-                        f"one that damps in a scene with joints (spectral radius {radius:.3g}, limit {DAMPED:g})",
-                        "leave it out; without damping the forces of joints oscillate")
+                        f"one that damps in a scene with joints or guided points (spectral radius {radius:.3g}, limit {DAMPED:g})",
+                        "leave it out; without damping their forces oscillate")

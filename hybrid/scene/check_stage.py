@@ -15,10 +15,10 @@ def stage_faults(key, stage, scene):
         yield from _motion(path, motion, scene.grid)
         name = motion.body or (scene.bodies[0].name if len(scene.bodies) == 1 else None)
         for component in components(motion):
-            yield from need((name, component) not in taken, path, component,
-                            f"in one motion of the stage and is in {taken.get((name, component))} too",
+            one = name, motion.point, component
+            yield from need(one not in taken, path, component, f"in one motion of the stage and is in {taken.get(one)} too",
                             "keep one of them")
-            taken.setdefault((name, component), path)
+            taken.setdefault(one, path)
     for i, load in enumerate(stage.loads):
         path = f"{key}.load.{i}"
         yield from _body(path, load, scene)
@@ -53,6 +53,12 @@ def _motion(path, motion, grid):
     yield from need(len(given) == (motion.component is not None), f"{path}.component", motion.component or "left out",
                     f"with one of velocity and displacement, but has {' and '.join(given) or 'none of them'}",
                     "write component = 'x' and velocity = 0.1")
+    if motion.point is not None:
+        yield from need(not motion.free, f"{path}.free", motion.free, "left out with a point", "release components of the "
+                        "centre of mass; points are guided in the stages that say so")
+        turns = [name for name in named if len(name) == 2]
+        yield from need(not turns, path, turns, "translations with a point", "a body turns alike at all of its points: "
+                        "give rotations in a motion without a point")
     for axis in "xyz":
         if getattr(grid, axis).collapsed:
             fixed = [name for name in named if name == axis or name[0] == "r" and name != "r" + axis]

@@ -17,7 +17,7 @@ TIMES = "a list of [time, value], or the path of a CSV file with these columns; 
 @table
 class Motion:
     """What guides do to components of a body in one stage, instead of what body.held, body.driven and stage.held say.
-    Translations are those of the centre of mass.
+    Translations are those of the centre of mass, or of a point that goes with the body, and is then all that is guided.
 
     A driven component is one `component` with a `velocity` or a `displacement`. Between the times of a table values are
     linear; before its first and after its last time they stay. A displacement is relative to its first value and changes at
@@ -28,6 +28,9 @@ class Motion:
     free: tuple[Freedom, ...] = key("components that are released", default=())
     held: tuple[Freedom, ...] = key("components that do not change", default=())
     component: Freedom | None = key("component that is driven", default=None)
+    point: str | Vector | None = key(
+        "whose translations are held or driven: name of a physical point of the geometry, or three coordinates of the "
+        "geometry; left out: the centre of mass", "m", default=None)
     velocity: float | Pairs | Path | None = key(f"of that component: one number, {TIMES}", "m/s, rad/s", default=None)
     displacement: Pairs | Path | None = key(f"of that component: {TIMES}", "m, deg", default=None)
 

@@ -23,10 +23,11 @@ from hybrid.setup.line_soil import line_through_soil
 from hybrid.setup.settle import settle
 from hybrid.setup.size import refuse_cells, refuse_size
 from hybrid.setup.soil import build_soil, lay_out
+from hybrid.setup.stages import refuse_implied
 from hybrid.setup.symmetry import stray_cap, with_symmetry
 from hybrid.simulation import Simulation
 from hybrid.state import ContactHistory, State
-from hybrid.step import joint_terms, processes
+from hybrid.step import joint_rates, processes
 from hybrid.step.loads import Loads
 from hybrid.step.model import Model
 
@@ -93,8 +94,9 @@ def _put_together(scene, decisions, accuracy, body_force, law):
         bodies = [with_stiffness(body, soil.law.young, soil.held) for body in bodies]
     pairs, touching = build_pairs(scene, bodies, motions, joints, grid, gravity)
     model = Model(soil, tuple(bodies), build_scheme(scene.time), loads, scene.solver, joints, pairs)
-    state = State(0.0, 0, points, motions, contacts, joints=joint_terms.start(model), pairs=touching)
+    state = State(0.0, 0, points, motions, contacts, joints=joint_rates.start(model), pairs=touching)
     refuse_velocities(model, state)
+    refuse_implied(scene, model, state)
     if moving_grid is not None:
         moving_grid.lay_out = lambda grid: lay_out(scene.soil, grid, gravity)
         state.ground = moving_grid.first_ground(layouts, soil)

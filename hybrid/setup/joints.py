@@ -5,7 +5,7 @@ import numpy as np
 from hybrid.body.joints import Joint
 from hybrid.runtime.errors import SceneError
 from hybrid.setup.stages import point_of
-from hybrid.step.joint_terms import velocity_against
+from hybrid.step.joint_rates import velocity_against
 
 MOVING = 1e-6   # share of a body's speed that may be along a joint at the start
 

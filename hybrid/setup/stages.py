@@ -3,10 +3,12 @@
 import numpy as np
 
 from hybrid.body.guides import Guide, PointLoad, StageControl
+from hybrid.body.point_guides import PointGuide
 from hybrid.body.rigid import FREEDOMS
 from hybrid.body.table import Table
 from hybrid.runtime.errors import SceneError
 from hybrid.scene.stage import table_rows
+from hybrid.step.joint_terms import implied_guides
 
 
 def stage_controls(stages, described, body_mesh, centre):
@@ -19,8 +21,10 @@ def stage_controls(stages, described, body_mesh, centre):
 
     controls = [StageControl(
         released=np.isin(FREEDOMS, [name for motion in own(stage.motions) for name in motion.free]),
-        held=np.isin(FREEDOMS, [name for motion in own(stage.motions) for name in motion.held]),
-        guides=tuple(_guide(motion) for motion in own(stage.motions) if motion.component),
+        held=np.isin(FREEDOMS, [name for motion in own(stage.motions) if motion.point is None for name in motion.held]),
+        guides=tuple(_guide(motion) for motion in own(stage.motions) if motion.component and motion.point is None),
+        points=tuple(guide for j, motion in enumerate(stage.motions) if motion in own(stage.motions)
+                     for guide in _point_guides(motion, f"stage.{i}.motion.{j}.point", described, body_mesh, centre)),
         loads=tuple(_load(load, f"stage.{i}.load.point", described, body_mesh, centre) for load in own(stage.loads)))
         for i, stage in enumerate(stages)]
     changed = any(own(stage.motions) or own(stage.loads) for stage in stages)
@@ -33,6 +37,27 @@ def _guide(motion):
         return Guide(component, Table.of(table_rows(motion.velocity, 2, "velocity"), 0.0), True)
     degrees = np.pi / 180 if component > 2 else 1.0
     return Guide(component, Table.of(table_rows(motion.displacement, 2, "displacement"), 0.0, degrees), False)
+
+
+def _point_guides(motion, key, described, body_mesh, centre):
+    """PointGuides of a Motion, none where it is that of the centre of mass."""
+    if motion.point is None:
+        return []
+    label = motion.point if isinstance(motion.point, str) else "_".join(f"{x:g}" for x in motion.point)
+    point = point_of(motion.point, key, described, body_mesh) - centre
+    still = Table.of(((0.0, 0.0),), 0.0)
+    guides = [Guide(FREEDOMS.index(name), still, True) for name in motion.held]
+    guides += [_guide(motion)] if motion.component else []
+    return [PointGuide(label, point, guide) for guide in guides]
+
+
+def refuse_implied(scene, model, state):
+    """SceneError where the component of a point that a stage guides follows from what else holds the body."""
+    for number, stage in enumerate(scene.stages):
+        for guide in implied_guides(model.for_stage(stage.held, number=number), state.bodies):
+            raise SceneError(f"stage {stage.name!r} guides {guide.name} of body {model.bodies[guide.bodies[0]].name!r}, which "
+                             "components that are held or driven, joints or other points leave no freedom there; remove this "
+                             "motion, or release one of them")
 
 
 def _load(load, key, described, body_mesh, centre):

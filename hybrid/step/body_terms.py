@@ -3,7 +3,7 @@
     R_w = inertia - weight + line + Σ contact - loads - joints - other bodies       on the body's free unknowns        [N, N m]
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from hybrid.contact.soil_to_body import CornerContact
 from hybrid.runtime.comm import anywhere
 from hybrid.scheme import Scheme
 from hybrid.state import BodyState
-from hybrid.step import soil_terms
+from hybrid.step import joint_terms, soil_terms
 from hybrid.step.search_reach import search_reach
 
 # Nothing damps errors of the moments in free flight, and rotation about the middle axis amplifies them: relative to
@@ -182,8 +182,10 @@ def begin_bodies(model, state, dt, pulling, domains, active, nodal):
     Domains of the soil's points; active: (N,) bool, nodes that carry mass."""
     gravity, grid, first, begun = model.loads.on_bodies(state.time + dt), model.soil.grid, 0, []
     velocity, predicted = nodal
+    along = joint_terms.rates_of_guides(model, state, dt)
     for number, body in enumerate(model.bodies):
         body = guides.during(body, state.time, dt, model.scheme.rotation == "cayley")
+        body = replace(body, drive=body.drive + along[number]) if along else body
         motion = rigid.begin_increment(body, state.bodies[number], model.scheme, dt)
         unknowns = slice(first, first + np.count_nonzero(body.free))
         first = unknowns.stop

@@ -22,7 +22,7 @@ from hybrid.runtime.timing import phase
 from hybrid.soil.model import Refusal, SoilStep, SoilTrial
 from hybrid.soil.transfer import interpolate
 from hybrid.state import State
-from hybrid.step import body_terms, joint_terms, pair_terms, soil_terms
+from hybrid.step import body_terms, joint_rates, joint_terms, pair_terms, soil_terms
 from hybrid.step.body_terms import BodyStep, BodyTerms
 from hybrid.step.joint_terms import JointStep, JointTerms
 from hybrid.step.model import Model
@@ -230,7 +230,7 @@ class Step:
             contacts = [terms.step.pair.commit(terms.contact, displacement) for terms in evaluation.bodies]
             joints, lost = evaluation.joints and evaluation.joints.state(), 0.0
             if joints:
-                bodies, joints, lost = joint_terms.engaged(self, evaluation.joints, bodies, joints)
+                bodies, joints, lost = joint_rates.engaged(self, evaluation.joints, bodies, joints)
             work = work_after(self, evaluation, points, bodies, lost)
         time, number = (state.time + self.dt, state.step) if end is None else (end, state.step + 1)
         pairs = evaluation.pairs.histories() if evaluation.pairs else []
@@ -242,6 +242,7 @@ def begin(model, state, dt, pulling, workspace):
 
     Raises StepError when a point has left the grid, or is detached and the run is to stop for it.
     """
+    state = joint_rates.engage_guides(model, state, dt)
     soil, grid, points = None, model.soil.grid, state.points
     active, small_support = np.ones(grid.node_count, bool), None
     with phase("transfer"):

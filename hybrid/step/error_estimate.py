@@ -40,7 +40,7 @@ from hybrid.body.attitude import cayley_vector
 from hybrid.body.motion import updated
 from hybrid.runtime.comm import total
 from hybrid.soil.transfer import interpolate
-from hybrid.step.joint_terms import engages
+from hybrid.step.joint_rates import engages
 
 SAFETY = 0.9
 SHRINK, GROW = 0.2, 2.0     # limits of the ratio of neighbouring increments

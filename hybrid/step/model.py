@@ -6,11 +6,12 @@ import numpy as np
 
 from hybrid.body import rigid
 from hybrid.body.joints import Joint
+from hybrid.body.point_guides import PointGuide
 from hybrid.body.rigid import FREEDOMS, RigidBody
 from hybrid.scene import Solver
 from hybrid.scheme import Scheme
 from hybrid.soil.model import Soil
-from hybrid.step import joint_terms
+from hybrid.step import joint_rates
 from hybrid.step.loads import Loads
 from hybrid.step.pair_terms import BodyPair
 from hybrid.step.work import add_by_component
@@ -20,7 +21,7 @@ from hybrid.step.work import add_by_component
 class Model:
     """What is modelled in a stage; it never changes. solver: the scene's own settings of Newton's method and of the
     linear systems inside it; joints: of bodies, with their pairs of numbers; pairs: of bodies that may touch
-    one another."""
+    one another; guides: of points of bodies in the stage."""
 
     soil: Soil
     bodies: tuple[RigidBody, ...]
@@ -29,6 +30,7 @@ class Model:
     solver: Solver = Solver()
     joints: tuple[Joint, ...] = ()
     pairs: tuple[BodyPair, ...] = ()
+    guides: tuple[PointGuide, ...] = ()
 
     @property
     def gravity(self):
@@ -36,9 +38,14 @@ class Model:
         return self.loads.gravity
 
     @property
+    def constraints(self):
+        """Joints and guides of points, in the order of their rows."""
+        return self.joints + self.guides
+
+    @property
     def body_unknowns(self):
         """Number of free components of all bodies, and of rows of their joints."""
-        return sum(int(np.count_nonzero(body.free)) for body in self.bodies) + sum(len(j.bounds) for j in self.joints)
+        return sum(int(np.count_nonzero(body.free)) for body in self.bodies) + sum(len(j.bounds) for j in self.constraints)
 
     def with_soil(self, soil):
         """The same model with other soil."""
@@ -50,13 +57,17 @@ class Model:
         loads; number: of the stage, from 0, with what it changes of bodies, from its `start` [s] on."""
         held = np.isin(FREEDOMS, held)
         bodies = tuple(replace(b, free=b.free & ~held, drive=b.drive * ~held) for b in self.bodies)
+        guides = tuple(guide.of_body(i, start) for i, b in enumerate(bodies) if number is not None and b.stages
+                       for guide in b.stages[number].points)
         bodies = tuple(b if number is None or not b.stages else b.stages[number].apply(b, start) for b in bodies)
-        return replace(self, scheme=self.scheme.with_pair(beta, gamma), bodies=bodies, loads=loads or self.loads)
+        return replace(self, scheme=self.scheme.with_pair(beta, gamma), bodies=bodies, loads=loads or self.loads, guides=guides)
 
-    def begin_stage(self, state):
+    def begin_stage(self, state, guides=()):
         """`state` at the start of a stage of this model: guides release bodies or engage them. The work of the impulse
-        that brings a body to the rates of its guides is work of the drive."""
+        that brings a body to the rates of its guides is work of the drive. guides: of points in the stage before."""
         gravity, bodies, work = self.loads.on_bodies(state.time), [], dict(state.work)
+        if guides:
+            state = joint_rates.released(self, state, guides)
         for body, motion in zip(self.bodies, state.bodies, strict=True):
             if self.scheme.inertia:
                 motion = rigid.release_guides(body, motion)
@@ -66,7 +77,7 @@ class Model:
                 work["drive"] = work.get("drive", 0.0) + impulse_work
                 add_by_component(work, body, rigid.jolt(body, before, motion))
             bodies.append(rigid.begin_loads(body, motion, state.time, self.scheme))
-        bodies, joints, lost = joint_terms.begin_stage(self, bodies, state.joints)
+        bodies, joints, lost = joint_rates.begin_stage(self, bodies, state.joints)
         if lost:
             work["drive"] = work.get("drive", 0.0) - lost
         return replace(state, bodies=bodies, work=work, joints=joints)

@@ -30,7 +30,11 @@ def work_after(step, evaluation, points, bodies, lost=0.0):
         add("friction", evaluation.pairs.dissipated)
     if evaluation.joints:
         add("friction", evaluation.joints.dissipated())
-        add("stop", lost)
+        if step.model.joints:
+            add("stop", lost)
+        for guide, done in evaluation.joints.work_of_guides(step.state.joints.multipliers):
+            add("drive", done)
+            add(drive_name(step.model.bodies[guide.bodies[0]], guide.name), done)
     for terms in evaluation.bodies:
         if terms.step.body.line:
             add("pull", _of_pull(terms, bodies[terms.step.number]))
