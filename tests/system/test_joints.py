@@ -10,9 +10,10 @@ from scipy.spatial.transform import Rotation
 from hybrid.body.attitude import exp_so3
 from hybrid.linalg.petsc import BlockSystem
 from hybrid.output.checkpoint import load, save
+from hybrid.runtime.data import DEMOS
 from hybrid.runtime.errors import SceneError
 from hybrid.scene import Axis, Faces, Grid, Joint, Load, Motion, Stage
-from hybrid.scene.file import validate
+from hybrid.scene.file import load_scene, validate
 from hybrid.setup.build import build
 from hybrid.step.equations import Unknowns, begin
 from hybrid.step.workspace import Workspace
@@ -97,6 +98,15 @@ def test_double_pendulum_converges_to_an_accurate_integration_with_second_order(
     errors = [double_error(steps, 0.5)[0] for steps in (50, 100, 200)]
     rates = np.log2(np.array(errors[:-1]) / errors[1:])
     assert errors[-1] < 5e-3 and (rates > 1.7).all(), (errors, rates)
+
+
+def test_the_demo_of_joints_is_near_an_accurate_integration():
+    """Angles of both hinges after half a second."""
+    simulation = build(load_scene(DEMOS / "joints.toml", ["output.pictures=[]"]))
+    *_, record = simulation.steps()
+    a, b = double_reference(0.5)[:2]
+    assert record.joints[0].angle == pytest.approx(90.0 - np.degrees(a), abs=0.02)
+    assert record.joints[1].angle == pytest.approx(np.degrees(a - b), abs=0.12)
 
 
 def test_the_order_is_lost_with_a_scheme_of_first_order():

@@ -133,6 +133,43 @@ def test_bodies_that_rest_on_one_another(tmp_path):
         assert np.abs(one).min() > 100.0 and np.abs(one - two).max() < 1e-4 * np.abs(one).max(), name
 
 
+JOINED = """
+name = "joined"
+gravity = [0.0, 0.0, -9.81]
+time = { step = 0.01 }
+output = { every = 0 }
+grid.x = { start = -1.0, end = 1.0, size = 0.25 }
+grid.y = { start = -0.5, end = 0.5, size = 0.25 }
+grid.z = { start = -0.75, end = 0.5, size = 0.25 }
+grid.faces = { z_min = "fixed" }
+soil.top = 0.0
+soil.material = { law = "hencky", young = 1e6, poisson = 0.2, density = 1500.0 }
+joint = [{ name = "pin", kind = "hinge", bodies = ["a", "b"], point = [0.3, 0.0, 0.0], axis = [0.0, 1.0, 0.0] }]
+stage = [{ name = "go", steps = 4, load = [{ body = "b", force = [300.0, 0.0, 0.0] }] }]
+""" + "".join(f"""
+[[body]]
+name = "{name}"
+geometry = "{Path(__file__).parents[2] / 'geometry/box.geo'}"
+parameters = {{ length = 0.5, width = 0.4, height = 0.2, size = 20.0 }}
+density = 2000.0
+position = [{x}, 0.0, 0.0]
+rest_on = 0.0
+friction = 0.4
+""" for name, x in (("a", -0.3), ("b", 0.3)))
+
+
+def test_joined_bodies_on_soil(tmp_path):
+    """Poses, force and angle of the hinge between two boxes are those of one rank."""
+    path = tmp_path / "joined.toml"
+    path.write_text(JOINED)
+    for folder, ranks in (("one", 1), ("two", 2)):
+        hybrid("run", path, "--out", tmp_path / folder, *(["--ranks", 2] * (ranks > 1)))
+    one, two = (read_history(tmp_path / folder) for folder in ("one", "two"))
+    for name in ("a_x_m", "b_z_m", "pin_angle_deg", "pin_fx_N", "pin_fz_N"):
+        assert np.abs(one[name] - two[name]).max() < 1e-3 * np.abs(one[name]).max(), name
+    assert np.abs(one["pin_fx_N"]).max() > 10.0
+
+
 def test_what_ranks_cannot_do_is_refused_once(scene, tmp_path):
     path = scene(COLUMN)
     text = hybrid("run", path, "--out", tmp_path / "out", "--ranks", 2, "--set", "soil.stray='freeze'", code=2)
