@@ -5,6 +5,7 @@
     their forces and tangent in the block system                                     `hybrid.contact.assembly`
 """
 
+from copy import copy
 from dataclasses import replace
 
 import numpy as np
@@ -23,6 +24,14 @@ class ContactPair:
         self.body = body
         self.corners = find_corners(domains, body.contact_pressure, body.places, grid, active, state, body.surface,
                                     reach, history, expected, limits)
+
+    def near(self, nodes, contact):
+        """The pair with the contact points alone that touch in `contact` or move with any of `nodes` (N,) bool."""
+        chosen = (nodes[self.corners.node] & (self.corners.weight > 0.0)).any(axis=1)
+        chosen[contact.active] = True
+        pair = copy(self)
+        pair.corners = self.corners.select(chosen)
+        return pair
 
     def evaluate(self, displacement, pose):
         """CornerContact at nodal increments (N, 3) [m] (None: held soil) and a pose."""

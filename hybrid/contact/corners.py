@@ -20,7 +20,7 @@ Equations: FORMULATION (39).
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import NamedTuple
 
 import numpy as np
@@ -71,6 +71,12 @@ class Corners:
 
     def __len__(self):
         return len(self.point)
+
+    def select(self, chosen):
+        """The contact points of a mask (m,) bool."""
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        return Corners(**{name: value if value is None else value.select(chosen) if name == "limits" else value[chosen]
+                          for name, value in values.items()})
 
     def moved(self, displacement):
         """Positions (m, 3) [m] after nodal increments (N, 3) [m]."""

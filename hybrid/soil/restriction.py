@@ -15,7 +15,7 @@ from hybrid.state import Population
 
 def can_be_restricted(soil):
     """Whether the points of a Soil are all in this process, and its law can be had for some of them alone."""
-    return not soil.held and soil.grid.nodes is None and hasattr(soil.law, "with_rows")
+    return soil.grid.nodes is None and hasattr(soil.law, "with_rows")
 
 
 def restricted(soil, step, nodes, solver):

@@ -190,7 +190,7 @@ def smoothed(step, solver, evaluation):
     nodes = rough_nodes(step, evaluation)
     if nodes is None:
         return evaluation
-    part = restricted(step, nodes)
+    part = restricted(step, nodes, evaluation)
     try:
         start = part.evaluate(evaluation.unknowns)
         aim = max(SMOOTH * start.error, solver.tolerance)

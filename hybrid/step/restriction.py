@@ -20,10 +20,10 @@ FEW = 0.2       # largest share of all unknowns that is worth it
 
 
 def rough_nodes(step, evaluation):
-    """(N,) bool, nodes with a large share of the residual and their neighbours; None where these are not few, or where
-    the soil cannot be restricted: it is held, shared with other processes, or has a user's law."""
+    """(N,) bool, nodes with a large share of the residual and their neighbours; None where these are not few, where the soil
+    does not yield, or cannot be restricted: it is shared with other processes, or has a user's law."""
     pattern, soil = step.pattern, step.model.soil
-    if not pattern.size or not restriction.can_be_restricted(soil):
+    if not pattern.size or not soil.law.plastic or not restriction.can_be_restricted(soil):
         return None
     size = np.zeros(pattern.free.shape)
     size[pattern.free] = evaluation.soil
@@ -38,12 +38,15 @@ def rough_nodes(step, evaluation):
     return nodes if np.count_nonzero(pattern.free[nodes]) < FEW * pattern.size else None
 
 
-def restricted(step, nodes):
+def restricted(step, nodes, evaluation):
     """Step whose unknowns are those of `nodes` (N,) bool and of the bodies; trial values of `step` are those of this Step
-    too. Its system is to be destroyed after use."""
+    too. Of the contact points it has those that touch in an `evaluation` of `step` or that move with the nodes. Its system is
+    to be destroyed after use."""
     model, solver = step.model, step.model.solver
     part, soil, near = restriction.restricted(model.soil, step.soil, nodes, solver)
     bodies = tuple(replace(body, contact_pressure=body.contact_pressure[near]) for body in model.bodies)
     pattern = make_pattern(nodes & step.pattern.free.any(axis=1), part.grid.fixed, part.grid.shape)
     system = BlockSystem(pattern.indptr, pattern.indices, step.system.body_unknowns, "direct", solver.linear_tolerance)
-    return replace(step, model=replace(model, soil=part, bodies=bodies), soil=soil, pattern=pattern, system=system)
+    begun = tuple(replace(terms.step, pair=terms.step.pair.near(nodes, terms.contact)) for terms in evaluation.bodies)
+    return replace(step, model=replace(model, soil=part, bodies=bodies), soil=soil, pattern=pattern, system=system,
+                   bodies=begun)

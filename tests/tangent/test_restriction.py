@@ -27,8 +27,10 @@ def test_residual_and_tangent_are_those_of_the_whole(geometry, fbar):
     described = scene(geometry, "drucker-prager", 0.3)
     step, trial = prepared(replace(described, soil=replace(described.soil, fbar=fbar)))
     nodes = np.random.default_rng(3).random(step.model.soil.grid.node_count) < 0.3
-    part = restriction.restricted(step, nodes)
-    whole, few = step.evaluate(trial), part.evaluate(trial)
+    whole = step.evaluate(trial)
+    part = restriction.restricted(step, nodes, whole)
+    few = part.evaluate(trial)
+    assert len(part.bodies[0].pair.corners) < len(step.bodies[0].pair.corners)
     mine = step.pattern.dof[part.pattern.free]
     assert 0 < part.pattern.size < step.pattern.size and len(part.soil.points) < len(step.soil.points)
     assert few.soil == pytest.approx(whole.soil[mine], **CLOSE) and few.body == pytest.approx(whole.body, **CLOSE)
@@ -45,7 +47,7 @@ def test_a_soil_without_some_of_its_points_would_be_seen(geometry, monkeypatch):
     step, whole, nodes = halves(geometry)
     near = of_soil._near
     monkeypatch.setattr(of_soil, "_near", lambda *args: near(*args) & (np.arange(len(args[0])) % 2 == 0))
-    part = restriction.restricted(step, nodes)
+    part = restriction.restricted(step, nodes, whole)
     assert part.evaluate(whole.unknowns).soil != pytest.approx(whole.soil[step.pattern.dof[part.pattern.free]], rel=1e-3)
 
 
@@ -56,13 +58,17 @@ def test_nodes_with_most_of_the_residual_are_solved_for(geometry, monkeypatch):
     size = np.zeros(step.pattern.free.shape)
     size[step.pattern.free] = whole.soil
     assert nodes[np.argmax(np.linalg.norm(size, axis=1))] and not nodes.all()
-    part = restriction.restricted(step, nodes)
+    part = restriction.restricted(step, nodes, whole)
     new = newton.smoothed(step, step.model.solver, whole)
     assert part.evaluate(new.unknowns).error < newton.SMOOTH * part.evaluate(whole.unknowns).error
 
 
 def test_what_cannot_be_restricted_is_left(geometry, monkeypatch):
+    elastic, trial = prepared(scene(geometry, "hencky", 0.3))
     step, whole, _ = halves(geometry)
+    monkeypatch.setattr(restriction, "FEW", 2.0)
+    assert restriction.rough_nodes(step, whole) is not None
+    assert restriction.rough_nodes(elastic, elastic.evaluate(trial)) is None
     monkeypatch.setattr(restriction, "FEW", 0.0)
     assert restriction.rough_nodes(step, whole) is None and newton.smoothed(step, step.model.solver, whole) is whole
     monkeypatch.setattr(restriction, "FEW", 2.0)

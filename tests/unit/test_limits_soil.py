@@ -79,3 +79,19 @@ def test_soil_that_nothing_holds_is_reported_without_inertia():
     assert re.search(MODES["singular"].message, text) and "along x, y:" in text
     assert not warned(stepping.singular_stiffness, time=STATIC, faces=Faces("free", "free", "free", "free", "fixed"))
     assert not warned(stepping.singular_stiffness, faces=free)
+
+
+def test_a_cone_that_is_too_strong_in_plane_strain_is_reported():
+    """Its friction angle there; not in three dimensions, not where it is matched to plane strain, and not without friction."""
+    def of(collapsed, **material):
+        side = Axis(start=0.0, end=2.0, size=1.0)
+        m = Material(**{"law": "drucker-prager", "relative_density": 38.0, **material})
+        grid = Grid(side, Axis(start=0.0, end=1.0, collapsed=True) if collapsed else side, side)
+        scene = Scene(name="block", grid=grid, soil=Soil(m), time=Time(step=0.1), stages=(Stage("go", 1),))
+        return list(soil.strong_cone(scene, build(scene).model))
+
+    (text,) = of(True)
+    assert re.search('50.6 degrees in plane strain.*cone = "plane strain"', text)
+    assert not of(False) and not of(True, cone="plane strain") and not of(True, law="willam-warnke")
+    clay = {"law": "von-mises", "relative_density": None, "young": 1e6, "poisson": 0.3, "density": 1800.0, "strength": 1e4}
+    assert len(of(True, **clay)) == 1 and not of(True, **clay, cone="plane strain")

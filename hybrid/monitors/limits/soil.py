@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hybrid.laws.cone import UNLIMITED
+from hybrid.laws.cone import UNLIMITED, plane_strain_angle
 from hybrid.runtime.comm import anywhere, maximum, minimum
 from hybrid.scene.defaults import POISSON
 from hybrid.scene.soil import of_layer
@@ -65,6 +65,21 @@ def softening(scene, model):
            "proportion to that size")
 
 
+def strong_cone(scene, model):
+    """A cone through the compression corners of Mohr-Coulomb's pyramid, or of Tresca's prism, in plane strain."""
+    law = model.soil.law
+    if model.soil.held or not (model.soil.grid.collapsed.any() and law.plastic and hasattr(law, "parameters")):
+        return
+    laws = {m.law for m in materials(scene.soil) if m.cone == "compression"}
+    if "drucker-prager" in laws:
+        angle = max(plane_strain_angle(row) for row in np.unique(law.parameters[law.parameters[:, 2] > 0], axis=0))
+        yield (f'soil.material.cone = "compression": this cone has a friction angle of {angle:.3g} degrees in plane strain, far '
+               'more than the one given, its limit. Set soil.material.cone = "plane strain", or law = "willam-warnke"')
+    if "von-mises" in laws:
+        yield ('soil.material.cone = "compression": in plane strain this cone carries 2/√3 = 1.15 of the strength given, limit 1. '
+               'Set soil.material.cone = "plane strain"')
+
+
 def materials(soil):
     """Material of a described soil and those of its layers."""
     return [soil.material, *(of_layer(soil.material, layer) for layer in soil.layers)]
@@ -79,4 +94,4 @@ def _poisson(law):
     return maximum((3 * bulk - 2 * shear) / (6 * bulk + 2 * shear))
 
 
-LIMITS = (cell_crossing, domain_update, volumetric_locking, plastic_locking, softening)
+LIMITS = (cell_crossing, domain_update, volumetric_locking, plastic_locking, softening, strong_cone)
