@@ -87,7 +87,7 @@ def test_a_cone_that_is_too_strong_in_plane_strain_is_reported():
         side = Axis(start=0.0, end=2.0, size=1.0)
         m = Material(**{"law": "drucker-prager", "relative_density": 38.0, **material})
         grid = Grid(side, Axis(start=0.0, end=1.0, collapsed=True) if collapsed else side, side)
-        scene = Scene(name="block", grid=grid, soil=Soil(m), time=Time(step=0.1), stages=(Stage("go", 1),))
+        scene = Scene(name="block", grid=grid, soil=Soil(m, geostatic=False), time=Time(step=0.1), stages=(Stage("go", 1),))
         return list(soil.strong_cone(scene, build(scene).model))
 
     (text,) = of(True)
