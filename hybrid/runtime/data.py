@@ -10,7 +10,7 @@ from pathlib import Path
 from hybrid.runtime.errors import SceneError
 
 DATA = Path(__file__).resolve().parents[1] / "data"
-GEOMETRY = (DATA / "geometry").resolve()    # *.geo
+GEOMETRY = (DATA / "geometry").resolve()    # *.geo, *.step
 DEMOS = (DATA / "demos").resolve()          # scenes *.toml and scripts *.py; they name geometries as ../geometry/*.geo
 
 
@@ -34,7 +34,7 @@ def copy_demo(name, folder):
     if scene.exists():
         raise SceneError(f"{scene}: exists already; remove it, or choose another folder by --to")
     try:
-        for source in (DEMOS / scene.name, *DEMOS.glob(f"{name}.csv"), *GEOMETRY.glob("*.geo")):
+        for source in (DEMOS / scene.name, *DEMOS.glob(f"{name}.csv"), *GEOMETRY.iterdir()):
             target = Path(folder) / source.parent.name / source.name
             target.parent.mkdir(parents=True, exist_ok=True)
             if not target.exists():
