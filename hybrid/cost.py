@@ -38,7 +38,7 @@ from time import perf_counter
 import numpy as np
 
 from hybrid.body import rigid
-from hybrid.output.model_sheet import PICTURES, growing_memory
+from hybrid.output.model_sheet import PART, PICTURES, growing_memory
 from hybrid.runtime import comm, timing
 from hybrid.runtime.memory import peak_memory
 from hybrid.soil.model import Refusal
@@ -142,7 +142,8 @@ def predict(simulation):
         parts.time("end", lambda: _end(step, evaluation))
     growth = simulation.most_points / max(1, comm.number(state.points))
     direct = workspace.systems.choice.direct
-    more = (growth - 1) * growing_memory(model.soil, step.pattern, model.solver, direct)
+    part = PART / (1 + PART) * effort.renumbers     # has not been restricted to few nodes here
+    more = (growth - 1 + part) * growing_memory(model.soil, step.pattern, model.solver, direct)
     more += PICTURES * bool(simulation.scene.output.pictures)
     workspace.destroy()
     timing.collect()

@@ -103,6 +103,7 @@ LOCAL = {   # module: why a process may do it by itself
     "contact/corners.py": "whether points have domains at all",
     "contact/interface.py": "several processes refuse clay that sticks",
     "step/joint_terms.py": "rows of joints, which every process has",
+    "step/joint_rates.py": "the same",
     "contact/body_to_body.py": "places on bodies, which every process has",
     "step/pair_terms.py": "the same",
     "monitors/limits/soil.py": "point that a message names",
