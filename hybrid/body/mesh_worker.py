@@ -15,6 +15,7 @@ from pathlib import Path
 
 import gmsh
 import numpy as np
+import numpy.ctypeslib  # noqa: F401  used by gmsh; numpy 2 imports it at its first use, too late as well
 
 from hybrid.body.bare_files import make_groups
 from hybrid.body.geometry_text import SOLIDS

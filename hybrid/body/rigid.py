@@ -51,6 +51,7 @@ class RigidBody:
     parts: SurfaceParts whose contact forces are reported apart, None where the geometry names none
     mirrors: planes of symmetry that it lies in; stray_cap: whether it has a cut face that lies in none
     places: where contact is evaluated on the domains of soil points (`hybrid.contact.places`)
+    narrowest: width [m] of the narrowest face whose edges were rounded off in cells as wide or wider; inf without one
     surface: in contact with soil; on soil that yields or that it is driven into the outline with its sharp edges rounded off (`hybrid.body.rounded`)
     outline: ContactSurface of the geometry, as it is drawn; None: `surface`
     friction: μ, inf where adhesion alone limits the shear; interface: `hybrid.contact.interface.Interface`, None without
@@ -67,6 +68,7 @@ class RigidBody:
     tangential: float
     penalty: float = 0.0
     places: object = None
+    narrowest: float = np.inf
     contact_pressure: np.ndarray | None = None
     line: Line | None = None
     outline: ContactSurface | None = None

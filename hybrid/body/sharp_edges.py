@@ -57,6 +57,12 @@ def find_edges(surface, cell, along=()):
     return SharpEdges(sides, numbers, inset[face[sides]].reshape(-1, 2))
 
 
+def narrowest_face(edges, cell):
+    """Width [m] of the narrowest face beside SharpEdges, of those at most as wide as a `cell` [m]; inf without one."""
+    width = 2 / SHARE * edges.inset
+    return float(width.min(initial=np.inf, where=width < (1 - 1e-6) * cell))
+
+
 def _bends(surface, t, k, other, j):
     """(2, e) [rad] between the normals of the two sides at both ends of edges: edge k of triangle t, j of `other`."""
     normals = surface.corner_normals

@@ -1,9 +1,11 @@
 """Penalty contact with Coulomb friction between the soil and rigid bodies.
 
 1 places.py         places on the points' domains: quadrature points of faces, or corners (the published method)
-2 corners.py        finds those near a body; they are material points carried by the grid, called contact points
+2 search.py         finds those near a body
+  corners.py        they become material points carried by the grid, called contact points
 3 first_contact.py  predicts where an open contact point will touch: the anchor of its tangential spring
-4 soil_to_body.py   contact points against the body's surface; pressure, stick or slip, tangent
+4 closest_points.py closest points of the body's surface
+  soil_to_body.py   law of contact there: pressure, stick or slip, tangent
   interface.py      clay that sticks: adhesion, tension until it breaks away, and the points that bear them
 5 assembly.py       forces and tangent into the residual and the block system, through the nodes of their cells
 6 contact_pair.py   does 2 to 5 for one body; tunnelling.py rejects a step that carried contact points through it

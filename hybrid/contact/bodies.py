@@ -3,7 +3,7 @@
 import numpy as np
 
 from hybrid.body import rigid
-from hybrid.contact.corners import distances
+from hybrid.contact.search import distances
 
 TOUCH = 1e-3    # radii that two bodies may overlap, as facets of curved bodies that touch do
 

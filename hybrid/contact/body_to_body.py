@@ -24,7 +24,7 @@ from numba import njit
 from hybrid.body.attitude import log_so3
 from hybrid.body.closest import closest_facing, outside_bounds
 from hybrid.body.surface import ContactSurface
-from hybrid.contact import soil_to_body
+from hybrid.contact import closest_points, soil_to_body
 from hybrid.contact.assembly import skew
 from hybrid.contact.interface import NONE
 from hybrid.contact.samples import Places, Samples
@@ -130,7 +130,7 @@ class SideStep:
         pose_a, pose_b = poses[self.side.a], poses[self.side.b]
         turn, way = relative(pose_a, pose_b, self.collapsed)
         y, outward, surface = self.places.point @ turn.T + way, self.places.normal @ turn.T, self.side.surface
-        points = soil_to_body.ClosestPoints.empty(len(y))
+        points = closest_points.ClosestPoints.empty(len(y))
         _project(y, outward, self.side.samples.first_edge > self.places.number, self.start, self.places.clearance, surface.radius, surface.tree, points)
         active = np.flatnonzero(self.stiffness * (self.rest - points.gap) > 0.0)
         points = points.select(active)
@@ -161,10 +161,10 @@ class SideStep:
         if not len(checked):
             return 0
         start, path, surface = self.start[checked], path[checked], self.side.surface
-        outside = soil_to_body.gaps(start + path, surface) >= 0.0
+        outside = closest_points.gaps(start + path, surface) >= 0.0
         passed = _pierced(start, path, FINEST * depth, surface.tree) & outside
         for fraction in (0.25, 0.5, 0.75):
-            passed |= (soil_to_body.gaps(start + fraction * path, surface) < -depth) & outside
+            passed |= (closest_points.gaps(start + fraction * path, surface) < -depth) & outside
         return int(np.count_nonzero(passed))
 
 

@@ -19,21 +19,16 @@ section, and forces are those on the thickness of the slice.
 Equations: FORMULATION (39).
 """
 
-import math
 from dataclasses import dataclass, fields
-from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
-from hybrid.body.closest import NO_SIDE, closest
-from hybrid.contact import places as rules
 from hybrid.contact.first_contact import predicted_contact_points
 from hybrid.contact.interface import ATTACHED, NONE, PlaceLimits, lie_before, place_limits
-from hybrid.runtime.comm import anywhere, largest, total
+from hybrid.contact.search import gaps_in_space, new_points
+from hybrid.runtime.comm import anywhere
 from hybrid.soil.basis import find_cell, hat
-
-CORNERS = rules.corners()
 
 
 @dataclass(frozen=True)
@@ -82,42 +77,9 @@ class Corners:
         """Positions (m, 3) [m] after nodal increments (N, 3) [m]."""
         if displacement is None:
             return self.position
-        return self.position + np.einsum("ca,cai->ci", self.weight, displacement[self.node])
-
-
-class Reach(NamedTuple):
-    """Distance from a body within which contact points are followed: margin [m] around the surface, and the path of the
-    surface towards them in a step of dt [s]."""
-
-    margin: float
-    dt: float
-
-    def farthest(self, body, radius):
-        """[m] for any point around a `body` (BodyState) of `radius` [m]."""
-        return self.margin + self.dt * (np.linalg.norm(body.velocity) + np.linalg.norm(body.spin) * radius)
-
-    def at(self, position, normal, body):
-        """(m,) [m] at positions (m, 3) [m] to which a surface with outward normals (m, 3) is closest."""
-        velocity = body.velocity + np.cross(body.rotation @ body.spin, position - body.position)
-        return self.margin + self.dt * np.maximum(0.0, np.einsum("mi,mi->m", velocity, normal))
-
-
-@dataclass(frozen=True)
-class Domains:
-    """Domains of the soil's points: position, half (n, 3) [m], zero in standard MPM; volume: (n,) initial [m³];
-    included: (n,) bool, points that are not deactivated."""
-
-    position: np.ndarray
-    half: np.ndarray
-    volume: np.ndarray
-    included: np.ndarray
-
-    @classmethod
-    def of(cls, points, volume, basis):
-        """Domains of `points` of initial `volume` (n,) [m³] with a `basis` "gimp" or "mpm"."""
-        half = points.half_width if basis == "gimp" else np.zeros_like(points.half_width)
-        included = np.ones(len(points), bool) if points.inactive is None else ~points.inactive
-        return cls(points.position, half, volume, included)
+        position = self.position.copy()
+        _move(self.node, self.weight, displacement, position)
+        return position
 
 
 def find_corners(domains, pressure, places, grid, active, body, surface, reach, history, expected, limits=None):
@@ -128,6 +90,7 @@ def find_corners(domains, pressure, places, grid, active, body, surface, reach, 
     from which the step starts to iterate; limits: PointLimits of an interface of clay (`hybrid.contact.interface`).
     """
     found = _within_reach(domains, places, grid.collapsed, body, surface, reach, history)
+    assert grid.nodes is None or grid.layers_for(found["position"]) <= grid.layers, "contact in cells of another process"
     if limits is not None:
         begins = limits.tension > 0.0 and not anywhere([len(history.point)])
         found["before"] = _before_body(found, domains, body, surface, begins)
@@ -153,10 +116,10 @@ def find_corners(domains, pressure, places, grid, active, body, surface, reach, 
 
 def _within_reach(domains, places, collapsed, body, surface, reach, history):
     """Contact points within reach, {name: values}: those of the history, carried by the grid, and new ones."""
-    _, normal, distance = _gaps_in_space(history.position, collapsed, body, surface, np.inf)
+    normal, distance = _of_history(history, collapsed, body, surface, reach.farthest(body, surface.radius))
     within = np.abs(distance) <= reach.at(history.position, normal, body)
     followed = (within | history.touching | history.opened) & domains.included[history.point]
-    new = _new_points(domains, places, collapsed, body, surface, reach, history.point * len(places) + history.place)
+    new = new_points(domains, places, collapsed, body, surface, reach, history.point * len(places) + history.place)
     if not anywhere([len(history.point)]):      # the run begins, maybe with an overlap that is meant
         del new["rest"]
     old = {name: getattr(history, name)[followed]
@@ -165,6 +128,14 @@ def _within_reach(domains, places, collapsed, body, surface, reach, history):
     old |= {"clearance": distance[followed], "normal": np.where(known, old["side"] @ body.rotation.T, normal[followed])}
     return {name: np.concatenate([values, new.get(name, np.zeros((len(new["point"]), *values.shape[1:]), values.dtype))])
             for name, values in old.items()}
+
+
+def _of_history(history, collapsed, body, surface, farthest):
+    """Normals (m, 3) and signed distances (m,) [m] of the points of the history, inf where an open one is beyond `farthest`."""
+    _, normal, distance = gaps_in_space(history.position, collapsed, body, surface, farthest)
+    deep = np.flatnonzero((history.touching | history.opened) & np.isinf(distance))
+    _, normal[deep], distance[deep] = gaps_in_space(history.position[deep], collapsed, body, surface, np.inf)
+    return normal, distance
 
 
 def _before_body(found, domains, body, surface, begins):
@@ -180,61 +151,6 @@ def _before_body(found, domains, body, surface, begins):
     return before
 
 
-def distances(y, surface, reach=np.inf):
-    """Signed distances (m,) [m] of positions y (m, 3) in the body frame from the surface, inf beyond `reach` [m]; outside
-    lower bounds of what a point has to move to touch it. And the outward normals there (m, 3)."""
-    out, normal = np.empty(len(y)), np.zeros((len(y), 3))
-    _distances(np.ascontiguousarray(y), reach, surface.tree, out, normal)
-    return np.where(out > 0.0, out / surface.tree.patches.steepness, out), normal
-
-
-def _new_points(domains, places, collapsed, body, surface, reach, known):
-    """Contact points within reach other than those `known` (k,) from the history, {name: values}.
-
-    The search narrows from domains near the body's bounding box to groups of places (faces of a domain) within reach,
-    then to the places themselves. Places that do not look at the body have no stiffness and are left out.
-    """
-    farthest = reach.farthest(body, surface.radius)
-    point = _near(domains, collapsed, body, surface, farthest)
-    groups, each = places.offset.shape[:2]
-    point, group = np.repeat(point, groups), np.tile(np.arange(groups), len(point))
-    half = np.where(collapsed, 0.0, domains.half[point])
-    middle = domains.position[point] + places.centre[group] * half
-    size = np.linalg.norm(places.extent[group] * half, axis=1)
-    middle, normal, distance = _gaps_in_space(middle, collapsed, body, surface, farthest + size.max(initial=0.0))
-    close = np.flatnonzero((distance <= reach.at(middle, normal, body) + size)
-                           & places.group_may_face(group, normal))
-    point, number = np.repeat(point[close], each), (each * group[close, None] + np.arange(each)).ravel()
-    fresh = ~np.isin(point * len(places) + number, known)   # the grid has carried the others away from their domain
-    point, number = point[fresh], number[fresh]
-    position = domains.position[point] + places.flat[number] * domains.half[point]
-    position, normal, distance = _gaps_in_space(position, collapsed, body, surface, farthest)
-    stay = np.flatnonzero((distance <= reach.at(position, normal, body)) & (places.facing(number, normal) > 0.0))
-    return {"point": point[stay], "place": number[stay], "position": position[stay], "clearance": distance[stay],
-            "normal": normal[stay], "rest": np.minimum(distance[stay], 0.0)}
-
-
-def _near(domains, collapsed, body, surface, reach):
-    """Numbers (k,) of the domains whose bounding sphere is within `reach` [m] of the body's bounding box."""
-    near = np.zeros(len(domains.position), np.bool_)
-    _mark(_in_section(domains.position, collapsed, body), np.where(collapsed, 0.0, domains.half), body.position,
-          body.rotation, surface.lower - reach, surface.upper + reach, near)
-    return np.flatnonzero(near & domains.included)
-
-
-def _gaps_in_space(position, collapsed, body, surface, reach):
-    """Positions (m, 3) [m] in the plane of the body's section, normals of the body there (m, 3) in space, and signed
-    distances (m,) [m], inf beyond `reach`."""
-    position = _in_section(position, collapsed, body)
-    distance, normal = distances((position - body.position) @ body.rotation, surface, reach)
-    return position, normal @ body.rotation.T, distance
-
-
-def _in_section(position, collapsed, body):
-    """Positions (m, 3) [m] moved along the collapsed axes to the body's centre of mass."""
-    return np.where(collapsed, body.position, position) if np.any(collapsed) else position
-
-
 def _interpolation(place, axes, active):
     """Nodes and hat functions (m, 8) at places (m, 3) [m].
 
@@ -248,35 +164,12 @@ def _interpolation(place, axes, active):
     return node, np.divide(weight, sums, out=np.zeros_like(weight), where=sums > 0)
 
 
-def overlap(domains, grid, body, surface):
-    """Largest overlap [m] of a domain's corner with a body at its committed pose, and the number of corners inside."""
-    near = _near(domains, grid.collapsed, body, surface, 0.0)
-    position = domains.position[near, None] + CORNERS.flat * domains.half[near, None]
-    y = (_in_section(position.reshape(-1, 3), grid.collapsed, body) - body.position) @ body.rotation
-    distance, _ = distances(y[((y > surface.lower) & (y < surface.upper)).all(axis=1)], surface)
-    return largest(-distance), int(total(distance < 0.0))
-
-
 @njit(cache=True)
-def _mark(position, half, centre, rotation, lower, upper, near):
-    """Mark the domains (n,) whose bounding sphere touches the box from `lower` to `upper` (3,) [m] of the body frame."""
-    for p in range(len(position)):
-        x0, x1, x2 = position[p, 0] - centre[0], position[p, 1] - centre[1], position[p, 2] - centre[2]
-        size = math.sqrt(half[p, 0] ** 2 + half[p, 1] ** 2 + half[p, 2] ** 2)
-        inside = True
-        for i in range(3):
-            y = rotation[0, i] * x0 + rotation[1, i] * x1 + rotation[2, i] * x2
-            inside = inside and lower[i] - size <= y <= upper[i] + size
-        near[p] = inside
-
-
-@njit(cache=True)
-def _distances(y, reach, tree, out, normal):
-    for n in range(len(y)):
-        triangle, feature, _, _, out[n] = closest((y[n, 0], y[n, 1], y[n, 2]), reach, tree, NO_SIDE)
-        if triangle >= 0:
+def _move(node, weight, displacement, position):
+    for n in range(len(node)):
+        for a in range(8):
             for i in range(3):
-                normal[n, i] = tree.normals[triangle, feature, i]
+                position[n, i] += weight[n, a] * displacement[node[n, a], i]
 
 
 @njit(cache=True)

@@ -16,7 +16,7 @@ that are nearest then. After the step every corner finds its facet again.
 
 import numpy as np
 
-from hybrid.contact.soil_to_body import gaps
+from hybrid.contact.closest_points import gaps
 from hybrid.runtime.comm import anywhere, largest
 
 ON_FACE = 1e-9  # 1 - cosine between the normal of a corner and that of its triangle, up to which it is on the face

@@ -21,7 +21,7 @@ RAMP p, so that the force does not jump where a point opens.
 Equations: FORMULATION (40a).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -29,6 +29,7 @@ from numba import njit
 from scipy.spatial import cKDTree
 
 from hybrid.body.closest import NO_SIDE, closest
+from hybrid.runtime.comm import joined, offset
 
 ATTACHED = 0.1  # half-widths of a domain from the surface, within which a contact point is bonded at the start
 BEFORE = 0.5    # half-widths before a face, where the domain of a point that covers it lies
@@ -82,15 +83,40 @@ def place_limits(limits, found, area, domains, places, before_body):
     if limits is None:
         return NONE
     shear, tension, opened = np.zeros(0), np.zeros(0), np.zeros(0, bool)
-    bearer = np.arange(len(area)) if places.at_corners else _bearers(found, before_body & (area > 0.0), domains, places)
+    borne = _borne_by_each(found, before_body & (area > 0.0), domains, places)
     if limits.shear is not None:
-        shear = _borne(limits.shear[found["point"]] * area, bearer)
+        shear = borne(limits.shear[found["point"]] * area)
     if limits.tension > 0.0:
         opened = found["opened"]
         tension = np.where(found["touching"] & ~opened & (area > 0.0), limits.tension, 0.0)
         if np.isfinite(limits.tension):
-            tension *= _borne(area, bearer)
+            tension *= borne(area)
     return PlaceLimits(shear, tension, opened)
+
+
+def _borne_by_each(found, borne, domains, places):
+    """Function that gives the sums (m,) of the values (m,) of all contact points that each of them bears; borne: (m,) bool,
+    those that another may bear, of this process or another one."""
+    if places.at_corners:
+        return lambda values: values
+    order = own = ...
+    if domains.number is not None:
+        found, domains, order, own = _of_all_processes(found, domains)
+    bearer = _bearers(found, joined(borne)[order], domains, places)
+    return lambda values: np.bincount(bearer, joined(values)[order], len(bearer))[own]
+
+
+def _of_all_processes(found, domains):
+    """Contact points of all processes, by the numbers of their points, and the domains that they are on; their order among
+    those of one process after the other; and which (m,) of them are those of this process."""
+    point = found["point"]
+    number, place = joined(domains.number[point]), joined(found["place"])
+    order = np.lexsort((place, number))
+    own = np.argsort(order)[offset(len(point)):][:len(point)]
+    _, first, point_of_all = np.unique(number[order], return_index=True, return_inverse=True)
+    position, half = (joined(values[point])[order][first] for values in (domains.position, domains.half))
+    found = {name: joined(found[name])[order] for name in ("place", "position", "normal", "clearance", "touching")}
+    return found | {"point": point_of_all}, replace(domains, position=position, half=half), order, own
 
 
 def _bearers(found, borne, domains, places):
@@ -126,11 +152,6 @@ def _exposed(found, near, domains, places):
     other = others[index.reshape(len(point), -1)]
     within = (np.abs(before[:, None] - domains.position[other]) < domains.half[other]).all(axis=2)
     return ~(within & (other != point[:, None])).any(axis=1)[face]
-
-
-def _borne(values, bearer):
-    """Sums (m,) of the values (m,) that each contact point bears."""
-    return np.bincount(bearer, values, len(values))
 
 
 @njit(cache=True)

@@ -17,7 +17,7 @@ from numba import njit
 from hybrid.body.closest import closest
 from hybrid.body.patches import _normal, _point
 from hybrid.body.smooth import shared_edges
-from hybrid.contact.corners import distances
+from hybrid.contact.search import distances
 
 FINEST = 12     # times that a triangle may be cut into four
 SPREAD = 1.5    # spacings in the longest edge of a part of a triangle

@@ -42,7 +42,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from hybrid.body.closest import closest, gap_geometry, outside_bounds
+from hybrid.body.closest import gap_geometry
+from hybrid.contact.closest_points import closest_points
 from hybrid.contact.interface import PlaceLimits, shear_limit, work_to_break
 from hybrid.runtime.comm import maximum, total
 from hybrid.state import ContactHistory
@@ -92,33 +93,6 @@ class CornerContact:
         return maximum(-self.gap)
 
 
-class CornerStart(NamedTuple):
-    """Corners at the start of the step, which decides whether they have to be projected: y (m, 3) [m] body frame, and
-    clearance (m,) [m], side (m, 3) as in corners.Corners."""
-
-    y: np.ndarray
-    clearance: np.ndarray
-    side: np.ndarray
-
-
-class ClosestPoints(NamedTuple):
-    """Closest points of the surface: gap (m,) [m], inf where the corner cannot touch (the rest is then not set);
-    triangle, feature (m,); foot (m, 3) [m], body frame; weights (m, 3) of the triangle's vertices."""
-
-    gap: np.ndarray
-    triangle: np.ndarray
-    feature: np.ndarray
-    foot: np.ndarray
-    weights: np.ndarray
-
-    @classmethod
-    def empty(cls, m):
-        return cls(np.empty(m), np.empty(m, np.int64), np.empty(m, np.int64), np.empty((m, 3)), np.empty((m, 3)))
-
-    def select(self, index):
-        return ClosestPoints(*(values[index] for values in self))
-
-
 class ClosedCorners(NamedTuple):
     """Corners that the law is evaluated at, body frame: y, anchor (m, 3) [m]; origin (m, 3) [m], where the path begins
     along which friction does work in this step; stiffness (m,) ε_N [N/m]; rest (m,) [m] gap without force; limits:
@@ -164,7 +138,7 @@ def evaluate(corners, position, centre, rotation, surface, friction, tangential)
     surface: ContactSurface; friction: μ; tangential: ε_T/ε_N.
     """
     y = (position - centre) @ rotation
-    points = _closest_points(y, corners, surface)
+    points = closest_points(y, corners, surface)
     if corners.facet is not None:
         _hold(points, y, corners.facet, surface)
     rest = np.minimum(np.maximum(corners.rest, points.gap), 0.0)    # a point that comes out will press as any other
@@ -192,14 +166,6 @@ def evaluate(corners, position, centre, rotation, surface, friction, tangential)
         float(total(found.energy)), float(total(found.dissipated)), rest, found.opened)
 
 
-def _closest_points(y, corners, surface):
-    """ClosestPoints of corners at y (m, 3) [m] in the body frame."""
-    points = ClosestPoints.empty(len(y))
-    start = CornerStart(corners.start, corners.clearance, corners.side)
-    _project(y, start, surface.radius, surface.tree, points)
-    return points
-
-
 def _hold(points, y, facet, surface):
     """Put the closest points of held corners on the planes of their facets (contact/held_facets.py)."""
     held = np.flatnonzero(facet >= 0)
@@ -207,23 +173,6 @@ def _hold(points, y, facet, surface):
     gap = np.einsum("ci,ci->c", y[held] - surface.vertices[surface.triangles[facet[held], 0]], normal)
     points.gap[held], points.triangle[held], points.feature[held] = gap, facet[held], 0
     points.foot[held] = y[held] - gap[:, None] * normal
-
-
-def gaps(y, surface, side=None):
-    """Signed gaps (m,) [m] of places (m, 3) in the body frame, inf outside the body's bounds; side: (m, 3), as in
-    corners.Corners."""
-    zero, points = np.zeros(len(y)), ClosestPoints.empty(len(y))
-    start = CornerStart(y, zero, np.zeros_like(y) if side is None else side)
-    _project(y, start, surface.radius, surface.tree, points)
-    return points.gap
-
-
-def nearest(y, side, surface):
-    """Triangle (m,) of the surface nearest to places y (m, 3) [m] that touch its `side` (m, 3), and weights (m, 3) of its
-    vertices there; all in the body frame."""
-    points = ClosestPoints.empty(len(y))
-    _project(y, CornerStart(y, np.zeros(len(y)), side), surface.radius, surface.tree, points)
-    return points.triangle, points.weights
 
 
 def commit(corners, position, contact):
@@ -240,29 +189,9 @@ def commit(corners, position, contact):
 
 
 @njit(cache=True)
-def _project(y, start, radius, tree, points):
-    """Fill `points` for corners now at y (m, 3). A corner that remembers its side of the body is
-    projected wherever it is; any other one is skipped within its clearance or outside the body's bounds."""
-    y_start, clearance, sides = start       # once, because each access in the loop would count references
-    gap, triangle, feature, foot, weights = points
-    for n in range(len(y)):
-        side = sides[n, 0], sides[n, 1], sides[n, 2]
-        without_history = side[0] == 0.0 and side[1] == 0.0 and side[2] == 0.0
-        x0, x1, x2 = y[n, 0] - y_start[n, 0], y[n, 1] - y_start[n, 1], y[n, 2] - y_start[n, 2]
-        within_clearance = x0 * x0 + x1 * x1 + x2 * x2 < max(clearance[n], 0.0) ** 2
-        if without_history and (within_clearance or outside_bounds(y[n, 0], y[n, 1], y[n, 2], radius, tree)):
-            gap[n] = np.inf
-            continue
-        t, f, x, w, g = closest((y[n, 0], y[n, 1], y[n, 2]), np.inf, tree, side)
-        triangle[n], feature[n], gap[n] = t, f, g
-        for i in range(3):
-            foot[n, i], weights[n, i] = x[i], w[i]
-
-
-@njit(cache=True)
 def _law(corners, points, coulomb, tree, out):
     """The law of the module's head at every closed corner."""
-    y, y_anchor, origin, stiffness, rest, limits = corners      # unpacked once, as in _project
+    y, y_anchor, origin, stiffness, rest, limits = corners      # unpacked once, because each access in the loop would count references
     gap, triangle, feature, foot, weights = points
     shear, tension, _ = limits
     force, tangent, slip, anchor, side, energy, dissipated, opened = out

@@ -20,7 +20,7 @@ import numpy as np
 from numba import njit
 
 from hybrid.body.closest import NO_SIDE, OPPOSITE, closest
-from hybrid.contact.soil_to_body import gaps
+from hybrid.contact.closest_points import gaps
 from hybrid.runtime.comm import total
 
 ALONG = 0.5            # smallest cosine between the path of a corner and a normal that pushes it on

@@ -66,7 +66,7 @@ def _assemble(scene, accuracy, body_force, law):
 
 def _put_together(scene, decisions, accuracy, body_force, law):
     """Simulation of a Scene all of whose keys are decided."""
-    processes.refuse(scene, law)
+    processes.refuse(law)
     refuse_cells(scene)
     gravity = np.array(scene.gravity, float)
     loads = Loads(gravity, body_force).during(0.0, 0.0, (scene.stages[0].gravity[0],) * 2)

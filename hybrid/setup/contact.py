@@ -24,7 +24,7 @@ import numpy as np
 from hybrid.body import rigid
 from hybrid.body.rigid import FREEDOMS
 from hybrid.body.rounded import round_off
-from hybrid.body.sharp_edges import find_edges
+from hybrid.body.sharp_edges import find_edges, narrowest_face
 from hybrid.body.surface import build_surface
 from hybrid.contact import places
 from hybrid.contact.interface import Interface
@@ -48,8 +48,8 @@ def connect_to_soil(described, body, rotation, soil, gravity, cone):
     body = in_slice(body, soil.grid, rotation)
     chosen, spacing, radius = _places(described, body, soil, gravity)
     if not (soil.held or chosen.at_corners or _carried(body, soil, gravity)):
-        body = replace(body, surface=round_off(body.surface, find_edges(
-            body.surface, soil.grid.smallest_cell, rotation[soil.grid.collapsed])))
+        edges = find_edges(body.surface, soil.grid.smallest_cell, rotation[soil.grid.collapsed])
+        body = replace(body, surface=round_off(body.surface, edges), narrowest=narrowest_face(edges, soil.grid.smallest_cell))
     body = replace(body, places=chosen, penalty=_penalty(described, body, soil, spacing, radius, gravity))
     body = replace(body, friction=_friction(described), interface=_interface(described, cone))
     return rigid.with_stiffness(body, soil.law.young, soil.held)
@@ -67,7 +67,7 @@ def _interface(described, cone):
     tension = {None: 0.0, "full": np.inf}.get(described.tension, described.tension)
     if not described.adhesion and not tension:
         return None
-    return Interface(described.adhesion / cone_constants(0.0, cone)[1] if described.adhesion else None, tension)
+    return Interface(described.adhesion / cone_constants(0.0, 0.0, cone)[1] if described.adhesion else None, tension)
 
 
 def _places(described, body, soil, gravity):

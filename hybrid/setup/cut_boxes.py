@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hybrid.contact.corners import distances
+from hybrid.contact.search import distances
 
 SAMPLES = {True: 16, False: 6}      # along each axis of a domain, in a slice and in space
 SLIVER = 0.05       # of a domain: less soil than that makes no point

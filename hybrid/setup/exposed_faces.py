@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 
 from hybrid.body.closest import NO_SIDE, closest
-from hybrid.contact.corners import distances
+from hybrid.contact.search import distances
 from hybrid.grid.blocks import cells_of
 from hybrid.setup.cut_boxes import chunks, in_frame
 from hybrid.state import ContactHistory

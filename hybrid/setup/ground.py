@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from hybrid.contact.corners import distances
+from hybrid.contact.search import distances
 from hybrid.runtime.errors import SceneError
 from hybrid.scene.ground import heights, heights_at, mean_heights
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hybrid.body.rigid import bounding_box, with_stiffness
-from hybrid.contact.corners import Domains, overlap
+from hybrid.contact.search import Domains, overlap
 from hybrid.runtime.comm import anywhere, maximum, minimum, total
 from hybrid.runtime.errors import SceneError
 from hybrid.setup.contact import section
@@ -50,7 +50,7 @@ class Taken:
 
 def starts_inside(body, motion, points, soil):
     """Whether a body starts deeper in the soil than contact bears. Raises SceneError where soil cannot be cut."""
-    domains = Domains.of(points, soil.constants.volume, soil.basis)
+    domains = Domains.of(points, soil.constants, soil.basis)
     depth, count = overlap(domains, soil.grid, motion, body.surface)
     limit = OVERLAP * soil.grid.smallest_cell if soil.basis != "gimp" else OVERLAP * minimum(points.half_width)
     if depth <= limit and not _between_corners(body, motion, points, soil, limit):

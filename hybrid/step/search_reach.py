@@ -15,7 +15,7 @@ searched in every step. `travel_ratio` measures afterwards whether the margin R_
 import numpy as np
 
 from hybrid.body import rigid
-from hybrid.contact.corners import Reach
+from hybrid.contact.search import Reach
 from hybrid.runtime import comm
 
 MARGIN = 2.0
@@ -60,11 +60,14 @@ def travel_ratio(body, state, pose, predicted, margin, grid, points, moved):
 
 def _distance_of_cells(grid, box):
     """Distance (N,) [m], along the axis where it is largest, from a box (2, 3) [m] to the cells around each node. The
-    outermost cells extend beyond the grid, as corners outside move with their nodes."""
+    outermost cells of the whole grid extend beyond it, as corners outside move with their nodes."""
     apart = []
-    for nodes, lower, upper in zip(grid.axes, *box):
-        before, after = np.append(-np.inf, nodes[:-1]), np.append(nodes[1:], np.inf)
-        before[:2], after[-2:] = -np.inf, np.inf
+    for nodes, (first, last), lower, upper in zip(grid.axes, grid.extent, *box):
+        before, after = np.append(nodes[0], nodes[:-1]), np.append(nodes[1:], nodes[-1])
+        if nodes[0] <= first or len(nodes) == 1:
+            before[:2] = -np.inf
+        if nodes[-1] >= last or len(nodes) == 1:
+            after[-2:] = np.inf
         apart.append(np.maximum(0.0, np.maximum(lower - after, before - upper)))
     x, y, z = apart
     return np.maximum(np.maximum(x[:, None, None], y[:, None]), z).ravel()

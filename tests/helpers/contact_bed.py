@@ -8,12 +8,13 @@ from hybrid.body.attitude import exp_so3
 from hybrid.body.surface import build_surface
 from hybrid.contact import places as rules
 from hybrid.contact import soil_to_body
-from hybrid.contact.corners import CORNERS, Corners, Domains, Reach, find_corners
+from hybrid.contact.corners import Corners, find_corners
+from hybrid.contact.search import Domains, Reach
 from hybrid.grid.axes import FACES, make_grid, uniform_nodes
 from hybrid.state import ContactHistory
 
 MU, RATIO, PRESSURE = 0.3, 0.5, 3.2e7     # p_f E [N/m³]: 2e4 N/m at a corner of the bed
-PLACES = {"corners": CORNERS, "faces": rules.faces(4)}
+PLACES = {"corners": rules.corners(), "faces": rules.faces(4)}
 RIGHT_HAND = exp_so3(np.array([0.3, -1.1, 0.6]))
 
 
@@ -86,7 +87,7 @@ def bed(cells=(8, 8, 2), size=0.1, per_axis=2):
 
 
 def found_in_bed(surface, body, history=None, active=None, reach=0.08, seed=1, pose=None, displacement=None,
-                 included=True, scatter=0.01, places=CORNERS):
+                 included=True, scatter=0.01, places=rules.corners()):
     """Grid, and Corners of a bed near a body; scatter: [m] of the points."""
     grid, position, half = bed()
     position = position + scatter * np.random.default_rng(seed).standard_normal(position.shape)

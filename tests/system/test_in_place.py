@@ -6,7 +6,7 @@ from io import StringIO
 import numpy as np
 import pytest
 
-from hybrid.contact.corners import distances
+from hybrid.contact.search import distances
 from hybrid.output.progress import Progress
 from hybrid.runtime.data import GEOMETRY
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Scene, Soil, Stage, Time

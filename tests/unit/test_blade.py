@@ -67,6 +67,7 @@ def test_angle_in_plane_strain_is_that_of_a_long_shear(law):
     assert plane_strain_angle(law.parameters[0]) == pytest.approx(np.degrees(np.arcsin(sine)), abs=0.02)
 
 
-def test_cone_matched_in_plane_strain_is_exact_with_associated_flow():
-    law = DruckerPrager(YOUNG, 0.25, 32.75, 32.75, 0.0, "plane strain")
+@pytest.mark.parametrize("dilation", [0.0, 2.75, 32.75])
+def test_cone_matched_in_plane_strain_is_exact(dilation):
+    law = DruckerPrager(YOUNG, 0.25, 32.75, dilation, 0.0, "plane strain")
     assert plane_strain_angle(law.parameters[0]) == pytest.approx(32.75, abs=1e-9)

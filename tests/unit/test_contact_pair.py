@@ -9,7 +9,7 @@ from contact_bed import PLACES, PRESSURE, RIGHT_HAND, ball, bed, body_at, domain
 
 from hybrid.body.attitude import exp_so3
 from hybrid.contact.contact_pair import ContactPair
-from hybrid.contact.corners import Reach
+from hybrid.contact.search import Reach
 from hybrid.linalg.stencil_pattern import make_pattern
 from hybrid.state import ContactHistory
 

@@ -9,8 +9,8 @@ from contact_bed import PRESSURE, ball, bed, body_at, box, domains_of, id_of
 
 from hybrid.contact import places as rules
 from hybrid.contact.contact_pair import ContactPair
-from hybrid.contact.corners import Reach
 from hybrid.contact.interface import Interface, PointLimits
+from hybrid.contact.search import Reach
 from hybrid.laws.von_mises import VonMises
 from hybrid.runtime.errors import SceneError
 from hybrid.scene import Axis, Body, Grid, Material, Scene, Soil, Stage, Time

@@ -97,3 +97,19 @@ def test_bodies_lighter_than_the_soil_under_them(density, more, count):
     warnings = list(contact.light_body(simulation.scene, simulation.model))
     assert len(warnings) == count
     assert all("1.5 rows of cells" in text and "limit 1.5" in text and "at most 0.2 m" in text for text in warnings)
+
+
+@pytest.mark.parametrize("height, held, count", [(0.3, False, 0), (0.2, False, 0), (0.1, False, 1), (0.1, True, 0)])
+def test_faces_narrower_than_a_cell(height, held, count):
+    """The four upright faces of a plate driven into soil with cells of 0.2 m; held soil sees edges as they are."""
+    plate = box(1.2, 1.0, height, rest_on=0.0, driven=("x",), velocity=(0.1, 0.0, 0.0), held=("z",))
+    warnings = texts(contact.narrow_face, plate, cell=0.2, soil={"held": held})
+    assert len(warnings) == count
+    assert all("0.1 m wide" in text and "limit 0.2 m" in text and "cells of at most 0.1 m" in text for text in warnings)
+
+
+@pytest.mark.parametrize("length, count", [(0.6, 1), (1.2, 0)])
+def test_a_platen_that_covers_the_soil_has_none_above_it(length, count):
+    """Pushed down by more than its own thickness of a cell; a narrower one may be flowed over."""
+    platen = box(length, length, 0.2, rest_on=0.0, driven=("z",), velocity=(0.0, 0.0, -2.5), held=("x", "y"))
+    assert len(texts(contact.thin_wall, platen, cell=0.25, step=0.01, soil={"held": False})) == count

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hybrid.contact.corners import Reach
+from hybrid.contact.search import Reach
 from hybrid.grid.axes import FACES, make_grid
 from hybrid.scene import Time
 from hybrid.setup.build import build

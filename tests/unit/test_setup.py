@@ -9,7 +9,7 @@ import pytest
 
 import hybrid
 from hybrid.body.rigid import FREEDOMS
-from hybrid.contact.corners import distances
+from hybrid.contact.search import distances
 from hybrid.runtime.errors import SceneError
 from hybrid.scene import Axis, Body, Grid, Layer, Material, Pull, Scene, Soil, Stage, Time
 from hybrid.scene.accuracy import apply_accuracy

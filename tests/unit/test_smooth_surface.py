@@ -9,7 +9,7 @@ from hybrid.body.closest import SECOND, closest, gap_geometry
 from hybrid.body.mesh import generate
 from hybrid.body.smooth import corner_normals
 from hybrid.body.surface import build_surface
-from hybrid.contact.corners import distances
+from hybrid.contact.search import distances
 
 SHAPES = {"sphere": sphere, "ellipsoid": ellipsoid, "torus": torus}
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from hybrid.body.attitude import rotation_from_axis_angle
 from hybrid.body.table import Table
-from hybrid.contact.corners import distances
+from hybrid.contact.search import distances
 from hybrid.runtime.comm import maximum, minimum, total
 from hybrid.scene.check_stage import components
 from hybrid.scene.stage import table_rows
@@ -62,6 +62,16 @@ def narrow_body(scene, model):
                    f"stands, or is zero. {denser} cells of at most {cell * width / (SPACINGS * spacing):.2g} m")
 
 
+def narrow_face(scene, model):
+    """Faces between sharp edges, narrower than a cell: contact sees an edge with a radius of a few centimetres there."""
+    cell = model.soil.grid.smallest_cell
+    for body in model.bodies:
+        if body.narrowest < cell:
+            yield (f"{body.name} has a face {body.narrowest:.2g} m wide between sharp edges, limit {cell:.3g} m, one cell: the grid "
+                   "does not resolve it, its load depends on where it stands in a cell, and Newton's method may need many iterations "
+                   f"for it. Round it off in the geometry, or use cells of at most {body.narrowest:.2g} m at the body")
+
+
 def thin_wall(scene, model):
     """Walls in clay so thin that the soil on both sides shares nodes, which keep it together: it does not part from them."""
     if model.soil.held or not {scene.soil.material.law, *(layer.law for layer in scene.soil.layers)} & {"von-mises", "hencky"}:
@@ -71,6 +81,8 @@ def thin_wall(scene, model):
     for described, body in zip(scene.bodies, model.bodies):
         if described.tension == "full" or not (body.free.any() or body.driven.any()):
             continue
+        if _covers(initial_vertices(described, body), soil, model.soil.grid):
+            continue
         thickness, share = _thickness(scene, described, body, THICKNESS * cell, top)
         if share > THIN_SHARE:
             yield (f"{body.name} is {thickness:.2g} m thick where the soil is on both sides of it, {thickness / cell:.2g} cells "
@@ -78,6 +90,13 @@ def thin_wall(scene, model):
                    "from the body, and the load is that of soil that sticks to it (a strip plate pulled out of clay, 1.5 "
                    f'widths deep: 3.5 times as much). Use cells of at most {thickness / THICKNESS:.2g} m, or set '
                    'body.tension = "full" if the soil is to stay on it')
+
+
+def _covers(vertices, soil, grid):
+    """Whether a body reaches over all of the soil in plan, so that none gets above it."""
+    across = np.flatnonzero(~grid.collapsed[:2])
+    return all(vertices[:, axis].min() <= minimum((soil.position - soil.half_width)[:, axis])
+               and vertices[:, axis].max() >= maximum((soil.position + soil.half_width)[:, axis]) for axis in across)
 
 
 def _thickness(scene, described, body, limit, top):
@@ -182,4 +201,4 @@ def initial_vertices(described, body):
     return centre + body.surface.vertices @ rotation.T
 
 
-LIMITS = (low_penalty, low_tangential_stiffness, narrow_body, thin_wall, light_body, driven_past_grid_end)
+LIMITS = (low_penalty, low_tangential_stiffness, narrow_body, narrow_face, thin_wall, light_body, driven_past_grid_end)
