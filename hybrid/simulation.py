@@ -20,7 +20,7 @@ from hybrid.body.attitude import quaternion
 from hybrid.body.joints import Joint
 from hybrid.body.rigid import FREEDOMS, line_ends
 from hybrid.body.symmetry import copies
-from hybrid.contact.soil_to_body import nearest
+from hybrid.contact.closest_points import nearest
 from hybrid.monitors import Monitors, StepView
 from hybrid.monitors.failure_hints import overstretched_domains
 from hybrid.monitors.initial_equilibrium import initial_imbalance

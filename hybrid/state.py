@@ -72,6 +72,10 @@ class PointConstants:
     def __len__(self):
         return len(self.mass)
 
+    def named(self, ids):
+        """Numbers in the run of the points `ids` (k,) of this process."""
+        return ids if self.number is None else self.number[ids]
+
 
 @dataclass(frozen=True)
 class Population:

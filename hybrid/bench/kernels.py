@@ -8,7 +8,7 @@ import numpy as np
 from hybrid.bench.scenes import block, contracted
 from hybrid.bench.timed_steps import sizes, warm
 from hybrid.contact.contact_pair import ContactPair
-from hybrid.contact.corners import Domains
+from hybrid.contact.search import Domains
 from hybrid.setup.build import build
 from hybrid.soil.basis import evaluate_basis
 from hybrid.step.equations import Unknowns, begin
@@ -79,7 +79,7 @@ def pressed(step, share=0.02):
 def _pair(step):
     """The pair of cube and soil made anew: the search of contact."""
     guess, begun, soil = step.predictor(), step.bodies[0], step.model.soil
-    domains = Domains.of(step.soil.points, soil.constants.volume, soil.basis)
+    domains = Domains.of(step.soil.points, soil.constants, soil.basis)
     return ContactPair(begun.body, begun.state, step.state.contacts[0], domains, soil.grid, step.soil.active,
                        begun.reach, (guess.displacement, guess.poses[0]))
 

@@ -90,6 +90,16 @@ def _scaling(case):
             + "\n" + markdown(rows[0], rows[1:]))
 
 
+def _ranks(case):
+    phases = [key for key in case["rows"][0] if key not in ("scene", "way", "steps", "iterations", "krylov", "s", "gain")]
+    keys = ["steps", "iterations", "krylov", "s", "gain", *sorted(phases, key=lambda key: -sum(row[key] for row in case["rows"]))]
+    rows = [[key if key not in phases else f"{key} [s]", *(row[key] for row in case["rows"])] for key in keys]
+    return (paragraph("One process, two threads and two processes (`--ranks 2`) on the machine of the stamp, one after the other: three "
+                      "steps of a block of 106 000 unknowns, and the first of the anchor. Gain: time of one process over that of the "
+                      "column." + (f" Measured at commit {case['commit']}." if "commit" in case else ""))
+            + "\n" + markdown(["", *(f"{row['scene']}, {row['way']}" for row in case["rows"])], rows))
+
+
 def _solvers(case):
     keys = ["tangent", "unknowns", "solver", "iterations", "factor [s]", "solve [s]", "failed"]
     keys = keys if any(row["failed"] for row in case["rows"]) else keys[:-1]
@@ -101,5 +111,5 @@ def _solvers(case):
 SECTIONS = {
     "block": ("## Falling block", _block), "kernels": ("## Parts of a step", _kernels),
     "sphere": ("## Rolling sphere", _sphere), "anchor": ("## Drag anchor, by phase", _anchor),
-    "scaling": ("## Scaling", _scaling), "solvers": ("## Linear solver", _solvers),
+    "scaling": ("## Scaling", _scaling), "ranks": ("## Several processes", _ranks), "solvers": ("## Linear solver", _solvers),
 }

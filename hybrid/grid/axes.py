@@ -54,6 +54,17 @@ def _growing_cells(distance, size, growth):
     return size * ratio ** np.arange(1, count + 1)
 
 
+def node_widths(axes, extent):
+    """Widths [m] along each axis of the boxes around its nodes, which end halfway to their neighbours."""
+    return [np.ptp(ends) * np.ones(1) if len(nodes) == 1 else
+            0.5 * (np.diff(nodes, prepend=nodes[0]) + np.diff(nodes, append=nodes[-1])) for nodes, ends in zip(axes, extent)]
+
+
+def smallest_cell(axes):
+    """Edge [m] of the smallest cell between the nodes of three axes."""
+    return min(np.diff(nodes).min() for nodes in axes if len(nodes) > 1)
+
+
 @dataclass(frozen=True)
 class Grid:
     """Background grid.
@@ -85,14 +96,12 @@ class Grid:
     @cached_property
     def volumes(self):
         """(N,) [m³] volume of the box around each node, which ends halfway to its neighbours."""
-        widths = [np.ptp(e) * np.ones(1) if len(a) == 1 else 0.5 * (np.diff(a, prepend=a[0]) + np.diff(a, append=a[-1]))
-                  for a, e in zip(self.axes, self.extent)]
-        return np.einsum("i,j,k->ijk", *widths).ravel()
+        return np.einsum("i,j,k->ijk", *node_widths(self.axes, self.extent)).ravel()
 
     @cached_property
     def smallest_cell(self):
         """Edge [m] of the smallest cell."""
-        return min(np.diff(a).min() for a in self.axes if len(a) > 1)
+        return smallest_cell(self.axes)
 
     # -------------------------------------------------------------- values of several processes (hybrid.grid.blocks)
 
@@ -102,8 +111,12 @@ class Grid:
         """Nodal values (N, ...), of which each process has added its part, with the parts of all; may be changed."""
         return values
 
+    def from_owners(self, values):
+        """Nodal values (N, ...) with those of copies from their owners; may be changed."""
+        return values
+
     def summed_cells(self, values):
-        """The same for values (a, b, c) of the cells."""
+        """`summed` for values (a, b, c) of the cells."""
         return values
 
     def cells_from_owners(self, values):

@@ -2,11 +2,12 @@
 
     own cells    low <= (i, j, k) < high, disjoint, together all cells
     own nodes    those with the numbers of own cells; the last node of an axis belongs to the block of the last cell
-    local box    own cells and one more around them, with all of their nodes: what lies outside the own ones is a copy
+    local box    own cells and one layer of cells around them, or more, with all of their nodes: the others are copies
 
 A domain reaches no farther than the cells next to that of its point. So points in own cells give to local nodes only, and a
-process has whole fields around its points once it has exchanged those of its copies with their owners. Numbers of nodes and
-cells are local ones everywhere else: kernels see a smaller grid.
+process has whole fields around its points once it has exchanged those of its copies with their owners. Contact points may
+drift farther from the domain that they are on: then there are more layers. Numbers of nodes and cells are local ones
+everywhere else: kernels see a smaller grid.
 
 Blocks are found by cutting the grid again and again at a plane of nodes, so that both sides have their share of the points.
 """
@@ -15,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hybrid.grid.axes import Grid
+from hybrid.grid.axes import Grid, node_widths, smallest_cell
 from hybrid.runtime import comm
 from hybrid.runtime.errors import SceneError
 
@@ -32,7 +33,8 @@ def _cut(points, low, parts):
     if parts == 1:
         return [(low, low + points.shape)]
     filled = [np.flatnonzero(points.sum(axis=tuple({0, 1, 2} - {axis}))) for axis in range(3)]
-    axis = int(np.argmax([np.ptp(layers) if len(layers) else 0 for layers in filled]))
+    length = [np.ptp(layers) if len(layers) else 0 for layers in filled]
+    axis = int(np.argmax(np.where(np.array(points.shape) > 1, length, -1)))
     below = parts // 2
     if points.shape[axis] < 2:
         raise SceneError(f"--ranks: the grid has too few cells with soil for so many processes (one of {parts} parts is a "
@@ -98,11 +100,17 @@ def _common(a, b):
 class Block(Grid):
     """The local box of one process. extent, volumes and smallest_cell are those of the whole grid.
 
-    lines: nodes [m] of the whole grid by axis; boxes (ranks, 2, 3) of own cells; nodes, cells: Exchange
+    lines: nodes [m] of the whole grid by axis; planes: its planes with fixed components, by axis (`_held_planes`)
+    boxes: (ranks, 2, 3) of own cells of all processes; rank: of this one; layers: of cells around them
+    fullest: number of points in the fullest block when they were cut; nodes, cells: Exchange
     """
 
     lines: tuple = ()
+    planes: tuple = ()
     boxes: np.ndarray | None = None
+    rank: int = 0
+    layers: int = 1
+    fullest: int = 0
     nodes: Exchange | None = None
     cells: Exchange | None = None
 
@@ -110,7 +118,6 @@ class Block(Grid):
         return self.nodes.summed(values)
 
     def from_owners(self, values):
-        """Nodal values (N, ...) with those of copies from their owners."""
         return self.nodes.from_owners(values)
 
     def summed_cells(self, values):
@@ -129,6 +136,12 @@ class Block(Grid):
     def count_unknowns(self, free):
         return comm.count(free[self.nodes.owned])
 
+    def layers_for(self, position):
+        """Number of layers around the own cells that reach to all positions (n, 3) [m], at least 1."""
+        low, high = self.boxes[self.rank]
+        cell = cells_of(position, self.lines)
+        return int(np.maximum(low - cell, cell + 1 - high).max(initial=1))
+
     def owner(self, position):
         """(n,) rank of the process in whose cells positions (n, 3) [m] lie, or that is nearest along the axes."""
         cell = cells_of(position, self.lines)
@@ -144,18 +157,44 @@ def cells_of(position, lines):
                      for nodes, x in zip(lines, position.T)], axis=1)
 
 
-def block_of(grid, boxes, rank):
-    """Block of the process `rank` from the whole Grid."""
-    cells = np.array([max(1, n - 1) for n in grid.shape])
-    around = np.stack([np.maximum(boxes[:, 0] - 1, 0), np.minimum(boxes[:, 1] + 1, cells)], axis=1)
-    more = np.array(grid.shape) > 1      # one more node than cells, but on a collapsed axis
+def points_in_cells(position, grid):
+    """(a, b, c) number of positions (n, 3) [m] in each cell of a whole grid, given as a Grid or a Block of it."""
+    lines = grid.lines if isinstance(grid, Block) else grid.axes
+    shape = [max(1, len(nodes) - 1) for nodes in lines]
+    at = np.ravel_multi_index(cells_of(position, lines).T, shape)
+    return np.bincount(at, minlength=np.prod(shape)).reshape(shape)
+
+
+def cut_block(grid, points_in_cell, parts, rank):
+    """Block of the process `rank` of `parts` with nearly equal shares of the points, (a, b, c) in each cell, from the whole Grid
+    or from another Block of it."""
+    boxes = cut_into_blocks(points_in_cell, parts)
+    return block_of(grid, boxes, rank, max(int(points_in_cell[_within(box, np.zeros(3, int))].sum()) for box in boxes))
+
+
+def block_of(grid, boxes, rank, fullest=0, layers=1):
+    """Block of the process `rank`, one of those with `boxes` (parts, 2, 3) of cells, from the whole Grid or from another Block
+    of it."""
+    lines, planes = (grid.lines, grid.planes) if isinstance(grid, Block) else (grid.axes, _held_planes(grid))
+    shape = np.array([len(nodes) for nodes in lines])
+    cells, more = np.maximum(1, shape - 1), shape > 1       # one more node than cells, but on a collapsed axis
+    around = np.stack([np.maximum(boxes[:, 0] - layers, 0), np.minimum(boxes[:, 1] + layers, cells)], axis=1)
     with_nodes = around + np.array([np.zeros(3, int), more])
     own = boxes.copy()
     own[:, 1] += (boxes[:, 1] == cells) & more
     part = _within(with_nodes[rank], np.zeros(3, int))
-    whole = grid.shape
-    block = Block(tuple(np.ascontiguousarray(nodes[one]) for nodes, one in zip(grid.axes, part)), grid.extent,
-                  grid.fixed.reshape(*whole, 3)[part].reshape(-1, 3).copy(), grid.closed, lines=grid.axes, boxes=boxes,
+    x, y, z = (plane[one] for plane, one in zip(planes, part))
+    fixed = (x[:, None, None] | y[:, None] | z).reshape(-1, 3)
+    block = Block(tuple(np.ascontiguousarray(nodes[one]) for nodes, one in zip(lines, part)), grid.extent, fixed, grid.closed,
+                  lines=lines, planes=planes, boxes=boxes, rank=rank, layers=layers, fullest=fullest,
                   nodes=Exchange(own, with_nodes, rank), cells=Exchange(boxes, around, rank))
-    block.__dict__.update(volumes=grid.volumes.reshape(whole)[part].ravel().copy(), smallest_cell=grid.smallest_cell)
+    widths = [each[one] for each, one in zip(node_widths(lines, grid.extent), part)]
+    block.__dict__.update(volumes=np.einsum("i,j,k->ijk", *widths).ravel(), smallest_cell=smallest_cell(lines))
     return block
+
+
+def _held_planes(grid):
+    """(n, 3) bool of each axis: components that are fixed in a whole plane of nodes. Faces fix planes, so a node has the fixed
+    components of its three planes."""
+    fixed = grid.fixed.reshape(*grid.shape, 3)
+    return tuple(fixed.all(axis=tuple({0, 1, 2} - {axis})) for axis in range(3))

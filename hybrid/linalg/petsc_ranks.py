@@ -2,8 +2,9 @@
 
     K_uu   each process keeps the part that its own points give, over all its local unknowns, and applies it to them; sums
            over processes go along one fixed plan of scatters. Rows are exchanged only for what M^-1 is made from
-    M^-1   of the assembled rows of each process: sweeps or incomplete factors of the block of its own unknowns, in which the
-           others are left out (block Jacobi); the direct factor is that of MUMPS, of all rows
+    M^-1   of the assembled rows: each process has sweeps over the block of its own unknowns, or incomplete factors of that block
+           and the unknowns next to it, whose part of the solution is left to their owners (restricted additive Schwarz); the
+           direct factor is that of MUMPS, of all rows
     K_ww   whole in every process, and so is the Schur complement; its columns are made by all processes together
 
 GMRES sees vectors with the own soil unknowns of each process, and those of the bodies in the first one.
@@ -21,7 +22,8 @@ RAISED = 1.5                # as in hybrid.linalg.petsc
 SMALLEST_DIAGONAL = 1e-13   # as there
 INVERSES = {
     SWEEPS: {"pc_type": "sor"},
-    INCOMPLETE: {"pc_type": "bjacobi", "sub_ksp_type": "preonly", "sub_pc_type": "ilu", "sub_pc_factor_zeropivot": 0.0},
+    INCOMPLETE: {"pc_type": "asm", "pc_asm_overlap": 1, "pc_asm_type": "restrict", "sub_ksp_type": "preonly", "sub_pc_type": "ilu",
+                 "sub_pc_factor_zeropivot": 0.0},
     DIRECT: {"pc_type": "lu", "pc_factor_mat_solver_type": "mumps"},
 }
 INVERSES[DAMPED] = INVERSES[INCOMPLETE]

@@ -55,13 +55,27 @@ class Systems:
         if solver.linear != "direct":
             reduced = ReducedMatrix(pattern.indptr, pattern.indices,
                                     reduced_entries(pattern, model.soil.grid.shape, small_support))
-        if model.soil.grid.nodes is not None:
-            from hybrid.linalg.petsc_ranks import DistributedSystem
+        if _shared(pattern, model.soil.grid):
+            from hybrid.linalg.petsc_ranks import DistributedSystem  # imports MPI
 
             return DistributedSystem(pattern, model.soil.grid, model.body_unknowns, solver.linear_tolerance, reduced,
                                      model.soil.law.symmetric, self.choice)
         return BlockSystem(pattern.indptr, pattern.indices, model.body_unknowns, solver.linear,
                            solver.linear_tolerance, reduced, model.soil.law.symmetric, self.choice)
+
+
+def direct_system(pattern, soil, body_unknowns, tolerance):
+    """System of the few unknowns of a Pattern, solved with a direct factor."""
+    if not _shared(pattern, soil.grid):
+        return BlockSystem(pattern.indptr, pattern.indices, body_unknowns, "direct", tolerance)
+    from hybrid.linalg.petsc_ranks import DistributedSystem
+
+    return DistributedSystem(pattern, soil.grid, body_unknowns, tolerance, None, False, SolverChoice("direct"))
+
+
+def _shared(pattern, grid):
+    """Whether several processes have unknowns of the soil; those of the bodies alone are solved for by each of them."""
+    return grid.nodes is not None and grid.count_unknowns(pattern.free) > 0
 
 
 def _kind(model):

@@ -91,6 +91,11 @@ def joined(values):
     return np.concatenate(world().allgather(np.asarray(values))) if _split else values
 
 
+def counts(numbers):
+    """Sums of integers (...) over all processes, of each place by itself."""
+    return world().allreduce(numbers) if _split else numbers
+
+
 def offset(own):
     """Sum of `own` over the processes before this one."""
     return int(sum(world().allgather(own)[:rank()])) if _split else 0

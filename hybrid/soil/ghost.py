@@ -154,17 +154,20 @@ def _face(face, axes, thickness, node, local, matrix):
     nx = _line(x, face[0], thickness[0], face[3] == 0, fx)
     ny = _line(y, face[1], thickness[1], face[3] == 1, fy)
     nz = _line(z, face[2], thickness[2], face[3] == 2, fz)
-    m = 0
+    r = 0
     for a in range(nx):
         for b in range(ny):
             for c in range(nz):
-                node[m] = node_number((len(x), len(y), len(z)), face[0] + a, face[1] + b, face[2] + c)
-                local[m] = local_number(a, b, c)
-                m += 1
-    for r in range(m):
-        for s in range(m):
-            matrix[r, s] = (fx[r // (ny * nz), s // (ny * nz)] * fy[r // nz % ny, s // nz % ny] * fz[r % nz, s % nz])
-    return m
+                node[r] = node_number((len(x), len(y), len(z)), face[0] + a, face[1] + b, face[2] + c)
+                local[r] = local_number(a, b, c)
+                s = 0
+                for d in range(nx):
+                    for e in range(ny):
+                        for f in range(nz):
+                            matrix[r, s] = fx[a, d] * fy[b, e] * fz[c, f]
+                            s += 1
+                r += 1
+    return r
 
 
 @njit(cache=True)
@@ -174,8 +177,9 @@ def _add_force(faces, modulus, axes, thickness, displacement, force):
         m = _face(faces[f], axes, thickness, node, local, matrix)
         for r in range(m):
             for s in range(m):
+                k = modulus[f] * matrix[r, s]
                 for i in range(3):
-                    force[node[r], i] += modulus[f] * matrix[r, s] * displacement[node[s], i]
+                    force[node[r], i] += k * displacement[node[s], i]
 
 
 @njit(cache=True)

@@ -104,9 +104,11 @@ def distorted(deformation):
 
 
 def list_points(ids, positions=None, limit=5):
-    """Text that names the first `limit` of the points `ids`, with their positions (n, 3) [m] if given; all processes
-    name the points of all."""
+    """Text that names the first `limit` of the points `ids`, their numbers in the run, with their positions (n, 3) [m] if
+    given; all processes name the points of all."""
     ids, positions = joined(np.asarray(ids)), positions if positions is None else joined(positions)
+    order = np.argsort(ids, kind="stable")
+    ids, positions = ids[order], positions if positions is None else positions[order]
     at = [""] * len(ids)
     if positions is not None:
         at = [" at (" + ", ".join(f"{x:.4g}" for x in p) + ") m" for p in positions]
@@ -114,19 +116,20 @@ def list_points(ids, positions=None, limit=5):
     return f"point{'s' * (len(ids) > 1)} {shown}" + (f" and {len(ids) - limit} more" if len(ids) > limit else "")
 
 
-def refuse_outside_grid(leaving, position, grid):
-    """Raises StepError if any points are `leaving` (n,) bool the grid for `position` (n, 3) [m]."""
+def refuse_outside_grid(leaving, position, grid, constants):
+    """Raises StepError if any points with `constants` are `leaving` (n,) bool the grid for `position` (n, 3) [m]."""
     ids = np.flatnonzero(leaving)
     if not anywhere([len(ids)]):
         return
     ends = "; ".join(f"{axis} {low:.6g} to {high:.6g}" for axis, (low, high) in zip("xyz", grid.extent))
-    raise StepError(f"{list_points(ids, position[ids])} would leave the grid ({ends} m); enlarge the grid, hold its "
+    raise StepError(f"{list_points(constants.named(ids), position[ids])} would leave the grid ({ends} m); enlarge the grid, hold its "
                     'face, or set soil.stray = "freeze" or "remove"')
 
 
-def refuse_detached(detached, position):
-    """Raises StepError if any points at `position` (n, 3) [m] are `detached` (n,) bool in a quasi-static scene."""
+def refuse_detached(detached, position, constants):
+    """Raises StepError if any points with `constants` at `position` (n, 3) [m] are `detached` (n,) bool in a quasi-static
+    scene."""
     ids = np.flatnonzero(detached)
     if anywhere([len(ids)]):
-        raise StepError(f"{list_points(ids, position[ids])} touch no other soil and no held node, so nothing carries "
+        raise StepError(f"{list_points(constants.named(ids), position[ids])} touch no other soil and no held node, so nothing carries "
                         'them in a quasi-static scene; set soil.stray = "freeze" or "remove", or time.inertia = true')

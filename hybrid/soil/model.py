@@ -161,11 +161,11 @@ class Soil:
         strain = step.workspace.trial_strain(step.basis, self.grid.shape, displacement, points.b_elastic, step.mean,
                                              points.inactive, keep and keep.strain)
         if number(strain.inverted):
-            return Refusal(f"turns soil inside out at {lost_points.list_points(strain.inverted)}")
+            return Refusal(f"turns soil inside out at {lost_points.list_points(self.constants.named(strain.inverted))}")
         response = self.law.respond(strain.strain, points.plastic_strain)
         failed = () if response.failed is None else np.flatnonzero(_active_only(points, response.failed))
         if number(failed):
-            return Refusal(f"leaves the soil's law without a stress at {lost_points.list_points(failed)}")
+            return Refusal(f"leaves the soil's law without a stress at {lost_points.list_points(self.constants.named(failed))}")
         stress = from_principal(response.stress, strain.directions)
         volume = _active_only(points, self.constants.volume)
         force = internal_force(step.basis, step.slabs, self.grid.shape, strain, stress, volume,
@@ -189,8 +189,6 @@ class Soil:
         kept.update(step, self.grid, trial.strain, trial.response.stress, step.workspace.law_tangent(tangent),
                     volume, pattern, np.sqrt(min(error, 1.0)))
         values[...] = kept.values
-        if step.cuts:
-            ghost.add_stiffness(step.cuts, self.grid, pattern, values)
 
     def add_stiffness(self, step, trial, pattern, values):
         """Add the tangent of `trial` at all points to the soil block (entries `values`)."""
@@ -215,7 +213,7 @@ class Soil:
         left = lost_points.outside_grid(position, self.grid)
         left = left if old.inactive is None else left & ~old.inactive
         if self.stray == "stop":
-            lost_points.refuse_outside_grid(left, position, self.grid)
+            lost_points.refuse_outside_grid(left, position, self.grid, self.constants)
         elastic = trial.response.elastic
         deformation, squares, stress = update_strains(trial.strain, elastic, trial.stress, old, ~self.grid.collapsed)
         history = acceleration, *([] if algorithmic is None else [algorithmic])
@@ -253,7 +251,7 @@ class Soil:
         piece, held = lost_points.detached_pieces(basis, self.grid, taking_part)
         loose = (piece > 0) & ~held[piece] if len(held) > 1 else np.zeros(len(points), bool)
         if self.stray == "stop":
-            lost_points.refuse_detached(loose, points.position)
+            lost_points.refuse_detached(loose, points.position, self.constants)
         return lost_points.deactivate(points, points, loose)
 
     def roundoff_force(self, unknowns):

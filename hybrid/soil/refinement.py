@@ -59,6 +59,13 @@ class PointRefinement:
                         current, changed = _exchanged(*current, old, new), True
         return current[:2]
 
+    def family(self, population):
+        """(n, 3) [m] initial middles of the widest points that may be split into each point of a Population."""
+        place, at = population.constants.position, list(self.axes)
+        middle, widest = place.copy(), 2**self.doublings * self.width[at]
+        middle[:, at] = self.start[at] + (np.floor((place[:, at] - self.start[at]) / widest) + 0.5) * widest
+        return middle
+
     def _split(self, j, population, grid, law, free):
         """(n,) bool, points to split along the material axis j, and the Population of their halves."""
         share = _shares(population)

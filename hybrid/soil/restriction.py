@@ -14,8 +14,8 @@ from hybrid.state import Population
 
 
 def can_be_restricted(soil):
-    """Whether the points of a Soil are all in this process, and its law can be had for some of them alone."""
-    return soil.grid.nodes is None and hasattr(soil.law, "with_rows")
+    """Whether the law of a Soil can be had for some of its points alone."""
+    return hasattr(soil.law, "with_rows")
 
 
 def restricted(soil, step, nodes, solver):

@@ -20,6 +20,7 @@ from weakref import ref
 import numpy as np
 from numba import njit, prange
 
+from hybrid.soil import ghost
 from hybrid.soil.fbar import COUNT, INVERSE_AT, SCALARS_AT, add_mean_terms, mean_dilatation, mean_tangent, project
 from hybrid.soil.forces import reference_gradients
 from hybrid.soil.rows import WIDTH, add_row, contract, find_stacks, free_components, scratch
@@ -82,6 +83,8 @@ class KeptStiffness:
         if fresh:
             self._increment, self._pattern = ref(increment), pattern    # a weak reference: a past step can be freed
             self.values[...] = 0.0
+            if increment.cuts:      # constant: displacements of an increment do not change it
+                ghost.add_stiffness(increment.cuts, grid, pattern, self.values)
         points = _PointState(trial.inverse, trial.strain, trial.directions, principal_stress, tangent, volume)
         _add_stiffness(increment.slabs, increment.basis, grid.shape, points, pattern.sparsity, self.values,
                        _Kept(self._numbers, share * self._limit, fresh),

@@ -10,7 +10,7 @@ import numpy as np
 from hybrid.body import guides, rigid
 from hybrid.body.rigid import BodyTrial, RigidBody
 from hybrid.contact.contact_pair import ContactPair
-from hybrid.contact.corners import Reach
+from hybrid.contact.search import Reach
 from hybrid.contact.soil_to_body import CornerContact
 from hybrid.runtime.comm import anywhere
 from hybrid.scheme import Scheme

@@ -8,6 +8,9 @@ The grid carries no state, so between two outer steps it may be replaced (`hybri
     3. points are split where cells have become finer, merged where coarser (`hybrid.soil.refinement`)
     4. domains are fitted to their new cells, and contact follows its points to their new numbers
 
+On several processes the halves of a point may lie in different blocks, so 3 is done where their initial place is, and the new
+grid is cut into new blocks (`hybrid.step.processes`).
+
 Points with a corner that contact follows are neither split nor merged. At an end of the window inside the axis, soil
 is held at least along that axis. The energy of soil left behind in 1 and the energy lost in 3 are work "left".
 """
@@ -19,6 +22,7 @@ import numpy as np
 from hybrid.body import rigid
 from hybrid.grid.axes import FACES, make_grid
 from hybrid.grid.moving_axis import AxisLayout
+from hybrid.runtime import comm
 from hybrid.runtime.comm import maximum, minimum, number
 from hybrid.runtime.errors import StepError
 from hybrid.soil.domains import updated_half
@@ -26,6 +30,7 @@ from hybrid.soil.points import at_rest
 from hybrid.soil.refinement import PointRefinement
 from hybrid.soil.split_merge import concatenate, select
 from hybrid.state import Ground, Population
+from hybrid.step import processes
 from hybrid.step.energy import soil_energies
 
 
@@ -103,25 +108,33 @@ class MovingGrid:
             return model, state, False
         if not self._keep:
             self._refuse_return(body.name, state, before, layouts)
-        grid = self.grid(layouts)
+        grid = block = self.grid(layouts)
+        shared = model.soil.grid.nodes is not None
         here = Population(state.points, model.soil.constants, model.soil.law.rows)
         here, origin, behind = self._inside_window(layouts, here, state.ground.behind)
         here, made = self._fill_new_blocks(layouts, grid, here, state.ground.made)
-        origin = np.concatenate([origin, np.full(len(here) - len(origin), -1)])
-        free = _without_contact(state.contacts, origin)
+        contacts = [_renumbered(contact, origin, len(state.points)) for contact in state.contacts]
+        refinement = self._refinement(model.soil)
+        if shared:
+            here = processes.numbered(here, np.arange(len(here)) >= len(origin), behind)
+            here, contacts = processes.moved(model.soil.grid.owner(refinement.family(here)), here, contacts)
+        free = _without_contact(contacts, len(here))
         if here.points.inactive is not None:
             free &= ~here.points.inactive
-        here, number = self._refinement(model.soil).adapt(here, grid, model.soil.law, free)
-        origin = np.where(number >= 0, origin[number], -1)
+        before = len(here)
+        with comm.alone():      # each process splits and merges its own points, as often as they need it
+            here, former = refinement.adapt(here, grid, model.soil.law, free)
+        contacts = [_renumbered(contact, former, before) for contact in contacts]
+        here = replace(here, points=replace(here.points, half_width=updated_half(
+            model.soil.domain, here.constants.half_width, here.points.deformation, here.points.position, grid.axes)))
+        if shared:
+            block, here, contacts = processes.on_new_grid(grid, processes.numbered(here, former < 0, behind), contacts)
         ground = Ground(_array(layouts, "fine"), _array(layouts, "window"), made, here.constants, here.rows, behind)
-        new = self.model_with(model, ground)
-        points = replace(here.points, half_width=updated_half(
-            new.soil.domain, here.constants.half_width, here.points.deformation, here.points.position, grid.axes))
+        new = _with_ground(model, block, ground)
         work = dict(state.work)
-        gone = sum(soil_energies(model, state.points).values()) - sum(soil_energies(new, points).values())
+        gone = sum(soil_energies(model, state.points).values()) - sum(soil_energies(new, here.points).values())
         work["left"] = work.get("left", 0.0) + gone
-        contacts = [_renumbered(contact, origin, len(state.points)) for contact in state.contacts]
-        return new, replace(state, points=points, contacts=contacts, work=work, ground=ground), True
+        return new, replace(state, points=here.points, contacts=contacts, work=work, ground=ground), True
 
     def points_when_sunk(self, model, state):
         """Number of points in the grid when the body has sunk below the surface of the soil, where its fine cells are
@@ -135,8 +148,7 @@ class MovingGrid:
 
     def model_with(self, model, ground):
         """`model` with the points and the grid of a Ground."""
-        return model.with_soil(replace(model.soil, grid=self.grid(_layouts(ground, self.moving_axes)),
-                                       constants=ground.constants, law=model.soil.law.with_rows(ground.rows)))
+        return _with_ground(model, self.grid(_layouts(ground, self.moving_axes)), ground)
 
     def _inside_window(self, layouts, here, behind):
         """(Population in the window, former numbers of its points or -1, Population left behind or None)."""
@@ -173,7 +185,7 @@ class MovingGrid:
         if made[window].all():
             return here, made
         constants, stress, law = self.lay_out(grid)
-        new = np.flatnonzero(~made[tuple(self._block_of(constants.position).T)])
+        new = np.flatnonzero(~made[tuple(self._block_of(constants.position).T)])[processes.share()]
         points = at_rest(constants, stress, law.strain(stress))
         made = made.copy()
         made[window] = True
@@ -206,16 +218,24 @@ def _at_standstill(points):
     return replace(points, **rest)
 
 
-def _without_contact(contacts, origin):
-    """(n,) bool, points without a place that contact follows; origin: (n,) their former numbers, -1 for new ones."""
-    followed = np.concatenate([np.zeros(0, np.int64), *[contact.point for contact in contacts]])
-    return ~np.isin(origin, followed)
+def _with_ground(model, grid, ground):
+    """`model` with the points of a Ground on its `grid`."""
+    return model.with_soil(replace(model.soil, grid=grid, constants=ground.constants,
+                                   law=model.soil.law.with_rows(ground.rows)))
+
+
+def _without_contact(contacts, n):
+    """(n,) bool, points without a place that contact follows."""
+    free = np.ones(n, bool)
+    for contact in contacts:
+        free[contact.point] = False
+    return free
 
 
 def _renumbered(contact, origin, before):
     """ContactHistory by the new numbers of its points; those on points that were removed are dropped.
 
-    origin: (n,) former numbers, -1 for new points; before: former number of points.
+    origin: former numbers of the first new points, -1 for those that are really new; before: former number of points.
     """
     number = np.full(before, -1)
     number[origin[origin >= 0]] = np.flatnonzero(origin >= 0)

@@ -176,7 +176,7 @@ def _iterate(step, solver, evaluation, patience, shorten, smooth=True):
             evaluation = smoothed(step, solver, evaluation)
         jumps.append(any(held_facets.switched(a, b) for a, b in zip(before.contacts, evaluation.contacts)))
         # assembling and factoring the soil block costs several solutions; the bodies' few unknowns cost nothing
-        current = bool(step.pattern.size) and evaluation.error < good * errors[-1]
+        current = bool(step.system.soil_unknowns) and evaluation.error < good * errors[-1]
     return Outcome(best, iteration, krylov, tuple(errors),
                    f"residual {best.error:.2e} after {iteration} iterations"
                    f"{'' if progressing(errors, patience) else f' without progress in the last {patience}'}, "

@@ -11,8 +11,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from hybrid.linalg.petsc import BlockSystem
 from hybrid.linalg.stencil_pattern import make_pattern
+from hybrid.linalg.system_cache import direct_system
+from hybrid.runtime import comm
 from hybrid.soil import restriction
 
 LARGE = 0.05    # share of the norm of the residual from which a node is solved for, and its neighbours with it
@@ -21,21 +22,21 @@ FEW = 0.2       # largest share of all unknowns that is worth it
 
 def rough_nodes(step, evaluation):
     """(N,) bool, nodes with a large share of the residual and their neighbours; None where these are not few, where the soil
-    does not yield, or cannot be restricted: it is shared with other processes, or has a user's law."""
-    pattern, soil = step.pattern, step.model.soil
-    if not pattern.size or not soil.law.plastic or not restriction.can_be_restricted(soil):
+    does not yield, or has a user's law, which cannot be restricted."""
+    pattern, soil, unknowns = step.pattern, step.model.soil, step.system.soil_unknowns
+    if not unknowns or not soil.law.plastic or not restriction.can_be_restricted(soil):
         return None
     size = np.zeros(pattern.free.shape)
     size[pattern.free] = evaluation.soil
-    size = np.linalg.norm(size, axis=1)
-    nodes = (size > LARGE * np.linalg.norm(size)).reshape(soil.grid.shape)
+    whole = comm.norm(size[pattern.free][soil.grid.own_unknowns(pattern.free)])
+    nodes = (np.linalg.norm(size, axis=1) > LARGE * whole).reshape(soil.grid.shape)
     for axis in range(3):
         along = nodes.swapaxes(0, axis)     # a view
         before = along.copy()
         along[1:] |= before[:-1]
         along[:-1] |= before[1:]
-    nodes = nodes.ravel()
-    return nodes if np.count_nonzero(pattern.free[nodes]) < FEW * pattern.size else None
+    nodes = soil.grid.from_owners(nodes.ravel())    # a copy may have neighbours that only its owner has
+    return nodes if soil.grid.count_unknowns(pattern.free & nodes[:, None]) < FEW * unknowns else None
 
 
 def restricted(step, nodes, evaluation):
@@ -46,7 +47,7 @@ def restricted(step, nodes, evaluation):
     part, soil, near = restriction.restricted(model.soil, step.soil, nodes, solver)
     bodies = tuple(replace(body, contact_pressure=body.contact_pressure[near]) for body in model.bodies)
     pattern = make_pattern(nodes & step.pattern.free.any(axis=1), part.grid.fixed, part.grid.shape)
-    system = BlockSystem(pattern.indptr, pattern.indices, step.system.body_unknowns, "direct", solver.linear_tolerance)
+    system = direct_system(pattern, part, step.system.body_unknowns, solver.linear_tolerance)
     begun = tuple(replace(terms.step, pair=terms.step.pair.near(nodes, terms.contact)) for terms in evaluation.bodies)
     return replace(step, model=replace(model, soil=part, bodies=bodies), soil=soil, pattern=pattern, system=system,
                    bodies=begun)

@@ -183,7 +183,7 @@ def test_contact_points_keep_their_soil_points_and_their_order():
     new = moving_grid._renumbered(history, origin, before=8)
     assert new.point.tolist() == [0, 0, 2, 2, 3] and new.place.tolist() == [0, 90, 1, 5, 3]
     np.testing.assert_array_equal(new.position[:, 0], [4, 5, 1, 2, 0])
-    assert moving_grid._without_contact([history], origin).tolist() == [False, True, False, False]
+    assert moving_grid._without_contact([new], len(origin)).tolist() == [False, True, False, False]
     assert new.touching.tolist() == [True, True, False, True, False]
     np.testing.assert_array_equal(new.rest, [4, 5, 1, 2, 0])
 
@@ -213,7 +213,7 @@ def test_a_plate_that_slides_along_elastic_soil_carries_what_one_that_stands_doe
     standing = replace(sliding, bodies=(body,))
     stands = forces(standing)[0]
     assert forces(sliding)[0][-1, 2] == pytest.approx(stands[-1, 2], rel=0.05)
-    search = corners._new_points
-    monkeypatch.setattr(corners, "_new_points", lambda *given: {
+    search = corners.new_points
+    monkeypatch.setattr(corners, "new_points", lambda *given: {
         name: values[:None if not len(given[-1]) else 0] for name, values in search(*given).items()})
     assert forces(plough(inertia=False, steps=15))[0][-1, 2] < 0.8 * stands[14, 2]

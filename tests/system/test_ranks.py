@@ -60,6 +60,7 @@ name = "slide"
 steps = 4
 """
 GEOMETRY = os.path.join(os.path.dirname(__file__), "..", "..", "geometry")
+DEMOS = Path(__file__).parents[2] / "demos"
 
 
 @pytest.fixture
@@ -79,6 +80,14 @@ def hybrid(*arguments, code=0):
     return done.stderr
 
 
+def mpirun(ranks, script, *arguments):
+    """CompletedProcess of a Python `script` on so many ranks."""
+    environment = {**os.environ, "NUMBA_NUM_THREADS": "1", "OMPI_ALLOW_RUN_AS_ROOT": "1",
+                   "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1"}
+    return subprocess.run(["mpirun", "-n", str(ranks), sys.executable, str(script), *map(str, arguments)], env=environment,
+                          capture_output=True, text=True, timeout=120)
+
+
 def history(folder):
     with open(folder / "history.csv", newline="") as file:
         rows = list(csv.DictReader(file))
@@ -86,9 +95,9 @@ def history(folder):
     return {name: np.array([float(row[name]) for row in rows]) for name in names}
 
 
-def points(folder):
+def points(folder, *more):
     with np.load(folder / "checkpoint.npz") as arrays:
-        return {name: arrays[f"points/{name}"] for name in ("position", "velocity", "stress", "plastic_strain")}
+        return {name: arrays[f"points/{name}"] for name in ("position", "velocity", "stress", "plastic_strain", *more)}
 
 
 def largest_difference(one, other):
@@ -126,7 +135,7 @@ def test_bodies_that_rest_on_one_another(tmp_path):
     few = ["--set", "grid.y.start=-1.5", "--set", "grid.y.end=1.5", "--set", "stage.stand.steps=4", "--set", "stage.drop.steps=1",
            "--set", "output.every=0", "--set", "output.pictures=[]"]
     for folder, ranks in (("one", 1), ("two", 2)):
-        hybrid("run", Path(__file__).parents[2] / "demos/stack.toml", *coarse, *few, "--out", tmp_path / folder, *(["--ranks", 2] * (ranks > 1)))
+        hybrid("run", DEMOS / "stack.toml", *coarse, *few, "--out", tmp_path / folder, *(["--ranks", 2] * (ranks > 1)))
     rows = [read_history(tmp_path / folder) for folder in ("one", "two")]
     for name in ("lower_contact_fz_N", "middle_on_lower_fz_N", "upper_on_middle_fz_N"):
         one, two = (row[name] for row in rows)
@@ -170,10 +179,180 @@ def test_joined_bodies_on_soil(tmp_path):
     assert np.abs(one["pin_fx_N"]).max() > 10.0
 
 
+def coarse_anchor(*more):
+    """Arguments of `hybrid run` for the demo anchor.toml on cells of 0.4 m, `more` keys, without files of fields."""
+    keys = [f"grid.{axis}.size=0.4" for axis in "xyz"] + ["grid.x.fine=[-0.6,3.4]", "grid.y.fine=[0.0,1.2]"]
+    keys += ["grid.z.fine=[-1.2,0.8]", "output.every=0", "output.pictures=[]", *more]
+    return [DEMOS / "anchor.toml", *(text for key in keys for text in ("--set", key))]
+
+
+def test_few_nodes_of_all_ranks_are_solved_for_by_themselves(tmp_path):
+    """Nonlinear elimination: as few iterations a step as on one rank (4 at most, 8 without), to the same place."""
+    for folder, ranks in (("one", 1), ("two", 2)):
+        hybrid("run", *coarse_anchor("stage.0.steps=10", "stage.1.steps=15"), "--out", tmp_path / folder, "--ranks", ranks)
+    one, two = (read_history(tmp_path / folder) for folder in ("one", "two"))
+    assert two["iterations"].max() <= 5 and two["iterations"].sum() <= 1.05 * one["iterations"].sum()
+    assert two["anchor_z_m"] == pytest.approx(one["anchor_z_m"], abs=1e-5)
+    assert two["anchor_tension_N"][-1] == pytest.approx(one["anchor_tension_N"][-1], rel=1e-4)
+
+
+# A block slides out of the grid
+THROWN = """
+name = "thrown"
+gravity = [6.0, 0.0, -1.0]
+time = { step = 0.04 }
+output = { pictures = [], every = 0, checkpoint = 2 }
+solver = { tolerance = 1e-8, linear_tolerance = 1e-6 }
+[grid]
+x = { start = 0.0, end = 2.0, size = 0.25 }
+y = { start = 0.0, end = 0.5, size = 0.25 }
+z = { start = 0.0, end = 1.0, size = 0.25 }
+faces = { z_min = "roller", x_max = "free" }
+[soil]
+lower = [0.5, 0.0, 0.0]
+upper = [1.5, 0.5, 0.5]
+geostatic = false
+stray = "freeze"
+material = { law = "hencky", young = 1e5, poisson = 0.3, density = 1000.0 }
+[[stage]]
+name = "slide"
+steps = 14
+"""
+
+
+def test_points_that_leave_the_grid(scene, tmp_path):
+    """Half of the block is frozen where it left; of one of three ranks, all of it."""
+    path = scene(THROWN)
+    for ranks in (1, 3):
+        hybrid("run", path, "--out", tmp_path / str(ranks), "--ranks", ranks)
+    one, three = (points(tmp_path / str(ranks), "inactive") for ranks in (1, 3))
+    assert one["inactive"].sum() == 64 and (three["inactive"] == one["inactive"]).all()
+    for name in ("position", "velocity", "stress"):
+        assert np.abs(one[name] - three[name]).max() < 1e-6 * np.abs(one[name]).max(), name
+    stop = ["--set", "soil.stray='stop'"]
+    texts = [hybrid("run", path, "--out", tmp_path / f"stop{ranks}", "--ranks", ranks, *stop, code=2) for ranks in (1, 2)]
+    assert texts[1].count("hybrid: ") == 1 and "points 112 at (2.019, " in texts[1]
+    assert texts[1].splitlines()[-1] == texts[0].splitlines()[-1]
+
+
+def test_sphere_on_held_ground(tmp_path):
+    keys = ["stage.0.steps=12", "output.every=0", "output.pictures=[]"]
+    for ranks in (1, 2):
+        hybrid("run", DEMOS / "rolling_sphere.toml", *(text for key in keys for text in ("--set", key)), "--out",
+               tmp_path / str(ranks), "--ranks", ranks)
+    one, two = (read_history(tmp_path / str(ranks)) for ranks in (1, 2))
+    for name in ("sphere_x_m", "sphere_spin_y_rad_per_s", "sphere_contact_fx_N"):
+        assert np.abs(one[name]).max() > 0.5 and two[name] == pytest.approx(one[name], rel=1e-6), name
+
+
+def test_clay_that_sticks_to_a_pipe_and_breaks_away(tmp_path):
+    """The demo pipe.toml on coarse cells, its bond of 200 Pa: contact points bear the interface of those of another rank.
+    With those of their own rank alone the pipe ends 1 mm elsewhere."""
+    keys = ["grid.x.size=0.125", "grid.z.size=0.125", "stage.1.steps=10", "output.every=0", "output.pictures=[]",
+            "output.checkpoint=2", "solver.tolerance=1e-7", "solver.linear_tolerance=1e-5", "body.0.tension=200.0"]
+    for ranks in (1, 2):
+        hybrid("run", DEMOS / "pipe.toml", *(text for key in keys for text in ("--set", key)), "--out",
+               tmp_path / str(ranks), "--ranks", ranks)
+    one, two = (read_history(tmp_path / str(ranks)) for ranks in (1, 2))
+    for name in ("pipe_z_m", "pipe_contact_fx_N", "pipe_contact_fz_N", "energy_friction_J"):
+        assert np.abs(one[name] - two[name]).max() < 1e-4 * np.abs(one[name]).max(), name
+    with np.load(tmp_path / "2" / "checkpoint.npz") as arrays:
+        assert arrays["contacts/0/opened"].any() and not arrays["contacts/0/opened"].all()
+
+
+# A box is pushed through sand; window and fine cells go with it, points are split, merged and left behind
+PLOUGH = """
+name = "plough"
+time = { step = 0.04 }
+output = { pictures = [], every = 5, checkpoint = 3 }
+solver = { tolerance = 1e-8, linear_tolerance = 1e-6 }
+[grid]
+x = { start = 0.0, end = 9.6, size = 0.2, growth = 1.4, around = [0.4, 0.4], window = [0.4, 0.4], doublings = 1 }
+y = { start = -0.2, end = 0.2, collapsed = true }
+z = { start = -3.2, end = 1.6, size = 0.2, growth = 1.4, around = [0.6, 0.2] }
+faces = { z_min = "fixed" }
+[soil]
+top = 0.0
+material = { relative_density = 38 }
+[[body]]
+name = "box"
+geometry = "GEOMETRY/box.geo"
+parameters = { length = 0.8, width = 0.8, height = 0.6, size = 20.0 }
+density = 2000.0
+position = [1.6, 0.0, 0.301]
+held = ["ry"]
+friction = 0.3
+[[stage]]
+name = "go"
+steps = 20
+motion = [{ component = "x", velocity = 1.5 }, { component = "z", velocity = -0.05 }]
+"""
+
+
+def ground(folder):
+    """Initial places of the points in the grid and of those left behind, in order, with position and stress of these."""
+    with np.load(folder / "checkpoint.npz") as arrays:
+        assert not [name for name in arrays.files if name.endswith("number")]
+        parts = [(arrays[f"{at}constants/position"], arrays[f"{of}points/position"], arrays[f"{of}points/stress"])
+                 for at, of in (("ground/", ""), ("ground/behind/", "ground/behind/"))]
+    return [values[np.lexsort(np.round(place, 6).T)] for place, *others in parts for values in (place, *others)]
+
+
+def test_grid_that_follows_a_body(scene, tmp_path):
+    """On two and three ranks, and where a run goes on with another number of them."""
+    path = scene(PLOUGH)
+    for ranks in (1, 2, 3):
+        hybrid("run", path, "--out", tmp_path / str(ranks), "--ranks", ranks)
+    for steps, ranks in ((9, 2), (15, 3), (20, 1)):
+        hybrid("run", path, "--out", tmp_path / "mixed", "--ranks", ranks, "--set", f"stage.go.steps={steps}",
+               *(["--resume"] if steps > 9 else []))
+    one, expected = read_history(tmp_path / "1"), ground(tmp_path / "1")
+    assert len(expected[3]) > 100 and one["energy_plastic_J"][-1] > 10.0
+    for folder in ("2", "3", "mixed"):
+        found = read_history(tmp_path / folder)
+        for name in ("box_contact_fx_N", "box_contact_fz_N", "energy_plastic_J", "energy_left_J"):
+            assert np.abs(found[name] - one[name]).max() < 1e-6 * np.abs(one[name]).max(), (folder, name)
+        for there, here in zip(ground(tmp_path / folder), expected):
+            assert there.shape == here.shape and np.abs(there - here).max() < 1e-6 * np.abs(here).max()
+
+
+SHARES = """
+import sys
+from hybrid.runtime import comm
+from hybrid.step import processes
+settled = processes._settled
+def watched(model, state):
+    model, state = settled(model, state)
+    shares = comm.joined([len(state.points)])
+    assert max(shares) < 0.8 * sum(shares), f"uneven: {shares}"
+    return model, state
+processes._settled = watched
+processes.GROWN = float(sys.argv.pop())
+from hybrid.cli import main
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+@pytest.mark.parametrize(("grown", "uneven"), [(1.2, False), (1e9, True)])
+def test_blocks_follow_soil_that_moves(scene, tmp_path, grown, uneven):
+    """A block of soil slides 1.9 m along: each of two ranks keeps half of it, but not where blocks stay as they are."""
+    path, script = scene(THROWN.replace("end = 2.0", "end = 4.0").replace("steps = 14", "steps = 20")), tmp_path / "shares.py"
+    script.write_text(SHARES)
+    done = mpirun(2, script, "run", path, "--out", tmp_path / "two", grown)
+    if uneven:
+        assert done.returncode != 0 and "uneven: " in done.stderr
+        return
+    assert done.returncode == 0, done.stderr
+    hybrid("run", path, "--out", tmp_path / "one")
+    assert points(tmp_path / "one")["position"][:, 0].min() > 2.0
+    assert largest_difference(points(tmp_path / "one"), points(tmp_path / "two")) < 1e-6
+
+
 def test_what_ranks_cannot_do_is_refused_once(scene, tmp_path):
     path = scene(COLUMN)
-    text = hybrid("run", path, "--out", tmp_path / "out", "--ranks", 2, "--set", "soil.stray='freeze'", code=2)
-    assert text.count("hybrid: ") == 1 and "run this scene on one rank" in text
+    sizes = [text for key in ("x.size=1.0", "y.size=0.5", "z.size=0.5") for text in ("--set", f"grid.{key}")]
+    text = hybrid("run", path, "--out", tmp_path / "out", "--ranks", 4, *sizes, code=2)
+    assert text.count("hybrid: ") == 1 and "run on one rank, or on fewer" in text
     assert not (tmp_path / "out" / "history.csv").exists()
 
 
@@ -195,10 +374,7 @@ sys.exit(main(sys.argv[1:]))
 def test_a_fault_of_one_rank_ends_all_and_names_it(scene, tmp_path):
     path, script = scene(COLUMN), tmp_path / "fault.py"
     script.write_text(FAULT)
-    environment = {**os.environ, "NUMBA_NUM_THREADS": "1", "OMPI_ALLOW_RUN_AS_ROOT": "1",
-                   "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1"}
-    done = subprocess.run(["mpirun", "-n", "2", sys.executable, str(script), "run", str(path), "--out",
-                           str(tmp_path / "out")], env=environment, capture_output=True, text=True, timeout=120)
+    done = mpirun(2, script, "run", path, "--out", tmp_path / "out")
     assert done.returncode != 0
     assert done.stderr.count("ArithmeticError: made for the test") == 1 and "on rank 1 of 2" in done.stderr
     hybrid("run", path, "--out", tmp_path / "out", "--resume")

@@ -1,5 +1,7 @@
 """Which points a grid with finer cells halves, and which it leaves as they are."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from contact_bed import bed
@@ -45,3 +47,16 @@ def test_a_point_is_not_split_if_a_half_would_lie_outside_the_grid():
         adapted, _ = refinement.adapt(population, grid, law, np.ones(2, bool))
         assert adapted.points.position[:, 0].min() >= end
         assert (len(adapted) == 16) == (place > 0.125)
+
+
+def test_all_that_a_point_is_split_into_has_one_family():
+    """So the halves of a point, which may be merged again, come together in one process, wherever they have moved."""
+    population, grid, law, refinement = soil_of_coarse_points(1.0)
+    refinement = replace(refinement, start=np.full(3, -0.05))
+    adapted, _ = refinement.adapt(population, grid, law, np.ones(2, bool))
+    adapted.points.position[:] = 7.0
+    family, point = np.unique(refinement.family(adapted).round(12), axis=0, return_inverse=True)
+    np.testing.assert_allclose(family, population.constants.position, atol=1e-12)
+    assert np.bincount(point.ravel()).tolist() == [8, 8]
+    along = replace(refinement, axes=(0,)).family(adapted)
+    assert np.array_equal(along[:, 1:], adapted.constants.position[:, 1:])
