@@ -6,9 +6,11 @@
 
     "compression"   η = 6 sinφ / √3(3 - sinφ)    ξ = 6 cosφ / √3(3 - sinφ)    strongest, circumscribes the pyramid
     "extension"     the same with 3 + sinφ                                    inner edges
-    "plane strain"  η = 3 tanφ / √(9 + 12 tan²φ) ξ = 3 / √(9 + 12 tan²φ)      same collapse load in plane strain
+    "plane strain"  η = sinφ / (r + η̄ sinφ/3)    ξ = cosφ / (r + η̄ sinφ/3)    exact where the soil flows in plane strain
 
-η̄ is η of the dilation angle; equal angles are associated flow. The cohesion hardens or softens linearly with the
+η̄ is η of associated flow with the dilation angle, in plane strain η̄ = sinψ / √(1 + sin²ψ/3), and r = √(1 - η̄²/3). There
+the deviator along the thickness is -2/3 η̄ √J2 once the soil flows, whatever φ is, and η and ξ are those of
+Mohr-Coulomb's line in the other two principal stresses. Equal angles are associated flow. The cohesion hardens or softens linearly with the
 equivalent plastic strain, c(α) = max(c0 + H α, c_r). Softening localises in bands one cell wide, so its results depend
 on the cells. Return and tangent are those of `hybrid.laws.cone`.
 
@@ -22,14 +24,17 @@ from hybrid.laws.cone import Cone
 CONES = ("compression", "extension", "plane strain")
 
 
-def cone_constants(angle, cone):
-    """(η, ξ) of the cone matched to a Mohr-Coulomb friction (or dilation) angle [degrees]."""
-    sin, cos, tan = np.sin(np.radians(angle)), np.cos(np.radians(angle)), np.tan(np.radians(angle))
+def cone_constants(friction_angle, dilation_angle, cone):
+    """(η, ξ, η̄) of the cone matched to Mohr-Coulomb's angles [degrees], scalars or arrays."""
+    sin, cos, dilation = (f(np.radians(a)) for f, a in ((np.sin, friction_angle), (np.cos, friction_angle),
+                                                        (np.sin, dilation_angle)))
     if cone == "plane strain":
-        root = np.sqrt(9 + 12 * tan**2)
-        return 3 * tan / root, 3 / root
+        flow = dilation / np.sqrt(1 + dilation**2 / 3)
+        root = np.sqrt(1 - flow**2 / 3) + flow * sin / 3
+        return sin / root, cos / root, flow
     sign = {"compression": -1, "extension": 1}[cone]
-    return 6 * sin / (np.sqrt(3) * (3 + sign * sin)), 6 * cos / (np.sqrt(3) * (3 + sign * sin))
+    root, of_flow = (np.sqrt(3) * (3 + sign * a) for a in (sin, dilation))
+    return 6 * sin / root, 6 * cos / root, 6 * dilation / of_flow
 
 
 class DruckerPrager(Cone):
@@ -37,6 +42,6 @@ class DruckerPrager(Cone):
 
     def __init__(self, young, poisson, friction_angle, dilation_angle, cohesion, cone="compression", hardening=0.0,
                  residual_cohesion=0.0):
-        eta, xi = cone_constants(friction_angle, cone)
+        eta, xi, flow = cone_constants(friction_angle, dilation_angle, cone)
         strength, slope, residual = (xi * np.asarray(a, float) for a in (cohesion, hardening, residual_cohesion))
-        super().__init__(young, poisson, eta, cone_constants(dilation_angle, cone)[0], strength, 1.0, slope, residual)
+        super().__init__(young, poisson, eta, flow, strength, 1.0, slope, residual)

@@ -22,6 +22,6 @@ class VonMises(Cone):
     """Values per point, scalars or (n,) arrays: strength s_u, hardening ds_u/dα and floor of softening, all [Pa]."""
 
     def __init__(self, young, poisson, strength, cone="compression", hardening=0.0, residual_strength=0.0):
-        _, xi = cone_constants(0.0, cone)
+        _, xi, _ = cone_constants(0.0, 0.0, cone)
         strength, slope, residual = (xi * np.asarray(a, float) for a in (strength, hardening, residual_strength))
         super().__init__(young, poisson, 0.0, 0.0, strength, 1.0, slope, residual)

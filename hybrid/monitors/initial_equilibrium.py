@@ -10,8 +10,8 @@ With inertia the soil then swings, as a column of its height H does in
 
     T = 4 H √(ρ / M)        M = K + 4 G / 3
 
-and flows plastically in the first swings. In a vertical cut of 1 m with c = 1 kPa the plastic work was 3.1, 4.8, 6.0 and 6.4
-J in steps of 0.63, 0.31, 0.16 and 0.08 T: the state of rest depends on the step unless it resolves the swing.
+and flows plastically in the first swings. In a vertical cut of 1 m with c = 2.5 kPa the plastic work was 1.8, 3.8, 5.7 and
+6.8 J in steps of 0.63, 0.31, 0.16 and 0.08 T: the state of rest depends on the step unless it resolves the swing.
 """
 
 from dataclasses import dataclass

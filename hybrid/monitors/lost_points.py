@@ -32,7 +32,7 @@ class LostPoints(Monitor):
             yield (kind, lost), (
                 f"{lost} of {number(found)} points {words} at t = {view.state.time:.4g} s ({mass:.4g} kg, "
                 f"{mass / total(constants.mass):.2g} of the mass): "
-                f"{lost_points.list_points(ids, points.position[ids])}. {meaning}")
+                f"{lost_points.list_points(constants.named(ids), points.position[ids])}. {meaning}")
 
 
 def _kinds(soil, points):

@@ -1,7 +1,7 @@
 """The material and layers of a scene: values that the law needs, refuses or limits, and layers that overlap."""
 
 from hybrid.scene.read import did_you_mean
-from hybrid.scene.soil import KEYS, NUMBERS, USES, Material, of_layer, span
+from hybrid.scene.soil import KEYS, NUMBERS, USES, Material, laws, of_layer, span
 from hybrid.scene.table import described, range_fault, shown
 
 RESIDUALS = {"residual_cohesion": "cohesion", "residual_strength": "strength"}
@@ -11,7 +11,8 @@ def material_faults(soil, grid):
     """Texts of all faults of soil.material and the layers but ranges; `grid` must have ends along z."""
     if not _covered(soil, grid):
         yield from _missing("soil.material", soil.material)
-    yield from _values("soil.material", soil.material, soil.material)
+    cone = ("cone",) if any("cone" in USES[law] for law in laws(soil)) else ()     # one for the soil and its layers
+    yield from _values("soil.material", soil.material, soil.material, cone)
     if soil.material.law == "user" and soil.geostatic and not soil.held and soil.k0 is None:
         yield "soil: missing k0 for law 'user'; give the ratio of horizontal to vertical stress, or geostatic = false"
     for i, layer in enumerate(soil.layers):
@@ -70,12 +71,13 @@ def _missing(key, m):
     absent = [name for name in needed if getattr(m, name) is None]
     if absent:
         preset = ", or relative_density [%] for the sand preset" if "relative_density" in USES[m.law] else ""
-        yield f"{key}: missing {', '.join(absent)} for law {m.law!r}; give them{preset}"
+        others = "; law = 'hencky' is elastic soil, strength [Pa] that of undrained clay" if "friction_angle" in absent else ""
+        yield f"{key}: missing {', '.join(absent)} for law {m.law!r}; give them{preset}{others}"
 
 
-def _values(key, m, given):
-    """Values that contradict one another or, among those `given`, that the law does not use."""
-    used = ("law", "density", *USES[m.law])
+def _values(key, m, given, also=()):
+    """Values that contradict one another or, among those `given`, that neither the law nor a layer uses (`also`)."""
+    used = ("law", "density", *USES[m.law], *also)
     for name, f in KEYS.items():
         value = getattr(given, name)
         if value != f.default and name not in used:

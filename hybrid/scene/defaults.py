@@ -10,7 +10,8 @@ the values of the published method instead, all at once.
 from dataclasses import replace
 from typing import NamedTuple
 
-from hybrid.scene.schema import Body, Soil, Time
+from hybrid.scene.schema import Body, Material, Soil, Time
+from hybrid.scene.soil import USES, laws
 from hybrid.scene.table import shown
 
 SCHEME = "generalised-alpha"
@@ -45,10 +46,16 @@ def _decide(scene, cls, name, decisions):
     def decided(table, path):
         if getattr(table, name) is not None:
             return table
-        value, reason = (published, "the published method") if scene.method == "published" else rule(scene, table)
+        value, reason = rule(scene, table)
+        if value is None:       # nothing in the scene uses it
+            return table
+        if scene.method == "published" and published is not None:
+            value, reason = published, "the published method"
         decisions.append(Decision(f"{path}.{name}", value, reason))
         return replace(table, **{name: value})
 
+    if cls is Material:
+        return replace(scene, soil=replace(scene.soil, material=decided(scene.soil.material, "soil.material")))
     if cls is Body:
         return replace(scene, bodies=tuple(decided(body, f"body.{i}") for i, body in enumerate(scene.bodies)))
     table = cls.__name__.lower()
@@ -56,6 +63,28 @@ def _decide(scene, cls, name, decisions):
 
 
 # ------------------------------------------------------------------ rules: (scene, table) -> (value, reason)
+
+
+def _law(scene, material):
+    undrained = material.strength is not None or material.strength_gradient is not None
+    if undrained and all(value is None for value in (material.friction_angle, material.cohesion, material.relative_density)):
+        return "von-mises", "its strength is undrained"
+    if scene.method == "published" or material.cone is not None:
+        return "drucker-prager", "the published method" if material.cone is None else "it has a cone"
+    if any(_collapsed(scene)):
+        return "drucker-prager", "the scene has one kind of stress state, in which a cone has Mohr-Coulomb's strength"
+    return "willam-warnke", "Mohr-Coulomb's strength in compression and in extension, near to it where soil shears in a plane"
+
+
+def _cone(scene, material):
+    if not any("cone" in USES[law] for law in laws(scene.soil)):
+        return None, "no law of the soil is a circular cone"
+    if sum(_collapsed(scene)) == 1:
+        return "plane strain", "the scene is in plane strain, where the cone has Mohr-Coulomb's or Tresca's strength"
+    if "drucker-prager" not in laws(scene.soil) and not any(_collapsed(scene)):
+        return "plane strain", ("sheared in a plane clay has s_u, and nowhere more than Tresca's law; with s_u of triaxial compression "
+                                "there, set compression: 1.15 times as strong")
+    return "compression", "the strength in triaxial compression is that of Mohr-Coulomb or Tresca"
 
 
 def _fbar(scene, soil):
@@ -75,15 +104,18 @@ def _fbar(scene, soil):
 def _ghost(scene, soil):
     if soil.held:
         return 0.0, "held soil does not deform"
-    plane = any(axis.collapsed for axis in (scene.grid.x, scene.grid.y, scene.grid.z))
-    if scene.bodies and _plastic_laws(soil) and not plane:
+    if scene.bodies and _plastic_laws(soil) and not any(_collapsed(scene)):
         return GHOST_FLOW, "cells with little soil follow the fullest of their neighbours, loosely as soil flows along bodies"
     return GHOST, "cells with little soil follow the fullest of their neighbours"
 
 
+def _collapsed(scene):
+    return [axis.collapsed for axis in (scene.grid.x, scene.grid.y, scene.grid.z)]
+
+
 def _plastic_laws(soil):
     """Names of the laws of the soil and its layers that yield."""
-    return [law for law in (soil.material.law, *(layer.law for layer in soil.layers)) if law not in (None, "hencky")]
+    return sorted(laws(soil) - {"hencky"})
 
 
 def _contact(scene, body):
@@ -109,7 +141,9 @@ def _scheme(scene, time):
     return SCHEME, "of second order; oscillations too fast for the step die out, and contact throws no body back"
 
 
-RULES = {   # (class, key): (rule, value of the published method)
+RULES = {   # (class, key): (rule, value of the published method; None: that of the rule)
+    (Material, "law"): (_law, None),
+    (Material, "cone"): (_cone, "compression"),
     (Soil, "fbar"): (_fbar, False),
     (Soil, "ghost"): (_ghost, 0.0),
     (Body, "contact"): (_contact, "corners"),

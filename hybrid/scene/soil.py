@@ -16,9 +16,9 @@ class Material:
     A value that the law does not use is refused.
     """
 
-    law: Law = key("hencky: elastic; drucker-prager: circular cone; willam-warnke: section through both meridians of "
-                   "Mohr-Coulomb; von-mises: undrained clay; user: given to `build` or `run` from Python",
-                   default="drucker-prager")
+    law: Law | None = key("hencky: elastic; drucker-prager: circular cone; willam-warnke: section through both meridians "
+                          "of Mohr-Coulomb; von-mises: undrained clay; user: given to `build` or `run` from Python",
+                          default=None)
     relative_density: float | None = key("relative density of the sand whose correlations give the preset", "%",
                                          default=None, above=0, at_most=100, remedy="38 is a loose sand")
     young: float | None = key("constant Young's modulus", "Pa", default=None, above=0, remedy="20e6 is 20 MPa")
@@ -40,9 +40,9 @@ class Material:
                                           remedy="0 leaves friction alone")
     residual_strength: float | None = key("s_u at which softening ends", "Pa", default=None, above=0,
                                           remedy="give the remoulded strength")
-    cone: Literal["compression", "extension", "plane strain"] = key(
+    cone: Literal["compression", "extension", "plane strain"] | None = key(
         "Mohr-Coulomb meridian or state that a circular cone is matched to; of von-mises: the state in which it is as "
-        "strong as Tresca's law", default="compression")
+        "strong as Tresca's law", default=None)
     reference_young: float | None = key("E_ref in E = E_ref (K0 σ_v / 100 kPa)^m, instead of `young`", "Pa",
                                         default=None, above=0, remedy="20e6 is 20 MPa")
     stiffness_exponent: float | None = key("m in that equation of `reference_young`", "-", default=None,
@@ -143,6 +143,11 @@ def of_layer(material, layer):
     if "reference_young" in own:
         inherited.discard("young")
     return Material(**{**{name: getattr(material, name) for name in inherited}, **own, "law": law})
+
+
+def laws(soil):
+    """Names of the laws of the soil and its layers."""
+    return {soil.material.law, *(layer.law for layer in soil.layers if layer.law)}
 
 
 def span(layer, soil, grid):

@@ -23,7 +23,7 @@ LENGTH = 1 / np.tan(np.radians(ANGLE / 2))      # [m] of the cone
 PART = 0.1                                      # of a cell that a step pushes
 GROWTH = 1.5                                    # of cells away from the cone
 CLAY = Material(law="von-mises", young=2 * (1 + POISSON) * RIGIDITY * STRENGTH, poisson=POISSON, density=1.0,
-                strength=STRENGTH)
+                strength=STRENGTH, cone="compression")
 SAND = Material(relative_density=38.0)
 
 

@@ -22,7 +22,7 @@ DENSE = Layer("dense", top=-1.1, bottom=-1.6, law="willam-warnke", material={"re
 LAYERS = (CRUST, CLAY, DENSE)     # below them soil.material, a loose sand; -1.1 and -1.6 are no lines of the grid
 
 
-def profile(layers=LAYERS, material=Material(relative_density=38.0), steps=3, **soil):
+def profile(layers=LAYERS, material=Material("drucker-prager", relative_density=38.0), steps=3, **soil):
     """Layered soil on a grid graded along all axes, 0.5 m of empty cells above it."""
     side = Axis(start=0.0, end=3.0, size=0.25, fine=(1.0, 2.0), growth=1.4)
     up = Axis(start=-2.5, end=0.5, size=0.25, fine=(-0.75, 0.5), growth=1.3)

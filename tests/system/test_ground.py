@@ -8,6 +8,7 @@ import pytest
 from hybrid.runtime.data import GEOMETRY
 from hybrid.runtime.errors import SceneError
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Scene, Soil, Stage, Time
+from hybrid.scene.defaults import resolve
 from hybrid.scene.file import validate
 from hybrid.scene.ground import heights, heights_at, mean_heights
 from hybrid.setup.build import build
@@ -71,7 +72,7 @@ def test_soil_is_cut_to_the_ground_and_its_start_is_settled(ground, volume):
 
 def test_strength_counts_from_the_ground_above():
     clay = Material(law="von-mises", young=1e7, poisson=0.45, density=1700.0, strength=1e3, strength_gradient=2e3)
-    described = scene(SLOPE, clay)
+    described, _ = resolve(scene(SLOPE, clay))
     from hybrid.setup.grid import build_grid
     constants, _, law = lay_out(replace(described.soil, geostatic=False), build_grid(described)[0], np.array([0.0, 0.0, -9.81]))
     column = np.flatnonzero(np.isclose(constants.position[:, 0], constants.position[-1, 0]))

@@ -56,8 +56,9 @@ def biaxial(law):
     return drive(law, ISOTROPIC, (None, 0.0, -0.2), steps=400)
 
 
-def test_plane_strain_with_associated_flow_has_the_strength_of_mohr_coulomb():
-    path = biaxial(LAWS["plane strain"](PHI))
+@pytest.mark.parametrize("psi", [0.0, PSI, PHI])
+def test_plane_strain_has_the_strength_of_mohr_coulomb(psi):
+    path = biaxial(LAWS["plane strain"](psi))
     assert abs(excess(path.stress[-1])) < 1e-6
 
 
@@ -141,7 +142,7 @@ def test_cohesion_hardens_and_softens_in_triaxial_compression(law, hardening):
     cohesion = np.maximum(C + hardening * path.plastic, floor)[plastic]
     axial = path.stress[plastic, 2]
     np.testing.assert_allclose((-CELL - axial) + (-CELL + axial) * SIN, 2 * cohesion * COS, rtol=1e-8)
-    eta_bar, _ = cone_constants(PSI, "compression")
+    _, _, eta_bar = cone_constants(PHI, PSI, "compression")
     expected = (axial + CELL) / YOUNG - (1 - eta_bar / np.sqrt(3)) * path.plastic[plastic]
     np.testing.assert_allclose(path.strain[plastic, 2], expected, atol=1e-10)
     assert (cohesion[-1] == floor) == (hardening < 0)

@@ -197,7 +197,7 @@ def test_tangent_is_symmetric_only_for_associated_flow():
 @pytest.mark.parametrize("meridian", ["compression", "extension"])
 def test_cone_passes_through_the_edge_of_mohr_coulomb(angle, meridian):
     """Triaxial states on (σ1 - σ3) + (σ1 + σ3) sin φ = 2 c cos φ, tension positive, lie on the cone."""
-    eta, xi = cone_constants(angle, meridian)
+    eta, xi, _ = cone_constants(angle, 0.0, meridian)
     sin, cos = np.sin(np.radians(angle)), np.cos(np.radians(angle))
     low = -np.linspace(1e3, 1e6, 20)                                    # most compressive stress
     high = (2 * COHESION * cos + low * (1 - sin)) / (1 + sin)
@@ -206,26 +206,28 @@ def test_cone_passes_through_the_edge_of_mohr_coulomb(angle, meridian):
     assert np.abs(root + eta * mean - xi * COHESION).max() < 1e-12 * 1e6
 
 
-@pytest.mark.parametrize("angle", [10.0, 32.75, 45.0])
-def test_cone_of_plane_strain_has_mohr_coulomb_strength_there(angle):
-    """Associated flow without strain along y sets σ_y; the stresses in the plane then obey Mohr-Coulomb."""
-    eta, xi = cone_constants(angle, "plane strain")
+@pytest.mark.parametrize("angle, dilation", [(10.0, 10.0), (32.75, 32.75), (32.75, 2.75), (45.0, 0.0)])
+def test_cone_of_plane_strain_has_mohr_coulomb_strength_there(angle, dilation):
+    """Flow without strain along y sets σ_y; the stresses in the plane then obey Mohr-Coulomb, and dilate with ψ."""
+    eta, xi, flow = cone_constants(angle, dilation, "plane strain")
     mean = -np.linspace(1e3, 1e6, 20)
     root = xi * COHESION - eta * mean
-    across = -2 * eta * root / 3                                        # deviator along y: ∂f/∂σ_y = 0
+    across = -2 * flow * root / 3                                       # deviator along y: no flow there
     radius = np.sqrt(root**2 - 0.75 * across**2)
     high, low = mean - across / 2 + radius, mean - across / 2 - radius
     sin, cos = np.sin(np.radians(angle)), np.cos(np.radians(angle))
     assert np.abs((high - low) + (high + low) * sin - 2 * COHESION * cos).max() < 1e-12 * 1e6
+    strain = np.stack([high - mean, across, low - mean], axis=1) / (2 * root[:, None]) + flow / 3   # s/2√J2 + η̄/3
+    np.testing.assert_allclose(strain.sum(axis=1) / (strain[:, 0] - strain[:, 2]), np.sin(np.radians(dilation)), atol=1e-12)
 
 
 def test_cones_are_nested_and_agree_without_friction():
-    compression, plane, extension = (cone_constants(30.0, cone)[0]
+    compression, plane, extension = (cone_constants(30.0, 30.0, cone)[0]
                                      for cone in ("compression", "plane strain", "extension"))
     assert compression > extension > 0 and compression > plane > 0
     for cone in ("compression", "extension"):
-        assert cone_constants(0.0, cone) == pytest.approx((0.0, 2 / np.sqrt(3)))
-    assert cone_constants(0.0, "plane strain") == pytest.approx((0.0, 1.0))   # Tresca in plane strain
+        assert cone_constants(0.0, 0.0, cone) == pytest.approx((0.0, 2 / np.sqrt(3), 0.0))
+    assert cone_constants(0.0, 0.0, "plane strain") == pytest.approx((0.0, 1.0, 0.0))   # Tresca in plane strain
 
 
 def test_sand_of_38_percent():

@@ -7,7 +7,7 @@ import pytest
 from small_scene import SCENE
 
 from hybrid.runtime.errors import SceneError
-from hybrid.scene import Layer, Stage, Time
+from hybrid.scene import Layer, Material, Stage, Time
 from hybrid.scene.defaults import GHOST, GHOST_FLOW, RULES, resolve
 from hybrid.scene.file import load_scene, validate
 from hybrid.setup.build import build
@@ -59,6 +59,42 @@ def test_the_published_method():
     found = decided(replace(soil_scene([CUBE]), method="published"))
     assert {key: value for key, (value, _) in found.items()} == PUBLISHED
     assert {reason for _, reason in found.values()} == {"the published method"}
+
+
+@pytest.mark.parametrize("collapsed, material, layers, cone", [
+    ("y", {"law": "von-mises", "strength": 2e4}, (), "plane strain"),
+    ("", {"law": "von-mises", "strength": 2e4}, (), "plane strain"),       # nowhere stronger than Tresca's
+    ("", {"law": "drucker-prager", "relative_density": 38.0}, (), "compression"),
+    ("xy", {"law": "von-mises", "strength": 2e4}, (), "compression"),      # sides that stay: triaxial compression
+    ("y", {"law": "willam-warnke", "relative_density": 38.0}, (), None),
+    ("y", {}, (Layer("sand", top=0.1, law="drucker-prager", material={"relative_density": 38.0}),), "plane strain"),
+])
+def test_cone_of_a_scene(collapsed, material, layers, cone):
+    """As strong as the angles and the strength say in the states that the scene can be in."""
+    scene = soil_scene([], layers=layers)
+    values = {"young": None, "poisson": None} if "relative_density" in material else {}
+    grid = replace(scene.grid, **{axis: replace(getattr(scene.grid, axis), collapsed=True, size=None) for axis in collapsed})
+    soil = replace(scene.soil, material=replace(scene.soil.material, **values, **material))
+    scene = validate(replace(scene, soil=soil, grid=grid))
+    assert resolve(scene)[0].soil.material.cone == cone
+    assert ("soil.material.cone" in decided(scene)) == (cone is not None)
+    assert "soil.material.cone" not in decided(replace(scene, method="published")) or cone is not None
+
+
+@pytest.mark.parametrize("collapsed, values, law", [
+    ("", {"relative_density": 38.0}, "willam-warnke"),
+    ("", {"relative_density": 38.0, "cone": "compression"}, "drucker-prager"),
+    ("y", {"relative_density": 38.0}, "drucker-prager"),
+    ("xy", {"relative_density": 38.0}, "drucker-prager"),
+    ("", {"young": 1e6, "poisson": 0.49, "density": 1700.0, "strength": 2e4}, "von-mises"),
+])
+def test_law_of_a_soil_whose_strength_is_given(collapsed, values, law):
+    scene = soil_scene([])
+    grid = replace(scene.grid, **{axis: replace(getattr(scene.grid, axis), collapsed=True, size=None) for axis in collapsed})
+    scene = validate(replace(scene, grid=grid, soil=replace(scene.soil, material=Material(**values))))
+    assert resolve(scene)[0].soil.material.law == law
+    published = resolve(replace(scene, method="published"))[0].soil.material.law
+    assert published == ("von-mises" if law == "von-mises" else "drucker-prager")
 
 
 CLAY = {"law": "von-mises", "strength": 2e4}

@@ -42,7 +42,7 @@ def test_materials_that_build(material):
 @pytest.mark.parametrize("material, words", [
     (CLAY | {"friction_angle": 30.0}, ["friction_angle = 30: must be left out with law = 'von-mises'", "uses young"]),
     (CLAY | {"relative_density": 38.0}, ["relative_density", "left out with law = 'von-mises'"]),
-    (SAND | {"strength": 1e3}, ["strength = 1000: must be left out with law = 'drucker-prager'"]),
+    (SAND | {"strength": 1e3}, ["strength = 1000: must be left out with law = 'willam-warnke'"]),
     (SAND | {"law": "hencky"}, ["3 faults", "cohesion = 1000: must be left out with law = 'hencky'"]),
     (SAND | {"law": "willam-warnke", "cone": "extension"}, ["cone = extension", "left out"]),
     (SAND | {"stiffness_exponent": 0.5}, ["young and stiffness_exponent exclude each other"]),
@@ -68,7 +68,7 @@ def test_materials_that_contradict_themselves(material, words):
 @pytest.mark.parametrize("layer, words", [
     ({"top": 0.5, "bottom": 0.5}, ["soil.layer.0.bottom = 0.5: must be below its top = 0.5"]),
     ({"material": {"yuong": 1e6}}, ["soil.layer.0.material.yuong' (did you mean 'young'?)", "valid: relative_"]),
-    ({"material": {"strength": 1e3}}, ["soil.layer.0.material.strength", "left out with law = 'drucker-prager'"]),
+    ({"material": {"strength": 1e3}}, ["soil.layer.0.material.strength", "left out with law = 'willam-warnke'"]),
     ({"material": {"poisson": 0.5}}, ["soil.layer.0.material.poisson = 0.5: must be above -1 and below 0.5"]),
     ({"material": {"young": "stiff"}}, ["soil.layer.0.material.young = 'stiff': expected a number"]),
     ({"law": "von-mises"}, ["soil.layer.0.material: missing strength for law 'von-mises'"]),
@@ -96,13 +96,13 @@ def test_layers_that_cover_the_soil_need_no_material_below_them():
 
 
 def test_what_a_layer_inherits():
-    sand = Material(**SAND, cone="extension")
+    sand = Material("drucker-prager", **SAND, cone="extension")
     loose = of_layer(sand, Layer("a", material={"cohesion": 5.0}))
-    assert loose == Material(**SAND | {"cohesion": 5.0}, cone="extension")
+    assert loose == Material("drucker-prager", **SAND | {"cohesion": 5.0}, cone="extension")
     stiff = of_layer(sand, Layer("a", material={"reference_young": 1e7, "stiffness_exponent": 0.5}))
     assert stiff.young is None and stiff.friction_angle == 30.0
     dense = of_layer(sand, Layer("a", material={"relative_density": 80.0}))
-    assert dense == Material(relative_density=80.0, cone="extension")
+    assert dense == Material("drucker-prager", relative_density=80.0, cone="extension")
     clay = of_layer(sand, Layer("a", law="von-mises", material={"strength": 1e4}))
     assert clay == Material("von-mises", young=5e6, poisson=0.3, density=1700.0, strength=1e4, cone="extension")
 
@@ -125,7 +125,7 @@ def test_every_number_has_a_use():
 def test_the_sheet_has_law_hardening_and_layers():
     layers = [{"name": "clay", "top": 0.5, "law": "von-mises", "k0": 0.9, "material": {
         "strength": 20e3, "strength_gradient": 1e3, "hardening": -1e4, "residual_strength": 5e3, "poisson": 0.4}}]
-    sheet = build(scene_of(SAND, layer=layers)).sheet()
+    sheet = build(scene_of(SAND | {"law": "drucker-prager"}, layer=layers)).sheet()
     assert sheet["modelled"]["soil law"] == "drucker-prager, cone matched in compression"
     (line,) = sheet["modelled"]["soil layers"]
     assert line.startswith("clay: z = 0 to 0.5 m, von-mises, cone matched in compression, strength 20000 Pa and 1000 "

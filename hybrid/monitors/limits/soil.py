@@ -68,16 +68,16 @@ def softening(scene, model):
 def strong_cone(scene, model):
     """A cone through the compression corners of Mohr-Coulomb's pyramid, or of Tresca's prism, in plane strain."""
     law = model.soil.law
-    if model.soil.held or not (model.soil.grid.collapsed.any() and law.plastic and hasattr(law, "parameters")):
+    if model.soil.held or not (model.soil.grid.collapsed.sum() == 1 and law.plastic and hasattr(law, "parameters")):
         return
     laws = {m.law for m in materials(scene.soil) if m.cone == "compression"}
     if "drucker-prager" in laws:
         angle = max(plane_strain_angle(row) for row in np.unique(law.parameters[law.parameters[:, 2] > 0], axis=0))
         yield (f'soil.material.cone = "compression": this cone has a friction angle of {angle:.3g} degrees in plane strain, far '
-               'more than the one given, its limit. Set soil.material.cone = "plane strain", or law = "willam-warnke"')
+               'more than the one given, its limit. Leave soil.material.cone out')
     if "von-mises" in laws:
         yield ('soil.material.cone = "compression": in plane strain this cone carries 2/√3 = 1.15 of the strength given, limit 1. '
-               'Set soil.material.cone = "plane strain"')
+               'Leave soil.material.cone out')
 
 
 def materials(soil):

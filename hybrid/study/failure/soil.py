@@ -64,7 +64,7 @@ def flow_locking(cells, **soil):
     Fully developed flow of von Mises' law is isochoric, and linear cells have more constraints than modes for it: the
     load keeps rising with the settlement, more slowly on finer cells. Exact: Prandtl's F/(B s_u) = 2 + π.
     """
-    clay = Material(law="von-mises", poisson=0.3, strength=footing.COHESION, density=1.0, cone="plane strain",
+    clay = Material(law="von-mises", poisson=0.3, strength=footing.COHESION, density=1.0,
                     young=footing.STIFFNESS * footing.COHESION)
     exact = footing.prandtl(0)
     pressed = footing.press(0, cells, law=clay, steps=10, settlement=6 * exact / footing.STIFFNESS, depth=1.0,
@@ -159,7 +159,7 @@ def dilatancy(share, law="drucker-prager"):
 def _settlement(share, height):
     """Exact settlement [m] of a point with this initial height [m]."""
     poisson = SAND["poisson"]
-    (eta, _), (eta_bar, _) = (cone_constants(angle, "compression") for angle in (SAND["angle"], share * SAND["angle"]))
+    eta, _, eta_bar = cone_constants(SAND["angle"], share * SAND["angle"], "compression")
     across = (1 / np.sqrt(3) - eta / 3) / (1 / np.sqrt(3) + 2 * eta / 3)    # σ_xx/σ_zz of f = 0
     stress = -np.array([across, across, 1.0])
     deviator = stress - stress.mean()

@@ -191,8 +191,7 @@ def plastic_step(steps, share=1, smallest=None):
     """
     length, density, gravity = 2.0, 1800.0, 10.0
     size, strength = length / 8, density * gravity * length / 5.0
-    clay = Material(law="von-mises", young=100 * strength, poisson=0.45, density=density, strength=strength,
-                    cone="plane strain")
+    clay = Material(law="von-mises", young=100 * strength, poisson=0.45, density=density, strength=strength)
     grid = Grid(Axis(start=0.0, end=2 * length, size=size), collapsed(), Axis(start=0.0, end=length + size, size=size),
                 Faces("roller", "free", z_min="fixed"))
     soil = Soil(clay, geostatic=False, lower=(0.0, 0.0, 0.0), upper=(length, 1.0, length))

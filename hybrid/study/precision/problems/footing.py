@@ -46,8 +46,8 @@ def prandtl(angle):
 
 
 def material(angle):
-    """Von Mises for φ = 0, else an associated cone; both matched in plane strain."""
-    common = {"young": STIFFNESS * COHESION, "density": 1.0, "cone": "plane strain"}
+    """Von Mises for φ = 0, else an associated cone; matched in plane strain, as scenes are."""
+    common = {"young": STIFFNESS * COHESION, "density": 1.0}
     if angle == 0:
         return Material(law="von-mises", poisson=0.49, strength=COHESION, **common)
     return Material(law="drucker-prager", poisson=0.3, friction_angle=angle, dilation_angle=angle, cohesion=COHESION,
