@@ -57,8 +57,8 @@ class Solver:
     linear_tolerance: float = key("relative tolerance of the Krylov method", "-", default=1e-3, at_least=1e-14, below=1,
                                   remedy="1e-3 is usual")
     tangent_tolerance: float = key(
-        "change of a point's tangent within an increment, relative to Young's modulus times the root of the residual, "
-        "up to which the tangent is not assembled again; 0: always", "-",
+        "change of a point's stress and tangent within an increment, relative to Young's modulus times the root of the "
+        "residual, up to which the tangent is not assembled again; 0: always", "-",
         default=1e-2, at_least=0, below=1, remedy="0 switches it off")
     line_search: bool = key("where whole Newton updates make no progress, shorten those that leave more than 80 % of "
                             "the residual, as long as that lowers it", default=True)

@@ -10,8 +10,9 @@ Within an increment ∇_n S is fixed, so a point's part of K is linear in the 81
     Â_imkn = ΔF^-1_mj A_ijkl ΔF^-1_nl        K_vw,ik = Σ_p V0 ∂_m S_v Â_imkn ∂_n S_w
 
 From one Newton iteration to the next these change little, except in the few points that yield. So the assembled values
-are kept, and only points whose Â has changed by more than a tolerance add the difference. With F-bar the tangent of a
-point follows from 110 numbers, which are kept in the same way; the difference is formed in the arrays B and S.
+are kept, and only points whose D, τ or ΔF^-1 has changed by more than a tolerance compute Â anew and add the difference.
+With F-bar the tangent of a point follows from 110 numbers, which are kept in the same way; the difference is formed in the
+arrays B and S.
 """
 
 from typing import NamedTuple
@@ -21,7 +22,7 @@ import numpy as np
 from numba import njit, prange
 
 from hybrid.soil import ghost
-from hybrid.soil.fbar import COUNT, INVERSE_AT, SCALARS_AT, add_mean_terms, mean_dilatation, mean_tangent, project
+from hybrid.soil.fbar import COUNT, add_mean_terms, mean_dilatation, mean_tangent, project
 from hybrid.soil.forces import reference_gradients
 from hybrid.soil.rows import WIDTH, add_row, contract, find_stacks, free_components, scratch
 from hybrid.soil.tangent import point_tangent, pulled_back
@@ -40,15 +41,22 @@ class _PointState(NamedTuple):
 
 
 class _Kept(NamedTuple):
-    """Numbers (n, 81), with F-bar (n, 110), of the points last added, change (n,) [Pa] that is left out, and whether
-    all points are added anew; (0, 81) and (0,) where nothing is kept."""
+    """Numbers (n, 81), with F-bar (n, 110), of the points last added; changed: (n,) bool, points to add; fresh: whether all
+    points are added to a matrix of zeros. No rows of numbers where nothing is kept."""
 
     numbers: np.ndarray
-    limit: np.ndarray
+    changed: np.ndarray
     fresh: bool
 
 
-NOTHING = _Kept(np.zeros((0, 81)), np.zeros(0), True)
+class _Origin(NamedTuple):
+    """What the numbers of the points last added were computed from: D (n, 3, 3) and τ (n, 3) [Pa], ΔF^-1 and ΔF_0^-1
+    (n, 3, 3), without F-bar the former twice."""
+
+    tangent: np.ndarray
+    stress: np.ndarray
+    inverse: np.ndarray
+    mean_inverse: np.ndarray
 
 
 def add_stiffness(step, grid, trial, principal_stress, tangent, volume, pattern, values):
@@ -58,19 +66,22 @@ def add_stiffness(step, grid, trial, principal_stress, tangent, volume, pattern,
     trial: TrialStrain; principal_stress: (n, 3) Kirchhoff [Pa]; tangent: D (n, 3, 3) [Pa]; volume: (n,) initial [m³].
     """
     points = _PointState(trial.inverse, trial.strain, trial.directions, principal_stress, tangent, volume)
-    _add_stiffness(step.slabs, step.basis, grid.shape, points, pattern.sparsity, values, NOTHING,
+    kept = _Kept(np.zeros((0, 81)), np.ones(len(volume), bool), True)
+    _add_stiffness(step.slabs, step.basis, grid.shape, points, pattern.sparsity, values, kept,
                    mean_dilatation(step.mean, grid.collapsed, trial))
 
 
 class KeptStiffness:
-    """Tangent of one increment after another. Within an increment only points whose numbers have changed by more than
-    `tolerance` times Young's modulus (n,) [Pa] are assembled again.
+    """Tangent of one increment after another. Within an increment only points are assembled again whose D or τ has changed
+    by more than `tolerance` times Young's modulus (n,) [Pa], or whose ΔF^-1 has by the same share of D.
 
     values: entries of the matrix, for the pattern of the last update
     """
 
     def __init__(self, tolerance, young, fbar=False):
-        self._limit, self._numbers = tolerance * young, np.empty((len(young), COUNT if fbar else 81))
+        n = len(young)
+        self._limit, self._numbers, self._changed = tolerance * young, np.empty((n, COUNT if fbar else 81)), np.empty(n, bool)
+        self._origin = _Origin(*(np.empty(shape) for shape in ((n, 3, 3), (n, 3), (n, 3, 3), (n, 3, 3))))
         self._increment, self._pattern, self.values = lambda: None, None, np.zeros(0)
 
     def update(self, increment, grid, trial, principal_stress, tangent, volume, pattern, share=1.0):
@@ -86,9 +97,11 @@ class KeptStiffness:
             if increment.cuts:      # constant: displacements of an increment do not change it
                 ghost.add_stiffness(increment.cuts, grid, pattern, self.values)
         points = _PointState(trial.inverse, trial.strain, trial.directions, principal_stress, tangent, volume)
+        dilatation = mean_dilatation(increment.mean, grid.collapsed, trial)
+        now = _Origin(tangent, principal_stress, trial.inverse, trial.inverse if dilatation is None else dilatation.inverse)
+        _mark_changed(now, self._origin, -1.0 * self._limit if fresh else share * self._limit, self._changed)
         _add_stiffness(increment.slabs, increment.basis, grid.shape, points, pattern.sparsity, self.values,
-                       _Kept(self._numbers, share * self._limit, fresh),
-                       mean_dilatation(increment.mean, grid.collapsed, trial))
+                       _Kept(self._numbers, self._changed, fresh), dilatation)
 
 
 @njit(cache=True, parallel=True)
@@ -98,7 +111,7 @@ def _add_stiffness(slabs, basis, shape, points, sparsity, values, kept, dilatati
     (order, start), (first, count, value, gradient) = slabs, basis
     dof, row, slot, indptr = sparsity
     inverse, strain, directions, stress, tangent, volume = points
-    numbers, limit, fresh = kept
+    numbers, changed, fresh = kept
     if dilatation is not None:
         mean_value, mean_inverse, deforms = dilatation
     for colour in range(2):
@@ -109,6 +122,8 @@ def _add_stiffness(slabs, basis, shape, points, sparsity, values, kept, dilatati
             S, d, c, e = np.empty(729), np.empty((27, 3)), np.empty((3, 3)), np.empty((3, 3))       # of F-bar
             for n in range(start[slab], start[slab + 1]):
                 p = order[n]
+                if not changed[p]:
+                    continue
                 if dilatation is None:
                     pulled_back(inverse[p], directions[p], pulled)
                     point_tangent(directions[p], pulled, strain[p], stress[p], tangent[p], new, dyads)
@@ -116,8 +131,8 @@ def _add_stiffness(slabs, basis, shape, points, sparsity, values, kept, dilatati
                     point_tangent(directions[p], directions[p], strain[p], stress[p], tangent[p], A, dyads)
                     scalars = project(A, directions[p], stress[p], deforms, c, e)
                     mean_tangent(A, c, e, scalars, inverse[p], mean_inverse[p], dyads[0], new)
-                if len(numbers) > 0 and not _replace(numbers[p], new, limit[p], fresh):
-                    continue
+                if len(numbers) > 0:
+                    _replace(numbers[p], new, fresh)
                 m = reference_gradients(p, first, count, value, gradient, shape, node, g)
                 stacks = free_components(count[p], node, dof, local, unknown, stack)
                 contract(new, g, volume[p], unknown, stack[1, stacks], B)
@@ -141,29 +156,33 @@ def _add_stiffness(slabs, basis, shape, points, sparsity, values, kept, dilatati
 
 
 @njit(cache=True)
-def _replace(kept, new, limit, fresh):
-    """Keep the `new` numbers of a point; False when they have not changed by more than `limit` and nothing is replaced.
-
-    Where an earlier tangent of the point is replaced, `new` becomes what has to be added: the difference of Â, and the
-    old values of the others, which enter the tangent of F-bar in products.
-    """
-    if not fresh and not _changed(kept, new, limit):
-        return False
+def _replace(kept, new, fresh):
+    """Keep the `new` numbers of a point. Where an earlier tangent of the point is replaced, `new` becomes what has to be
+    added: the difference of Â, and the old values of the others, which enter the tangent of F-bar in products."""
     for n in range(len(kept)):
         before, kept[n] = kept[n], new[n]
         if not fresh:
             new[n] = new[n] - before if n < 81 else before
-    return True
 
 
-@njit(cache=True)
-def _changed(kept, new, limit):
-    change = 0.0
-    for n in range(81):
-        change = max(change, abs(new[n] - kept[n]))
-    if len(kept) > 81:
-        modulus = abs(new[SCALARS_AT]) + abs(new[SCALARS_AT + 1])      # ΔF_0^-1 [-] multiplies κ and q
-        for n in range(81, COUNT):
-            scale = modulus if INVERSE_AT <= n < SCALARS_AT else 1.0
-            change = max(change, scale * abs(new[n] - kept[n]))
-    return change > limit
+@njit(cache=True, parallel=True)
+def _mark_changed(now, before, limit, changed):
+    """Fill `changed` (n,): points where D or τ, or an inverse times the largest of these, is farther than the `limit` (n,)
+    [Pa] from where it was `before`, which becomes what it is `now` there. A negative limit marks all."""
+    D, stress, inverse, mean_inverse = now
+    D0, stress0, inverse0, mean_inverse0 = before
+    for p in prange(len(limit)):
+        change = modulus = turned = 0.0
+        for i in range(3):
+            change, modulus = max(change, abs(stress[p, i] - stress0[p, i])), max(modulus, abs(stress[p, i]))
+            for j in range(3):
+                change, modulus = max(change, abs(D[p, i, j] - D0[p, i, j])), max(modulus, abs(D[p, i, j]))
+                turned = max(turned, abs(inverse[p, i, j] - inverse0[p, i, j]),
+                             abs(mean_inverse[p, i, j] - mean_inverse0[p, i, j]))
+        changed[p] = not max(change, modulus * turned) <= limit[p]
+        if changed[p]:
+            for i in range(3):
+                stress0[p, i] = stress[p, i]
+                for j in range(3):
+                    D0[p, i, j], inverse0[p, i, j] = D[p, i, j], inverse[p, i, j]
+                    mean_inverse0[p, i, j] = mean_inverse[p, i, j]
