@@ -9,6 +9,7 @@
 | Penetration      | a body overlaps the soil by more than a point domain                  |
 | ForceOscillation | the contact force oscillates because the scheme does not damp         |
 | EnergyBalance    | energy is gained, or lost in one step, that the balance cannot explain |
+| AbsorbedImpact   | falling bodies lose energy, little by little, without a cause         |
 | PlasticIncrement | an increment without inertia adds too much plastic strain             |
 | BodyOverlap      | bodies are pressed deep into one another                              |
 | JudgedIncrements | many increments end with a residual above the tolerance               |
@@ -16,6 +17,7 @@
 Other errors stop no run. `failure_hints` adds probable causes and remedies to the message of a step that fails.
 """
 
+from hybrid.monitors.absorbed_impact import AbsorbedImpact
 from hybrid.monitors.body_overlap import BodyOverlap
 from hybrid.monitors.domain_exit import DomainExit
 from hybrid.monitors.energy_balance import EnergyBalance
@@ -30,7 +32,7 @@ from hybrid.monitors.plastic_increment import PlasticIncrement
 
 MONITORS = (
     DomainExit, LostContact, LostPoints, MissedContact, Penetration, ForceOscillation, EnergyBalance, PlasticIncrement,
-    BodyOverlap, JudgedIncrements)
+    BodyOverlap, JudgedIncrements, AbsorbedImpact)
 
 __all__ = ["MONITORS", "Monitors", "StepView", *(kind.__name__ for kind in MONITORS)]
 

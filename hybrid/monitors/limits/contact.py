@@ -106,7 +106,7 @@ def _thickness(scene, described, body, limit, top):
     corners = vertices[surface.triangles]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = 0.5 * np.linalg.norm(normal, axis=1)
-    way = np.array([_travel(scene, described, name) for name in "xyz"])
+    way = np.array([way_along(scene, described, name) for name in "xyz"])
     across = np.ones(len(area), bool)
     if way.any() and not body.free[:3].any():
         across = np.abs(normal @ way) > ACROSS * 2 * area * np.linalg.norm(way)
@@ -143,7 +143,7 @@ def driven_past_grid_end(scene, model):
     for described, body in zip(scene.bodies, model.bodies):
         place = initial_vertices(described, body)
         for axis, name in enumerate("xyz"):
-            travel, grid = _travel(scene, described, name), getattr(scene.grid, name)
+            travel, grid = way_along(scene, described, name), getattr(scene.grid, name)
             side, end = ("end", grid.end) if travel > 0 else ("start", grid.start)
             front = (place.max(axis=0) if travel > 0 else place.min(axis=0))[axis]
             passes = (front - end) * travel < 0 < (front + travel - end) * travel
@@ -155,7 +155,7 @@ def driven_past_grid_end(scene, model):
                    "or use fewer stage.steps")
 
 
-def _travel(scene, described, name):
+def way_along(scene, described, name):
     """Distance [m] by which a body is driven, or its line pulled, along an axis in all stages."""
     axis, travel = "xyz".index(name), 0.0
     for stage in scene.stages:
