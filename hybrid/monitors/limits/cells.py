@@ -22,6 +22,7 @@ ATTACHED, FOOT, EDGE, FRONT = 1.75, 2.3, 0.3, 1.6
 ON_LINE = 0.15                  # cells between an edge and a line of the grid: contact sees the edge there as on it
 PLANE, LEADING = 0.99, 0.5      # cosine between a face and the way; share of what the body covers that such faces are
 DEEP = 1.0                      # widths: flow of clay around a body that goes deeper closes behind it
+DEEP_PLATE = 2.0                # widths under the ground: a shallower plate lifts the clay above it
 STEEP = 1.5                     # cells: a lower step of the ground is a slope
 CLAY, SAND = "von-mises", {"drucker-prager", "willam-warnke"}
 
@@ -105,7 +106,7 @@ def _attached(model, body, way, place):
     soil, cell = model.soil, model.soil.grid.smallest_cell
     top = maximum(soil.constants.position[:, 2] + soil.constants.half_width[:, 2])
     width = min((width for _, width, _ in _sides(soil.grid, place, way)), default=np.inf)
-    if body.interface is None or not np.isinf(body.interface.tension) or place[:, 2].max() > top - width:
+    if body.interface is None or not np.isinf(body.interface.tension) or place[:, 2].max() > top - DEEP_PLATE * width:
         return 0.0, "", ""
     return (ATTACHED * cell / width, f"stays attached to clay and is {width / cell:.2g} cells of {cell:.3g} m wide",
             f"Use cells of at most {EXCESS / ATTACHED * width:.2g} m at the body")

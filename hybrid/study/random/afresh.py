@@ -77,6 +77,7 @@ PROBLEMS = {
     "sphere dropped": lambda: sand.dropped(),
     "plate anchor, 6 cells": lambda: clay.plate_anchor(across=6),
     "plate anchor, 18 cells": lambda: clay.plate_anchor(across=18),
+    "plate anchor, thin": lambda: clay.plate_anchor(thickness=1 / 12),
     "square, 4 cells": lambda: clay.square(across=4),
     "square, 6 cells": lambda: clay.square(across=6),
     "wall with a foot, 4 cells": lambda: sand.footed_wall(4),

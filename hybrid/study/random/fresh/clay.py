@@ -53,17 +53,17 @@ def half_buried(diameter=0.6, strength=3e3):
                    Time(1.0, inertia=False), 40, WEIGHTLESS), low, high, force(2, 0.5 * d * d * strength), 0.1)
 
 
-def plate_anchor(width=1.2, strength=9e3, across=12):
-    """A strip plate deep in clay that stays attached, pulled up: 11.42 (thin plate; this one is a third as thick as wide)."""
+def plate_anchor(width=1.2, strength=9e3, across=12, thickness=1 / 3):
+    """A strip plate deep in clay that stays attached, pulled up: 11.42 of a thin plate; thickness: in widths."""
     b, size = width, width / across
     grid = Grid(Axis(start=0.0, end=5 * b, size=size, fine=(0.0, b), growth=1.3), slice_(b),
                 Axis(start=-5 * b, end=5 * b, size=size, fine=(-b, b), growth=1.3), Faces(z_min="fixed"))
-    plate = body("box.geo", {"length": b, "width": b, "height": b / 3, "size": 10 * b}, position=(0.0, 0.5 * b, 0.0), tension="full",
+    plate = body("box.geo", {"length": b, "width": b, "height": thickness * b, "size": 10 * b}, position=(0.0, 0.5 * b, 0.0), tension="full",
                  velocity=(0.0, 0.0, 0.1 * b / 20), **PUSHED)
     soil = Soil(clay(strength, 1700.0))
 
     def measure(run):
-        weight = 1700.0 * G * b * b * b / 6        # of the clay that the plate replaces, half of it
+        weight = 1700.0 * G * b**3 * thickness / 2        # of the clay that the plate replaces, half of it
         return abs(-run.records[-1].bodies[0].contact_force[2] + weight) / (0.5 * b * b * strength)
 
     return Problem("plate anchor, deep, attached", scene("plate", grid, soil, [plate], Time(1.0, inertia=False), 20), 11.42, 11.42, measure, 0.15)
