@@ -50,7 +50,7 @@ def flow_around(scene, model):
         if not plane and depth > (1.0 + DEEP) * width:
             yield (f"{body.name} is driven {depth / width:.2g} of its widths deep, limit {1 + DEEP:g}, through clay as strong as s_u where it is "
                    'sheared in a plane (soil.material.cone = "plane strain"): flow around a body in space is partly that of triaxial '
-                   "compression and extension, where this clay has 0.87 s_u, and a ball carries 12 % less than in Tresca's, or worse. Set "
+                   "compression and extension, where this clay has 0.87 s_u, and a ball carries 12 % less than in Tresca's at least. Set "
                    'soil.material.cone = "compression" if s_u is that of triaxial compression; footings are right without')
 
 
