@@ -2,6 +2,7 @@
 
 import tempfile
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -111,13 +112,19 @@ def column(ratio, half=0.3, cells=8):
                    1.2 * ratio, 1.2 * ratio, toe(half, height, size), 0.2)
 
 
+@cache
+def _tables():
+    """Folder of tables of ground, removed at the end of the process."""
+    return tempfile.TemporaryDirectory()
+
+
 def round_column(ratio=1.0, radius=0.3, cells=6):
     """A quarter of a cylinder of sand let go on a rough base, with a fiftieth of a cell of it around: 1.24 a r0 farther for a < 1.7 (Lube, Huppert, Sparks & Hallworth 2004)."""
     size, height = radius / cells, ratio * radius
     time, fine = 4 * np.sqrt(height / G), np.arange(0.0, 3.2 * radius, size / 10)
     side = Axis(start=0.0, end=float(np.ceil((1 + 1.6 * ratio) * cells + 2) * size), size=size)
     grid = Grid(side, side, Axis(start=0.0, end=height + size, size=size), Faces(z_min="fixed"))
-    table = Path(tempfile.mkdtemp()) / "cylinder.csv"
+    table = Path(_tables().name) / f"cylinder {ratio:g} {radius:g} {cells}.csv"
     table.write_text("x,y,z\n" + "\n".join(f"{x:.6g},{y:.6g},{height if np.hypot(x, y) < radius else size / 50:.6g}" for x in fine for y in fine))
     soil = Soil(Material(young=5e6, poisson=0.3, density=1600.0, friction_angle=30.0, dilation_angle=0.0, cohesion=0.0), top=height, ground=table,
                 geostatic=False)
