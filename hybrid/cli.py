@@ -227,12 +227,7 @@ def _start_ranks(options):
     if options.ranks < 1 or ranks.started() > 1:
         raise SceneError(f"--ranks {options.ranks}: must be 1 or more, and under mpirun the number of its processes "
                          f"({ranks.started()}); leave it out there")
-    # Open MPI refuses to run as root, and more processes than cores, unless told that this is meant
-    environment = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-                   "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_hwloc_base_binding_policy": "none",
-                   "OMPI_MCA_mpi_yield_when_idle": "1",     # a rank that waits leaves its core to others
-                   "NUMBA_NUM_THREADS": str(max(1, (os.cpu_count() or 1) // options.ranks)), **os.environ}
-    command = ["mpirun", "-q", "-n", str(options.ranks), sys.executable, "-m", "hybrid", *options.arguments]
+    command, environment = ranks.launch(options.ranks, ["-m", "hybrid", *options.arguments])
     try:
         os.execvpe(command[0], command, environment)
     except OSError as error:

@@ -6,11 +6,19 @@ it forever.
 """
 
 import os
+import sys
 import time
 from functools import cache
 
 # Set by mpirun of Open MPI, MPICH and Intel MPI, and by srun --mpi
 STARTED = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MPI_LOCALNRANKS", "PMIX_RANK")
+
+# Open MPI refuses to run as root, and more processes than cores, unless told that this is meant; 4 and 5 have a variable each
+# for the latter. 5 refuses mpirun's option -q, and 4 prints a page of its own about every fault without it.
+OPEN_MPI = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_orte_execute_quiet": "1",
+            "OMPI_MCA_rmaps_base_oversubscribe": "1", "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
+            "OMPI_MCA_hwloc_base_binding_policy": "none",
+            "OMPI_MCA_mpi_yield_when_idle": "1"}     # a rank that waits leaves its core to others
 
 
 @cache
@@ -21,6 +29,14 @@ def world():
     from mpi4py import MPI  # its import starts MPI, which a run by one process leaves out
 
     return MPI.COMM_WORLD if MPI.COMM_WORLD.size > 1 else None
+
+
+def launch(number, program):
+    """(command, environment) that start a Python `program`, a list of arguments, in so many processes of this machine. What
+    the environment has already takes precedence."""
+    threads = max(1, (os.cpu_count() or 1) // number)
+    environment = OPEN_MPI | {"NUMBA_NUM_THREADS": str(threads)} | os.environ
+    return ["mpirun", "-n", str(number), sys.executable, *map(str, program)], environment
 
 
 def started():

@@ -6,6 +6,7 @@ tuples; booleans are not numbers; NaN, infinity and numbers beyond LARGEST and M
 
 import difflib
 import math
+import os
 from dataclasses import MISSING, fields, is_dataclass
 from pathlib import Path
 from types import NoneType, UnionType
@@ -121,13 +122,16 @@ def _limited(number, most, path):
 
 
 def _path(value, path, base):
+    place, reason = base / value, "it has a null character" if "\0" in str(value) else ""
     try:
-        found = (base / value).resolve()
-        found.exists()      # fails for names that are too long
-        return found
-    except (OSError, ValueError, RuntimeError) as error:    # too long; a null character; links in a circle
-        reason = getattr(error, "strerror", None) or str(error)
-        raise SceneError(f"{path} = {clipped(value)}: must be the path of a file, but: {reason}") from None
+        reason or os.stat(place)
+    except (FileNotFoundError, NotADirectoryError):     # whether there has to be a file is checked with the whole scene
+        pass
+    except OSError as error:    # too long; links in a circle
+        reason = error.strerror
+    if reason:
+        raise SceneError(f"{path} = {clipped(value)}: must be the path of a file, but: {reason}")
+    return place.resolve()
 
 
 def _one_of(value, hint, path, base):

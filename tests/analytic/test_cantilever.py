@@ -72,10 +72,15 @@ def test_standard_points_do_not_get_better():
     assert (np.abs(missed(bend(0.0625), beam())) < (0.003, 0.009)).all()
 
 
-def test_without_the_ghost_penalty_it_fails():
-    """Corners that just reach into a cell leave its nodes without stiffness."""
-    with pytest.raises(StepError, match="failed at t = [1-9]"):
-        bend(0.5, ghost=0.0)
+def test_without_the_ghost_penalty_it_is_wrong():
+    """Corners that just reach into a cell leave its nodes without stiffness: shortening +9.7 % instead of +2.4 %, in half as
+    many iterations again, if it gets there at all."""
+    try:
+        bent = bend(0.5, ghost=0.0)
+    except StepError as failure:
+        assert "failed at t = " in str(failure)
+        return
+    assert missed(bent, beam())[1] > 0.05 and bent.iterations > 1.3 * bend(0.5).iterations
 
 
 def test_three_dimensions_agree():

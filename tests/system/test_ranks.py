@@ -5,12 +5,14 @@ import os
 import shutil
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from hybrid.output.history import read_history
+from hybrid.runtime.ranks import launch
 
 pytest.importorskip("mpi4py")
 pytestmark = pytest.mark.skipif(shutil.which("mpirun") is None, reason="needs mpirun")
@@ -82,10 +84,8 @@ def hybrid(*arguments, code=0):
 
 def mpirun(ranks, script, *arguments):
     """CompletedProcess of a Python `script` on so many ranks."""
-    environment = {**os.environ, "NUMBA_NUM_THREADS": "1", "OMPI_ALLOW_RUN_AS_ROOT": "1",
-                   "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1"}
-    return subprocess.run(["mpirun", "-n", str(ranks), sys.executable, str(script), *map(str, arguments)], env=environment,
-                          capture_output=True, text=True, timeout=120)
+    command, environment = launch(ranks, [script, *arguments])
+    return subprocess.run(command, env={**environment, "NUMBA_NUM_THREADS": "1"}, capture_output=True, text=True, timeout=120)
 
 
 def history(folder):
@@ -379,3 +379,53 @@ def test_a_fault_of_one_rank_ends_all_and_names_it(scene, tmp_path):
     assert done.stderr.count("ArithmeticError: made for the test") == 1 and "on rank 1 of 2" in done.stderr
     hybrid("run", path, "--out", tmp_path / "out", "--resume")
     assert len(history(tmp_path / "out")["energy_kinetic_J"]) == 4
+
+
+KILLED = """
+import os, sys
+from hybrid.runtime import ranks
+from hybrid.step import newton
+solve = newton.solve
+with open(f"{sys.argv[-1]}/{ranks.rank()}.pid", "w") as file:
+    file.write(str(os.getpid()))
+def killed(step):
+    if step.state.step == 3 and ranks.rank() == 1:
+        os.kill(os.getpid(), 9)
+    return solve(step)
+newton.solve = killed
+from hybrid.cli import main
+sys.exit(main(sys.argv[1:-1]))
+"""
+
+
+def runs(number):
+    """Whether a process exists, other than one that has ended and waits to be asked how."""
+    try:
+        return Path(f"/proc/{number}/stat").read_text().rpartition(")")[2].split()[0] not in "ZX"
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+
+
+def test_killing_a_rank_ends_all_and_the_run_goes_on(scene, tmp_path):
+    """As the kernel does when memory is short. The last checkpoint goes on with another number of ranks."""
+    path, script = scene(COLUMN), tmp_path / "killed.py"
+    script.write_text(KILLED)
+    done = mpirun(2, script, "run", path, "--out", tmp_path / "out", tmp_path)
+    assert done.returncode != 0
+    numbers, end = [int(file.read_text()) for file in tmp_path.glob("*.pid")], time.monotonic() + 10
+    while any(map(runs, numbers)) and time.monotonic() < end:
+        time.sleep(0.1)
+    assert len(numbers) == 2 and not any(map(runs, numbers))
+    hybrid("run", path, "--out", tmp_path / "out", "--resume")
+    hybrid("run", path, "--out", tmp_path / "whole")
+    assert largest_difference(points(tmp_path / "whole"), points(tmp_path / "out")) < 1e-6
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("ranks", [4, 8])
+def test_more_ranks_than_cores(scene, tmp_path, ranks):
+    """Sand that yields under a box, in blocks of two or three cells."""
+    path, sizes = scene(SLIDE), ("--set", "grid.x.size=0.125", "grid.z.size=0.125")
+    for number in (1, ranks):
+        hybrid("run", path, "--out", tmp_path / str(number), "--ranks", number, *sizes)
+    assert largest_difference(points(tmp_path / "1"), points(tmp_path / str(ranks))) < 1e-6
