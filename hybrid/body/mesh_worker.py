@@ -24,6 +24,7 @@ from hybrid.runtime.sandbox import confine, limit
 
 PREFIX = "Parameters/"
 NO_REASON = "gmsh gives no reason, which is so when it needs more than {:.3g} GiB of memory, the limit; {}"
+FULL = "meshing needed more than {:.3g} GiB of memory, the limit; {}"
 LARGEST_ANSWER = 1 << 30       # [bytes]
 TRIANGLE, TETRAHEDRON = 2, 4  # gmsh's numbers of the linear element types
 SEAM = 1e-3                   # between two normals of one node on one surface
@@ -86,10 +87,11 @@ def session(file, request):
         check_log(request["path"])
         yield
     except Exception as error:
-        if type(error) is not Exception:  # gmsh raises the bare class, nothing else does
+        full = "Out of memory" in str(error)    # gmsh's own words for some of its allocations; others end it
+        if type(error) is not Exception and not full:  # gmsh raises the bare class, nothing else does
             raise
-        silent = NO_REASON.format(request["memory"] / 2**30, request["remedy"])
-        reason = f"gmsh reports: {error}" if str(error) else silent
+        silent = (FULL if full else NO_REASON).format(request["memory"] / 2**30, request["remedy"])
+        reason = f"gmsh reports: {error}" if str(error) and not full else silent
         raise GeometryError(f"geometry {request['path']}: {reason}") from error
 
 

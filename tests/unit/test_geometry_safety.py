@@ -11,7 +11,7 @@ import pytest
 from hostile import BOX, CASES, LOOPS, STATEMENTS, geometry
 
 from hybrid import cli
-from hybrid.body import geometry_text, mesh
+from hybrid.body import geometry_text, mesh, mesh_worker
 from hybrid.runtime import sandbox
 from hybrid.runtime.errors import GeometryError
 
@@ -246,3 +246,15 @@ def test_a_field_reads_no_file(tmp_path):
     path = geometry(tmp_path / "body.geo", text, "")
     with pytest.raises(GeometryError, match="FileName names a file or a program, which is refused"):
         mesh.generate(path)
+
+
+def test_gmsh_that_finds_no_memory_itself_names_the_limit(monkeypatch):
+    """It depends on which of its allocations fails: most end the process, a few become an error of gmsh."""
+    def full(name):
+        raise Exception("Out of memory (buy some more RAM!)")
+
+    monkeypatch.setattr(mesh_worker.gmsh, "open", full)
+    request = {"path": "body.geo", "parameters": {}, "memory": 2**30, "remedy": "take larger elements"}
+    with pytest.raises(GeometryError, match="body.geo: meshing needed more than 1 GiB of memory, the limit; take larger"):
+        with mesh_worker.session(Path("body.geo"), request):
+            pass
