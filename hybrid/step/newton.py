@@ -30,6 +30,9 @@ OPENED = 0.1
 # Stiff contact dominates the linear residual, so a loose Krylov tolerance leaves the soil unconverged and can open
 # contacts spuriously: the tolerance is divided by (stiffness of contact) h / (STIFF E), but not below FINEST.
 STIFF, FINEST = 80.0, 1e-12
+# Share of the tolerance that a linear system may leave of the residual: it is not solved farther than that, near the end of an
+# increment, but to COARSEST at least (anchor, 45 steps: 1 055 Krylov iterations instead of 1 257, 179 Newton's instead of 178).
+LEFT, COARSEST = 0.1, 0.1
 # An increment is given up when the smallest error of the last PATIENCE iterations is not below FALL of the smallest one
 # before; MOST is a guard only. In long steps of a collapse point after point yields, and the residual falls slowly.
 PATIENCE, FALL, MOST = 10, 0.8, 100
@@ -165,7 +168,8 @@ def _iterate(step, solver, evaluation, patience, shorten, smooth=True):
             if not current:
                 step.assemble(evaluation)
             with phase("solve"):
-                soil, body, count = step.system.solve(evaluation.soil, evaluation.body, forcing)
+                soil, body, count = step.system.solve(evaluation.soil, evaluation.body,
+                                                      linear_tolerance(solver, forcing, evaluation.error))
         except StepError as failure:
             return Outcome(best, iteration, krylov, tuple(errors), str(failure))
         krylov += count
@@ -182,6 +186,13 @@ def _iterate(step, solver, evaluation, patience, shorten, smooth=True):
                    f"{'' if progressing(errors, patience) else f' without progress in the last {patience}'}, "
                    f"tolerance {solver.tolerance:.0e} ({_with_units(best.norms)})",
                    jumping=sum(jumps[-patience:]) > 1)
+
+
+def linear_tolerance(solver, finest, error):
+    """Relative tolerance of a linear system whose right-hand side is the residual of this `error`: `finest`, as a rule, or
+    in the same proportion what leaves LEFT of the tolerance."""
+    enough = LEFT * solver.tolerance / error
+    return max(finest, min(COARSEST, finest / solver.linear_tolerance * enough))
 
 
 def smoothed(step, solver, evaluation):

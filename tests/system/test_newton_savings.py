@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from hybrid.runtime.data import GEOMETRY
-from hybrid.scene import Axis, Body, Faces, Grid, Stage
+from hybrid.scene import Axis, Body, Faces, Grid, Solver, Stage
 from hybrid.setup.build import build
 from hybrid.soil.model import Refusal
 from hybrid.step import newton
@@ -23,16 +23,21 @@ WAY = 0.03  # [m] that the sphere moves in these steps
 
 def pressed(**solver):
     """(state, Newton iterations) after a sphere has sunk into sand for three steps."""
+    simulation = pressed_simulation(tolerance=TOLERANCE, **solver)
+    records = list(simulation.steps())
+    return simulation.state, sum(r.iterations for r in records)
+
+
+def pressed_simulation(**solver):
+    """Simulation of a sphere that sinks into sand for three steps."""
     axis = Axis(start=0.0, end=0.8, size=0.2)
     body = Body(geometry=GEOMETRY / "sphere.geo", density=3000.0, parameters={"radius": 0.25, "size": 0.12},
                 position=(0.43, 0.37, 0.255), velocity=(0.4, 0.1, -1.0), friction=0.4)
     sand = {"law": "drucker-prager", "young": 1e6, "poisson": 0.3, "friction_angle": 30.0, "dilation_angle": 5.0,
             "cohesion": 100.0}
     grid = Grid(axis, axis, Axis(start=-0.6, end=0.2, size=0.2), Faces(z_min="fixed"))
-    simulation = build(scene("pressed", grid, sand, [body], 0.01, [Stage("one", 3)], soil={"top": 0.0},
-                             solver={"tolerance": TOLERANCE, **solver}, gravity=(0.0, 0.0, -9.81)))
-    records = list(simulation.steps())
-    return simulation.state, sum(r.iterations for r in records)
+    return build(scene("pressed", grid, sand, [body], 0.01, [Stage("one", 3)], soil={"top": 0.0}, solver=solver,
+                       gravity=(0.0, 0.0, -9.81)))
 
 
 @pytest.fixture(scope="module")
@@ -48,6 +53,26 @@ def test_the_answer_is_the_same_within_the_tolerance(exact, name):
     assert state.points.plastic_strain == pytest.approx(exact[0].points.plastic_strain, abs=1e-5)
     assert exact[0].points.plastic_strain.max() > 1e-3   # the sand yields, so tangents change
     assert iterations < 3 * exact[1]
+
+
+def test_a_linear_system_is_not_solved_farther_than_the_tolerance_needs():
+    """Far from the solution to the tolerance of the scene, near it to a tenth of what is left to gain, never worse than 0.1."""
+    solver = Solver(tolerance=1e-4, linear_tolerance=1e-3)
+    assert newton.linear_tolerance(solver, 1e-3, 0.5) == 1e-3
+    assert newton.linear_tolerance(solver, 1e-3, 2e-4) == pytest.approx(0.05)
+    assert newton.linear_tolerance(solver, 1e-3, 1.01e-4) == pytest.approx(0.1, rel=0.02)
+    assert newton.linear_tolerance(solver, 1e-5, 2e-4) == pytest.approx(5e-4)      # stiff contact: in proportion
+
+
+@pytest.mark.parametrize("left, fewer", [(newton.LEFT, True), (0.0, False)])
+def test_the_last_linear_system_takes_fewer_iterations(monkeypatch, left, fewer):
+    whole = krylov_of(monkeypatch, 0.0)
+    assert (krylov_of(monkeypatch, left) < whole) is fewer
+
+
+def krylov_of(monkeypatch, left):
+    monkeypatch.setattr(newton, "LEFT", left)
+    return sum(record.krylov for record in pressed_simulation().steps())
 
 
 def test_an_update_that_gains_little_is_shortened():
