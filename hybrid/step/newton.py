@@ -173,12 +173,14 @@ def _iterate(step, solver, evaluation, patience, shorten, smooth=True):
         except StepError as failure:
             return Outcome(best, iteration, krylov, tuple(errors), str(failure))
         krylov += count
-        before, evaluation = evaluation, line_search(step, evaluation, soil, body, shorten)
+        before, trial = evaluation, line_search(step, evaluation, soil, body, shorten)
+        evaluation = trial
         if isinstance(evaluation, Refusal):
             return Outcome(best, iteration, krylov, tuple(errors), f"the update {evaluation.reason}")
         if smooth and evaluation.error > max(SLOW * errors[-1], solver.tolerance):
             evaluation = smoothed(step, solver, evaluation)
-        jumps.append(any(held_facets.switched(a, b) for a, b in zip(before.contacts, evaluation.contacts)))
+        # corners sent to another facet by the update and back by what smooths it jump as well
+        jumps.append(jumped(before, trial) or evaluation is not trial and jumped(before, evaluation))
         # assembling and factoring the soil block costs several solutions; the bodies' few unknowns cost nothing
         current = bool(step.system.soil_unknowns) and evaluation.error < good * errors[-1]
     return Outcome(best, iteration, krylov, tuple(errors),
@@ -186,6 +188,11 @@ def _iterate(step, solver, evaluation, patience, shorten, smooth=True):
                    f"{'' if progressing(errors, patience) else f' without progress in the last {patience}'}, "
                    f"tolerance {solver.tolerance:.0e} ({_with_units(best.norms)})",
                    jumping=sum(jumps[-patience:]) > 1)
+
+
+def jumped(before, after):
+    """Whether corners are on other facets in the second of two evaluations of a step."""
+    return any(held_facets.switched(a, b) for a, b in zip(before.contacts, after.contacts))
 
 
 def linear_tolerance(solver, finest, error):

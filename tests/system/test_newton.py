@@ -168,6 +168,23 @@ def test_a_sphere_is_solved_from_any_start(seed):
         assert sum(r.rejections for r in ride(start, aside if seed % 2 else -0.0625, mu, 60)) == 0
 
 
+def test_jumps_that_smoothing_takes_back_count(monkeypatch):
+    """Each update sends a corner to the other facet, and the solution of the few nodes around it brings it back: from one
+    iterate to the next nothing has changed."""
+    def at(facet):
+        return SimpleNamespace(error=1.0, contacts=[facet], soil=None, body=None, unknowns=facet, norms={})
+
+    model = SimpleNamespace(soil=SimpleNamespace(law=SimpleNamespace(plastic=True)))
+    system = SimpleNamespace(solve=lambda *system: (None, None, 1), soil_unknowns=1)
+    step = SimpleNamespace(model=model, system=system, contrast=lambda: 0.0, assemble=lambda evaluation: None)
+    monkeypatch.setattr(held_facets, "switched", lambda before, after: before != after)
+    monkeypatch.setattr(newton, "line_search", lambda *search: at("the other one"))
+    monkeypatch.setattr(newton, "smoothed", lambda *few: at("one"))
+    assert newton._iterate(step, Solver(), at("one"), newton.PATIENCE, False).jumping
+    monkeypatch.setattr(newton, "line_search", lambda *search: at("one"))
+    assert not newton._iterate(step, Solver(), at("one"), newton.PATIENCE, False).jumping
+
+
 def test_corners_are_held_only_where_the_facet_is_as_near_as_any(monkeypatch):
     """Where no share of the overlap is allowed, the increments are refused."""
     monkeypatch.setattr(newton, "AMBIGUOUS", 0.0)
