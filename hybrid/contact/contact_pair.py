@@ -63,8 +63,10 @@ class ContactPair:
             self.corners, contact, self.corners.moved(displacement), *pose, self.body.surface, depth)
 
     def hold_facets(self, contact):
-        """Hold the corners that touch to the facets that carry them in `contact`."""
-        self.corners = replace(self.corners, facet=held_facets.facets(self.corners, contact, self.body.surface))
+        """Hold the corners that touch to the facets that carry them in `contact`. Returns those facets (m,)."""
+        facet = held_facets.facets(self.corners, contact, self.body.surface)
+        self.corners = replace(self.corners, facet=facet)
+        return facet
 
     def release_facets(self):
         """Let every corner find its facet again."""

@@ -161,9 +161,9 @@ class Step:
             self.system.factor()
 
     def hold_facets(self, evaluation):
-        """Hold the corners that touch to the facets that carry them at an evaluation."""
-        for terms in evaluation.bodies:
-            terms.step.pair.hold_facets(terms.contact)
+        """Hold the corners that touch to the facets that carry them at an evaluation. Returns those facets, an array for
+        each body."""
+        return [terms.step.pair.hold_facets(terms.contact) for terms in evaluation.bodies]
 
     def release_facets(self):
         """Let all corners find their facets again."""

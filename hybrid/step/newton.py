@@ -13,6 +13,7 @@ The linear systems K δ = -R are solved to FORMULATION (48). The settings are th
 from dataclasses import dataclass, replace
 
 from hybrid.contact import held_facets
+from hybrid.runtime import comm
 from hybrid.runtime.errors import StepError
 from hybrid.runtime.timing import phase
 from hybrid.soil.model import Refusal
@@ -112,13 +113,15 @@ def first_evaluation(step):
 def _solution(step, solver, evaluation):
     """Outcome from an evaluation. Where corners jump between facets they are held (`hybrid.contact.held_facets`)."""
     step.release_facets()
-    outcome = _newton(step, solver, evaluation)
+    outcome, held = _newton(step, solver, evaluation), None
     for _ in range(HOLDS):
         if outcome.converged and step.facet_error(outcome.evaluation) <= AMBIGUOUS or not (
                 outcome.converged or outcome.jumping):
             break
         step.release_facets()
-        step.hold_facets(step.evaluate(outcome.evaluation.unknowns))
+        before, held = held, step.hold_facets(step.evaluate(outcome.evaluation.unknowns))
+        if not outcome.converged and before and not any(comm.anywhere(a != b) for a, b in zip(before, held)):
+            break       # the same facets, with which there was no solution
         start = step.evaluate(outcome.evaluation.unknowns)
         outcome = outcome.followed_by(_iterate(step, solver, start, PATIENCE, solver.line_search))
     else:

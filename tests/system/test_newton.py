@@ -185,6 +185,19 @@ def test_jumps_that_smoothing_takes_back_count(monkeypatch):
     assert not newton._iterate(step, Solver(), at("one"), newton.PATIENCE, False).jumping
 
 
+@pytest.mark.parametrize("facets, tried", [([1, 1, 1], 1), ([1, 2, 1, 1], 3), (range(newton.HOLDS), newton.HOLDS)])
+def test_corners_are_not_held_twice_to_the_same_facets(monkeypatch, facets, tried):
+    """From the same iterate with the same facets nothing else would come out."""
+    calls, facets = [], iter(facets)
+    best = SimpleNamespace(unknowns=None, error=1.0)
+    failed = newton.Outcome(best, 1, 1, (1.0,), "residual", jumping=True)
+    step = SimpleNamespace(release_facets=lambda: None, facet_error=lambda evaluation: 0.0, evaluate=lambda unknowns: best,
+                           hold_facets=lambda evaluation: [np.array([next(facets)])], within_rounding=lambda best: False)
+    monkeypatch.setattr(newton, "_newton", lambda *start: failed)
+    monkeypatch.setattr(newton, "_iterate", lambda *start: calls.append(start) or failed)
+    assert not newton._solution(step, Solver(), best).converged and len(calls) == tried
+
+
 def test_corners_are_held_only_where_the_facet_is_as_near_as_any(monkeypatch):
     """Where no share of the overlap is allowed, the increments are refused."""
     monkeypatch.setattr(newton, "AMBIGUOUS", 0.0)
