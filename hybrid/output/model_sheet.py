@@ -147,9 +147,7 @@ def _layer(layer, scene, soil):
 
 def _body(described, body):
     """Sizes of a body, its driven components and its contact with the soil."""
-    cut = all(mirror.cut for mirror in body.mirrors)
-    whole = (", the whole " if cut else " in this part, which stand for ") + f"{copies(body.mirrors) * body.mass.mass:.6g} kg"
-    whole *= bool(body.mirrors)
+    whole = f", the whole {copies(body.mirrors) * body.mass.mass:.6g} kg" if body.mirrors else ""
     parts = [f"{len(body.surface.triangles)} contact triangles", f"{body.mass.mass:.6g} kg{whole}",
              f"{np.count_nonzero(body.free)} free components"]
     if described.driven:

@@ -24,7 +24,7 @@ from hybrid.setup.settle import settle
 from hybrid.setup.size import refuse_cells, refuse_size
 from hybrid.setup.soil import build_soil, lay_out
 from hybrid.setup.stages import refuse_implied
-from hybrid.setup.symmetry import stray_cap, with_symmetry
+from hybrid.setup.symmetry import in_part, stray_cap, with_symmetry
 from hybrid.simulation import Simulation
 from hybrid.state import ContactHistory, State
 from hybrid.step import joint_rates, processes
@@ -109,7 +109,7 @@ def _put_together(scene, decisions, accuracy, body_force, law):
 
 def _connected(described, mesh, mirrors, placed, soil, gravity, cone):
     """RigidBody with its contact, its planes of symmetry and the parts of its surface; placed: (RigidBody, BodyState)."""
-    body, motion = placed
+    body, motion = in_part(placed[0], mirrors), placed[1]
     connected = connect_to_soil(described, body, motion.rotation, soil, gravity, cone)
     parts = surface_parts(mesh, body.outline, connected.surface, motion.rotation[soil.grid.collapsed],
                           connected.mass.mass / body.mass.mass)

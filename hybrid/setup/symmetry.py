@@ -1,5 +1,7 @@
 """Which planes of symmetry pass through the bodies of a scene.
 
+A body that lies across such planes counts with the share of its mass in the part that is modelled.
+
 A face of the grid at the end of x or y is a plane of symmetry if it is a roller, the soil reaches it, gravity lies in it,
 and a body either ends there, with the cut face of its geometry (the group `symmetry`) in the plane, or lies across it with
 its middle in the plane. A body that reaches both ends of the axis, as a platen on all of the soil, has none. In the plane a
@@ -56,6 +58,14 @@ def mirrors_of(scene, described, mesh):
             across = not len(cap) and not covers and low < at < high and abs(0.5 * (low + high) - at) < MIDDLE * size
             if (cut or across) and _soil_reaches(scene, a, at) and (cut or not _moves(scene, described, name)):
                 yield Mirror(name, at, cut)
+
+
+def in_part(body, mirrors):
+    """The RigidBody with the share of its mass in the part that is modelled: half of it for each plane that it lies across."""
+    share = 0.5 ** sum(not mirror.cut for mirror in mirrors)
+    mass = replace(body.mass, **{name: share * getattr(body.mass, name)
+                                 for name in ("mass", "inertia", "matrix", "gravity_load")})
+    return replace(body, mass=mass)
 
 
 def stray_cap(described, mesh, mirrors):

@@ -85,7 +85,7 @@ def places(**body):
     ({"pull": Pull((3.0, 0.0, 0.0), (1.0, 0.0, 0.0), 1e6, 10.0)}, "lies 2.9 m outside its bounding box"),
     ({"penalty": 1e6}, "penalty = 1e+06 /m of cube looks wrong"),
     ({}, ""),
-    ({"position": (2.0, 1.0, 0.0)}, "cube lies across x = 2 m, where the model is symmetric, with all of its mass"),
+    ({"position": (2.0, 1.0, 0.0)}, ""),
     ({"pull": Pull((0.1, 0.0, 0.0), (1.0, 0.0, 0.0), 1e6, 10.0)}, ""),
 ])
 def test_a_place_that_looks_wrong_gives_a_note(body, words):

@@ -81,18 +81,12 @@ def odd_penalty(scene, model):
 
 
 def odd_halves(scene, model):
-    """Bodies that are cut where the soil is not, and bodies across a plane of symmetry with the mass of the whole."""
+    """Bodies that are cut where the soil is not."""
     for i, body in enumerate(model.bodies):
         if body.stray_cap:
             yield (f"body.{i}: {body.name} is cut, but its cut face lies in no plane of symmetry of the grid, a roller at the "
                    "end of x or y: soil may pass through this face, and forces are those of the part. Put the face on the "
                    "end of the grid, or model the whole body")
-        across = " and ".join(str(mirror) for mirror in body.mirrors if not mirror.cut)
-        if across and body.free.any() and (model.gravity.any() or model.scheme.inertia):
-            times = 2 ** len([mirror for mirror in body.mirrors if not mirror.cut])
-            yield (f"body.{i}: {body.name} lies across {across}, where the model is symmetric, with all of its mass: what is "
-                   f"modelled is the part of a body {times} times as heavy. Cut its geometry, by body.symmetry or a physical "
-                   f"surface 'symmetry', or divide its density by {times} if that is not meant")
 
 
 LIMITS = (odd_places, odd_pull_points, odd_penalty, odd_halves)

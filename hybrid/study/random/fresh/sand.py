@@ -155,7 +155,7 @@ def dropped(diameter=0.0254, drop=0.1, density=2200.0):
     friction, bed, size, step = 0.3, 1510.0, diameter / 5, 0.0005
     side = Axis(start=0.0, end=14 * size, size=size)
     grid = Grid(side, side, Axis(start=-16 * size, end=6 * size, size=size), Faces(z_min="fixed"))
-    ball_ = body("sphere.geo", {"radius": diameter / 2, "size": diameter / 10}, density=density / 4, rest_on=0.0, friction=friction,
+    ball_ = body("sphere.geo", {"radius": diameter / 2, "size": diameter / 10}, density=density, rest_on=0.0, friction=friction,
                  velocity=(0.0, 0.0, -float(np.sqrt(2 * G * drop))), held=("x", "y", "rx", "ry", "rz"))
     soil = Soil(Material(young=1e6, poisson=0.3, density=bed, friction_angle=float(np.degrees(np.arctan(friction))), dilation_angle=0.0, cohesion=0.0),
                 top=0.0)
