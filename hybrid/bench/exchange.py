@@ -104,21 +104,19 @@ class Counts(Counter):
 
 def count(height, soil):
     """Row of this run, the same in all processes."""
-    from petsc4py import PETSc
-
     from hybrid.linalg.petsc import BlockSystem
-    from hybrid.linalg.petsc_ranks import DistributedSystem
+    from hybrid.linalg.petsc_ranks import DistributedSystem, begin_counting, counted
     from hybrid.linalg.solver_choice import SolverChoice
     from hybrid.runtime import comm, ranks
     from hybrid.setup.build import build
 
     simulation = build(scene(height, soil))
     counts = Counts(comm, (BlockSystem, DistributedSystem), SolverChoice)
-    PETSc.Log.begin()
+    begin_counting()
     records = list(simulation.steps())
     within, outside = counts["collective", True], counts["collective", False]
     newton, krylov = (sum(getattr(record, name) for record in records) for name in ("iterations", "krylov"))
-    inverse, gmres = (PETSc.Log.Event(name).getPerfInfo() for name in ("PCApply", "KSPSolve"))
+    inverse, gmres = (counted(name) for name in ("PCApply", "KSPSolve"))
     grid, local, several = simulation.model.soil.grid, counts.local, ranks.started() > 1
     plan, own = grid.nodes, int(local[ranks.rank()])
     copies, given = int(local.sum()) - own, int(comm.counts(local)[ranks.rank()]) - own

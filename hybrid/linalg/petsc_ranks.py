@@ -30,6 +30,16 @@ INVERSES[DAMPED] = INVERSES[INCOMPLETE]
 ALL, SELF = PETSc.COMM_WORLD, PETSc.COMM_SELF
 
 
+def begin_counting():
+    """From now on PETSc counts messages and reductions."""
+    PETSc.Log.begin()
+
+
+def counted(event):
+    """{"count", "numMessages", "messageLength" [B] sent and received, "numReductions"} of a PETSc event of this process."""
+    return PETSc.Log.Event(event).getPerfInfo()
+
+
 class _Calls:
     """What PETSc calls of a DistributedSystem; it must not find its method `destroy`."""
 
