@@ -39,7 +39,8 @@ def run(scene, out=None, overrides=(), resume=False, quiet=False, body_force=Non
             _resume(simulation, folder / checkpoint.NAME)
         with output.output_errors(folder):
             _in_first(lambda: place.begin())
-        simulation.run(_in_first(lambda: output.standard(folder, progress=not quiet, run=place.run)) or ())
+        simulation.run(_in_first(lambda: output.standard(folder, progress=not quiet, run=place.run)) or (),
+                       output.of_every_process(folder))
     return simulation
 
 

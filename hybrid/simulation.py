@@ -145,17 +145,21 @@ class Simulation:
             np.add.at(forces, surface.triangles[triangle], weights[:, :, None] * contact.force[:, None])
         return forces
 
-    def run(self, observers=()):
+    def run(self, observers=(), everywhere=()):
         """Run the remaining steps; returns the summary dict {"outcome", "reason"} that observers get too.
+
+        everywhere: observers of each process of several, with its own points (`hybrid.output.of_every_process`).
 
         `finish` of every observer is called however the run ends: completed, failed (the error is raised again) or
         interrupted. Raises OutputError, which interrupts the run, for an OSError of an observer.
         """
-        summary, stop = {"outcome": "completed", "reason": ""}, None
+        summary, stop, shared = {"outcome": "completed", "reason": ""}, None, True
+        self._tell_own(everywhere, lambda observer: observer.start(self))
         self._whole = self._gathered()
         self._tell(observers, lambda observer: observer.start(self._whole))
         try:
             for record in self.steps():
+                self._tell_own(everywhere, lambda observer, record=record: observer.accepted(record, self))
                 self._whole = self._gathered()
                 self._tell(observers, lambda observer, record=record: observer.accepted(record, self._whole))
         except (KeyboardInterrupt, OutputError) as error:
@@ -167,12 +171,21 @@ class Simulation:
             raise
         except BaseException as error:
             summary.update(outcome="failed", reason=f"{type(error).__name__}: {error}")
+            shared = False      # it may be of this process alone
             raise
         finally:
+            if shared and everywhere and summary["outcome"] != "interrupted" and ranks.all_here():
+                self._tell_own(everywhere, lambda observer: observer.finish(summary, self))
             self._finish(observers, summary)
             if stop is not None:
                 stop.kept = summary.get("checkpoint_step")
         return summary
+
+    def _tell_own(self, observers, call):
+        """Call each observer that all processes have; their errors are the same everywhere."""
+        for observer in observers:
+            with _errors_of(observer):
+                call(observer)
 
     def _tell(self, observers, call):
         """Call each observer; in all processes an error of theirs ends the run."""

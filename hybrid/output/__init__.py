@@ -14,6 +14,7 @@ import os
 from contextlib import contextmanager
 from pathlib import Path
 
+from hybrid.runtime import ranks
 from hybrid.runtime.errors import OutputError
 
 
@@ -75,5 +76,14 @@ def standard(folder, progress=True, run=""):
     # A checkpoint has all results up to its step beside it, so History and Frames come before Checkpoints. Summary and
     # Pictures read history.csv. Pictures take seconds at the end, by when all else is on disk; Progress has the last
     # word.
-    observers = [History(folder), Frames(folder), Checkpoints(folder, run), Summary(folder, run), Pictures(folder)]
+    frames = Frames(folder, soil=ranks.started() == 1)
+    observers = [History(folder), frames, Checkpoints(folder, run), Summary(folder, run), Pictures(folder)]
     return observers + [Progress(folder=folder)] * progress
+
+
+def of_every_process(folder):
+    """The observers that every process of several has, called before those of the first one with the points of its own; their
+    calls are collective, and raise the same error everywhere (`hybrid.runtime.ranks.together`)."""
+    from hybrid.output.pieces import Pieces
+
+    return [Pieces(folder)] if ranks.started() > 1 else []

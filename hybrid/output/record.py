@@ -212,11 +212,27 @@ def drawn(simulation):
     """Points to draw and their initial positions (n, 3) [m], with those outside the window of a moving grid; without
     inactive points if the scene removes them."""
     points, initial = simulation.state.points, simulation.initial_position
-    ground = getattr(simulation.state, "ground", None)
-    if ground is not None and ground.behind is not None and len(ground.behind):
-        all_of_it = concatenate(Population(points, ground.constants, ground.rows), ground.behind)
+    if (behind := _behind(simulation)) is not None:
+        ground = simulation.state.ground
+        all_of_it = concatenate(Population(points, ground.constants, ground.rows), behind)
         points, initial = all_of_it.points, all_of_it.constants.position
     if points.inactive is None or simulation.scene.soil.stray != "remove":
         return points, initial
     kept = {name: None if value is None else value[~points.inactive] for name, value in vars(points).items()}
     return Points(**kept), initial[~points.inactive]
+
+
+def numbers_drawn(simulation):
+    """Numbers (n,) in the run of the points that are `drawn` by one of several processes."""
+    inactive, number = simulation.state.points.inactive, simulation.model.soil.constants.number
+    if (behind := _behind(simulation)) is not None:
+        number = np.concatenate([number, behind.constants.number])
+        if inactive is not None:
+            inactive = np.concatenate([inactive, behind.points.inactive])
+    return number if inactive is None or simulation.scene.soil.stray != "remove" else number[~inactive]
+
+
+def _behind(simulation):
+    """Population of the points outside the window of a moving grid, None where there are none."""
+    ground = getattr(simulation.state, "ground", None)
+    return ground.behind if ground is not None and ground.behind is not None and len(ground.behind) else None

@@ -6,6 +6,8 @@
 |                       | deviatoric_stress [Pa], plastic_strain [-]                            |
 | body_NAME_000005.vtu  | displacement [m], velocity [m/s], contact_force [N]                   |
 
+In a run by several processes the soil is in pieces: `hybrid.output.pieces`.
+
 Displacements count from the start of the run. Stress is Cauchy, positive in tension, in VTK's order
 xx yy zz xy yz xz; mean stress is tr σ/3 and deviatoric stress is q = sqrt(3/2 s:s). Coordinates are in double
 precision, fields in single precision: they are for the eye, the checkpoint keeps every digit.
@@ -32,19 +34,21 @@ class Frames:
     """Observer that writes a frame at the start, every `scene.output.every` outer steps and at the end, unless the run is
     interrupted: resumed, it then has the frames of a run in one go.
 
-    Held soil does not move, so its points are written once. `every = 0` writes nothing.
+    Held soil does not move, so its points are written once. `every = 0` writes nothing. Of several processes each writes its
+    own part of the soil (`hybrid.output.pieces`); soil: whether the soil is written here.
     """
 
-    def __init__(self, folder):
-        self.folder = Path(folder)
+    def __init__(self, folder, soil=True):
+        self.folder, self._with_soil = Path(folder), soil
 
     def start(self, simulation):
         if not simulation.scene.output.every:
             return
         self.first = step = simulation.state.step
         self.initial = initial_bodies(simulation)
-        names = ["soil", *(f"body_{file_label(name)}" for name in simulation.body_names)]
-        self.soil, *self.bodies = [Series(self.folder, name, step, simulation.scene.output.every) for name in names]
+        names = [f"body_{file_label(name)}" for name in simulation.body_names]
+        self.soil, *self.bodies = [name and Series(self.folder, name, step, simulation.scene.output.every)
+                                   for name in (self._with_soil and "soil", *names)]
         if not step:
             self._write(simulation)
 
@@ -59,7 +63,7 @@ class Frames:
 
     def _write(self, simulation):
         state, soil = simulation.state, simulation.scene.soil
-        if len(state.points) and not (getattr(soil, "held", False) and self.soil.frames):
+        if self._with_soil and len(state.points) and not (getattr(soil, "held", False) and self.soil.frames):
             self.soil.add(state.step, state.time, soil_mesh(*drawn(simulation)))
         for b, series in enumerate(self.bodies):
             surface, forces = simulation.surfaces[b], simulation.contact_forces(b)
@@ -67,25 +71,28 @@ class Frames:
 
 
 class Series:
-    """Frames NAME_000000.vtu, ... of a folder and the NAME.pvd that lists them, rewritten after each frame.
+    """Frames NAME_000000.vtu, ... of a folder, or NAME_000000.pvtu with their pieces, and the NAME.pvd that lists them, rewritten
+    after each frame.
 
     Opened at step 0 the frames of an earlier run are deleted. Opened later those after `step` are deleted, and one at
     `step` itself that is not due every so many steps, where the run had ended; the rest are kept. Their times are those
     of the .pvd, or of history.csv where the .pvd is damaged.
     """
 
+    ending = ".vtu"     # of new frames
+
     def __init__(self, folder, name, step=0, every=1):
         self.folder, self.name = Path(folder), name
-        self.frames = {}  # step -> time [s]
-        matches = [re.fullmatch(re.escape(name) + r"_(\d{6,})\.vtu", path.name) for path in self.folder.glob("*.vtu")]
-        files = {int(match[1]): match[0] for match in matches if match}
-        times = self._times() if step and files else {}
-        for number, file in files.items():
-            if number in times and (number < step or number == step and step % every == 0):
-                self.frames[number] = float(times[number])
-            else:
+        self.frames, self.files = {}, {}    # step -> time [s]; step -> name of the file
+        matches = [re.fullmatch(re.escape(name) + r"_(\d{6,})(_r\d+)?\.p?vtu", path.name) for path in self.folder.glob("*.*vtu")]
+        found = [(int(match[1]), match[2], match[0]) for match in matches if match]
+        times = self._times() if step and found else {}
+        for number, part, file in found:
+            if number not in times or number > step or number == step and step % every:
                 (self.folder / file).unlink(missing_ok=True)
-        if files:
+            elif not part:
+                self.frames[number], self.files[number] = float(times[number]), file
+        if found:
             self._write_pvd()
 
     def _times(self):
@@ -99,24 +106,26 @@ class Series:
             listed = read_pvd(self.folder / f"{self.name}.pvd")
         except xml.ParseError:
             listed = []
-        return times | {int(re.search(r"(\d+)\.vtu", file)[1]): time for file, time in listed}
+        return times | {int(re.search(r"(\d+)\.p?vtu", file)[1]): time for file, time in listed}
 
     def add(self, step, time, mesh):
         """Write one frame and list it; a step that is already listed is not written again."""
         if step in self.frames:
             return
-        write_vtu(self.folder / self.file(step), mesh)
-        self.frames[step] = float(time)
+        file = f"{self.name}_{step:06d}{self.ending}"
+        self.write(self.folder / file, mesh)
+        self.frames[step], self.files[step] = float(time), file
         self._write_pvd()
 
-    def file(self, step):
-        return f"{self.name}_{step:06d}.vtu"
+    def write(self, path, mesh):
+        """Write the file of a frame."""
+        write_vtu(path, mesh)
 
     def _write_pvd(self):
         root = xml.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
         collection = xml.SubElement(root, "Collection")
         for step, time in sorted(self.frames.items()):
-            attributes = {"timestep": repr(time), "group": "", "part": "0", "file": self.file(step)}
+            attributes = {"timestep": repr(time), "group": "", "part": "0", "file": self.files[step]}
             xml.SubElement(collection, "DataSet", attributes)
         xml.indent(root)
         with atomic(self.folder / f"{self.name}.pvd") as partial:

@@ -10,6 +10,8 @@ import sys
 import time
 from functools import cache
 
+from hybrid.runtime.errors import HybridError
+
 # Set by mpirun of Open MPI, MPICH and Intel MPI, and by srun --mpi
 STARTED = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MPI_LOCALNRANKS", "PMIX_RANK")
 
@@ -55,10 +57,17 @@ def _last_words():
     return world().Dup()
 
 
+@cache
+def _roll_call():
+    """Another one, for the end of a run that may go on elsewhere."""
+    return world().Dup()
+
+
 def prepare():
     """To be called by all processes, before anything can fail."""
     if world():
         _last_words()
+        _roll_call()
 
 
 def same_fault(error):
@@ -69,9 +78,34 @@ def same_fault(error):
         raise error
 
 
+def together(function):
+    """Result of a function that every process calls. An OSError or HybridError of one is raised in all of them, and names it."""
+    result = fault = None
+    try:
+        result = function()
+    except (HybridError, OSError) as error:
+        fault = error
+    for number, error in enumerate(world().allgather(fault) if world() else [fault]):
+        if isinstance(error, OSError) and world():
+            raise OSError(error.errno, f"{error.strerror}; process {number}", error.filename)
+        if error is not None:
+            raise error
+    return result
+
+
+def all_here(seconds=10.0):
+    """Whether all processes ask this within some `seconds`: none has ended or waits elsewhere."""
+    return not world() or _all_come(_roll_call().Ibarrier(), seconds)
+
+
 def end_together(seconds=10.0):
     """Whether all other processes end as well within some `seconds`; to be asked by one that has failed."""
-    request, end = _last_words().Ibarrier(), time.monotonic() + seconds
+    return _all_come(_last_words().Ibarrier(), seconds)
+
+
+def _all_come(request, seconds):
+    """Whether a `request` of all processes is met within some `seconds`."""
+    end = time.monotonic() + seconds
     while not request.Test():
         if time.monotonic() > end:
             return False

@@ -8,6 +8,7 @@ import sys
 import time
 from pathlib import Path
 
+import meshio
 import numpy as np
 import pytest
 
@@ -312,6 +313,9 @@ def test_grid_that_follows_a_body(scene, tmp_path):
         found = read_history(tmp_path / folder)
         for name in ("box_contact_fx_N", "box_contact_fz_N", "energy_plastic_J", "energy_left_J"):
             assert np.abs(found[name] - one[name]).max() < 1e-6 * np.abs(one[name]).max(), (folder, name)
+        frames = [sum(len(meshio.read(file).points) for file in (tmp_path / place).glob("soil_000015*.vtu"))
+                  for place in ("1", folder)]      # with the points left behind, each once
+        assert frames[0] == frames[1] > 256
         for there, here in zip(ground(tmp_path / folder), expected):
             assert there.shape == here.shape and np.abs(there - here).max() < 1e-6 * np.abs(here).max()
 
