@@ -17,6 +17,7 @@ CASES = {
     "sphere": "demos/rolling_sphere.toml in 300 steps",
     "scaling": "a block of soil under gravity, from 10 000 to 300 000 unknowns",
     "ranks": "one process, two threads and two processes: a block of 106 000 unknowns, and the anchor",
+    "exchange": "iterations, bytes, messages and reductions of a block on 1, 2, 4 and 8 processes",
     "solvers": "the linear solvers for one tangent, easy and hard",
     "block": "the peer's block of 46 552 points, also run by the peer if there is one",
 }

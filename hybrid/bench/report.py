@@ -2,6 +2,7 @@
 
 from statistics import median
 
+from hybrid.bench import rank_model
 from hybrid.bench.table import markdown, number, paragraph
 
 SIZES = ("points", "unknowns", "entries")
@@ -16,6 +17,8 @@ def tables(record):
                      f"{', '.join(versions)}.")
     sections = [title + "\n\n" + section(record["cases"][name]) for name, (title, section) in SECTIONS.items()
                 if name in record["cases"]]
+    if rank_model.NEEDED <= set(record["cases"]):
+        sections.append(rank_model.section(record))
     return "\n".join([head, *sections])
 
 
@@ -100,6 +103,17 @@ def _ranks(case):
             + "\n" + markdown(["", *(f"{row['scene']}, {row['way']}" for row in case["rows"])], rows))
 
 
+def _exchange(case):
+    keys = [key for key in case["rows"][0] if key not in ("soil", "ranks")]
+    heads = ["", *(f"{row['soil']}, {row['ranks']}" for row in case["rows"])]
+    return (paragraph("Three steps of a block of sand, and of clay (ν = 0.49), both with F-bar, by ranks, which share the "
+                      "cores of the machine: all are counts. `in vain`: iterations of solvers that were given up. From "
+                      "`copied / own` on: of the process that has or sends most. A product K x fills the copies and adds "
+                      "them up at their owners; a vector field is one of the grid's nodes, whose copies are filled."
+                      + (f" Counted at commit {case['commit']}." if "commit" in case else ""))
+            + "\n" + markdown(heads, [[key, *(row[key] for row in case["rows"])] for key in keys]))
+
+
 def _solvers(case):
     keys = ["tangent", "unknowns", "solver", "iterations", "factor [s]", "solve [s]", "failed"]
     keys = keys if any(row["failed"] for row in case["rows"]) else keys[:-1]
@@ -111,5 +125,6 @@ def _solvers(case):
 SECTIONS = {
     "block": ("## Falling block", _block), "kernels": ("## Parts of a step", _kernels),
     "sphere": ("## Rolling sphere", _sphere), "anchor": ("## Drag anchor, by phase", _anchor),
-    "scaling": ("## Scaling", _scaling), "ranks": ("## Several processes", _ranks), "solvers": ("## Linear solver", _solvers),
+    "scaling": ("## Scaling", _scaling), "ranks": ("## Several processes", _ranks),
+    "exchange": ("## Iterations and messages, by ranks", _exchange), "solvers": ("## Linear solver", _solvers),
 }

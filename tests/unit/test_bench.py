@@ -9,6 +9,7 @@ import pytest
 
 from hybrid import bench, cli
 from hybrid.bench import block, kratos_parts, scenes, stamp
+from hybrid.bench.block_sizes import sizes as sizes_of_blocks
 from hybrid.bench.table import table
 from hybrid.bench.timed_steps import sizes
 from hybrid.runtime.errors import HybridError
@@ -95,6 +96,18 @@ def test_counts_of_the_block(measured):
     assert 5 <= row["Newton"] <= 40 and row["Krylov"] >= row["Newton"]
     # the weight acts at once on a column: to and fro about ρ g H² / 2M, at twice that at the most, M = 13.5 MPa
     assert -2.2 < row["lowest [mm]"] / (1e3 * 1800 * 9.81 * 0.5**2 / 2 / 13.46e6) < 0
+
+
+def test_counts_of_the_exchange(measured):
+    alone, two = rows(measured, "exchange")
+    assert (alone["ranks"], two["ranks"]) == (1, 2) and alone["unknowns"] == two["unknowns"] == unknowns((6, 6, 3))
+    assert alone["Newton"] == two["Newton"] <= alone["Krylov"] <= two["Krylov"] < 2 * alone["Krylov"]
+    assert not any(alone[key] for key in alone if key.startswith(("kB", "reductions", "exchanges", "copie")))
+    expected = sizes_of_blocks((6, 6, 3), 2)
+    assert (two["own unknowns"], two["copied unknowns"]) == (expected.own.max(), expected.copies.max())
+    assert two["kB a product"] == pytest.approx(8e-3 * (expected.copies + expected.given).max())
+    assert two["kB a vector field"] == pytest.approx(24e-3 * expected.given_nodes.max()) and two["neighbours"] == 1
+    assert 2 < two["reductions a GMRES iteration"] < 4 and two["exchanges a Newton iteration"] > 2
 
 
 def test_the_block_is_that_of_the_peer():
