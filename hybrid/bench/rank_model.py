@@ -3,7 +3,7 @@
     step(N) = Σ phases(1) w(N)                                   work of the fullest block, w its share of the points
             + n (fixed + exchanges (m α + B_f/β) + R_n ρ_n)       each of n Newton iterations
             + k g(N) (calls + 3 m α + (B_p + B_s)/β + R_k ρ_k)    each of k GMRES iterations
-            + gather                                              of all points by the first process, for the files
+            + gather                                              of all points by the first process, for the checkpoint
 
 | symbol     | meaning                                                              | from                                   |
 |------------|----------------------------------------------------------------------|----------------------------------------|
@@ -148,7 +148,7 @@ def section(record):
         f"{1e6 * LATENCY:g} µs and {1e-9 * BANDWIDTH:g} GB/s; a core and its memory for each process, of the record's kind (two "
         "threads where the record has them). GMRES iterations grow with a power of the ranks, fitted to the sand above and "
         "extrapolated beyond 8 ranks. Work of contact is not divided. `gather`: the first process collects all points after "
-        f"each step for the files, {BYTES} bytes and {1e6 * JOINED:g} µs each. `reductions` take log2 N latencies, those outside "
+        f"each step for the checkpoint, {BYTES} bytes and {1e6 * JOINED:g} µs each. `reductions` take log2 N latencies, those outside "
         f"GMRES also {1e6 * COMBINED:g} µs a process, as each combines the numbers of all in Python. The drag is the anchor of "
         "the record in smaller cells: work in proportion to the points, that of contact to their power 2/3, Newton iterations to "
         "the power 1/4 of the cells along the anchor, GMRES iterations as in the scaling above. Limit: the part that takes most.")
@@ -164,7 +164,7 @@ def _checked(record):
         parts = step(run, 2, record)
         modelled = sum(parts.values()) - parts["gather"]
         found.append(f"{modelled:.2g} s a step of the {name}, measured {measured:.2g} s ({modelled / measured - 1:+.0%})")
-    return (f"Check: on two ranks, without files, the model gives {' and '.join(found)}. "
+    return (f"Check: on two ranks, without this, the model gives {' and '.join(found)}. "
             "Unknowns of the fullest block and its copies differ from those counted on 2 to 8 ranks by "
             f"{largest_difference(record):.2g} at the most. Where points flow or touch the "
             "body, work is not in proportion to the points, and blocks with equal points are not equal.")
