@@ -103,6 +103,7 @@ class Simulation:
     def resume(self, state, increment=None, solver_memory=None):
         """Continue from `state`, with an increment of `increment` [s] first, and with what the choice of the linear solver
         remembers, `solver_memory` (7,)."""
+        self.warned     # found now, where the scene starts: the grid has moved on since
         self.state, self.increment, self.solver_memory = state, increment, solver_memory
         if self.moving_grid:
             self.model = self.moving_grid.model_with(self.model, state.ground)

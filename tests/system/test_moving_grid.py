@@ -152,6 +152,16 @@ def test_a_run_goes_on_where_its_grid_was(tmp_path):
     np.testing.assert_array_equal(halves.ground.behind.points.stress, straight.ground.behind.points.stress)
 
 
+def test_a_run_that_goes_on_is_judged_by_where_it_started():
+    """Its grid has left the place that the scene gives the body, which is no mistake of the scene."""
+    scene = flown_over(25)
+    flown, resumed = build(scene), build(scene)
+    *_, last = flown.steps()
+    resumed.resume(flown.state)
+    assert last.bodies[0].position[0] > 5.0 and resumed.model.soil.grid.extent[0, 0] > 1.8
+    assert not any("the grid" in text for text in resumed.warned)
+
+
 def test_points_that_come_in_when_the_body_sinks():
     """As many as fill the grid of a body below the surface; none where the body stays up."""
     scene = plough(x=GRADED, z=GRADED)
