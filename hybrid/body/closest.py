@@ -2,7 +2,8 @@
 
 The tree finds the closest facet. Where facets approximate a curved surface, the point is projected from there onto the
 smooth surface (`hybrid.body.patches`), whose gap, normal and derivatives are those returned. Beyond a sharp edge of it
-the closest point is on the edge, curved or straight. Far beyond a centre of curvature facets are used as they are.
+the closest point is on the edge, curved or straight. Near and beyond a centre of curvature, where the projection fails, the
+point belongs to another patch or face: that of the smallest gap nearby, or to the place of the nearest facet on its patch.
 
 Symbols, features and sources as in `hybrid.body.surface`, which builds the Tree.
 """
@@ -23,6 +24,7 @@ from hybrid.body.patches import (
     edge_curve,
     geometry,
     neighbour,
+    point,
     project,
     project_on_edge,
 )
@@ -31,7 +33,7 @@ NO_SIDE = (0.0, 0.0, 0.0)
 OPPOSITE = -0.5  # cosine: a triangle more than 120 degrees from the side in contact belongs to the opposite side
 SAME = 0.5       # cosine: a triangle less than 60 degrees from the side in contact belongs to it
 ALL = -2.0       # cosine: no triangle is excluded
-FACET = 7        # feature: the facet itself, of a triangle whose patch is curved
+FIXED = 7        # feature: a place on a patch that is not projected
 SECOND = 8       # offset of the second values of the features in Tree.normals and Tree.kind
 
 
@@ -206,16 +208,16 @@ def closest(y, reach, tree, side=NO_SIDE):
     parameters of the curved patch) as tuples of three; gap [m], negative inside.
     """
     y0, y1, y2 = y[0], y[1], y[2]
-    whole, widened = True, reach + tree.patches.bulge
+    excluded, widened = ALL, reach + tree.patches.bulge
     slot, feature, v, w, _ = search(y0, y1, y2, widened, tree, side, ALL)
     if slot >= 0 and _facing(slot, feature, side, tree) < OPPOSITE:
-        whole = False
+        excluded = OPPOSITE
         slot, feature, v, w, _ = search(y0, y1, y2, widened, tree, side, SAME)
         if slot < 0 or not _behind(y0, y1, y2, slot, feature, tree):
             slot, feature, v, w, _ = search(y0, y1, y2, widened, tree, side, OPPOSITE)
     if slot < 0:
         return -1, 0, (y0, y1, y2), (0.0, 0.0, 0.0), math.inf
-    return _place((y0, y1, y2), slot, feature, v, w, whole, reach, tree)
+    return _place((y0, y1, y2), slot, feature, v, w, side, excluded, reach, tree)
 
 
 @njit(cache=True)
@@ -238,30 +240,64 @@ def closest_facing(y, outward, least, beyond, tree):
     slot, feature, v, w, _ = search(y[0], y[1], y[2], math.inf, tree, side, least)
     if slot < 0 or not _behind(y[0], y[1], y[2], slot, feature, tree):
         return -1, 0, (y[0], y[1], y[2]), (0.0, 0.0, 0.0), math.inf
-    return _place((y[0], y[1], y[2]), slot, feature, v, w, False, math.inf, tree)
+    return _place((y[0], y[1], y[2]), slot, feature, v, w, side, least, math.inf, tree)
 
 
 @njit(cache=True)
-def _place(y, slot, feature, v, w, whole, reach, tree):
-    """As `closest`, from the closest feature of the facet in a slot and the weights of its corners there."""
+def _place(y, slot, feature, v, w, side, excluded, reach, tree):
+    """As `closest`, from the closest feature of the facet in a slot and the weights of its corners there. excluded: cosine
+    with `side` below which facets are excluded, ALL for none."""
     y0, y1, y2 = y
+    found = -1, 0, y, (0.0, 0.0, 0.0), math.inf
     if tree.kind[tree.order[slot], SECOND + feature]:
-        found = _on_patches((y0, y1, y2), tree.order[slot], v, w, whole, tree)
-        if found[0] >= 0:
-            return found if abs(found[4]) < reach else (-1, 0, (y0, y1, y2), (0.0, 0.0, 0.0), math.inf)
+        found = _on_patches((y0, y1, y2), tree.order[slot], v, w, excluded == ALL, tree)
+        if found[0] < 0:
+            found = _on_any_patch((y0, y1, y2), slot, v, w, side, excluded, tree)
+    if found[0] >= 0:
+        return found if abs(found[4]) < reach else (-1, 0, (y0, y1, y2), (0.0, 0.0, 0.0), math.inf)
     triangle, facets, weights = tree.order[slot], tree.facets, (max(1.0 - v - w, 0.0), v, w)
     x0, x1, x2 = y0 - facets[slot, 0], y1 - facets[slot, 1], y2 - facets[slot, 2]
     if tree.kind[triangle, feature] == 0:
         # along the normal, so that y - foot = gap N to round-off
         n0, n1, n2 = facets[slot, 9], facets[slot, 10], facets[slot, 11]
         gap = x0 * n0 + x1 * n1 + x2 * n2
-        feature = FACET if tree.kind[triangle, SECOND] else 0
-        return triangle, feature, (y0 - gap * n0, y1 - gap * n1, y2 - gap * n2), weights, gap
+        return triangle, 0, (y0 - gap * n0, y1 - gap * n1, y2 - gap * n2), weights, gap
     x0 -= v * facets[slot, 3] + w * facets[slot, 6]
     x1 -= v * facets[slot, 4] + w * facets[slot, 7]
     x2 -= v * facets[slot, 5] + w * facets[slot, 8]
     gap = _signed((x0, x1, x2), triangle, feature, tree)
     return triangle, feature, (y0 - x0, y1 - x1, y2 - x2), weights, gap
+
+
+@njit(cache=True)
+def _on_any_patch(y, slot, v, w, side, excluded, tree):
+    """As `closest`, on the patch or plane face of the smallest gap, on the same side of the surface as the facet in `slot`, which
+    is the nearest one, at the weights v, w; where there is none, the place of that facet on its patch. Others as in `_place`."""
+    boxes, first, facets, leaves = tree.boxes, tree.first, tree.facets, len(tree.first) - 1
+    f = facets[slot]
+    x = (y[0] - f[0] - v * f[3] - w * f[6], y[1] - f[1] - v * f[4] - w * f[7], y[2] - f[2] - v * f[5] - w * f[8])
+    inside = dot(x, (f[9], f[10], f[11])) < 0.0
+    reach, least = (math.sqrt(dot(x, x)) + 2.0 * tree.patches.bulge) ** 2, math.inf
+    found = -1, 0, y, (0.0, 0.0, 0.0), math.inf
+    nearest, weights = tree.order[slot], (1.0 - v - w, v, w)
+    for leaf in range(leaves):
+        if _box_distance(y[0], y[1], y[2], boxes, leaves + leaf) > reach:
+            continue
+        for k in range(first[leaf], first[leaf + 1]):
+            if facets[k, 9] * side[0] + facets[k, 10] * side[1] + facets[k, 11] * side[2] < excluded:
+                continue
+            distance, feature, v, w = _to_triangle(y[0], y[1], y[2], facets, k, reach)
+            triangle = tree.order[k]
+            if distance > reach or not tree.kind[triangle, SECOND] and feature != 0:
+                continue
+            t, v, w, gap, outcome = project(y, triangle, v, w, tree.patches)
+            if outcome == INSIDE and abs(gap) < least and (gap < 0.0) == inside:
+                least, found = abs(gap), _on_patch(y, t, v, w, gap, tree)
+    if found[0] >= 0 or not tree.kind[nearest, SECOND]:
+        return found
+    foot = point(nearest, weights[1], weights[2], tree.patches.nodes)[0]
+    x = y[0] - foot[0], y[1] - foot[1], y[2] - foot[2]
+    return nearest, FIXED, foot, weights, -math.sqrt(dot(x, x)) if inside else math.sqrt(dot(x, x))
 
 
 @njit(cache=True)
@@ -340,8 +376,6 @@ def gap_geometry(y, foot, weights, gap, triangle, feature, tree):
         if tree.kind[triangle, SECOND]:
             return geometry(triangle, weights[1], weights[2], gap, patches.nodes)
         return N, N, (zero, zero, zero)
-    if feature == FACET:
-        return N, N, (zero, zero, zero)
     x = y[0] - foot[0], y[1] - foot[1], y[2] - foot[2]
     distance = math.sqrt(dot(x, x))
     if distance == 0.0:
@@ -349,7 +383,7 @@ def gap_geometry(y, foot, weights, gap, triangle, feature, tree):
     if gap < 0.0:
         distance = -distance
     N = x[0] / distance, x[1] / distance, x[2] / distance
-    d, slide = (n[triangle, e, 0], n[triangle, e, 1], n[triangle, e, 2]), 1.0
+    d, slide = (n[triangle, e, 0], n[triangle, e, 1], n[triangle, e, 2]) if feature != FIXED else zero, 1.0
     if 0 < feature < 4 and tree.kind[triangle, SECOND + feature] and patches.across[triangle, feature - 1, 1] != SMOOTH:
         _, d, c = edge_curve(triangle, feature - 1, weights[feature % 3], patches.nodes)
         slide = dot(d, d) - 2.0 * dot(x, c)

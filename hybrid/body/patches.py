@@ -85,7 +85,7 @@ def _normal(t, v, w, nodes):
 
 
 @njit(cache=True)
-def _point(t, v, w, nodes):
+def point(t, v, w, nodes):
     """x at the weights and its derivatives x_v, x_w."""
     u, d1, d2 = 1.0 - v - w, _row(nodes, t, 1), _row(nodes, t, 2)
     c0, c1, c2 = _row(nodes, t, 6), _row(nodes, t, 7), _row(nodes, t, 8)
@@ -101,7 +101,7 @@ def _solve(y, t, v, w, nodes):
     Outside of the triangle it stops early."""
     gap = 0.0
     for n in range(ITERATIONS):
-        x, x_v, x_w = _point(t, v, w, nodes)
+        x, x_v, x_w = point(t, v, w, nodes)
         N, N_v, N_w = _normal(t, v, w, nodes)
         r = y[0] - x[0], y[1] - x[1], y[2] - x[2]
         if n == 0:
@@ -196,7 +196,7 @@ def project_on_edge(y, t, edge, s, nodes):
 def edge_curve(t, edge, s, nodes):
     """Point x(s) of an edge, x'(s) and c = x''/2."""
     v, w = weights_on_edge(edge, s)
-    x, x_v, x_w = _point(t, v, w, nodes)
+    x, x_v, x_w = point(t, v, w, nodes)
     if edge == 0:
         d = x_v
     elif edge == 1:
@@ -209,7 +209,7 @@ def edge_curve(t, edge, s, nodes):
 @njit(cache=True)
 def geometry(t, v, w, gap, nodes):
     """N, ∂g/∂y and the rows of G = ∂N/∂y, G[i][j] = ∂N_i/∂y_j, at the weights and gap of a projection."""
-    _, x_v, x_w = _point(t, v, w, nodes)
+    _, x_v, x_w = point(t, v, w, nodes)
     N, N_v, N_w = _normal(t, v, w, nodes)
     a, b = _add(x_v, gap, N_v), _add(x_w, gap, N_w)
     normal = _cross(a, b)
