@@ -52,7 +52,7 @@ class Simulation:
     start                 rows {label: value} of the sheet about bodies in place and how the soil has settled
     evaluation            Evaluation that led to the state, None before the first step
     increment             [s] that the next step of this stage tries first, None: all of it
-    solver_memory         (7,) counts of the linear solver (`SolverChoice.memory`), None before the first step
+    solver_memory         (9,) counts of the linear solver (`SolverChoice.memory`), None before the first step
     imbalance             of the initial state, None for soil that is held or weighs nothing
     """
 
@@ -102,7 +102,7 @@ class Simulation:
 
     def resume(self, state, increment=None, solver_memory=None):
         """Continue from `state`, with an increment of `increment` [s] first, and with what the choice of the linear solver
-        remembers, `solver_memory` (7,)."""
+        remembers, `solver_memory` (9,)."""
         self.warned     # found now, where the scene starts: the grid has moved on since
         self.state, self.increment, self.solver_memory = state, increment, solver_memory
         if self.moving_grid:

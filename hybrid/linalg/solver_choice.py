@@ -19,7 +19,9 @@ A tangent goes to the cheapest. Iterations are kept by decade of the last soluti
 been tried counts as PRIOR, one that has failed as infinite. The solver in use is left for one that costs less than 1 /
 MARGIN of it. A solver that takes MARGIN times what the next one would cost is stopped, at the earliest after LEAST
 iterations, and the next one goes on; so a tangent takes at most a few times the cost of the best solver. After RETRY
-tangents all is forgotten, as the soil may have changed. The counts are part of a checkpoint.
+tangents all is forgotten, as the soil may have changed. Where all have failed but the direct factor, it is forgotten after SOON
+tangents, twice as many the next time: one iterate that went astray must not give the whole run to a factor. The counts are
+part of a checkpoint.
 """
 
 import math
@@ -38,7 +40,7 @@ DECADES = 3.0                   # of a tangent, before any is known
 MARGIN = 1.5
 LEAST, MOST = 60, 1000          # iterations before the next solver is tried; where no other solver is left
 # Tangents. A trial of all solvers before the direct factor costs about 400 iterations.
-RETRY = 50
+RETRY, SOON = 50, 4
 FITS = 0.8      # of the memory that is left; the estimate is that of a block, and the step needs some memory too
 
 
@@ -52,15 +54,16 @@ class SolverChoice:
         self.linear, self.plane, self.factors, self.direct = linear, plane, 0, False
         self._rates = np.full(3, np.nan)    # iterations a decade; nan: not tried, inf: failed
         self._decades, self._pending, self._tangents, self._last = DECADES, 0.0, 0, -1
+        self._until, self._soon = RETRY, SOON   # tangents until all is forgotten, and from the next time that all fail
 
     def memory(self):
-        """(7,) what is remembered, for a checkpoint."""
-        return np.array([*self._rates, self._decades, self._pending, self._tangents, self._last])
+        """(9,) what is remembered, for a checkpoint."""
+        return np.array([*self._rates, self._decades, self._pending, self._tangents, self._last, self._until, self._soon])
 
     def restore(self, memory):
-        """Go on from the `memory` (7,) of another SolverChoice."""
+        """Go on from the `memory` (9,) of another SolverChoice."""
         self._rates, (self._decades, self._pending) = np.array(memory[:3], float), map(float, memory[3:5])
-        self._tangents, self._last = int(memory[5]), int(memory[6])
+        self._tangents, self._last, self._until, self._soon = map(int, memory[5:])
 
     def begin(self, unknowns, bodies=0, symmetric=False):
         """Order of the solvers for the next tangent, [(solver, most iterations), ...], the cheapest first.
@@ -73,8 +76,8 @@ class SolverChoice:
         if self._pending:
             self._decades, self._pending = 0.5 * (self._decades + self._pending), 0.0
         self._tangents += 1
-        if self._tangents > RETRY:
-            self._rates[:], self._tangents, self._last = np.nan, 1, -1
+        if self._tangents > self._until:
+            self._rates[:], self._tangents, self._last, self._until = np.nan, 1, -1, RETRY
         fits = not self.refusal(unknowns)
         costs = self._costs(unknowns, bodies, symmetric)
         ranked = sorted(costs, key=lambda solver: costs[solver] / (MARGIN if solver == self._last else 1.0))
@@ -97,13 +100,15 @@ class SolverChoice:
         """Remember that a `solver` reached a relative `tolerance` in so many iterations."""
         decades = max(-math.log10(tolerance), 0.5)
         if solver != DIRECT:
-            self._rates[solver] = iterations / decades
+            self._rates[solver], self._soon = iterations / decades, SOON
         self._pending, self._last, self.direct = self._pending + decades, solver, solver == DIRECT
 
     def failed(self, solver):
         """Remember that a `solver` did not converge."""
         if solver != DIRECT:
             self._rates[solver] = np.inf
+            if np.isinf(self._rates).all():
+                self._tangents, self._until, self._soon = 1, self._soon, min(2 * self._soon, RETRY)
 
     def refusal(self, unknowns):
         """Why a direct factor of so many unknowns is not taken; empty if its estimated memory fits."""

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hybrid.linalg import solver_choice
-from hybrid.linalg.solver_choice import DAMPED, DIRECT, INCOMPLETE, LEAST, MARGIN, MOST, RETRY, SWEEPS, SolverChoice
+from hybrid.linalg.solver_choice import DAMPED, DIRECT, INCOMPLETE, LEAST, MARGIN, MOST, RETRY, SOON, SWEEPS, SolverChoice
 from hybrid.runtime.memory import available_memory, direct_factor_memory
 
 
@@ -37,6 +37,27 @@ def test_a_solver_that_failed_is_left_out_until_all_are_tried_again():
         choice.solved(DAMPED, 150, 1e-3)
         assert order(choice) == [DAMPED, DIRECT]
     assert order(choice) == [SWEEPS, INCOMPLETE, DAMPED, DIRECT]
+
+
+def test_all_solvers_that_failed_are_tried_again_soon_and_then_ever_later():
+    """After 4, 8, 16, 32, 50, 50 tangents with the direct factor; after 4 again once one of them has worked."""
+    choice, waited = SolverChoice("auto"), []
+
+    def tangents_until_tried():
+        for solver in (SWEEPS, INCOMPLETE, DAMPED):
+            choice.failed(solver)
+        choice.solved(DIRECT, 1, 1e-3)
+        count = 1
+        while order(choice) == [DIRECT]:
+            choice.solved(DIRECT, 1, 1e-3)
+            count += 1
+        return count
+
+    choice.begin(10_000, 1, True)
+    waited = [tangents_until_tried() for _ in range(6)]
+    assert waited == [SOON, 2 * SOON, 4 * SOON, 8 * SOON, RETRY, RETRY]
+    choice.solved(SWEEPS, 12, 1e-3)
+    assert order(choice)[0] == SWEEPS and tangents_until_tried() == SOON
 
 
 def test_a_slow_solver_is_compared_with_one_that_was_not_tried():
