@@ -24,9 +24,19 @@ def add_residual(contact, corners, force):
     return -np.concatenate([total(contact.force), total(np.cross(contact.arm, contact.force))])
 
 
-def body_tangent(contact):
-    """K_ww (6, 6) of contact and Q (m, 3, 6) = ∂F/∂(δc, δφ) of every corner."""
-    F, arm, D = skew(contact.force), skew(contact.arm), contact.tangent
+def without_softening(contact):
+    """∂F/∂x_c (m, 3, 3) [N/m] without the softening of convex edges: a corner that a rounded edge presses slides off to one
+    side of it, as the sum of its turning's negative eigenvalues says. On the way Newton's method with the tangent as it
+    is goes to and fro (hybrid/step/newton.py)."""
+    turning = 0.5 * (contact.turning + contact.turning.transpose(0, 2, 1))
+    values, vectors = np.linalg.eigh(turning)
+    return contact.tangent - (vectors * np.minimum(values, 0.0)[:, None]) @ vectors.transpose(0, 2, 1)
+
+
+def body_tangent(contact, D=None):
+    """K_ww (6, 6) of contact and Q (m, 3, 6) = ∂F/∂(δc, δφ) of every corner. D: (m, 3, 3) [N/m] ∂F/∂x_c, that of the
+    `contact` unless given."""
+    F, arm, D = skew(contact.force), skew(contact.arm), contact.tangent if D is None else D
     Q = np.concatenate([-D, D @ arm - F], axis=2)
     tangent = np.empty((6, 6))
     tangent[:3] = -total(Q)
@@ -35,10 +45,10 @@ def body_tangent(contact):
     return tangent, Q
 
 
-def add_tangent(contact, corners, Q, pattern, values, free, uw, wu):
+def add_tangent(contact, corners, D, Q, pattern, values, free, uw, wu):
     """Add K_uu to `values`, K_uw and K_wu to dense blocks (n, m) and (m, n) over the soil unknowns and the m
-    components of the body that are `free` (6,); Q: from `body_tangent`."""
-    D, arm = contact.tangent, skew(contact.arm)
+    components of the body that are `free` (6,); D, Q: as in `body_tangent`."""
+    arm = skew(contact.arm)
     rows = np.concatenate([-D, skew(contact.force) - arm @ D], axis=1)  # ∂(body residual)/∂x_c, (m, 6, 3)
     _add_tangent(contact.active, corners.node, corners.weight, D,
                  np.ascontiguousarray(Q[:, :, free]), np.ascontiguousarray(rows[:, free]),

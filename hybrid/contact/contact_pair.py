@@ -48,12 +48,13 @@ class ContactPair:
         [N, N m about its centre]."""
         return assembly.add_residual(contact, self.corners, force)
 
-    def add_tangent(self, contact, pattern, values, uw, wu):
+    def add_tangent(self, contact, pattern, values, uw, wu, softening=True):
         """Add the tangent to the soil block `values` and to its coupling with the body's m free components, uw (n, m)
-        and wu (m, n); returns K_ww (6, 6)."""
-        ww, Q = assembly.body_tangent(contact)
+        and wu (m, n); returns K_ww (6, 6). softening: whether with that of convex edges."""
+        D = contact.tangent if softening else assembly.without_softening(contact)
+        ww, Q = assembly.body_tangent(contact, D)
         if pattern.size:
-            assembly.add_tangent(contact, self.corners, Q, pattern, values, self.body.free, uw, wu)
+            assembly.add_tangent(contact, self.corners, D, Q, pattern, values, self.body.free, uw, wu)
         return ww
 
     def tunnelled(self, contact, displacement, pose, depth):

@@ -43,8 +43,10 @@ def facet_error(corners, contact, position, centre, rotation, surface):
     return largest(difference * corners.stiffness[index] / contact.pressure[held])
 
 
-def switched(before, after):
-    """Whether corners that touch in both of two CornerContacts of a step are carried by facets that face elsewhere."""
+def switched(before, after, surface):
+    """Whether corners that touch in both of two CornerContacts of a step are carried by facets that face elsewhere, at least
+    one of them plane: they could be held to it."""
     _, i, j = np.intersect1d(before.active, after.active, assume_unique=True, return_indices=True)
     turned = np.linalg.norm(before.side[i] - after.side[j], axis=1) > TURNED
-    return anywhere(turned & (before.triangle[i] != after.triangle[j]))
+    old, new = before.triangle[i], after.triangle[j]
+    return anywhere(turned & (old != new) & ~(surface.curved[old] & surface.curved[new]))

@@ -55,7 +55,8 @@ class CornerContact:
 
     active: (m,) indices into Corners; gap: (m,) [m], negative; normal: (m, 3) outward from the body
     force: (m, 3) [N], minus the force on the corner
-    tangent: (m, 3, 3) [N/m] ∂force/∂x_c at fixed attitude; arm: (m, 3) [m] from the body's centre; slip: (m,) bool
+    tangent: (m, 3, 3) [N/m] ∂force/∂x_c at fixed attitude; turning: (m, 3, 3) [N/m] of it -p G, by which the pressure turns with
+    the surface; arm: (m, 3) [m] from the body's centre; slip: (m,) bool
     anchor: (m, 3) [m] body frame, the anchor of the history once the state is accepted; side: (m, 3) N, body frame
     pressure: (m,) p [N]; triangle: (m,) of the closest point, weights: (m, 3) of its vertices there
     energy: stored in the springs [J]; dissipated: friction work of the step [J]
@@ -67,6 +68,7 @@ class CornerContact:
     normal: np.ndarray
     force: np.ndarray
     tangent: np.ndarray
+    turning: np.ndarray
     arm: np.ndarray
     slip: np.ndarray
     anchor: np.ndarray
@@ -114,11 +116,12 @@ class Coulomb(NamedTuple):
 
 
 class Response(NamedTuple):
-    """Output of the law, body frame: force (m, 3) [N], tangent (m, 3, 3) [N/m], slip (m,) bool, anchor (m, 3) [m] after
-    the step, side (m, 3) N, energy and dissipated (m,) [J], opened (m,) bool."""
+    """Output of the law, body frame: force (m, 3) [N], tangent (m, 3, 3) [N/m] and of it turning (m, 3, 3), slip (m,) bool,
+    anchor (m, 3) [m] after the step, side (m, 3) N, energy and dissipated (m,) [J], opened (m,) bool."""
 
     force: np.ndarray
     tangent: np.ndarray
+    turning: np.ndarray
     slip: np.ndarray
     anchor: np.ndarray
     side: np.ndarray
@@ -128,8 +131,8 @@ class Response(NamedTuple):
 
     @classmethod
     def empty(cls, m):
-        return cls(np.empty((m, 3)), np.empty((m, 3, 3)), np.zeros(m, np.bool_), np.empty((m, 3)), np.empty((m, 3)),
-                   np.zeros(m), np.zeros(m), np.zeros(m, np.bool_))
+        return cls(np.empty((m, 3)), np.empty((m, 3, 3)), np.empty((m, 3, 3)), np.zeros(m, np.bool_), np.empty((m, 3)),
+                   np.empty((m, 3)), np.zeros(m), np.zeros(m), np.zeros(m, np.bool_))
 
 
 def evaluate(corners, position, centre, rotation, surface, friction, tangential):
@@ -161,7 +164,7 @@ def evaluate(corners, position, centre, rotation, surface, friction, tangential)
         pressure = np.maximum(pressure, -closed.limits.tension)
     return CornerContact(
         active, points.gap, found.side @ rotation.T, found.force @ rotation.T, rotation @ found.tangent @ rotation.T,
-        position[active] - centre, found.slip, found.anchor, found.side,
+        rotation @ found.turning @ rotation.T, position[active] - centre, found.slip, found.anchor, found.side,
         pressure, points.triangle, points.weights,
         float(total(found.energy)), float(total(found.dissipated)), rest, found.opened)
 
@@ -194,7 +197,7 @@ def _law(corners, points, coulomb, tree, out):
     y, y_anchor, origin, stiffness, rest, limits = corners      # unpacked once, because each access in the loop would count references
     gap, triangle, feature, foot, weights = points
     shear, tension, _ = limits
-    force, tangent, slip, anchor, side, energy, dissipated, opened = out
+    force, tangent, turning, slip, anchor, side, energy, dissipated, opened = out
     M, g_t, t, K, bonds = np.empty((3, 3)), np.empty(3), np.empty(3), np.empty((3, 3)), len(tension) > 0
     for n in range(len(y)):
         eps_n, eps_t = stiffness[n], coulomb.ratio * stiffness[n]
@@ -207,7 +210,8 @@ def _law(corners, points, coulomb, tree, out):
         for i in range(3):
             side[n, i], anchor[n, i], force[n, i] = N[i], y_anchor[n, i], -p * N[i]
             for j in range(3):
-                tangent[n, i, j] = slope * N[i] * dgap[j] - p * G[i][j]
+                turning[n, i, j] = -p * G[i][j]
+                tangent[n, i, j] = slope * N[i] * dgap[j] + turning[n, i, j]
         if coulomb.mu > 0.0:
             limit, change = shear_limit(p, slope, coulomb.mu, n, shear, bonded)
             _tangential_gap(y[n], y_anchor[n], N, G, g_t, M)

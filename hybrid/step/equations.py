@@ -144,15 +144,16 @@ class Step:
         return Evaluation(unknowns, residual, np.concatenate(on_bodies), error, norms, internal, soil and soil.trial,
                           soil and soil.rates, bodies, joints, pairs)
 
-    def assemble(self, evaluation):
-        """Fill the block system with the tangent at an evaluation, and factor it."""
+    def assemble(self, evaluation, softening=True):
+        """Fill the block system with the tangent at an evaluation, and factor it. softening: whether with that of contact at
+        convex edges."""
         self.system.clear()
         if self.soil is not None:
             soil_terms.add_tangent(self, evaluation.soil_trial, evaluation.error)
         stiffness = comm.largest(self.model.soil.law.young) * self.model.soil.grid.smallest_cell
         with phase("contact"):
             for terms in evaluation.bodies:
-                terms.add_tangent(self.pattern, self.system, stiffness)
+                terms.add_tangent(self.pattern, self.system, stiffness, softening)
             if evaluation.pairs:
                 evaluation.pairs.add_tangent(self.system.ww)
             if evaluation.joints:
@@ -174,6 +175,10 @@ class Step:
         """Largest difference of overlaps [-] by facets that are held but not the nearest; 0 where none are held."""
         return max((terms.step.pair.facet_error(terms.contact, evaluation.unknowns.displacement, terms.pose)
                     for terms in evaluation.bodies), default=0.0)
+
+    def softened(self, evaluation):
+        """Whether convex edges or curved faces of bodies press the soil at an evaluation."""
+        return any(comm.anywhere(contact.turning) for contact in evaluation.contacts)
 
     def contrast(self):
         """Stiffness of contact on the face of a cell over that of the cell [-]; 0 without contact or soil."""

@@ -4,8 +4,10 @@
 
 The residual of soil that rotates or yields rises or hardly falls before it falls: a line search from the start takes up
 to four times the iterations. So whole updates, s = 1, are taken as long as they make progress, and shorter ones from the
-best iterate after that (a watchdog: Chamberlain et al., Math. Program. Study 16 (1982) 1-17). Where an update leaves most
-of the residual in a few nodes, these are solved for by themselves before the next one (`hybrid.step.restriction`).
+best iterate after that (a watchdog: Chamberlain et al., Math. Program. Study 16 (1982) 1-17). In between, where a body has
+convex edges, whole updates with a tangent that does not soften (`hybrid.contact.assembly.without_softening`): soil that
+slides off an edge has no equilibrium on the way. Where an update leaves most of the residual in a few nodes, these are
+solved for by themselves before the next one (`hybrid.step.restriction`).
 
 The linear systems K δ = -R are solved to FORMULATION (48). The settings are those of the scene, `hybrid.scene.Solver`.
 """
@@ -40,6 +42,9 @@ PATIENCE, FALL, MOST = 10, 0.8, 100
 # The same for whole updates, before shorter ones are tried. Iterations of four collapses of clay: 3: 1014, 5: 620, 8: 593;
 # of pipes pushed into clay, a fifth more with 5 than with shorter updates from the start.
 TRIAL = 5
+# A whole update has gone astray that makes the error ASTRAY times the smallest one, and LOST or more: soil has opened that was
+# not to open, and a tangent there takes a thousand Krylov iterations.
+ASTRAY, LOST = 20.0, 0.3
 # Errors that are accepted when progress has ended: HAIR times the tolerance, or ROUGH where the residual is round-off.
 HAIR, ROUGH = 3.0, 1e-3
 # Nodes that carry most of the residual are solved for by themselves where an update leaves more than SLOW of it, until
@@ -52,6 +57,17 @@ AMBIGUOUS, HOLDS = 0.05, 5
 # yields (anchor, 60 steps: 383 to 401 iterations with 0.15, 259 to 269 with 0.01), GOOD for elastic soil, which then
 # assembles half as often.
 GOOD, GOOD_YIELDING = 0.15, 0.01
+
+
+@dataclass(frozen=True)
+class Updates:
+    """How updates are made: until `patience` of them make no progress; shorten: with a line search, else whole; smooth: with
+    few rough nodes solved for by themselves; softening: by the tangent with the softening of contact at convex edges."""
+
+    patience: int
+    shorten: bool = False
+    smooth: bool = True
+    softening: bool = True
 
 
 @dataclass(frozen=True)
@@ -123,7 +139,7 @@ def _solution(step, solver, evaluation):
         if not outcome.converged and before and not any(comm.anywhere(a != b) for a, b in zip(before, held)):
             break       # the same facets, with which there was no solution
         start = step.evaluate(outcome.evaluation.unknowns)
-        outcome = outcome.followed_by(_iterate(step, solver, start, PATIENCE, solver.line_search))
+        outcome = outcome.followed_by(_iterate(step, solver, start, Updates(PATIENCE, solver.line_search)))
     else:
         if outcome.converged and step.facet_error(outcome.evaluation) > AMBIGUOUS:
             return replace(outcome, reason=f"corners of the soil jump between facets of a body, {HOLDS} times")
@@ -147,14 +163,20 @@ def progressing(errors, patience=PATIENCE):
 
 
 def _newton(step, solver, evaluation):
-    """Outcome with whole updates, and where they make no progress with shorter ones from the best iterate."""
-    outcome = _iterate(step, solver, evaluation, TRIAL if solver.line_search else PATIENCE, False)
-    if outcome.converged or not solver.line_search:
-        return outcome
-    return outcome.followed_by(_iterate(step, solver, step.evaluate(outcome.evaluation.unknowns), PATIENCE, True))
+    """Outcome with whole updates; where they make no progress, from the best iterate with those of a tangent that does not
+    soften where convex edges press the soil; and then with shorter ones."""
+    whole = TRIAL if solver.line_search else PATIENCE
+    outcome = _iterate(step, solver, evaluation, Updates(whole))
+    for updates in (Updates(whole, softening=False), Updates(PATIENCE, shorten=True)):
+        if outcome.converged:
+            break
+        if solver.line_search if updates.shorten else step.softened(outcome.evaluation):
+            best = step.evaluate(outcome.evaluation.unknowns)
+            outcome = outcome.followed_by(_iterate(step, solver, best, updates))
+    return outcome
 
 
-def _iterate(step, solver, evaluation, patience, shorten, smooth=True):
+def _iterate(step, solver, evaluation, updates):
     errors, krylov, current, jumps = [], 0, False, []
     forcing = max(solver.linear_tolerance / max(1.0, step.contrast() / STIFF), FINEST)
     good = GOOD_YIELDING if step.model.soil.law.plastic else GOOD
@@ -165,37 +187,39 @@ def _iterate(step, solver, evaluation, patience, shorten, smooth=True):
         best = evaluation if evaluation.error < best.error else best
         if evaluation.error <= solver.tolerance:
             return Outcome(evaluation, iteration, krylov, tuple(errors))
-        if iteration == MOST or not progressing(errors, patience):
+        astray = not updates.shorten and solver.line_search and evaluation.error > max(ASTRAY * best.error, LOST)
+        if iteration == MOST or astray or not progressing(errors, updates.patience):
             break
         try:
             if not current:
-                step.assemble(evaluation)
+                step.assemble(evaluation, updates.softening)
             with phase("solve"):
                 soil, body, count = step.system.solve(evaluation.soil, evaluation.body,
                                                       linear_tolerance(solver, forcing, evaluation.error))
         except StepError as failure:
             return Outcome(best, iteration, krylov, tuple(errors), str(failure))
         krylov += count
-        before, trial = evaluation, line_search(step, evaluation, soil, body, shorten)
+        before, trial = evaluation, line_search(step, evaluation, soil, body, updates.shorten)
         evaluation = trial
         if isinstance(evaluation, Refusal):
             return Outcome(best, iteration, krylov, tuple(errors), f"the update {evaluation.reason}")
-        if smooth and evaluation.error > max(SLOW * errors[-1], solver.tolerance):
-            evaluation = smoothed(step, solver, evaluation)
+        if updates.smooth and evaluation.error > max(SLOW * errors[-1], solver.tolerance):
+            evaluation = smoothed(step, solver, evaluation, updates.softening)
         # corners sent to another facet by the update and back by what smooths it jump as well
         jumps.append(jumped(before, trial) or evaluation is not trial and jumped(before, evaluation))
         # assembling and factoring the soil block costs several solutions; the bodies' few unknowns cost nothing
         current = bool(step.system.soil_unknowns) and evaluation.error < good * errors[-1]
     return Outcome(best, iteration, krylov, tuple(errors),
                    f"residual {best.error:.2e} after {iteration} iterations"
-                   f"{'' if progressing(errors, patience) else f' without progress in the last {patience}'}, "
+                   f"{'' if progressing(errors, updates.patience) else f' without progress in the last {updates.patience}'}, "
                    f"tolerance {solver.tolerance:.0e} ({_with_units(best.norms)})",
-                   jumping=sum(jumps[-patience:]) > 1)
+                   jumping=sum(jumps[-updates.patience:]) > 1)
 
 
 def jumped(before, after):
-    """Whether corners are on other facets in the second of two evaluations of a step."""
-    return any(held_facets.switched(a, b) for a, b in zip(before.contacts, after.contacts))
+    """Whether corners have left or reached plane facets between two evaluations of a step."""
+    return any(held_facets.switched(a, b, terms.step.body.surface)
+               for terms, a, b in zip(before.bodies, before.contacts, after.contacts))
 
 
 def linear_tolerance(solver, finest, error):
@@ -205,7 +229,7 @@ def linear_tolerance(solver, finest, error):
     return max(finest, min(COARSEST, finest / solver.linear_tolerance * enough))
 
 
-def smoothed(step, solver, evaluation):
+def smoothed(step, solver, evaluation, softening=True):
     """Evaluation after the few nodes that carry most of its residual, and the bodies, have been solved for by themselves
     (`hybrid.step.restriction`); `evaluation` itself where they are not few, or have no better solution."""
     nodes = rough_nodes(step, evaluation)
@@ -215,7 +239,7 @@ def smoothed(step, solver, evaluation):
     try:
         start = part.evaluate(evaluation.unknowns)
         aim = max(SMOOTH * start.error, solver.tolerance)
-        outcome = _iterate(part, replace(solver, tolerance=aim), start, BRIEF, True, smooth=False)
+        outcome = _iterate(part, replace(solver, tolerance=aim), start, Updates(BRIEF, True, False, softening))
     finally:
         part.system.destroy()
     new = step.evaluate(outcome.evaluation.unknowns)

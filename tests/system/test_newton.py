@@ -45,7 +45,7 @@ def test_a_collapse_takes_whole_updates(monkeypatch):
     records = bank(20)
     assert sum(r.rejections for r in records) == 0
     monkeypatch.setattr(newton, "_newton", lambda step, solver, start: newton._iterate(
-        step, solver, start, newton.PATIENCE, True))
+        step, solver, start, newton.Updates(newton.PATIENCE, shorten=True)))
     assert sum(r.iterations for r in bank(20)) > 1.5 * sum(r.iterations for r in records)
 
 
@@ -64,16 +64,21 @@ def test_shorter_updates_start_from_the_best_iterate():
     """Whole updates that overshoot from side to side; the iterate that they were nearest with is not lost."""
     begun = []
 
-    def iterate(step, solver, start, patience, shorten):
-        begun.append((start, patience, shorten))
+    def iterate(step, solver, start, updates):
+        begun.append((start, updates))
         best = SimpleNamespace(unknowns="best")
-        return newton.Outcome(best, 6, 0, (1.0, 0.5), "" if shorten else "residual", jumping=not shorten)
+        return newton.Outcome(best, 6, 0, (1.0, 0.5), "" if updates.shorten else "residual", jumping=not updates.shorten)
 
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(newton, "_iterate", iterate)
-        outcome = newton._newton(SimpleNamespace(evaluate=lambda unknowns: unknowns), Solver(), "first")
-    assert begun == [("first", newton.TRIAL, False), ("best", newton.PATIENCE, True)]
-    assert outcome.converged and outcome.iterations == 12
+    for softened in (False, True):
+        begun.clear()
+        step = SimpleNamespace(evaluate=lambda unknowns: unknowns, softened=lambda evaluation: softened)
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(newton, "_iterate", iterate)
+            outcome = newton._newton(step, Solver(), "first")
+        unsoftened = [("best", newton.Updates(newton.TRIAL, softening=False))] * softened
+        assert begun == [("first", newton.Updates(newton.TRIAL)), *unsoftened,
+                         ("best", newton.Updates(newton.PATIENCE, shorten=True))]
+        assert outcome.converged and outcome.iterations == 6 * len(begun)
 
 
 # ------------------------------------------------------------------ residuals that are judged
@@ -171,18 +176,20 @@ def test_a_sphere_is_solved_from_any_start(seed):
 def test_jumps_that_smoothing_takes_back_count(monkeypatch):
     """Each update sends a corner to the other facet, and the solution of the few nodes around it brings it back: from one
     iterate to the next nothing has changed."""
+    terms = SimpleNamespace(step=SimpleNamespace(body=SimpleNamespace(surface=None)))
+
     def at(facet):
-        return SimpleNamespace(error=1.0, contacts=[facet], soil=None, body=None, unknowns=facet, norms={})
+        return SimpleNamespace(error=1.0, bodies=[terms], contacts=[facet], soil=None, body=None, unknowns=facet, norms={})
 
     model = SimpleNamespace(soil=SimpleNamespace(law=SimpleNamespace(plastic=True)))
     system = SimpleNamespace(solve=lambda *system: (None, None, 1), soil_unknowns=1)
-    step = SimpleNamespace(model=model, system=system, contrast=lambda: 0.0, assemble=lambda evaluation: None)
-    monkeypatch.setattr(held_facets, "switched", lambda before, after: before != after)
+    step = SimpleNamespace(model=model, system=system, contrast=lambda: 0.0, assemble=lambda *tangent: None)
+    monkeypatch.setattr(held_facets, "switched", lambda before, after, surface: before != after)
     monkeypatch.setattr(newton, "line_search", lambda *search: at("the other one"))
     monkeypatch.setattr(newton, "smoothed", lambda *few: at("one"))
-    assert newton._iterate(step, Solver(), at("one"), newton.PATIENCE, False).jumping
+    assert newton._iterate(step, Solver(), at("one"), newton.Updates(newton.PATIENCE)).jumping
     monkeypatch.setattr(newton, "line_search", lambda *search: at("one"))
-    assert not newton._iterate(step, Solver(), at("one"), newton.PATIENCE, False).jumping
+    assert not newton._iterate(step, Solver(), at("one"), newton.Updates(newton.PATIENCE)).jumping
 
 
 @pytest.mark.parametrize("facets, tried", [([1, 1, 1], 1), ([1, 2, 1, 1], 3), (range(newton.HOLDS), newton.HOLDS)])
@@ -229,8 +236,8 @@ def test_held_corners_are_on_the_planes_of_their_facets():
     assert body.pair.facet_error(held, step.at_rest().displacement, pose) > newton.AMBIGUOUS
     step.release_facets()
     free = body.pair.evaluate(step.at_rest().displacement, pose)
-    assert not np.allclose(free.normal, (0.0, 0.0, -1.0)) and held_facets.switched(free, held)
-    assert isinstance(free, soil_to_body.CornerContact) and not held_facets.switched(held, held)
+    assert not np.allclose(free.normal, (0.0, 0.0, -1.0)) and held_facets.switched(free, held, body.body.surface)
+    assert isinstance(free, soil_to_body.CornerContact) and not held_facets.switched(held, held, body.body.surface)
     workspace.destroy()
 
 

@@ -5,9 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from contact_bed import MU, RATIO, RIGHT_HAND, ball, body_at, box, contact_of, corners_in, found_in_bed
+from contact_features import CENTRE, INSIDE, ROTATION, SURFACE, corners_at
+from smooth_shapes import sphere
 
 from hybrid.body.attitude import exp_so3
 from hybrid.body.closest import closest
+from hybrid.body.surface import build_surface
 from hybrid.contact import assembly, soil_to_body
 
 # ---------------------------------------------------------------- action and reaction, objectivity
@@ -37,6 +40,21 @@ def test_tangent_of_a_rigid_motion_of_everything_vanishes_in_translation():
     ww, Q = assembly.body_tangent(contact)
     np.testing.assert_allclose(contact.tangent + Q[:, :, :3], 0.0, atol=1e-12 * np.abs(Q).max())
     np.testing.assert_allclose(ww[:3, :3], contact.tangent.sum(axis=0), atol=1e-12 * np.abs(ww).max())
+
+
+def test_without_softening_the_tangent_of_a_convex_body_resists_every_motion():
+    """A ball's pressure turns with its surface and pushes points aside: p/r of softening. Of plane faces nothing is taken away."""
+    surface, rng = build_surface(*sphere(2)), np.random.default_rng(3)
+    y = rng.standard_normal((40, 3))
+    y *= (rng.uniform(0.9, 0.99, 40) / np.linalg.norm(y, axis=1))[:, None]
+    contact = contact_of(corners_in(surface, y, y), surface, mu=0.0)
+    softest, least = (np.linalg.eigvalsh(0.5 * (D + D.transpose(0, 2, 1))).min(axis=1)
+                      for D in (contact.tangent, assembly.without_softening(contact)))
+    np.testing.assert_allclose(softest, -contact.pressure / (1.0 + contact.gap), rtol=0.05)
+    assert (least > 0.02 * softest).all()
+    flat = contact_of(corners_at("face"), SURFACE["face"], (CENTRE, ROTATION))
+    assert len(flat) == len(INSIDE["face"])
+    np.testing.assert_array_equal(assembly.without_softening(flat), flat.tangent)
 
 
 def test_law_is_objective():
