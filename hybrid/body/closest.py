@@ -250,9 +250,11 @@ def _place(y, slot, feature, v, w, side, excluded, reach, tree):
     y0, y1, y2 = y
     found = -1, 0, y, (0.0, 0.0, 0.0), math.inf
     if tree.kind[tree.order[slot], SECOND + feature]:
+        distance, bulge = _to_facet((y0, y1, y2), slot, feature, v, w, tree), tree.patches.bulge
         found = _on_patches((y0, y1, y2), tree.order[slot], v, w, excluded == ALL, tree)
-        if found[0] < 0:
-            found = _on_any_patch((y0, y1, y2), slot, v, w, side, excluded, tree)
+        # beside a tip the smooth surface may end at an edge that has the point on its inner side
+        if found[0] < 0 or (found[4] < 0.0) != (distance < 0.0) and abs(found[4]) > 2.0 * bulge:
+            found = _on_any_patch((y0, y1, y2), slot, v, w, distance, side, excluded, tree)
     if found[0] >= 0:
         return found if abs(found[4]) < reach else (-1, 0, (y0, y1, y2), (0.0, 0.0, 0.0), math.inf)
     triangle, facets, weights = tree.order[slot], tree.facets, (max(1.0 - v - w, 0.0), v, w)
@@ -270,14 +272,19 @@ def _place(y, slot, feature, v, w, side, excluded, reach, tree):
 
 
 @njit(cache=True)
-def _on_any_patch(y, slot, v, w, side, excluded, tree):
-    """As `closest`, on the patch or plane face of the smallest gap, on the same side of the surface as the facet in `slot`, which
-    is the nearest one, at the weights v, w; where there is none, the place of that facet on its patch. Others as in `_place`."""
-    boxes, first, facets, leaves = tree.boxes, tree.first, tree.facets, len(tree.first) - 1
-    f = facets[slot]
+def _to_facet(y, slot, feature, v, w, tree):
+    """Signed distance [m] of y from a feature of the facet in a slot, at the weights v, w."""
+    f = tree.facets[slot]
     x = (y[0] - f[0] - v * f[3] - w * f[6], y[1] - f[1] - v * f[4] - w * f[7], y[2] - f[2] - v * f[5] - w * f[8])
-    inside = dot(x, (f[9], f[10], f[11])) < 0.0
-    reach, least = (math.sqrt(dot(x, x)) + 2.0 * tree.patches.bulge) ** 2, math.inf
+    return _signed(x, tree.order[slot], feature, tree)
+
+
+@njit(cache=True)
+def _on_any_patch(y, slot, v, w, distance, side, excluded, tree):
+    """As `closest`, on the patch or plane face of the smallest gap with the sign of `distance`, that to the nearest facet, which is
+    in `slot`, at the weights v, w; where there is none, the place of that facet on its patch. Others as in `_place`."""
+    boxes, first, facets, leaves = tree.boxes, tree.first, tree.facets, len(tree.first) - 1
+    inside, reach, least = distance < 0.0, (abs(distance) + 2.0 * tree.patches.bulge) ** 2, math.inf
     found = -1, 0, y, (0.0, 0.0, 0.0), math.inf
     nearest, weights = tree.order[slot], (1.0 - v - w, v, w)
     for leaf in range(leaves):
@@ -286,9 +293,9 @@ def _on_any_patch(y, slot, v, w, side, excluded, tree):
         for k in range(first[leaf], first[leaf + 1]):
             if facets[k, 9] * side[0] + facets[k, 10] * side[1] + facets[k, 11] * side[2] < excluded:
                 continue
-            distance, feature, v, w = _to_triangle(y[0], y[1], y[2], facets, k, reach)
+            near, feature, v, w = _to_triangle(y[0], y[1], y[2], facets, k, reach)
             triangle = tree.order[k]
-            if distance > reach or not tree.kind[triangle, SECOND] and feature != 0:
+            if near > reach or not tree.kind[triangle, SECOND] and feature != 0:
                 continue
             t, v, w, gap, outcome = project(y, triangle, v, w, tree.patches)
             if outcome == INSIDE and abs(gap) < least and (gap < 0.0) == inside:

@@ -269,6 +269,19 @@ def test_cone_keeps_its_apex(known):
         assert np.abs(gaps_and_normals(surface, y)[0]).max() < (0.01 if known else 0.02) * s
 
 
+def test_places_around_a_tip_are_inside_by_the_smooth_surface_if_by_facets(geometry):
+    """But for what stands out of the facets. Where the smooth surface ends beside the tip of a cone, places outside of it were
+    taken for places 5 cm inside."""
+    mesh = generate(geometry / "cone.geo")
+    surface, facets = build_surface(mesh.points, mesh.contact, mesh.normals), build_surface(mesh.points, mesh.contact)
+    tip, bulge = mesh.points[mesh.points[:, 2].argmin()], surface.tree.patches.bulge
+    size = np.ptp(mesh.points[:, 0])
+    for spread in (0.1, 0.5, 2.0):
+        places = tip + spread * size * np.random.default_rng(0).normal(size=(3000, 3))
+        smooth, plain = (np.array([query(y, s.tree)[4] for y in places]) for s in (surface, facets))
+        assert np.abs(smooth - plain).max() < 2 * bulge < 0.15 * size
+
+
 def test_stray_normals_are_replaced_by_those_of_the_facets():
     vertices, triangles, exact = sphere(2)
     given = exact.copy()
