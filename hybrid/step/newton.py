@@ -170,7 +170,9 @@ def _newton(step, solver, evaluation):
     for updates in (Updates(whole, softening=False), Updates(PATIENCE, shorten=True)):
         if outcome.converged:
             break
-        if solver.line_search if updates.shorten else step.softened(outcome.evaluation):
+        near = outcome.evaluation.error <= HAIR * solver.tolerance      # accepted as it is; shorter updates gain nothing there
+        useful = solver.line_search and not near if updates.shorten else step.softened(outcome.evaluation)
+        if useful:
             best = step.evaluate(outcome.evaluation.unknowns)
             outcome = outcome.followed_by(_iterate(step, solver, best, updates))
     return outcome

@@ -62,11 +62,11 @@ def test_a_long_step_needs_many_iterations_and_no_halving(monkeypatch):
 
 def test_shorter_updates_start_from_the_best_iterate():
     """Whole updates that overshoot from side to side; the iterate that they were nearest with is not lost."""
-    begun = []
+    begun, error = [], 1.0
 
     def iterate(step, solver, start, updates):
         begun.append((start, updates))
-        best = SimpleNamespace(unknowns="best")
+        best = SimpleNamespace(unknowns="best", error=error)
         return newton.Outcome(best, 6, 0, (1.0, 0.5), "" if updates.shorten else "residual", jumping=not updates.shorten)
 
     for softened in (False, True):
@@ -79,6 +79,13 @@ def test_shorter_updates_start_from_the_best_iterate():
         assert begun == [("first", newton.Updates(newton.TRIAL)), *unsoftened,
                          ("best", newton.Updates(newton.PATIENCE, shorten=True))]
         assert outcome.converged and outcome.iterations == 6 * len(begun)
+        shorter, error = len(begun), newton.HAIR * Solver().tolerance
+        begun.clear()
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(newton, "_iterate", iterate)
+            newton._newton(step, Solver(), "first")
+        assert len(begun) == shorter - 1    # a hair above the tolerance is accepted as it is
+        error = 1.0
 
 
 # ------------------------------------------------------------------ residuals that are judged
