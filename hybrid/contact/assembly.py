@@ -25,9 +25,8 @@ def add_residual(contact, corners, force):
 
 
 def without_softening(contact):
-    """∂F/∂x_c (m, 3, 3) [N/m] without the softening of convex edges: a corner that a rounded edge presses slides off to one
-    side of it, as the sum of its turning's negative eigenvalues says. On the way Newton's method with the tangent as it
-    is goes to and fro (hybrid/step/newton.py)."""
+    """∂F/∂x_c (m, 3, 3) [N/m] without the negative eigenvalues of its turning part, FORMULATION (42a): a convex edge pushes
+    a corner aside with a stiffness of -p/r, and Newton's method may go to and fro there (hybrid/step/newton.py)."""
     turning = 0.5 * (contact.turning + contact.turning.transpose(0, 2, 1))
     values, vectors = np.linalg.eigh(turning)
     return contact.tangent - (vectors * np.minimum(values, 0.0)[:, None]) @ vectors.transpose(0, 2, 1)

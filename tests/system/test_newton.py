@@ -88,6 +88,49 @@ def test_shorter_updates_start_from_the_best_iterate():
         error = 1.0
 
 
+def test_updates_that_go_astray_are_not_followed(monkeypatch):
+    """After an error of 0.01, one of 0.9; shortened updates are followed, and so are errors that were as large before."""
+    terms = SimpleNamespace(step=SimpleNamespace(body=SimpleNamespace(surface=None)))
+    tangents = []
+
+    def at(error):
+        return SimpleNamespace(error=error, bodies=[terms], contacts=[None], soil=None, body=None, unknowns=None, norms={})
+
+    step = SimpleNamespace(
+        model=SimpleNamespace(soil=SimpleNamespace(law=SimpleNamespace(plastic=True))), contrast=lambda: 0.0,
+        system=SimpleNamespace(solve=lambda *system: (None, None, 1), soil_unknowns=1),
+        assemble=lambda evaluation, softening: tangents.append(softening))
+    monkeypatch.setattr(held_facets, "switched", lambda *contacts: False)
+    for start, updates, count in ((0.01, newton.Updates(4, smooth=False), 1), (0.5, newton.Updates(4, smooth=False), 4),
+                                  (0.01, newton.Updates(4, shorten=True, smooth=False, softening=False), 4)):
+        monkeypatch.setattr(newton, "line_search", lambda *search: at(0.9))
+        tangents.clear()
+        assert newton._iterate(step, Solver(), at(start), updates).iterations == count
+        assert tangents == [updates.softening] * count
+
+
+def test_a_tangent_without_softening_is_stiffer():
+    """The difference of both has no negative eigenvalues, and is not zero below a round body."""
+    simulation = build(load_scene(DEMOS / "rolling_sphere.toml"))
+    workspace = Workspace(simulation.model)
+    step = begin(simulation.model, simulation.state, 0.01, False, workspace)
+    position, rotation = step.bodies[0].committed_pose()
+    unknowns = replace(step.at_rest(), poses=((position - 0.002 * _upwards(simulation), rotation),))
+    evaluation, tangents = step.evaluate(unknowns), []
+    for softening in (True, False):
+        step.assemble(evaluation, softening)
+        tangents.append(step.system.ww[:3, :3].copy())
+    assert len(evaluation.contacts[0]) > 3 and step.softened(evaluation)
+    added = np.linalg.eigvalsh(tangents[1] - tangents[0])
+    assert added.min() > -1e-9 * added.max() and added.max() > 1e-4 * np.abs(tangents[0]).max()
+    workspace.destroy()
+
+
+def _upwards(simulation):
+    gravity = np.array(simulation.scene.gravity)
+    return -gravity / np.linalg.norm(gravity)
+
+
 # ------------------------------------------------------------------ residuals that are judged
 
 
