@@ -34,6 +34,9 @@ OPPOSITE = -0.5  # cosine: a triangle more than 120 degrees from the side in con
 SAME = 0.5       # cosine: a triangle less than 60 degrees from the side in contact belongs to it
 ALL = -2.0       # cosine: no triangle is excluded
 FIXED = 7        # feature: a place on a patch that is not projected
+# Loops over places are parallel over LANES, place n in lane n modulo LANES: those near the body, which take longest, are
+# neighbours in the list, and have to be shared out. Threads take lanes next to each other, so they write to memory apart.
+LANES = 64
 SECOND = 8       # offset of the second values of the features in Tree.normals and Tree.kind
 
 
@@ -57,6 +60,18 @@ class Tree(NamedTuple):
     normals: np.ndarray
     kind: np.ndarray
     patches: Patches
+
+    @property
+    def parts(self):
+        """(arrays, patches), for kernels with parallel loops, which take no tuples of tuples; see `joined`."""
+        return self[:-1], self.patches
+
+
+@njit(cache=True)
+def joined(arrays, patches):
+    """Tree from its `parts`."""
+    boxes, first, order, facets, normals, kind = arrays
+    return Tree(boxes, first, order, facets, normals, kind, patches)
 
 
 @njit(cache=True)

@@ -3,9 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+from numba import njit, prange
 
-from hybrid.body.closest import closest, outside_bounds
+from hybrid.body.closest import LANES, closest, joined, outside_bounds
 
 
 class CornerStart(NamedTuple):
@@ -39,7 +39,7 @@ def closest_points(y, corners, surface):
     """ClosestPoints of corners at y (m, 3) [m] in the body frame."""
     points = ClosestPoints.empty(len(y))
     start = CornerStart(corners.start, corners.clearance, corners.side)
-    _project(y, start, surface.radius, surface.tree, points)
+    _project(y, start, surface.radius, *surface.tree.parts, points)
     return points
 
 
@@ -48,7 +48,7 @@ def gaps(y, surface, side=None):
     corners.Corners."""
     zero, points = np.zeros(len(y)), ClosestPoints.empty(len(y))
     start = CornerStart(y, zero, np.zeros_like(y) if side is None else side)
-    _project(y, start, surface.radius, surface.tree, points)
+    _project(y, start, surface.radius, *surface.tree.parts, points)
     return points.gap
 
 
@@ -56,25 +56,27 @@ def nearest(y, side, surface):
     """Triangle (m,) of the surface nearest to places y (m, 3) [m] that touch its `side` (m, 3), and weights (m, 3) of its
     vertices there; all in the body frame."""
     points = ClosestPoints.empty(len(y))
-    _project(y, CornerStart(y, np.zeros(len(y)), side), surface.radius, surface.tree, points)
+    _project(y, CornerStart(y, np.zeros(len(y)), side), surface.radius, *surface.tree.parts, points)
     return points.triangle, points.weights
 
 
-@njit(cache=True)
-def _project(y, start, radius, tree, points):
+@njit(cache=True, parallel=True)
+def _project(y, start, radius, arrays, patches, points):
     """Fill `points` for corners now at y (m, 3). A corner that remembers its side of the body is
     projected wherever it is; any other one is skipped within its clearance or outside the body's bounds."""
     y_start, clearance, sides = start       # once, because each access in the loop would count references
     gap, triangle, feature, foot, weights = points
-    for n in range(len(y)):
-        side = sides[n, 0], sides[n, 1], sides[n, 2]
-        without_history = side[0] == 0.0 and side[1] == 0.0 and side[2] == 0.0
-        x0, x1, x2 = y[n, 0] - y_start[n, 0], y[n, 1] - y_start[n, 1], y[n, 2] - y_start[n, 2]
-        within_clearance = x0 * x0 + x1 * x1 + x2 * x2 < max(clearance[n], 0.0) ** 2
-        if without_history and (within_clearance or outside_bounds(y[n, 0], y[n, 1], y[n, 2], radius, tree)):
-            gap[n] = np.inf
-            continue
-        t, f, x, w, g = closest((y[n, 0], y[n, 1], y[n, 2]), np.inf, tree, side)
-        triangle[n], feature[n], gap[n] = t, f, g
-        for i in range(3):
-            foot[n, i], weights[n, i] = x[i], w[i]
+    for lane in prange(LANES):
+        tree = joined(arrays, patches)
+        for n in range(lane, len(y), LANES):
+            side = sides[n, 0], sides[n, 1], sides[n, 2]
+            without_history = side[0] == 0.0 and side[1] == 0.0 and side[2] == 0.0
+            x0, x1, x2 = y[n, 0] - y_start[n, 0], y[n, 1] - y_start[n, 1], y[n, 2] - y_start[n, 2]
+            within_clearance = x0 * x0 + x1 * x1 + x2 * x2 < max(clearance[n], 0.0) ** 2
+            if without_history and (within_clearance or outside_bounds(y[n, 0], y[n, 1], y[n, 2], radius, tree)):
+                gap[n] = np.inf
+                continue
+            t, f, x, w, g = closest((y[n, 0], y[n, 1], y[n, 2]), np.inf, tree, side)
+            triangle[n], feature[n], gap[n] = t, f, g
+            for i in range(3):
+                foot[n, i], weights[n, i] = x[i], w[i]

@@ -19,10 +19,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+from numba import njit, prange
 
 from hybrid.body.attitude import log_so3
-from hybrid.body.closest import NO_SIDE, closest, outside_bounds
+from hybrid.body.closest import LANES, NO_SIDE, closest, joined, outside_bounds
 
 HALVINGS = 12      # bisections of the path: 10 μm of 40 mm
 ON_SURFACE = 1e-9  # of the body's radius: a corner within this depth at the start, by round-off, counts as outside
@@ -51,24 +51,26 @@ def predicted_contact_points(start, end, body, pose, surface, clearance):
     angle = math.sqrt(turn @ turn)
     motion = PredictedMotion(start - body.position, end - start - (pose[0] - body.position),
                              turn / angle if angle > 0.0 else turn, angle, body.rotation)
-    _find(motion, clearance, surface.radius, surface.tree, point, side)
+    _find(motion, clearance, surface.radius, *surface.tree.parts, point, side)
     return point, side
 
 
-@njit(cache=True)
-def _find(motion, clearance, radius, tree, point, side):
+@njit(cache=True, parallel=True)
+def _find(motion, clearance, radius, arrays, patches, point, side):
     """point: (m, 3) places in the body frame at the start; replaced by the first-contact points."""
-    for n in range(len(point)):
-        first, last = (point[n, 0], point[n, 1], point[n, 2]), _position(n, motion, 1.0)
-        x0, x1, x2 = last[0] - first[0], last[1] - first[1], last[2] - first[2]
-        within_clearance = x0 * x0 + x1 * x1 + x2 * x2 < max(clearance[n], 0.0) ** 2
-        if within_clearance or outside_bounds(last[0], last[1], last[2], radius, tree) or _gap(last, tree) >= 0.0:
-            point[n, 0], point[n, 1], point[n, 2] = last
-        elif _gap(first, tree) >= -ON_SURFACE * radius:
-            y = _entry(n, motion, tree)
-            triangle, feature, _, _, _ = closest(y, np.inf, tree, NO_SIDE)
-            for i in range(3):
-                point[n, i], side[n, i] = y[i], tree.normals[triangle, feature, i]
+    for lane in prange(LANES):
+        tree = joined(arrays, patches)
+        for n in range(lane, len(point), LANES):
+            first, last = (point[n, 0], point[n, 1], point[n, 2]), _position(n, motion, 1.0)
+            x0, x1, x2 = last[0] - first[0], last[1] - first[1], last[2] - first[2]
+            within_clearance = x0 * x0 + x1 * x1 + x2 * x2 < max(clearance[n], 0.0) ** 2
+            if within_clearance or outside_bounds(last[0], last[1], last[2], radius, tree) or _gap(last, tree) >= 0.0:
+                point[n, 0], point[n, 1], point[n, 2] = last
+            elif _gap(first, tree) >= -ON_SURFACE * radius:
+                y = _entry(n, motion, tree)
+                triangle, feature, _, _, _ = closest(y, np.inf, tree, NO_SIDE)
+                for i in range(3):
+                    point[n, i], side[n, i] = y[i], tree.normals[triangle, feature, i]
 
 
 @njit(cache=True)

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+from numba import njit, prange
 
-from hybrid.body.closest import NO_SIDE, closest
+from hybrid.body.closest import LANES, NO_SIDE, closest, joined
 from hybrid.contact import places
 from hybrid.runtime.comm import largest, total
 
@@ -57,7 +57,7 @@ def distances(y, surface, reach=np.inf):
     """Signed distances (m,) [m] of positions y (m, 3) in the body frame from the surface, inf beyond `reach` [m]; outside
     lower bounds of what a point has to move to touch it. And the outward normals there (m, 3)."""
     out, normal = np.empty(len(y)), np.zeros((len(y), 3))
-    _distances(np.ascontiguousarray(y), reach, surface.tree, out, normal)
+    _distances(np.ascontiguousarray(y), reach, *surface.tree.parts, out, normal)
     return np.where(out > 0.0, out / surface.tree.patches.steepness, out), normal
 
 
@@ -132,10 +132,12 @@ def _mark(position, half, centre, rotation, lower, upper, near):
         near[p] = inside
 
 
-@njit(cache=True)
-def _distances(y, reach, tree, out, normal):
-    for n in range(len(y)):
-        triangle, feature, _, _, out[n] = closest((y[n, 0], y[n, 1], y[n, 2]), reach, tree, NO_SIDE)
-        if triangle >= 0:
-            for i in range(3):
-                normal[n, i] = tree.normals[triangle, feature, i]
+@njit(cache=True, parallel=True)
+def _distances(y, reach, arrays, patches, out, normal):
+    for lane in prange(LANES):
+        tree = joined(arrays, patches)
+        for n in range(lane, len(y), LANES):
+            triangle, feature, _, _, out[n] = closest((y[n, 0], y[n, 1], y[n, 2]), reach, tree, NO_SIDE)
+            if triangle >= 0:
+                for i in range(3):
+                    normal[n, i] = tree.normals[triangle, feature, i]

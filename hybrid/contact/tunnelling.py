@@ -17,9 +17,9 @@ The path is walked in steps as long as the distance to the surface, so no facet 
 import math
 
 import numpy as np
-from numba import njit
+from numba import njit, prange
 
-from hybrid.body.closest import NO_SIDE, OPPOSITE, closest
+from hybrid.body.closest import LANES, NO_SIDE, OPPOSITE, closest, joined
 from hybrid.contact.closest_points import gaps
 from hybrid.runtime.comm import total
 
@@ -46,40 +46,46 @@ def count_tunnelled(corners, contact, position, centre, rotation, surface, depth
     walked = checked & (end_gap >= 0.0)
     walked[pushed_on] = checked[pushed_on]
     tunnelled = np.zeros(len(corners), bool)
-    tunnelled[walked] = _pierced(corners.start[walked], path[walked], FINEST * depth, surface.tree)
+    tunnelled[walked] = _pierced(corners.start[walked], path[walked], FINEST * depth, *surface.tree.parts)
     for fraction in FRACTIONS:
         tunnelled[walked] |= gaps(corners.start[walked] + fraction * path[walked], surface) < -depth
     return int(total(checked & tunnelled))
 
 
-@njit(cache=True)
-def _pierced(start, path, finest, tree):
-    """(m,) bool, whether a path from `start` (m, 3) enters by one side and leaves by the opposite one, or ends inside
-    nearest to the opposite one; finest: [m] shortest step of the walk."""
+@njit(cache=True, parallel=True)
+def _pierced(start, path, finest, arrays, patches):
+    """(m,) bool of paths (m, 3) from `start` (m, 3), as `_pierces`."""
     pierced = np.zeros(len(start), np.bool_)
-    for n in range(len(start)):
-        length, walked = math.sqrt(path[n, 0] ** 2 + path[n, 1] ** 2 + path[n, 2] ** 2), 0.0
-        inside, side = False, (0.0, 0.0, 0.0)
-        entry = side
-        while length > 0.0:
-            f = walked / length
-            y = start[n, 0] + f * path[n, 0], start[n, 1] + f * path[n, 1], start[n, 2] + f * path[n, 2]
-            triangle, feature, _, _, gap = closest(y, np.inf, tree, NO_SIDE)
-            side = (tree.normals[triangle, feature, 0], tree.normals[triangle, feature, 1],
-                    tree.normals[triangle, feature, 2])
-            if not inside and gap < finest:
-                inside, entry = True, side
-            elif inside and gap >= finest:
-                if _opposite(entry, side):
-                    pierced[n] = True
-                    break
-                inside = False
-            if walked == length:
-                break
-            walked = min(walked + max(abs(gap), finest), length)
-        if inside and _opposite(entry, side):
-            pierced[n] = True
+    for lane in prange(LANES):
+        tree = joined(arrays, patches)
+        for n in range(lane, len(start), LANES):
+            pierced[n] = _pierces((start[n, 0], start[n, 1], start[n, 2]), (path[n, 0], path[n, 1], path[n, 2]), finest, tree)
     return pierced
+
+
+@njit(cache=True)
+def _pierces(start, path, finest, tree):
+    """Whether a path from `start`, both tuples of three, enters by one side and leaves by the opposite one, or ends inside
+    nearest to the opposite one; finest: [m] shortest step of the walk."""
+    length, walked = math.sqrt(path[0] ** 2 + path[1] ** 2 + path[2] ** 2), 0.0
+    inside, side = False, (0.0, 0.0, 0.0)
+    entry = side
+    while length > 0.0:
+        f = walked / length
+        y = start[0] + f * path[0], start[1] + f * path[1], start[2] + f * path[2]
+        triangle, feature, _, _, gap = closest(y, np.inf, tree, NO_SIDE)
+        side = (tree.normals[triangle, feature, 0], tree.normals[triangle, feature, 1],
+                tree.normals[triangle, feature, 2])
+        if not inside and gap < finest:
+            inside, entry = True, side
+        elif inside and gap >= finest:
+            if _opposite(entry, side):
+                return True
+            inside = False
+        if walked == length:
+            break
+        walked = min(walked + max(abs(gap), finest), length)
+    return inside and _opposite(entry, side)
 
 
 @njit(cache=True)

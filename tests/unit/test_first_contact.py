@@ -1,12 +1,15 @@
 """Predicted first-contact points of open corners: anchors of friction, and the side of the body where it is touched."""
 
+import numba
 import numpy as np
 import pytest
 from contact_bed import RIGHT_HAND, ball, body_at, box
 
 from hybrid.body.attitude import exp_so3
 from hybrid.body.closest import closest
+from hybrid.contact.closest_points import gaps
 from hybrid.contact.first_contact import predicted_contact_points
+from hybrid.contact.search import distances
 
 
 def test_anchor_is_where_the_predicted_path_reaches_the_surface():
@@ -69,3 +72,19 @@ def test_a_corner_on_the_surface_to_round_off_touches_where_it_stands():
     point, side = predicted_contact_points(start, end, body, (body.position, body.rotation), box(), np.zeros(1))
     np.testing.assert_allclose(point, start, atol=2e-5)
     np.testing.assert_array_equal(side, [[0.0, 0.0, 1.0]])
+
+
+def test_searches_do_not_depend_on_the_number_of_threads():
+    surface, body = ball(rings=30), body_at((0.0, 0.0, 0.0))
+    start = 0.6 * np.random.default_rng(1).standard_normal((1000, 3)) * surface.radius
+    pose, threads, found = (np.array([0.01, 0.0, 0.02]), exp_so3(np.array([0.0, 0.1, 0.0]))), numba.get_num_threads(), []
+    try:
+        for count in (1, 2):
+            numba.set_num_threads(count)
+            found.append([*predicted_contact_points(start, start, body, pose, surface, np.zeros(len(start))),
+                          *distances(start, surface, 0.5), gaps(start, surface)])
+    finally:
+        numba.set_num_threads(threads)
+    for one, two in zip(*found):
+        np.testing.assert_array_equal(one, two)
+        assert len(np.unique(one)) > 20
