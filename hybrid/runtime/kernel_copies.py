@@ -8,6 +8,8 @@ kernel. Here the copies become private to their kernel. Import this before the f
 
 from numba.core.codegen import CPUCodeLibrary
 
+import hybrid.runtime.kernel_types  # noqa: F401 (for the same kernels)
+
 
 def _optimise(library):
     linked = {function.name for other in library._linking_libraries
