@@ -30,6 +30,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from hybrid.linalg.precond_pattern import ReducedMatrix
+from hybrid.linalg.product import Product
 from hybrid.linalg.solver_choice import DAMPED, DIRECT, INCOMPLETE, MOST, SWEEPS, SolverChoice
 from hybrid.linalg.stencil_pattern import diagonal_places
 from hybrid.runtime.errors import StepError
@@ -77,9 +78,8 @@ class BlockSystem:
             self._blocks.append(self._uu)
             if linear != "direct":
                 self._reduced = reduced or ReducedMatrix(indptr, indices, np.ones(len(indices), bool))
-                # y += A x, which nested matrices use, takes PETSc a third longer with inodes (groups of rows with the
-                # same sparsity) than row by row
-                self._uu.setOption(PETSc.Mat.Option.USE_INODES, False)
+                self._product = PETSc.Mat().createPython((n, n), Product(indptr, indices, self.values), comm=COMM)
+                self._product.setUp()
                 self._uu_reduced = PETSc.Mat().createAIJWithArrays(
                     (n, n), (self._reduced.indptr, self._reduced.indices, self._reduced.values), comm=COMM)
                 self._diagonal = diagonal_places(self._reduced.indptr, self._reduced.indices)
@@ -92,20 +92,19 @@ class BlockSystem:
             self._x, self._b = self._matrix.createVecs()
 
     def _join(self):
-        """Form the system matrix and the preconditioner's matrix; with bodies and soil both are nested matrices."""
+        """Form the system matrix, as it is factored and as GMRES applies it, and the preconditioner's matrix; with bodies and
+        soil they are nested matrices."""
         n, m = self.soil_unknowns, self.body_unknowns
-        self._matrix = self._blocks[0]
-        self._preconditioner = self._matrix if self._reduced is None else self._uu_reduced
+        soil = [self._blocks[0]] * 3 if self._reduced is None else [self._uu, self._product, self._uu_reduced]
         if self._coupled:
             uw = PETSc.Mat().createDense((n, m), array=self.uw, comm=COMM)
             wu = PETSc.Mat().createDense((m, n), array=self.wu, comm=COMM)
             self._sp = PETSc.Mat().createDense((m, m), array=self._schur, comm=COMM)
             self._blocks += [uw, wu]
-            for block in (*self._blocks, self._preconditioner, self._sp):
+            for block in (*self._blocks, soil[2], self._sp):
                 block.assemble()
-            soil = self._preconditioner
-            self._matrix = PETSc.Mat().createNest([[self._uu, uw], [wu, self._ww]], comm=COMM)
-            self._preconditioner = PETSc.Mat().createNest([[soil, uw], [wu, self._ww]], comm=COMM)
+            soil = [PETSc.Mat().createNest([[uu, uw], [wu, self._ww]], comm=COMM) for uu in soil]
+        self._matrix, self._applied, self._preconditioner = soil
 
     def _make_solver(self, solver):
         """(KSP, its options) with the approximate inverse that belongs to a `solver`."""
@@ -135,8 +134,8 @@ class BlockSystem:
         return ksp, options
 
     def _operators(self, solver):
-        """Matrix, and what the preconditioner is made from."""
-        return self._matrix, self._matrix if solver == DIRECT else self._preconditioner
+        """Matrix that is applied, and what the preconditioner is made from."""
+        return (self._matrix, self._matrix) if solver == DIRECT else (self._applied, self._preconditioner)
 
     def destroy(self):
         """Release the memory of matrices and factors now, not when Python's garbage collector runs."""
@@ -146,8 +145,8 @@ class BlockSystem:
                     ksp.getPC().getFieldSplitSubKSP()[0].getPC().reset()
                 ksp.reset()
             things = [ksp for ksp, _ in self._solvers.values()]
-            things += [self._preconditioner, self._matrix, *self._blocks, self._x, self._b]
-            things += [self._uu_reduced] if self._reduced is not None else []
+            things += [self._preconditioner, self._applied, self._matrix, *self._blocks, self._x, self._b]
+            things += [self._uu_reduced, self._product] if self._reduced is not None else []
             for thing in things:
                 thing.destroy()
 
@@ -160,7 +159,8 @@ class BlockSystem:
         """Prepare the preconditioner after assembly."""
         for block in self._blocks:
             block.assemble()
-        self._matrix.stateIncrease()
+        for matrix in (self._matrix, self._applied):
+            matrix.stateIncrease()
         self._order = self._choice.begin(self.soil_unknowns, self.body_unknowns, self._sweeps)
         self._prepare(0)
 
