@@ -13,11 +13,12 @@
 import dataclasses
 
 import numpy as np
-from numba import njit
+from numba import njit, prange
 from scipy import ndimage
 
 from hybrid.runtime.comm import anywhere, joined, offset, total
 from hybrid.runtime.errors import StepError
+from hybrid.soil.kinematics import determinant
 
 TOUCH = np.ones((3, 3, 3))   # cells are neighbours if they share a corner
 DISTORTION_LIMIT = 10.0  # [-] principal stretch of F or its inverse: beyond it a point no longer represents soil
@@ -98,9 +99,9 @@ def deactivate(old, new, leaving):
 def distorted(deformation):
     """(n,) bool, points whose F (n, 3, 3) has a stretch above DISTORTION_LIMIT, or a volume ratio above it or below its
     inverse."""
-    squares = np.einsum("nij,nij->n", deformation, deformation)     # no smaller than the largest stretch squared
-    volume = np.linalg.det(deformation)
-    return (squares > DISTORTION_LIMIT**2) | (volume > DISTORTION_LIMIT) | (volume < 1 / DISTORTION_LIMIT)
+    found = np.empty(len(deformation), np.bool_)
+    _distorted(deformation, found)
+    return found
 
 
 def list_points(ids, positions=None, limit=5):
@@ -133,3 +134,13 @@ def refuse_detached(detached, position, constants):
     if anywhere([len(ids)]):
         raise StepError(f"{list_points(constants.named(ids), position[ids])} touch no other soil and no held node, so nothing carries "
                         'them in a quasi-static scene; set soil.stray = "freeze" or "remove", or time.inertia = true')
+
+
+@njit(cache=True, parallel=True)
+def _distorted(deformation, found):
+    for p in prange(len(found)):
+        squares, volume = 0.0, determinant(deformation[p])
+        for i in range(3):
+            for j in range(3):
+                squares += deformation[p, i, j] ** 2        # no smaller than the largest stretch squared
+        found[p] = squares > DISTORTION_LIMIT**2 or volume > DISTORTION_LIMIT or volume < 1 / DISTORTION_LIMIT

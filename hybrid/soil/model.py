@@ -28,7 +28,7 @@ from hybrid.soil.ghost import Ghost
 from hybrid.soil.kinematics import TrialStrain, logarithmic, update_strains
 from hybrid.soil.points import PointConstants
 from hybrid.soil.principal import from_principal
-from hybrid.soil.stiffness import add_stiffness
+from hybrid.soil.stiffness import add_stiffness, copy_values
 from hybrid.soil.workspace import SoilWorkspace
 from hybrid.state import Points
 
@@ -188,7 +188,7 @@ class Soil:
         volume, tangent = _active_only(step.points, self.constants.volume), trial.response.tangent
         kept.update(step, self.grid, trial.strain, trial.response.stress, step.workspace.law_tangent(tangent),
                     volume, pattern, np.sqrt(min(error, 1.0)))
-        values[...] = kept.values
+        copy_values(kept.values, values)
 
     def add_stiffness(self, step, trial, pattern, values):
         """Add the tangent of `trial` at all points to the soil block (entries `values`)."""

@@ -166,6 +166,13 @@ def _replace(kept, new, fresh):
 
 
 @njit(cache=True, parallel=True)
+def copy_values(values, out):
+    """Copy `values` (entries,) to `out`."""
+    for n in prange(len(out)):
+        out[n] = values[n]
+
+
+@njit(cache=True, parallel=True)
 def _mark_changed(now, before, limit, changed):
     """Fill `changed` (n,): points where D or τ, or an inverse times the largest of these, is farther than the `limit` (n,)
     [Pa] from where it was `before`, which becomes what it is `now` there. A negative limit marks all."""
