@@ -42,6 +42,7 @@ LEAST, MOST = 60, 1000          # iterations before the next solver is tried; wh
 # Tangents. A trial of all solvers before the direct factor costs about 400 iterations.
 RETRY, SOON = 50, 4
 FITS = 0.8      # of the memory that is left; the estimate is that of a block, and the step needs some memory too
+ASKED = 10      # tangents after which the system is asked again how much memory is left, which takes it 2 ms
 
 
 class SolverChoice:
@@ -55,6 +56,7 @@ class SolverChoice:
         self._rates = np.full(3, np.nan)    # iterations a decade; nan: not tried, inf: failed
         self._decades, self._pending, self._tangents, self._last = DECADES, 0.0, 0, -1
         self._until, self._soon = RETRY, SOON   # tangents until all is forgotten, and from the next time that all fail
+        self._fits = self._fits_for = None      # whether a direct factor fits, and of how many unknowns
 
     def memory(self):
         """(9,) what is remembered, for a checkpoint."""
@@ -78,7 +80,9 @@ class SolverChoice:
         self._tangents += 1
         if self._tangents > self._until:
             self._rates[:], self._tangents, self._last, self._until = np.nan, 1, -1, RETRY
-        fits = not self.refusal(unknowns)
+        if self._tangents % ASKED == 1 or unknowns != self._fits_for:
+            self._fits, self._fits_for = not self.refusal(unknowns), unknowns
+        fits = self._fits
         costs = self._costs(unknowns, bodies, symmetric)
         ranked = sorted(costs, key=lambda solver: costs[solver] / (MARGIN if solver == self._last else 1.0))
         order = [solver for solver in ranked if math.isfinite(costs[solver]) and (solver != DIRECT or fits)]
