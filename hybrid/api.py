@@ -6,9 +6,9 @@ from pathlib import Path
 
 from hybrid import output
 from hybrid.output import checkpoint
+from hybrid.output.first import StopTogether
 from hybrid.output.run_folder import RunFolder
 from hybrid.runtime import ranks
-from hybrid.runtime.errors import HybridError
 from hybrid.runtime.stop_signals import stop_signals
 from hybrid.scene.file import load_scene, validate
 from hybrid.setup.build import build
@@ -32,33 +32,27 @@ def run(scene, out=None, overrides=(), resume=False, quiet=False, body_force=Non
     scene = load_scene(scene, overrides) if isinstance(scene, (str, Path)) else validate(scene)
     folder = Path(out) if out is not None else Path("out") / scene.name
     with stop_signals() as signals, ExitStack() as stack:
-        place = _in_first(lambda: stack.enter_context(RunFolder(folder, scene, resume, overwrite)))
+        place = ranks.in_first(lambda: stack.enter_context(RunFolder(folder, scene, resume, overwrite)))
         simulation = build(scene, body_force=body_force, law=law)
         signals.take()      # again: PETSc has its own handlers
         if resume:
             _resume(simulation, folder / checkpoint.NAME)
         with output.output_errors(folder):
-            _in_first(lambda: place.begin())
-        simulation.run(_in_first(lambda: output.standard(folder, progress=not quiet, run=place.run)) or (),
-                       output.of_every_process(folder))
+            ranks.in_first(lambda: place.begin())
+        observers = output.standard(folder, progress=not quiet, run=ranks.same(place and place.run))
+        if ranks.started() > 1:
+            observers.append(StopTogether(signals.note()))
+        simulation.run(observers)
     return simulation
-
-
-def _in_first(function):
-    """Result of a function that only the first process calls, None in the others; all raise its error."""
-    result = fault = None
-    if ranks.rank() == 0:
-        try:
-            result = function()
-        except (HybridError, OSError) as error:
-            fault = error
-    ranks.same_fault(fault)
-    return result
 
 
 def _resume(simulation, path):
     """Continue from the checkpoint at `path`; settings that have changed since are logged."""
-    state = checkpoint.load(path, simulation.scene)
+    number = None
+    if ranks.started() == 1:
+        state = checkpoint.load(path, simulation.scene)
+    else:
+        state, number = ranks.together(lambda: checkpoint.load_share(path, simulation.scene, simulation.keeps()))
     if changed := checkpoint.changed_settings(path, simulation.scene):
         log.warning("continues with settings that differ from those of the checkpoint:\n%s", changed)
-    simulation.resume(state, **checkpoint.read_extra(path))
+    simulation.resume(state, number=number, **checkpoint.read_extra(path))

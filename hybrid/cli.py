@@ -59,11 +59,15 @@ def _main(arguments):
     except MemoryError as error:
         return _told(f"hybrid: out of memory ({error}); use larger cells, or a machine with more memory")
     except KeyboardInterrupt as stop:
-        kept = getattr(stop, "kept", None)
-        hint = f"; step {kept} is kept: continue with --resume" if kept is not None else ""
-        return _told(f"\nhybrid: interrupted{f' by {stop}' if str(stop) else ''}{hint}",
-                     getattr(stop, "exit_code", INTERRUPTED))
+        return _told(_interrupted(stop), getattr(stop, "exit_code", INTERRUPTED))
     return 0
+
+
+def _interrupted(stop):
+    """What is told of a KeyboardInterrupt."""
+    kept = getattr(stop, "kept", None)
+    hint = f"; step {kept} is kept: continue with --resume" if kept is not None else ""
+    return f"\nhybrid: interrupted{f' by {stop}' if str(stop) else ''}{hint}"
 
 
 def _with_others(options):
@@ -80,7 +84,7 @@ def _with_others(options):
     except HybridError as error:
         code, text = 2, f"hybrid: {error}"
     except KeyboardInterrupt as stop:
-        code, text = getattr(stop, "exit_code", INTERRUPTED), "\nhybrid: interrupted; continue with --resume"
+        code, text = getattr(stop, "exit_code", INTERRUPTED), _interrupted(stop)
     except BaseException:
         code, text = 1, f"hybrid: {traceback.format_exc()}"
     if not code:

@@ -25,7 +25,7 @@ from hybrid.monitors import Monitors, StepView
 from hybrid.monitors.failure_hints import overstretched_domains
 from hybrid.monitors.initial_equilibrium import initial_imbalance
 from hybrid.monitors.limits import limit_warnings
-from hybrid.output import output_errors
+from hybrid.output import errors_of
 from hybrid.output.model_sheet import model_sheet
 from hybrid.output.record import BodyRecord, JointRecord, PairRecord, Record
 from hybrid.runtime import comm, ranks, timing
@@ -100,15 +100,23 @@ class Simulation:
         """(n, 3) [m] of the points."""
         return self._initial_position if self._initial_position is not None else self.model.soil.constants.position
 
-    def resume(self, state, increment=None, solver_memory=None):
+    def resume(self, state, increment=None, solver_memory=None, number=None):
         """Continue from `state`, with an increment of `increment` [s] first, and with what the choice of the linear solver
-        remembers, `solver_memory` (9,)."""
+        remembers, `solver_memory` (9,).
+
+        Of several processes each is given what it `keeps`, with the numbers (n,) of its points, increasing
+        (`hybrid.output.checkpoint_parts.share`)."""
         self.warned     # found now, where the scene starts: the grid has moved on since
-        self.state, self.increment, self.solver_memory = state, increment, solver_memory
+        self.increment, self.solver_memory = increment, solver_memory
         if self.moving_grid:
             self.model = self.moving_grid.model_with(self.model, state.ground)
         if ranks.started() > 1:
-            self.model, self.state = processes.resumed(self.model, state)
+            self.model, state = processes.resumed(self.model, state, number)
+        self.state = state
+
+    def keeps(self):
+        """Function of numbers of points: which ones this process of several is to be given when the run is resumed."""
+        return processes.keeps(self.model, self.state)
 
     @property
     def total_steps(self):
@@ -135,7 +143,8 @@ class Simulation:
         return max(now, self.moving_grid.points_when_sunk(self.model, self.state)) if self.moving_grid else now
 
     def contact_forces(self, b):
-        """Force of the soil on each surface vertex of body b at the last accepted step, (V, 3) [N]."""
+        """Force of the soil on each surface vertex of body b at the last accepted step, (V, 3) [N]; of several processes, which
+        all call this, of the soil of all."""
         if self._forces is not None:
             return self._forces[b]
         surface = self.surfaces[b]
@@ -144,28 +153,38 @@ class Simulation:
             contact = self.evaluation.contacts[b]
             triangle, weights = nearest(contact.arm @ self.state.bodies[b].rotation, contact.side, surface)
             np.add.at(forces, surface.triangles[triangle], weights[:, :, None] * contact.force[:, None])
-        return forces
+        return comm.total([forces])
 
-    def run(self, observers=(), everywhere=()):
+    def with_all_forces(self):
+        """This simulation with the forces of all processes, which all call this, to be asked for by one of them."""
+        whole = copy(self)
+        whole._forces = [self.contact_forces(b) for b in range(len(self.surfaces))]
+        return whole
+
+    def with_all_points(self):
+        """This simulation as it is drawn: in the first of several processes, which all call this, with the points of all. Nothing
+        else needs all points in one process."""
+        whole = copy(self)
+        whole.state, whole._initial_position = processes.gather(self.model, self.state)
+        return whole
+
+    def run(self, observers=()):
         """Run the remaining steps; returns the summary dict {"outcome", "reason"} that observers get too.
 
-        everywhere: observers of each process of several, with its own points (`hybrid.output.of_every_process`).
+        Of several processes each has the same observers, which are shown its own points; their calls are collective, and raise
+        the same error everywhere (`hybrid.output.first`).
 
         `finish` of every observer is called however the run ends: completed, failed (the error is raised again) or
         interrupted. Raises OutputError, which interrupts the run, for an OSError of an observer.
         """
         summary, stop, shared = {"outcome": "completed", "reason": ""}, None, True
-        self._tell_own(everywhere, lambda observer: observer.start(self))
-        self._whole = self._gathered()
-        self._tell(observers, lambda observer: observer.start(self._whole))
+        self._tell(observers, lambda observer: observer.start(self))
         try:
             for record in self.steps():
-                self._tell_own(everywhere, lambda observer, record=record: observer.accepted(record, self))
-                self._whole = self._gathered()
-                self._tell(observers, lambda observer, record=record: observer.accepted(record, self._whole))
+                self._tell(observers, lambda observer, record=record: observer.accepted(record, self))
         except (KeyboardInterrupt, OutputError) as error:
             summary.update(outcome="interrupted", reason=str(error) or "SIGINT")
-            stop = error
+            stop, shared = error, getattr(error, "of_all", isinstance(error, OutputError))
             raise
         except HybridError as error:
             summary.update(outcome="failed", reason=str(error))
@@ -175,46 +194,28 @@ class Simulation:
             shared = False      # it may be of this process alone
             raise
         finally:
-            if shared and everywhere and summary["outcome"] != "interrupted" and ranks.all_here():
-                self._tell_own(everywhere, lambda observer: observer.finish(summary, self))
-            self._finish(observers, summary)
+            self._finish(observers, summary, ranks.started() == 1 or shared and ranks.all_here())
             if stop is not None:
                 stop.kept = summary.get("checkpoint_step")
         return summary
 
-    def _tell_own(self, observers, call):
-        """Call each observer that all processes have; their errors are the same everywhere."""
+    def _tell(self, observers, call):
+        """Call each observer."""
         for observer in observers:
-            with _errors_of(observer):
+            with errors_of(observer):
                 call(observer)
 
-    def _tell(self, observers, call):
-        """Call each observer; in all processes an error of theirs ends the run."""
-        fault = None
-        try:
-            for observer in observers:
-                with _errors_of(observer), comm.alone():
-                    call(observer)
-        except HybridError as error:
-            fault = error
-        ranks.same_fault(fault)
-
-    def _gathered(self):
-        """What observers see: this simulation, in a run by several processes with the points of all, in the first one."""
-        if ranks.started() == 1:
-            return self
-        whole = copy(self)
-        whole._forces = [comm.total([self.contact_forces(b)]) for b in range(len(self.surfaces))]
-        whole.state, whole._initial_position = processes.gather(self.model, self.state)
-        return whole
-
-    def _finish(self, observers, summary):
-        """Call `finish` of every observer, also when one of them fails; its error is raised unless the run failed."""
+    def _finish(self, observers, summary, together):
+        """Call `finish` of every observer, also when one of them fails; its error is raised unless the run failed. Of several
+        processes that are not `together` each can only call what needs no other one."""
         failure = None
         for observer in observers:
             try:
-                with _errors_of(observer), comm.alone():
-                    observer.finish(summary, self._whole)
+                with errors_of(observer):
+                    if together:
+                        observer.finish(summary, self)
+                    elif hasattr(observer, "finish_alone"):
+                        observer.finish_alone(summary, self)
             except Exception as error:
                 log.warning("%s failed at the end of the run: %s", type(observer).__name__, error)
                 failure = failure or error
@@ -314,11 +315,6 @@ class Simulation:
             return self.warned
         return self.warned + self.imbalance.notes(stage, self.model.scheme.with_pair(stage.beta, stage.gamma),
                                                   self._step_length(stage), "settled at the start" in self.start)
-
-
-def _errors_of(observer):
-    """Context in which an OSError becomes an OutputError with the file, or the folder, of the observer."""
-    return output_errors(getattr(observer, "path", None) or getattr(observer, "folder", None) or "the results")
 
 
 def _body_record(terms, state, joints):

@@ -61,6 +61,11 @@ def output_errors(place):
                           "their folder writable, and continue by --resume") from error
 
 
+def errors_of(observer):
+    """Context in which an OSError becomes an OutputError with the file, or the folder, of the observer."""
+    return output_errors(getattr(observer, "path", None) or getattr(observer, "folder", None) or "the results")
+
+
 def standard(folder, progress=True, run=""):
     """The observers of `hybrid run`, in the order in which they must be called; they write all files of a run.
 
@@ -73,17 +78,28 @@ def standard(folder, progress=True, run=""):
     from hybrid.output.summary import Summary
     from hybrid.output.vtk import Frames
 
+    if ranks.started() > 1:
+        return _of_several(folder, progress, run)
     # A checkpoint has all results up to its step beside it, so History and Frames come before Checkpoints. Summary and
     # Pictures read history.csv. Pictures take seconds at the end, by when all else is on disk; Progress has the last
     # word.
-    frames = Frames(folder, soil=ranks.started() == 1)
-    observers = [History(folder), frames, Checkpoints(folder, run), Summary(folder, run), Pictures(folder)]
+    observers = [History(folder), Frames(folder), Checkpoints(folder, run), Summary(folder, run), Pictures(folder)]
     return observers + [Progress(folder=folder)] * progress
 
 
-def of_every_process(folder):
-    """The observers that every process of several has, called before those of the first one with the points of its own; their
-    calls are collective, and raise the same error everywhere (`hybrid.runtime.ranks.together`)."""
+def _of_several(folder, progress, run):
+    """The same, for each of several processes."""
+    from hybrid.output.checkpoint import PartCheckpoints
+    from hybrid.output.first import First
+    from hybrid.output.history import History
+    from hybrid.output.pictures import Pictures, with_points_if_drawn
     from hybrid.output.pieces import Pieces
+    from hybrid.output.progress import Progress
+    from hybrid.output.summary import Summary
+    from hybrid.output.vtk import Frames, with_forces_if_drawn
 
-    return [Pieces(folder)] if ranks.started() > 1 else []
+    observers = [First(lambda: History(folder)), Pieces(folder),
+                 First(lambda: Frames(folder, soil=False), with_forces_if_drawn, alone=False),
+                 PartCheckpoints(folder, run), First(lambda: Summary(folder, run)),
+                 First(lambda: Pictures(folder), with_points_if_drawn)]
+    return observers + [First(lambda: Progress(folder=folder))] * progress

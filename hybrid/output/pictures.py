@@ -47,13 +47,12 @@ class Pictures:
         self.folder = Path(folder)
 
     def start(self, simulation):
-        self.before = sum(stage.steps for stage in simulation.scene.stages[:-1])
         self.initial = initial_bodies(simulation)
         self.drawing = None
 
     def accepted(self, record, simulation):
-        step = record.step - self.before
-        if step in simulation.scene.output.pictures:
+        if picture_due(simulation):
+            step = step_of_last_stage(simulation)
             self._collect()
             caption = f"{record.stage}: step {step}, time {record.time:.2f} s"
             path = self.folder / f"soil_step_{step:03d}.png"
@@ -86,6 +85,21 @@ class Pictures:
         if self.drawing:
             self.drawing.collect(limit)
         self.drawing = None
+
+
+def step_of_last_stage(simulation):
+    """Number of the present step from the start of the last stage."""
+    return simulation.state.step - sum(stage.steps for stage in simulation.scene.stages[:-1])
+
+
+def picture_due(simulation):
+    """Whether there is to be a picture of the present step."""
+    return step_of_last_stage(simulation) in simulation.scene.output.pictures
+
+
+def with_points_if_drawn(simulation, call):
+    """What Pictures see of one of several processes: the points of all where a picture is due."""
+    return simulation.with_all_points() if call == "accepted" and picture_due(simulation) else simulation
 
 
 def _part_areas(simulation):

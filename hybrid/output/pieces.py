@@ -16,7 +16,7 @@ import numpy as np
 
 from hybrid.output import atomic
 from hybrid.output.record import drawn, numbers_drawn
-from hybrid.output.vtk import Series, soil_mesh, write_vtu
+from hybrid.output.vtk import Series, frame_due, soil_mesh, write_vtu
 from hybrid.runtime import ranks
 
 VTK_TYPES = {"float64": "Float64", "float32": "Float32", "int64": "Int64"}
@@ -36,7 +36,7 @@ class Pieces:
                 self._write(simulation)
 
     def accepted(self, record, simulation):
-        if self.every and (record.step % self.every == 0 or record.step == simulation.total_steps):
+        if frame_due(simulation):
             self._write(simulation)
 
     def finish(self, summary, simulation):

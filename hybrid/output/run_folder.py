@@ -39,9 +39,9 @@ LOCK = ".run.lock"
 STARTING = ".run.starting"
 NO_LOCKS = errno.ENOLCK, errno.ENOTSUP, errno.ENOSYS    # of file systems without locks
 CHEAP = 600.0       # [s] of computing, up to which a completed run is replaced by the same one
-RESULTS = re.compile(r"run\.json|history\.csv|summary\.json|checkpoint\.npz|(soil|body_.+)(_\d{6,}(\.vtu|_r\d+\.vtu|\.pvtu)|\.pvd)"
-                     r"|soil_step_\d{3,}\.png|trajectory\.png|line_tension\.png|resistance\.png|parts\.png"
-                     r"|line_in_soil\.png")
+RESULTS = re.compile(r"run\.json|history\.csv|summary\.json|checkpoint(_\d{6,}_r\d+)?\.npz"
+                     r"|(soil|body_.+)(_\d{6,}(\.vtu|_r\d+\.vtu|\.pvtu)|\.pvd)|soil_step_\d{3,}\.png|trajectory\.png"
+                     r"|line_tension\.png|resistance\.png|parts\.png|line_in_soil\.png")
 
 
 class RunFolder:

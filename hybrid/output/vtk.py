@@ -53,8 +53,7 @@ class Frames:
             self._write(simulation)
 
     def accepted(self, record, simulation):
-        every = simulation.scene.output.every
-        if every and (record.step % every == 0 or record.step == simulation.total_steps):
+        if frame_due(simulation):
             self._write(simulation)
 
     def finish(self, summary, simulation):
@@ -68,6 +67,18 @@ class Frames:
         for b, series in enumerate(self.bodies):
             surface, forces = simulation.surfaces[b], simulation.contact_forces(b)
             series.add(state.step, state.time, body_mesh(surface, state.bodies[b], self.initial[b], forces))
+
+
+def frame_due(simulation):
+    """Whether there is to be a frame of the present step."""
+    every, step = simulation.scene.output.every, simulation.state.step
+    return every > 0 and (step % every == 0 or step == simulation.total_steps)
+
+
+def with_forces_if_drawn(simulation, call):
+    """What Frames see of one of several processes: forces of all of them where a frame is due."""
+    last = call == "finish" and simulation.scene.output.every
+    return simulation.with_all_forces() if last or frame_due(simulation) else simulation
 
 
 class Series:

@@ -72,10 +72,26 @@ def prepare():
 
 def same_fault(error):
     """Raise the `error` of the first process, unless it is None, in all of them."""
-    if world():
-        error = world().bcast(error)
+    error = same(error)
     if error is not None:
         raise error
+
+
+def in_first(function):
+    """Result of a function that only the first process calls, None in the others; a HybridError or OSError is raised in all."""
+    result = fault = None
+    if rank() == 0:
+        try:
+            result = function()
+        except (HybridError, OSError) as error:
+            fault = error
+    same_fault(fault)
+    return result
+
+
+def same(value):
+    """The value of the first process, in all of them."""
+    return world().bcast(value) if world() else value
 
 
 def together(function):

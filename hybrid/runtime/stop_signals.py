@@ -1,6 +1,10 @@
 """SIGINT, SIGTERM and SIGHUP stop a run as Ctrl-C does: an exception at the next Python instruction, whose handling writes
 the checkpoint. A second signal ends the process at once; files are moved into place only when complete, so it does no
-harm."""
+harm.
+
+Several processes must not leave one another in the middle of an exchange: while they compute, a signal to any of them is
+noted, and all of them stop after the outer step.
+"""
 
 import signal
 import threading
@@ -11,12 +15,13 @@ STOPPING = signal.SIGINT, signal.SIGTERM, signal.SIGHUP
 
 class Stopped(KeyboardInterrupt):
     """A signal has ended the run. number: of the signal; exit_code: as shells report it; kept: number of the step of the
-    checkpoint on disk, None if there is none."""
+    checkpoint on disk, None if there is none; of_all: whether all processes of several stop here."""
 
     kept = None
 
-    def __init__(self, number):
+    def __init__(self, number, of_all=False):
         super().__init__(signal.Signals(number).name)
+        self.of_all = of_all
         self.number, self.exit_code = number, 128 + number
 
 
@@ -33,7 +38,9 @@ def stop_signals():
 
 
 class Signals:
-    """The handlers of the stopping signals."""
+    """The handlers of the stopping signals. noted: number of the one that has come since `note`, 0 of none."""
+
+    noted = 0
 
     def __init__(self):
         own = threading.current_thread() is threading.main_thread()
@@ -44,6 +51,17 @@ class Signals:
         """Have the signals raise Stopped."""
         for number in self._before:
             signal.signal(number, self._stop)
+
+    def note(self):
+        """Have the signals noted instead; returns this object."""
+        for number in self._before:
+            signal.signal(number, self._note)
+        return self
+
+    def _note(self, number, _):
+        self.noted = number
+        for each in self._before:
+            signal.signal(each, signal.SIG_DFL)
 
     def release(self):
         """Give the signals back to whoever had them."""

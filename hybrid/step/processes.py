@@ -1,4 +1,4 @@
-"""Points and nodes of a run by several processes: split at the start, moved to their new owners, gathered for output.
+"""Points and nodes of a run by several processes: split at the start, moved to their new owners, gathered for a picture.
 
 Each process has the points in the cells of its block (`hybrid.grid.blocks`), in the order of their numbers in the whole run,
 their constants, their rows of the law and what contact remembers of them. Points that a moving grid has left behind stay with
@@ -8,15 +8,16 @@ Blocks are cut anew where the points of the fullest one have become GROWN times 
 """
 
 from contextlib import suppress
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 
-from hybrid.grid.blocks import Block, block_of, cut_block, points_in_cells
+from hybrid.grid.blocks import block_of, cut_block, points_in_cells
 from hybrid.runtime import comm, ranks
 from hybrid.runtime.errors import SceneError
-from hybrid.soil.split_merge import concatenate, select
-from hybrid.state import ContactHistory, PointConstants, Population
+from hybrid.soil.parcels import behind_together, named, placed, rows, together, without_numbers
+from hybrid.soil.split_merge import select
+from hybrid.state import Population
 
 GROWN = 1.2
 
@@ -39,11 +40,7 @@ def split(model, state):
     comm.split()
     mine = block.owner(state.points.position) == ranks.rank()
     everything = Population(state.points, replace(soil.constants, number=np.arange(n)), soil.law.rows)
-    contacts = [_renumbered(_rows(history, mine[history.point]), np.flatnonzero(mine)) for history in state.contacts]
-    if state.ground is not None and state.ground.behind is not None:
-        behind = state.ground.behind
-        behind = replace(behind, constants=replace(behind.constants, number=n + np.arange(len(behind))))
-        state = replace(state, ground=replace(state.ground, behind=select(behind, share())))
+    contacts = placed([rows(history, mine[history.point]) for history in state.contacts], np.flatnonzero(mine))
     model, state = _with_points(model, state, select(everything, mine), contacts, block)
     assert len(state.points) < n, "one process holds all points"
     return model, state
@@ -54,14 +51,25 @@ def share():
     return slice(ranks.rank(), None, ranks.started())
 
 
-def resumed(model, state):
-    """(Model, State) of this process from its present model, or that of the whole run, and a `state` of all points."""
-    if not isinstance(model.soil.grid, Block):
-        return split(model, state)
-    numbers = model.soil.constants.number
-    of_points = select(Population(state.points, _placeless(len(state.points)), np.zeros((len(state.points), 0))), numbers)
-    contacts = [_renumbered(_rows(history, np.isin(history.point, numbers)), numbers) for history in state.contacts]
-    return _settled(model, replace(state, points=of_points.points, contacts=contacts))
+def keeps(model, state):
+    """Function of the numbers (n,) of points in the run: which of them, (n,) bool, this process takes from a checkpoint of a run
+    that starts with `model` and `state`. These are the points whose constants it has; where a grid moves constants are in the
+    checkpoint, and any equal share will do."""
+    if state.ground is not None:
+        return lambda numbers: numbers % ranks.started() == ranks.rank()
+    return lambda numbers: np.isin(numbers, model.soil.constants.number)
+
+
+def resumed(model, state, number):
+    """(Model, State) of this process from its model and what it has taken of a checkpoint: a `state` with named contacts and
+    the numbers (n,) of its points, increasing."""
+    contacts = placed(state.contacts, number)
+    if state.ground is None:
+        assert np.array_equal(number, model.soil.constants.number), "points were lost"
+        return _settled(model, replace(state, contacts=contacts))
+    here = Population(state.points, replace(state.ground.constants, number=number), state.ground.rows)
+    block, here, contacts = on_new_grid(model.soil.grid, here, contacts)
+    return _with_points(model, state, here, contacts, block)
 
 
 # ------------------------------------------------------------------ from process to process
@@ -108,50 +116,20 @@ def _around_contacts(block, contacts):
 
 def moved(owner, population, contacts):
     """(Population, contacts) of this process after its points, with their contacts, have gone to their `owner` (n,)."""
-    number, parcels = population.constants.number, []
-    named = [replace(history, point=number[history.point]) for history in contacts]
+    parcels, known = [], named(contacts, population.constants.number)
     for other in range(ranks.started()):
         goes = owner == other
-        parcels.append((select(population, goes), [_rows(history, goes[old.point])
-                                                   for history, old in zip(named, contacts)]))
-    population, named = _together(comm.to_each(parcels))
-    return population, [_renumbered(history, population.constants.number) for history in named]
-
-
-def _together(parcels):
-    """(Population, ContactHistory of each body with the points' numbers in the run), sorted, of parcels of both."""
-    points = parcels[0][0]
-    for more, _ in parcels[1:]:
-        points = concatenate(points, more)
-    points = select(points, np.argsort(points.constants.number, kind="stable"))
-    contacts = []
-    for pieces in zip(*(histories for _, histories in parcels)):
-        whole = ContactHistory(*(np.concatenate([getattr(piece, field.name) for piece in pieces])
-                                 for field in fields(ContactHistory)))
-        contacts.append(_rows(whole, np.lexsort((whole.place, whole.point))))
-    return points, contacts
+        parcels.append((select(population, goes), [rows(history, goes[old.point]) for history, old in zip(known, contacts)]))
+    population, known = together(comm.to_each(parcels))
+    return population, placed(known, population.constants.number)
 
 
 def _with_points(model, state, population, contacts, block):
     """(Model, State) with a population and its contacts on a Block."""
-    constants, rows = population.constants, population.rows
-    model = model.with_soil(replace(model.soil, grid=block, constants=constants, law=model.soil.law.with_rows(rows)))
-    ground = state.ground and replace(state.ground, constants=constants, rows=rows)
+    constants, of_law = population.constants, population.rows
+    model = model.with_soil(replace(model.soil, grid=block, constants=constants, law=model.soil.law.with_rows(of_law)))
+    ground = state.ground and replace(state.ground, constants=constants, rows=of_law)
     return model, replace(state, points=population.points, contacts=contacts, ground=ground)
-
-
-def _renumbered(history, numbers):
-    """ContactHistory with the places of its points among `numbers`, increasing."""
-    return replace(history, point=np.searchsorted(numbers, history.point))
-
-
-def _rows(history, chosen):
-    return ContactHistory(*(getattr(history, field.name)[chosen] for field in fields(ContactHistory)))
-
-
-def _placeless(n):
-    """Constants of n points that nobody reads."""
-    return PointConstants(np.zeros((n, 0)), np.zeros((n, 0)), np.zeros(n), np.zeros(n))
 
 
 # ------------------------------------------------------------------ a grid that moves
@@ -183,23 +161,13 @@ def gather(model, state):
     """(State, initial positions (n, 3) [m]) of the whole run in the first process, (None, None) in the others."""
     constants = model.soil.constants
     here = Population(state.points, constants, model.soil.law.rows if state.ground else np.zeros((len(constants), 0)))
-    named = [replace(history, point=constants.number[history.point]) for history in state.contacts]
-    parcels = comm.to_first((here, named, state.ground and state.ground.behind))
+    parcels = comm.to_first((here, named(state.contacts, constants.number), state.ground and state.ground.behind))
     if parcels is None:
         return None, None
-    points, contacts = _together([parcel[:2] for parcel in parcels])
+    points, contacts = together([parcel[:2] for parcel in parcels])
     number = points.constants.number
     assert (np.diff(number) > 0).all() and (state.ground or len(number) == number.max(initial=-1) + 1), "points were lost"
-    contacts = [_renumbered(history, number) for history in contacts]
-    ground = state.ground and replace(state.ground, constants=replace(points.constants, number=None), rows=points.rows,
-                                      behind=_behind([parcel[2] for parcel in parcels]))
-    return replace(state, points=points.points, contacts=contacts, ground=ground), points.constants.position
-
-
-def _behind(populations):
-    """All points left behind, in the order of their numbers, without these; None where none are kept."""
-    parcels = [(one, []) for one in populations if one is not None]
-    if not parcels:
-        return None
-    behind, _ = _together(parcels)
-    return replace(behind, constants=replace(behind.constants, number=None))
+    points = without_numbers(points)
+    ground = state.ground and replace(state.ground, constants=points.constants, rows=points.rows,
+                                      behind=without_numbers(behind_together([parcel[2] for parcel in parcels])))
+    return replace(state, points=points.points, contacts=placed(contacts, number), ground=ground), points.constants.position

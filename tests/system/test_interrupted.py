@@ -13,7 +13,7 @@ import pytest
 from interrupted_runs import STEPS, different, start, wait_for_step, write_scene
 
 import hybrid
-from hybrid.output import checkpoint, history, run_folder
+from hybrid.output import checkpoint, checkpoint_file, history, run_folder
 from hybrid.runtime.errors import OutputError
 from hybrid.runtime.stop_signals import Stopped, stop_signals
 
@@ -236,7 +236,7 @@ def test_a_folder_that_vanishes_stops_the_run_with_its_state(scene, whole, tmp_p
 @pytest.mark.parametrize("share", [0.1, 0.3, 0.45, 0.6, 0.7, 0.8])
 def test_a_small_disk(scene, whole, tmp_path, share):
     """`share`: room, of what the whole run needs. A run that starts keeps the last step whose results are on disk."""
-    reserved = checkpoint.GROWTH * (whole / checkpoint.NAME).stat().st_size + checkpoint.MORE
+    reserved = checkpoint.GROWTH * (whole / checkpoint.NAME).stat().st_size + checkpoint_file.MORE
     size = share * (sum(path.stat().st_size for path in whole.iterdir()) + reserved)
     subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size:.0f}", "none", tmp_path], check=True)
     try:

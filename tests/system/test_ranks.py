@@ -12,6 +12,7 @@ import meshio
 import numpy as np
 import pytest
 
+from hybrid.output import checkpoint
 from hybrid.output.history import read_history
 from hybrid.runtime.ranks import launch
 
@@ -96,9 +97,12 @@ def history(folder):
     return {name: np.array([float(row[name]) for row in rows]) for name in names}
 
 
+def state(folder):
+    return checkpoint.load(folder / "checkpoint.npz")
+
+
 def points(folder, *more):
-    with np.load(folder / "checkpoint.npz") as arrays:
-        return {name: arrays[f"points/{name}"] for name in ("position", "velocity", "stress", "plastic_strain", *more)}
+    return {name: getattr(state(folder).points, name) for name in ("position", "velocity", "stress", "plastic_strain", *more)}
 
 
 def largest_difference(one, other):
@@ -257,8 +261,8 @@ def test_clay_that_sticks_to_a_pipe_and_breaks_away(tmp_path):
     one, two = (read_history(tmp_path / str(ranks)) for ranks in (1, 2))
     for name in ("pipe_z_m", "pipe_contact_fx_N", "pipe_contact_fz_N", "energy_friction_J"):
         assert np.abs(one[name] - two[name]).max() < 1e-4 * np.abs(one[name]).max(), name
-    with np.load(tmp_path / "2" / "checkpoint.npz") as arrays:
-        assert arrays["contacts/0/opened"].any() and not arrays["contacts/0/opened"].all()
+    opened = state(tmp_path / "2").contacts[0].opened
+    assert opened.any() and not opened.all()
 
 
 # A box is pushed through sand; window and fine cells go with it, points are split, merged and left behind
@@ -292,10 +296,11 @@ motion = [{ component = "x", velocity = 1.5 }, { component = "z", velocity = -0.
 
 def ground(folder):
     """Initial places of the points in the grid and of those left behind, in order, with position and stress of these."""
-    with np.load(folder / "checkpoint.npz") as arrays:
-        assert not [name for name in arrays.files if name.endswith("number")]
-        parts = [(arrays[f"{at}constants/position"], arrays[f"{of}points/position"], arrays[f"{of}points/stress"])
-                 for at, of in (("ground/", ""), ("ground/behind/", "ground/behind/"))]
+    last = state(folder)
+    behind = last.ground.behind
+    assert last.ground.constants.number is behind.constants.number is None
+    parts = [(constants.position, points.position, points.stress)
+             for constants, points in ((last.ground.constants, last.points), (behind.constants, behind.points))]
     return [values[np.lexsort(np.round(place, 6).T)] for place, *others in parts for values in (place, *others)]
 
 

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 from fake_run import FakeScene, FakeSimulation, Output, Soil, Stage
 
-from hybrid.output import atomic, checkpoint
+from hybrid.output import atomic, checkpoint, checkpoint_file
 
 
 def assert_same(left, right):
@@ -75,7 +75,7 @@ def test_a_checkpoint_that_finds_no_room_leaves_the_last_one(tmp_path, monkeypat
     checkpoint.reserve(path)
     assert (tmp_path / ".c.npz.partial").stat().st_size > 1.25 * path.stat().st_size
     with monkeypatch.context() as patch, pytest.raises(OSError):
-        patch.setattr(checkpoint, "_write", half)
+        patch.setattr(checkpoint_file, "_write", half)
         checkpoint.save(path, simulation.state_at(4))
     assert checkpoint.load(path).step == 2
     checkpoint.save(path, simulation.state_at(4))

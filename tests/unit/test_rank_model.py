@@ -51,14 +51,14 @@ def test_one_process_takes_what_was_recorded():
     assert large.points == phases["points"] and drag.points == pytest.approx(10e6, rel=0.01)
 
 
-def test_without_a_network_and_files_processes_only_share_the_work(monkeypatch):
-    for name in ("LATENCY", "CALLS", "COMBINED", "BYTES", "JOINED"):
+def test_without_a_network_processes_only_share_the_work(monkeypatch):
+    for name in ("LATENCY", "CALLS", "COMBINED"):
         monkeypatch.setattr(rank_model, name, 0.0)
     monkeypatch.setattr(rank_model, "BANDWIDTH", np.inf)
     monkeypatch.setattr(rank_model, "fixed_part", lambda record: 0.0)
     block = rank_model.runs(RECORD)[0]
     alone, eight = (rank_model.step(block, ranks, RECORD) for ranks in (1, 8))
-    assert sum(eight[name] for name in ("messages", "reductions", "gather")) == 0.0
+    assert sum(eight[name] for name in ("messages", "reductions")) == 0.0
     assert eight["points"] == pytest.approx(alone["points"] / 8)
     growth = 8 ** rank_model.exchanged(RECORD)["growth"]
     assert 1.0 < eight["linear solver"] / (alone["linear solver"] / 8 * growth) < 1.3
