@@ -9,7 +9,8 @@ process has whole fields around its points once it has exchanged those of its co
 drift farther from the domain that they are on: then there are more layers. Numbers of nodes and cells are local ones
 everywhere else: kernels see a smaller grid.
 
-Blocks are found by cutting the grid again and again at a plane of nodes, so that both sides have their share of the points.
+Blocks are found by cutting the grid again and again at a plane of nodes, so that both sides have their share of the loads,
+which are numbers of points, or the work on them.
 """
 
 from dataclasses import dataclass
@@ -21,27 +22,27 @@ from hybrid.runtime import comm
 from hybrid.runtime.errors import SceneError
 
 
-def cut_into_blocks(points_in_cell, parts):
-    """Boxes (parts, 2, 3) of cells [low, high) with nearly equal shares of the points, (a, b, c) int numbers in each cell.
+def cut_into_blocks(loads, parts):
+    """Boxes (parts, 2, 3) of cells [low, high) with nearly equal shares of the `loads` (a, b, c), whole numbers, of all cells.
 
     Raises SceneError where there are not enough layers of cells.
     """
-    return np.array(_cut(points_in_cell, np.zeros(3, int), parts))
+    return np.array(_cut(loads, np.zeros(3, int), parts))
 
 
-def _cut(points, low, parts):
+def _cut(loads, low, parts):
     if parts == 1:
-        return [(low, low + points.shape)]
-    filled = [np.flatnonzero(points.sum(axis=tuple({0, 1, 2} - {axis}))) for axis in range(3)]
+        return [(low, low + loads.shape)]
+    filled = [np.flatnonzero(loads.sum(axis=tuple({0, 1, 2} - {axis}))) for axis in range(3)]
     length = [np.ptp(layers) if len(layers) else 0 for layers in filled]
-    axis = int(np.argmax(np.where(np.array(points.shape) > 1, length, -1)))
+    axis = int(np.argmax(np.where(np.array(loads.shape) > 1, length, -1)))
     below = parts // 2
-    if points.shape[axis] < 2:
+    if loads.shape[axis] < 2:
         raise SceneError(f"--ranks: the grid has too few cells with soil for so many processes (one of {parts} parts is a "
                          "single cell); run on one rank, or on fewer")
-    layers = np.cumsum(points.sum(axis=tuple({0, 1, 2} - {axis})))
+    layers = np.cumsum(loads.sum(axis=tuple({0, 1, 2} - {axis})))
     at = 1 + int(np.argmin(np.abs(layers[:-1] - layers[-1] * below / parts)))
-    first, second = np.split(points, [at], axis=axis)
+    first, second = np.split(loads, [at], axis=axis)
     above = low.copy()
     above[axis] += at
     return _cut(first, low, below) + _cut(second, above, parts - below)
@@ -102,7 +103,7 @@ class Block(Grid):
 
     lines: nodes [m] of the whole grid by axis; planes: its planes with fixed components, by axis (`_held_planes`)
     boxes: (ranks, 2, 3) of own cells of all processes; rank: of this one; layers: of cells around them
-    fullest: number of points in the fullest block when they were cut; nodes, cells: Exchange
+    fullest: share of the fullest block in all loads when they were cut; nodes, cells: Exchange
     """
 
     lines: tuple = ()
@@ -110,7 +111,7 @@ class Block(Grid):
     boxes: np.ndarray | None = None
     rank: int = 0
     layers: int = 1
-    fullest: int = 0
+    fullest: float = 0.0
     nodes: Exchange | None = None
     cells: Exchange | None = None
 
@@ -157,22 +158,23 @@ def cells_of(position, lines):
                      for nodes, x in zip(lines, position.T)], axis=1)
 
 
-def points_in_cells(position, grid):
-    """(a, b, c) number of positions (n, 3) [m] in each cell of a whole grid, given as a Grid or a Block of it."""
+def cell_numbers(position, grid):
+    """((n,) number of the cell of each position (n, 3) [m], (3,) shape of the cells) of a whole grid, given as a Grid or a Block
+    of it."""
     lines = grid.lines if isinstance(grid, Block) else grid.axes
     shape = [max(1, len(nodes) - 1) for nodes in lines]
-    at = np.ravel_multi_index(cells_of(position, lines).T, shape)
-    return np.bincount(at, minlength=np.prod(shape)).reshape(shape)
+    return np.ravel_multi_index(cells_of(position, lines).T, shape), shape
 
 
-def cut_block(grid, points_in_cell, parts, rank):
-    """Block of the process `rank` of `parts` with nearly equal shares of the points, (a, b, c) in each cell, from the whole Grid
-    or from another Block of it."""
-    boxes = cut_into_blocks(points_in_cell, parts)
-    return block_of(grid, boxes, rank, max(int(points_in_cell[_within(box, np.zeros(3, int))].sum()) for box in boxes))
+def cut_block(grid, loads, parts, rank):
+    """Block of the process `rank` of `parts` with nearly equal shares of the `loads` (a, b, c) of cells, from the whole Grid or
+    from another Block of it."""
+    boxes = cut_into_blocks(loads, parts)
+    fullest = max(loads[_within(box, np.zeros(3, int))].sum() for box in boxes)
+    return block_of(grid, boxes, rank, fullest / max(loads.sum(), 1))
 
 
-def block_of(grid, boxes, rank, fullest=0, layers=1):
+def block_of(grid, boxes, rank, fullest=0.0, layers=1):
     """Block of the process `rank`, one of those with `boxes` (parts, 2, 3) of cells, from the whole Grid or from another Block
     of it."""
     lines, planes = (grid.lines, grid.planes) if isinstance(grid, Block) else (grid.axes, _held_planes(grid))

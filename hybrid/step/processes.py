@@ -4,7 +4,8 @@ Each process has the points in the cells of its block (`hybrid.grid.blocks`), in
 their constants, their rows of the law and what contact remembers of them. Points that a moving grid has left behind stay with
 the process that had them. Bodies and their surfaces are in all processes.
 
-Blocks are cut anew where the points of the fullest one have become GROWN times as many, and for every new grid.
+A block's load is the work on it: POINT of a point and CONTACT of a contact point, which lives with its soil point. Blocks of equal
+loads are cut anew where the share of the fullest one has become GROWN times as large, and for every new grid.
 """
 
 from contextlib import suppress
@@ -12,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from hybrid.grid.blocks import block_of, cut_block, points_in_cells
+from hybrid.grid.blocks import block_of, cell_numbers, cut_block
 from hybrid.runtime import comm, ranks
 from hybrid.runtime.errors import SceneError
 from hybrid.soil.parcels import behind_together, named, placed, rows, together, without_numbers
@@ -20,6 +21,7 @@ from hybrid.soil.split_merge import select
 from hybrid.state import Population
 
 GROWN = 1.2
+POINT, CONTACT = 2, 1   # times on one process that drags the anchor: 0.44 of a point for contact and its search
 
 
 def refuse(law):
@@ -36,7 +38,7 @@ def split(model, state):
     """(Model, State) of this process from those of the whole run, which every process has made."""
     soil, n = model.soil, len(state.points)
     with comm.alone():
-        block = _cut_anew(soil.grid, state.points.position)
+        block = _cut_anew(soil.grid, state.points.position, state.contacts)
     comm.split()
     mine = block.owner(state.points.position) == ranks.rank()
     everything = Population(state.points, replace(soil.constants, number=np.arange(n)), soil.law.rows)
@@ -92,20 +94,31 @@ def _settled(model, state):
     soil, position = model.soil, state.points.position
     block, owner = soil.grid, soil.grid.owner(position)
     here, contacts = Population(state.points, soil.constants, soil.law.rows), state.contacts
+    loads = comm.counts(_sums(owner, contacts, ranks.started()))
+    if loads.max() > GROWN * block.fullest * loads.sum():
+        with suppress(SceneError):      # all points may have come together in fewer cells than there are processes
+            block = _cut_anew(block, position, contacts)
+            owner = block.owner(position)
     moves = comm.anywhere(owner != ranks.rank())
     if moves:
-        if comm.counts(np.bincount(owner, minlength=ranks.started())).max() > GROWN * block.fullest:
-            with suppress(SceneError):      # all points may have come together in fewer cells than there are processes
-                block = _cut_anew(block, position)
-                owner = block.owner(position)
         here, contacts = moved(owner, here, contacts)
     block = _around_contacts(block, contacts)
     return _with_points(model, state, here, contacts, block) if moves or block is not soil.grid else (model, state)
 
 
-def _cut_anew(grid, position):
-    """Block of this process with nearly equal shares of the points at `position` (n, 3) [m]."""
-    return cut_block(grid, comm.counts(points_in_cells(position, grid)), ranks.started(), ranks.rank())
+def _cut_anew(grid, position, contacts):
+    """Block of this process with a nearly equal share of the load of points at `position` (n, 3) [m] and of their contacts."""
+    cell, shape = cell_numbers(position, grid)
+    loads = comm.counts(_sums(cell, contacts, int(np.prod(shape)))).reshape(shape)
+    return cut_block(grid, loads, ranks.started(), ranks.rank())
+
+
+def _sums(place, contacts, length):
+    """Loads (length,) of the cells, or blocks, `place` (n,) of points with `contacts`."""
+    loads = POINT * np.bincount(place, minlength=length)
+    for history in contacts:
+        loads += CONTACT * np.bincount(place[history.point], minlength=length)
+    return loads
 
 
 def _around_contacts(block, contacts):
@@ -149,7 +162,7 @@ def numbered(population, new, behind):
 
 def on_new_grid(grid, population, contacts):
     """(Block, Population, contacts) of this process for a new `grid`, the whole one."""
-    block = _cut_anew(grid, population.points.position)
+    block = _cut_anew(grid, population.points.position, contacts)
     population, contacts = moved(block.owner(population.points.position), population, contacts)
     return _around_contacts(block, contacts), population, contacts
 

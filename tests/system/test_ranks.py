@@ -357,6 +357,37 @@ def test_blocks_follow_soil_that_moves(scene, tmp_path, grown, uneven):
     assert largest_difference(points(tmp_path / "one"), points(tmp_path / "two")) < 1e-6
 
 
+LANDING = """
+import sys
+import numpy as np
+from hybrid.runtime import comm
+from hybrid.step import processes
+settled = processes._settled
+def watched(model, state):
+    model, state = settled(model, state)
+    work, points = (comm.joined([x]) for x in (len(state.points) + 0.5 * len(state.contacts[0].point), len(state.points)))
+    if comm.number(state.contacts[0].point) > 50:
+        with open(sys.argv[-1], "a") as file:
+            file.write(f"{max(work) / sum(work)} {max(points) / sum(points)}\\n")
+    return model, state
+processes._settled = watched
+from hybrid.cli import main
+sys.exit(main(sys.argv[1:-1]))
+"""
+
+
+def test_blocks_follow_contact(scene, tmp_path):
+    """A box falls on soil whose points stay in their cells: half of the work is each process's, not half of the points."""
+    lands = SLIDE.replace("position = [1.2, 0.5, 0.0]\nrest_on = 0.0", "position = [0.5, 0.5, 0.24]").replace(
+        "velocity = [1.0, 0.0, 0.0]", "velocity = [0.0, 0.0, -2.0]").replace("size = 0.25", "size = 0.125").replace("start = -1.0", "start = -0.5")
+    script, found = tmp_path / "landing.py", tmp_path / "found"
+    script.write_text(LANDING)
+    done = mpirun(2, script, "run", scene(lands), "--out", tmp_path / "two", found)
+    assert done.returncode == 0, done.stderr
+    work, points = np.loadtxt(found).T
+    assert work.max() < 0.58 < points.max()
+
+
 def test_what_ranks_cannot_do_is_refused_once(scene, tmp_path):
     path = scene(COLUMN)
     sizes = [text for key in ("x.size=1.0", "y.size=0.5", "z.size=0.5") for text in ("--set", f"grid.{key}")]

@@ -1,11 +1,15 @@
 """Blocks of a grid: their nodes are those of the whole grid, however often blocks are cut, and reach as far as they have to."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from hybrid.grid.axes import FACES, make_grid
-from hybrid.grid.blocks import block_of, cells_of, cut_block, cut_into_blocks, points_in_cells
+from hybrid.grid.blocks import block_of, cell_numbers, cells_of, cut_block, cut_into_blocks
 from hybrid.runtime.errors import SceneError
+from hybrid.state import ContactHistory
+from hybrid.step import processes
 
 EXTENT = np.array([(0.0, 5.0), (-1.0, 3.0), (-2.0, 2.0)])
 AXES = (np.array([0.0, 1.0, 2.0, 2.5, 3.0, 4.0, 5.0]), np.linspace(-1.0, 3.0, 5), np.linspace(-2.0, 2.0, 5))
@@ -22,6 +26,12 @@ def grids():
 def places(n=300, seed=1):
     rng = np.random.default_rng(seed)
     return EXTENT[:, 0] + rng.random((n, 3)) ** 2 * np.ptp(EXTENT, axis=1)
+
+
+def points_in_cells(position, grid):
+    """(a, b, c) number of positions in each cell."""
+    numbers, shape = cell_numbers(position, grid)
+    return np.bincount(numbers, minlength=np.prod(shape)).reshape(shape)
 
 
 @pytest.mark.parametrize("grid", grids())
@@ -44,11 +54,31 @@ def test_every_cell_and_point_has_one_owner_and_shares_are_even():
     assert loads.sum() == len(position)
     blocks = [cut_block(grid, loads, 4, rank) for rank in range(4)]
     share = np.bincount(blocks[0].owner(position), minlength=4)
-    assert share.max() == blocks[0].fullest < 1.3 * len(position) / 4
+    assert share.max() == pytest.approx(blocks[0].fullest * len(position)) and blocks[0].fullest < 1.3 / 4
     covered = np.zeros(loads.shape, int)
     for low, high in cut_into_blocks(loads, 4):
         covered[tuple(slice(a, b) for a, b in zip(low, high))] += 1
     assert (covered == 1).all()
+
+
+def test_blocks_have_equal_work_where_a_body_touches_the_soil(monkeypatch):
+    """Contact points count with their soil points: those on one side move the cut towards it."""
+    axes = tuple(np.arange(n + 1.0) for n in (24, 2, 2))
+    grid = make_grid(axes, np.array([(x[0], x[-1]) for x in axes]), FREE)
+    position = np.random.default_rng(5).random((4000, 3)) * [24.0, 2.0, 2.0]
+    touched = np.repeat(np.flatnonzero(position[:, 0] < 6.0), 6)
+    contacts = [replace(ContactHistory.empty(), point=touched)]
+    monkeypatch.setattr(processes.ranks, "started", lambda: 2)
+
+    def fullest(contacts):
+        block = processes._cut_anew(grid, position, contacts)
+        owner = block.owner(position)
+        work = processes.POINT * np.bincount(owner) + processes.CONTACT * np.bincount(owner[touched], minlength=2)
+        return work.max() / work.sum(), block.fullest
+
+    without, _ = fullest([])
+    found, known = fullest(contacts)
+    assert without > 0.65 and found < 0.55 and known == pytest.approx(found)
 
 
 def test_soil_in_a_single_cell_leaves_blocks_empty_until_there_are_too_few_cells():
