@@ -28,7 +28,10 @@ def run(scene, out=None, overrides=(), resume=False, quiet=False, body_force=Non
 
     SIGINT, SIGTERM and SIGHUP end the run with a checkpoint and raise `hybrid.runtime.stop_signals.Stopped`, a
     KeyboardInterrupt; a second one ends the process. Raises HybridError, whose message names what to change.
+
+    Of several processes that mpirun has started, all call this. `state` of the Simulation then has the points of each.
     """
+    ranks.prepare()
     scene = load_scene(scene, overrides) if isinstance(scene, (str, Path)) else validate(scene)
     folder = Path(out) if out is not None else Path("out") / scene.name
     with stop_signals() as signals, ExitStack() as stack:

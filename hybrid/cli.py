@@ -8,7 +8,6 @@ SIGHUP, 141 nobody reads what is printed (`hybrid demos | head -1`).
 
 import argparse
 import errno
-import logging
 import os
 import sys
 import traceback
@@ -73,8 +72,6 @@ def _interrupted(stop):
 def _with_others(options):
     """Exit code of a run by several processes, one fault of which ends all: told once, by the process that has it."""
     ranks.prepare()
-    if ranks.rank():
-        logging.getLogger("hybrid").setLevel(logging.CRITICAL)
     code, text = 0, ""
     try:
         if options.command is not run:

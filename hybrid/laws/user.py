@@ -10,26 +10,40 @@ volume, mass), `stress` (n, 3) [Pa] is the initial stress along x, y and z. The 
 checked at every call; a point with a result that is not a finite number counts as failed, so that the increment is
 halved. Check a new law with `hybrid.check_law` first: it compares the tangent with finite differences.
 demos/user_law.py is an example.
+
+On several processes each calls the function with its own points, again when points have come or gone. So what it gives a point
+must depend on this point alone, and not on the number of points or their order; at the start this is checked. Start the script by
+`mpirun -n 2 python -m mpi4py SCRIPT`, which ends all processes where one fails.
 """
 
 import numpy as np
 
 from hybrid.laws import Response
 from hybrid.runtime.errors import LawError
+from hybrid.state import PointConstants
 
 MEMBERS = ("young", "plastic", "respond", "energy", "strain")
+FIELDS = {"position": slice(0, 3), "half_width": slice(3, 6), "volume": 6, "mass": 7}    # of a point, in a row of `CheckedLaw`
+TRIED = (0.0, 0.0, 0.0), (-0.03, 0.01, 0.005)   # strains beyond that at rest, at which the law of some points is compared
+SAME = 1e-9         # [-] difference that round-off explains
 
 
 class CheckedLaw:
     """A user's law of `n` points whose results are checked. Its tangents are taken for unsymmetric, because a law that
-    is derived from another one inherits `symmetric` from it, right or wrong."""
+    is derived from another one inherits `symmetric` from it, right or wrong. rows: (n, 11) what the user's function `make` was
+    given of each point: FIELDS and its initial stress."""
 
     symmetric = False
 
-    def __init__(self, law, n):
-        self.law, self.n = law, n
+    def __init__(self, law, n, make=None, rows=None):
+        self.law, self.n, self.make, self.rows = law, n, make, rows
         self.young, self.plastic = _array(law.young, (n,), "young"), bool(law.plastic)
         self.name = type(law).__name__
+
+    def with_rows(self, rows):
+        """The law that the user's function gives for other points."""
+        points = PointConstants(**{name: rows[:, at].copy() for name, at in FIELDS.items()})
+        return CheckedLaw(self.make(points, rows[:, 8:].copy()), len(rows), self.make, rows)
 
     def respond(self, strain, plastic_strain):
         return checked_response(self.law, strain, plastic_strain)
@@ -39,6 +53,30 @@ class CheckedLaw:
 
     def strain(self, stress):
         return _array(self.law.strain(stress), (self.n, 3), "strain(stress)")
+
+
+def made(make, points, stress):
+    """CheckedLaw that a user's function gives for `points` (PointConstants) with an initial `stress` (n, 3) [Pa]."""
+    rows = np.column_stack([getattr(points, name) for name in FIELDS] + [stress])
+    law = adopt(make(points, stress.copy()), len(points))
+    return CheckedLaw(law.law, law.n, make, rows)
+
+
+def is_of_user(law):
+    """Whether a law is a user's, which is not known for points that are not those of the scene, as halves of them."""
+    return isinstance(law, CheckedLaw)
+
+
+def refuse_unlike(law, part, chosen):
+    """LawError where a law made for the `chosen` points (n,) bool, `part`, is not that of all points there."""
+    rest = law.strain(law.rows[:, 8:])
+    for more in TRIED:
+        whole, some = law.respond(rest + more, np.zeros(law.n)), part.respond(rest[chosen] + more, np.zeros(part.n))
+        scale = SAME * np.abs(np.nan_to_num(whole.stress)).max(initial=0.0)
+        if not np.allclose(whole.stress[chosen], some.stress, rtol=0.0, atol=scale, equal_nan=True):
+            raise LawError(f"--ranks: {law.name} of some of the points is not that of all points there. Each process calls its "
+                           "function with the points that it has: make what it gives a point depend on this point alone, such "
+                           "as on its position, or run on one rank")
 
 
 def adopt(law, n):

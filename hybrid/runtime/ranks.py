@@ -5,6 +5,7 @@ mistake in the scene, is told once and ends them all; one that a single process 
 it forever.
 """
 
+import logging
 import os
 import sys
 import time
@@ -64,10 +65,12 @@ def _roll_call():
 
 
 def prepare():
-    """To be called by all processes, before anything can fail."""
+    """To be called by all processes, before anything can fail; again it does nothing. Only the first one logs."""
     if world():
         _last_words()
         _roll_call()
+    if rank():
+        logging.getLogger("hybrid").setLevel(logging.CRITICAL)
 
 
 def same_fault(error):

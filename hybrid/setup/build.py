@@ -27,7 +27,7 @@ from hybrid.setup.stages import refuse_implied
 from hybrid.setup.symmetry import in_part, stray_cap, with_symmetry
 from hybrid.simulation import Simulation
 from hybrid.state import ContactHistory, State
-from hybrid.step import joint_rates, processes
+from hybrid.step import joint_rates
 from hybrid.step.loads import Loads
 from hybrid.step.model import Model
 
@@ -66,7 +66,6 @@ def _assemble(scene, accuracy, body_force, law):
 
 def _put_together(scene, decisions, accuracy, body_force, law):
     """Simulation of a Scene all of whose keys are decided."""
-    processes.refuse(law)
     refuse_cells(scene)
     gravity = np.array(scene.gravity, float)
     loads = Loads(gravity, body_force).during(0.0, 0.0, (scene.stages[0].gravity[0],) * 2)

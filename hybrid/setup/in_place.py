@@ -13,6 +13,7 @@ import numpy as np
 
 from hybrid.body.rigid import bounding_box, with_stiffness
 from hybrid.contact.search import Domains, overlap
+from hybrid.laws.user import is_of_user
 from hybrid.runtime.comm import anywhere, maximum, minimum, total
 from hybrid.runtime.errors import SceneError
 from hybrid.setup.contact import section
@@ -59,7 +60,7 @@ def starts_inside(body, motion, points, soil):
               'points of soil.basis = "mpm" have no domains to cut' if soil.basis != "gimp" else
               'contact at the corners of domains does not follow a cut (body.contact = "faces")'
               if body.places.at_corners else
-              "points of a user's law cannot be cut" if not hasattr(soil.law, "with_rows") else "")
+              "points of a user's law cannot be cut" if is_of_user(soil.law) else "")
     if reason:
         raise SceneError(f"body {body.name!r} overlaps the soil at the start: {count} corners of the points' domains lie "
                          f"up to {depth:.3g} m inside the body, limit {limit:.3g} m, and {reason}; set body.rest_on to "

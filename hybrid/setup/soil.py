@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hybrid.laws.cone import merge
-from hybrid.laws.user import adopt
+from hybrid.laws.user import made
 from hybrid.runtime.comm import anywhere, largest
 from hybrid.runtime.errors import SceneError
 from hybrid.scene.soil import of_layer
@@ -69,7 +69,7 @@ def lay_out(described, grid, gravity, own_law=None):
     vertical = weight_above(constants, np.linalg.norm(gravity))
     constants, stress = initial_stress(described, constants, density, k0, vertical, gravity)
     if own_law is not None:
-        law = adopt(own_law(constants, stress.copy()), len(constants))
+        law = made(own_law, constants, stress)
     else:
         tops = [np.broadcast_to(level, len(constants))[s.points] if s.top == top else s.top for s in strata]
         laws = [build_law(s, k0[s.points] * vertical[s.points], upper - constants.position[s.points, 2])

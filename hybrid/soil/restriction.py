@@ -7,6 +7,7 @@ from numba import njit
 
 from hybrid.grid.colouring import make_slabs
 from hybrid.grid.numbering import node_number
+from hybrid.laws.user import is_of_user
 from hybrid.soil.basis import Basis
 from hybrid.soil.split_merge import select
 from hybrid.soil.workspace import SoilWorkspace
@@ -15,7 +16,7 @@ from hybrid.state import Population
 
 def can_be_restricted(soil):
     """Whether the law of a Soil can be had for some of its points alone."""
-    return hasattr(soil.law, "with_rows")
+    return not is_of_user(soil.law)
 
 
 def restricted(soil, step, nodes, solver):

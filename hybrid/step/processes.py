@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from hybrid.grid.blocks import block_of, cell_numbers, cut_block
+from hybrid.laws.user import is_of_user, refuse_unlike
 from hybrid.runtime import comm, ranks
 from hybrid.runtime.errors import SceneError
 from hybrid.soil.parcels import behind_together, named, placed, rows, together, without_numbers
@@ -22,13 +23,6 @@ from hybrid.state import Population
 
 GROWN = 1.2
 POINT, CONTACT = 2, 1   # times on one process that drags the anchor: 0.44 of a point for contact and its search
-
-
-def refuse(law):
-    """SceneError for what several processes cannot do together: a user's law."""
-    if ranks.started() > 1 and law is not None:
-        raise SceneError("--ranks: a law of your own (soil.material.law = 'user') is not possible on several ranks; run this "
-                         "scene on one rank")
 
 
 # ------------------------------------------------------------------ from all points to those of each process
@@ -44,6 +38,8 @@ def split(model, state):
     everything = Population(state.points, replace(soil.constants, number=np.arange(n)), soil.law.rows)
     contacts = placed([rows(history, mine[history.point]) for history in state.contacts], np.flatnonzero(mine))
     model, state = _with_points(model, state, select(everything, mine), contacts, block)
+    if is_of_user(soil.law):
+        ranks.together(lambda: refuse_unlike(soil.law, model.soil.law, mine))
     assert len(state.points) < n, "one process holds all points"
     return model, state
 

@@ -1,5 +1,8 @@
 """Laws given from Python: the demo, what is refused at the start, and points that have no stress in a step."""
 
+import shutil
+import subprocess
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -8,7 +11,9 @@ from demo_scripts import demo
 
 import hybrid
 from hybrid.laws.hencky import Hencky
+from hybrid.output import checkpoint
 from hybrid.runtime.errors import LawError, SceneError, StepError
+from hybrid.runtime.ranks import launch
 from hybrid.scene import Material
 from hybrid.setup.build import build
 from hybrid.study.scenes import elastic, soil_scene
@@ -112,3 +117,60 @@ def test_halving_cures_what_fails_at_long_increments():
     simulation.model.soil.law.law.refusals = 2
     record = next(simulation.steps())
     assert (record.rejections, record.increments, record.step) == (2, 3, 1)
+
+
+# ------------------------------------------------------------------ several processes
+
+SHARED = """
+import sys
+import numpy as np
+import hybrid
+from hybrid import Axis, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
+from hybrid.laws.von_mises import VonMises
+from hybrid.runtime import comm, ranks
+from hybrid.step import processes
+given, moved, settled = [], [], processes._settled
+def clay(points, stress):
+    n = len(points)
+    given.append(n)
+    strength = 60.0 + 40.0 * points.position[:, 0] + 1e-3 * np.abs(stress[:, 2])
+    if "by order" in sys.argv:
+        strength = 60.0 + 10.0 * np.arange(n)
+    return VonMises(np.full(n, 1e5) + 1e4 * points.position[:, 2], 0.3, strength)
+def watched(model, state):
+    new = settled(model, state)
+    moved.append(len(new[1].points) != len(state.points))
+    return new
+processes._settled = watched
+x, z = Axis(start=0.0, end=4.0, size=0.25), Axis(start=0.0, end=1.0, size=0.25)
+scene = Scene(name="clay", gravity=(6.0, 0.0, -1.0), time=Time(step=0.04), stages=(Stage("slide", 10),),
+              grid=Grid(x, Axis(start=0.0, end=0.5, collapsed=True), z, Faces(z_min="roller")),
+              soil=Soil(Material(law="user", density=1000.0), lower=(0.5, 0.0, 0.0), upper=(1.5, 0.5, 0.5), geostatic=False),
+              solver=Solver(tolerance=1e-8, linear_tolerance=1e-6), output=Output(every=0, pictures=()))
+simulation = hybrid.run(scene, out=sys.argv[1], law=clay, quiet=True)
+if ranks.started() > 1:
+    assert any(moved) and len(given) > 2 and given[-1] == len(simulation.state.points)
+"""
+
+
+@pytest.mark.skipif(shutil.which("mpirun") is None, reason="needs mpirun")
+def test_a_law_on_two_processes(tmp_path):
+    """Clay that yields and slides from block to block: each process has the law of the points that it has got."""
+    script = tmp_path / "script.py"
+    script.write_text(SHARED)
+
+    def run(ranks, folder, *more):
+        command, environment = launch(ranks, ["-m", "mpi4py", script, tmp_path / folder, *more])
+        return subprocess.run(command if ranks > 1 else [sys.executable, *command[6:]], capture_output=True, text=True, timeout=120,
+                              env={**environment, "NUMBA_NUM_THREADS": "1"})
+
+    for ranks in (1, 2):
+        done = run(ranks, str(ranks))
+        assert done.returncode == 0, done.stderr
+    one, two = (checkpoint.load(tmp_path / folder / "checkpoint.npz").points for folder in "12")
+    assert one.position[:, 0].max() > 1.9 and one.plastic_strain.max() > 1e-4
+    for name in ("position", "stress", "plastic_strain"):
+        values = getattr(one, name)
+        assert np.abs(values - getattr(two, name)).max() < 1e-6 * np.abs(values).max(), name
+    refused = run(2, "other", "by order")
+    assert refused.returncode != 0 and "VonMises of some of the points is not that of all points there" in refused.stderr
