@@ -119,8 +119,9 @@ def parser():
     sub.add_argument("--resume", action="store_true", help="continue from the last checkpoint in that folder")
     sub.add_argument("--overwrite", action="store_true", help="replace the results in that folder")
 
-    sub.add_argument("--ranks", type=int, metavar="N", help="number of processes that share the work (default: one); "
-                                                            "started by mpirun")
+    sub.add_argument("--ranks", type=int, metavar="N", help="number of processes that share the work, started by mpirun "
+                                                            "(default: one; with 4 cores or more and 400000 points or more, "
+                                                            "one for each 100000 points)")
 
     sub = _command(commands, "check", check, "validate a scene; print the size of its model, warnings and the "
                                              "predicted cost of a run")
@@ -213,8 +214,10 @@ def run(options):
     from hybrid.scene.file import load_scene
 
     if options.ranks is not None and options.ranks != ranks.started():
-        _start_ranks(options)
+        _start_ranks(options, options.ranks)
     scene = load_scene(options.scene, options.overrides)
+    if options.ranks is None and ranks.may_start():
+        _start_best(options, scene)
     from hybrid.api import run as run_scene
     from hybrid.runtime.jit_notice import compilation_notice  # late: a mistake in the scene is reported at once
 
@@ -223,16 +226,27 @@ def run(options):
         run_scene(scene, out, resume=options.resume, overwrite=options.overwrite)
 
 
-def _start_ranks(options):
+def _start_best(options, scene):
+    """Become several processes where these are worth it and can be started; the run is made by this one otherwise."""
+    from hybrid.runtime.memory import available_memory
+    from hybrid.setup.best_ranks import best_ranks
+
+    number, points = best_ranks(scene, len(os.sched_getaffinity(0)), available_memory())
+    if number > 1 and ranks.can_start(number):
+        print(f"{scene.name}: {number} processes for {points} points (--ranks 1: one process)", file=sys.stderr, flush=True)
+        _start_ranks(options, number)
+
+
+def _start_ranks(options, number):
     """Become mpirun, which starts this command that many times."""
-    if options.ranks < 1 or ranks.started() > 1:
-        raise SceneError(f"--ranks {options.ranks}: must be 1 or more, and under mpirun the number of its processes "
+    if number < 1 or ranks.started() > 1:
+        raise SceneError(f"--ranks {number}: must be 1 or more, and under mpirun the number of its processes "
                          f"({ranks.started()}); leave it out there")
-    command, environment = ranks.launch(options.ranks, ["-m", "hybrid", *options.arguments])
+    command, environment = ranks.launch(number, ["-m", "hybrid", *options.arguments])
     try:
         os.execvpe(command[0], command, environment)
     except OSError as error:
-        raise SceneError(f"--ranks {options.ranks}: mpirun cannot be started ({error.strerror}); install it "
+        raise SceneError(f"--ranks {number}: mpirun cannot be started ({error.strerror}); install it "
                          "(apt-get install openmpi-bin), or run on one rank") from None
 
 

@@ -72,6 +72,7 @@ class Simulation:
         self._sheet = self._forces = None
         if ranks.started() > 1:
             self._sheet = self.sheet()      # of all points
+            self._sheet["modelled"]["processes"] = ranks.started()
             self.model, self.state = processes.split(model, state)
         self._monitors = Monitors(self.model, self.state)
 

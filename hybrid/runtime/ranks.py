@@ -7,6 +7,7 @@ it forever.
 
 import logging
 import os
+import subprocess
 import sys
 import time
 from functools import cache
@@ -40,6 +41,21 @@ def launch(number, program):
     threads = max(1, (os.cpu_count() or 1) // number)
     environment = OPEN_MPI | {"NUMBA_NUM_THREADS": str(threads)} | os.environ
     return ["mpirun", "-n", str(number), sys.executable, *map(str, program)], environment
+
+
+def may_start():
+    """Whether this process may become several: it was not started as one of some, and nobody has set its number of threads."""
+    return not any(name in os.environ for name in (*STARTED, "NUMBA_NUM_THREADS"))
+
+
+def can_start(number, seconds=60.0):
+    """Whether mpirun can start so many processes here that know of one another; tried within some `seconds`."""
+    command, environment = launch(number, ["-c", f"from mpi4py import MPI; raise SystemExit(MPI.COMM_WORLD.size != {number})"])
+    try:
+        return subprocess.run(command, env=environment, capture_output=True, stdin=subprocess.DEVNULL,
+                              timeout=seconds).returncode == 0
+    except (OSError, subprocess.TimeoutExpired):
+        return False
 
 
 def started():

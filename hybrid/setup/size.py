@@ -31,10 +31,16 @@ def refuse_cells(scene):
 
 def refuse_size(scene, axes):
     """SceneError where grid and soil do not fit in memory; axes: three arrays of nodes [m]."""
-    soil, counts = scene.soil, [max(1, len(nodes) - 1) for nodes in axes]
-    filled = [_filled(scene, number, nodes) for number, nodes in enumerate(axes)]
+    need, points = size(scene, axes)
+    counts = [max(1, len(nodes) - 1) for nodes in axes]
+    _refuse(need, dict(zip("xyz", counts)), points)
+
+
+def size(scene, axes):
+    """(Memory [bytes] of grid and soil, number of points) of a scene; axes: three arrays of nodes [m]."""
+    soil, filled = scene.soil, [_filled(scene, number, nodes) for number, nodes in enumerate(axes)]
     per_axis = np.broadcast_to(soil.points_per_axis, 3)
-    points = prod(n * (per if len(nodes) > 1 else 1) for n, per, nodes in zip(filled, per_axis, axes))
+    points = prod(n * (int(per) if len(nodes) > 1 else 1) for n, per, nodes in zip(filled, per_axis, axes))
     rows = [n + 1 for n, nodes in zip(filled, axes) if len(nodes) > 1]
     held, plane = soil.held, len(rows) < 3
     nodes = 0 if held else prod(rows)
@@ -42,7 +48,7 @@ def refuse_size(scene, axes):
     need = BYTES_PER_NODE * prod(len(nodes) for nodes in axes) + growing_memory_of(
         points, entries, nodes * len(rows), fbar=bool(soil.fbar), kept=scene.solver.tangent_tolerance > 0 and not held,
         direct=scene.solver.linear == "direct", plane=plane)
-    _refuse(need, dict(zip("xyz", counts)), points)
+    return need, points
 
 
 def _refuse(need, counts, points=None):

@@ -1,5 +1,7 @@
 """Frames in pieces: what several processes write is what one writes, and opens as one."""
 
+import json
+import os
 import shutil
 import subprocess
 import sys
@@ -95,3 +97,33 @@ def test_a_piece_that_cannot_be_written_ends_all_once_and_the_frame_is_not_liste
     assert files(tmp_path / "out") == ["soil_000000.pvtu", "soil_000001.pvtu"]
     hybrid(tmp_path / "out", "--resume", ranks=2)
     assert files(tmp_path / "out") == [f"soil_00000{step}.pvtu" for step in range(4)]
+
+
+BEST = """
+import os, sys
+from hybrid.setup import best_ranks
+best_ranks.PER_PROCESS, best_ranks.FEWEST = 100, 2
+os.sched_getaffinity = lambda _: {0, 1, 2}
+from hybrid.cli import main
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+def test_a_run_becomes_as_many_processes_as_are_worth_it_and_says_so(tmp_path):
+    """256 points, 100 for each process; one where mpirun cannot start any."""
+    script, path = tmp_path / "best.py", tmp_path / "column.toml"
+    script.write_text(BEST)
+    path.write_text(COLUMN)
+    environment = {name: value for name, value in os.environ.items() if name != "NUMBA_NUM_THREADS"}
+
+    def processes(folder, *arguments, **more):
+        done = subprocess.run([sys.executable, script, "run", path, "--out", tmp_path / folder, "--set", "output.every=0", *arguments],
+                              env={**environment, **more}, capture_output=True, text=True, timeout=120)
+        assert done.returncode == 0, done.stderr
+        sizes = json.loads((tmp_path / folder / "summary.json").read_text())["sizes"]["modelled"]
+        return sizes.get("processes"), "2 processes for 256 points (--ranks 1: one process)" in done.stderr
+
+    assert processes("two") == (2, True)
+    (tmp_path / "mpirun").write_text("#!/bin/sh\nexit 1\n")
+    (tmp_path / "mpirun").chmod(0o755)
+    assert processes("one", PATH=f"{tmp_path}:{os.environ['PATH']}") == (None, False)

@@ -1,0 +1,33 @@
+"""The number of processes of a run where the user leaves it open: decided from the scene, before anything is built.
+
+    N = min(cores, points / PER_PROCESS, memory left / (LIBRARIES + memory of all))       rounded down; one where N < FEWEST
+
+Each process makes the whole initial state before it keeps its block, hence the memory. A block of 256 000 points, three steps, two
+cores: two processes take 0.9 of the time of two threads on a machine of their own (demos/speed/README.md), 1.2 to 1.5 of it where
+others compute too, and start 6 s later. So two are not worth it. Threads do not share the linear solver, a quarter of the work:
+they cannot be faster than four times one, and processes can. One process runs held soil, whose points cost nothing, and a grid
+that follows a body, whose number of points is not known from the scene.
+"""
+
+from hybrid.output.model_sheet import LIBRARIES
+from hybrid.runtime.errors import HybridError
+from hybrid.scene.accuracy import apply_accuracy
+from hybrid.scene.defaults import resolve
+from hybrid.setup.grid import axis_nodes
+from hybrid.setup.size import size
+
+PER_PROCESS, FEWEST = 100_000, 4    # points, processes
+
+
+def best_ranks(scene, cores, memory):
+    """(Number of processes for a checked Scene on `cores` with `memory` [bytes] left, its number of points or 0 where that was
+    not needed)."""
+    if cores < FEWEST or scene.grid.moves or scene.soil.held:
+        return 1, 0
+    try:
+        scene, _ = resolve(apply_accuracy(scene)[0])
+        need, points = size(scene, [axis_nodes(axis) for axis in (scene.grid.x, scene.grid.y, scene.grid.z)])
+    except HybridError:     # told when the scene is built
+        return 1, 0
+    number = int(min(cores, points // PER_PROCESS, memory / (LIBRARIES + need)))
+    return number if number >= FEWEST else 1, points
