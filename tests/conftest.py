@@ -1,4 +1,5 @@
 import os
+import signal
 from pathlib import Path
 
 # Before numba reads it: two threads are compared even on a machine of one processor.
@@ -18,3 +19,13 @@ def pytest_configure():
 def geometry():
     """Folder of the .geo files."""
     return Path(__file__).parents[1] / "geometry"
+
+
+@pytest.fixture(autouse=True)
+def interrupts_are_not_ignored():
+    """They are where a shell started the tests in the background, and a program would inherit that."""
+    before = signal.getsignal(signal.SIGINT)
+    if before is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)

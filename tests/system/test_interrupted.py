@@ -20,17 +20,6 @@ from hybrid.runtime.stop_signals import Stopped, stop_signals
 SEED, KILLS = 21, 40     # of the moments at which runs are killed
 
 
-@pytest.fixture(autouse=True)
-def interrupts_are_not_ignored():
-    """They are where a shell started the tests in the background, and a program would inherit that."""
-    before = signal.getsignal(signal.SIGINT)
-    if before is signal.SIG_IGN:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, before)
-
-
-
 @pytest.fixture(scope="module")
 def scene(tmp_path_factory):
     return write_scene(tmp_path_factory.mktemp("scene"))
