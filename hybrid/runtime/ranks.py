@@ -18,7 +18,7 @@ from hybrid.runtime.errors import HybridError
 STARTED = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MPI_LOCALNRANKS", "PMIX_RANK")
 
 # Open MPI refuses to run as root, and more processes than cores, unless told that this is meant; 4 and 5 have a variable each
-# for the latter. 5 refuses mpirun's option -q, and 4 prints a page of its own about every fault without it.
+# for the latter. About every fault 4 prints a page of its own unless told not to; 5 always does, and refuses mpirun's -q.
 OPEN_MPI = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_orte_execute_quiet": "1",
             "OMPI_MCA_rmaps_base_oversubscribe": "1", "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
             "OMPI_MCA_hwloc_base_binding_policy": "none",

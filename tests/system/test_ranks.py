@@ -237,7 +237,7 @@ def test_points_that_leave_the_grid(scene, tmp_path):
     stop = ["--set", "soil.stray='stop'"]
     texts = [hybrid("run", path, "--out", tmp_path / f"stop{ranks}", "--ranks", ranks, *stop, code=2) for ranks in (1, 2)]
     assert texts[1].count("hybrid: ") == 1 and "points 112 at (2.019, " in texts[1]
-    assert texts[1].splitlines()[-1] == texts[0].splitlines()[-1]
+    assert texts[0].splitlines()[-1] in texts[1].splitlines()      # which Open MPI 5 follows by a page of its own
 
 
 def test_sphere_on_held_ground(tmp_path):
