@@ -19,9 +19,10 @@ STARTED = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MPI_LOCALNRANKS", "PMIX_RANK")
 
 # Open MPI refuses to run as root, and more processes than cores, unless told that this is meant; 4 and 5 have a variable each
 # for the latter. About every fault 4 prints a page of its own unless told not to; 5 always does, and refuses mpirun's -q.
+# 5 complains when a machine's IPv4 and IPv6 addresses do not reach one another; processes of one machine need lo only.
 OPEN_MPI = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_orte_execute_quiet": "1",
             "OMPI_MCA_rmaps_base_oversubscribe": "1", "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
-            "OMPI_MCA_hwloc_base_binding_policy": "none",
+            "OMPI_MCA_hwloc_base_binding_policy": "none", "OMPI_MCA_btl_tcp_if_include": "lo",
             "OMPI_MCA_mpi_yield_when_idle": "1"}     # a rank that waits leaves its core to others
 
 
