@@ -22,10 +22,13 @@ def geometry():
 
 
 @pytest.fixture(autouse=True)
-def interrupts_are_not_ignored():
-    """They are where a shell started the tests in the background, and a program would inherit that."""
-    before = signal.getsignal(signal.SIGINT)
-    if before is signal.SIG_IGN:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+def signals_are_not_ignored():
+    """They are where a shell or nohup started the tests in the background, and a program would inherit that."""
+    ignored = {signal.SIGINT: signal.default_int_handler, signal.SIGHUP: signal.SIG_DFL}
+    before = {number: signal.getsignal(number) for number in ignored}
+    for number, handler in ignored.items():
+        if before[number] is signal.SIG_IGN:
+            signal.signal(number, handler)
     yield
-    signal.signal(signal.SIGINT, before)
+    for number, handler in before.items():
+        signal.signal(number, handler)
