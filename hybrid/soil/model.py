@@ -156,7 +156,7 @@ class Soil:
 
     def evaluate(self, step, displacement, keep=None):
         """SoilTrial at nodal increments (N, 3) [m], or a Refusal: a point would turn inside out, or the law has no
-        stress for it. keep: an earlier SoilTrial that stays valid."""
+        stress for it. keep: an earlier SoilTrial that stays valid. Its force is that of the points of this process."""
         points = step.points
         strain = step.workspace.trial_strain(step.basis, self.grid.shape, displacement, points.b_elastic, step.mean,
                                              points.inactive, keep and keep.strain)
@@ -172,7 +172,7 @@ class Soil:
                                fbar.mean_dilatation(step.mean, self.grid.collapsed, strain))
         if step.cuts:
             ghost.add_force(step.cuts, self.grid, displacement, force)
-        return SoilTrial(strain, response, stress, self.grid.summed(force))
+        return SoilTrial(strain, response, stress, force)
 
     def fill_stiffness(self, step, trial, pattern, values, error=1.0):
         """Put the tangent of `trial` into the soil block (entries `values`).

@@ -128,8 +128,8 @@ class Step:
         with phase("contact"):
             pairs = self.pairs and self.pairs.evaluate(unknowns.poses)
             bodies = tuple(b.evaluate(unknowns, nodal_contact, joints, pairs) for b in self.bodies)
-            if bodies and nodal_contact is not None:
-                self.model.soil.grid.summed(nodal_contact)
+            if soil is not None:
+                soil_terms.add_up(self.model.soil.grid, soil, bool(bodies))
         residual, norms, error, internal = np.zeros(0), {}, 0.0, 0.0
         if soil is not None:
             residual, internal, norms["soil [N]"], error = soil_terms.residual(
@@ -148,9 +148,9 @@ class Step:
         """Fill the block system with the tangent at an evaluation, and factor it. softening: whether with that of contact at
         convex edges."""
         self.system.clear()
-        if self.soil is not None:
-            soil_terms.add_tangent(self, evaluation.soil_trial, evaluation.error)
         stiffness = comm.largest(self.model.soil.law.young) * self.model.soil.grid.smallest_cell
+        if self.soil is not None:   # no process waits for another between soil and contact: they share the sum of both
+            soil_terms.add_tangent(self, evaluation.soil_trial, evaluation.error)
         with phase("contact"):
             for terms in evaluation.bodies:
                 terms.add_tangent(self.pattern, self.system, stiffness, softening)

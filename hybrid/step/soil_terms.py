@@ -38,6 +38,16 @@ def evaluate(step, displacement, keep=None):
         "contact": np.zeros_like(trial.force)})
 
 
+def add_up(grid, terms, with_contact):
+    """Give nodes the forces of the points of all processes, in one exchange: in place."""
+    if grid.nodes is None:
+        return
+    forces = [terms.forces[name] for name in ("internal", "contact")[:1 + with_contact]]
+    every = grid.summed(np.concatenate(forces, axis=1))
+    for i, force in enumerate(forces):
+        force[:] = every[:, 3 * i:3 * i + 3]
+
+
 def residual(step, terms, displacement, springs):
     """Residual (n,) [N] on the free unknowns, norms [N] of the internal forces and of the residual, and the error, which
     is relative to the largest of the terms.
