@@ -6,6 +6,8 @@ An observer has three methods, called by the simulation:
     accepted(record, simulation)   after every accepted outer step; record is a `hybrid.output.record.Record`
     finish(summary, simulation)    once at the end; summary["outcome"] is completed, failed or interrupted
 
+Of several processes all have the same observers and call them together (`hybrid.output.first`).
+
 An OSError of an observer stops the run, which can then be resumed: the step whose results could not be written is not
 in the checkpoint, and is computed again.
 """
