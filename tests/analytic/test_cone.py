@@ -4,11 +4,11 @@ Smooth, G = 100 s_u, pushed by a tenth of a cell a step; q / s_u where the shoul
 jitter (root mean square, peak to peak) over the last third of a push:
 
     cells in the radius   at 1.73 m   at 3.5 m   jitter                       Newton iterations a step
-    2                     6.4         8.6        3.5 %, 10 % (to 3.8 m)       5.4
-    3                     5.5         8.5        2.2 %, 8 % (to 3.6 m)        6.3
+    2                     6.1         9.4        4.8 %, 16 % (to 4.5 m)       4.4
+    3                     5.3         8.2        2.5 %, 8 % (to 4.5 m)        4.4
 
-The force follows the place of the shoulder in its cell: maxima are a cell apart, where it leaves a grid line. At 3.8 m,
-half-way to where it is steady, q is 9.9 on two cells, against 9.7 deep down.
+The force follows the place of the shoulder in its cell: maxima are a cell apart, where it leaves a grid line. At 4.5 m
+q is 9.7 on two cells, against 9.7 deep down, and still rises.
 """
 
 import functools
