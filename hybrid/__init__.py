@@ -18,12 +18,13 @@ from importlib import import_module
 from hybrid.runtime.environment import prepare
 from hybrid.runtime.kernel_cache import choose_folder
 
-# Numba's own work queue sleeps between parallel loops where OpenMP spins: on a busy machine that is several times
-# faster for the many short loops of a step. It must be chosen before numba is imported.
-os.environ.setdefault("NUMBA_THREADING_LAYER", "workqueue")
+# Threads of OpenMP wait some microseconds for the next parallel loop, and a step has many short ones: the anchor takes 0.87 of the
+# time that it takes with numba's own work queue, whose threads sleep in between. Longer waiting gains no more, and takes time
+# from others on a busy machine. Numba reads this when it is imported.
+os.environ.setdefault("NUMBA_THREADING_LAYER_PRIORITY", "omp workqueue tbb")
+os.environ.setdefault("GOMP_SPINCOUNT", "1000")
 # Threads of BLAS wait for each other at each of thousands of short sums: the anchor takes 1.2 times the processor's time.
-for _library in ("OPENBLAS", "OMP"):
-    os.environ.setdefault(f"{_library}_NUM_THREADS", "1")    # without effect where numpy has been imported before
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")      # without effect where numpy has been imported before
 prepare()
 choose_folder()     # of compiled kernels, likewise
 
