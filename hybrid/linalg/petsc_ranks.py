@@ -14,6 +14,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from hybrid.linalg.precond_pattern import ReducedMatrix
+from hybrid.linalg.product import Product
 from hybrid.linalg.solver_choice import DAMPED, DIRECT, INCOMPLETE, MOST, SWEEPS
 from hybrid.runtime import comm, ranks
 from hybrid.runtime.errors import StepError
@@ -75,7 +76,7 @@ class DistributedSystem:
         places = PETSc.IS().createGeneral(numbers, comm=SELF)
         self._scatter = PETSc.Scatter().create(self._vector, places, self._copy, None)
         places.destroy()
-        self._product = self._copy.duplicate()
+        self._product, self._multiply = self._copy.duplicate(), Product(pattern.indptr, pattern.indices, self.values)
         self._local = PETSc.Mat().createAIJWithArrays((n, n), (pattern.indptr, pattern.indices, self.values), comm=SELF)
         self._reduced = reduced or ReducedMatrix(pattern.indptr, pattern.indices, np.ones(len(pattern.indices), bool))
         self._made = {}     # {solver: (matrix of unassembled parts, local matrix, assembled matrix, KSP)}
@@ -149,7 +150,7 @@ class DistributedSystem:
     def mult(self, x, y):
         """y = K x."""
         soil, bodies = self._to_local(x.array_r[:self._count]), self._of_bodies(x)
-        self._local.mult(self._copy, self._product)
+        self._multiply.mult(None, self._copy, self._product)
         on_bodies = comm.total([self.wu @ soil]) + self.ww @ bodies if self.body_unknowns else bodies
         self._put(y, self._summed(self._product.array_r + self.uw @ bodies), on_bodies)
 
