@@ -2,9 +2,9 @@
 
     N = min(cores, points / PER_PROCESS, memory left / (LIBRARIES + memory of all))       rounded down; one where N < FEWEST
 
-Each process makes the whole initial state before it keeps its block, hence the memory. A block of 256 000 points, three steps, two
-cores: two processes take 0.9 of the time of two threads on a machine of their own (demos/speed/README.md), 1.2 to 1.5 of it where
-others compute too, and start 6 s later. So two are not worth it. Threads do not share the linear solver, a quarter of the work:
+Each process makes the whole initial state before it keeps its block, hence the memory. On two cores two processes take 1.05 of the time of
+two threads for a block of 256 000 points and 1.08 for the anchor (demos/speed/README.md), and start 6 s later. So two are not
+worth it. Threads share only the products of the linear solver, a quarter of the work:
 they cannot be faster than four times one, and processes can. One process runs held soil, whose points cost nothing, and a grid
 that follows a body, whose number of points is not known from the scene.
 """

@@ -112,8 +112,8 @@ def test_every_case_is_on_the_page_of_speed(case):
 
 def test_runs_of_a_peer_and_failures_are_shown():
     changed = copy.deepcopy(RECORD)
-    rows = changed["cases"]["block"]["rows"]
-    rows += [{**rows[0], "program": "kratos 10.4.4", "Krylov": None, "s a step": 1.25}]
+    own = [row for row in changed["cases"]["block"]["rows"] if row["program"] == "hybrid"]
+    changed["cases"]["block"]["rows"] = [*own, {**own[0], "program": "kratos 10.4.4", "Krylov": None, "s a step": 1.25}]
     changed["cases"]["solvers"]["rows"][0]["failed"] = "no convergence"
     made = report.tables(changed)
     assert "\n| kratos 10.4.4 | 1.2 |" in made and " | failed |\n" in made and " | no convergence |\n" in made
