@@ -28,7 +28,7 @@ from hybrid.contact import closest_points, soil_to_body
 from hybrid.contact.assembly import skew
 from hybrid.contact.interface import NONE
 from hybrid.contact.samples import Places, Samples
-from hybrid.contact.tunnelling import _pierced
+from hybrid.contact.tunnelling import pierced
 
 FACING = 0.1    # cosine between a place's normal and that of the other body, reversed, above which it presses
 HALVINGS = 14   # bisections of the path to the first contact
@@ -162,7 +162,7 @@ class SideStep:
             return 0
         start, path, surface = self.start[checked], path[checked], self.side.surface
         outside = closest_points.gaps(start + path, surface) >= 0.0
-        passed = _pierced(start, path, FINEST * depth, surface.tree) & outside
+        passed = pierced(start, path, FINEST * depth, surface.tree) & outside
         for fraction in (0.25, 0.5, 0.75):
             passed |= (closest_points.gaps(start + fraction * path, surface) < -depth) & outside
         return int(np.count_nonzero(passed))

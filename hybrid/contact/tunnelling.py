@@ -46,27 +46,31 @@ def count_tunnelled(corners, contact, position, centre, rotation, surface, depth
     walked = checked & (end_gap >= 0.0)
     walked[pushed_on] = checked[pushed_on]
     tunnelled = np.zeros(len(corners), bool)
-    tunnelled[walked] = _pierced(corners.start[walked], path[walked], FINEST * depth, *surface.tree.parts)
+    tunnelled[walked] = pierced(corners.start[walked], path[walked], FINEST * depth, surface.tree)
     for fraction in FRACTIONS:
         tunnelled[walked] |= gaps(corners.start[walked] + fraction * path[walked], surface) < -depth
     return int(total(checked & tunnelled))
 
 
+def pierced(start, path, finest, tree):
+    """(m,) bool, whether a path (m, 3) from `start` (m, 3) enters by one side and leaves by the opposite one, or ends inside nearest to
+    the opposite one; finest: [m] shortest step of the walk."""
+    found = np.zeros(len(start), np.bool_)
+    _walk(start, path, finest, *tree.parts, found)
+    return found
+
+
 @njit(cache=True, parallel=True)
-def _pierced(start, path, finest, arrays, patches):
-    """(m,) bool of paths (m, 3) from `start` (m, 3), as `_pierces`."""
-    pierced = np.zeros(len(start), np.bool_)
+def _walk(start, path, finest, arrays, patches, found):
     for lane in prange(LANES):
         tree = joined(arrays, patches)
         for n in range(lane, len(start), LANES):
-            pierced[n] = _pierces((start[n, 0], start[n, 1], start[n, 2]), (path[n, 0], path[n, 1], path[n, 2]), finest, tree)
-    return pierced
+            found[n] = _pierces((start[n, 0], start[n, 1], start[n, 2]), (path[n, 0], path[n, 1], path[n, 2]), finest, tree)
 
 
 @njit(cache=True)
 def _pierces(start, path, finest, tree):
-    """Whether a path from `start`, both tuples of three, enters by one side and leaves by the opposite one, or ends inside
-    nearest to the opposite one; finest: [m] shortest step of the walk."""
+    """As `pierced`, for one path from `start`, both tuples of three."""
     length, walked = math.sqrt(path[0] ** 2 + path[1] ** 2 + path[2] ** 2), 0.0
     inside, side = False, (0.0, 0.0, 0.0)
     entry = side

@@ -60,7 +60,7 @@ def test_without_the_check_it_goes_through(geometry, monkeypatch, thickness, con
 
 def test_looking_at_a_few_places_of_the_way_skips_a_foil(geometry, monkeypatch):
     """Quarters of 150 mm all miss 5 mm; walking by the distance to the surface does not."""
-    monkeypatch.setattr(tunnelling, "_pierced", lambda start, *rest: np.zeros(len(start), bool))
+    monkeypatch.setattr(tunnelling, "pierced", lambda start, *rest: np.zeros(len(start), bool))
     simulation = thrown(geometry, 0.005, "faces")
     with suppress(StepError):
         list(simulation.steps())
