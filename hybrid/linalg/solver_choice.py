@@ -80,7 +80,7 @@ class SolverChoice:
         self._tangents += 1
         if self._tangents > self._until:
             self._rates[:], self._tangents, self._last, self._until = np.nan, 1, -1, RETRY
-        if self._tangents % ASKED == 1 or unknowns != self._fits_for:
+        if not self._fits or self._tangents % ASKED == 1 or unknowns != self._fits_for:
             self._fits, self._fits_for = not self.refusal(unknowns), unknowns
         fits = self._fits
         costs = self._costs(unknowns, bodies, symmetric)

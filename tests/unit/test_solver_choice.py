@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hybrid.linalg import solver_choice
-from hybrid.linalg.solver_choice import DAMPED, DIRECT, INCOMPLETE, LEAST, MARGIN, MOST, RETRY, SOON, SWEEPS, SolverChoice
+from hybrid.linalg.solver_choice import ASKED, DAMPED, DIRECT, INCOMPLETE, LEAST, MARGIN, MOST, RETRY, SOON, SWEEPS, SolverChoice
 from hybrid.runtime.memory import available_memory, direct_factor_memory
 
 
@@ -120,3 +120,17 @@ def test_memory_of_a_factor():
     assert direct_factor_memory(17_859) == pytest.approx(483e6, rel=0.2)
     assert direct_factor_memory(28_800, plane=True) == pytest.approx(128e6, rel=0.2)
     assert available_memory() > 2**20
+
+
+def test_memory_is_asked_for_now_and_then_and_always_where_a_factor_did_not_fit(monkeypatch):
+    asked, left, choice = [], 2**40, SolverChoice("auto")
+    monkeypatch.setattr(solver_choice, "available_memory", lambda: asked.append(left) or left)
+    for _ in range(2 * ASKED):
+        assert order(choice)[-1] == DIRECT
+    assert len(asked) == 2
+    order(choice, unknowns=11_000)
+    assert len(asked) == 3
+    left = 2**20
+    assert order(choice, unknowns=12_000)[-1] == SWEEPS
+    left = 2**40
+    assert order(choice, unknowns=12_000)[-1] == DIRECT
