@@ -11,6 +11,7 @@ What a user reads, stable from version to version:
 """
 
 import logging
+from contextlib import closing
 from copy import copy
 from functools import cached_property
 
@@ -181,8 +182,9 @@ class Simulation:
         summary, stop, shared = {"outcome": "completed", "reason": ""}, None, True
         self._tell(observers, lambda observer: observer.start(self))
         try:
-            for record in self.steps():
-                self._tell(observers, lambda observer, record=record: observer.accepted(record, self))
+            with closing(self.steps()) as steps:        # their matrices, also where an observer ends the run
+                for record in steps:
+                    self._tell(observers, lambda observer, record=record: observer.accepted(record, self))
         except (KeyboardInterrupt, OutputError) as error:
             summary.update(outcome="interrupted", reason=str(error) or "SIGINT")
             stop, shared = error, getattr(error, "of_all", isinstance(error, OutputError))

@@ -24,7 +24,10 @@ All matrices stay allocated while the pattern is unchanged; values are edited in
 Equations: FORMULATION (2), (47).
 """
 
+import atexit
+import gc
 from contextlib import contextmanager
+from weakref import WeakSet
 
 import numpy as np
 from petsc4py import PETSc
@@ -54,6 +57,16 @@ RAISED = 1.5
 SINGULAR = "finds the matrix singular"
 COMM = PETSc.COMM_SELF
 CHOSEN_BY_USER = set(PETSc.Options().getAll())  # PETSC_OPTIONS of the environment take precedence
+ALIVE = WeakSet()       # systems that have not been destroyed
+
+
+@atexit.register
+def _destroy_all():
+    """PETSc ends after Python has, and would then crash in destroying a matrix whose product is written in Python."""
+    for system in list(ALIVE):
+        system.destroy()
+    gc.collect()
+    PETSc.garbage_cleanup(COMM)     # what Python has collected and PETSc keeps
 
 
 class BlockSystem:
@@ -90,6 +103,7 @@ class BlockSystem:
             self._join()
             self._order, self._at, self._failed = [], 0, ""
             self._x, self._b = self._matrix.createVecs()
+            ALIVE.add(self)
 
     def _join(self):
         """Form the system matrix, as it is factored and as GMRES applies it, and the preconditioner's matrix; with bodies and
@@ -139,6 +153,7 @@ class BlockSystem:
 
     def destroy(self):
         """Release the memory of matrices and factors now, not when Python's garbage collector runs."""
+        ALIVE.discard(self)
         if self._blocks:
             for ksp, _ in self._solvers.values():
                 if self._coupled:  # PETSc keeps the inner solvers of a Schur field split, and their factors

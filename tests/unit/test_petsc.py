@@ -1,5 +1,7 @@
 """The block system against a dense solution, whatever its preconditioner; memory given back."""
 
+import subprocess
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -303,3 +305,22 @@ def test_a_direct_factor_that_does_not_fit_in_memory_is_refused(monkeypatch):
 def test_a_matrix_that_is_singular_to_the_direct_factor_is_named(linear):
     with pytest.raises(StepError, match="^linear solver: .*the direct factor finds the matrix singular"):
         solved(*badly_conditioned(linear, singular=True))
+
+
+DROPPED = """
+import numpy as np
+from hybrid.linalg.petsc import BlockSystem
+
+def system():
+    return BlockSystem(np.arange(4, dtype=np.int32), np.arange(3, dtype=np.int32), 6, "auto", 1e-3)
+
+{}
+"""
+
+
+@pytest.mark.parametrize("how", ["system()", "kept = system()", "kept = system()\nkept.itself = kept\ndel kept",
+                                 "kept = [system()._product]\nkept.append(kept)\ndel kept"])
+def test_a_process_ends_well_with_systems_that_nobody_has_destroyed(how):
+    """PETSc ends after Python has, and must have no matrix by then that calls Python."""
+    ended = subprocess.run([sys.executable, "-c", DROPPED.format(how)], capture_output=True, text=True)
+    assert ended.returncode == 0, ended.stderr
