@@ -22,7 +22,8 @@ import numpy as np
 from numba import njit
 
 from hybrid.body.attitude import log_so3
-from hybrid.body.closest import closest_facing, outside_bounds
+from hybrid.body.closest import closest_facing
+from hybrid.body.facet_tree import outside_bounds
 from hybrid.body.surface import ContactSurface
 from hybrid.contact import closest_points, soil_to_body
 from hybrid.contact.assembly import skew
