@@ -1,12 +1,11 @@
 """The `hybrid` command: run a scene, check it without running, measure speed, study precision, failures and random
-scenes, mesh a geometry.
+scenes, mesh a geometry (`hybrid.arguments`: what each takes).
 
 Each command imports what it needs when it runs, so that help and mistakes in the arguments are reported at once.
 Exit codes: 0 done, 2 wrong arguments or an error that the user can correct, 130, 143, 129 interrupted by SIGINT, SIGTERM,
 SIGHUP, 141 nobody reads what is printed (`hybrid demos | head -1`).
 """
 
-import argparse
 import errno
 import os
 import sys
@@ -15,6 +14,7 @@ from contextlib import nullcontext
 from importlib import import_module
 from pathlib import Path
 
+from hybrid.arguments import geometry_parameters, mesh_density, parser
 from hybrid.bench import CASES
 from hybrid.output.sheet_text import format_sheet, mesh_sheet
 from hybrid.runtime import ranks
@@ -50,9 +50,9 @@ def _main(arguments):
     if ranks.started() > 1:
         return _with_others(options)
     try:
-        if options.command in (run, check, bench, study):
+        if options.command in ("run", "check", "bench", "study"):
             require_folder()
-        options.command(options)
+        COMMANDS[options.command](options)
     except HybridError as error:
         return _told(f"hybrid: {error}")
     except MemoryError as error:
@@ -74,10 +74,10 @@ def _with_others(options):
     ranks.prepare()
     code, text = 0, ""
     try:
-        if options.command is not run:
+        if options.command != "run":
             raise SceneError("several ranks work together in `hybrid run` only; start this command without mpirun")
         require_folder()
-        options.command(options)
+        run(options)
     except HybridError as error:
         code, text = 2, f"hybrid: {error}"
     except KeyboardInterrupt as stop:
@@ -102,111 +102,6 @@ def _told(text, code=2):
     except OSError:
         silence(2)
     return code
-
-
-def parser():
-    """The argument parser; kept apart for the documentation and the tests."""
-    top = argparse.ArgumentParser(
-        prog="hybrid", allow_abbrev=False,
-        description="Rigid bodies in highly deformable soil by the implicit material point method.",
-        epilog="`hybrid COMMAND --help` lists the options of a command.")
-    top.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
-    commands = top.add_subparsers(metavar="COMMAND", required=True)
-
-    sub = _command(commands, "run", run, "run a scene and write its results to a folder")
-    _scene_arguments(sub)
-    sub.add_argument("--out", type=folder, metavar="DIR", help="folder of results (default: out/<scene name>)")
-    sub.add_argument("--resume", action="store_true", help="continue from the last checkpoint in that folder")
-    sub.add_argument("--overwrite", action="store_true", help="replace the results in that folder")
-
-    sub.add_argument("--ranks", type=int, metavar="N", help="number of processes that share the work, started by mpirun "
-                                                            "(default: one; with 4 cores or more and 400000 points or more, "
-                                                            "one for each 100000 points)")
-
-    sub = _command(commands, "check", check, "validate a scene; print the size of its model, warnings and the "
-                                             "predicted cost of a run")
-    _scene_arguments(sub)
-    sub.add_argument("--no-cost", action="store_true",
-                     help="do not predict the cost, which takes the time of a few steps")
-
-    sub = _command(commands, "demos", demos, "list the shipped scenes, or copy some")
-    sub.add_argument("names", nargs="*", metavar="NAME", default=[], help="scenes to copy (default: list all)")
-    sub.add_argument("--to", type=folder, metavar="DIR", default=Path(), help="folder to copy to (default: this one)")
-
-    sub = _command(commands, "bench", bench, "measure the speed of the benchmark cases on this machine")
-    sub.add_argument("cases", nargs="*", metavar="CASE", default=[], help=", ".join(CASES) + " (default: all)")
-    sub.add_argument("--quick", action="store_true", help="the smallest size of each case")
-    sub.add_argument("--out", type=Path, metavar="FILE.json", help="write the measurements, with machine and versions")
-    sub.add_argument("--peer", type=Path, metavar="PYTHON", help="a Python with Kratos MPM, run as well in `block`")
-    sub.add_argument("--page", action="store_true",
-                     help="write the tables of demos/speed/README.md from demos/speed/bench.json, measure nothing")
-
-    sub = _command(commands, "study", study, "chart speed against accuracy, where methods fail, or random problems")
-    sub.add_argument("study", choices=["precision", "failure", "random"], metavar="STUDY",
-                     help="precision: error against cost; failure: known failure modes, with plain method and remedies; "
-                          "random: scenes drawn at random with nothing set but the physics")
-    sub.add_argument("problems", nargs="*", metavar="NAME", default=[],
-                     help="some of its problems, failure modes or families (default: all; --list shows them)")
-    sub.add_argument("--quick", action="store_true", help="a few settings or seeds of each of them, once")
-    sub.add_argument("--out", type=folder, metavar="DIR", help="folder of records and figures (default: out/STUDY)")
-    sub.add_argument("--resume", action="store_true",
-                     help="keep the records of the folder and run the missing settings")
-    sub.add_argument("--peer", type=Path, metavar="PYTHON", help="a Python with Kratos MPM, run as well in `column`")
-    sub.add_argument("--draw", action="store_true", help="draw the figures from the folder's records, run nothing")
-    sub.add_argument("--list", action="store_true", help="list the names of them, run nothing")
-
-    sub = _command(commands, "schema", schema, "print the JSON Schema of scene files, for completion in an editor")
-    sub.add_argument("--page", action="store_true", help="print all keys as a page in Markdown instead")
-    sub.add_argument("--out", type=Path, metavar="FILE", help="write to a file instead")
-
-    sub = _command(commands, "mesh", mesh, "mesh a geometry; print the size of the mesh and the mass of the body")
-    sub.add_argument("geometry", type=Path, metavar="FILE", help="geometry (.geo), solid, triangles or mesh (.step, "
-                                                                 ".iges, .brep, .stl, .msh)")
-    sub.add_argument("--density", default="7850", metavar="RHO",
-                     help="density of the body in kg/m³ (default: 7850, steel), or of each of its volumes, as "
-                          "shank=7850,fluke=7200")
-    sub.add_argument("--scale", type=float, default=1.0, metavar="METRES",
-                     help="metres in a unit of the file, 0.001 for triangles in millimetres (default: 1)")
-    sub.add_argument("--symmetry", choices=["x", "y"], help="cut the body in half: keep what lies at positive x or y")
-    _set_argument(sub, "name=value", "set a parameter of the geometry, such as size=0.1")
-    sub.add_argument("--out", type=Path, metavar="FILE.vtu", help="write the mesh as VTK XML, for ParaView")
-    return top
-
-
-def _command(commands, name, function, text):
-    sub = commands.add_parser(name, help=text, description=text, allow_abbrev=False)
-    sub.set_defaults(command=function)
-    return sub
-
-
-def _scene_arguments(sub):
-    sub.add_argument("scene", type=Path, metavar="SCENE", help="scene file (TOML)")
-    _set_argument(sub, "key=value", "replace values of the scene, such as time.step=0.01 body.anchor.friction=0.3")
-
-
-def _set_argument(sub, metavar, text):
-    sub.add_argument("--set", nargs="+", action="extend", default=[], dest="overrides", metavar=metavar,
-                     help=text)
-
-
-def folder(text):
-    """Path of an argument that names a folder; "" would be the working folder."""
-    if not text.strip() or "\0" in text:
-        raise argparse.ArgumentTypeError(f"{text!r} names no folder; leave the option out, or give . for this one")
-    return Path(text)
-
-
-class _Version(argparse.Action):
-    """Prints the version, which is looked up only then."""
-
-    def __call__(self, parser, *_):
-        import hybrid
-
-        print(f"hybrid {hybrid.__version__}")
-        parser.exit()
-
-
-# ------------------------------------------------------------------ commands
 
 
 def run(options):
@@ -379,29 +274,4 @@ def mesh(options):
         print(f"\nwritten to {options.out}")
 
 
-def mesh_density(text):
-    """Density [kg/m³] of --density: one number, or {name of a volume: number}."""
-    named = [part.rpartition("=") for part in text.split(",")]
-    try:
-        densities = {name.strip(): float(number) for name, _, number in named}
-    except ValueError:
-        densities = {}
-    sound = len(densities) == len(named) and all(0 < rho < float("inf") for rho in densities.values())
-    if not sound or len(named) > 1 and "" in densities:
-        raise SceneError(f"--density = {text}: must be a positive number of kg/m³, 7850 is steel, or one for each volume, "
-                         "such as shank=7850,fluke=7200")
-    return densities.get("", densities)
-
-
-def geometry_parameters(overrides):
-    """Dict of the numbers in "name=value" texts; SceneError for anything else."""
-    from hybrid.scene.file import toml_value
-
-    parameters = {}
-    for override in overrides:
-        name, _, text = override.partition("=")
-        value = toml_value(text)
-        if not name.strip() or isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise SceneError(f"--set {override}: expected name=number, for example size=0.1")
-        parameters[name.strip()] = float(value)
-    return parameters
+COMMANDS = {function.__name__: function for function in (run, check, demos, bench, study, schema, mesh)}

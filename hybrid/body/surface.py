@@ -32,7 +32,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hybrid.body.closest import SECOND, Tree
+from hybrid.body.facet_tree import SECOND, Tree
 from hybrid.body.smooth import build_patches
 from hybrid.runtime.errors import GeometryError
 

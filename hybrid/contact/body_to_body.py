@@ -19,10 +19,11 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+from numba import njit, prange
 
 from hybrid.body.attitude import log_so3
-from hybrid.body.closest import closest_facing, outside_bounds
+from hybrid.body.closest import closest_facing
+from hybrid.body.facet_tree import LANES, joined, outside_bounds
 from hybrid.body.surface import ContactSurface
 from hybrid.contact import closest_points, soil_to_body
 from hybrid.contact.assembly import skew
@@ -131,7 +132,8 @@ class SideStep:
         turn, way = relative(pose_a, pose_b, self.collapsed)
         y, outward, surface = self.places.point @ turn.T + way, self.places.normal @ turn.T, self.side.surface
         points = closest_points.ClosestPoints.empty(len(y))
-        _project(y, outward, self.side.samples.first_edge > self.places.number, self.start, self.places.clearance, surface.radius, surface.tree, points)
+        on_face = self.side.samples.first_edge > self.places.number
+        _project(y, outward, on_face, self.start, self.places.clearance, surface.radius, *surface.tree.parts, points)
         active = np.flatnonzero(self.stiffness * (self.rest - points.gap) > 0.0)
         points = points.select(active)
         origin = np.where(self.touching[active, None], self.anchor[active], self.start[active])
@@ -208,21 +210,23 @@ def _path(start_a, start_b, end_a, end_b, collapsed):
     return Path(way, np.where(collapsed, 0.0, end_a[0] - end_b[0]) - way, *turns[0], *turns[1])
 
 
-@njit(cache=True)
-def _project(y, outward, on_face, start, clearance, radius, tree, points):
+@njit(cache=True, parallel=True)
+def _project(y, outward, on_face, start, clearance, radius, arrays, patches, points):
     """Fill `points` (ClosestPoints) for places now at y (m, 3); on_face: (m,) bool, not on edges."""
     gap, triangle, feature, foot, weights = points
-    for n in range(len(y)):
-        x0, x1, x2 = y[n, 0] - start[n, 0], y[n, 1] - start[n, 1], y[n, 2] - start[n, 2]
-        away = x0 * x0 + x1 * x1 + x2 * x2 < max(clearance[n], 0.0) ** 2
-        if away or outside_bounds(y[n, 0], y[n, 1], y[n, 2], radius, tree):
-            gap[n] = np.inf
-            continue
-        normal = outward[n, 0], outward[n, 1], outward[n, 2]
-        t, f, x, w, g = closest_facing((y[n, 0], y[n, 1], y[n, 2]), normal, FACING, on_face[n], tree)
-        triangle[n], feature[n], gap[n] = t, f, g
-        for i in range(3):
-            foot[n, i], weights[n, i] = x[i], w[i]
+    for lane in prange(LANES):
+        tree = joined(arrays, patches)
+        for n in range(lane, len(y), LANES):
+            x0, x1, x2 = y[n, 0] - start[n, 0], y[n, 1] - start[n, 1], y[n, 2] - start[n, 2]
+            away = x0 * x0 + x1 * x1 + x2 * x2 < max(clearance[n], 0.0) ** 2
+            if away or outside_bounds(y[n, 0], y[n, 1], y[n, 2], radius, tree):
+                gap[n] = np.inf
+                continue
+            normal = outward[n, 0], outward[n, 1], outward[n, 2]
+            t, f, x, w, g = closest_facing((y[n, 0], y[n, 1], y[n, 2]), normal, FACING, on_face[n], tree)
+            triangle[n], feature[n], gap[n] = t, f, g
+            for i in range(3):
+                foot[n, i], weights[n, i] = x[i], w[i]
 
 
 @njit(cache=True)

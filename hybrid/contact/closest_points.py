@@ -5,7 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit, prange
 
-from hybrid.body.closest import LANES, closest, joined, outside_bounds
+from hybrid.body.closest import closest
+from hybrid.body.facet_tree import LANES, joined, outside_bounds
 
 
 class CornerStart(NamedTuple):

@@ -28,7 +28,8 @@ import numpy as np
 from numba import njit
 from scipy.spatial import cKDTree
 
-from hybrid.body.closest import NO_SIDE, closest
+from hybrid.body.closest import closest
+from hybrid.body.facet_tree import NO_SIDE
 from hybrid.runtime.comm import joined, offset
 
 ATTACHED = 0.1  # half-widths of a domain from the surface, within which a contact point is bonded at the start

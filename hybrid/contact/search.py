@@ -11,7 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit, prange
 
-from hybrid.body.closest import LANES, NO_SIDE, closest, joined
+from hybrid.body.closest import closest
+from hybrid.body.facet_tree import LANES, NO_SIDE, joined
 from hybrid.contact import places
 from hybrid.runtime.comm import largest, total
 

@@ -19,7 +19,8 @@ import math
 import numpy as np
 from numba import njit, prange
 
-from hybrid.body.closest import LANES, NO_SIDE, OPPOSITE, closest, joined
+from hybrid.body.closest import closest
+from hybrid.body.facet_tree import LANES, NO_SIDE, OPPOSITE, joined
 from hybrid.contact.closest_points import gaps
 from hybrid.runtime.comm import total
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numba import njit
 
-from hybrid.body.closest import search
+from hybrid.body.facet_tree import search
 from hybrid.contact import contact_pair
 from hybrid.contact import search as contact_search
 from hybrid.scene import Body

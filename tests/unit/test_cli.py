@@ -226,9 +226,9 @@ def test_version_and_public_names():
 def test_import_and_help_load_nothing_heavy():
     heavy = "numpy numba gmsh dolfinx petsc4py mpi4py matplotlib pyvista meshio".split()
     code = f"""
-import sys, hybrid, hybrid.cli
+import sys, hybrid, hybrid.cli, hybrid.arguments
 hybrid.Scene, hybrid.load_scene
-hybrid.cli.parser().format_help()
+hybrid.arguments.parser().format_help()
 print([name for name in {heavy} if name in sys.modules])
 """
     assert python("-c", code) == "[]\n"

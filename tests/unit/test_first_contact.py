@@ -7,6 +7,7 @@ from contact_bed import RIGHT_HAND, ball, body_at, box
 
 from hybrid.body.attitude import exp_so3
 from hybrid.body.closest import closest
+from hybrid.contact import body_to_body, samples, soil_to_body
 from hybrid.contact.closest_points import gaps
 from hybrid.contact.first_contact import predicted_contact_points
 from hybrid.contact.search import distances
@@ -74,17 +75,39 @@ def test_a_corner_on_the_surface_to_round_off_touches_where_it_stands():
     np.testing.assert_array_equal(side, [[0.0, 0.0, 1.0]])
 
 
-def test_searches_do_not_depend_on_the_number_of_threads():
-    surface, body = ball(rings=30), body_at((0.0, 0.0, 0.0))
-    start = 0.6 * np.random.default_rng(1).standard_normal((1000, 3)) * surface.radius
-    pose, threads, found = (np.array([0.01, 0.0, 0.02]), exp_so3(np.array([0.0, 0.1, 0.0]))), numba.get_num_threads(), []
+def on_one_and_two_threads(searched):
+    """The arrays that a function returns, of which no bit may depend on the number of threads."""
+    threads, found = numba.get_num_threads(), []
     try:
         for count in (1, 2):
             numba.set_num_threads(count)
-            found.append([*predicted_contact_points(start, start, body, pose, surface, np.zeros(len(start))),
-                          *distances(start, surface, 0.5), gaps(start, surface)])
+            found.append(searched())
     finally:
         numba.set_num_threads(threads)
     for one, two in zip(*found):
         np.testing.assert_array_equal(one, two)
         assert len(np.unique(one)) > 20
+
+
+def test_searches_do_not_depend_on_the_number_of_threads():
+    surface, body = ball(rings=30), body_at((0.0, 0.0, 0.0))
+    start = 0.6 * np.random.default_rng(1).standard_normal((1000, 3)) * surface.radius
+    pose = np.array([0.01, 0.0, 0.02]), exp_so3(np.array([0.0, 0.1, 0.0]))
+    on_one_and_two_threads(lambda: [*predicted_contact_points(start, start, body, pose, surface, np.zeros(len(start))),
+                                    *distances(start, surface, 0.5), gaps(start, surface)])
+
+
+def test_contact_of_two_bodies_does_not_depend_on_the_number_of_threads():
+    """Two balls of 0.25 m, their centres 0.36 m apart."""
+    surface = ball(rings=30)
+    side = body_to_body.Side(0, 1, samples.sample(surface, 0.02, 0.01, 1e-4), surface)
+    poses = [(np.array([0.3, 0.0, 0.2]), RIGHT_HAND), (np.zeros(3), np.eye(3))]
+    apart = [(2.0 * position, rotation) for position, rotation in poses]
+    none = np.zeros(0, int), np.zeros((0, 3)), np.zeros(0)
+
+    def searched():
+        begun = body_to_body.begin(side, apart, poses, 1.0, none, 1e6, soil_to_body.Coulomb(0.3, 0.5), np.zeros(3, bool))
+        found = begun.evaluate(poses)
+        return found.active, found.gap, found.force
+
+    on_one_and_two_threads(searched)

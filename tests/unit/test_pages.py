@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from hybrid.arguments import parser
 from hybrid.body.mesh import generate
-from hybrid.cli import parser
 from hybrid.scene.body import Body
 from hybrid.scene.file import load_scene
 from hybrid.scene.read import build_table

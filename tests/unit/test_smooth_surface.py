@@ -5,7 +5,9 @@ import pytest
 from numba import njit
 from smooth_shapes import around, ellipsoid, merged, revolved, sphere, torus
 
-from hybrid.body.closest import FIXED, SECOND, closest, gap_geometry
+from hybrid.body.closest import closest, gap_geometry
+from hybrid.body.closest_on_patches import FIXED
+from hybrid.body.facet_tree import SECOND
 from hybrid.body.mesh import generate
 from hybrid.body.smooth import corner_normals
 from hybrid.body.surface import build_surface

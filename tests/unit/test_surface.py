@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from numba import njit
 
-from hybrid.body.closest import SECOND, closest, gap_geometry, search
+from hybrid.body.closest import closest, gap_geometry
+from hybrid.body.facet_tree import SECOND, search
 from hybrid.body.surface import build_surface
 from hybrid.runtime.errors import GeometryError
 
