@@ -143,7 +143,8 @@ def predict(simulation):
     growth = simulation.most_points / max(1, comm.number(state.points))
     direct = workspace.systems.choice.direct
     part = PART / (1 + PART) * effort.renumbers     # has not been restricted to few nodes here
-    more = (growth - 1 + part) * growing_memory(model.soil, step.pattern, model.solver, direct)
+    sizes = len(model.soil.constants), len(step.pattern.indices), step.pattern.size
+    more = (growth - 1 + part) * growing_memory(model.soil, *sizes, model.solver, direct)
     more += PICTURES * bool(simulation.scene.output.pictures)
     workspace.destroy()
     timing.collect()

@@ -72,9 +72,8 @@ class Simulation:
         workspace.destroy()
         self._sheet = self._forces = None
         if ranks.started() > 1:
-            self._sheet = self.sheet()      # of all points
+            self._sheet = self.sheet()      # of the start, by all processes together
             self._sheet["modelled"]["processes"] = ranks.started()
-            self.model, self.state = processes.split(model, state)
         self._monitors = Monitors(self.model, self.state)
 
     @property

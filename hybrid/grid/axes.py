@@ -103,6 +103,23 @@ class Grid:
         """Edge [m] of the smallest cell."""
         return smallest_cell(self.axes)
 
+    @property
+    def lines(self):
+        """Nodes [m] along each axis of the whole grid, of which this one may be a block."""
+        return self.axes
+
+    @cached_property
+    def planes(self):
+        """(n, 3) bool of each axis: components that are fixed in a whole plane of nodes. Faces fix planes, so a node has the
+        fixed components of its three planes."""
+        fixed = self.fixed.reshape(*self.shape, 3)
+        return tuple(fixed.all(axis=tuple({0, 1, 2} - {axis})) for axis in range(3))
+
+    @property
+    def cell_counts(self):
+        """(3,) number of cells along each axis of the whole grid, one along a collapsed axis."""
+        return np.array([max(1, len(nodes) - 1) for nodes in self.lines])
+
     # -------------------------------------------------------------- values of several processes (hybrid.grid.blocks)
 
     nodes = None    # how nodes are exchanged; None where one process has them all
@@ -122,6 +139,11 @@ class Grid:
     def cells_from_owners(self, values):
         """Values (a, b, c) of the cells with those of copies from their owners; may be changed."""
         return values
+
+    @property
+    def owned_nodes(self):
+        """Index of the nodes that belong to this process."""
+        return ...
 
     @property
     def owned_cells(self):

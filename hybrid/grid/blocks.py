@@ -101,7 +101,7 @@ def _common(a, b):
 class Block(Grid):
     """The local box of one process. extent, volumes and smallest_cell are those of the whole grid.
 
-    lines: nodes [m] of the whole grid by axis; planes: its planes with fixed components, by axis (`_held_planes`)
+    lines: nodes [m] of the whole grid by axis; planes: its planes with fixed components, by axis
     boxes: (ranks, 2, 3) of own cells of all processes; rank: of this one; layers: of cells around them
     fullest: share of the fullest block in all loads when they were cut; nodes, cells: Exchange
     """
@@ -126,6 +126,10 @@ class Block(Grid):
 
     def cells_from_owners(self, values):
         return self.cells.from_owners(values.reshape(-1)).reshape(values.shape)
+
+    @property
+    def owned_nodes(self):
+        return self.nodes.owned
 
     @property
     def owned_cells(self):
@@ -161,9 +165,7 @@ def cells_of(position, lines):
 def cell_numbers(position, grid):
     """((n,) number of the cell of each position (n, 3) [m], (3,) shape of the cells) of a whole grid, given as a Grid or a Block
     of it."""
-    lines = grid.lines if isinstance(grid, Block) else grid.axes
-    shape = [max(1, len(nodes) - 1) for nodes in lines]
-    return np.ravel_multi_index(cells_of(position, lines).T, shape), shape
+    return np.ravel_multi_index(cells_of(position, grid.lines).T, grid.cell_counts), grid.cell_counts
 
 
 def cut_block(grid, loads, parts, rank):
@@ -177,7 +179,7 @@ def cut_block(grid, loads, parts, rank):
 def block_of(grid, boxes, rank, fullest=0.0, layers=1):
     """Block of the process `rank`, one of those with `boxes` (parts, 2, 3) of cells, from the whole Grid or from another Block
     of it."""
-    lines, planes = (grid.lines, grid.planes) if isinstance(grid, Block) else (grid.axes, _held_planes(grid))
+    lines, planes = grid.lines, grid.planes
     shape = np.array([len(nodes) for nodes in lines])
     cells, more = np.maximum(1, shape - 1), shape > 1       # one more node than cells, but on a collapsed axis
     around = np.stack([np.maximum(boxes[:, 0] - layers, 0), np.minimum(boxes[:, 1] + layers, cells)], axis=1)
@@ -193,10 +195,3 @@ def block_of(grid, boxes, rank, fullest=0.0, layers=1):
     widths = [each[one] for each, one in zip(node_widths(lines, grid.extent), part)]
     block.__dict__.update(volumes=np.einsum("i,j,k->ijk", *widths).ravel(), smallest_cell=smallest_cell(lines))
     return block
-
-
-def _held_planes(grid):
-    """(n, 3) bool of each axis: components that are fixed in a whole plane of nodes. Faces fix planes, so a node has the fixed
-    components of its three planes."""
-    fixed = grid.fixed.reshape(*grid.shape, 3)
-    return tuple(fixed.all(axis=tuple({0, 1, 2} - {axis})) for axis in range(3))

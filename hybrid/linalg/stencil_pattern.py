@@ -10,6 +10,8 @@ a search:  values[indptr[dof[v, i]] + slot[row[v], stencil(w - v)] + (rank of co
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import combinations
+from math import prod
 
 import numpy as np
 from numba import njit, prange
@@ -18,6 +20,7 @@ from hybrid.grid.numbering import node_indices, node_number
 from hybrid.linalg.stencil import PLACES, Sparsity, offset_of_place
 from hybrid.runtime.errors import SceneError
 
+REACH = 2       # nodes along an axis that are coupled
 LIMIT = np.iinfo(np.int32).max      # largest number of unknowns and of entries: indices have 32 bits
 
 
@@ -76,6 +79,30 @@ def count_unknowns_and_entries(free, shape):
     unknowns = int(np.count_nonzero(free))
     bound = 3 * PLACES * unknowns
     return unknowns, bound if bound <= LIMIT else int(_count_entries(free, tuple(shape)))
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """Numbers of nodes with unknowns, of unknowns and of entries of the soil block."""
+
+    nodes: int
+    unknowns: int
+    entries: int
+
+
+def sizes_of_box(planes):
+    """Sizes of the pattern of a box of nodes, which is not made. planes: (n, 3) bool of each axis, components that are free in
+    each of its planes of nodes; those of a node are free in all of its three planes."""
+    def nodes_with(components):
+        return prod(int(np.count_nonzero(plane[:, components].all(axis=1))) for plane in planes)
+
+    def coupled(one, other):
+        around = np.ones(2 * REACH + 1, int)
+        return prod(int(np.convolve(plane[:, other], around)[REACH:-REACH] @ plane[:, one]) for plane in planes)
+
+    subsets = [list(chosen) for k in (1, 2, 3) for chosen in combinations(range(3), k)]
+    return Sizes(sum((-1) ** (len(chosen) + 1) * nodes_with(chosen) for chosen in subsets),
+                 sum(nodes_with([k]) for k in range(3)), sum(coupled(k, q) for k in range(3) for q in range(3)))
 
 
 def check_size(unknowns, entries):

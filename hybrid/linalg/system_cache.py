@@ -51,7 +51,7 @@ class Systems:
 
     def _make_system(self, small_support):
         model, pattern, solver = self._model, self._pattern, self._model.solver
-        reduced = None
+        reduced, symmetric = None, not anywhere([not model.soil.law.symmetric])     # of the points of all processes
         if solver.linear != "direct":
             reduced = ReducedMatrix(pattern.indptr, pattern.indices,
                                     reduced_entries(pattern, model.soil.grid.shape, small_support))
@@ -59,9 +59,9 @@ class Systems:
             from hybrid.linalg.petsc_ranks import DistributedSystem  # imports MPI
 
             return DistributedSystem(pattern, model.soil.grid, model.body_unknowns, solver.linear_tolerance, reduced,
-                                     model.soil.law.symmetric, self.choice)
+                                     symmetric, self.choice)
         return BlockSystem(pattern.indptr, pattern.indices, model.body_unknowns, solver.linear,
-                           solver.linear_tolerance, reduced, model.soil.law.symmetric, self.choice)
+                           solver.linear_tolerance, reduced, symmetric, self.choice)
 
 
 def direct_system(pattern, soil, body_unknowns, tolerance):

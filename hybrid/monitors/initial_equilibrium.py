@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hybrid.runtime.comm import anywhere, maximum, minimum, total
+from hybrid.runtime.comm import anywhere, joined, maximum, minimum, total
 
 TOLERANCE = 1e-6  # share of the weight from which a run warns; round-off is below 1e-12
 SETTLED = 0.02      # the same of soil that has settled (`hybrid.setup.settle`)
@@ -68,19 +68,29 @@ class InitialImbalance:
 def initial_imbalance(step, evaluation):
     """InitialImbalance of the state that `step` begins from, by its `evaluation` with nothing moved; None where the
     soil is held or weighs nothing."""
-    weight = 0.0 if step.soil is None else float(total(step.soil.mass)) * float(np.linalg.norm(step.model.gravity))
+    grid, weight = step.model.soil.grid, 0.0
+    if step.soil is not None:
+        weight = float(total(step.soil.mass[grid.owned_nodes])) * float(np.linalg.norm(step.model.gravity))
     if weight == 0.0:
         return None
     force = evaluation.soil_trial.force - step.soil.weight
+    contact = force if grid.nodes is None else np.zeros_like(force)     # of several processes each has its part
     for terms in evaluation.bodies:
-        if len(terms.contact):
-            terms.step.pair.add_residual(terms.contact, force)
-    force = np.where(step.pattern.free, force, 0.0)
-    size, grid = np.linalg.norm(force, axis=1), step.model.soil.grid
+        if grid.nodes is not None or len(terms.contact):    # several processes add up what the body feels
+            terms.step.pair.add_residual(terms.contact, contact)
+    if grid.nodes is not None:
+        force += grid.summed(contact)
+    size = np.linalg.norm(np.where(step.pattern.free, force, 0.0), axis=1)
+    return InitialImbalance(float(total(size[grid.owned_nodes])) / weight, _largest(size, grid),
+                            anywhere(step.soil.points.stress), _period(step.model.soil))
+
+
+def _largest(size, grid):
+    """Place (3,) [m] of the node with the largest `size` (N,) in all processes, of equal ones the first along x, y and z."""
     node = np.unravel_index(int(np.argmax(size)), grid.shape)
-    place = tuple(float(nodes[i]) for nodes, i in zip(grid.axes, node))
-    return InitialImbalance(float(total(size)) / weight, place, anywhere(step.soil.points.stress),
-                            _period(step.model.soil))
+    found = joined(np.array([[size.max(), *(nodes[i] for nodes, i in zip(grid.axes, node))]]))
+    first = np.lexsort((*found.T[:0:-1], -found[:, 0]))[0]
+    return tuple(map(float, found[first, 1:]))
 
 
 def _period(soil):

@@ -5,8 +5,8 @@ import numpy as np
 from hybrid.body.rigid import FREEDOMS
 from hybrid.body.symmetry import copies
 from hybrid.linalg.solver_choice import SolverChoice
-from hybrid.linalg.stencil_pattern import make_pattern
-from hybrid.runtime.comm import maximum, minimum, number
+from hybrid.linalg.stencil_pattern import sizes_of_box
+from hybrid.runtime.comm import anywhere, maximum, minimum, number
 from hybrid.runtime.memory import direct_factor_memory
 from hybrid.runtime.sandbox import shortcoming
 from hybrid.scene.soil import USES, of_layer, span
@@ -31,22 +31,20 @@ def model_sheet(scene, model, imbalance=None, level="", most_points=0, decisions
     that the scene left out.
     """
     soil = model.soil
-    pattern = _pattern(soil)
-    entries = len(pattern.indices)
-    growth = max(1.0, most_points / max(1, len(soil.constants)))
+    block, points = sizes(soil), number(soil.constants)
+    growth = max(1.0, most_points / max(1, points))
     memory = (LIBRARIES + PICTURES * bool(scene.output.pictures)
-              + growth * growing_memory(soil, pattern, model.solver))
-    cells = [max(1, n - 1) for n in soil.grid.shape]
+              + growth * growing_memory(soil, points, block.entries, block.unknowns, model.solver))
     modelled = {
         **({"accuracy": level} if level else {}),
-        "grid cells": " x ".join(map(str, cells)),
+        "grid cells": " x ".join(map(str, soil.grid.cell_counts)),
         **_moving_grid(scene),
         "smallest cell [m]": soil.grid.smallest_cell,
-        "material points": number(soil.constants),
+        "material points": points,
         **({"most material points": f"{most_points}, once the body has sunk"} if growth > 1 else {}),
-        "soil unknowns": pattern.size,
+        "soil unknowns": block.unknowns,
         "body unknowns": model.body_unknowns,
-        "entries of the soil block": entries,
+        "entries of the soil block": block.entries,
         "bodies": [_body(*pair) for pair in zip(scene.bodies, model.bodies)] or "none",
         **_parts(model.bodies),
         **({"joints": [_joint(joint) for joint in scene.joints]} if scene.joints else {}),
@@ -55,7 +53,7 @@ def model_sheet(scene, model, imbalance=None, level="", most_points=0, decisions
         **_symmetry(model),
         "soil law": _law(scene.soil.material, soil.law) if not soil.held else "none, the soil is held",
         "basis": scene.soil.basis if not soil.held else "none, the soil is held",
-        "linear solver": _linear_solver(model, pattern.size),
+        "linear solver": _linear_solver(model, block.unknowns),
         "soil tangent": _tangent(scene.soil, soil.law) if not soil.held else "none, the soil is held",
         "steps": " + ".join(f"{s.steps} ({s.name})" for s in scene.stages),
         **_of_stages(scene),
@@ -68,7 +66,7 @@ def model_sheet(scene, model, imbalance=None, level="", most_points=0, decisions
         modelled["initial imbalance"] = str(imbalance)
     if scene.soil.layers:
         modelled["soil layers"] = [_layer(layer, scene, soil) for layer in scene.soil.layers]
-    return {"modelled": modelled, "not modelled": not_modelled(scene, model, pattern)}
+    return {"modelled": modelled, "not modelled": not_modelled(scene, model, block)}
 
 
 def _moving_grid(scene):
@@ -78,10 +76,11 @@ def _moving_grid(scene):
     return {"grid follows": f"{followed}, along {', '.join(axes)}"} if axes else {}
 
 
-def growing_memory(soil, pattern, solver, direct=False):
-    """Largest memory [bytes] of points, matrix and factor; direct: whether a direct factor turned out to be needed."""
+def growing_memory(soil, points, entries, unknowns, solver, direct=False):
+    """Largest memory [bytes] of so many points, entries of the matrix and its factor; direct: whether a direct factor turned
+    out to be needed."""
     return growing_memory_of(
-        len(soil.constants), len(pattern.indices), pattern.size, soil.fbar, keeps_tangents(soil, solver),
+        points, entries, unknowns, soil.fbar, keeps_tangents(soil, solver),
         direct or solver.linear == "direct", bool(soil.grid.collapsed.any()))
 
 
@@ -109,7 +108,7 @@ def _tangent(described, law):
     """Whether the soil block of the tangent is symmetric."""
     if "user" in {of_layer(described.material, layer).law for layer in described.layers} | {described.material.law}:
         return "symmetric if that of the user's law is"
-    return "symmetric" if law.symmetric else "unsymmetric"
+    return "unsymmetric" if anywhere([not law.symmetric]) else "symmetric"
 
 
 def _increments(scene, cell):
@@ -225,18 +224,16 @@ def _schemes(scene, scheme):
     return "; ".join([str(scheme), *(f"{name}: {other}" for name, other in own if other != str(scheme))])
 
 
-def _pattern(soil):
-    """Pattern of the first step: nodes in the support of a point at its initial place."""
-    if soil.held:
-        return make_pattern(np.zeros(soil.grid.node_count, bool), soil.grid.fixed, soil.grid.shape)
-    active = np.ones(soil.grid.shape, bool)
-    for axis, nodes in enumerate(soil.grid.axes):
-        if len(nodes) == 1:
-            continue
-        x, half = soil.constants.position[:, axis], soil.constants.half_width[:, axis]
-        reached = (nodes >= _at_or_below(nodes, minimum(x - half))) & (nodes <= _at_or_above(nodes, maximum(x + half)))
-        active &= reached.reshape([-1 if a == axis else 1 for a in range(3)])
-    return make_pattern(active.ravel(), soil.grid.fixed, soil.grid.shape)
+def sizes(soil):
+    """Sizes of the soil block in the first step, of all processes: nodes in the support of a point at its initial place."""
+    planes = []
+    for nodes, fixed, collapsed, x, half in zip(soil.grid.lines, soil.grid.planes, soil.grid.collapsed, soil.constants.position.T,
+                                                soil.constants.half_width.T):
+        reached = np.full(len(nodes), not soil.held)
+        if not (soil.held or collapsed):
+            reached = (nodes >= _at_or_below(nodes, minimum(x - half))) & (nodes <= _at_or_above(nodes, maximum(x + half)))
+        planes.append(reached[:, None] & ~fixed)
+    return sizes_of_box(planes)
 
 
 def _at_or_below(nodes, x):
@@ -248,14 +245,14 @@ def _at_or_above(nodes, x):
     return nodes[min(np.searchsorted(nodes, x - 1e-9, side="left"), len(nodes) - 1)]
 
 
-def not_modelled(scene, model, pattern):
+def not_modelled(scene, model, block):
     """List of texts about what this scene leaves out, and the key that sets it where there is one."""
     soil, out = model.soil, []
     if soil.held:
         out.append("soil unknowns, stresses and transfers: the soil is held")
     else:
-        nodes = soil.grid.node_count
-        empty = nodes - np.count_nonzero(pattern.free.any(axis=1))
+        nodes = int(np.prod([len(line) for line in soil.grid.lines]))
+        empty = nodes - block.nodes
         out.append(f"{empty} of {nodes} nodes: they have no soil, or are held")
         out.append(f"soil outside the grid: its faces are {_faces(scene.grid.faces, soil.grid.collapsed)}")
         out += _outside_the_window(scene.grid, soil)
@@ -285,11 +282,11 @@ def _outside_the_window(grid, soil):
     axes = {name: axis for name, axis in zip("xyz", (grid.x, grid.y, grid.z)) if axis.moves}
     windows = [name for name, axis in axes.items() if axis.window]
     whole = 1
-    for name, nodes in zip("xyz", soil.grid.axes):
+    for name, nodes in zip("xyz", soil.grid.lines):
         axis = axes.get(name)
         whole *= round((axis.end - axis.start) / axis.size) if axis else max(1, len(nodes) - 1)
     if axes:
-        cells = np.prod([max(1, n - 1) for n in soil.grid.shape])
+        cells = np.prod(soil.grid.cell_counts)
         yield f"{whole - cells} of {whole} cells of the smallest size: away from the body they are coarser, or absent"
     if windows:
         yield (f"soil outside the window along {', '.join(windows)}: it enters the window at rest and is "

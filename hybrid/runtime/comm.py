@@ -6,7 +6,7 @@ one process holds all of them: a number over all points is computed by a functio
 process holds (tests/unit/test_comm.py lists the exceptions). All processes get the same number, bit for bit, because each
 combines the same values in the same order; so all of them take the same decisions.
 
-Before the soil is split, and in a run by one process, every process holds all values, and nothing is exchanged.
+Before the soil is laid out, and in a run by one process, every process holds all values, and nothing is exchanged.
 """
 
 from contextlib import contextmanager

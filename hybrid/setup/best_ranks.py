@@ -1,8 +1,8 @@
 """The number of processes of a run where the user leaves it open: decided from the scene, before anything is built.
 
-    N = min(cores, points / PER_PROCESS, memory left / (LIBRARIES + memory of all))       rounded down; one where N < FEWEST
+    N = min(cores, points / PER_PROCESS, (memory left - memory of the soil) / LIBRARIES)    rounded down; one where N < FEWEST
 
-Each process makes the whole initial state before it keeps its block, hence the memory. On two cores two processes take 1.05 of the time of
+Each process makes its own block of the initial state. On two cores two processes take 1.05 of the time of
 two threads for a block of 256 000 points and 1.08 for the anchor (demos/speed/README.md), and start 6 s later. So two are not
 worth it. Threads share only the products of the linear solver, a quarter of the work:
 they cannot be faster than four times one, and processes can. One process runs held soil, whose points cost nothing, and a grid
@@ -29,5 +29,5 @@ def best_ranks(scene, cores, memory):
         need, points = size(scene, [axis_nodes(axis) for axis in (scene.grid.x, scene.grid.y, scene.grid.z)])
     except HybridError:     # told when the scene is built
         return 1, 0
-    number = int(min(cores, points // PER_PROCESS, memory / (LIBRARIES + need)))
+    number = int(min(cores, points // PER_PROCESS, (memory - need) / LIBRARIES))
     return number if number >= FEWEST else 1, points

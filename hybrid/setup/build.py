@@ -22,12 +22,12 @@ from hybrid.setup.joints import build_joints, refuse_velocities
 from hybrid.setup.line_soil import line_through_soil
 from hybrid.setup.settle import settle
 from hybrid.setup.size import refuse_cells, refuse_size
-from hybrid.setup.soil import build_soil, lay_out
+from hybrid.setup.soil import build_soil, count_points, lay_out
 from hybrid.setup.stages import refuse_implied
 from hybrid.setup.symmetry import in_part, stray_cap, with_symmetry
 from hybrid.simulation import Simulation
 from hybrid.state import ContactHistory, State
-from hybrid.step import joint_rates
+from hybrid.step import joint_rates, processes
 from hybrid.step.loads import Loads
 from hybrid.step.model import Model
 
@@ -97,11 +97,14 @@ def _put_together(scene, decisions, accuracy, body_force, law):
     refuse_velocities(model, state)
     refuse_implied(scene, model, state)
     if moving_grid is not None:
-        moving_grid.lay_out = lambda grid: lay_out(scene.soil, grid, gravity)
+        moving_grid.lay_out = lambda grid, cells=None: lay_out(scene.soil, grid, gravity, cells=cells)
+        moving_grid.count = lambda grid: count_points(scene.soil, grid)
         state.ground = moving_grid.first_ground(layouts, soil)
     settled = None
+    if taken:
+        model, state = processes.balanced(model, state)
     if taken or scene.soil.ground is not None:
-        state, settled = settle(model, state, scene.stages[0].step or scene.time.step)
+        model, state, settled = settle(model, state, scene.stages[0].step or scene.time.step)
     return Simulation(scene, model, state, meshes, moving_grid, accuracy, (*decisions, *held),
                       _start(taken, settled, bodies))
 

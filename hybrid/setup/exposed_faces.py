@@ -14,10 +14,12 @@ from numba import njit
 from hybrid.body.closest import NO_SIDE, closest
 from hybrid.contact.search import distances
 from hybrid.grid.blocks import cells_of
-from hybrid.setup.cut_boxes import chunks, in_frame
+from hybrid.runtime.comm import joined, largest
+from hybrid.setup.cut_boxes import Boxes, chunks, in_frame
 from hybrid.state import ContactHistory
 
 OUTSIDE = 1e-3      # of a half-width: distance from a face at which it is seen what covers it
+AROUND = 6.0        # half diagonals of the largest box near a body: no box that covers a face near it is farther from it
 
 
 def first_contact_points(body, motion, soil, stress, before, boxes):
@@ -26,10 +28,12 @@ def first_contact_points(body, motion, soil, stress, before, boxes):
     stress: (n, 3) [Pa], principal, of the points of `boxes`; before: Boxes of the soil without the body.
     """
     collapsed, places = soil.grid.collapsed, body.places
-    old, new = _Cells(before, soil.grid), _Cells(boxes, soil.grid)
+    near = _close(boxes, body, motion, collapsed)
+    reach = AROUND * largest(_radii(before[boxes.parent[near]], collapsed))
+    old, new = (_Cells(_of_all(each, reach, body, motion, soil.grid), soil.grid) for each in (before, boxes))
     face = places.normal[np.arange(len(places)) // places.offset.shape[1]]
     found = []
-    for ids in chunks(_close(boxes, body, motion, collapsed), len(places)):
+    for ids in chunks(near, len(places)):
         point, number = np.repeat(ids, len(places)), np.tile(np.arange(len(places)), len(ids))
         place = boxes.position[point] + places.flat[number] * boxes.half[point]
         beyond = place + OUTSIDE * face[number] * boxes.half[point]
@@ -57,10 +61,27 @@ def first_contact_points(body, motion, soil, stress, before, boxes):
 
 def _close(boxes, body, motion, collapsed):
     """Numbers of the boxes within two of their sizes from the surface that soil touches."""
-    size = 2 * np.linalg.norm(np.where(collapsed, 0.0, boxes.half), axis=1)
+    return _within(2 * _radii(boxes, collapsed), boxes, body, motion, collapsed)
+
+
+def _radii(boxes, collapsed):
+    """Half of the diagonal (n,) [m] of each box."""
+    return np.linalg.norm(np.where(collapsed, 0.0, boxes.half), axis=1)
+
+
+def _within(size, boxes, body, motion, collapsed):
+    """Numbers of the boxes nearer to the surface of a body than `size` (n,) [m]."""
     y, surface = in_frame(boxes.position, motion, collapsed), body.surface
     ids = np.flatnonzero(((y > surface.lower - size[:, None]) & (y < surface.upper + size[:, None])).all(axis=1))
     return ids[np.abs(distances(y[ids], surface)[0]) < size[ids]]
+
+
+def _of_all(boxes, reach, body, motion, grid):
+    """Boxes of all processes within `reach` [m] of the surface of a body; all boxes of one process."""
+    if grid.nodes is None:
+        return boxes
+    ids = _within(np.full(len(boxes.parent), reach), boxes, body, motion, grid.collapsed)
+    return Boxes(*(joined(each[ids]) for each in (boxes.parent, boxes.position, boxes.half)))
 
 
 class _Cells:

@@ -10,7 +10,6 @@ from dataclasses import replace
 import numpy as np
 
 from hybrid.contact.search import distances
-from hybrid.runtime.errors import SceneError
 from hybrid.scene.ground import heights, heights_at, mean_heights
 
 SLIVER = 0.05       # of a domain: less soil than that makes no point
@@ -18,21 +17,27 @@ PLACES = 81         # of the ground under a body along each axis
 RAISES = 60         # of a body, by its depth in the ground
 
 
-def cut_to_ground(constants, given):
-    """(PointConstants of the points below the ground, height (n,) [m] of the ground above or below each); given:
-    soil.ground. Raises SceneError where no soil is left."""
-    position, half = constants.position, constants.half_width
-    level = mean_heights(heights(given), (position - half)[:, :2], (position + half)[:, :2])
-    share = np.clip((level - position[:, 2] + half[:, 2]) / (2 * half[:, 2]), 0.0, 1.0)
+def mean_levels(given, place, half):
+    """Mean height (n,) [m] of the ground over the cross-sections of columns of points at `place` (n, 2) [m] with half-widths
+    `half` (n, 2) [m]; given: soil.ground."""
+    return mean_heights(heights(given), place - half, place + half)
+
+
+def shares_below(level, z, half):
+    """Share (n,) [-] of domains at heights `z` with half-widths `half` [m] that is below the ground at `level` (n,) [m]."""
+    share = np.clip((level - z + half) / (2 * half), 0.0, 1.0)
     share[share > 1.0 - 1e-9] = 1.0
-    kept = share >= SLIVER
-    if not kept.any():
-        raise SceneError("soil.ground: no soil lies below it; raise it, or lower grid.z.start")
-    share, position, half = share[kept], position[kept].copy(), half[kept].copy()
+    return share
+
+
+def cut_to_ground(constants, level):
+    """PointConstants of what the ground leaves of points that are partly below it at least; level: (n,) [m] of the ground at
+    each."""
+    position, half = constants.position.copy(), constants.half_width.copy()
+    share = shares_below(level, position[:, 2], half[:, 2])
     position[:, 2] -= (1.0 - share) * half[:, 2]
     half[:, 2] *= share
-    return replace(constants, position=position, half_width=half, volume=constants.volume[kept] * share,
-                   mass=constants.mass[kept] * share), level[kept]
+    return replace(constants, position=position, half_width=half, volume=constants.volume * share, mass=constants.mass * share)
 
 
 def lower_to_ground(scene, placed):

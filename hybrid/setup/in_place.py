@@ -14,7 +14,7 @@ import numpy as np
 from hybrid.body.rigid import bounding_box, with_stiffness
 from hybrid.contact.search import Domains, overlap
 from hybrid.laws.user import is_of_user
-from hybrid.runtime.comm import anywhere, maximum, minimum, total
+from hybrid.runtime.comm import anywhere, joined, maximum, minimum, number, total
 from hybrid.runtime.errors import SceneError
 from hybrid.setup.contact import section
 from hybrid.setup.cut_boxes import SLIVER, UNCUT, Boxes, cut_out, near_boxes, soil_shares
@@ -89,7 +89,7 @@ def put_in_place(soil, points, bodies, motions):
             left, inside, cut = cut_out(boxes, section(body, motion.rotation, soil.grid), motion, soil.grid.collapsed)
             taken.append(_taken(body, motion, soil, boxes, left, inside, cut))
             boxes = left
-    if not len(boxes.parent):
+    if not number(boxes.parent):
         raise SceneError("the bodies take all of the soil; check body.position and the ends of the soil")
     soil, points = _cut_points(soil, points, boxes)
     stress = np.einsum("nii->ni", points.stress)
@@ -103,25 +103,38 @@ def _taken(body, motion, soil, boxes, left, inside, cut):
     """Taken of a body that leaves the Boxes `left` of `boxes`; inside, cut: as of `cut_out`."""
     density = soil.constants.mass / soil.constants.volume
     gone = boxes.volume @ density[boxes.parent] - left.volume @ density[left.parent]
-    changed = np.bincount(boxes.parent, boxes.volume) - np.bincount(left.parent, left.volume, boxes.parent[-1] + 1) > (
-        UNCUT * np.bincount(boxes.parent, boxes.volume))
+    before, now = (np.bincount(each.parent, each.volume, len(density)) for each in (boxes, left))
+    changed = before - now > UNCUT * before
     low, high = bounding_box(body, motion)[:, 2]
     ground = maximum((boxes.position + boxes.half)[changed[boxes.parent], 2], low)
     depth, limit = ground - low, SHALLOW * soil.grid.smallest_cell
     shallow = depth if depth < limit and high > ground else 0.0
-    return Taken(body.name, inside, float(total(boxes.volume) - total(left.volume)), gone,
-                 len(np.setdiff1d(boxes.parent, left.parent)), cut, shallow, shallow / soil.grid.smallest_cell)
+    inside, gone, removed, cut = (total([each]) for each in (inside, gone, len(np.setdiff1d(boxes.parent, left.parent)), cut))
+    return Taken(body.name, float(inside), float(total(boxes.volume) - total(left.volume)), gone, int(removed), int(cut), shallow,
+                 shallow / soil.grid.smallest_cell)
 
 
 def _boxes(points):
     return Boxes(np.arange(len(points)), points.position, points.half_width)
 
 
+def _renumbered(constants, boxes):
+    """Numbers (n,) in the run of `boxes`, in the order of the points that they come from; None where one process has them all."""
+    if constants.number is None:
+        return None
+    pieces = np.bincount(boxes.parent, minlength=len(constants))
+    changed = joined(np.column_stack([constants.number, pieces - 1])[pieces != 1])      # of all processes, near the bodies
+    changed = changed[np.argsort(changed[:, 0])]
+    moved = np.concatenate([[0], np.cumsum(changed[:, 1])])     # by the points removed and added before
+    parent, piece = constants.number[boxes.parent], np.arange(len(boxes.parent)) - np.searchsorted(boxes.parent, boxes.parent)
+    return parent + moved[np.searchsorted(changed[:, 0], parent)] + piece
+
+
 def _cut_points(soil, points, boxes):
     """(Soil, Points at rest) of `boxes`, each with the density, the law and the stress of its point at its own height."""
     kept = select(Population(points, soil.constants, soil.law.rows), boxes.parent)
     share = boxes.volume / np.prod(2 * kept.constants.half_width, axis=1)
-    constants = replace(kept.constants, position=boxes.position, half_width=boxes.half,
+    constants = replace(kept.constants, position=boxes.position, half_width=boxes.half, number=_renumbered(soil.constants, boxes),
                         volume=kept.constants.volume * share, mass=kept.constants.mass * share)
     law, stress = soil.law.with_rows(kept.rows), np.einsum("nii->ni", kept.points.stress)
     if constants.geostatic_gradient is not None:

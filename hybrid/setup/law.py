@@ -44,7 +44,7 @@ def build_law(stratum, horizontal_stress, depth):
     hardening = m.get("hardening", 0.0)
     if stratum.law == "von-mises":
         strength = m["strength"] + m.get("strength_gradient", 0.0) * depth
-        if strength.min() <= 0:
+        if strength.min(initial=np.inf) <= 0:
             at = depth[np.argmin(strength)]
             raise SceneError(f"{stratum.name}: strength_gradient = {m['strength_gradient']:g} Pa/m leaves "
                              f"{strength.min():.3g} Pa at a depth of {at:.3g} m; it must leave a strength everywhere")

@@ -41,10 +41,12 @@ class Settled:
 
 
 def settle(model, state, length):
-    """(State in equilibrium, Settled or None) from a State at rest; nothing is done where the soil carries no stress, or no
-    weight. length: [s] of the step, of which nothing depends but a rate. Raises SceneError where there is no equilibrium."""
+    """(Model, State in equilibrium, Settled or None) from a State at rest; nothing is done where the soil carries no stress, or
+    no weight. length: [s] of the step, of which nothing depends but a rate. Raises SceneError where there is no equilibrium.
+
+    The model is the one given, but where points have gone to other processes."""
     if model.soil.held or not anywhere(state.points.stress):
-        return state, None
+        return model, state, None
     soil = replace(model.soil, transfer="increments", allow_detached=False)
     still = replace(model.with_soil(soil), scheme=Scheme(inertia=False), joints=()).for_stage(FREEDOMS)
     begun = replace(state, joints=None)     # joints of bodies that are held say nothing
@@ -54,6 +56,9 @@ def settle(model, state, length):
         found = still.begin_stage(begun)
         for _ in range(MOST):
             found, report = outer_step(still, workspace, found, length, False, Control(length, SMALLEST * length, None))
+            if report.soil is not still.soil:
+                still, soil = still.with_soil(report.soil), report.soil
+                model = model.with_soil(replace(model.soil, grid=soil.grid, constants=soil.constants, law=soil.law))
             if _imbalance(still, found, length, workspace).share < BALANCED:
                 break
     except StepError as error:
@@ -65,16 +70,16 @@ def settle(model, state, length):
         workspace.destroy()
     held = {body.name: -terms.contact.resultant[:3] - body.mass.mass * model.loads.on_bodies(0.0)
             for body, terms in zip(model.bodies, report.evaluation.bodies)}
-    new, old = found.points, state.points
-    settled = Settled(before, maximum(np.linalg.norm(new.position - old.position, axis=1)),
-                      maximum(new.plastic_strain - old.plastic_strain), held)
-    points = replace(new, velocity=np.zeros_like(old.velocity), acceleration=np.zeros_like(old.acceleration),
+    new = found.points      # of which other processes may have had some at the start
+    settled = Settled(before, maximum(np.linalg.norm(new.position - model.soil.constants.position, axis=1)),
+                      maximum(new.plastic_strain), held)
+    points = replace(new, velocity=np.zeros_like(new.velocity), acceleration=np.zeros_like(new.acceleration),
                      algorithmic=None, affine=None)
     bodies = state.bodies
     if model.scheme.inertia:    # guides of the first stage release from their reaction what they do not hold
         bodies = [replace(body, acceleration=np.zeros(3), spin_rate=np.zeros(3), reaction=now.reaction)
                   for body, now in zip(state.bodies, found.bodies)]
-    return replace(state, points=points, bodies=bodies, contacts=found.contacts), settled
+    return model, replace(state, points=points, bodies=bodies, contacts=found.contacts, ground=found.ground), settled
 
 
 def _imbalance(model, state, length, workspace):

@@ -10,14 +10,20 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hybrid.laws.cone import merge
-from hybrid.laws.user import made
-from hybrid.runtime.comm import anywhere, largest
+from hybrid.laws.user import made, refuse_unlike
+from hybrid.runtime import ranks
+from hybrid.runtime.comm import anywhere, largest, maximum
 from hybrid.runtime.errors import SceneError
 from hybrid.scene.soil import of_layer
 from hybrid.setup.ground import cut_to_ground
+from hybrid.setup.lattice import Lattice
 from hybrid.setup.law import build_law, coefficient_at_rest, material_values
 from hybrid.soil.model import BLEND, Soil
-from hybrid.soil.points import at_rest, overburden, overburden_of_columns, tile
+from hybrid.soil.points import at_rest, overburden, overburden_of_columns
+from hybrid.state import PointConstants
+from hybrid.step import processes
+
+OF_POINTS = "position", "half_width", "volume", "mass"
 
 
 @dataclass(frozen=True)
@@ -33,9 +39,12 @@ class Stratum:
 
 
 def build_soil(scene, grid, loads, law=None):
-    """(Soil model, its points at rest), in geostatic equilibrium if the scene wants that. law: of a user."""
-    described = scene.soil
-    constants, stress, law = lay_out(described, grid, loads.gravity, law)
+    """(Soil model, its points at rest), in geostatic equilibrium if the scene wants that. law: of a user. Several processes each
+    make their block of the grid and the points in its cells."""
+    described, cells = scene.soil, None
+    if ranks.started() > 1:
+        grid, cells = processes.first_block(grid, count_points(described, grid))
+    constants, stress, law = lay_out(described, grid, loads.gravity, law, cells)
     points = at_rest(constants, stress, law.strain(stress))
     if scene.time.inertia and not anywhere(stress):
         points.acceleration[:] = loads.on_points(0.0, constants.position)  # no stress carries the weight yet
@@ -47,37 +56,78 @@ def build_soil(scene, grid, loads, law=None):
     return soil, points
 
 
-def lay_out(described, grid, gravity, own_law=None):
+def count_points(described, grid):
+    """Number of points (a, b, c) in each cell of a whole Grid, none of which are made. Raises SceneError."""
+    return Lattice.of(described, grid, *soil_box(described, grid)).counts(grid.cell_counts)
+
+
+def lay_out(described, grid, gravity, own_law=None, cells=None):
     """(PointConstants, principal stress at rest (n, 3) [Pa], law) of a scene's soil, as far as the grid reaches.
 
-    gravity (3,) [m/s²]; own_law: function that makes the law of a user. Raises SceneError.
+    gravity (3,) [m/s²]; own_law: function that makes the law of a user; cells: (a, b, c) bool, cells of the whole grid whose
+    points this process of several makes, None: one makes all. Raises SceneError.
     """
     if (described.material.law == "user") != (own_law is not None):
         raise SceneError("soil.material.law = 'user' and build(scene, law=...) or run(scene, law=...) belong together; "
                          f"but law = {described.material.law!r} and {own_law and 'one' or 'none'} is given")
     lower, upper = soil_box(described, grid)
-    constants, top = tile(grid, lower, upper, np.broadcast_to(described.points_per_axis, 3), 1.0), upper[2]
-    level = top
+    lattice, top = Lattice.of(described, grid, lower, upper), upper[2]
+    level, present = top, occupied_layers(described, lattice.heights(), top)
+    place, constants, vertical = _points_of(described, lattice, cells, top, present, np.linalg.norm(gravity))
+    if cells is not None:
+        assert len(place) < lattice.kept.sum(), "one process holds all points"
+        constants = replace(constants, number=lattice.numbers(place))
     if described.ground is not None:
-        constants, level = cut_to_ground(constants, described.ground)
-    strata = find_strata(described, constants.position[:, 2], top)
-    density, k0 = np.empty(len(constants)), np.empty(len(constants))
-    for s in strata:
-        density[s.points], k0[s.points] = s.values["density"], s.k0
-    constants = replace(constants, mass=density * constants.volume)
-    weight_above = overburden if described.ground is None else overburden_of_columns
-    vertical = weight_above(constants, np.linalg.norm(gravity))
-    constants, stress = initial_stress(described, constants, density, k0, vertical, gravity)
-    if own_law is not None:
-        law = made(own_law, constants, stress)
-    else:
+        level = lattice.levels[place // lattice.height]
+    strata = find_strata(described, constants.position[:, 2], top, present)
+    constants, stress = initial_stress(described, constants, *_density_and_k0(strata, len(constants)), vertical, gravity)
+
+    def law_of_points():
+        if own_law is not None:
+            law = made(own_law, constants, stress)
+            if cells is not None:
+                refuse_unlike(law)
+            return law
         tops = [np.broadcast_to(level, len(constants))[s.points] if s.top == top else s.top for s in strata]
-        laws = [build_law(s, k0[s.points] * vertical[s.points], upper - constants.position[s.points, 2])
+        laws = [build_law(s, s.k0 * vertical[s.points], upper - constants.position[s.points, 2])
                 for s, upper in zip(strata, tops)]
-        law = laws[0] if len(laws) == 1 else merge(laws, [s.points for s in strata])
+        return laws[0] if len(laws) == 1 else merge(laws, [s.points for s in strata])
+
+    law = ranks.together(law_of_points)
+    if hasattr(law, "hardens"):
+        law.hardens = anywhere(law.hardens)     # points come from other processes
     if anywhere(stress):
         _refuse_yielding(law, stress, level - constants.position[:, 2])
     return constants, stress, law
+
+
+def _points_of(described, lattice, cells, top, present, gravity):
+    """(Places (n,) in the lattice, PointConstants, vertical stress (n,) [Pa] compression positive) of the points in `cells`.
+
+    They are made by whole columns, for the weight above: as many points at a time as there are in these cells, and a column.
+    """
+    weight_above = overburden if described.ground is None else overburden_of_columns
+    chosen, found = lattice.chosen(cells), []
+    for place in lattice.pieces(chosen):
+        constants = lattice.points(place)
+        if described.ground is not None:
+            constants = cut_to_ground(constants, lattice.levels[place // lattice.height])
+        strata = find_strata(described, constants.position[:, 2], top, present)
+        density, _ = _density_and_k0(strata, len(constants))
+        constants = replace(constants, mass=density * constants.volume)
+        vertical = weight_above(constants, gravity)
+        mine = slice(None) if cells is None else np.isin(place, chosen, assume_unique=True)
+        found.append((place[mine], *(getattr(constants, name)[mine] for name in OF_POINTS), vertical[mine]))
+    place, *of_points, vertical = (np.concatenate(each) for each in zip(*found))
+    return place, PointConstants(*of_points), vertical
+
+
+def _density_and_k0(strata, n):
+    """Density (n,) [kg/m³] and K0 (n,) of the points of strata."""
+    density, k0 = np.empty(n), np.empty(n)
+    for s in strata:
+        density[s.points], k0[s.points] = s.values["density"], s.k0
+    return density, k0
 
 
 def soil_box(described, grid):
@@ -96,7 +146,7 @@ def soil_box(described, grid):
         else:
             upper[axis] = min(upper[axis], x) if key != "soil.top" else x
         if grid.extent[axis, 0] < x < grid.extent[axis, 1]:
-            _require_grid_line(key, x, axis, grid.axes[axis])
+            _require_grid_line(key, x, axis, grid.lines[axis])
     return lower, upper
 
 
@@ -111,21 +161,44 @@ def _require_grid_line(key, x, axis, nodes):
                          f"grid.{name}.size so that a line lies at {x:g} m")
 
 
-def find_strata(described, height, top):
-    """Strata of points at `height` (n,) [m]; points in no layer have soil.material. SceneError for an empty layer."""
+def occupied_layers(described, heights, top):
+    """[whether each layer has points, and whether soil outside all layers has] of all points, at `heights`, arrays [m]."""
+    found = np.zeros(len(described.layers) + 1, bool)
+    for height in heights:
+        inside = [_inside(layer, height, top) for layer in described.layers]
+        found |= [one.any() for one in (*inside, ~np.any(inside, axis=0) if inside else np.ones_like(height, bool))]
+    return found.tolist()
+
+
+def find_strata(described, height, top, present=None):
+    """Strata of points at `height` (n,) [m]; points in no layer have soil.material. SceneError for an empty layer.
+
+    present: of all points (`occupied_layers`), None where these are all; all processes have the same strata.
+    """
     strata, free = [], np.ones(len(height), bool)
+    present = occupied_layers(described, [height], top) if present is None else present
     for i, layer in enumerate(described.layers):
-        upper, lower = top if layer.top is None else layer.top, -np.inf if layer.bottom is None else layer.bottom
-        inside = (height < upper) & (height >= lower)
-        if not inside.any():
+        inside = _inside(layer, height, top)
+        if not present[i]:
+            upper, lower = _ends(layer, top)
             raise SceneError(f"soil.layer.{i} ({layer.name}) holds no point: z = {lower:g} to {upper:g} m is outside "
                              "the soil, or thinner than a point; move its ends or refine grid.z")
         free &= ~inside
         k0 = described.k0 if layer.k0 is None else layer.k0
-        strata.append(_stratum(layer.name, of_layer(described.material, layer), k0, upper, inside))
-    if free.any():
+        strata.append(_stratum(layer.name, of_layer(described.material, layer), k0, _ends(layer, top)[0], inside))
+    if present[-1]:
         strata.append(_stratum("soil", described.material, described.k0, top, free))
     return strata
+
+
+def _ends(layer, top):
+    """Upper and lower end [m] of a layer of soil with its `top` [m]."""
+    return top if layer.top is None else layer.top, -np.inf if layer.bottom is None else layer.bottom
+
+
+def _inside(layer, height, top):
+    upper, lower = _ends(layer, top)
+    return (height < upper) & (height >= lower)
 
 
 def _stratum(name, material, k0, top, inside):
@@ -151,11 +224,17 @@ def initial_stress(described, constants, density, k0, vertical, gravity):
 
 
 def _refuse_yielding(law, stress, depth):
-    """SceneError where the law cannot carry the stress at rest."""
+    """SceneError where the law cannot carry the stress at rest, about the point where it misses most."""
     response = law.respond(law.strain(stress), np.zeros(len(stress)))
     excess = np.abs(response.stress - stress).max(axis=1) - 1e-9 * largest(np.abs(stress))
-    p = int(np.argmax(excess))
-    if excess[p] > 0:
-        shown = ", ".join(f"{value / 1e3:.4g}" for value in stress[p])
-        raise SceneError(f"soil.geostatic: the stress at rest at a depth of {depth[p]:.3g} m, ({shown}) kPa along x, y "
-                         "and z, is more than the law can carry; set k0 closer to 1 or raise the strength")
+    worst = maximum(excess)
+
+    def refuse():
+        p = int(np.argmax(excess)) if len(excess) else 0
+        if len(excess) and excess[p] == worst:
+            shown = ", ".join(f"{value / 1e3:.4g}" for value in stress[p])
+            raise SceneError(f"soil.geostatic: the stress at rest at a depth of {depth[p]:.3g} m, ({shown}) kPa along x, y "
+                             "and z, is more than the law can carry; set k0 closer to 1 or raise the strength")
+
+    if worst > 0:
+        ranks.together(refuse)

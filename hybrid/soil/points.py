@@ -11,18 +11,30 @@ from hybrid.state import PointConstants, Points
 
 def tile(grid, lower, upper, per_axis, density):
     """PointConstants that tile the cells from `lower` to `upper` (3,) [m], `per_axis` (3,) points along each cell edge.
+    Raises SceneError as `lines_of_points` does."""
+    centres, halves, _ = lines_of_points(grid, lower, upper, per_axis)
+    position, half = (np.stack([a.ravel() for a in np.meshgrid(*lines, indexing="ij")], axis=1) for lines in (centres, halves))
+    volume = np.prod(2 * half, axis=1)
+    return PointConstants(position, half, volume, density * volume)
+
+
+def lines_of_points(grid, lower, upper, per_axis):
+    """(centres, half-widths [m], cells) along each axis of the whole grid, three arrays each, of points that tile the cells from
+    `lower` to `upper` (3,) [m], `per_axis` (3,) points along each cell edge.
 
     Raises SceneError when the box does not end on grid lines or contains no cell. For the soil of a scene
     `hybrid.setup.soil.soil_box` has checked the ends before, and names the one key.
     """
-    centres, halves = [], []
-    for axis, nodes in enumerate(grid.axes):
+    centres, halves, cells = [], [], []
+    for axis, nodes in enumerate(grid.lines):
         if len(nodes) == 1:
             ends = grid.extent[axis]
             centres.append(np.array([ends.mean()]))
             halves.append(np.array([0.5 * (ends[1] - ends[0])]))
+            cells.append(np.zeros(1, int))
             continue
-        edges = nodes[_line(nodes, lower[axis], axis):_line(nodes, upper[axis], axis) + 1]
+        first = _line(nodes, lower[axis], axis)
+        edges = nodes[first:_line(nodes, upper[axis], axis) + 1]
         if len(edges) < 2:
             raise SceneError(f"the soil contains no cell along {'xyz'[axis]}: it reaches from {lower[axis]:g} to "
                              f"{upper[axis]:g} m; set soil.lower and soil.upper (or soil.top) at least a cell apart")
@@ -30,10 +42,8 @@ def tile(grid, lower, upper, per_axis, density):
         offsets = np.arange(per_axis[axis]) + 0.5
         centres.append((edges[:-1, None] + width[:, None] * offsets).ravel())
         halves.append(np.repeat(0.5 * width, per_axis[axis]))
-    position = np.stack([a.ravel() for a in np.meshgrid(*centres, indexing="ij")], axis=1)
-    half = np.stack([a.ravel() for a in np.meshgrid(*halves, indexing="ij")], axis=1)
-    volume = np.prod(2 * half, axis=1)
-    return PointConstants(position, half, volume, density * volume)
+        cells.append(np.repeat(first + np.arange(len(width)), per_axis[axis]))
+    return tuple(centres), tuple(halves), tuple(cells)
 
 
 def _line(nodes, x, axis):

@@ -40,14 +40,17 @@ class MovingGrid:
     body         number of the body that it follows
     moving_axes  {axis: MovingAxis} of those that move; axes: nodes [m] of the others; extent (3, 2) [m]
     faces        dict face -> condition, as `make_grid` takes it
-    lay_out      function of a Grid that gives (PointConstants, principal stress at rest (n, 3), law) of soil filling it
+    lay_out      function of a Grid, and of the cells (a, b, c) bool whose points are wanted, None for all, that gives
+                 (PointConstants, principal stress at rest (n, 3), law) of soil filling it
+    count        function of a Grid that gives the numbers of these points in its cells (a, b, c)
     per_axis     (3,) points per cell along each axis
     keep         whether soil left behind is frozen, else it is removed
     """
 
-    def __init__(self, body, moving_axes, axes, extent, faces, per_axis, keep, lay_out=None):
+    def __init__(self, body, moving_axes, axes, extent, faces, per_axis, keep):
         self.body, self.moving_axes, self._axes, self._extent, self._faces = body, moving_axes, axes, extent, faces
-        self._per_axis, self._keep, self.lay_out = np.array(per_axis), keep, lay_out
+        self._per_axis, self._keep = np.array(per_axis), keep
+        self.lay_out = self.count = None    # set once the soil of the scene is known
 
     # -------------------------------------------------------------- layout
 
@@ -94,6 +97,14 @@ class MovingGrid:
             block[:, axis] = np.clip(at, 0, moving.cells // moving.block - 1)
         return block
 
+    def _blocks_of_cells(self, grid):
+        """Three arrays: block that each cell of a whole Grid is in, along each axis."""
+        middles = [0.5 * (nodes[1:] + nodes[:-1]) if len(nodes) > 1 else nodes for nodes in grid.axes]
+        position = np.zeros((max(map(len, middles)), 3))
+        for axis, middle in enumerate(middles):
+            position[:len(middle), axis] = middle
+        return [self._block_of(position)[:len(middle), axis] for axis, middle in enumerate(middles)]
+
     # -------------------------------------------------------------- replacing the grid
 
     def follow(self, model, state):
@@ -112,7 +123,7 @@ class MovingGrid:
         shared = model.soil.grid.nodes is not None
         here = Population(state.points, model.soil.constants, model.soil.law.rows)
         here, origin, behind = self._inside_window(layouts, here, state.ground.behind)
-        here, made = self._fill_new_blocks(layouts, grid, here, state.ground.made)
+        here, made = self._fill_new_blocks(layouts, grid, here, state.ground.made, shared)
         contacts = [_renumbered(contact, origin, len(state.points)) for contact in state.contacts]
         refinement = self._refinement(model.soil)
         if shared:
@@ -144,7 +155,7 @@ class MovingGrid:
         depth = box[1, 2] - maximum(points.position[:, 2] + points.half_width[:, 2])
         if depth <= 0.0 or not (body.free[2] or body.driven[2]):
             return number(points)
-        return number(self.lay_out(self.grid(self.layouts_for(box - (0.0, 0.0, depth))))[0])
+        return int(self.count(self.grid(self.layouts_for(box - (0.0, 0.0, depth)))).sum())
 
     def model_with(self, model, ground):
         """`model` with the points and the grid of a Ground."""
@@ -179,13 +190,18 @@ class MovingGrid:
         return np.all([(block[:, a] >= (s.start or 0)) & (s.stop is None or block[:, a] < s.stop)
                        for a, s in enumerate(window)], axis=0)
 
-    def _fill_new_blocks(self, layouts, grid, here, made):
-        """Population with points at rest in blocks that enter the window for the first time, and the new `made`."""
+    def _fill_new_blocks(self, layouts, grid, here, made, shared):
+        """Population with points at rest in blocks that enter the window for the first time, and the new `made`; shared: whether
+        several processes make their share of these points each."""
         window = self._blocks(layouts)
         if made[window].all():
             return here, made
-        constants, stress, law = self.lay_out(grid)
-        new = np.flatnonzero(~made[tuple(self._block_of(constants.position).T)])[processes.share()]
+        cells = None
+        if shared:
+            new = ~made[np.ix_(*self._blocks_of_cells(grid))]
+            cells = new & processes.share(np.where(new, self.count(grid), 0))
+        constants, stress, law = self.lay_out(grid, cells)
+        new = np.flatnonzero(~made[tuple(self._block_of(constants.position).T)])
         points = at_rest(constants, stress, law.strain(stress))
         made = made.copy()
         made[window] = True

@@ -1,8 +1,8 @@
-"""Points and nodes of a run by several processes: split at the start, moved to their new owners, gathered for a picture.
+"""Points and nodes of a run by several processes: who makes them, how they move to new owners, gathered for a picture.
 
-Each process has the points in the cells of its block (`hybrid.grid.blocks`), in the order of their numbers in the whole run,
-their constants, their rows of the law and what contact remembers of them. Points that a moving grid has left behind stay with
-the process that had them. Bodies and their surfaces are in all processes.
+From the start on each process has the points in the cells of its block (`hybrid.grid.blocks`), in the order of their numbers in
+the whole run, their constants, their rows of the law and what contact remembers of them. Points that a moving grid has left
+behind stay with the process that had them. Bodies and their surfaces are in all processes.
 
 A block's load is the work on it: POINT of a point and CONTACT of a contact point, which lives with its soil point. Blocks of equal
 loads are cut anew where the share of the fullest one has become GROWN times as large, and for every new grid.
@@ -14,7 +14,6 @@ from dataclasses import replace
 import numpy as np
 
 from hybrid.grid.blocks import block_of, cell_numbers, cut_block
-from hybrid.laws.user import is_of_user, refuse_unlike
 from hybrid.runtime import comm, ranks
 from hybrid.runtime.errors import SceneError
 from hybrid.soil.parcels import behind_together, named, placed, rows, together, without_numbers
@@ -25,28 +24,30 @@ GROWN = 1.2
 POINT, CONTACT = 2, 1   # times on one process that drags the anchor: 0.44 of a point for contact and its search
 
 
-# ------------------------------------------------------------------ from all points to those of each process
+# ------------------------------------------------------------------ the part of each process at the start
 
 
-def split(model, state):
-    """(Model, State) of this process from those of the whole run, which every process has made."""
-    soil, n = model.soil, len(state.points)
-    with comm.alone():
-        block = _cut_anew(soil.grid, state.points.position, state.contacts)
+def first_block(grid, counts):
+    """(Block of this process from the whole grid, (a, b, c) bool its own cells) for numbers of points `counts` (a, b, c) in the
+    cells, from which on each process holds only its share of all values."""
+    block = cut_block(grid, counts, ranks.started(), ranks.rank())
     comm.split()
-    mine = block.owner(state.points.position) == ranks.rank()
-    everything = Population(state.points, replace(soil.constants, number=np.arange(n)), soil.law.rows)
-    contacts = placed([rows(history, mine[history.point]) for history in state.contacts], np.flatnonzero(mine))
-    model, state = _with_points(model, state, select(everything, mine), contacts, block)
-    if is_of_user(soil.law):
-        ranks.together(lambda: refuse_unlike(soil.law, model.soil.law, mine))
-    assert len(state.points) < n, "one process holds all points"
-    return model, state
+    low, high = block.boxes[ranks.rank()]
+    own = np.zeros(counts.shape, bool)
+    own[tuple(map(slice, low, high))] = True
+    return block, own
 
 
-def share():
-    """Slice of the part of this process of items that every process has."""
-    return slice(ranks.rank(), None, ranks.started())
+def share(counts):
+    """(a, b, c) bool, cells whose points, of numbers `counts` (a, b, c), this process makes before they go to their owners: a
+    nearly equal share, in the order of the cells, however few cells they are in."""
+    before = np.cumsum(counts).reshape(counts.shape) - counts
+    return before * ranks.started() // max(counts.sum(), 1) == ranks.rank()
+
+
+def balanced(model, state):
+    """(Model, State) at the start with the points, and what contact remembers of them, in blocks of equal loads."""
+    return (model, state) if model.soil.grid.nodes is None else _settled(model, state)
 
 
 def keeps(model, state):

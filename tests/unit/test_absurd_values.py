@@ -7,7 +7,7 @@ import pytest
 from small_scene import SCENE, refused
 
 from hybrid.grid.axes import cells_that_grow, graded_nodes
-from hybrid.output.model_sheet import _pattern, growing_memory
+from hybrid.output.model_sheet import growing_memory, sizes
 from hybrid.runtime import memory
 from hybrid.runtime.errors import SceneError
 from hybrid.scene import Axis, Solver, Time
@@ -106,7 +106,8 @@ def test_the_prediction_is_that_of_the_model(y, monkeypatch):
     needs = []
     monkeypatch.setattr(size, "_refuse", lambda need, *_: needs.append(need))
     simulation = build(scene)
-    model = growing_memory(simulation.model.soil, _pattern(simulation.model.soil), scene.solver)
+    soil = simulation.model.soil
+    model = growing_memory(soil, len(soil.constants), sizes(soil).entries, sizes(soil).unknowns, scene.solver)
     nodes = size.BYTES_PER_NODE * simulation.model.soil.grid.node_count
     assert 1.0 <= (needs[-1] - nodes) / model < 1.2
 

@@ -23,7 +23,7 @@ def block(cells, **soil):
     (37, 64, inf, 4),               # 405 224
     (60, 64, inf, 17),              # 1 728 000
     (60, 4, inf, 4), (60, 2, inf, 1),
-    (60, 64, 80 * GIB, 5), (60, 64, 45 * GIB, 1),
+    (60, 64, 80 * GIB, 17), (60, 64, 17 * GIB, 7), (60, 64, 15.5 * GIB, 1),     # grid and soil need 14.8
 ])
 def test_processes_are_as_many_as_points_cores_and_memory_allow(cells, cores, memory, expected):
     number, points = best_ranks(block(cells), cores, memory)

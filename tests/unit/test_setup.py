@@ -73,7 +73,7 @@ def test_soil_ends_on_grid_lines(soil, words):
 
 def test_the_box_of_soil_is_cut_by_the_grid():
     grid = SimpleNamespace(extent=np.array([[0.0, 1.0], [0.0, 1.0], [-1.0, 1.0]]),
-                           axes=(np.array([0.5]), np.linspace(0, 1, 3), np.linspace(-1, 1, 5)))
+                           lines=(np.array([0.5]), np.linspace(0, 1, 3), np.linspace(-1, 1, 5)))
     described = Soil(ELASTIC, top=0.5, lower=(0.3, -5.0, -0.5), upper=(7.0, 0.5, 0.9))     # x is collapsed: any end
     lower, upper = setup_soil.soil_box(described, grid)
     assert lower.tolist() == [0.3, 0.0, -0.5] and upper.tolist() == [1.0, 0.5, 0.5]       # top overrides upper[2]

@@ -6,7 +6,7 @@ from scipy import sparse
 
 from hybrid.linalg import stencil_pattern
 from hybrid.linalg.precond_pattern import reduced_entries
-from hybrid.linalg.stencil_pattern import make_pattern
+from hybrid.linalg.stencil_pattern import make_pattern, sizes_of_box
 from hybrid.runtime.errors import SceneError
 
 
@@ -118,3 +118,15 @@ def test_too_many_entries_or_unknowns_are_refused(monkeypatch):
     monkeypatch.setattr(stencil_pattern, "_fill_slots", None)
     with pytest.raises(SceneError, match="entries, the limit is"):
         make_pattern(active, fixed, shape)
+
+
+@pytest.mark.parametrize("shape", [(5, 4, 6), (2, 2, 2), (7, 1, 6), (1, 1, 9)])
+def test_sizes_of_a_box_of_nodes_are_those_of_its_pattern(shape):
+    """Whose planes hold some components or none, and carry soil or not."""
+    rng = np.random.default_rng(3)
+    for _ in range(5):
+        planes = [rng.random((n, 3)) < 0.8 for n in shape]
+        x, y, z = planes
+        free = (x[:, None, None] & y[:, None] & z).reshape(-1, 3)
+        pattern, found = make_pattern(np.ones(len(free), bool), ~free, shape), sizes_of_box(planes)
+        assert (found.nodes, found.unknowns, found.entries) == (free.any(axis=1).sum(), pattern.size, len(pattern.indices))

@@ -120,7 +120,7 @@ def _on_lines(scene, model, body, way, place):
     for axis, width, ends in _sides(grid, place, way):
         if not _leads(body, place, np.eye(3)[axis]):    # a round outline crosses lines of the grid everywhere
             continue
-        nodes, cell = grid.axes[axis], np.diff(grid.axes[axis]).min()
+        nodes, cell = grid.lines[axis], np.diff(grid.lines[axis]).min()
         lying = sum(np.abs(nodes - end).min() < ON_LINE * cell for end in ends)
         excess *= 1.0 + EDGE * lying * cell / width
         if lying:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from hybrid.laws.cone import UNLIMITED, plane_strain_angle
-from hybrid.runtime.comm import anywhere, maximum, minimum
+from hybrid.runtime.comm import anywhere, joined, maximum, minimum
 from hybrid.scene.defaults import POISSON
 from hybrid.scene.soil import of_layer
 
@@ -55,8 +55,8 @@ def softening(scene, model):
     law = model.soil.law
     if model.soil.held or not getattr(law, "hardens", False) or minimum(law.parameters[:, 6]) >= 0.0:
         return
-    at = int(np.argmin(law.parameters[:, 6]))
-    strength, slope, residual = law.parameters[at, [4, 6, 7]]
+    softest = law.parameters[law.parameters[:, 6] == minimum(law.parameters[:, 6])][:1]     # of this process, if it has it
+    strength, slope, residual = joined(softest[:, [4, 6, 7]])[0]
     cell = model.soil.grid.smallest_cell
     modulus = min(m.hardening or 0.0 for m in materials(scene.soil))
     yield (f"soil.material.hardening = {modulus:g} Pa: softening (limit 0) localises in bands one cell wide: the "
@@ -72,7 +72,7 @@ def strong_cone(scene, model):
         return
     laws = {m.law for m in materials(scene.soil) if m.cone == "compression"}
     if "drucker-prager" in laws:
-        angle = max(plane_strain_angle(row) for row in np.unique(law.parameters[law.parameters[:, 2] > 0], axis=0))
+        angle = maximum([plane_strain_angle(row) for row in np.unique(law.parameters[law.parameters[:, 2] > 0], axis=0)])
         yield (f'soil.material.cone = "compression": this cone has a friction angle of {angle:.3g} degrees in plane strain, far '
                'more than the one given, its limit. Leave soil.material.cone out')
     if "von-mises" in laws:
@@ -88,7 +88,7 @@ def materials(soil):
 def _poisson(law):
     """Largest Poisson's ratio of a law's points; 0 of a user's law, whose value is unknown."""
     parameters = getattr(law, "parameters", None)
-    if parameters is None or not len(parameters):
+    if parameters is None:
         return 0.0
     bulk, shear = parameters[:, 0], parameters[:, 1]
     return maximum((3 * bulk - 2 * shear) / (6 * bulk + 2 * shear))

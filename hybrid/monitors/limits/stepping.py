@@ -52,7 +52,8 @@ def singular_stiffness(scene, model):
         yield (f"soil.points_per_axis = {scene.soil.points_per_axis}: limit 2 along each axis without inertia; a point "
                "in the middle of its cell resists no hourglass mode, and the stiffness may be singular. Set "
                "soil.points_per_axis = 2, or time.inertia = true")
-    held = soil.grid.fixed[_reached(soil)].any(axis=0) | soil.grid.collapsed
+    fixed = [plane[near].any(axis=0) for plane, near in zip(soil.grid.planes, _reached(soil))]
+    held = np.any(fixed, axis=0) | soil.grid.collapsed
     if not (scene.bodies or held.all()):
         loose = ", ".join(axis for axis, ok in zip("xyz", held) if not ok)
         yield (f"time.inertia = false: nothing holds the soil along {loose}: 0 of its nodes are held, limit 1, so "
@@ -61,14 +62,11 @@ def singular_stiffness(scene, model):
 
 
 def _reached(soil):
-    """(N,) bool, nodes in the support of a point of the soil at the start."""
-    inside = np.ones(soil.grid.shape, bool)
-    for axis, nodes in enumerate(soil.grid.axes):
-        if len(nodes) > 1:
-            x, half = soil.constants.position[:, axis], soil.constants.half_width[:, axis]
-            within = (nodes >= minimum(x - half) - 1e-9) & (nodes <= maximum(x + half) + 1e-9)
-            inside &= within.reshape([-1 if a == axis else 1 for a in range(3)])
-    return inside.ravel()
+    """(n,) bool of each axis: planes of nodes of the whole grid in the support of a point of the soil at the start."""
+    for axis, nodes in enumerate(soil.grid.lines):
+        x, half = soil.constants.position[:, axis], soil.constants.half_width[:, axis]
+        within = (nodes >= minimum(x - half) - 1e-9) & (nodes <= maximum(x + half) + 1e-9)
+        yield within if len(nodes) > 1 else np.ones(1, bool)
 
 
 LIMITS = (large_rotation_step, singular_stiffness)

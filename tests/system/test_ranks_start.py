@@ -1,0 +1,154 @@
+"""The start of several processes: each makes the points of its own cells, and of a new window its share. None ever has all."""
+
+import json
+import shutil
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from hybrid.output import checkpoint
+from hybrid.runtime.ranks import launch
+
+pytest.importorskip("mpi4py")
+pytestmark = pytest.mark.skipif(shutil.which("mpirun") is None, reason="needs mpirun")
+
+HEAD = """
+name = "start"
+time = {{ step = 0.01{time} }}
+output = {{ pictures = [], every = 0, checkpoint = 2 }}
+solver = {{ tolerance = 1e-9, linear_tolerance = 1e-7 }}
+stage = [{{ name = "go", steps = {steps} }}]
+"""
+SAND = 'law = "drucker-prager", young = 2e7, poisson = 0.3, density = 1700.0, friction_angle = 35.0, dilation_angle = 5.0'
+# Cells that grow away from a box that presses on layered sand
+GRADED = HEAD.format(time="", steps=2) + """
+grid.x = { start = 0.0, end = 3.0, size = 0.125, fine = [0.5, 1.25], growth = 1.3 }
+grid.y = { start = 0.0, end = 0.5, size = 0.25 }
+grid.z = { start = -1.5, end = 0.5, size = 0.125, fine = [-0.5, 0.25], growth = 1.3 }
+grid.faces = { x_min = "roller", x_max = "roller", y_min = "roller", y_max = "roller", z_min = "fixed" }
+soil.top = 0.0
+soil.material = { SAND, cohesion = 1e4 }
+soil.layer = [{ name = "dense", bottom = -1.5, top = -1.0, material = { density = 2000.0, hardening = 1e5 } }]
+[[body]]
+name = "box"
+geometry = "GEOMETRY/box.geo"
+parameters = { length = 0.6, width = 0.3, height = 0.2, size = 20.0 }
+density = 3000.0
+position = [0.9, 0.25, 0.0]
+rest_on = 0.0
+friction = 0.3
+"""
+# Soil cut to a slope, which settles before the first step
+SLOPE = HEAD.format(time=", inertia = false", steps=2) + """
+grid.x = { start = 0.0, end = 5.0, size = 0.25 }
+grid.y = { start = 0.0, end = 0.5, collapsed = true }
+grid.z = { start = -1.5, end = 1.0, size = 0.25 }
+grid.faces = { x_min = "roller", x_max = "roller", z_min = "fixed" }
+soil.top = 0.75
+soil.ground = [[0.0, 0.7], [2.0, 0.6], [3.5, -0.35], [5.0, -0.3]]
+soil.material = { SAND, cohesion = 2e4 }
+"""
+# A tilted plate in clay from the start: domains are cut, numbered anew and touched on both sides of a cut between two blocks
+IN_PLACE = HEAD.format(time=", inertia = false", steps=2) + """
+grid.x = { start = -1.6, end = 1.6, size = 0.2 }
+grid.y = { start = 0.0, end = 0.05, collapsed = true }
+grid.z = { start = -3.0, end = 0.2, size = 0.2 }
+grid.faces = { z_min = "fixed" }
+soil.top = 0.0
+soil.material = { law = "von-mises", young = 5e6, poisson = 0.49, density = 1700.0, strength = 1e4, cone = "plane strain" }
+[[body]]
+name = "plate"
+geometry = "GEOMETRY/box.geo"
+parameters = { length = 1.0, width = 0.1, height = 0.24, size = 0.12 }
+density = 7850.0
+position = [0.0, 0.025, -1.487]
+rotation = [0.0, 1.0, 0.0, 30.0]
+held = ["x", "y", "z", "rx", "ry", "rz"]
+"""
+# Window and fine cells go with a box through sand
+MOVING = HEAD.format(time="", steps=8).replace("steps = 8", 'steps = 8, motion = [{ component = "x", velocity = 6.0 }]') + """
+grid.x = { start = 0.0, end = 9.6, size = 0.2, growth = 1.4, around = [0.4, 0.4], window = [0.4, 0.4], doublings = 1 }
+grid.y = { start = -0.2, end = 0.2, collapsed = true }
+grid.z = { start = -3.2, end = 1.6, size = 0.2, growth = 1.4, around = [0.6, 0.2] }
+grid.faces = { z_min = "fixed" }
+soil.top = 0.0
+soil.material = { relative_density = 38 }
+[[body]]
+name = "box"
+geometry = "GEOMETRY/box.geo"
+parameters = { length = 0.8, width = 0.8, height = 0.6, size = 20.0 }
+density = 2000.0
+position = [1.6, 0.0, 0.301]
+held = ["ry"]
+friction = 0.3
+"""
+SCENES = {"graded": GRADED, "slope": SLOPE, "in place": IN_PLACE, "moving": MOVING}
+# The largest number of points that any process has had at a time, of all that there are
+COUNTED = """
+import sys
+from hybrid import state
+held = [0]
+for kind in (state.PointConstants, state.Points):
+    def counted(self, *given, make=kind.__init__, **named):
+        make(self, *given, **named)
+        held.append(len(self.position))
+    kind.__init__ = counted
+import hybrid
+from hybrid.runtime import comm, ranks
+simulation = hybrid.run(sys.argv[1], out=sys.argv[2], quiet=True)
+most, every = comm.largest([max(held)]), comm.number(simulation.state.points)
+if ranks.rank() == 0:
+    print(most / every)
+"""
+
+
+def run(tmp_path, geometry, name, ranks):
+    """(Largest share of all points that a process has had, folder) of a scene on so many processes."""
+    scene, script, out = tmp_path / "scene.toml", tmp_path / "script.py", tmp_path / str(ranks)
+    scene.write_text(SCENES[name].replace("GEOMETRY", str(geometry)).replace("SAND", SAND))
+    script.write_text(COUNTED)
+    command, environment = launch(ranks, ["-m", "mpi4py", script, scene, out])
+    done = subprocess.run(command if ranks > 1 else [sys.executable, *command[6:]], env={**environment, "NUMBA_NUM_THREADS": "1"},
+                          capture_output=True, text=True, timeout=200)
+    assert done.returncode == 0, done.stderr
+    return float(done.stdout.split()[-1]), out
+
+
+def order(state):
+    """Points in the order of their initial places, where a grid has added some, else of their numbers."""
+    return np.arange(len(state.points)) if state.ground is None else np.lexsort(np.round(state.ground.constants.position, 6).T)
+
+
+def assert_same(out, expected):
+    """Points in the same order, and contact of the same ones."""
+    one, other = (checkpoint.load(folder / "checkpoint.npz") for folder in (expected, out))
+    assert len(one.points) == len(other.points)
+    for field in ("position", "half_width", "velocity", "stress"):
+        values, found = (getattr(state.points, field)[order(state)] for state in (one, other))
+        assert np.abs(values - found).max() <= 2e-6 * np.abs(values).max(), field
+    for touched, found in zip(one.contacts, other.contacts) if one.ground is None else ():
+        assert len(touched.point) > 10 and np.array_equal(touched.point, found.point)
+        assert np.array_equal(touched.place, found.place)
+        assert np.abs(touched.position - found.position).max() < 1e-7
+
+
+def sizes(folder):
+    """Model sheet of a run without what the solver's tolerance changes."""
+    sheet = json.loads((folder / "summary.json").read_text())["sizes"]
+    for row in ("processes", "settled at the start", "initial imbalance"):
+        sheet["modelled"].pop(row, None)
+    return sheet
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_no_process_has_all_points_and_all_are_those_of_one(tmp_path, geometry, name):
+    """Also numbers of cells, points, unknowns and entries, and what is not modelled, are those of one process."""
+    whole, expected = run(tmp_path, geometry, name, 1)
+    assert whole >= 1.0
+    for ranks, limit in ((2, 0.75), (3, 0.6)):
+        share, out = run(tmp_path, geometry, name, ranks)
+        assert share < limit, (ranks, share)
+        assert_same(out, expected)
+        assert name == "moving" or sizes(out) == sizes(expected)    # one process writes that of the grid at the end
