@@ -26,6 +26,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+from scipy.sparse import coo_matrix
 from scipy.spatial import cKDTree
 
 from hybrid.body.closest import closest
@@ -35,8 +36,10 @@ from hybrid.runtime.comm import joined, offset
 ATTACHED = 0.1  # half-widths of a domain from the surface, within which a contact point is bonded at the start
 BEFORE = 0.5    # half-widths before a face, where the domain of a point that covers it lies
 AROUND = 4.0    # widths of a domain up to which a contact point bears the interface of others
+BEARERS = 4     # contact points without a bond among which a face shares its interface, by the forces that press them
 ALONG = 0.9     # cosine between the way from the surface to a place before it and the normal there
 TURN = 0.5      # largest difference of the normals there: beside a rounded edge the soil is away from the body
+TINY = 1e-30    # [m³], area times overlap, of a contact point that nothing presses
 RAMP = 10.0     # shear over pressure of points without a bond, up to which adhesion is mobilised
 
 
@@ -79,12 +82,14 @@ NONE = PlaceLimits(np.zeros(0), np.zeros(0), np.zeros(0, bool))
 
 def place_limits(limits, found, area, domains, places, before_body):
     """PlaceLimits of contact points `found` {name: (m, ...)}: position, normal, point, place, clearance, touching and opened
-    as in corners.Corners and ContactHistory. limits: PointLimits, None for none; area: (m,) [m²]; domains: Domains of the
-    soil's points; places: Places on them; before_body: (m,) bool, as from `lie_before`."""
+    as in corners.Corners and ContactHistory, and rest. limits: PointLimits, None for none; area: (m,) [m²]; domains: Domains
+    of the soil's points; places: Places on them; before_body: (m,) bool, as from `lie_before`."""
     if limits is None:
         return NONE
     shear, tension, opened = np.zeros(0), np.zeros(0), np.zeros(0, bool)
-    borne = _borne_by_each(found, before_body & (area > 0.0), domains, places)
+    pressed = area * np.maximum(found["rest"] - found["clearance"], 0.0)
+    most = BEARERS if limits.tension == 0.0 else 1      # a bond holds whatever presses
+    borne = _borne_by_each(found | {"pressed": pressed}, before_body & (area > 0.0), domains, places, most)
     if limits.shear is not None:
         shear = borne(limits.shear[found["point"]] * area)
     if limits.tension > 0.0:
@@ -95,16 +100,16 @@ def place_limits(limits, found, area, domains, places, before_body):
     return PlaceLimits(shear, tension, opened)
 
 
-def _borne_by_each(found, borne, domains, places):
+def _borne_by_each(found, borne, domains, places, most):
     """Function that gives the sums (m,) of the values (m,) of all contact points that each of them bears; borne: (m,) bool,
-    those that another may bear, of this process or another one."""
+    those that another may bear, of this process or another one; most: number of points that share the value of one."""
     if places.at_corners:
         return lambda values: values
     order = own = ...
     if domains.number is not None:
         found, domains, order, own = _of_all_processes(found, domains)
-    bearer = _bearers(found, joined(borne)[order], domains, places)
-    return lambda values: np.bincount(bearer, joined(values)[order], len(bearer))[own]
+    shares = _shares(found, joined(borne)[order], domains, places, most)
+    return lambda values: (shares @ joined(values)[order])[own]
 
 
 def _of_all_processes(found, domains):
@@ -116,28 +121,45 @@ def _of_all_processes(found, domains):
     own = np.argsort(order)[offset(len(point)):][:len(point)]
     _, first, point_of_all = np.unique(number[order], return_index=True, return_inverse=True)
     position, half = (joined(values[point])[order][first] for values in (domains.position, domains.half))
-    found = {name: joined(found[name])[order] for name in ("place", "position", "normal", "clearance", "touching")}
+    found = {name: joined(found[name])[order] for name in ("place", "position", "normal", "clearance", "touching", "pressed")}
     return found | {"point": point_of_all}, replace(domains, position=position, half=half), order, own
 
 
-def _bearers(found, borne, domains, places):
-    """Numbers (m,) of the contact points that bear the interface of each; borne: (m,) bool, those that another may bear.
+def _shares(found, borne, domains, places, most):
+    """Sparse matrix (m, m): the share of the interface of each contact point, its column, that each bears, its row; borne: (m,)
+    bool, those that another may bear; most: as in `_borne_by_each`.
 
     The surface of the soil is made of steps. A few contact points at their tips touch a body: they bear the interface of
-    the faces around them, as far as these are part of the surface and no farther from the body than a domain is high.
+    the faces around them, as far as these are part of the surface and no farther from the body than a domain is high. One
+    that parts from the body within the step bears nothing in it, and where soil flows along a body many of those that are
+    hardly pressed do; so the nearest ones share a face by the forces that press them.
     """
-    bearer, half = np.arange(len(borne)), domains.half[found["point"]]
+    m, half = len(borne), domains.half[found["point"]]
     height = 2 * np.einsum("ci,ci->c", np.abs(found["normal"]), half)
     touching = np.flatnonzero(found["touching"])
     near = np.flatnonzero((found["clearance"] < height) & borne & ~found["touching"])
+    bearer, share, of = touching, np.ones(len(touching)), touching
     if len(touching) and len(near):
         near = near[_exposed(found, near, domains, places)]
         width = AROUND * 2 * half[touching].max()
-        place = np.concatenate([found["position"], width / TURN * found["normal"]], axis=1)
-        distance, index = cKDTree(place[touching]).query(place[near], distance_upper_bound=width)
-        reached = np.isfinite(distance)
-        bearer[near[reached]] = touching[index[reached]]
-    return bearer
+        others = _divided(found, near, touching, width, min(most, len(touching)))
+        bearer, share, of = (np.concatenate(pair) for pair in zip((bearer, share, of), others))
+    alone = np.setdiff1d(np.arange(m), of)
+    bearer, share, of = (np.concatenate(pair) for pair in ((bearer, alone), (share, np.ones(len(alone))), (of, alone)))
+    return coo_matrix((share, (bearer, of)), shape=(m, m)).tocsr()
+
+
+def _divided(found, near, touching, width, count):
+    """(bearers, shares, of which of `near`), each (k,): the `count` closest of `touching` points within a `width` [m] bear
+    shares of a point in proportion to the forces that press them."""
+    place = np.concatenate([found["position"], width / TURN * found["normal"]], axis=1)
+    distance, index = cKDTree(place[touching]).query(place[near], k=count, distance_upper_bound=width)
+    distance, index = distance.reshape(-1, count), index.reshape(-1, count)
+    reached = np.isfinite(distance)
+    bearer = touching[np.where(reached, index, 0)]
+    force = np.where(reached, np.maximum(found["pressed"][bearer], TINY), 0.0)
+    row, column = np.nonzero(reached)
+    return bearer[row, column], force[row, column] / force.sum(axis=1)[row], near[row]
 
 
 def _exposed(found, near, domains, places):

@@ -57,9 +57,16 @@ class Domains:
 def distances(y, surface, reach=np.inf):
     """Signed distances (m,) [m] of positions y (m, 3) in the body frame from the surface, inf beyond `reach` [m]; outside
     lower bounds of what a point has to move to touch it. And the outward normals there (m, 3)."""
+    out, normal = gaps(y, surface, reach)
+    return np.where(out > 0.0, out / surface.tree.patches.steepness, out), normal
+
+
+def gaps(y, surface, reach=np.inf):
+    """Gaps (m,) [m] between positions y (m, 3) in the body frame and the surface as contact sees them, inf beyond `reach` [m],
+    and the outward normals there (m, 3)."""
     out, normal = np.empty(len(y)), np.zeros((len(y), 3))
     _distances(np.ascontiguousarray(y), reach, *surface.tree.parts, out, normal)
-    return np.where(out > 0.0, out / surface.tree.patches.steepness, out), normal
+    return out, normal
 
 
 def new_points(domains, places, collapsed, body, surface, reach, known):

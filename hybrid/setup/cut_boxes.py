@@ -1,6 +1,6 @@
 """Domains of soil cut by a body: what is left of each are boxes along the axes.
 
-The share of soil in a domain that a body cuts is summed over samples, by the signed distance d of each,
+The share of soil in a domain that a body cuts is summed over samples, by its gap d to the body,
 
     f = ½ + d / Σ |N_i| w_i,  0 <= f <= 1          w (3,) widths of a sample; exact for a plane across it
 
@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hybrid.contact.search import distances
+from hybrid.contact.search import distances, gaps
 
 SAMPLES = {True: 16, False: 6}      # along each axis of a domain, in a slice and in space
 SLIVER = 0.05       # of a domain: less soil than that makes no point
@@ -111,7 +111,7 @@ def soil_shares(boxes, surface, motion, collapsed):
     offset = np.stack([a.ravel() for a in np.meshgrid(*([0.0] if c else t for c in collapsed), indexing="ij")], axis=1)
     for ids in chunks(np.flatnonzero(~inside), len(offset)):
         place = boxes.position[ids, None] + offset * boxes.half[ids, None]
-        d, normal = distances(in_frame(place.reshape(-1, 3), motion, collapsed), surface)
+        d, normal = gaps(in_frame(place.reshape(-1, 3), motion, collapsed), surface)     # near a tip bounds of it are far smaller
         width = np.repeat(2 * across[ids] / count, len(offset), axis=0)
         width = np.einsum("si,si->s", np.abs(normal @ motion.rotation.T), width)
         soil = np.clip(0.5 + d / np.maximum(width, TINY), 0.0, 1.0).reshape(len(ids), len(offset))

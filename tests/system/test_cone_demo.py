@@ -20,8 +20,9 @@ WEIGHT = 1600.0 * 9.81
 
 
 def test_the_tip_feels_the_strength_and_the_weight_and_the_sleeve_the_adhesion():
-    """Measured over the last four steps: N = 8.9, 14 % below theory, on two cells in the radius and after half a radius of
-    way; f_s = 0.303 s_u, that is 1 % above α s_u."""
+    """Measured over the last four steps: N = 9.1, 12 % below theory, on two cells in the radius and after half a radius of
+    way; f_s = 0.307 s_u, that is 2 % above α s_u. With faces of the cut counted that touch nothing, it was right by chance
+    (1.31 of the area, and clay that parts from the shaft behind the shoulder); without them, 0.86 of α s_u."""
     simulation = build(load_scene(DEMO, [f"body.cone.rest_on={-DEPTH}", f"stage.0.steps={STEPS}"]))
     rows = [record.row() for record in simulation.steps()][-4:]
     q, f = (np.mean([row[f"cone_contact_{name}_fz_whole_N"] for row in rows]) / area
