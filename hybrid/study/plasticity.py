@@ -11,11 +11,10 @@ most as strong as Tresca's (√J2 = s_u lies inside of the hexagon), so the exac
 
 Between smooth and rough, with an adhesion α = sin Δ, the cylinder has π + 2Δ + 2 cosΔ + 4 (cos Δ/2 + sin Δ/2).
 
-Cylinder: the points that reach into it are removed whole (`wish_in_place`; scenes cut them, `hybrid.setup.in_place`), and the
-weight, which grows from zero in the first stage, closes the gap. The clay at the axis bears 20 s_u, so none opens.
+Cylinder: in place from the start, as in a user's scene (`hybrid.setup.in_place`). The clay at its axis bears 20 s_u, so none opens.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -23,9 +22,6 @@ from hybrid.bench.timed_steps import newton_iterations, sizes, timed_steps
 from hybrid.runtime.data import GEOMETRY
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Scene, Soil, Stage, Time
 from hybrid.setup.build import build
-from hybrid.simulation import Simulation
-from hybrid.soil.split_merge import select
-from hybrid.state import Population
 
 STRENGTH, STIFFNESS, POISSON, STEPS = 1e4, 1e4, 0.49, 20    # s_u [Pa], E / s_u
 STRIP, SMOOTH, ROUGH, DEEP = 2 + np.pi, 5.69, 6.05, 9.14
@@ -95,8 +91,8 @@ def deep_factor(adhesion):
     return np.pi + 2 * turn + 2 * np.cos(turn) + 4 * (np.cos(turn / 2) + np.sin(turn / 2))
 
 
-def buried(across, friction=0.0, adhesion=None, way=0.1, rigidity=500.0, steps=20, fill=20, around=6.0, fine=1.25):
-    """Scene of a cylinder of 1 m diameter that hangs above the soil; `wish_in_place` puts it at z = 0.
+def buried(across, friction=0.0, adhesion=None, way=0.1, rigidity=500.0, steps=20, around=6.0, fine=1.25):
+    """Scene of a cylinder of 1 m diameter that lies in the soil with its axis at z = 0.
 
     across: cells in a diameter; rigidity: E / s_u; way [m], along x, in `steps`; around [m]: half-width of the soil.
     """
@@ -107,32 +103,19 @@ def buried(across, friction=0.0, adhesion=None, way=0.1, rigidity=500.0, steps=2
     z = Axis(nodes=(*(-a for a in graded(size, fine, around)[:0:-1]), *up, up[-1] + (up[-1] - up[-2])))
     slice_ = Axis(start=0.0, end=0.5 * size, collapsed=True)
     density = PRESSURE * STRENGTH / (9.81 * up[-1])
-    body = Body(GEOMETRY / "cylinder.geo", 1000.0, name="cylinder", rest_on=up[-1], rotation=(1.0, 0.0, 0.0, 90.0),
+    body = Body(GEOMETRY / "cylinder.geo", 1000.0, name="cylinder", rest_on=-0.5, rotation=(1.0, 0.0, 0.0, 90.0),
                 parameters={"radius": 0.5, "height": 3 * size, "size": 0.05}, position=(0.0, 0.25 * size, 0.0),
                 friction=friction, adhesion=adhesion, velocity=(way / steps, 0.0, 0.0), driven=("x",), held=("y", "z", "rx", "ry", "rz"))
     return Scene(name="buried", grid=Grid(x, slice_, z, Faces(z_min="fixed")),
-                 soil=Soil(clay(rigidity, density), top=up[-1], geostatic=False), bodies=(body,), time=Time(1.0, inertia=False),
-                 stages=(Stage("fill", fill, gravity=(0.0, 1.0), held=("x",)), Stage("push", steps)))
-
-
-def wish_in_place(simulation, radius=0.5):
-    """Simulation whose cylinder lies at z = 0, without the points whose domains reach into it: overlap that is there at the
-    start acts in the first step all at once."""
-    state, soil = simulation.state, simulation.model.soil
-    half = state.points.half_width[:, [0, 2]].max()
-    keep = np.hypot(state.points.position[:, 0], state.points.position[:, 2]) > radius + half
-    kept = select(Population(state.points, soil.constants, soil.law.rows), keep)
-    soil = replace(soil, constants=kept.constants, law=soil.law.with_rows(kept.rows))
-    position = state.bodies[0].position * (1.0, 1.0, 0.0)
-    state = replace(state, points=kept.points, bodies=[replace(state.bodies[0], position=position)])
-    return Simulation(simulation.scene, simulation.model.with_soil(soil), state, simulation.meshes)
+                 soil=Soil(clay(rigidity, density), top=up[-1], k0=1.0), bodies=(body,), time=Time(1.0, inertia=False),
+                 stages=(Stage("push", steps),))
 
 
 def sideways(across, friction=0.0, adhesion=None, **values):
     """Pushed of the cylinder, force over (diameter × s_u)."""
-    simulation = wish_in_place(build(buried(across, friction, adhesion, **values)))
+    simulation = build(buried(across, friction, adhesion, **values))
     records, seconds = timed_steps(simulation)
-    force = -np.array([record.bodies[0].contact_force[0] for record in records if record.stage == "push"])
+    force = -np.array([record.bodies[0].contact_force[0] for record in records])
     thickness = simulation.scene.grid.y.end
     return Pushed(force / (thickness * STRENGTH), sizes(simulation)["unknowns"], newton_iterations(records), sum(seconds),
                   tuple(dict.fromkeys(note for record in records for note in record.notes)))

@@ -57,15 +57,15 @@ def test_a_footing_breaks_away_from_its_edges_at_its_limit():
 
 def test_adhesion_raises_the_resistance_of_a_cylinder():
     """Cells of a quarter of the diameter and a third of the way, on which the smooth cylinder has 0.8 of its factor."""
-    smooth, rough = (sideways(4, None, adhesion, fill=6, steps=4, way=0.03).factor[-1] for adhesion in (0.0, 1.0))
+    smooth, rough = (sideways(4, None, adhesion, steps=4, way=0.03).factor[-1] for adhesion in (0.0, 1.0))
     assert 1.1 < rough / smooth < 1.1 * deep_factor(1.0) / deep_factor(0.0)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("adhesion", [0.0, 0.5, 1.0])
-def test_the_cylinder_is_within_four_per_cent_on_eight_cells(adhesion):
+def test_the_cylinder_is_within_three_per_cent_on_eight_cells(adhesion):
     factor = np.mean(sideways(8, None, adhesion).factor[-5:])
-    assert factor == pytest.approx(deep_factor(adhesion), rel=0.045)
+    assert factor == pytest.approx(deep_factor(adhesion), rel=0.03)
 
 
 # ------------------------------------------------------------------ a plate on a column: the limit, and what is remembered

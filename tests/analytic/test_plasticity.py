@@ -5,7 +5,10 @@ Cells in half the width or in the radius, excess over the exact load:
     strip     4, 8, 16     7.4, 3.9, 2.2 %     first order
     circle    2, 3, 4, 6   2.0, -0.8, -1.4, -3.9 %
 
-A smooth cylinder that is moved sideways, 8 cells in its diameter: -2.3 %.
+A cylinder that is moved sideways, cells in its diameter:
+
+    smooth            4, 6, 8, 12   5.4, -1.4, -1.5, -0.6 %
+    α = 1             4, 6, 8      2.6, 3.2, 2.2 %
 
 The nodes at the edge of a rigid footing go down with it, and soil is sheared in the cell beyond. There is no contact within
 half a cell of its edge (`hybrid.body.sharp_edges`): without that the circle has 45, 28, 16 % on 2, 3, 4 cells.
@@ -58,6 +61,6 @@ def test_the_circle_carries_its_load(across, monkeypatch):
         assert plasticity.push("circle", across).factor[-1] / plasticity.SMOOTH - 1 > 0.2
 
 
-@pytest.mark.slow
-def test_the_cylinder_is_within_three_per_cent_on_eight_cells():
-    assert np.mean(plasticity.sideways(8).factor[-5:]) == pytest.approx(plasticity.DEEP, rel=0.03)
+@pytest.mark.parametrize("across", [6, pytest.param(8, marks=pytest.mark.slow)])
+def test_the_cylinder_is_within_three_per_cent(across):
+    assert np.mean(plasticity.sideways(across).factor[-5:]) == pytest.approx(plasticity.DEEP, rel=0.03)

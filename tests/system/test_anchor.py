@@ -67,11 +67,11 @@ def test_energy_of_the_drag_balances(drag):
 
 @pytest.mark.slow
 def test_energy_of_the_demo_balances():
-    """demos/anchor.toml: 2.6 % of the work of the pull come from nothing, where soil comes to lie inside the anchor."""
+    """demos/anchor.toml: -0.9 % of the work of the pull are missing in the end."""
     records = list(build(load_scene(DEMOS / "anchor.toml")).steps())
     before, after = of(records, "settle")[-1].energies, of(records, "drag")[-1].energies
-    assert after["error"] == pytest.approx(0.026 * after["pull"], abs=0.015 * after["pull"])
-    assert abs(after["error"] - before["error"]) < 0.04 * after["pull"]
+    assert after["error"] == pytest.approx(-0.009 * after["pull"], abs=0.01 * after["pull"])
+    assert abs(after["error"] - before["error"]) < 0.02 * after["pull"]
 
 
 def test_no_point_leaves_the_grid(drag):
