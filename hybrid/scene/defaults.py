@@ -133,6 +133,13 @@ def _tangential(scene, body):
     return 3.0, "stiffer than the normal springs, so that a rolling body hardly creeps"
 
 
+def _adhesion(scene, body):
+    if scene.method == "published" or not body.friction or scene.soil.held or laws(scene.soil) != {"von-mises"}:
+        return None, ""
+    # pressed by 20 s_u and without this limit, a rough cylinder in cells of an eighth of its width takes 14 % too much with it
+    return 1.0, "clay shears by itself before a body feels more than its strength"
+
+
 def _scheme(scene, time):
     if time.beta is not None or time.gamma is not None:
         return "newmark", "beta and gamma are those of Newmark's scheme"
@@ -147,6 +154,7 @@ RULES = {   # (class, key): (rule, value of the published method; None: that of 
     (Soil, "fbar"): (_fbar, False),
     (Soil, "ghost"): (_ghost, 0.0),
     (Body, "contact"): (_contact, "corners"),
+    (Body, "adhesion"): (_adhesion, None),
     (Body, "tangential"): (_tangential, 1.0),
     (Time, "scheme"): (_scheme, "newmark"),
 }

@@ -61,6 +61,21 @@ def test_the_published_method():
     assert {reason for _, reason in found.values()} == {"the published method"}
 
 
+CLAY = {"law": "von-mises", "strength": 2e4, "young": 1e6, "poisson": 0.49, "density": 1800.0}
+SAND = Layer("sand", top=0.1, law="drucker-prager", material={"relative_density": 38.0})
+
+
+@pytest.mark.parametrize("given, soil, limit", [
+    ({"friction": 0.3}, {}, 1.0), ({"friction": 0.0}, {}, None), ({"friction": None}, {}, None), ({"friction": 0.3}, {"held": True}, None),
+    ({"friction": 0.3}, {"layers": (SAND,)}, None), ({"friction": 0.3, "adhesion": 0.5}, {}, 0.5)])
+def test_friction_on_clay_is_limited_by_its_strength(given, soil, limit):
+    """Not where nothing yields, where there is no s_u, or by the published method."""
+    scene = soil_scene([replace(CUBE, **given)], **soil)
+    scene = replace(scene, soil=replace(scene.soil, material=Material(**CLAY)))
+    assert resolve(scene)[0].bodies[0].adhesion == limit
+    assert resolve(replace(scene, method="published"))[0].bodies[0].adhesion == given.get("adhesion")
+
+
 @pytest.mark.parametrize("collapsed, material, layers, cone", [
     ("y", {"law": "von-mises", "strength": 2e4}, (), "plane strain"),
     ("", {"law": "von-mises", "strength": 2e4}, (), "plane strain"),       # nowhere stronger than Tresca's
