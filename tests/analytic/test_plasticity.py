@@ -64,3 +64,8 @@ def test_the_circle_carries_its_load(across, monkeypatch):
 @pytest.mark.parametrize("across", [6, pytest.param(8, marks=pytest.mark.slow)])
 def test_the_cylinder_is_within_three_per_cent(across):
     assert np.mean(plasticity.sideways(across).factor[-5:]) == pytest.approx(plasticity.DEEP, rel=0.03)
+
+
+def test_friction_alone_takes_no_more_of_the_clay_than_its_strength():
+    """A rough cylinder on four cells: +2.6 %, and +29 % where nothing but friction limits the shear."""
+    assert np.mean(plasticity.sideways(4, friction=1.0).factor[-5:]) == pytest.approx(plasticity.deep_factor(1.0), rel=0.05)
