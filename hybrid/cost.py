@@ -38,10 +38,10 @@ from time import perf_counter
 import numpy as np
 
 from hybrid.body import rigid
-from hybrid.output.model_sheet import PART, PICTURES, growing_memory
 from hybrid.runtime import comm, timing
 from hybrid.runtime.memory import peak_memory
 from hybrid.soil.model import Refusal
+from hybrid.soil.size import PART, PICTURES, growing_memory
 from hybrid.step.energy import energies
 from hybrid.step.equations import begin
 from hybrid.step.workspace import Workspace

@@ -17,9 +17,6 @@ from functools import cached_property
 
 import numpy as np
 
-from hybrid.body.attitude import quaternion
-from hybrid.body.joints import Joint
-from hybrid.body.rigid import FREEDOMS, line_ends
 from hybrid.body.symmetry import copies
 from hybrid.contact.closest_points import nearest
 from hybrid.monitors import Monitors, StepView
@@ -28,7 +25,7 @@ from hybrid.monitors.initial_equilibrium import initial_imbalance
 from hybrid.monitors.limits import limit_warnings
 from hybrid.output import errors_of
 from hybrid.output.model_sheet import model_sheet
-from hybrid.output.record import BodyRecord, JointRecord, PairRecord, Record
+from hybrid.output.record import Record
 from hybrid.runtime import comm, ranks, timing
 from hybrid.runtime.errors import HybridError, OutputError, StepError
 from hybrid.runtime.memory import map_large_arrays
@@ -36,7 +33,7 @@ from hybrid.step import processes
 from hybrid.step.energy import balance_error, energies
 from hybrid.step.equations import begin
 from hybrid.step.increments import Control, outer_step
-from hybrid.step.work import drive_name, load_name
+from hybrid.step.records import body_record, joint_records, pair_records
 from hybrid.step.workspace import Workspace
 
 log = logging.getLogger("hybrid")
@@ -302,8 +299,8 @@ class Simulation:
             increments=report.increments, iterations=report.iterations, rejections=report.rejections,
             residual=evaluation.error, contacts=int(comm.total([len(terms.contact) for terms in evaluation.bodies])),
             seconds=timing.collect(), energies=energy,
-            bodies=[_body_record(terms, state, evaluation.joints) for terms in evaluation.bodies], joints=_joint_records(evaluation),
-            pairs=_pair_records(evaluation), time_error=report.error,
+            bodies=[body_record(terms, state, evaluation.joints) for terms in evaluation.bodies], joints=joint_records(evaluation),
+            pairs=pair_records(evaluation), time_error=report.error,
             krylov=report.krylov, judged=report.judged, copies=copies(self.mirrors),
             notes=self._initial_notes() + self._monitors.notes(view))
         return record, self._monitors.stop(view)
@@ -317,54 +314,3 @@ class Simulation:
             return self.warned
         return self.warned + self.imbalance.notes(stage, self.model.scheme.with_pair(stage.beta, stage.gamma),
                                                   self._step_length(stage), "settled at the start" in self.start)
-
-
-def _body_record(terms, state, joints):
-    """BodyRecord of a body, by its BodyTerms at the step that led to `state`."""
-    motion, contact = state.bodies[terms.step.number], terms.contact
-    reaction, load, work = _guided(terms.step.body, motion, state.work)
-    for guide, force in joints.guides() if joints else ():
-        if guide.bodies[0] == terms.step.number:
-            reaction[guide.name], work[guide.name] = force, state.work[drive_name(terms.step.body, guide.name)]
-    return BodyRecord(
-        terms.step.body.name, motion.position, quaternion(motion.rotation), motion.velocity, motion.spin,
-        contact.resultant[:3], contact.resultant[3:], terms.trial.tension, contact.largest_overlap,
-        reaction, load, work, mirrors=terms.step.body.mirrors,
-        parts=terms.step.body.parts.forces(contact) if terms.step.body.parts else {},
-        line_ends=_line_ends(terms.step.body.line, motion))
-
-
-def _line_ends(line, motion):
-    """Pull and angles of a line that cuts through soil, zero before it is laid out; None of others."""
-    if line is None or line.soil is None:
-        return None
-    return (0.0,) * 4 if motion.target is None else line_ends(line, motion)
-
-
-def _joint_records(evaluation):
-    """[JointRecord] of an Evaluation."""
-    if evaluation.joints is None:
-        return []
-    terms = evaluation.joints
-    return [JointRecord(joint.name, force, float(np.degrees(joint.angle(pair))) if joint.turning else None,
-                        evaluation.bodies[joint.bodies[0]].step.body.mirrors)
-            for joint, pair, force in zip(terms.step.joints, terms.pairs, terms.forces()) if isinstance(joint, Joint)]
-
-
-def _pair_records(evaluation):
-    """[PairRecord] of an Evaluation."""
-    if evaluation.pairs is None:
-        return []
-    bodies = [terms.step.body for terms in evaluation.bodies]
-    return [PairRecord(*(bodies[number].name for number in pair.numbers), *evaluation.pairs.of_pair(index),
-                       bodies[pair.numbers[0]].mirrors) for index, pair in enumerate(evaluation.pairs.step.pairs)]
-
-
-def _guided(body, motion, work):
-    """Reactions, loads and their work of a body, as fields of its BodyRecord."""
-    guided = [name for name, free in zip(FREEDOMS, body.free) if not free]
-    done = {name: work[drive_name(body, name)] for name in guided if drive_name(body, name) in work}
-    if load_name(body) in work:
-        done["load"] = work[load_name(body)]
-    reaction = {} if motion.reaction is None else {name: motion.reaction[FREEDOMS.index(name)] for name in guided}
-    return reaction, motion.load, done

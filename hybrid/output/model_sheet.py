@@ -5,22 +5,13 @@ import numpy as np
 from hybrid.body.rigid import FREEDOMS
 from hybrid.body.symmetry import copies
 from hybrid.linalg.solver_choice import SolverChoice
-from hybrid.linalg.stencil_pattern import sizes_of_box
-from hybrid.runtime.comm import anywhere, maximum, minimum, number
+from hybrid.runtime.comm import anywhere, number
 from hybrid.runtime.memory import direct_factor_memory
 from hybrid.runtime.sandbox import shortcoming
 from hybrid.scene.soil import USES, of_layer, span
-from hybrid.soil.workspace import keeps_tangents
+from hybrid.soil.size import LIBRARIES, PICTURES, growing_memory, sizes
 
 PAIRS = 12      # of bodies in contact that the sheet lists
-# [bytes], as measured
-LIBRARIES = 320e6       # interpreter with dolfinx, PETSc, gmsh and compiled kernels
-PICTURES = 95e6         # process that draws pictures
-BYTES_PER_POINT = 1600  # history, constants, trial buffers and temporaries of one point
-BYTES_PER_ENTRY = 34    # entry of the soil block: value, index, incomplete factor and its temporaries
-PART = 0.1      # of points and matrix, besides: those of an increment restricted to few nodes (`hybrid.step.restriction`)
-KEPT_PER_POINT, KEPT_PER_ENTRY = 889, 8     # tangents kept within an increment: 111 numbers and a mark, and one
-FBAR_PER_POINT = 4000   # more with F-bar and contact on faces, as measured in a travelling grid
 
 
 def model_sheet(scene, model, imbalance=None, level="", most_points=0, decisions=()):
@@ -74,21 +65,6 @@ def _moving_grid(scene):
     axes = [name for name in "xyz" if getattr(scene.grid, name).moves]
     followed = scene.grid.follow or scene.bodies[0].name if axes else ""
     return {"grid follows": f"{followed}, along {', '.join(axes)}"} if axes else {}
-
-
-def growing_memory(soil, points, entries, unknowns, solver, direct=False):
-    """Largest memory [bytes] of so many points, entries of the matrix and its factor; direct: whether a direct factor turned
-    out to be needed."""
-    return growing_memory_of(
-        points, entries, unknowns, soil.fbar, keeps_tangents(soil, solver),
-        direct or solver.linear == "direct", bool(soil.grid.collapsed.any()))
-
-
-def growing_memory_of(points, entries, unknowns, fbar, kept, direct, plane):
-    """The same by numbers; kept: whether points keep their tangents; plane: whether an axis is collapsed."""
-    per_point = BYTES_PER_POINT + KEPT_PER_POINT * kept + FBAR_PER_POINT * fbar
-    memory = (1 + PART) * (per_point * points + (BYTES_PER_ENTRY + KEPT_PER_ENTRY * kept) * entries)
-    return memory + (direct_factor_memory(unknowns, plane) if direct else 0.0)
 
 
 def _linear_solver(model, unknowns):
@@ -222,27 +198,6 @@ def _schemes(scene, scheme):
     """The scheme of the scene, and of the stages that have their own."""
     own = [(stage.name, str(scheme.with_pair(stage.beta, stage.gamma))) for stage in scene.stages]
     return "; ".join([str(scheme), *(f"{name}: {other}" for name, other in own if other != str(scheme))])
-
-
-def sizes(soil):
-    """Sizes of the soil block in the first step, of all processes: nodes in the support of a point at its initial place."""
-    planes = []
-    for nodes, fixed, collapsed, x, half in zip(soil.grid.lines, soil.grid.planes, soil.grid.collapsed, soil.constants.position.T,
-                                                soil.constants.half_width.T):
-        reached = np.full(len(nodes), not soil.held)
-        if not (soil.held or collapsed):
-            reached = (nodes >= _at_or_below(nodes, minimum(x - half))) & (nodes <= _at_or_above(nodes, maximum(x + half)))
-        planes.append(reached[:, None] & ~fixed)
-    return sizes_of_box(planes)
-
-
-def _at_or_below(nodes, x):
-    """The node below `x` [m], or the first one: soil may have started outside the grid that follows a body."""
-    return nodes[max(np.searchsorted(nodes, x + 1e-9, side="right") - 1, 0)]
-
-
-def _at_or_above(nodes, x):
-    return nodes[min(np.searchsorted(nodes, x - 1e-9, side="left"), len(nodes) - 1)]
 
 
 def not_modelled(scene, model, block):

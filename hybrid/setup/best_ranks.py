@@ -9,12 +9,12 @@ they cannot be faster than four times one, and processes can. One process runs h
 that follows a body, whose number of points is not known from the scene.
 """
 
-from hybrid.output.model_sheet import LIBRARIES
 from hybrid.runtime.errors import HybridError
 from hybrid.scene.accuracy import apply_accuracy
 from hybrid.scene.defaults import resolve
 from hybrid.setup.grid import axis_nodes
 from hybrid.setup.size import size
+from hybrid.soil.size import LIBRARIES
 
 PER_PROCESS, FEWEST = 100_000, 4    # points, processes
 

@@ -11,9 +11,9 @@ from math import inf, prod
 import numpy as np
 
 from hybrid.grid.axes import cells_that_grow
-from hybrid.output.model_sheet import growing_memory_of
 from hybrid.runtime.errors import SceneError
 from hybrid.runtime.memory import available_memory
+from hybrid.soil.size import growing_memory_of
 
 BYTES_PER_NODE = 400    # conditions, numbers, masses and vectors of a node, with soil or without
 BYTES_ON_AXIS = 100     # coordinates and what is made from them along one axis

@@ -82,7 +82,7 @@ from hybrid.setup.build import build
 from hybrid.runtime.memory import peak_memory
 from hybrid.cost import predict
 from hybrid.scene import Solver
-from hybrid.output.model_sheet import LIBRARIES
+from hybrid.soil.size import LIBRARIES
 from hybrid.study.scenes import soil_scene
 
 def block(cells, linear):
@@ -115,7 +115,7 @@ from test_cost import pressed
 from hybrid.setup.build import build
 from hybrid.runtime.memory import peak_memory
 from hybrid.cost import predict
-from hybrid.output.model_sheet import LIBRARIES
+from hybrid.soil.size import LIBRARIES
 
 list(build(pressed(0.2, 2)).steps())    # compiles
 predict(build(pressed(0.2, 2)))

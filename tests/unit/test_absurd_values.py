@@ -7,13 +7,13 @@ import pytest
 from small_scene import SCENE, refused
 
 from hybrid.grid.axes import cells_that_grow, graded_nodes
-from hybrid.output.model_sheet import growing_memory, sizes
 from hybrid.runtime import memory
 from hybrid.runtime.errors import SceneError
 from hybrid.scene import Axis, Solver, Time
 from hybrid.scene.file import load_scene
 from hybrid.setup import size
 from hybrid.setup.build import build
+from hybrid.soil.size import growing_memory, sizes
 from hybrid.study.scenes import box, collapsed, soil_scene
 
 DIGITS = "9" * 5000
