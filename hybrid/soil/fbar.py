@@ -24,7 +24,7 @@ with the gradients at the start of the step, which are fixed within an increment
     Â_imkn  = ΔF^-1_mj ΔF^-1_nl [A_ijkl - c_ij δ_kl - δ_ij e_kl + κ δ_ij δ_kl + q δ_il δ_jk]
     ĉ_im    = ΔF^-1_mj (c_ij - κ δ_ij)          ê_kn = ΔF^-1_nl (e_kl - κ δ_kl)
 
-B and S are arrays over the free components (w, k) of a point, added in runs as in `hybrid.soil.rows`. The tangent of a
+B and S are arrays over the components (w, k) of a point's nodes, summed and added as in `hybrid.soil.boxes`. The tangent of a
 point follows from COUNT numbers: Â, ĉ, ê, ΔF_0^-1, κ and q.
 
 The value at the element's centre is used by de Souza Neto, Perić, Dutko & Owen, Int. J. Solids Struct. 33 (1996)
@@ -41,7 +41,7 @@ import numpy as np
 from numba import njit, prange
 
 from hybrid.soil.basis import Basis, support
-from hybrid.soil.rows import WIDTH
+from hybrid.soil.boxes import STRIDE
 from hybrid.soil.tangent import combine
 
 COUNT = 110                                         # numbers that the tangent of a point follows from
@@ -145,24 +145,44 @@ def mean_tangent(A, c, e, scalars, inverse, mean_inverse, work, out):
 
 
 @njit(cache=True, fastmath={"contract"})
-def add_mean_terms(numbers, volume, unknown, size, g, d, B, S):
-    """Add the terms of ĉ to B_im, which contains V0 Â_imkn ∂_n S_w, and all terms to S_im, for the free components of a
-    point, both in nine rows of WIDTH.
+def add_mean_terms(numbers, volume, column, nodes, columns, g, d, work, B):
+    """Add the terms of ĉ to B_im, which contains V0 Â_imkn ∂_n S_w, and all terms to S_im, for the components of the nodes of
+    a point.
 
-    numbers: (COUNT,) of `mean_tangent`; volume: V0, negative to subtract; unknown: (2, size) as `free_components` fills
-    it; g, d: (27, 3) ∂S and ∂M.
+    numbers: (COUNT,) of `mean_tangent`; volume: V0, negative to subtract; column, nodes, columns, B: as in
+    `hybrid.soil.boxes`, S_im in row i after B_im; g, d: (28, 3) ∂S and ∂M; work: (8 STRIDE,) scratch. It takes, for the columns (w, k), h_w,k of the
+    column's own component, what ΔF_0^-1_mi multiplies, q h_w,i and ΔF_0^-1_mk.
     """
     T, kappa, q = numbers[INVERSE_AT:SCALARS_AT], numbers[SCALARS_AT], numbers[SCALARS_AT + 1]
     c, e = numbers[C_AT:E_AT], numbers[E_AT:INVERSE_AT]
-    for n in range(size):
-        w, k, at = unknown[0, n], unknown[1, n], np.uintp(n)
-        dx, dy, dz = volume * d[w, 0], volume * d[w, 1], volume * d[w, 2]
+    for row in range(8):
+        work[row * STRIDE:row * STRIDE + columns] = 0.0
+    for n in range(nodes):
+        dx, dy, dz = volume * d[n, 0], volume * d[n, 1], volume * d[n, 2]
         h = (T[0] * dx + T[3] * dy + T[6] * dz, T[1] * dx + T[4] * dy + T[7] * dz, T[2] * dx + T[5] * dy + T[8] * dz)
-        own = h[k]
-        both = kappa * own + volume * (e[3 * k] * g[w, 0] + e[3 * k + 1] * g[w, 1] + e[3 * k + 2] * g[w, 2])
-        for i in range(3):
-            turned = q * h[i]
-            for m in range(3):
-                B[at] += c[3 * i + m] * own
-                S[at] += T[3 * m + i] * both - T[3 * m + k] * turned
-                at += WIDTH
+        for k in range(3):
+            at = column[n] + k
+            work[at] = h[k]
+            work[at + STRIDE] = kappa * h[k] + volume * (
+                e[3 * k] * g[n, 0] + e[3 * k + 1] * g[n, 1] + e[3 * k + 2] * g[n, 2])
+            for i in range(3):
+                work[at + (2 + i) * STRIDE], work[at + (5 + i) * STRIDE] = q * h[i], T[3 * i + k]
+    own, both = work, work[STRIDE:]
+    for i in range(3):
+        turned = work[(2 + i) * STRIDE:]
+        for m in range(3):
+            _add_multiple(B[i, m * STRIDE:], c[3 * i + m], own, columns)
+            _add_mean_row(B[i, (3 + m) * STRIDE:], T[3 * m + i], both, work[(5 + m) * STRIDE:], turned, columns)
+
+
+@njit(cache=True, fastmath={"contract"})
+def _add_multiple(out, factor, values, columns):
+    for q in range(np.uintp(columns)):
+        out[q] += factor * values[q]
+
+
+@njit(cache=True, fastmath={"contract"})
+def _add_mean_row(out, factor, both, inverse, turned, columns):
+    """Add factor both - inverse turned to S_im."""
+    for q in range(np.uintp(columns)):
+        out[q] += factor * both[q] - inverse[q] * turned[q]

@@ -2,8 +2,8 @@
 
     K_vw,ik   = Σ_p V0 g_v,j A_ijkl g_w,l           A_ijkl = ∂τ_ij/∂l_kl - τ_il δ_jk
 
-(FORMULATION (12); g, τ and V0 as in `hybrid.soil.forces`, A in `hybrid.soil.tangent`, rows in `hybrid.soil.rows`, the
-terms of F-bar in `hybrid.soil.fbar`).
+(FORMULATION (12); g, τ and V0 as in `hybrid.soil.forces`, A in `hybrid.soil.tangent`, sums over points in `hybrid.soil.boxes`,
+the terms of F-bar in `hybrid.soil.fbar`).
 
 Within an increment ∇_n S is fixed, so a point's part of K is linear in the 81 numbers
 
@@ -22,9 +22,10 @@ import numpy as np
 from numba import njit, prange
 
 from hybrid.soil import ghost
+from hybrid.soil.boxes import (
+    NODES, STRIDE, add_box, add_point, box_widths, columns_reached, contract, empty_box, enter, is_in, move)
 from hybrid.soil.fbar import COUNT, add_mean_terms, mean_dilatation, mean_tangent, project
 from hybrid.soil.forces import reference_gradients
-from hybrid.soil.rows import WIDTH, add_row, contract, find_stacks, free_components, scratch
 from hybrid.soil.tangent import point_tangent, pulled_back
 
 
@@ -106,53 +107,62 @@ class KeptStiffness:
 
 @njit(cache=True, parallel=True)
 def _add_stiffness(slabs, basis, shape, points, sparsity, values, kept, dilatation):
-    """Add the tangent of all points. `dilatation`: MeanDilatation of F-bar or None; numba compiles either case without
-    the branches of the other one. Tuples are unpacked first, as access to their fields in the loops costs 10 %."""
-    (order, start), (first, count, value, gradient) = slabs, basis
-    dof, row, slot, indptr = sparsity
-    inverse, strain, directions, stress, tangent, volume = points
-    numbers, changed, fresh = kept
-    if dilatation is not None:
-        mean_value, mean_inverse, deforms = dilatation
+    """Add the tangent of all points. `dilatation`: MeanDilatation of F-bar or None; numba compiles either case without the
+    branches of the other one."""
+    order, start = slabs
     for colour in range(2):
         for pair in prange((len(start) - colour) // 2):
             slab = 2 * pair + colour
-            node, g, local, unknown, stack, place = scratch()
-            new, A, dyads, pulled, B = np.empty(COUNT), np.empty(81), np.empty((3, 81)), np.empty((3, 3)), np.empty(729)
-            S, d, c, e = np.empty(729), np.empty((27, 3)), np.empty((3, 3)), np.empty((3, 3))       # of F-bar
-            for n in range(start[slab], start[slab + 1]):
-                p = order[n]
-                if not changed[p]:
-                    continue
-                if dilatation is None:
-                    pulled_back(inverse[p], directions[p], pulled)
-                    point_tangent(directions[p], pulled, strain[p], stress[p], tangent[p], new, dyads)
-                else:
-                    point_tangent(directions[p], directions[p], strain[p], stress[p], tangent[p], A, dyads)
-                    scalars = project(A, directions[p], stress[p], deforms, c, e)
-                    mean_tangent(A, c, e, scalars, inverse[p], mean_inverse[p], dyads[0], new)
-                if len(numbers) > 0:
-                    _replace(numbers[p], new, fresh)
-                m = reference_gradients(p, first, count, value, gradient, shape, node, g)
-                stacks = free_components(count[p], node, dof, local, unknown, stack)
-                contract(new, g, volume[p], unknown, stack[1, stacks], B)
-                if dilatation is not None:
-                    reference_gradients(p, first, count, mean_value, gradient, shape, node, d)
-                    S[...] = 0.0
-                    if fresh:
-                        add_mean_terms(new, volume[p], unknown, stack[1, stacks], g, d, B, S)
-                    else:
-                        add_mean_terms(numbers[p], volume[p], unknown, stack[1, stacks], g, d, B, S)
-                        add_mean_terms(new, -volume[p], unknown, stack[1, stacks], g, d, B, S)
-                for a in range(m):
-                    if find_stacks(row[node[a]], local[a], stack, stacks, slot, place):
-                        for i in range(3):
-                            if dof[node[a], i] >= 0:
-                                begin, x = indptr[dof[node[a], i]], np.uintp(3 * i) * WIDTH
-                                if dilatation is None:
-                                    add_row(values, begin, place, stack, stacks, B, None, x, g[a], g[a])
-                                else:
-                                    add_row(values, begin, place, stack, stacks, B, S, x, g[a], d[a])
+            _add_slab(order[start[slab]:start[slab + 1]], basis, shape, points, sparsity, values, kept, dilatation)
+
+
+@njit(cache=True)
+def _add_slab(order, basis, shape, points, sparsity, values, kept, dilatation):
+    """Add the tangent of the points of one slab, box by box. Tuples are unpacked first, as access to their fields in the loop
+    costs 10 %."""
+    first, count, value, gradient = basis
+    inverse, strain, directions, stress, tangent, volume = points
+    numbers, changed, fresh = kept
+    widths, deforms = box_widths(shape), np.array([n > 1 for n in shape])
+    if dilatation is not None:
+        mean_value, mean_inverse, deforms = dilatation
+    box, node, number, column = empty_box(), np.empty(NODES, np.int64), np.empty(NODES + 1, np.int64), np.empty(NODES + 1, np.int64)
+    new, A, dyads, pulled = np.empty(COUNT), np.empty(81), np.empty((3, 81)), np.empty((3, 3))
+    g, E, B = np.empty((NODES + 1, 3)), np.empty(9 * STRIDE), np.empty((3, 6 * STRIDE))
+    d, work, c, e = np.empty_like(g), np.empty_like(E), np.empty((3, 3)), np.empty((3, 3))      # of F-bar
+    for p in order:
+        if not changed[p]:
+            continue
+        if not is_in(box, first[p]):
+            add_box(box, widths, shape, sparsity, values)
+            move(box, first[p])
+        if dilatation is None:
+            pulled_back(inverse[p], directions[p], pulled)
+            point_tangent(directions[p], pulled, strain[p], stress[p], tangent[p], new, dyads)
+        else:
+            point_tangent(directions[p], directions[p], strain[p], stress[p], tangent[p], A, dyads)
+            scalars = project(A, directions[p], stress[p], deforms, c, e)
+            mean_tangent(A, c, e, scalars, inverse[p], mean_inverse[p], dyads[0], new)
+        if len(numbers) > 0:
+            _replace(numbers[p], new, fresh)
+        enter(box, count[p], widths, number, column)
+        columns = columns_reached(count[p, 0], widths[2])
+        m = reference_gradients(p, first, count, value, gradient, shape, node, g)
+        g[m:] = 0.0
+        contract(new, g, volume[p], column, m, columns, E, B)
+        if dilatation is None:
+            add_point(box.K, number, m, deforms, g, None, B, columns)
+        else:
+            reference_gradients(p, first, count, mean_value, gradient, shape, node, d)
+            d[m:] = 0.0
+            B[:, 3 * STRIDE:] = 0.0
+            if fresh:
+                add_mean_terms(new, volume[p], column, m, columns, g, d, work, B)
+            else:
+                add_mean_terms(numbers[p], volume[p], column, m, columns, g, d, work, B)
+                add_mean_terms(new, -volume[p], column, m, columns, g, d, work, B)
+            add_point(box.K, number, m, deforms, g, d, B, columns)
+    add_box(box, widths, shape, sparsity, values)
 
 
 @njit(cache=True)
