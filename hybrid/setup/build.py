@@ -20,6 +20,7 @@ from hybrid.setup.ground import lower_to_ground
 from hybrid.setup.in_place import put_in_place, starts_inside
 from hybrid.setup.joints import build_joints, refuse_velocities
 from hybrid.setup.line_soil import line_through_soil
+from hybrid.setup.rolling import with_soft_springs
 from hybrid.setup.settle import settle
 from hybrid.setup.size import refuse_cells, refuse_size
 from hybrid.setup.soil import build_soil, count_points, lay_out
@@ -75,6 +76,7 @@ def _put_together(scene, decisions, accuracy, body_force, law):
     scene, held, mirrors = with_symmetry(scene, meshes)
     placed = [build_body(*pair, loads.on_bodies(0.0), scene.stages) for pair in zip(scene.bodies, meshes)]
     scene, placed = lower_to_ground(scene, placed)
+    scene, placed, decisions = with_soft_springs(scene, placed, decisions)
     placed = [(line_through_soil(scene, described, body, mesh), motion)
               for described, (body, motion), mesh in zip(scene.bodies, placed, meshes)]
     joints = build_joints(scene, placed, meshes)

@@ -1,0 +1,46 @@
+"""Which bodies cannot roll: they are given softer tangential springs where the scene leaves these open.
+
+A body rolls on curved faces that are not upright. One that stands on plane faces sticks at some contact points and slips at
+others, and with springs stiffer than those along the normal Newton's method finds hardly which: a box of 0.4 x 1 m let
+go on elastic soil (E = 50 MPa, μ = 0.5, cells of 0.1 m) takes, in its first seven steps,
+
+| ε_T / ε_N | iterations |
+|---|---|
+| 3 | 14, 5, 139, 126, 131, 162, 360 |
+| 1 | 14, 4, 16, 8, 19, 47, 17 |
+| 0.3 | 14, 12, 4, 4, 18, 6, 5 |
+
+A block that sticks to held ground takes 43 instead of 94 in 60 steps, and creeps by 6 instead of 2 µm.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from hybrid.scene.defaults import Decision
+
+SOFT = 0.3          # ε_T / ε_N
+UPRIGHT = 0.1       # largest vertical component of the normal of an upright face
+CURVED = np.radians(1.0)    # angle between the normals of a facet and of the surface at its corners, from which it is curved
+
+
+def with_soft_springs(scene, placed, decisions):
+    """(Scene, [(RigidBody, BodyState)], Decisions) with ε_T / ε_N of SOFT at bodies that cannot roll."""
+    described, placed, decisions = list(scene.bodies), list(placed), list(decisions)
+    for n, one in enumerate(decisions):
+        name, _, key = one.key.rpartition(".")
+        if key != "tangential" or one.value <= SOFT:
+            continue
+        b = int(name.removeprefix("body."))
+        body, motion = placed[b]
+        if described[b].contact == "faces" and not rolls(body.surface, motion.rotation, scene.grid.z.collapsed):
+            described[b], placed[b] = replace(described[b], tangential=SOFT), (replace(body, tangential=SOFT), motion)
+            decisions[n] = Decision(one.key, SOFT, "it has no curved face to roll on, and needs fewer iterations")
+    return replace(scene, bodies=tuple(described)), placed, decisions
+
+
+def rolls(surface, rotation, in_plan):
+    """Whether a ContactSurface has curved faces that are not upright; in_plan: where z is collapsed, upright ones count too."""
+    turning = np.einsum("tcj,tj->tc", surface.corner_normals, surface.normals).min(axis=1) < np.cos(CURVED)
+    upward = surface.normals @ rotation[2]
+    return bool(np.any(turning & (in_plan | (np.abs(upward) > UPRIGHT))))
