@@ -7,16 +7,20 @@ import numpy as np
 import pytest
 
 from hybrid.monitors.limits.stages import long_strides, unreached_loads
-from hybrid.scene import Load, Motion, Stage, Time
+from hybrid.scene import Load, Material, Motion, Stage, Time
 from hybrid.setup.build import build
 from hybrid.study.scenes import box, soil_scene
 
 
-def texts(limit, stage=(), time=(), soil=(), **body):
-    """Texts of a limit about a box on soil with cells of 0.2 m, in ten steps of 0.1 s."""
+def texts(limit, stage=(), time=(), soil=(), yields=True, **body):
+    """Texts of a limit about a box on clay, or elastic soil, with cells of 0.2 m, in ten steps of 0.1 s."""
     cube = box(0.2, 0.2, 0.2, name="cube", position=(0.4, 0.4, 0.1), **body)
     stages = (replace(Stage("go", 10), **dict(stage)),)
-    simulation = build(replace(soil_scene([cube], time=Time(**{"step": 0.1, **dict(time)}), **dict(soil)), stages=stages))
+    scene = replace(soil_scene([cube], time=Time(**{"step": 0.1, **dict(time)}), **dict(soil)), stages=stages)
+    if yields:
+        clay = Material(law="von-mises", young=1e6, poisson=0.3, density=1800.0, strength=1e4)
+        scene = replace(scene, soil=replace(scene.soil, material=clay))
+    simulation = build(scene)
     return list(limit(simulation.scene, simulation.model))
 
 
@@ -26,11 +30,13 @@ DOWN = {"driven": ("z",), "velocity": (0.0, 0.0, -2.0)}
 def test_a_body_driven_by_a_cell_a_step_is_told_with_the_step_that_is_short_enough():
     (text,) = texts(long_strides, **DOWN)
     assert text.startswith("cube is driven by 1 cells along z in each step of stage 'go', limit 0.5") and "at most 0.05 s" in text
+    (text,) = texts(long_strides, yields=False, **DOWN | {"velocity": (0.0, 0.0, -4.0)})
+    assert "by 2 cells" in text and "limit 1:" in text
 
 
 @pytest.mark.parametrize("values", [
     {"velocity": (0.0, 0.0, -1.0)}, {"stage": {"step": 0.04}}, {"stage": {"held": ("z",)}}, {"time": {"accuracy": 1e-3}},
-    {"soil": {"held": True}}, {"driven": ()}, {"stage": {"motions": (Motion(component="z", velocity=-0.5),)}}])
+    {"soil": {"held": True}}, {"yields": False}, {"driven": ()}, {"stage": {"motions": (Motion(component="z", velocity=-0.5),)}}])
 def test_shorter_strides_and_those_that_do_no_harm_are_not(values):
     assert not texts(long_strides, **DOWN | values)
 
