@@ -100,7 +100,7 @@ def find_corners(domains, pressure, places, grid, active, body, surface, reach, 
     found = {name: values[use] for name, values in found.items()}
     point, place = found["point"], found["place"]
     normal = found["normal"]
-    area = places.area(place, domains.half[point], domains.volume[point]) * places.facing(place, normal)
+    area = places.area(place, domains.half[point], domains.volume[point]) * domains.facing(places, point, place, found["position"], normal)
     if not domains.half.any():
         area = area / 2         # all eight corners of a point coincide: they share its stiffness
     start = (found["position"] - body.position) @ body.rotation

@@ -86,6 +86,10 @@ class Places:
         across = np.where(np.arange(3) == self.axis[group, None], 1.0, 2 * half)
         return self.share * across.prod(axis=1)
 
+    def up(self, number):
+        """(m,) bool, whether places `number` (m,) are on the upper face."""
+        return self.normal[number // self.offset.shape[1], 2] > 0.0
+
     def facing(self, number, normal):
         """max(0, -n·N) (m,) [-] of places `number` (m,) and the outward normals N (m, 3) of the body there; 1 for
         corners."""

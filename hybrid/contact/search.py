@@ -14,6 +14,7 @@ from numba import njit, prange
 from hybrid.body.closest import closest
 from hybrid.body.facet_tree import LANES, NO_SIDE, joined
 from hybrid.contact import places
+from hybrid.contact.held_ground import HeldGround
 from hybrid.runtime.comm import largest, total
 
 
@@ -38,20 +39,33 @@ class Reach(NamedTuple):
 class Domains:
     """Domains of the soil's points: position, half (n, 3) [m], zero in standard MPM; volume: (n,) initial [m³];
     included: (n,) bool, points that are not deactivated; number: (n,) of the points in the run, None where one process has
-    them all."""
+    them all; ground: HeldGround that places follow, None where they are on the domains."""
 
     position: np.ndarray
     half: np.ndarray
     volume: np.ndarray
     included: np.ndarray
     number: np.ndarray | None = None
+    ground: HeldGround | None = None
 
     @classmethod
-    def of(cls, points, constants, basis):
-        """Domains of `points` with their PointConstants and a `basis` "gimp" or "mpm"."""
+    def of(cls, points, constants, basis, ground=None):
+        """Domains of `points` with their PointConstants, a `basis` "gimp" or "mpm", and the HeldGround of held soil."""
         half = points.half_width if basis == "gimp" else np.zeros_like(points.half_width)
         included = np.ones(len(points), bool) if points.inactive is None else ~points.inactive
-        return cls(points.position, half, constants.volume, included, constants.number)
+        return cls(points.position, half, constants.volume, included, constants.number, ground)
+
+    def facing(self, places, point, number, position, normal):
+        """Area (m,) [-] projected along normals (m, 3) of a body over that of the faces that `places` at `position` (m, 3) [m]
+        are on; point, number: (m,) of each."""
+        usual = places.facing(number, normal)
+        if self.ground is None or places.at_corners:
+            return usual
+        return self.ground.facing(point, places.up(number), position, normal, usual)
+
+    def shift(self, point, places):
+        """Distance [m], (m,) or 0, by which places of points are moved to the ground at most."""
+        return 0.0 if self.ground is None or places.at_corners else self.ground.shift[point]
 
 
 def distances(y, surface, reach=np.inf):
@@ -76,14 +90,14 @@ def new_points(domains, places, collapsed, body, surface, reach, known):
     face of a domain), then to the places themselves. Places that do not look at the body have no stiffness and are left out.
     """
     farthest = reach.farthest(body, surface.radius)
-    point = _near(domains, collapsed, body, surface, farthest)
-    around = farthest + np.linalg.norm(np.where(collapsed, 0.0, domains.half[point]), axis=1)
+    point = _near(domains, collapsed, body, surface, farthest, places)
+    around = farthest + np.linalg.norm(np.where(collapsed, 0.0, domains.half[point]), axis=1) + domains.shift(point, places)
     point = point[gaps_in_space(domains.position[point], collapsed, body, surface, around.max(initial=0.0))[2] <= around]
     groups, each = places.offset.shape[:2]
     point, group = np.repeat(point, groups), np.tile(np.arange(groups), len(point))
     half = np.where(collapsed, 0.0, domains.half[point])
     middle = domains.position[point] + places.centre[group] * half
-    size = np.linalg.norm(places.extent[group] * half, axis=1)
+    size = np.linalg.norm(places.extent[group] * half, axis=1) + domains.shift(point, places)
     middle, normal, distance = gaps_in_space(middle, collapsed, body, surface, farthest + size.max(initial=0.0))
     close = np.flatnonzero((distance <= reach.at(middle, normal, body) + size)
                            & places.group_may_face(group, normal))
@@ -91,16 +105,21 @@ def new_points(domains, places, collapsed, body, surface, reach, known):
     fresh = ~np.isin(point * len(places) + number, known)   # the grid has carried the others away from their domain
     point, number = point[fresh], number[fresh]
     position = domains.position[point] + places.flat[number] * domains.half[point]
+    if domains.ground is not None and not places.at_corners:
+        position, kept = domains.ground.placed(point, places.up(number), position)
+        point, number, position = point[kept], number[kept], position[kept]
     position, normal, distance = gaps_in_space(position, collapsed, body, surface, farthest)
-    stay = np.flatnonzero((distance <= reach.at(position, normal, body)) & (places.facing(number, normal) > 0.0))
+    stay = np.flatnonzero((distance <= reach.at(position, normal, body)) & (domains.facing(places, point, number, position, normal) > 0.0))
     return {"point": point[stay], "place": number[stay], "position": position[stay], "clearance": distance[stay],
             "normal": normal[stay], "rest": np.minimum(distance[stay], 0.0)}
 
 
-def _near(domains, collapsed, body, surface, reach):
+def _near(domains, collapsed, body, surface, reach, places=None):
     """Numbers (k,) of the domains whose bounding sphere is within `reach` [m] of the body's bounding box."""
-    near = np.zeros(len(domains.position), np.bool_)
-    _mark(_in_section(domains.position, collapsed, body), np.where(collapsed, 0.0, domains.half), body.position,
+    near, half = np.zeros(len(domains.position), np.bool_), np.where(collapsed, 0.0, domains.half)
+    if places is not None:
+        half[:, 2] += domains.shift(slice(None), places)
+    _mark(_in_section(domains.position, collapsed, body), half, body.position,
           body.rotation, surface.lower - reach, surface.upper + reach, near)
     return np.flatnonzero(near & domains.included)
 
@@ -122,6 +141,8 @@ def overlap(domains, grid, body, surface):
     """Largest overlap [m] of a domain's corner with a body at its committed pose, and the number of corners inside."""
     near = _near(domains, grid.collapsed, body, surface, 0.0)
     position = domains.position[near, None] + places.corners().flat * domains.half[near, None]
+    if domains.ground is not None:
+        position = domains.ground.lowered(near, position)
     y = (_in_section(position.reshape(-1, 3), grid.collapsed, body) - body.position) @ body.rotation
     distance, _ = distances(y[((y > surface.lower) & (y < surface.upper)).all(axis=1)], surface)
     return largest(-distance), int(total(distance < 0.0))

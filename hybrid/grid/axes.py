@@ -11,13 +11,14 @@ from functools import cached_property
 import numpy as np
 
 from hybrid.runtime.errors import SceneError
+from hybrid.scene.grid import ROUNDED, cells_between
 
 FACES = ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max")
 
 
 def uniform_nodes(start, end, size):
-    """Nodes [m] from start to end with equal cells no larger than `size`."""
-    cells = max(1, int(np.ceil((end - start) / size - 1e-9)))
+    """Nodes [m] from start to end with equal cells no larger than `size`, but for its last digit."""
+    cells = cells_between(start, end, size)
     return np.linspace(start, end, cells + 1)
 
 
@@ -39,7 +40,7 @@ def cells_that_grow(distance, size, growth):
 
 def _growing_cells(distance, size, growth):
     """Fewest cells size·r, size·r², ... that fill `distance` with r <= growth."""
-    if distance <= 1e-9 * size:
+    if distance <= ROUNDED * size:
         return np.empty(0)
 
     def length(ratio, count):

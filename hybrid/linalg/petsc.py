@@ -190,8 +190,11 @@ class BlockSystem:
         ksp.setOperators(*self._operators(solver))
         ksp.max_it = most
         with _options_set(options):  # the parts of a field split read their options at the first set-up
-            ksp.setUp()
-        if solver == DIRECT and self.soil_unknowns:
+            try:
+                ksp.setUp()
+            except PETSc.Error:     # a pivot of zero in the dense factor, of a body that nothing supports
+                self._failed = _singular(solver)
+        if solver == DIRECT and self.soil_unknowns and not self._failed:
             self._choice.factors += 1
             self._failed = self._factor_failure(ksp)
         if self._coupled and not self._failed:
@@ -274,13 +277,18 @@ class BlockSystem:
         try:
             ksp.solve(self._b, self._x)
         except PETSc.Error:
-            return f"the direct factor {SINGULAR}" if solver == DIRECT else "a diagonal block is singular", 0
+            return _singular(solver), 0
         reason, count = ksp.getConvergedReason(), ksp.getIterationNumber()
         if reason < 0 or not np.isfinite(self._x.array).all():
             if solver == DIRECT:
                 return f"the direct factor {SINGULAR} or nearly so (PETSc reason {reason})", count
             return f"no convergence in {count} iterations, PETSc reason {reason}", count
         return "", count
+
+
+def _singular(solver):
+    """Why a `solver` whose set-up or solution is an error of PETSc has failed."""
+    return f"the direct factor {SINGULAR}" if solver == DIRECT else "a diagonal block is singular"
 
 
 def _lift(values, places):

@@ -4,7 +4,8 @@ A body that is driven past an end is meant to go there, and is only reported. On
 stops the run: what it would do next does not depend on the soil any more. Its state is kept. A body that flies above
 the soil goes on, until it is below its surface.
 
-A body leaves the grid when a vertex of its surface passes a face of the grid that none had passed at the start. The
+A body leaves the grid when a vertex of its surface passes a face of the grid that none had passed or touched at the start:
+a block as wide as the column that it stands on breathes with the column. The
 upper face does not count, nor do faces along a collapsed axis; a platen wider than the grid from the start is intended.
 """
 
@@ -12,6 +13,7 @@ from hybrid.body import rigid
 from hybrid.monitors.monitor import Monitor
 from hybrid.runtime.comm import anywhere
 
+SLACK = 0.01         # of the smallest cell: less than that past a face is as good as flush with it
 FACES = tuple((axis, side) for axis in range(3) for side in (0, 1) if (axis, side) != (2, 1))
 
 
@@ -20,7 +22,7 @@ class DomainExit(Monitor):
 
     def __init__(self, model, state):
         super().__init__(model, state)
-        self._from_the_start = {(b, face) for b, face, _, _ in _beyond(model, state.bodies)}
+        self._from_the_start = {(b, face) for b, face, _, _ in _beyond(model, state.bodies, -SLACK)}
         self._given |= self._from_the_start
 
     def warnings(self, view):
@@ -39,15 +41,15 @@ class DomainExit(Monitor):
                 yield _text(body.name, view.state.time, face, reached, end)
 
 
-def _beyond(model, bodies):
-    """Yield (body, (axis, side), coordinate the body reaches, coordinate of the face) [m] for each face passed."""
+def _beyond(model, bodies, slack=SLACK):
+    """Yield (body, (axis, side), coordinate the body reaches, coordinate of the face) [m] for each face passed by `slack` cells."""
     grid = model.soil.grid
-    slack = 1e-6 * grid.smallest_cell
+    least = slack * grid.smallest_cell
     for b, (body, state) in enumerate(zip(model.bodies, bodies)):
         box = rigid.bounding_box(body, state)
         for axis, side in FACES:
             reached, end = box[side, axis], grid.extent[axis, side]
-            if not grid.collapsed[axis] and (reached - end) * (2 * side - 1) > slack:
+            if not grid.collapsed[axis] and (reached - end) * (2 * side - 1) > least:
                 yield b, (axis, side), reached, end
 
 

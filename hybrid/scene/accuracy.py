@@ -26,6 +26,7 @@ from pathlib import Path
 
 from hybrid.runtime.errors import SceneError
 from hybrid.scene import Solver, Target
+from hybrid.scene.grid import cells_between
 from hybrid.scene.read import did_you_mean
 from hybrid.scene.table import shown
 
@@ -195,7 +196,7 @@ def _fitted(scene, name, size):
     ends = [corner[number] for corner in (scene.soil.lower, scene.soil.upper) if corner]
     ends += [scene.soil.top] * (name == "z" and scene.soil.top is not None)
     inside = [(place - start) / (end - start) for place in ends if start < place < end]
-    first = ceil((end - start) / (size * block) - 1e-9) * block
+    first = cells_between(start, end, size * block) * block
     if first > MOST_CELLS:
         return replace(axis, size=size)     # refused by its size when the grid is built
     counts = range(first, 8 * first + 100 * block, block)

@@ -1,5 +1,6 @@
 """The grid of a scene: keys that exclude, need or limit one another, as faults with value, limit and remedy."""
 
+from hybrid.scene.grid import ROUNDED
 from hybrid.scene.table import need, shown
 
 
@@ -67,7 +68,7 @@ def _moving_grid(scene):
         if not 0 < axis.doublings < 9:     # out of its range: a fault of its own
             continue
         cells, block = (axis.end - axis.start) / axis.size, 2**axis.doublings
-        fits = abs(cells / block - round(cells / block)) < 1e-6
+        fits = abs(cells / block - round(cells / block)) < ROUNDED
         yield from need(fits, f"{key}.end", axis.end, f"start = {shown(axis.start)} plus a multiple of size times "
                         f"2^doublings = {shown(axis.size * block)}",
                         f"use {shown(axis.start + axis.size * block * max(1, round(cells / block)))} m")
@@ -84,7 +85,7 @@ def _nodes(key, axis):
 
 def _cells(key, axis):
     length = axis.end - axis.start
-    yield from need(axis.size <= length * (1 + 1e-9), f"{key}.size", axis.size,
+    yield from need(axis.size <= length * (1 + ROUNDED), f"{key}.size", axis.size,
                     f"at most end - start = {shown(length)} m", "choose a smaller cell size")
     if axis.fine is not None:
         low, high = axis.fine

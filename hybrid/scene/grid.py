@@ -1,9 +1,11 @@
 """The background grid of a scene: axes, faces, and the body that they move with."""
 
+from math import ceil
 from typing import Literal
 
 from hybrid.scene.table import key, table
 
+ROUNDED = 1e-4      # of a cell: what a size written with a few digits, 0.0833333 for 1/12, may add up to in a length
 Condition = Literal["free", "roller", "fixed"]
 
 
@@ -80,3 +82,8 @@ class Grid:
     def moves(self):
         """Whether an axis moves with a body."""
         return any(axis.moves for axis in (self.x, self.y, self.z))
+
+
+def cells_between(start, end, size):
+    """Number of equal cells of at most `size` [m] between two coordinates [m]; ROUNDED of a cell makes no other one."""
+    return max(1, ceil((end - start) / size - ROUNDED))

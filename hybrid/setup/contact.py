@@ -72,7 +72,8 @@ def _interface(described, cone):
 
 def _places(described, body, soil, gravity):
     """(Places, their spacing [m], radius of curvature [m] of the body)."""
-    width, radius = 2 * minimum(soil.constants.half_width[:, ~soil.grid.collapsed]), curvature_radius(body.surface)
+    across = ~soil.grid.collapsed & ((soil.ground is None) | (np.arange(3) < 2))     # the ground cuts domains to slivers
+    width, radius = 2 * minimum(soil.constants.half_width[:, across]), curvature_radius(body.surface)
     if described.contact == "corners":
         return places.corners(), width, radius
     wanted = (REST_CURVATURE if soil.held or _rests(body, soil, radius, gravity) else CURVATURE) * width / radius

@@ -51,7 +51,7 @@ class Taken:
 
 def starts_inside(body, motion, points, soil):
     """Whether a body starts deeper in the soil than contact bears. Raises SceneError where soil cannot be cut."""
-    domains = Domains.of(points, soil.constants, soil.basis)
+    domains = Domains.of(points, soil.constants, soil.basis, soil.ground)
     depth, count = overlap(domains, soil.grid, motion, body.surface)
     limit = OVERLAP * soil.grid.smallest_cell if soil.basis != "gimp" else OVERLAP * minimum(points.half_width)
     if depth <= limit and not _between_corners(body, motion, points, soil, limit):

@@ -9,11 +9,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from hybrid.contact.held_ground import HeldGround
 from hybrid.laws.cone import merge
 from hybrid.laws.user import made, refuse_unlike
 from hybrid.runtime import ranks
 from hybrid.runtime.comm import anywhere, largest, maximum
 from hybrid.runtime.errors import SceneError
+from hybrid.scene.ground import heights
 from hybrid.scene.soil import of_layer
 from hybrid.setup.ground import cut_to_ground
 from hybrid.setup.lattice import Lattice
@@ -52,8 +54,16 @@ def build_soil(scene, grid, loads, law=None):
                 fbar=described.fbar, ghost_factor=described.ghost, stray=described.stray,
                 allow_detached=scene.time.inertia,
                 transfer=described.transfer if scene.time.inertia else "increments",
-                blend=BLEND if described.blend is None else described.blend)
+                blend=BLEND if described.blend is None else described.blend,
+                ground=_held_ground(described, grid, constants))
     return soil, points
+
+
+def _held_ground(described, grid, constants):
+    """HeldGround that contact follows where soil with domains is held under given heights, None elsewhere."""
+    if described.ground is None or not described.held or described.basis != "gimp":
+        return None
+    return HeldGround.of(heights(described.ground), soil_box(described, grid)[1][2], constants.position, constants.half_width)
 
 
 def count_points(described, grid):

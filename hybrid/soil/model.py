@@ -101,6 +101,7 @@ class Soil:
     stray          policy for points that leave the grid or are detached: "stop" | "freeze" | "remove"
     allow_detached whether soil may be detached from all supports, as it may with inertia (`hybrid.soil.lost_points`)
     transfer, blend  of the nodes' motion to the points (`hybrid.soil.transfer`)
+    ground         of held soil whose heights are given, the HeldGround that contact follows
     """
 
     grid: Grid
@@ -116,6 +117,7 @@ class Soil:
     allow_detached: bool = True
     transfer: str = SoilScene.transfer
     blend: float = BLEND
+    ground: object = None
 
     def begin(self, points, load, workspace=None):
         """SoilStep for committed `points` under `load` [m/s²], (3,) or of each point (n, 3). workspace: a
@@ -276,8 +278,9 @@ class Soil:
 
     def stored_energy(self, points):
         """Elastic energy of committed points [J]."""
-        strain = logarithmic(points.b_elastic)
-        return float(total(self.law.energy(strain) * self.constants.volume))
+        with np.errstate(divide="ignore", over="ignore", invalid="ignore"):     # soil that the next step refuses as inside out
+            energy = self.law.energy(logarithmic(points.b_elastic))
+        return float(total(energy * self.constants.volume))
 
 
 def _active_only(points, values):

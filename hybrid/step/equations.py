@@ -256,7 +256,7 @@ def begin(model, state, dt, pulling, workspace):
             soil = model.soil.begin(points, load, workspace.soil)
             points, active, small_support = soil.points, soil.active, model.soil.small_support(soil)
         pattern, system = workspace.systems.get(active & ~grid.fixed.all(axis=1), small_support)
-    domains = Domains.of(points, model.soil.constants, model.soil.basis)
+    domains = Domains.of(points, model.soil.constants, model.soil.basis, model.soil.ground)
     nodal = None if soil is None else soil.velocity, _predicted(model, soil, dt)
     with phase("contact search"):
         bodies = body_terms.begin_bodies(model, state, dt, pulling, domains, active, nodal)

@@ -23,6 +23,13 @@ def test_uniform_cells_are_equal_and_no_larger_than_asked(size, cells):
     np.testing.assert_allclose(np.diff(nodes), 2.0 / cells, rtol=1e-13)
 
 
+def test_a_size_with_six_digits_makes_no_cell_more():
+    """39 cells of 1/12 m are 39.00002 of 0.0833333 m; a thousandth of a cell is no rounding."""
+    assert len(uniform_nodes(0.0, 3.25, 0.0833333)) == 40 and len(uniform_nodes(0.0, 3.25, 0.08333)) == 41
+    nodes = graded_nodes(0.0, 3.25 + 5e-6, 0.0833333, (0.0, 3.25), 1.3)
+    assert len(nodes) == 40 and nodes[-1] == 3.25 + 5e-6
+
+
 @pytest.mark.parametrize("growth", [1.05, 1.3, 2.0])
 @pytest.mark.parametrize("fine", [(-0.4, 0.8), (-3.0, 0.8), (-0.4, 5.0)])
 def test_graded_cells_keep_size_growth_and_ends(fine, growth):

@@ -49,7 +49,7 @@ def moved(simulation, position, rotation=None):
 
 
 @pytest.mark.parametrize("position, words", [
-    ((0.1 - 1e-5, 0.4, 0.2), "x = -1e-05 m, limit x = 0 m"), ((0.4, 0.75, 0.2), "y = 0.85 m, limit y = 0.8 m"),
+    ((0.1 - 0.003, 0.4, 0.2), "x = -0.003 m, limit x = 0 m"), ((0.4, 0.75, 0.2), "y = 0.85 m, limit y = 0.8 m"),
     ((0.4, 0.4, -0.35), "z = -0.45 m, limit z = -0.4 m")])
 def test_each_face_that_a_body_passes_is_named_once(simulation, position, words):
     monitor = DomainExit(simulation.model, simulation.state)
@@ -71,6 +71,15 @@ def test_the_turned_surface_counts(simulation):
     monitor, turned = DomainExit(simulation.model, simulation.state), exp_so3(np.array([0.0, 0.0, np.pi / 4]))
     assert monitor.notes(view(simulation, moved(simulation, (0.12, 0.4, 0.2)))) == ()
     assert "x = -0.02142 m" in monitor.notes(view(simulation, moved(simulation, (0.12, 0.4, 0.2), turned)))[0]
+
+
+def test_a_body_flush_with_a_face_may_breathe_with_the_soil(simulation):
+    """Less than a hundredth of a cell past a face is none; a face touched at the start does not count at all."""
+    monitor = DomainExit(simulation.model, simulation.state)
+    assert not monitor.notes(view(simulation, moved(simulation, (0.1 - 0.001, 0.4, 0.2))))
+    flush = DomainExit(simulation.model, moved(simulation, (0.1 + 1e-6, 0.4, 0.05)))
+    past = view(simulation, moved(simulation, (0.1 - 0.01, 0.4, 0.05)), [[1]])
+    assert not flush.notes(past) and not list(flush.stops(past)) and list(monitor.stops(past))
 
 
 @pytest.mark.parametrize("components, lost", [((), True), (("x",), False), (("y", "z"), True)])

@@ -149,6 +149,19 @@ def test_a_singular_system_is_reported_with_its_cause():
         system.solve(np.ones(50), np.ones(3))
 
 
+def test_bodies_that_nothing_supports_are_a_singular_system_and_no_error_of_petsc():
+    """Their dense block is factored in the set-up; with stiffness again the same system is solved."""
+    system = BlockSystem(np.zeros(1, np.int32), np.zeros(0, np.int32), 6, "auto", 1e-12)
+    for stiffness in (0.0, 2.0, 0.0):
+        system.ww[:] = stiffness * np.eye(6)
+        system.factor()
+        if stiffness:
+            np.testing.assert_allclose(system.solve(np.zeros(0), np.ones(6))[1], -0.5)
+        else:
+            with pytest.raises(StepError, match="^linear solver: the direct factor finds the matrix singular$"):
+                system.solve(np.zeros(0), np.ones(6))
+
+
 def test_memory_is_given_back():
     def resident():
         with open("/proc/self/statm") as file:

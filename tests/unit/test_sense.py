@@ -8,7 +8,7 @@ from hybrid.bench.scenes import block
 from hybrid.monitors.limits.place import LIMITS
 from hybrid.runtime.data import DEMOS, GEOMETRY
 from hybrid.runtime.errors import SceneError
-from hybrid.scene import Pull, Time
+from hybrid.scene import Load, Motion, Pull, Stage, Time
 from hybrid.scene.check_sense import sense_notes
 from hybrid.scene.defaults import resolve
 from hybrid.scene.file import load_scene, validate
@@ -80,6 +80,12 @@ def places(**body):
     ({"position": (3.0, 1.0, 0.0)}, "lies beside the grid, from x = 2.9 to 3.1 m"),
     ({"position": (1.0, 1.0, -3.0), "rest_on": None}, "lies below the grid, up to z = -2.9 m"),
     ({"position": (2.05, 1.0, 0.0)}, "is half outside the grid: its middle is at x = 2.05 m"),
+    ({"position": (1.95, 1.0, 0.0)}, "reaches 0.05 m past the end of the grid at x = 2 m, 25% of its length"),
+    ({"position": (1.95, 1.0, 0.0), "rest_on": 0.3}, ""),      # higher than a cell above the soil
+    ({"position": (1.9005, 1.0, 0.0)}, ""),
+    ({"position": (1.0, 0.05, 0.0), "parameters": {"length": 2.2, "width": 0.2, "height": 0.2, "size": 3.0}},
+     "reaches 0.05 m past the start of the grid at y = 0 m"),
+    ({"parameters": {"length": 2.2, "width": 0.2, "height": 0.2, "size": 3.0}}, ""),     # a platen
     ({"geometry": GEOMETRY / "box.geo", "parameters": {"length": 200.0, "width": 0.2, "height": 0.2, "size": 200.0}},
      "is 200 m long along x, 100 times the grid"),
     ({"pull": Pull((3.0, 0.0, 0.0), (1.0, 0.0, 0.0), 1e6, 10.0)}, "lies 2.9 m outside its bounding box"),
@@ -91,6 +97,20 @@ def places(**body):
 def test_a_place_that_looks_wrong_gives_a_note(body, words):
     found = places(**body)
     assert len(found) == bool(words) and all(words in note for note in found), found
+
+
+@pytest.mark.parametrize("stage, noted", [
+    ({"loads": (Load(force=(0.0, 0.0, -1.0)),)}, True), ({"loads": (Load(body="other", moment=(0.0, 1.0, 0.0)),)}, False),
+    ({"motions": (Motion(component="z", velocity=-0.1),)}, True), ({}, False)])
+def test_a_body_that_only_a_stage_brings_to_the_soil_has_its_place_looked_at(stage, noted):
+    """Weightless, beside the grid."""
+    cubes = [replace(box(0.2, 0.2, 0.2, name=name), position=place, rest_on=0.0)
+             for name, place in (("cube", (3.0, 1.0, 0.0)), ("other", (1.0, 1.0, 0.0)))]
+    stages = (Stage("go", 1, **{key: tuple(replace(each, body=each.body or "cube") for each in given)
+                                for key, given in stage.items()}),)
+    simulation = build(replace(soil_scene(cubes, x=(0.0, 2.0), y=(0.0, 2.0)), stages=stages))
+    found = [note for limit in LIMITS for note in limit(simulation.scene, simulation.model)]
+    assert len(found) == noted and all("cube lies beside the grid" in note for note in found), found
 
 
 # ------------------------------------------------------------------ scenes that are right

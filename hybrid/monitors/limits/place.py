@@ -3,12 +3,13 @@
 import numpy as np
 
 from hybrid.monitors.limits.contact import initial_vertices
-from hybrid.runtime.comm import maximum
+from hybrid.runtime.comm import maximum, minimum
 
 HIGH = 10.0         # sizes of a body above the soil,
 DEEPER = 2.0        # and depths of the grid
 LARGER = 5.0        # times the grid
 ROUND_OFF = 0.01    # of the size of a body
+FLUSH = 0.01        # of the smallest cell: a body that reaches less far past the end of the grid ends there
 OFF = 0.05          # radii of a body that a pull point may lie outside its bounding box
 STIFF = 1e4         # p_f times the smallest cell [-], of soil that is not held
 
@@ -16,13 +17,19 @@ STIFF = 1e4         # p_f times the smallest cell [-], of soil that is not held
 def odd_places(scene, model):
     """Bodies that never meet the soil, or are not where the grid is."""
     for described, body in zip(scene.bodies, model.bodies):
-        meets = any(scene.gravity) or described.pull or any(described.velocity)
-        if not meets:       # a body in empty space is meant
+        if not _meets(scene, described):        # a body in empty space is meant
             continue
         place = initial_vertices(described, body)
-        text = _place(model.soil, place.min(axis=0), place.max(axis=0), scene.grid)
+        text = _place(model.soil, place.min(axis=0), place.max(axis=0), scene.grid) or _crossing(model.soil, body, place)
         if text:
             yield f"{body.name} {text}"
+
+
+def _meets(scene, described):
+    """Whether anything brings a body to the soil: its weight, its line, its motion or those of stages, a load."""
+    of_stages = [each for stage in scene.stages for each in (*stage.loads, *stage.motions)]
+    return (any(scene.gravity) or described.pull or any(described.velocity)
+            or any(each.body in (None, described.name) for each in of_stages))
 
 
 def _place(soil, low, high, grid):
@@ -55,6 +62,39 @@ def _place(soil, low, high, grid):
             return (f"is half outside the grid: its middle is at {name} = {middle[i]:.4g} m, and the grid goes from "
                     f"{extent[i, 0]:.4g} to {extent[i, 1]:.4g} m. Only at a face of symmetry is half of a body enough")
     return None
+
+
+def _crossing(soil, body, place):
+    """What looks wrong about a body with vertices at `place` (V, 3) [m] that is inside and outside the grid; None if nothing:
+    the soil ends before, or below the part outside; that part is the mirror image of the other; all of the soil is covered."""
+    grid, slack = soil.grid, FLUSH * soil.grid.smallest_cell
+    low, high = place.min(axis=0), place.max(axis=0)
+    at, half = soil.constants.position, soil.constants.half_width
+    lower, upper = ([end(x) for x in (at + sign * half).T] for end, sign in ((minimum, -1), (maximum, 1)))
+    for i in np.flatnonzero(~grid.collapsed[:2]):
+        (start, end), name = grid.extent[i], "xyz"[i]
+        if low[i] < start + slack and high[i] > end - slack:
+            continue
+        for face, reached, sign, side, filled in ((start, low[i], -1, "start", lower[i]), (end, high[i], 1, "end", upper[i])):
+            beyond = sign * (reached - face)
+            mirrored = abs(0.5 * (low[i] + high[i]) - face) < ROUND_OFF * (high[i] - low[i])
+            if beyond < slack or mirrored or sign * (filled - face) < -grid.smallest_cell:
+                continue
+            if _lowest_beyond(place[body.surface.triangles], i, sign, face) < upper[2] + grid.smallest_cell:
+                return (f"reaches {beyond:.3g} m past the {side} of the grid at {name} = {face:.4g} m, {beyond / (high[i] - low[i]):.0%} of "
+                        f"its length along {name}: there is no soil beyond, so that this part has no contact. Move grid.{name}.{side} "
+                        "outwards, or the body; a body whose middle is in the face is half a model, one that covers all of the "
+                        "soil a platen")
+    return None
+
+
+def _lowest_beyond(corners, axis, sign, at):
+    """Height [m] of the lowest place of triangles (t, 3, 3) [m] beyond the plane at `at` [m] across an axis."""
+    a, b = corners.reshape(-1, 3), np.roll(corners, -1, axis=1).reshape(-1, 3)
+    of_a, of_b = sign * (a[:, axis] - at), sign * (b[:, axis] - at)
+    cut = of_a * of_b < 0.0
+    share = (of_a[cut] / (of_a[cut] - of_b[cut]))
+    return np.concatenate([a[of_a > 0.0, 2], a[cut, 2] + share * (b[cut, 2] - a[cut, 2])]).min()
 
 
 def odd_pull_points(scene, model):

@@ -1,0 +1,95 @@
+"""Held ground with given heights: contact points lie on its surface as it is given, not on the flat tops of columns.
+
+A column of domains ends at the mean height of the ground over it, so held soil, which is never deformed, would be a staircase
+to a body that rolls: a ball in a valley lost 39 % of its energy from step to step. Where the ground is no steeper than
+STEEPEST within a column, the places on its upper face are therefore moved vertically to
+
+    z = h(x, y)
+
+and represent the area of the ground there, a (∂h/∂x, ∂h/∂y, -1)·N projected along the normal N of a body. Places on other
+faces that lie above the ground are sides of steps, and left out. Steeper ground, as a wall, keeps its columns.
+
+Equations: FORMULATION (54a).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hybrid.scene.ground import heights_at, mean_heights
+
+STEEPEST = 1.5      # slope [-] up to which places of a column follow the ground
+SAMPLES = 9         # of the ground over a column along each axis
+APART = 0.05        # of the width of a domain: distance over which the slope at a place is taken
+SLIVER = 0.05       # of a domain: what the ground leaves of it is dropped if it is less (`hybrid.setup.ground`)
+
+
+@dataclass(frozen=True)
+class HeldGround:
+    """Ground of held soil.
+
+    surface: (x, y or None, z) of `hybrid.scene.ground.heights`; top: [m] of the soil, where the ground is higher
+    follows: (n,) bool, points of columns whose places follow the ground; highest: (n,) bool, of them the uppermost ones
+    shift: (n,) [m] largest distance by which a place of a point is moved; apart: [m] over which slopes are taken
+    """
+
+    surface: tuple
+    top: float
+    follows: np.ndarray
+    highest: np.ndarray
+    shift: np.ndarray
+    apart: float
+
+    @classmethod
+    def of(cls, surface, top, position, half):
+        """HeldGround under points at `position` with half-widths `half` (n, 3) [m], cut to it."""
+        lower, upper = (position - half)[:, :2], (position + half)[:, :2]
+        level = np.minimum(mean_heights(surface, lower, upper), top)
+        ends = np.flatnonzero(position[:, 2] + half[:, 2] > level - 2 * SLIVER * half[:, 2])
+        z, slope = _sampled(surface, lower[ends], upper[ends])
+        gentle = slope <= STEEPEST
+        ends, away = ends[gentle], np.abs(np.minimum(z[gentle], top) - (position + half)[ends[gentle], 2, None]).max(axis=1)
+        _, column = np.unique(position[:, 0] + 1j * position[:, 1], return_inverse=True)
+        shift, highest = np.zeros(len(position)), np.zeros(len(position), bool)
+        shift[ends], highest[ends] = away, True
+        return cls(surface, top, np.isin(column, column[ends]), highest, shift, APART * np.min(upper - lower, initial=np.inf))
+
+    def heights(self, place):
+        """Height (m,) [m] of the ground at places (m, 2) or (m, 3) [m]."""
+        return np.minimum(heights_at(self.surface, place[:, :2]), self.top)
+
+    def lowered(self, point, position):
+        """Positions (m, c, 3) [m] of domains' corners, of `point` (m,), where none of those that follow is above the ground."""
+        z = self.heights(position.reshape(-1, 3)).reshape(position.shape[:2])
+        lowered = position.copy()
+        lowered[..., 2] = np.where(self.follows[point, None], np.minimum(position[..., 2], z), position[..., 2])
+        return lowered
+
+    def placed(self, point, up, position):
+        """(Positions (m, 3) [m] of places on domains once they lie on the ground, (m,) bool, those that are kept); up: (m,) bool,
+        on upper faces."""
+        on, z = up & self.highest[point], self.heights(position)
+        placed = position.copy()
+        placed[on, 2] = z[on]
+        return placed, on | ~self.follows[point] | (position[:, 2] <= z)
+
+    def facing(self, point, up, position, normal, usual):
+        """Area of the ground projected along normals N (m, 3) of a body over that of the upper face that its places are on,
+        >= 0; `usual` (m,) of other places."""
+        on = up & self.highest[point]
+        way = self.apart * np.eye(2)
+        slopes = [(self.heights(position[on, :2] + d) - self.heights(position[on, :2] - d)) / (2 * self.apart) for d in way]
+        found = usual.copy()
+        found[on] = np.maximum(0.0, slopes[0] * normal[on, 0] + slopes[1] * normal[on, 1] - normal[on, 2])
+        return found
+
+
+def _sampled(surface, lower, upper):
+    """(Heights (n, SAMPLES²) [m], largest slope (n,) [-]) of the ground over rectangles from `lower` to `upper` (n, 2) [m]."""
+    share = np.linspace(0.0, 1.0, SAMPLES)
+    x, y = (lower[:, i, None] + (upper - lower)[:, i, None] * share for i in (0, 1))
+    place = np.stack(np.broadcast_arrays(x[:, :, None], y[:, None, :]), axis=-1)
+    z = heights_at(surface, place.reshape(-1, 2)).reshape(len(lower), SAMPLES, SAMPLES)
+    apart = (upper - lower) / (SAMPLES - 1)
+    slopes = [np.abs(np.diff(z, axis=1 + i)).max(axis=(1, 2)) / apart[:, i] for i in (0, 1)]
+    return z.reshape(len(lower), -1), np.maximum(*slopes) if len(lower) else np.zeros(0)

@@ -1,0 +1,80 @@
+"""Limits of what stages do to bodies: steps of driven bodies, tables of loads."""
+
+import numpy as np
+
+from hybrid.body.table import Table
+from hybrid.scene.check_stage import components
+from hybrid.scene.stage import table_rows
+
+# Cells that a driven body may move by in a step, by whether the soil yields. Hertz problems (hybrid.study.random) are right on
+# elastic soil with 0.7 of their finest cells.
+STRIDE = {False: 1.0, True: 0.5}
+REACHED = 1e-3      # of the largest value of a table: what may be missing from its last row when its stage ends
+TIMES = 10000       # of a stage at which a table is looked at
+
+
+def long_strides(scene, model):
+    """Bodies that are driven by more than half a cell a step, a cell on elastic soil: the soil they meet is crushed or passed in one increment."""
+    if model.soil.held or scene.time.accuracy:
+        return
+    limit = STRIDE[bool(model.soil.law.plastic)]
+    for described, body in zip(scene.bodies, model.bodies):
+        strides = [(_stride(scene, stage, described, name) / np.diff(nodes).min(), name, stage)
+                   for stage in scene.stages for name, nodes in zip("xyz", model.soil.grid.axes) if len(nodes) > 1]
+        cells, name, stage = max(strides, key=lambda stride: stride[0], default=(0.0, "", None))
+        if cells > limit * (1 + 1e-9):
+            length = stage.step or scene.time.step
+            yield (f"{body.name} is driven by {cells:.3g} cells along {name} in each step of stage {stage.name!r}, limit {limit:g}: "
+                   "soil in its way is deformed too much for one increment, so that steps fail, are cut into many, or give a "
+                   f"wrong load. Use steps of at most {length * limit / cells:.2g} s (time.step or stage.step, with more "
+                   "stage.steps), or set time.accuracy")
+
+
+def _stride(scene, stage, described, name):
+    """Largest distance [m] by which a body is driven along an axis in a step of a stage."""
+    length = stage.step or scene.time.step
+    own = [motion for motion in stage.motions if motion.body in (None, described.name) and name in components(motion)]
+    if not own:
+        driven = name in described.driven and name not in stage.held
+        return driven * abs(described.velocity["xyz".index(name)]) * length
+    times = length * np.linspace(0.0, stage.steps, min(stage.steps, TIMES) + 1)
+    return max(_of_motion(motion, times, length) for motion in own)
+
+
+def _of_motion(motion, times, length):
+    if motion.component is None:
+        return 0.0
+    if motion.velocity is not None:
+        return length * np.abs(_values(motion.velocity, 2, times)).max()
+    moved = np.abs(np.diff(_values(motion.displacement, 2, times), axis=0)).max()
+    return moved * length / (times[1] - times[0])
+
+
+def _values(given, columns, times):
+    """Values (t, c) of a table of a scene at `times` (t,) [s]."""
+    table = Table.of(table_rows(given, columns, "stage"), 0.0)
+    return np.stack([np.interp(times, table.times, column) for column in table.values.T], axis=1)
+
+
+def unreached_loads(scene, model):
+    """Tables of loads that end after their stage does, so that their last value is never reached."""
+    for s, stage in enumerate(scene.stages):
+        end = stage.steps * (stage.step or scene.time.step)
+        for i, load in enumerate(stage.loads):
+            for key, given, unit in (("force", load.force, "N"), ("moment", load.moment, "N m")):
+                if given is None:
+                    continue
+                table = Table.of(table_rows(given, 4, f"stage.{s}.load.{i}.{key}"), 0.0)
+                reached, last = table.at(end), table.values[-1]
+                if table.times[-1] > end * (1 + 1e-9) and np.abs(reached - last).max() > REACHED * np.abs(table.values).max():
+                    yield (f"stage.{s}.load.{i}.{key} ends at {table.times[-1]:g} s, and its stage {stage.name!r} at {end:g} s: it "
+                           f"reaches {_shown(reached)} {unit}, not its last row, {_shown(last)} {unit}. Times count from the start "
+                           f"of the stage: set stage.{s}.steps to {int(np.ceil(stage.steps * table.times[-1] / end - 1e-9))}, or "
+                           "end the table earlier")
+
+
+def _shown(values):
+    return f"({', '.join(f'{value:.4g}' for value in values)})"
+
+
+LIMITS = (long_strides, unreached_loads)

@@ -1,0 +1,70 @@
+"""Limits of stages: driven bodies that move too far in a step, loads that never reach their last row."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hybrid.monitors.limits.stages import long_strides, unreached_loads
+from hybrid.scene import Load, Material, Motion, Stage, Time
+from hybrid.setup.build import build
+from hybrid.study.scenes import box, soil_scene
+
+
+def texts(limit, stage=(), time=(), soil=(), yields=True, **body):
+    """Texts of a limit about a box on clay, or elastic soil, with cells of 0.2 m, in ten steps of 0.1 s."""
+    cube = box(0.2, 0.2, 0.2, name="cube", position=(0.4, 0.4, 0.1), **body)
+    stages = (replace(Stage("go", 10), **dict(stage)),)
+    scene = replace(soil_scene([cube], time=Time(**{"step": 0.1, **dict(time)}), **dict(soil)), stages=stages)
+    if yields:
+        clay = Material(law="von-mises", young=1e6, poisson=0.3, density=1800.0, strength=1e4)
+        scene = replace(scene, soil=replace(scene.soil, material=clay))
+    simulation = build(scene)
+    return list(limit(simulation.scene, simulation.model))
+
+
+DOWN = {"driven": ("z",), "velocity": (0.0, 0.0, -2.0)}
+
+
+def test_a_body_driven_by_a_cell_a_step_is_told_with_the_step_that_is_short_enough():
+    (text,) = texts(long_strides, **DOWN)
+    assert text.startswith("cube is driven by 1 cells along z in each step of stage 'go', limit 0.5") and "at most 0.05 s" in text
+    (text,) = texts(long_strides, yields=False, **DOWN | {"velocity": (0.0, 0.0, -4.0)})
+    assert "by 2 cells" in text and "limit 1:" in text
+
+
+@pytest.mark.parametrize("values", [
+    {"velocity": (0.0, 0.0, -1.0)}, {"stage": {"step": 0.04}}, {"stage": {"held": ("z",)}}, {"time": {"accuracy": 1e-3}},
+    {"soil": {"held": True}}, {"yields": False}, {"driven": ()}, {"stage": {"motions": (Motion(component="z", velocity=-0.5),)}}])
+def test_shorter_strides_and_those_that_do_no_harm_are_not(values):
+    assert not texts(long_strides, **DOWN | values)
+
+
+@pytest.mark.parametrize("motion", [
+    {"velocity": ((0.0, 0.0), (0.5, 2.0), (1.0, 0.0))}, {"displacement": ((0.0, 0.0), (0.2, 0.4), (5.0, 0.4))}])
+def test_tables_of_motions_count_with_their_fastest_step(motion):
+    (text,) = texts(long_strides, {"motions": (Motion(component="x", **motion),)})
+    assert "by 1 cells along x" in text
+
+
+def test_a_load_that_ends_after_its_stage_is_told_with_what_it_reaches():
+    load = Load(force=((0.0, 0.0, 0.0, 0.0), (10.0, 500.0, 0.0, 0.0)))
+    (text,) = texts(unreached_loads, {"loads": (load,)})
+    assert re.search(r"stage\.0\.load\.0\.force ends at 10 s, and its stage 'go' at 1 s: it reaches \(50, 0, 0\) N, not its last "
+                     r"row, \(500, 0, 0\) N\..*stage\.0\.steps to 100", text)
+
+
+@pytest.mark.parametrize("load", [
+    Load(force=(1.0, 2.0, 3.0)), Load(moment=((0.0, 0.0, 0.0, 0.0), (1.0, 0.0, 1.0, 0.0))),
+    Load(force=((0.0, 1.0, 0.0, 0.0), (0.5, 2.0, 0.0, 0.0), (9.0, 2.0, 0.0, 0.0)))])
+def test_loads_that_reach_their_last_value_are_not(load):
+    assert not texts(unreached_loads, {"loads": (load,)})
+
+
+def test_the_energy_of_soil_that_is_inside_out_gives_no_warning_of_numpy(recwarn):
+    """The refusal of the next step tells of it; 50 Pa for 50 MPa did this."""
+    simulation = build(soil_scene())
+    points = replace(simulation.state.points, b_elastic=np.zeros_like(simulation.state.points.b_elastic))
+    simulation.model.soil.stored_energy(points)
+    assert not [warning for warning in recwarn if issubclass(warning.category, RuntimeWarning)]
