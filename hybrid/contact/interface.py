@@ -113,8 +113,8 @@ def _before_sharp(found, area, domains, places, body, sharp):
     """Contact points `found` and their areas with those that do not touch measured from the `sharp` surface of the body, and
     (m,) bool, whether they lie before it as in `lie_before`.
 
-    Half a cell beside an edge the surface in contact turns away from the soil: by more than TURN, at more than an eighth of a cell.
-    A face that slides bore α s_u on its middle alone, a quarter of a cell less on each side.
+    From half a cell beside an edge on the surface in contact turns away from the soil: by more than TURN in the last fifth of a cell.
+    Measured from it, a face that slides bears α s_u on its middle alone.
     """
     y, open_ = (found["position"] - body.position) @ body.rotation, ~found["touching"]
     distance, normal = distances(y, sharp)

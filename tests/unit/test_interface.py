@@ -58,7 +58,7 @@ def test_the_area_of_flat_contact_is_that_of_the_body():
 
 @pytest.mark.parametrize("measured, least, most", [(True, 0.159, 0.161), (False, 0.0, 0.15)])
 def test_a_face_has_its_whole_area_although_its_edges_are_rounded_off(measured, least, most):
-    """As far as half a cell beside each of them soil is away from the body; measured from that surface 0.14 of 0.16 m² are borne."""
+    """As far as half a cell beside each of them soil is away from the body; from that surface 0.148 of 0.16 m² are borne."""
     rounded = round_off(PLATE, find_edges(PLATE, 0.1))
     sharp, still = PLATE if measured else None, np.zeros((bed()[0].node_count, 3))
     _, first = pair_of(rounded, 0.099, sharp=sharp)
