@@ -91,9 +91,8 @@ def find_corners(domains, pressure, places, grid, active, body, surface, reach, 
     """
     found = _within_reach(domains, places, grid.collapsed, body, surface, reach, history)
     assert grid.nodes is None or grid.layers_for(found["position"]) <= grid.layers, "contact in cells of another process"
-    if limits is not None:
-        begins = limits.tension > 0.0 and not anywhere([len(history.point)])
-        found["before"] = _before_body(found, domains, body, surface, begins)
+    if limits is not None and limits.tension > 0.0 and not anywhere([len(history.point)]):      # the run begins
+        _bond(found, domains, body, surface)
     node, weight = _interpolation(found["position"], grid.axes, active)
     use = np.flatnonzero(weight.any(axis=1))
     use = use[np.lexsort((found["place"][use], found["point"][use]))]
@@ -104,7 +103,7 @@ def find_corners(domains, pressure, places, grid, active, body, surface, reach, 
     if not domains.half.any():
         area = area / 2         # all eight corners of a point coincide: they share its stiffness
     start = (found["position"] - body.position) @ body.rotation
-    found["limits"] = place_limits(limits, found, area, domains, places, found.pop("before", None))
+    found["limits"] = place_limits(limits, found, area, domains, places, body, surface)
     del found["normal"], found["opened"]
     corners = Corners(start=start, node=node[use], weight=weight[use], stiffness=pressure[point] * area, **found)
     is_open = ~corners.touching
@@ -138,17 +137,15 @@ def _of_history(history, collapsed, body, surface, farthest):
     return normal, distance
 
 
-def _before_body(found, domains, body, surface, begins):
-    """(m,) bool, whether contact points `found` {name: values} lie before the body's surface, not beside its edges. Where a
-    run `begins`, those close to it are bonded: their springs start without force."""
+def _bond(found, domains, body, surface):
+    """Bond contact points `found` {name: values} that lie before the body's surface, not beside its edges, and close to it:
+    their springs start without force."""
     y, normal = (found["position"] - body.position) @ body.rotation, found["normal"] @ body.rotation
-    before = lie_before(y, normal, surface.tree)
-    if begins:
-        close = before & (np.abs(found["clearance"]) <= ATTACHED * domains.half[found["point"]].min(axis=1))
-        found["touching"] |= close
-        found["rest"] = np.where(close, np.maximum(found["clearance"], 0.0), found["rest"])
-        found["side"][close], found["anchor"][close] = normal[close], y[close]
-    return before
+    close = np.abs(found["clearance"]) <= ATTACHED * domains.half[found["point"]].min(axis=1)
+    close &= lie_before(y, normal, surface.tree)
+    found["touching"] |= close
+    found["rest"] = np.where(close, np.maximum(found["clearance"], 0.0), found["rest"])
+    found["side"][close], found["anchor"][close] = normal[close], y[close]
 
 
 def _interpolation(place, axes, active):

@@ -31,6 +31,8 @@ from scipy.spatial import cKDTree
 
 from hybrid.body.closest import closest
 from hybrid.body.facet_tree import NO_SIDE
+from hybrid.body.surface import ContactSurface
+from hybrid.contact.search import distances
 from hybrid.runtime.comm import joined, offset
 
 ATTACHED = 0.1  # half-widths of a domain from the surface, within which a contact point is bonded at the start
@@ -45,22 +47,26 @@ RAMP = 10.0     # shear over pressure of points without a bond, up to which adhe
 
 @dataclass(frozen=True)
 class Interface:
-    """adhesion: α/ξ, None where friction alone limits the shear; tension: σ_t [Pa], 0 without a bond, inf for ever."""
+    """adhesion: α/ξ, None where friction alone limits the shear; tension: σ_t [Pa], 0 without a bond, inf for ever; sharp:
+    ContactSurface on whose area they act, None for the one in contact: edges that this has rounded off are clay's as well."""
 
     adhesion: float | None
     tension: float
+    sharp: ContactSurface | None = None
 
     def of_points(self, law, plastic_strain):
         """PointLimits of soil points with a `law` and accumulated plastic strain (n,)."""
         shear = None if self.adhesion is None else self.adhesion * law.cohesion(plastic_strain)
-        return PointLimits(shear, self.tension)
+        return PointLimits(shear, self.tension, self.sharp)
 
 
 class PointLimits(NamedTuple):
-    """Stresses [Pa] that the interface carries: shear (n,) α s_u of each soil point, None without adhesion; tension."""
+    """Stresses [Pa] that the interface carries: shear (n,) α s_u of each soil point, None without adhesion; tension; and the
+    `sharp` surface of Interface."""
 
     shear: np.ndarray | None
     tension: float
+    sharp: ContactSurface | None = None
 
 
 class PlaceLimits(NamedTuple):
@@ -80,16 +86,19 @@ class PlaceLimits(NamedTuple):
 NONE = PlaceLimits(np.zeros(0), np.zeros(0), np.zeros(0, bool))
 
 
-def place_limits(limits, found, area, domains, places, before_body):
+def place_limits(limits, found, area, domains, places, body, surface):
     """PlaceLimits of contact points `found` {name: (m, ...)}: position, normal, point, place, clearance, touching and opened
     as in corners.Corners and ContactHistory, and rest. limits: PointLimits, None for none; area: (m,) [m²]; domains: Domains
-    of the soil's points; places: Places on them; before_body: (m,) bool, as from `lie_before`."""
+    of the soil's points; places: Places on them; body: BodyState; surface: that the points are in contact with."""
     if limits is None:
         return NONE
     shear, tension, opened = np.zeros(0), np.zeros(0), np.zeros(0, bool)
-    pressed = area * np.maximum(found["rest"] - found["clearance"], 0.0)
+    found = found | {"pressed": area * np.maximum(found["rest"] - found["clearance"], 0.0)}
+    before_body = np.ones(len(area), bool)
+    if not places.at_corners:
+        found, area, before_body = _before_sharp(found, area, domains, places, body, limits.sharp or surface)
     most = BEARERS if limits.tension == 0.0 else 1      # a bond holds whatever presses
-    borne = _borne_by_each(found | {"pressed": pressed}, before_body & (area > 0.0), domains, places, most)
+    borne = _borne_by_each(found, before_body & (area > 0.0), domains, places, most)
     if limits.shear is not None:
         shear = borne(limits.shear[found["point"]] * area)
     if limits.tension > 0.0:
@@ -98,6 +107,23 @@ def place_limits(limits, found, area, domains, places, before_body):
         if np.isfinite(limits.tension):
             tension *= borne(area)
     return PlaceLimits(shear, tension, opened)
+
+
+def _before_sharp(found, area, domains, places, body, sharp):
+    """Contact points `found` and their areas with those that do not touch measured from the `sharp` surface of the body, and
+    (m,) bool, whether they lie before it as in `lie_before`.
+
+    From half a cell beside an edge on the surface in contact turns away from the soil: by more than TURN in the last fifth of a cell.
+    Measured from it, a face that slides bears α s_u on its middle alone.
+    """
+    y, open_ = (found["position"] - body.position) @ body.rotation, ~found["touching"]
+    distance, normal = distances(y, sharp)
+    normal = np.where(open_[:, None], normal @ body.rotation.T, found["normal"])
+    clearance = np.where(open_, distance, found["clearance"])
+    point, place = found["point"], found["place"]
+    seen = places.area(place, domains.half[point], domains.volume[point]) * places.facing(place, normal)
+    before = lie_before(y, normal @ body.rotation, sharp.tree)
+    return found | {"normal": normal, "clearance": clearance}, np.where(open_, seen, area), before
 
 
 def _borne_by_each(found, borne, domains, places, most):
@@ -141,7 +167,7 @@ def _shares(found, borne, domains, places, most):
     bearer, share, of = touching, np.ones(len(touching)), touching
     if len(touching) and len(near):
         near = near[_exposed(found, near, domains, places)]
-        width = AROUND * 2 * half[touching].max()
+        width = AROUND * 2 * half[touching][:, np.unique(places.axis)].max()     # not that of a slice in plane strain
         others = _divided(found, near, touching, width, min(most, len(touching)))
         bearer, share, of = (np.concatenate(pair) for pair in zip((bearer, share, of), others))
     alone = np.setdiff1d(np.arange(m), of)

@@ -13,6 +13,9 @@ CUT = 1e-4          # mass of a node over that of a full one [-]: nodes below ha
 DOMAIN_WIDTH = 0.9  # cells that a domain may be wide before soil separates next to it,
 STRETCHED = 1.05    # if its F is larger than this (Frobenius norm of a column)
 LOOSEST = 1e-3      # tolerance that is ever advised: errors of the column's stress grow by a seventh from here on
+# Adhesion from which clay may yield beside a body where it slips along it, and the factor on body.penalty with which such a step
+# has a solution: DESIGN, "Clay that slips and yields has no stiffness".
+ROUGH, SOFTER = 0.7, 0.1
 DAMPING = "the default time.scheme, which damps"
 
 
@@ -81,6 +84,7 @@ def probable_causes(step, evaluation):
         causes.append(f"The residual of the soil, {residual:.2g} N, is round-off of its stiffness, limit {limit:.2g} "
                       "N, as the loads are too small beside the modulus: set a looser solver.tolerance, or a lower "
                       "modulus")
+    causes += _slips_at_its_strength(model, evaluation) if quasi_static and evaluation is not None else []
     if quasi_static:
         mass = step.soil.mass[step.pattern.free.any(axis=1)]
         least = minimum(mass, 1.0) / maximum(mass, 1.0)
@@ -88,6 +92,15 @@ def probable_causes(step, evaluation):
             causes.append(f"A node of a nearly empty cell carries {least:.1g} of the mass of a full one, limit {CUT:g} "
                           f"without inertia: leave soil.ghost out, or set soil.ghost = {GHOST:g}")
     return tuple(causes)
+
+
+def _slips_at_its_strength(model, evaluation):
+    """Texts about bodies along which clay slips at almost its own strength."""
+    rough = [(body, contact) for body, contact in zip(model.bodies, evaluation.contacts)
+             if body.interface and (body.interface.adhesion or 0.0) >= ROUGH]
+    return [f"Clay slips along {body.name} at almost its own strength (body.adhesion) and yields there as well, which leaves it without "
+            f"stiffness: set body.penalty = {SOFTER * body.penalty:.3g} /m, a tenth of what it is, or larger cells; shorter "
+            "steps do not help" for body, contact in rough if anywhere(contact.slip)]
 
 
 def overstretched_domains(model, points):

@@ -47,11 +47,14 @@ def connect_to_soil(described, body, rotation, soil, gravity, cone):
     cone: soil.material.cone. Raises SceneError."""
     body = in_slice(body, soil.grid, rotation)
     chosen, spacing, radius = _places(described, body, soil, gravity)
+    interface, sharp = _interface(described, cone), body.surface
     if not (soil.held or chosen.at_corners or _carried(body, soil, gravity)):
         edges = find_edges(body.surface, soil.grid.smallest_cell, rotation[soil.grid.collapsed])
         body = replace(body, surface=round_off(body.surface, edges), narrowest=narrowest_face(edges, soil.grid.smallest_cell))
     body = replace(body, places=chosen, penalty=_penalty(described, body, soil, spacing, radius, gravity))
-    body = replace(body, friction=_friction(described), interface=_interface(described, cone))
+    if interface and body.surface is not sharp:
+        interface = replace(interface, sharp=sharp)
+    body = replace(body, friction=_friction(described), interface=interface)
     return rigid.with_stiffness(body, soil.law.young, soil.held)
 
 

@@ -123,11 +123,13 @@ LOAD = 2.5e3 * 0.125    # [N]
 @pytest.mark.parametrize("adhesion, friction, stress", [(0.05, None, 500.0), (0.05, 0.3, 500.0), (1.0, 0.3, 750.0),
                                                         (0.0, None, 0.0)])
 def test_drag_of_a_block_is_the_smaller_limit(adhesion, friction, stress):
-    """α s_u A or μ N. The edges of the block are rounded off over half a cell: there is less area than under the sharp one."""
+    """α s_u A or μ N, with all of the area under the block although contact sees its edges rounded off from half a cell on. Of both
+    the smaller one at every contact point: less than either in all."""
     records, _ = timed_steps(build(dragged(adhesion=adhesion, friction=friction)))
     drag, normal = -records[-1].bodies[0].contact_force[0], records[-1].bodies[0].contact_force[2]
     assert normal == pytest.approx(LOAD, rel=1e-3)
     if friction is not None and stress == 750.0:
         assert drag == pytest.approx(friction * LOAD, rel=1e-3)
     else:
-        assert 0.7 * stress * 0.125 <= drag <= 1.0 * stress * 0.125
+        least = 0.98 if friction is None else 0.7
+        assert least * stress * 0.125 - 1e-9 <= drag <= 1.02 * stress * 0.125 + 1e-9

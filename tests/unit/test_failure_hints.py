@@ -140,3 +140,27 @@ def test_many_judged_increments_are_reported_once():
     (text,) = notes(11, 9)
     assert "16 of 160 increments" in text and "solver.tolerance = 1e-06" in text and "looser" in text
     assert notes(10, 10) == ()
+
+
+@pytest.mark.parametrize("adhesion, slips, inertia, told", [(1.0, True, False, True), (0.5, True, False, False), (1.0, False, False, False),
+                                                            (1.0, True, True, False), (None, True, False, False)])
+def test_clay_that_slips_at_its_own_strength_is_a_cause_and_a_softer_penalty_the_remedy(adhesion, slips, inertia, told):
+    """A skirt with α = 1 on cells of 0.1 m stops with steps of any length; with a tenth of the penalty it takes all of them."""
+    body = SimpleNamespace(name="skirt", penalty=200.0, interface=SimpleNamespace(adhesion=adhesion))
+    model = SimpleNamespace(
+        scheme=SimpleNamespace(inertia=inertia), bodies=[body], soil=SimpleNamespace(
+            ghost_factor=0.3, roundoff_force=lambda count: 0.0, grid=SimpleNamespace(count_unknowns=lambda free: 1)))
+    step = SimpleNamespace(model=model, soil=SimpleNamespace(mass=np.ones(2)), pattern=SimpleNamespace(free=np.ones((2, 3), bool)))
+    evaluation = SimpleNamespace(contacts=[_Contact(np.array([slips, False]))], norms={"soil [N]": 1.0})
+    causes = probable_causes(step, evaluation)
+    assert bool(causes) == told and all("skirt" in text and "body.penalty = 20 /m" in text for text in causes)
+
+
+class _Contact(SimpleNamespace):
+    """Contact points with a mask of those that slip."""
+
+    def __init__(self, slip):
+        super().__init__(slip=slip)
+
+    def __len__(self):
+        return len(self.slip)

@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 from contact_bed import PRESSURE, ball, bed, body_at, box, domains_of, id_of
 
+from hybrid.body.rounded import round_off
+from hybrid.body.sharp_edges import find_edges
 from hybrid.contact import places as rules
 from hybrid.contact.contact_pair import ContactPair
-from hybrid.contact.interface import Interface, PointLimits
+from hybrid.contact.interface import Interface, PointLimits, place_limits
 from hybrid.contact.search import Reach
 from hybrid.laws.von_mises import VonMises
 from hybrid.runtime.errors import SceneError
@@ -20,13 +22,13 @@ from hybrid.state import ContactHistory
 SHEAR = 2e3     # [Pa]
 
 
-def pair_of(surface, height, history=None, tension=0.0, shear=SHEAR):
-    """Grid and ContactPair of a body whose centre is `height` above a flat bed of 0.8 m x 0.8 m."""
+def pair_of(surface, height, history=None, tension=0.0, shear=SHEAR, sharp=None):
+    """Grid and ContactPair of a body whose centre is `height` above a flat bed of 0.8 m x 0.8 m; sharp: as in Interface."""
     grid, position, half = bed()
     body = SimpleNamespace(surface=surface, friction=np.inf, tangential=0.5, places=rules.faces(4), free=np.ones(6, bool),
                            contact_pressure=np.full(len(position), PRESSURE))
     pose = np.array([0.4, 0.4, height]), np.eye(3)
-    limits = PointLimits(np.full(len(position), shear), tension)
+    limits = PointLimits(np.full(len(position), shear), tension, sharp)
     pair = ContactPair(body, body_at(*pose), history or ContactHistory.empty(), domains_of(position, half), grid,
                        np.ones(grid.node_count, bool), Reach(0.05, 0.0), (np.zeros((grid.node_count, 3)), pose), limits)
     return grid, pair
@@ -52,6 +54,32 @@ def test_the_area_of_flat_contact_is_that_of_the_body():
     grid, pair = pair_of(PLATE, 0.099)
     found = pair.evaluate(np.zeros((grid.node_count, 3)), (np.array([0.4, 0.4, 0.099]), np.eye(3)))
     assert pair.corners.limits.shear[found.active].sum() == pytest.approx(SHEAR * 0.16, rel=1e-9)
+
+
+@pytest.mark.parametrize("measured, least, most", [(True, 0.159, 0.161), (False, 0.0, 0.15)])
+def test_a_face_has_its_whole_area_although_its_edges_are_rounded_off(measured, least, most):
+    """As far as half a cell beside each of them soil is away from the body; from that surface 0.148 of 0.16 m² are borne."""
+    rounded = round_off(PLATE, find_edges(PLATE, 0.1))
+    sharp, still = PLATE if measured else None, np.zeros((bed()[0].node_count, 3))
+    _, first = pair_of(rounded, 0.099, sharp=sharp)
+    found = first.evaluate(still, (np.array([0.4, 0.4, 0.099]), np.eye(3)))
+    _, after = pair_of(rounded, 0.099, first.commit(found, still), sharp=sharp)
+    assert least < after.corners.limits.shear[after.corners.touching].sum() / SHEAR < most
+
+
+def test_the_thickness_of_a_slice_is_no_width_of_a_domain():
+    """Faces 3 and 10 domains beside the one that touches: the first is borne, by a slice of 1 m as by any other."""
+    half = np.array([0.025, 0.5, 0.025])
+    position = np.array([[0.0, 0.0, -0.025], [0.15, 0.0, -0.025], [0.5, 0.0, -0.025]])
+    places = rules.faces(4, (False, True, False))
+    top = int(np.flatnonzero(places.flat[:, 2] == 1.0)[0])
+    domains, upward, none = domains_of(position, np.tile(half, (3, 1))), np.tile([0.0, 0.0, -1.0], (3, 1)), np.zeros(3)
+    found = {"point": np.arange(3), "place": np.full(3, top), "position": position + places.flat[top] * half, "normal": upward,
+             "rest": none, "clearance": np.array([-1e-4, 1e-3, 1e-3]), "touching": np.arange(3) == 0, "opened": none > 0.0}
+    area = places.area(found["place"], domains.half, domains.volume)
+    body, surface = body_at((0.0, 0.0, 1.0)), box(half=(2.0, 0.5, 1.0))
+    shear = place_limits(PointLimits(np.full(3, SHEAR), 0.0), found, area, domains, places, body, surface).shear
+    np.testing.assert_allclose(shear, SHEAR * area[0] * np.array([2.0, 0.0, 1.0]))
 
 
 def ball_in_a_bed(radius, height, tension=0.0):
