@@ -1,0 +1,66 @@
+"""Ways of bodies through the soil, as limits see them: which are driven where, with a plane face ahead or not, and what soil is there."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from hybrid.monitors.limits.contact import initial_vertices, way_along
+from hybrid.runtime.comm import maximum
+from hybrid.scene.soil import of_layer
+
+EXCESS = 0.1                    # of a load, above which it is reported
+PLANE, LEADING = 0.99, 0.5      # cosine between a face and the way; share of what the body covers that such faces are
+CLAY, SAND = "von-mises", {"drucker-prager", "willam-warnke"}
+
+
+def driven(scene, model):
+    """(RigidBody, way (3,) [m], places (V, 3) [m] of its vertices, whether a plane face leads) of each driven body."""
+    if model.soil.held or not model.soil.law.plastic:
+        return
+    for described, body in zip(scene.bodies, model.bodies):
+        way = np.array([way_along(scene, described, name) for name in "xyz"]) * ~model.soil.grid.collapsed
+        if way.any() and not body.free[:3][way != 0.0].any():
+            whole, place = outline(described, body)
+            yield whole, way, place, leads(whole, place, way)
+
+
+def outline(described, body):
+    """(RigidBody with the surface of the whole body, places (V, 3) [m] of its vertices at the start)."""
+    whole = replace(body, surface=body.outline)
+    return whole, initial_vertices(described, whole)
+
+
+def leads(body, place, way):
+    """Whether faces across the way are most of what a body covers in its direction."""
+    corners = place[body.surface.triangles]
+    normal = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) @ (way / np.linalg.norm(way))
+    area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    ahead = normal > 0.0
+    return normal[normal > PLANE * area].sum() > LEADING * normal[ahead].sum() > 0.0
+
+
+def sides(grid, place, way):
+    """(axis, width [m], places [m] of both ends) across the way; an end on a face of the grid, or beyond it, mirrors the other."""
+    for axis in np.flatnonzero(~grid.collapsed & (np.abs(way) < 0.1 * np.linalg.norm(way))):
+        ends, limits = np.array([place[:, axis].min(), place[:, axis].max()]), grid.extent[axis]
+        inside = np.abs(ends - limits.mean()) < (0.5 - 1e-6) * np.ptp(limits)
+        if inside.sum() == 1:
+            end, middle = ends[inside][0], limits[~inside][0]
+            ends = np.array([end, end])
+            yield axis, 2 * abs(end - middle), ends
+        elif inside.any():
+            yield axis, np.ptp(ends), ends
+
+
+def top_of(soil):
+    """Height [m] of the highest soil at the start."""
+    return maximum(soil.constants.position[:, 2] + soil.constants.half_width[:, 2])
+
+
+def law_at(scene, soil, height):
+    """Name of the law of the soil at a height [m]: that of its layer, or of soil.material."""
+    top = top_of(soil)
+    for layer in scene.soil.layers:
+        if (layer.bottom is None or height >= layer.bottom) and height < (top if layer.top is None else layer.top):
+            return of_layer(scene.soil.material, layer).law
+    return scene.soil.material.law
