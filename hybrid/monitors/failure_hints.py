@@ -5,6 +5,7 @@ The limits are those at which runs of the failure study fail: modes cuts, domain
 
 import numpy as np
 
+from hybrid.monitors.load_reached import overloads
 from hybrid.runtime.comm import anywhere, largest, maximum, minimum
 from hybrid.scene.defaults import GHOST
 from hybrid.soil.domains import cells_wide
@@ -13,6 +14,7 @@ CUT = 1e-4          # mass of a node over that of a full one [-]: nodes below ha
 DOMAIN_WIDTH = 0.9  # cells that a domain may be wide before soil separates next to it,
 STRETCHED = 1.05    # if its F is larger than this (Frobenius norm of a column)
 LOOSEST = 1e-3      # tolerance that is ever advised: errors of the column's stress grow by a seventh from here on
+STICKS = 0.3        # body.tangential of clay that sticks (scene.defaults): a quarter of the iterations, and a body rolls right down to it
 DAMPING = "the default time.scheme, which damps"
 
 
@@ -21,12 +23,18 @@ def advice(step, outcome, settings):
 
     outcome: of Newton's method (`reason`, `errors`, `evaluation` or None); settings: with its `tolerance`.
     """
-    causes = probable_causes(step, outcome.evaluation)
-    changes = either(remedies(step.model, outcome.reason, outcome.errors, settings.tolerance))
-    text = ". ".join([*causes, f"Otherwise use {changes}" if causes else f"Use {changes}"])
-    if step.soil is None or step.model.scheme.inertia:
+    causes, overload = probable_causes(step, outcome.evaluation), overloads(step, outcome.reason)
+    changes = remedies(step.model, outcome.reason, outcome.errors, settings.tolerance)
+    if any(sudden for _, sudden in overload):   # shorter increments of a load that is there at once change nothing
+        changes = changes[0 if "time.step" not in changes[0] else 1:]
+    text = ". ".join([*causes, *(text for text, _ in overload), *_use(changes, bool(causes or overload))])
+    if step.soil is None or step.model.scheme.inertia or overload:
         return text
     return text + ". Without inertia a step also fails where the load exceeds what the soil can carry"
+
+
+def _use(changes, otherwise):
+    return [f"{'Otherwise use' if otherwise else 'Use'} {either(changes)}"] if changes else []
 
 
 def remedies(model, reason="", errors=(), tolerance=0.0):
@@ -50,6 +58,8 @@ def remedies(model, reason="", errors=(), tolerance=0.0):
         changes.insert(0, "a looser solver.tolerance (the residual is close to it)")
     if model.bodies:
         changes.append("a lower body.penalty")
+    if any((body.friction or body.interface) and body.tangential > STICKS for body in model.bodies):
+        changes.append(f"body.tangential = {STICKS:g}, where contact sticks and slips in turn")
     if dynamic and not model.scheme.damps:
         changes.append(DAMPING)
     return tuple(changes)
