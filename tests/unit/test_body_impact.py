@@ -9,7 +9,7 @@ from hybrid.monitors import StepView
 from hybrid.monitors.body_impact import QUIET, BodyImpact
 
 
-def notes(errors, struck=(), near=(), touching=0, pairs=1, **scheme):
+def notes(errors, struck=(), near=(), touching=0, pairs=1, accuracy=None, **scheme):
     """Of steps with these errors [J] of a body of 2 kg with 10 m/s, 100 J; struck, near: steps at whose ends bodies press, or are near one
     another; touching: number of contacts with the soil."""
     body = SimpleNamespace(mass=SimpleNamespace(mass=2.0, inertia=np.eye(3)))
@@ -17,7 +17,7 @@ def notes(errors, struck=(), near=(), touching=0, pairs=1, **scheme):
     monitor, found = BodyImpact(None, None), []
     for step, error in enumerate(errors):
         of_pairs = SimpleNamespace(energy=1.0 * (step in struck), contacts=(None,) * (step in struck or step in near))
-        report = SimpleNamespace(evaluation=SimpleNamespace(contacts=(range(touching),), pairs=of_pairs))
+        report = SimpleNamespace(error=accuracy, evaluation=SimpleNamespace(contacts=(range(touching),), pairs=of_pairs))
         found += monitor.notes(StepView(
             model=SimpleNamespace(bodies=(body,), pairs=(None,) * pairs), state=SimpleNamespace(time=float(step), bodies=(motion,)),
             scheme=SimpleNamespace(**{"inertia": True, "first_order": False} | scheme), report=report, energy={"error": error}))
@@ -30,7 +30,8 @@ AFTER = [-13.0] * (QUIET + 1)
 def test_an_impact_within_a_step_or_over_some_is_reported_once():
     for errors, struck in (([0.0, 0.0, *AFTER, *AFTER], ()), ([0.0, -4.0, -9.0, *AFTER], (1, 2))):
         text, = notes(errors, struck, near=(0, 1, 2))
-        assert "13 J of the 100 J" in text and "(13%, limit 12%)" in text and "smaller time.step" in text
+        assert "13 J of the 100 J" in text and "(13%, limit 12%)" in text and "smaller time.step" in text and "time.accuracy = 1e-4" in text
+    assert "a smaller time.accuracy" in notes([0.0, 0.0, *AFTER], near=(0, 1, 2), accuracy=1e-6)[0]
 
 
 def test_energy_that_the_scheme_holds_back_is_not_lost():

@@ -42,6 +42,29 @@ def test_a_plate_attached_to_clay_on_few_cells(across, count):
     assert all("is 6 cells of 0.2 m wide" in text and "about 29%" in text and "limit 10%" in text and "at most 0.069 m" in text for text in warnings)
 
 
+@pytest.mark.parametrize("across, found", [(10, 17.25), (15, 15.9)])
+def test_the_law_of_round_plates_is_what_was_measured(across, found):
+    """In space, 0.2 diameters thick; 13.2 is what both extrapolate to, 13.11 that of a thin rough one."""
+    assert found / 13.2 == pytest.approx((1 + cells.ROUND / across) ** 2, abs=0.02)
+
+
+def buried(kind="cylinder.geo", values=(("radius", 1.0), ("height", 0.4), ("size", 0.5)), top="fixed"):
+    """A quarter of a plate of 2 m that clay sticks to, 3.8 m below the top of a block of it with cells of 0.4 m."""
+    side = Axis(start=0.0, end=4.0, size=0.4)
+    plate = body(kind, dict(values), position=(0.0, 0.0, -8.0), adhesion=1.0, tension="full", **PUSHED | {"velocity": (0.0, 0.0, 0.01)})
+    grid = Grid(side, side, Axis(start=-12.0, end=-4.0, size=0.4), Faces(z_min="fixed", z_max=top, x_max="fixed", y_max="fixed"))
+    return scene("plate", grid, Soil(clay.clay(1.5e4), geostatic=False), [plate], clay.Time(1.0, inertia=False), 20, WEIGHTLESS)
+
+
+def test_a_plate_in_a_block_with_a_held_top_is_deep_and_both_sides_count():
+    """A free top 1.9 widths above it lets the clay heave."""
+    text, = texts(cells.few_cells, buried())
+    assert "is 5 cells of 0.4 m wide" in text and "about 69%" in text and "0.066 m" in text
+    text, = texts(cells.few_cells, buried("box.geo", (("length", 2.0), ("width", 2.0), ("height", 0.4), ("size", 1.0))))
+    assert "about 82%" in text
+    assert not texts(cells.few_cells, buried(top="free"))
+
+
 def footing(half=0.8, mirrored=True, size=0.4, **table):
     """A strip on clay, whole or half of it."""
     x = Axis(start=0.0 if mirrored else -10 * size, end=10 * size, size=size)

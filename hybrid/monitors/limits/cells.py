@@ -1,6 +1,6 @@
 """Loads of clay that few cells make wrong, by how much, from problems set up afresh (demos/random/README.md, "By cells").
 
-    attached to clay on all sides, deep                   1 + 1.75/n               n cells across it
+    attached to clay on all sides, deep                   Π (1 + 1.75/n)           over the sides, n cells across; 1.5 for 1.75 of round outlines
     pushed into clay, with edges on lines of the grid     Π (1 + 0.3 e/n)          over the sides, e = 0, 1, 2 of whose edges are
 
 Nodes at the edge of a face move with it, and the clay is sheared in the cell beyond (DESIGN, "The foot of a blade drags on the next nodes"). Those of
@@ -11,7 +11,7 @@ import numpy as np
 
 from hybrid.monitors.limits.ways import CLAY, EXCESS, driven, leads, sides, top_of
 
-ATTACHED, EDGE = 1.75, 0.3
+ATTACHED, ROUND, EDGE = 1.75, 1.5, 0.3
 ON_LINE = 0.15                  # cells between an edge and a line of the grid: contact sees the edge there as on it
 DEEP = 1.0                      # widths: flow of clay around a body that goes deeper closes behind it
 DEEP_PLATE = 2.0                # widths under the ground: a shallower plate lifts the clay above it
@@ -22,7 +22,7 @@ def few_cells(scene, model):
     for body, way, place, plane in driven(scene, model):
         if not plane:
             continue
-        for how, found in (("about", _attached(model, body, way, place)), ("up to", _on_lines(scene, model, body, way, place))):
+        for how, found in (("about", _attached(scene, model, body, way, place)), ("up to", _on_lines(scene, model, body, way, place))):
             excess, what, cure = found
             if excess > EXCESS:
                 yield f"{body.name} {what}: its load is {how} {excess:.0%} too high, limit {EXCESS:.0%}. {cure}"
@@ -43,15 +43,22 @@ def flow_around(scene, model):
                    'soil.material.cone = "compression" if s_u is that of triaxial compression; footings are right without')
 
 
-def _attached(model, body, way, place):
+def _attached(scene, model, body, way, place):
     """(Excess, text, remedy) of a body deep in clay that stays on it."""
     soil, cell = model.soil, model.soil.grid.smallest_cell
-    top = top_of(soil)
-    width = min((width for _, width, _ in sides(soil.grid, place, way)), default=np.inf)
-    if body.interface is None or not np.isinf(body.interface.tension) or place[:, 2].max() > top - DEEP_PLATE * width:
+    across = [(width, ATTACHED if leads(body, place, np.eye(3)[axis]) else ROUND) for axis, width, _ in sides(soil.grid, place, way)]
+    width = min((width for width, _ in across), default=np.inf)
+    shallow = place[:, 2].max() > top_of(soil) - DEEP_PLATE * width and not _covered(scene, soil)
+    if not across or body.interface is None or not np.isinf(body.interface.tension) or shallow:
         return 0.0, "", ""
-    return (ATTACHED * cell / width, f"stays attached to clay and is {width / cell:.2g} cells of {cell:.3g} m wide",
-            f"Use cells of at most {EXCESS / ATTACHED * width:.2g} m at the body")
+    excess = np.prod([1.0 + number * cell / width for width, number in across]) - 1.0
+    return (excess, f"stays attached to clay and is {width / cell:.2g} cells of {cell:.3g} m wide",
+            f"Use cells of at most {EXCESS / sum(number / width for width, number in across):.2g} m at the body")
+
+
+def _covered(scene, soil):
+    """Whether the top of the soil is held, a block cut out of deep ground, so that nothing can be lifted off."""
+    return scene.grid.faces.z_max != "free" and top_of(soil) > soil.grid.extent[2, 1] - 1e-6 * soil.grid.smallest_cell
 
 
 def _on_lines(scene, model, body, way, place):
