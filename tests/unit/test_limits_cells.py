@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from hybrid.monitors.limits import cells
-from hybrid.scene import Axis, Faces, Grid, Soil
+from hybrid.scene import Axis, Faces, Grid, Load, Soil
 from hybrid.setup.build import build
 from hybrid.study.random import afresh
 from hybrid.study.random.fresh import clay
@@ -80,6 +80,26 @@ def test_a_footing_with_edges_on_lines_of_the_grid(half, mirrored, count):
     warnings = texts(cells.few_cells, footing(half, mirrored))
     assert len(warnings) == count
     assert all("is 4 cells wide" in text and "along x" in text and "up to 15%" in text for text in warnings)
+
+
+@pytest.mark.parametrize("half, load, count", [
+    (1.5, {"force": ((0.0, 0.0, 0.0, 0.0), (9.0, 45e3, 0.0, -180e3))}, 1), (1.5, {"force": ((0.0, 0.0, 0.0, 0.0), (9.0, 0.0, 0.0, -240e3)), "point": (0.375, 0.0, 0.0)}, 1),
+    (1.5, {"force": ((0.0, 0.0, 0.0, 0.0), (9.0, 0.0, 0.0, -240e3))}, 0), (0.6, {"force": ((0.0, 0.0, 0.0, 0.0), (9.0, 0.0, 0.0, -240e3))}, 1),
+    (1.5, {"force": (0.0, 0.0, 180e3)}, 0)])
+def test_a_footing_that_a_stage_loads(half, load, count):
+    """Ten cells wide, 6 % of the load in its middle and 2.7 times that of an inclined or eccentric one; four cells wide."""
+    described = footing(half, False, size=0.3, driven=(), held=(), velocity=(0.0, 0.0, 0.0))
+    described = replace(described, stages=(replace(described.stages[0], loads=(Load(**load),)),))
+    warnings = texts(cells.few_cells, described)
+    assert len(warnings) == count
+    assert all(("inclined or eccentric load" in text and "up to 16%" in text) == (half == 1.5) for text in warnings)
+
+
+@pytest.mark.parametrize("across, inclined, eccentric", [(10, (36.0, 39.0), (199.5, 206.5)), (20, (36.0, 36.0), (186.0, 186.0))])
+def test_the_law_of_combined_loads_is_what_was_measured(across, inclined, eccentric):
+    """Strip of 3 m on 15 kPa: H at V = 180 kN/m, 32.9 kN/m (Green 1954), and V at an eighth of the width, 173.5 kN/m (Meyerhof)."""
+    law = 1 + cells.COMBINED * 2 * cells.EDGE / across
+    assert all(low / exact - 0.03 < law < high / exact + 0.03 for (low, high), exact in ((inclined, 32.9), (eccentric, 173.5)))
 
 
 def test_bodies_that_nothing_drives_or_that_lift_off_are_not_judged():

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from hybrid.monitors.limits import sand_cells
-from hybrid.scene import Axis, Grid, Layer, Material, Soil
+from hybrid.scene import Axis, Grid, Layer, Load, Material, Soil
 from hybrid.setup.build import build
 from hybrid.study.random import afresh
 from hybrid.study.random.fresh import clay, sand
@@ -81,6 +81,43 @@ def test_a_free_wall_beside_a_step_of_the_ground():
     assert "retains 2 m of sand" in text and "pressure of the sand is about 55% too low" in text
     assert not texts(sand_cells.retaining_walls, retaining(**AWAY)) and not texts(sand_cells.retaining_walls, retaining("von-mises"))
     assert not texts(sand_cells.retaining_walls, retaining(ground=((0.0, 0.0), (4.0, 0.0))))     # on level ground
+
+
+@pytest.mark.parametrize("cells, found", [(8, 28.0), (16, 24.0), (32, 20.6)])
+def test_the_law_of_footings_on_sand_is_what_was_measured(cells, found):
+    """N_γ of a rough strip on associated sand of 30°, 14.75 (Martin 2005)."""
+    assert found / 14.75 == pytest.approx(1 + sand_cells.WEIGHT / cells**sand_cells.ORDER, abs=0.05)
+
+
+def test_extrapolating_footings_on_sand_as_the_note_says():
+    """1/(2^0.6 - 1) = 1.9 times the difference of two sizes."""
+    for coarse, fine in ((28.0, 24.0), (24.0, 20.6)):
+        assert fine - 1.9 * (coarse - fine) == pytest.approx(14.75, rel=0.12)
+
+
+def strip(law="drucker-prager", gravity=(0.0, 0.0, -9.81), loads=(), **table):
+    """Half a strip of 2 m on soil, with 8 cells in its width."""
+    values = {"young": 5e7, "poisson": 0.3, "density": 1600.0}
+    values |= {"strength": 2e4} if law == "von-mises" else {"friction_angle": 30.0, "dilation_angle": 30.0, "cohesion": 0.0}
+    foot = body("box.geo", {"length": 2.0, "width": 1.0, "height": 0.5, "size": 5.0}, position=(0.0, 0.5, 0.0), rest_on=0.0, friction=0.6, **table)
+    grid = Grid(Axis(start=0.0, end=4.0, size=0.25), slice_(), Axis(start=-2.0, end=1.0, size=0.25))
+    described = scene("foot", grid, Soil(Material(law=law, **values), top=0.0, geostatic=gravity[2] < 0.0), [foot], clay.Time(1.0, inertia=False), 10, gravity)
+    return replace(described, stages=(replace(described.stages[0], loads=loads),))
+
+
+PRESSED = {"driven": ("z",), "held": ("x", "y", "rx", "ry", "rz"), "velocity": (0.0, 0.0, -0.003)}
+LOADED = {"held": ("x", "y", "rx", "ry", "rz"), "loads": (Load(force=((0.0, 0.0, 0.0, 0.0), (10.0, 0.0, 0.0, -1e6))),)}
+
+
+@pytest.mark.parametrize("table", [PRESSED, LOADED])
+def test_a_footing_on_sand_with_weight(table):
+    text, = texts(sand_cells.footings, strip(**table))
+    assert "8 cells of 0.25 m wide" in text and "(N_γ) is about 89% too high" in text and "less 1.9 times the difference" in text
+
+
+def test_footings_on_clay_on_weightless_sand_or_that_only_rest_are_not_judged():
+    assert not texts(sand_cells.footings, strip("von-mises", **PRESSED)) and not texts(sand_cells.footings, strip(gravity=(0.0, 0.0, 0.0), **PRESSED))
+    assert not texts(sand_cells.footings, strip())
 
 
 @pytest.mark.parametrize("size, soil, law, count", [

@@ -2,6 +2,7 @@
 
     attached to clay on all sides, deep                   Π (1 + 1.75/n)           over the sides, n cells across; 1.5 for 1.75 of round outlines
     pushed into clay, with edges on lines of the grid     Π (1 + 0.3 e/n)          over the sides, e = 0, 1, 2 of whose edges are
+    the same under an inclined or eccentric load          2.7 times that excess
 
 Nodes at the edge of a face move with it, and the clay is sheared in the cell beyond (DESIGN, "The foot of a blade drags on the next nodes"). Those of
 sand are in `sand_cells`.
@@ -9,23 +10,29 @@ sand are in `sand_cells`.
 
 import numpy as np
 
-from hybrid.monitors.limits.ways import CLAY, EXCESS, driven, leads, sides, top_of
+from hybrid.monitors.limits.ways import CLAY, EXCESS, driven, law_at, leads, loaded, sides, top_of
 
 ATTACHED, ROUND, EDGE = 1.75, 1.5, 0.3
+COMBINED = 2.7                  # times that: an inclined load at V = 4 of 5.14, one at an eighth of the width beside the centre
 ON_LINE = 0.15                  # cells between an edge and a line of the grid: contact sees the edge there as on it
 DEEP = 1.0                      # widths: flow of clay around a body that goes deeper closes behind it
 DEEP_PLATE = 2.0                # widths under the ground: a shallower plate lifts the clay above it
 
 
 def few_cells(scene, model):
-    """Bodies driven through clay with a plane face, so few cells wide that their load is more than EXCESS too high."""
-    for body, way, place, plane in driven(scene, model):
+    """Bodies driven through clay with a plane face, or loaded until they go through it, so few cells wide that their load is more than EXCESS
+    too high."""
+    pushed = [(*found, False) for found in driven(scene, model)] + list(loaded(scene, model))
+    for body, way, place, plane, combined in pushed:
         if not plane:
             continue
-        for how, found in (("about", _attached(scene, model, body, way, place)), ("up to", _on_lines(scene, model, body, way, place))):
+        for how, factor, found in (("about", 1.0, _attached(scene, model, body, way, place)),
+                                   ("up to", COMBINED if combined else 1.0, _on_lines(scene, model, body, way, place))):
             excess, what, cure = found
+            excess *= factor
             if excess > EXCESS:
-                yield f"{body.name} {what}: its load is {how} {excess:.0%} too high, limit {EXCESS:.0%}. {cure}"
+                load = "its load" if factor == 1.0 else "the inclined or eccentric load that it carries"
+                yield f"{body.name} {what}: {load} is {how} {excess:.0%} too high, limit {EXCESS:.0%}. {cure}"
 
 
 def flow_around(scene, model):
@@ -63,7 +70,8 @@ def _covered(scene, soil):
 
 def _on_lines(scene, model, body, way, place):
     """(Excess, text, remedy) of a body pushed into clay whose edges are on lines of the grid."""
-    if scene.soil.material.law != CLAY or way[2] >= 0.0 or body.interface is not None and body.interface.tension:
+    under = place[:, 2].min() - 0.5 * model.soil.grid.smallest_cell
+    if law_at(scene, model.soil, under) != CLAY or way[2] >= 0.0 or body.interface is not None and body.interface.tension:
         return 0.0, "", ""
     grid, excess, on, narrow = model.soil.grid, 1.0, [], np.inf
     for axis, width, ends in sides(grid, place, way):

@@ -2,6 +2,7 @@
 
     wall that ends in sand and is pushed against it, plane strain        1 + 2.3/n to 1 + 4.2/n   n cells in its depth
     wall that sand behind it follows, on rock or in the sand, the same   (1 - 1.65/n)²            n cells in the height of the sand
+    footing pressed on sand that has weight, plane strain                N_γ (1 + 3.1/n^0.6)         n cells in its width
     column of sand let go in space                                       run-out (1 - 1.6/n)      n cells in its height
 
 A foot holds the next nodes back. Sand that a wall pushes takes them along, and the wedge is a cell deeper than the wall; sand that follows a wall
@@ -12,11 +13,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hybrid.monitors.limits.ways import EXCESS, SAND, driven, law_at, leads, outline, top_of
+from hybrid.monitors.limits.ways import EXCESS, SAND, driven, law_at, leads, loaded, outline, sides, top_of
 from hybrid.runtime.comm import maximum, minimum
 from hybrid.scene.ground import heights
 
 FOOT, ACTIVE, FRONT = 2.3, 1.65, 1.6
+WEIGHT, ORDER = 3.1, 0.6         # of the part of a footing's load that the sand's weight carries
+SHALLOW = 1.0                   # widths under the ground: what goes deeper is no footing
 PASSIVE = 3.0                   # depths: sand that presses a wall from behind counts where it is so much deeper, K_p/K_a = 11 times the pressure
 STEEP = 1.5                     # cells: a lower step of the ground is a slope
 
@@ -54,6 +57,23 @@ def retaining_walls(scene, model):
             depth = _depths(scene, soil, place, way)
             if depth is not None and depth.behind > PASSIVE * depth.ahead and leads(whole, place, -way):
                 yield from _retained(body, depth.behind, soil.grid.smallest_cell, "retains", "where it gives way, the pressure of the sand is")
+
+
+def footings(scene, model):
+    """Footings with a plane base that are pressed on sand with weight in plane strain: the part N_γ of their load."""
+    soil = model.soil
+    if soil.held or scene.gravity[2] >= 0.0 or soil.grid.collapsed.sum() != 1:
+        return
+    cell = soil.grid.smallest_cell
+    for body, way, place, plane in [*driven(scene, model), *(found[:4] for found in loaded(scene, model))]:
+        bottom, width = place[:, 2].min(), min((width for _, width, _ in sides(soil.grid, place, way)), default=0.0)
+        if not plane or way[2] >= 0.0 or not width or bottom < top_of(soil) - SHALLOW * width or law_at(scene, soil, bottom - 0.5 * cell) not in SAND:
+            continue
+        excess = WEIGHT * (cell / width)**ORDER
+        if excess > EXCESS:
+            yield (f"{body.name} is pressed on sand with a base {width / cell:.2g} cells of {cell:.3g} m wide: what the sand's own weight lets it carry "
+                   f"(N_γ) is about {excess:.0%} too high, more if the base is smooth, limit {EXCESS:.0%}. Extrapolate two sizes of cells to none: load of "
+                   "the smaller ones less 1.9 times the difference, as the excess falls with the power 0.6 of the cells")
 
 
 def _wedge(body, depth, cell):
@@ -123,4 +143,4 @@ def _drop(scene, soil):
                for axis, (rise, width) in enumerate(steps))
 
 
-LIMITS = (pushed_walls, retaining_walls, thin_front)
+LIMITS = (footings, pushed_walls, retaining_walls, thin_front)

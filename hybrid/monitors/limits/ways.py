@@ -10,6 +10,7 @@ from hybrid.scene.soil import of_layer
 
 EXCESS = 0.1                    # of a load, above which it is reported
 PLANE, LEADING = 0.99, 0.5      # cosine between a face and the way; share of what the body covers that such faces are
+ASIDE = 0.05                    # share of a load across its main direction, or at that share of the size beside the centre: inclined or eccentric
 CLAY, SAND = "von-mises", {"drucker-prager", "willam-warnke"}
 
 
@@ -22,6 +23,37 @@ def driven(scene, model):
         if way.any() and not body.free[:3][way != 0.0].any():
             whole, place = outline(described, body)
             yield whole, way, place, leads(whole, place, way)
+
+
+def loaded(scene, model):
+    """(RigidBody, way (3,), places (V, 3) [m], whether a plane face leads, whether the load is inclined or eccentric) of each body that is free to
+    follow forces of a stage; the way is the largest component [N] of the largest force."""
+    if model.soil.held or not model.soil.law.plastic:
+        return
+    for described, body in zip(scene.bodies, model.bodies):
+        force, moment = _largest_load(body)
+        axis = int(np.argmax(np.abs(force)))
+        if not force[axis] or not body.free[axis] or model.soil.grid.collapsed[axis]:
+            continue
+        whole, place = outline(described, body)
+        way = np.where(np.arange(3) == axis, force, 0.0)
+        aside = np.abs(np.where(body.free[:3], force - way, 0.0)).max() > ASIDE * abs(force[axis])
+        off = np.abs(np.where(body.free[3:], moment, 0.0)).max() > ASIDE * np.ptp(place, axis=0).max() * abs(force[axis])
+        yield whole, way, place, leads(whole, place, way), aside or off
+
+
+def _largest_load(body):
+    """(force [N], moment [N m] about the centre) (3,) of the stage with the largest force on a body, at the rows of its tables that are largest."""
+    found = [(np.zeros(3), np.zeros(3))]
+    for stage in body.stages or ():
+        force, moment = np.zeros(3), np.zeros(3)
+        for load in stage.loads:
+            one = np.zeros(3) if load.force is None else load.force.values[np.argmax(np.linalg.norm(load.force.values, axis=1))]
+            force, moment = force + one, moment + np.cross(load.point, one)
+            if load.moment is not None:
+                moment = moment + load.moment.values[np.argmax(np.linalg.norm(load.moment.values, axis=1))]
+        found.append((force, moment))
+    return max(found, key=lambda pair: np.linalg.norm(pair[0]))
 
 
 def outline(described, body):
