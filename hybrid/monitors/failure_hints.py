@@ -23,11 +23,13 @@ def advice(step, outcome, settings):
 
     outcome: of Newton's method (`reason`, `errors`, `evaluation` or None); settings: with its `tolerance`.
     """
-    causes, overload = probable_causes(step, outcome.evaluation), overloads(step, outcome.reason)
-    changes = remedies(step.model, outcome.reason, outcome.errors, settings.tolerance)
-    if any(sudden for _, sudden in overload):   # shorter increments of a load that is there at once change nothing
-        changes = changes[0 if "time.step" not in changes[0] else 1:]
-    text = ". ".join([*causes, *(text for text, _ in overload), *_use(changes, bool(causes or overload))])
+    overload = overloads(step, outcome.reason)
+    changes, sudden = remedies(step.model, outcome.reason, outcome.errors, settings.tolerance), any(at_once for _, at_once in overload)
+    if sudden:      # shorter increments of a load that is there at once change nothing
+        changes = [change for change in changes if "a smaller time.step" not in change]
+    texts, causes = [text for text, _ in overload], probable_causes(step, outcome.evaluation, sudden)
+    causes = [*texts, *causes] if sudden else [*causes, *texts]
+    text = ". ".join([*causes, *_use(changes, bool(causes))])
     if step.soil is None or step.model.scheme.inertia or overload:
         return text
     return text + ". Without inertia a step also fails where the load exceeds what the soil can carry"
@@ -72,8 +74,8 @@ def accuracy_remedies(model):
     return ("a larger time.accuracy", "a smaller time.smallest", *penalty, *damping)
 
 
-def probable_causes(step, evaluation):
-    """Texts about a failed `step` and the last `evaluation` of its trial values, None where there is none."""
+def probable_causes(step, evaluation, sudden=False):
+    """Texts about a failed `step` and the last `evaluation` of its trial values, None where there is none; sudden: whether its load acts at once."""
     if step.soil is None:
         return ()
     model, causes = step.model, []
@@ -84,9 +86,9 @@ def probable_causes(step, evaluation):
     limit = model.soil.roundoff_force(model.soil.grid.count_unknowns(step.pattern.free))
     if lost:
         names = ", ".join(body.name for body in model.bodies)
+        shorter = "" if sudden else "use shorter increments (a smaller time.step with more stage.steps), "
         causes.append(f"No corner of the soil touches {names} any more, so that without inertia no force balances the "
-                      "load: start the body in contact with the soil (body.rest_on), use shorter increments (a smaller "
-                      "time.step with more stage.steps), or set time.inertia = true")
+                      f"load: start the body in contact with the soil (body.rest_on), {shorter}or set time.inertia = true")
     elif residual and residual < limit:
         causes.append(f"The residual of the soil, {residual:.2g} N, is round-off of its stiffness, limit {limit:.2g} "
                       "N, as the loads are too small beside the modulus: set a looser solver.tolerance, or a lower "

@@ -143,15 +143,15 @@ def test_many_judged_increments_are_reported_once():
     assert notes(10, 10) == ()
 
 
-def loaded(force, gravity=(1.0, 1.0), time=Time(step=1.0, inertia=False), after=0, **more):
+def loaded(force, gravity=(1.0, 1.0), time=Time(step=1.0, inertia=False), after=0, reason="residual 1.00e+00 after 15 iterations", **more):
     """Text about a step of a scene whose body a `force` of the stage pushes, and that has made `after` steps."""
-    given = soil_scene([box(0.2, 0.2, 0.2, rest_on=-0.004, position=(0.4, 0.4, 0.0), **more)], time=time, gravity=(0.0, 0.0, -9.81))
+    given = soil_scene([box(0.2, 0.2, 0.2, **{"rest_on": -0.004, "position": (0.4, 0.4, 0.0)} | more)], time=time, gravity=(0.0, 0.0, -9.81))
     loads = (Load(force=force),) if force else ()
     given = replace(given, stages=(replace(given.stages[0], steps=4, loads=loads, gravity=gravity),))
     simulation = build(given)
     state, workspace = replace(simulation.state, time=1.0 * after, step=after), Workspace(simulation.model)
     step = begin(simulation.stage_model(0, 0.0), state, 1.0, False, workspace)
-    outcome = SimpleNamespace(evaluation=step.evaluate(step.at_rest()), reason="residual 1.00e+00 after 15 iterations", errors=(1.0, 1.0))
+    outcome = SimpleNamespace(evaluation=step.evaluate(step.at_rest()), reason=reason, errors=(1.0, 1.0))
     text = advice(step, outcome, Solver())
     workspace.destroy()
     return text
@@ -178,6 +178,15 @@ def test_a_load_that_acts_at_once_should_grow():
     assert text.startswith("The load on body, fx = 30, fz = -180 kN, acts at once") and "force = [[0, 0, 0, 0], [T, 30000, 0, -180000]]" in text
     assert "time.step with" not in text and "a lower body.penalty" in text
     assert "acts at once" not in loaded((30e3, 0.0, -180e3), after=1)
+
+
+def test_a_body_that_a_sudden_load_throws_off_is_told_to_let_it_grow_first():
+    """As a singular matrix it is no sign of a load that the soil cannot carry where that grows."""
+    singular = "linear solver: the direct factor finds the matrix singular"
+    text = loaded((30e3, 0.0, -180e3), reason=singular, rest_on=0.1)
+    assert text.startswith("The load on body") and "No corner of the soil touches" in text and "shorter increments" not in text
+    assert "a smaller time.step" not in text
+    assert "had reached" not in loaded(GROWING, reason=singular)
 
 
 @pytest.mark.parametrize("table, offered", [({"friction": 0.4}, True), ({"friction": 0.4, "tangential": 0.3}, False), ({}, False)])
