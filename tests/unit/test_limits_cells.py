@@ -117,3 +117,22 @@ def test_a_ball_deep_in_clay_in_space(cone, depth, count):
     warnings = texts(cells.flow_around, described)
     assert len(warnings) == count
     assert all("of its widths deep, limit 2," in text and 'cone = "compression"' in text for text in warnings)
+
+
+@pytest.mark.parametrize("across, found", [(8, 1.13), (16, 1.07), (32, 1.05)])
+def test_the_law_of_upright_cuts_is_what_was_measured(across, found):
+    """Share of gravity at which a cut 4 m high fails over that of γ H/s_u = 3.78 (limit analysis)."""
+    assert found == pytest.approx(1 + cells.CUT / across, abs=0.02)
+
+
+@pytest.mark.parametrize("size, ground, law, count", [
+    (0.5, ((0.0, 0.0), (0.001, -4.0)), "von-mises", 1), (0.25, ((0.0, 0.0), (0.001, -4.0)), "von-mises", 0),
+    (0.5, ((0.0, 0.0), (2.0, -4.0)), "von-mises", 0), (0.5, ((0.0, 0.0), (0.001, -4.0)), "hencky", 0)])
+def test_an_upright_cut_in_clay(size, ground, law, count):
+    """Eight and sixteen cells high; a slope and elastic soil are not judged."""
+    material = clay.clay(18e3, 1800.0)
+    material = material if law == "von-mises" else replace(material, law=law, strength=None)
+    grid = Grid(Axis(start=-4.0, end=4.0, size=size), Axis(start=0.0, end=1.0, collapsed=True), Axis(start=-6.0, end=0.5, size=size), Faces(z_min="fixed"))
+    warnings = texts(cells.upright_cut, scene("cut", grid, Soil(material, top=0.0, ground=ground, geostatic=False), [], clay.Time(1.0, inertia=False), 9))
+    assert len(warnings) == count
+    assert all("4 m high, 8 cells of 0.5 m" in text and "about 13% too high" in text and "at most 0.38 m" in text for text in warnings)

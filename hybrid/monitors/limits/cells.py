@@ -3,6 +3,7 @@
     attached to clay on all sides, deep                   Π (1 + 1.75/n)           over the sides, n cells across; 1.5 for 1.75 of round outlines
     pushed into clay, with edges on lines of the grid     Π (1 + 0.3 e/n)          over the sides, e = 0, 1, 2 of whose edges are
     the same under an inclined or eccentric load          2.7 times that excess
+    upright cut under its own weight, plane strain        1 + 1.05/n               n cells in its height
 
 Nodes at the edge of a face move with it, and the clay is sheared in the cell beyond (DESIGN, "The foot of a blade drags on the next nodes"). Those of
 sand are in `sand_cells`.
@@ -10,9 +11,9 @@ sand are in `sand_cells`.
 
 import numpy as np
 
-from hybrid.monitors.limits.ways import CLAY, EXCESS, driven, law_at, leads, loaded, sides, top_of
+from hybrid.monitors.limits.ways import CLAY, EXCESS, STEEP, driven, law_at, leads, loaded, sides, step_of_ground, top_of
 
-ATTACHED, ROUND, EDGE = 1.75, 1.5, 0.3
+ATTACHED, ROUND, EDGE, CUT = 1.75, 1.5, 0.3, 1.05
 COMBINED = 2.7                  # times that: an inclined load at V = 4 of 5.14, one at an eighth of the width beside the centre
 ON_LINE = 0.15                  # cells between an edge and a line of the grid: contact sees the edge there as on it
 DEEP = 1.0                      # widths: flow of clay around a body that goes deeper closes behind it
@@ -48,6 +49,17 @@ def flow_around(scene, model):
                    'sheared in a plane (soil.material.cone = "plane strain"): flow around a body in space is partly that of triaxial '
                    "compression and extension, where this clay has 0.87 s_u, and a ball carries 12 % less than in Tresca's at least. Set "
                    'soil.material.cone = "compression" if s_u is that of triaxial compression; footings are right without')
+
+
+def upright_cut(scene, model):
+    """Steps of the ground in clay with weight and without bodies, in plane strain, so few cells high that they stand under too much gravity."""
+    soil = model.soil
+    if soil.held or scene.bodies or not np.any(scene.gravity) or soil.grid.collapsed.sum() != 1:
+        return
+    height, cell = step_of_ground(scene, soil), soil.grid.smallest_cell
+    if height > STEEP * cell and CUT * cell / height > EXCESS and law_at(scene, soil, top_of(soil) - height + 0.5 * cell) == CLAY:
+        yield (f"the ground has an upright step {height:.3g} m high, {height / cell:.2g} cells of {cell:.3g} m, in clay: the weight under which it "
+               f"stands is about {CUT * cell / height:.0%} too high, limit {EXCESS:.0%}. Use cells of at most {EXCESS / CUT * height:.2g} m")
 
 
 def _attached(scene, model, body, way, place):
@@ -89,4 +101,4 @@ def _on_lines(scene, model, body, way, place):
             "clay of the next cell too", "Move the lines of the grid by a quarter of a cell against it, or use smaller cells")
 
 
-LIMITS = (few_cells, flow_around)
+LIMITS = (few_cells, flow_around, upright_cut)

@@ -13,15 +13,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hybrid.monitors.limits.ways import EXCESS, SAND, driven, law_at, leads, loaded, outline, sides, top_of
+from hybrid.monitors.limits.ways import EXCESS, SAND, STEEP, driven, law_at, leads, loaded, outline, sides, step_of_ground, top_of
 from hybrid.runtime.comm import maximum, minimum
-from hybrid.scene.ground import heights
 
 FOOT, ACTIVE, FRONT = 2.3, 1.65, 1.6
 WEIGHT, ORDER = 3.1, 0.6         # of the part of a footing's load that the sand's weight carries
 SHALLOW = 1.0                   # widths under the ground: what goes deeper is no footing
 PASSIVE = 3.0                   # depths: sand that presses a wall from behind counts where it is so much deeper, K_p/K_a = 11 times the pressure
-STEEP = 1.5                     # cells: a lower step of the ground is a slope
 
 
 class Sides(NamedTuple):
@@ -133,14 +131,7 @@ def _drop(scene, soil):
     position, half, cell = soil.constants.position, soil.constants.half_width, soil.grid.smallest_cell
     low, high = ([extreme(side[:, axis]) for axis in range(3)] for extreme, side in ((minimum, position - half), (maximum, position + half)))
     inside = any(high[axis] < soil.grid.extent[axis, 1] - cell or low[axis] > soil.grid.extent[axis, 0] + cell for axis in (0, 1))
-    if inside:
-        return high[2] - low[2]
-    if scene.soil.ground is None:
-        return 0.0
-    x, y, z = heights(scene.soil.ground)
-    steps = [(np.diff(z, axis=0), np.diff(x))] + ([] if y is None else [(np.diff(z, axis=1), np.diff(y))])
-    return max(float(np.abs(rise[width < cell] if axis == 0 else rise[:, width < cell]).max(initial=0.0))
-               for axis, (rise, width) in enumerate(steps))
+    return high[2] - low[2] if inside else step_of_ground(scene, soil)
 
 
 LIMITS = (footings, pushed_walls, retaining_walls, thin_front)

@@ -6,11 +6,13 @@ import numpy as np
 
 from hybrid.monitors.limits.contact import initial_vertices, way_along
 from hybrid.runtime.comm import maximum
+from hybrid.scene.ground import heights
 from hybrid.scene.soil import of_layer
 
 EXCESS = 0.1                    # of a load, above which it is reported
 PLANE, LEADING = 0.99, 0.5      # cosine between a face and the way; share of what the body covers that such faces are
 ASIDE = 0.05                    # share of a load across its main direction, or at that share of the size beside the centre: inclined or eccentric
+STEEP = 1.5                     # cells: a lower step of the ground is a slope
 CLAY, SAND = "von-mises", {"drucker-prager", "willam-warnke"}
 
 
@@ -87,6 +89,16 @@ def sides(grid, place, way):
 def top_of(soil):
     """Height [m] of the highest soil at the start."""
     return maximum(soil.constants.position[:, 2] + soil.constants.half_width[:, 2])
+
+
+def step_of_ground(scene, soil):
+    """Height [m] of the highest upright step of soil.ground, 0 where there is none."""
+    if scene.soil.ground is None:
+        return 0.0
+    cell, (x, y, z) = soil.grid.smallest_cell, heights(scene.soil.ground)
+    steps = [(np.diff(z, axis=0), np.diff(x))] + ([] if y is None else [(np.diff(z, axis=1), np.diff(y))])
+    return max(float(np.abs(rise[width < cell] if axis == 0 else rise[:, width < cell]).max(initial=0.0))
+               for axis, (rise, width) in enumerate(steps))
 
 
 def law_at(scene, soil, height):
