@@ -10,6 +10,7 @@
 | ForceOscillation | the contact force oscillates because the scheme does not damp         |
 | EnergyBalance    | energy is gained, or lost in one step, that the balance cannot explain |
 | AbsorbedImpact   | falling bodies lose energy, little by little, without a cause         |
+| BodyImpact       | bodies that hit one another lose energy without a cause               |
 | PlasticIncrement | an increment without inertia adds too much plastic strain             |
 | BodyOverlap      | bodies are pressed deep into one another                              |
 | JudgedIncrements | many increments end with a residual above the tolerance               |
@@ -18,6 +19,7 @@ Other errors stop no run. `failure_hints` adds probable causes and remedies to t
 """
 
 from hybrid.monitors.absorbed_impact import AbsorbedImpact
+from hybrid.monitors.body_impact import BodyImpact
 from hybrid.monitors.body_overlap import BodyOverlap
 from hybrid.monitors.domain_exit import DomainExit
 from hybrid.monitors.energy_balance import EnergyBalance
@@ -32,7 +34,7 @@ from hybrid.monitors.plastic_increment import PlasticIncrement
 
 MONITORS = (
     DomainExit, LostContact, LostPoints, MissedContact, Penetration, ForceOscillation, EnergyBalance, PlasticIncrement,
-    BodyOverlap, JudgedIncrements, AbsorbedImpact)
+    BodyOverlap, JudgedIncrements, AbsorbedImpact, BodyImpact)
 
 __all__ = ["MONITORS", "Monitors", "StepView", *(kind.__name__ for kind in MONITORS)]
 

@@ -5,6 +5,7 @@ The limits are those at which runs of the failure study fail: modes cuts, domain
 
 import numpy as np
 
+from hybrid.monitors.load_reached import overloads
 from hybrid.runtime.comm import anywhere, largest, maximum, minimum
 from hybrid.scene.defaults import GHOST
 from hybrid.soil.domains import cells_wide
@@ -16,6 +17,7 @@ LOOSEST = 1e-3      # tolerance that is ever advised: errors of the column's str
 # Adhesion from which clay may yield beside a body where it slips along it, and the factor on body.penalty with which such a step
 # has a solution: DESIGN, "Clay that slips and yields has no stiffness".
 ROUGH, SOFTER = 0.7, 0.1
+STICKS = 0.3        # body.tangential of clay that sticks (scene.defaults): a quarter of the iterations, and a body rolls right down to it
 DAMPING = "the default time.scheme, which damps"
 
 
@@ -24,12 +26,20 @@ def advice(step, outcome, settings):
 
     outcome: of Newton's method (`reason`, `errors`, `evaluation` or None); settings: with its `tolerance`.
     """
-    causes = probable_causes(step, outcome.evaluation)
-    changes = either(remedies(step.model, outcome.reason, outcome.errors, settings.tolerance))
-    text = ". ".join([*causes, f"Otherwise use {changes}" if causes else f"Use {changes}"])
-    if step.soil is None or step.model.scheme.inertia:
+    overload = overloads(step, outcome.reason)
+    changes, sudden = remedies(step.model, outcome.reason, outcome.errors, settings.tolerance), any(at_once for _, at_once in overload)
+    if sudden:      # shorter increments of a load that is there at once change nothing
+        changes = [change for change in changes if "a smaller time.step" not in change]
+    texts, causes = [text for text, _ in overload], probable_causes(step, outcome.evaluation, sudden)
+    causes = [*texts, *causes] if sudden else [*causes, *texts]
+    text = ". ".join([*causes, *_use(changes, bool(causes))])
+    if step.soil is None or step.model.scheme.inertia or overload:
         return text
     return text + ". Without inertia a step also fails where the load exceeds what the soil can carry"
+
+
+def _use(changes, otherwise):
+    return [f"{'Otherwise use' if otherwise else 'Use'} {either(changes)}"] if changes else []
 
 
 def remedies(model, reason="", errors=(), tolerance=0.0):
@@ -53,6 +63,8 @@ def remedies(model, reason="", errors=(), tolerance=0.0):
         changes.insert(0, "a looser solver.tolerance (the residual is close to it)")
     if model.bodies:
         changes.append("a lower body.penalty")
+    if any((body.friction or body.interface) and body.tangential > STICKS for body in model.bodies):
+        changes.append(f"body.tangential = {STICKS:g}, where contact sticks and slips in turn")
     if dynamic and not model.scheme.damps:
         changes.append(DAMPING)
     return tuple(changes)
@@ -65,8 +77,8 @@ def accuracy_remedies(model):
     return ("a larger time.accuracy", "a smaller time.smallest", *penalty, *damping)
 
 
-def probable_causes(step, evaluation):
-    """Texts about a failed `step` and the last `evaluation` of its trial values, None where there is none."""
+def probable_causes(step, evaluation, sudden=False):
+    """Texts about a failed `step` and the last `evaluation` of its trial values, None where there is none; sudden: whether its load acts at once."""
     if step.soil is None:
         return ()
     model, causes = step.model, []
@@ -77,9 +89,9 @@ def probable_causes(step, evaluation):
     limit = model.soil.roundoff_force(model.soil.grid.count_unknowns(step.pattern.free))
     if lost:
         names = ", ".join(body.name for body in model.bodies)
+        shorter = "" if sudden else "use shorter increments (a smaller time.step with more stage.steps), "
         causes.append(f"No corner of the soil touches {names} any more, so that without inertia no force balances the "
-                      "load: start the body in contact with the soil (body.rest_on), use shorter increments (a smaller "
-                      "time.step with more stage.steps), or set time.inertia = true")
+                      f"load: start the body in contact with the soil (body.rest_on), {shorter}or set time.inertia = true")
     elif residual and residual < limit:
         causes.append(f"The residual of the soil, {residual:.2g} N, is round-off of its stiffness, limit {limit:.2g} "
                       "N, as the loads are too small beside the modulus: set a looser solver.tolerance, or a lower "

@@ -1,7 +1,7 @@
 """The material and layers of a scene: values that the law needs, refuses or limits, and layers that overlap."""
 
 from hybrid.scene.read import did_you_mean
-from hybrid.scene.soil import KEYS, NUMBERS, USES, Material, laws, of_layer, span
+from hybrid.scene.soil import KEYS, NEEDS, NUMBERS, USES, Material, laws, of_layer, span
 from hybrid.scene.table import described, range_fault, shown
 
 RESIDUALS = {"residual_cohesion": "cohesion", "residual_strength": "strength"}
@@ -64,10 +64,8 @@ def _missing(key, m):
     """The values that the law needs and neither the preset nor the material gives."""
     if m.relative_density is not None:
         return
-    elastic = "young" if m.reference_young is None else "stiffness_exponent"
-    needed = {"user": ["density"], "hencky": ["poisson", "density", elastic],
-              "von-mises": ["poisson", "density", "strength", elastic]}.get(
-        m.law, ["poisson", "density", "friction_angle", "dilation_angle", "cohesion", elastic])
+    elastic = () if m.law == "user" else ("young" if m.reference_young is None else "stiffness_exponent",)
+    needed = (*NEEDS[m.law], *elastic)
     absent = [name for name in needed if getattr(m, name) is None]
     if absent:
         preset = ", or relative_density [%] for the sand preset" if "relative_density" in USES[m.law] else ""

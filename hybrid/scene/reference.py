@@ -8,7 +8,7 @@ from typing import Literal, get_args, get_origin, get_type_hints
 
 from hybrid.scene import Layer, Material, Scene
 from hybrid.scene.defaults import RULES
-from hybrid.scene.soil import KEYS, NUMBERS, USES
+from hybrid.scene.soil import KEYS, NEEDS, NUMBERS, USES
 from hybrid.scene.table import Range, described, file_name, required_in_file, shown
 
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
@@ -71,7 +71,7 @@ def _values_of_material():
 HEAD = """# Keys of a scene file
 
 Every table and key, made by `hybrid schema --page`. Units are SI, angles are in degrees, z points upwards.
-A key without a default (–) may be left out; *required* keys may not. A default that is *decided* follows from the
+A key without a default (–) may be left out, but for the values of soil.material that its law needs; *required* keys may not. A default that is *decided* follows from the
 other keys: `hybrid check` shows the value and the reason (`hybrid.scene.defaults`). The range of a list is that of each
 number in it.
 Keys that are unknown, of another type, out of range or in contradiction are refused with value, limit and remedy.
@@ -116,9 +116,15 @@ def _section(cls, paths):
         row = (f"`{file_name(f)}`", _words(hints[f.name]), key.unit, _default(cls, f), str(key.range), key.meaning)
         lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |")
     if cls is Material:
-        lines += ["", "Values that each law uses, apart from `density`:", "", "| law | values |", "|---|---|"]
-        lines += [f"| `{law}` | {', '.join(f'`{name}`' for name in names) or '–'} |" for law, names in USES.items()]
+        lines += ["", "Values that each law needs where `relative_density` does not give them, and all that it uses, apart from `density`:", "",
+                  "| law | needs | uses |", "|---|---|---|"]
+        lines += [f"| `{law}` | {_needs(law)} | {', '.join(f'`{name}`' for name in names) or '–'} |" for law, names in USES.items()]
     return "\n".join([*lines, ""])
+
+
+def _needs(law):
+    elastic = [] if law == "user" else ["`young`, or `reference_young` and `stiffness_exponent`"]
+    return "; ".join([", ".join(f"`{name}`" for name in NEEDS[law]), *elastic])
 
 
 def _default(cls, f):

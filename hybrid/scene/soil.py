@@ -125,6 +125,13 @@ USES = {  # values that each law uses, apart from its name and the density
     "von-mises": (*ELASTIC, "strength", "strength_gradient", "hardening", "residual_strength", "cone"),
     "user": (),
 }
+NEEDS = {   # values that a law has no default for, without a relative density; `young` or, with `reference_young`, `stiffness_exponent` too
+    "hencky": ("poisson", "density"),
+    "drucker-prager": ("poisson", "density", "friction_angle", "dilation_angle", "cohesion"),
+    "willam-warnke": ("poisson", "density", "friction_angle", "dilation_angle", "cohesion"),
+    "von-mises": ("poisson", "density", "strength"),
+    "user": ("density",),
+}
 NUMBERS = tuple(name for name, hint in get_type_hints(Material).items() if hint == float | None)
 KEYS = {f.name: f for f in fields(Material)}
 

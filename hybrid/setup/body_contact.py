@@ -26,11 +26,10 @@ from hybrid.contact.soil_to_body import Coulomb
 from hybrid.runtime.errors import SceneError
 from hybrid.setup.contact import curvature_radius, section
 from hybrid.state import PairHistory
-from hybrid.step.pair_terms import BodyPair
+from hybrid.step.pair_terms import IMPACT, BodyPair
 
 CURVED, PLANE = 32, 16      # spacings in a radius of curvature; in the size of bodies of planes
 SINKS = 1e-3                # of the size: overlap under F
-IMPACT = 5e-3               # of the size: overlap by an impact
 STANDARD = 9.81             # [m/s²] where a scene has no gravity
 
 

@@ -20,6 +20,7 @@ from hybrid.contact.body_to_body import PairContact, Side, SideStep
 from hybrid.contact.soil_to_body import Coulomb
 from hybrid.state import PairHistory
 
+IMPACT = 5e-3   # of the size of the smaller body: overlap by an impact
 MARGIN = {True: 0.02, False: 0.1}   # of the size of the smaller body: reach beyond twice the predicted path, with and without inertia
 LEFT = 0.02     # of the speed of the fastest body: velocity that an impulse has yet to give, above which increments do not grow
 STRIDE = 0.5    # of the same: longest predicted path of bodies that may meet in an increment
@@ -50,6 +51,11 @@ class BodyPair:
         """[m] between the balls around both bodies."""
         apart = poses[self.numbers[0]][0] - poses[self.numbers[1]][0]
         return float(np.linalg.norm(np.where(self.collapsed, 0.0, apart))) - sum(self.radii)
+
+    def contact_times(self, mass):
+        """(time [s] of a touch at most as deep as `overlap`, way [m] that over the speed of a harder impact is its time) of bodies with
+        an effective `mass` [kg]: π times depth over speed of a linear spring, 2.8 of one whose area grows with the overlap."""
+        return float(np.pi * np.sqrt(mass * self.overlap / self.load)), 3.0 * IMPACT * self.size
 
     def path(self, poses, others):
         """Upper bound [m] of the way of any place relative to the other body from `poses` to `others`."""

@@ -298,3 +298,17 @@ def test_joined_bodies_do_not_touch_one_another():
 def test_the_sheet_lists_pairs():
     sheet = build(stack(1)).sheet()["modelled"]["bodies in contact"]
     assert len(sheet) == 6 and sheet[0].startswith("slab and box0: friction 0.5, an overlap of up to")
+    assert "a slow touch takes" in sheet[0] and "time.step = " in sheet[0]
+
+
+@pytest.mark.parametrize("share, count", [(2.0, 1), (0.05, 0)])
+def test_a_step_longer_than_the_contact_of_two_balls_is_reported(share, count):
+    """By the contact time of the sheet: two balls of 0.2 m meet with 2 m/s."""
+    balls = [sphere(0.1, 0.04, name=name, position=(x, 0.0, 2.0), velocity=(v, 0.0, 0.0)) for name, x, v in (("one", 0.0, 2.0), ("two", 0.23, 0.0))]
+    given = scene(balls, 1, 1.0)
+    _, way = build(given).model.pairs[0].contact_times(1.0)
+    step = share * way / 2.0
+    steps = int(np.ceil(0.03 / 2.0 / step)) + 40
+    _, records = run(replace(scene(balls, steps, step), gravity=(0.0, 0.0, 0.0)))
+    found = [note for record in records for note in record.notes if note.startswith("impact of bodies")]
+    assert len(found) == count

@@ -1,6 +1,7 @@
 """Probable causes of a failed step and remedies that fit its scene; warnings of long plastic increments."""
 
 import re
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -17,7 +18,7 @@ from hybrid.monitors.failure_hints import (
 )
 from hybrid.monitors.judged_increments import JudgedIncrements
 from hybrid.monitors.plastic_increment import LIMIT, PlasticIncrement
-from hybrid.scene import Solver, Time
+from hybrid.scene import Load, Solver, Time
 from hybrid.setup.build import build
 from hybrid.soil.domains import cells_wide
 from hybrid.step.equations import begin
@@ -164,3 +165,55 @@ class _Contact(SimpleNamespace):
 
     def __len__(self):
         return len(self.slip)
+
+
+def loaded(force, gravity=(1.0, 1.0), time=Time(step=1.0, inertia=False), after=0, reason="residual 1.00e+00 after 15 iterations", **more):
+    """Text about a step of a scene whose body a `force` of the stage pushes, and that has made `after` steps."""
+    given = soil_scene([box(0.2, 0.2, 0.2, **{"rest_on": -0.004, "position": (0.4, 0.4, 0.0)} | more)], time=time, gravity=(0.0, 0.0, -9.81))
+    loads = (Load(force=force),) if force else ()
+    given = replace(given, stages=(replace(given.stages[0], steps=4, loads=loads, gravity=gravity),))
+    simulation = build(given)
+    state, workspace = replace(simulation.state, time=1.0 * after, step=after), Workspace(simulation.model)
+    step = begin(simulation.stage_model(0, 0.0), state, 1.0, False, workspace)
+    outcome = SimpleNamespace(evaluation=step.evaluate(step.at_rest()), reason=reason, errors=(1.0, 1.0))
+    text = advice(step, outcome, Solver())
+    workspace.destroy()
+    return text
+
+
+GROWING = ((0.0, 0.0, 0.0, -180e3), (4.0, 60e3, 0.0, -180e3))
+
+
+def test_a_load_that_grows_is_the_first_cause_with_the_value_it_had_reached():
+    text = loaded(GROWING, after=2)
+    assert text.startswith("The load exceeds what the soil can carry: that on body had reached fx = 30, fz = -180 kN at t = 2 s")
+    assert "Otherwise use a smaller time.step with more stage.steps" in text and text.count("what the soil can carry") == 1
+    assert "had reached 0 N" in loaded(((0.0, 0.0, 0.0, 0.0), (4.0, 0.0, 0.0, -180e3)))
+    assert "had reached" not in loaded(GROWING, time=Time(step=0.01)) and "had reached" not in loaded(GROWING, held=("x", "y", "z"))
+
+
+def test_gravity_that_grows_is_named_with_the_share_reached():
+    assert loaded(None, gravity=(0.0, 1.2), after=2).startswith("The load exceeds what the soil can carry: gravity had reached 0.6 of the whole")
+
+
+def test_a_load_that_acts_at_once_should_grow():
+    """Shorter increments of it are all the same; one that has been carried before is no cause."""
+    text = loaded((30e3, 0.0, -180e3))
+    assert text.startswith("The load on body, fx = 30, fz = -180 kN, acts at once") and "force = [[0, 0, 0, 0], [T, 30000, 0, -180000]]" in text
+    assert "time.step with" not in text and "a lower body.penalty" in text
+    assert "acts at once" not in loaded((30e3, 0.0, -180e3), after=1)
+
+
+def test_a_body_that_a_sudden_load_throws_off_is_told_to_let_it_grow_first():
+    """As a singular matrix it is no sign of a load that the soil cannot carry where that grows."""
+    singular = "linear solver: the direct factor finds the matrix singular"
+    text = loaded((30e3, 0.0, -180e3), reason=singular, rest_on=0.1)
+    assert text.startswith("The load on body") and "No corner of the soil touches" in text and "shorter increments" not in text
+    assert "a smaller time.step" not in text
+    assert "had reached" not in loaded(GROWING, reason=singular)
+
+
+@pytest.mark.parametrize("table, offered", [({"friction": 0.4, "tangential": 3.0}, True), ({"friction": 0.4}, False), ({}, False)])
+def test_softer_tangential_springs_are_offered_where_contact_sticks(table, offered):
+    model = quasi_static(bodies=[box(0.2, 0.2, 0.2, rest_on=0.0, **table)])
+    assert any("body.tangential = 0.3" in change for change in remedies(model, "residual 1e-3 after 15 iterations", (1.0, 1e-2), 1e-6)) == offered

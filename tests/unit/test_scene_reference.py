@@ -38,7 +38,8 @@ def test_the_page_has_every_table_and_key():
     assert "| `tolerance` | number | - | `0.0001` | from 1e-14 to below 1 | tolerance of the residual, relative to the forces acting |" in text
     assert "| `steps` | whole number | - | *required* | at least 1 | outer steps |" in text
     assert text.count("\n| `") >= sum(len(cls.__dataclass_fields__) for cls in {cls for _, cls in tables()})
-    assert "| `hencky` | `relative_density`, `buoyant`, `young`" in text
+    assert "| `hencky` | `poisson`, `density`; `young`, or `reference_young` and `stiffness_exponent` | `relative_density`, `buoyant`, `young`" in text
+    assert "| `drucker-prager` | `poisson`, `density`, `friction_angle`, `dilation_angle`, `cohesion`; " in text
 
 
 def test_headings_are_those_of_a_scene_file():

@@ -1,14 +1,14 @@
 """Limits of the methods: `hybrid check`, and the first step of a run, warn of a scene that exceeds one.
 
 Each limit is a generator of texts (none or one, or one for each body) over (scene, model). The failure study
-(`hybrid.study.failure`), or problems set up afresh (`cells`), measure what happens beyond its number, and tests hold the two together. A text names the
+(`hybrid.study.failure`), or problems set up afresh (`cells`, `sand_cells`), measure what happens beyond its number, and tests hold the two together. A text names the
 value, the limit and the remedy. Numbers that are merely unlikely come first (`hybrid.scene.check_sense`, `place`).
 """
 
-from hybrid.monitors.limits import cells, contact, place, soil, stages, stepping
+from hybrid.monitors.limits import cells, contact, place, sand_cells, soil, stages, stepping
 from hybrid.scene.check_sense import sense_notes
 
-LIMITS = (*place.LIMITS, *soil.LIMITS, *contact.LIMITS, *cells.LIMITS, *stages.LIMITS, *stepping.LIMITS)
+LIMITS = (*place.LIMITS, *soil.LIMITS, *contact.LIMITS, *cells.LIMITS, *sand_cells.LIMITS, *stages.LIMITS, *stepping.LIMITS)
 
 
 def limit_warnings(scene, model):

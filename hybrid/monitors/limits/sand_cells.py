@@ -1,0 +1,137 @@
+"""Loads and run-outs of sand that few cells make wrong, by how much, measured on problems set up afresh (demos/random/README.md, "By cells").
+
+    wall that ends in sand and is pushed against it, plane strain        1 + 2.3/n to 1 + 4.2/n   n cells in its depth
+    wall that sand behind it follows, on rock or in the sand, the same   (1 - 1.65/n)²            n cells in the height of the sand
+    footing pressed on sand that has weight, plane strain                N_γ (1 + 3.1/n^0.6)         n cells in its width
+    column of sand let go in space                                       run-out (1 - 1.6/n)      n cells in its height
+
+A foot holds the next nodes back. Sand that a wall pushes takes them along, and the wedge is a cell deeper than the wall; sand that follows a wall
+stays on them, and the wedge is as much lower. The front of a column is thinner than a cell, and its base is fixed.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from hybrid.monitors.limits.ways import EXCESS, SAND, STEEP, driven, law_at, leads, loaded, outline, sides, step_of_ground, top_of
+from hybrid.runtime.comm import maximum, minimum
+
+FOOT, ACTIVE, FRONT = 2.3, 1.65, 1.6
+WEIGHT, ORDER = 3.1, 0.6         # of the part of a footing's load that the sand's weight carries
+SHALLOW = 1.0                   # widths under the ground: what goes deeper is no footing
+PASSIVE = 3.0                   # depths: sand that presses a wall from behind counts where it is so much deeper, K_p/K_a = 11 times the pressure
+
+
+class Sides(NamedTuple):
+    """Depths [m] of the foot of a wall in sand ahead of it and behind it, 0 where there is none."""
+
+    ahead: float
+    behind: float
+
+
+def pushed_walls(scene, model):
+    """Upright walls that are driven against sand, or away from it, in plane strain."""
+    for body, way, place, plane in driven(scene, model):
+        depth = _depths(scene, model.soil, place, way) if plane else None
+        if depth is None:
+            continue
+        if depth.behind > PASSIVE * depth.ahead:
+            yield from _retained(body, depth.behind, model.soil.grid.smallest_cell, "moves away from", "its load is")
+        else:
+            yield from _wedge(body, depth.ahead, model.soil.grid.smallest_cell)
+
+
+def retaining_walls(scene, model):
+    """Bodies that no guide holds, with sand on one side of them and hardly any on the other."""
+    soil = model.soil
+    if soil.held or not soil.law.plastic or scene.gravity[2] >= 0.0 or soil.grid.collapsed.sum() != 1:
+        return
+    axis = int(np.flatnonzero(~soil.grid.collapsed)[0])
+    for described, body in zip(scene.bodies, model.bodies):
+        if axis > 1 or not body.free[axis]:
+            continue
+        whole, place = outline(described, body)
+        for way in np.eye(3)[axis], -np.eye(3)[axis]:
+            depth = _depths(scene, soil, place, way)
+            if depth is not None and depth.behind > PASSIVE * depth.ahead and leads(whole, place, -way):
+                yield from _retained(body, depth.behind, soil.grid.smallest_cell, "retains", "where it gives way, the pressure of the sand is")
+
+
+def footings(scene, model):
+    """Footings with a plane base that are pressed on sand with weight in plane strain: the part N_γ of their load."""
+    soil = model.soil
+    if soil.held or scene.gravity[2] >= 0.0 or soil.grid.collapsed.sum() != 1:
+        return
+    cell = soil.grid.smallest_cell
+    for body, way, place, plane in [*driven(scene, model), *(found[:4] for found in loaded(scene, model))]:
+        bottom, width = place[:, 2].min(), min((width for _, width, _ in sides(soil.grid, place, way)), default=0.0)
+        if not plane or way[2] >= 0.0 or not width or bottom < top_of(soil) - SHALLOW * width or law_at(scene, soil, bottom - 0.5 * cell) not in SAND:
+            continue
+        excess = WEIGHT * (cell / width)**ORDER
+        if excess > EXCESS:
+            yield (f"{body.name} is pressed on sand with a base {width / cell:.2g} cells of {cell:.3g} m wide: what the sand's own weight lets it carry "
+                   f"(N_γ) is about {excess:.0%} too high, more if the base is smooth, limit {EXCESS:.0%}. Extrapolate two sizes of cells to none: load of "
+                   "the smaller ones less 1.9 times the difference, as the excess falls with the power 0.6 of the cells")
+
+
+def _wedge(body, depth, cell):
+    """Text, if any, about a wall that pushes sand as deep as `depth` [m]."""
+    excess = FOOT * cell / max(depth, cell)
+    if depth >= cell and excess > EXCESS:
+        yield (f"{body.name} ends {depth:.3g} m deep in sand, {depth / cell:.2g} cells of {cell:.3g} m, and drags the next cell along: its load is "
+               f"at least {excess:.0%} too high, limit {EXCESS:.0%}. Use cells of at most {EXCESS / FOOT * depth:.2g} m, or extrapolate two sizes of "
+               "cells to none")
+
+
+def _retained(body, depth, cell, does, load):
+    """The same of a wall that sand of a height `depth` [m] behind it follows."""
+    missing = 1.0 - max(1.0 - ACTIVE * cell / depth, 0.0) ** 2 if depth > 0 else 0.0
+    if depth >= STEEP * cell and missing > EXCESS:
+        enough = (1.0 - np.sqrt(1.0 - EXCESS)) / ACTIVE * depth
+        yield (f"{body.name} {does} {depth:.3g} m of sand, {depth / cell:.2g} cells of {cell:.3g} m, whose lowest cells stay behind at its foot: "
+               f"{load} about {missing:.0%} too low, limit {EXCESS:.0%}, which is unsafe for a retaining wall. Use cells of at most {enough:.2g} m, or "
+               "extrapolate two sizes of cells to none")
+
+
+def _depths(scene, soil, place, way):
+    """Sides of an upright wall with its vertices at `place`, moved along a `way`, in plane strain; None of what is none, goes up or down, or ends on a smooth base."""
+    axis, bottom, cell = int(np.argmax(np.abs(way))), place[:, 2].min(), soil.grid.smallest_cell
+    base = minimum(soil.constants.position[:, 2] - soil.constants.half_width[:, 2])
+    if soil.grid.collapsed.sum() != 1 or way[2] or soil.grid.collapsed[2] or bottom < base + cell or law_at(scene, soil, bottom + 0.5 * cell) not in SAND:
+        return None
+    before = [surface - bottom for surface in _surfaces(soil, place[:, axis], axis)]
+    if place[:, 2].max() < bottom + max(before):    # under the ground
+        return None
+    return Sides(*(max(depth, 0.0) for depth in (before[::-1] if way[axis] > 0 else before)))
+
+
+def _surfaces(soil, reach, axis):
+    """Heights [m] of the soil in two cells below and above what a body covers along an `axis`, -inf where there is none."""
+    low, high, cell = reach.min(), reach.max(), soil.grid.smallest_cell
+    x, top = soil.constants.position[:, axis], soil.constants.position[:, 2] + soil.constants.half_width[:, 2]
+    for inside in (x > low - 2 * cell) & (x < low), (x > high) & (x < high + 2 * cell):
+        yield maximum(top[inside], -np.inf)
+
+
+def thin_front(scene, model):
+    """Columns of sand let go in space, so few cells high that the front, thinner than one, stays behind."""
+    soil = model.soil
+    if soil.held or not model.scheme.inertia or soil.grid.collapsed.any() or scene.soil.material.law not in SAND or scene.bodies:
+        return
+    drop, cell = _drop(scene, soil), soil.grid.smallest_cell
+    cells = drop / cell
+    if cells > STEEP and FRONT / cells > EXCESS:
+        yield (f"the soil has a free side {drop:.3g} m high, {cells:.2g} cells, limit {FRONT / EXCESS:.2g}: let go in space it runs out about "
+               f"{min(FRONT / cells, 1):.0%} too little, because the front becomes thinner than a cell. Use cells of at most "
+               f"{EXCESS * drop / FRONT:.2g} m, or the plane strain of a wide column")
+
+
+def _drop(scene, soil):
+    """Height [m] of the highest free side of the soil as described: of its box inside of the grid, or of a step of soil.ground."""
+    position, half, cell = soil.constants.position, soil.constants.half_width, soil.grid.smallest_cell
+    low, high = ([extreme(side[:, axis]) for axis in range(3)] for extreme, side in ((minimum, position - half), (maximum, position + half)))
+    inside = any(high[axis] < soil.grid.extent[axis, 1] - cell or low[axis] > soil.grid.extent[axis, 0] + cell for axis in (0, 1))
+    return high[2] - low[2] if inside else step_of_ground(scene, soil)
+
+
+LIMITS = (footings, pushed_walls, retaining_walls, thin_front)

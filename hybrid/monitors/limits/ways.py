@@ -1,0 +1,110 @@
+"""Ways of bodies through the soil, as limits see them: which are driven where, with a plane face ahead or not, and what soil is there."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from hybrid.monitors.limits.contact import initial_vertices, way_along
+from hybrid.runtime.comm import maximum
+from hybrid.scene.ground import heights
+from hybrid.scene.soil import of_layer
+
+EXCESS = 0.1                    # of a load, above which it is reported
+PLANE, LEADING = 0.99, 0.5      # cosine between a face and the way; share of what the body covers that such faces are
+ASIDE = 0.05                    # share of a load across its main direction, or at that share of the size beside the centre: inclined or eccentric
+STEEP = 1.5                     # cells: a lower step of the ground is a slope
+CLAY, SAND = "von-mises", {"drucker-prager", "willam-warnke"}
+
+
+def driven(scene, model):
+    """(RigidBody, way (3,) [m], places (V, 3) [m] of its vertices, whether a plane face leads) of each driven body."""
+    if model.soil.held or not model.soil.law.plastic:
+        return
+    for described, body in zip(scene.bodies, model.bodies):
+        way = np.array([way_along(scene, described, name) for name in "xyz"]) * ~model.soil.grid.collapsed
+        if way.any() and not body.free[:3][way != 0.0].any():
+            whole, place = outline(described, body)
+            yield whole, way, place, leads(whole, place, way)
+
+
+def loaded(scene, model):
+    """(RigidBody, way (3,), places (V, 3) [m], whether a plane face leads, whether the load is inclined or eccentric) of each body that is free to
+    follow forces of a stage; the way is the largest component [N] of the largest force."""
+    if model.soil.held or not model.soil.law.plastic:
+        return
+    for described, body in zip(scene.bodies, model.bodies):
+        force, moment = _largest_load(body)
+        axis = int(np.argmax(np.abs(force)))
+        if not force[axis] or not body.free[axis] or model.soil.grid.collapsed[axis]:
+            continue
+        whole, place = outline(described, body)
+        way = np.where(np.arange(3) == axis, force, 0.0)
+        aside = np.abs(np.where(body.free[:3], force - way, 0.0)).max() > ASIDE * abs(force[axis])
+        off = np.abs(np.where(body.free[3:], moment, 0.0)).max() > ASIDE * np.ptp(place, axis=0).max() * abs(force[axis])
+        yield whole, way, place, leads(whole, place, way), aside or off
+
+
+def _largest_load(body):
+    """(force [N], moment [N m] about the centre) (3,) of the stage with the largest force on a body, at the rows of its tables that are largest."""
+    found = [(np.zeros(3), np.zeros(3))]
+    for stage in body.stages or ():
+        force, moment = np.zeros(3), np.zeros(3)
+        for load in stage.loads:
+            one = np.zeros(3) if load.force is None else load.force.values[np.argmax(np.linalg.norm(load.force.values, axis=1))]
+            force, moment = force + one, moment + np.cross(load.point, one)
+            if load.moment is not None:
+                moment = moment + load.moment.values[np.argmax(np.linalg.norm(load.moment.values, axis=1))]
+        found.append((force, moment))
+    return max(found, key=lambda pair: np.linalg.norm(pair[0]))
+
+
+def outline(described, body):
+    """(RigidBody with the surface of the whole body, places (V, 3) [m] of its vertices at the start)."""
+    whole = replace(body, surface=body.outline)
+    return whole, initial_vertices(described, whole)
+
+
+def leads(body, place, way):
+    """Whether faces across the way are most of what a body covers in its direction."""
+    corners = place[body.surface.triangles]
+    normal = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) @ (way / np.linalg.norm(way))
+    area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    ahead = normal > 0.0
+    return normal[normal > PLANE * area].sum() > LEADING * normal[ahead].sum() > 0.0
+
+
+def sides(grid, place, way):
+    """(axis, width [m], places [m] of both ends) across the way; an end on a face of the grid, or beyond it, mirrors the other."""
+    for axis in np.flatnonzero(~grid.collapsed & (np.abs(way) < 0.1 * np.linalg.norm(way))):
+        ends, limits = np.array([place[:, axis].min(), place[:, axis].max()]), grid.extent[axis]
+        inside = np.abs(ends - limits.mean()) < (0.5 - 1e-6) * np.ptp(limits)
+        if inside.sum() == 1:
+            end, middle = ends[inside][0], limits[~inside][0]
+            ends = np.array([end, end])
+            yield axis, 2 * abs(end - middle), ends
+        elif inside.any():
+            yield axis, np.ptp(ends), ends
+
+
+def top_of(soil):
+    """Height [m] of the highest soil at the start."""
+    return maximum(soil.constants.position[:, 2] + soil.constants.half_width[:, 2])
+
+
+def step_of_ground(scene, soil):
+    """Height [m] of the highest upright step of soil.ground, 0 where there is none."""
+    if scene.soil.ground is None:
+        return 0.0
+    cell, (x, y, z) = soil.grid.smallest_cell, heights(scene.soil.ground)
+    steps = [(np.diff(z, axis=0), np.diff(x))] + ([] if y is None else [(np.diff(z, axis=1), np.diff(y))])
+    return max(float(np.abs(rise[width < cell] if axis == 0 else rise[:, width < cell]).max(initial=0.0))
+               for axis, (rise, width) in enumerate(steps))
+
+
+def law_at(scene, soil, height):
+    """Name of the law of the soil at a height [m]: that of its layer, or of soil.material."""
+    top = top_of(soil)
+    for layer in scene.soil.layers:
+        if (layer.bottom is None or height >= layer.bottom) and height < (top if layer.top is None else layer.top):
+            return of_layer(scene.soil.material, layer).law
+    return scene.soil.material.law

@@ -1,0 +1,44 @@
+"""The loads at which a quasi-static step failed: the first cause, where free bodies are pushed by forces of a stage or gravity grows."""
+
+import numpy as np
+
+UNITS = ((1e6, "MN"), (1e3, "kN"), (1.0, "N"))
+
+
+def overloads(step, reason=""):
+    """[(text, whether the load acts at once)] of the loads that a failed `step` without inertia carries; reason: why it failed."""
+    model = step.model
+    if step.soil is None or model.scheme.inertia:
+        return []
+    singular = "linear solver" in reason    # a body that has flown off, or that nothing holds, rather than soil that yields
+    found, begin, end = [], step.state.time, step.state.time + step.dt
+    for body in model.bodies:
+        before, after = (sum((load.at(time)[0] for load in body.loads), np.zeros(3)) for time in (begin, end))
+        if not body.free[:3][after != 0.0].any():
+            continue
+        if np.allclose(before, after, rtol=1e-12, atol=0.0):
+            if step.state.step == 0:    # later it has been carried before
+                found.append((_at_once(body.name, after), True))
+        elif not singular:
+            found.append((f"The load exceeds what the soil can carry: that on {body.name} had reached {_components(before)} at t = {begin:.6g} s, "
+                          "the last accepted increment", False))
+    share, whole = (np.linalg.norm(acceleration) for acceleration in (model.loads.on_bodies(begin), model.gravity))
+    if model.loads.high > model.loads.low and whole > 0.0 and not singular:
+        found.append((f"The load exceeds what the soil can carry: gravity had reached {share / whole:.3g} of the whole at t = {begin:.6g} s, the last "
+                      "accepted increment", False))
+    return found
+
+
+def _at_once(name, force):
+    """Text about a constant force (3,) [N] that a run without inertia begins with."""
+    row = ", ".join(f"{value:.6g}" for value in force)
+    return (f"The load on {name}, {_components(force)}, acts at once, and the first step may not find its equilibrium, or it exceeds what the soil can "
+            f"carry: let the load grow, force = [[0, 0, 0, 0], [T, {row}]] with T the length of the stage, and the message then says how much is carried")
+
+
+def _components(force):
+    """Text of the components (3,) [N] that are not 0, such as "fx = 39.3, fz = -180 kN"; of a load that has not begun "0 N"."""
+    largest = np.abs(force).max()
+    scale, unit = next(((scale, unit) for scale, unit in UNITS if largest >= scale), UNITS[-1])
+    shown = [f"f{axis} = {value / scale:.3g}" for axis, value in zip("xyz", force) if abs(value) > 1e-6 * largest]
+    return f"{', '.join(shown)} {unit}" if shown else "0 N"

@@ -1,0 +1,139 @@
+"""Limits of few cells in sand: each warns with the error that the record of problems set up afresh has, and not beside it."""
+
+from dataclasses import replace
+
+import pytest
+
+from hybrid.monitors.limits import sand_cells
+from hybrid.scene import Axis, Grid, Layer, Load, Material, Soil
+from hybrid.setup.build import build
+from hybrid.study.random import afresh
+from hybrid.study.random.fresh import clay, sand
+from hybrid.study.random.fresh.problem import body, scene, slice_
+
+FOUND = {row["name"]: row["found"] for row in afresh.recorded()}
+
+
+def texts(limit, described):
+    """Warnings of one limit about a Scene."""
+    simulation = build(described)
+    return list(limit(simulation.scene, simulation.model))
+
+
+@pytest.mark.parametrize("across", [4, 8, 16])
+def test_a_wall_with_a_foot_is_at_least_as_strong_as_its_law_says(across):
+    assert 1 + sand_cells.FOOT / across < FOUND[f"wall with a foot, {across} cells"] < 1 + 4.2 / across
+
+
+@pytest.mark.parametrize("name, high", [("column, round", 6), ("column, round, 9 cells", 9)])
+def test_the_law_of_fronts_is_that_of_the_record(name, high):
+    assert FOUND[name] / 1.24 == pytest.approx(1 - sand_cells.FRONT / high, abs=0.04)
+
+
+def test_a_wall_that_ends_in_sand_and_one_that_does_not():
+    text, = texts(sand_cells.pushed_walls, sand.footed_wall(8).scene)
+    assert "ends 1.3 m deep in sand, 8 cells" in text and "at least 29%" in text and "0.057 m" in text
+    assert not texts(sand_cells.pushed_walls, sand.wall().scene)
+
+
+@pytest.mark.parametrize("cells, found", [(5, 0.139), (10, 0.203), (20, 0.250)])
+def test_the_law_of_sand_that_follows_a_wall_is_what_was_measured(cells, found):
+    """Smooth, 2 m high, on rock; 0.295 is Rankine's K_a (demos/random/README.md)."""
+    assert found / 0.295 == pytest.approx((1 - sand_cells.ACTIVE / cells) ** 2, abs=0.03)
+
+
+ROCK = Layer("rock", top=0.0, law="hencky", material={"young": 1e8, "density": 2000.0})
+
+
+def retaining(law="drucker-prager", ground=((0.0, 0.0), (0.001, 2.0)), size=0.4, **table):
+    """A wall 2 m high on rock, in front of as much sand."""
+    values = {"young": 2e7, "poisson": 0.3, "density": 1600.0}
+    values |= {"strength": 2e4} if law == "von-mises" else {"friction_angle": 33.0, "dilation_angle": 0.0, "cohesion": 0.0}
+    wall = body("box.geo", {"length": 1.2, "width": 1.0, "height": 2.0, "size": 5.0}, position=(-0.6, 0.5, 0.0), rest_on=0.0, **table)
+    grid = Grid(Axis(start=-3.2, end=4.8, size=size), slice_(), Axis(start=-0.8, end=2.4, size=size))
+    return scene("wall", grid, Soil(Material(law=law, **values), top=2.0, ground=ground, geostatic=False, layers=(ROCK,)), [wall], clay.Time(0.01), 100)
+
+
+AWAY, AGAINST = ({"driven": ("x",), "held": ("y", "z", "rx", "ry", "rz"), "velocity": (v, 0.0, 0.0)} for v in (-0.02, 0.02))
+
+
+def test_a_wall_that_moves_away_from_sand_is_told_that_its_load_is_too_low():
+    """The opposite of one that moves against it; clay, and sand on both sides, are other problems."""
+    text, = texts(sand_cells.pushed_walls, retaining(**AWAY))
+    assert "moves away from 2 m of sand, 5 cells" in text and "about 55% too low" in text and "unsafe" in text and "0.062 m" in text
+    text, = texts(sand_cells.pushed_walls, retaining(**AGAINST))
+    assert "at least 46% too high" in text and "too low" not in text
+    assert not texts(sand_cells.pushed_walls, retaining("von-mises", **AWAY))
+
+
+def test_the_law_of_the_layer_at_the_foot_counts():
+    """Sand described as a layer above rock, where soil.material is the rock; and clay on sand."""
+    described = retaining(**AWAY)
+    rock = replace(described.soil.material, law="hencky", friction_angle=None, dilation_angle=None, cohesion=None)
+    upper = Layer("sand", bottom=0.0, law="drucker-prager", material={"friction_angle": 33.0, "dilation_angle": 0.0, "cohesion": 0.0})
+    assert len(texts(sand_cells.pushed_walls, replace(described, soil=replace(described.soil, material=rock, layers=(upper,))))) == 1
+    upper = Layer("clay", bottom=0.0, law="von-mises", material={"strength": 2e4})
+    assert not texts(sand_cells.pushed_walls, replace(described, soil=replace(described.soil, layers=(upper,))))
+
+
+def test_a_free_wall_beside_a_step_of_the_ground():
+    text, = texts(sand_cells.retaining_walls, retaining())
+    assert "retains 2 m of sand" in text and "pressure of the sand is about 55% too low" in text
+    assert not texts(sand_cells.retaining_walls, retaining(**AWAY)) and not texts(sand_cells.retaining_walls, retaining("von-mises"))
+    assert not texts(sand_cells.retaining_walls, retaining(ground=((0.0, 0.0), (4.0, 0.0))))     # on level ground
+
+
+@pytest.mark.parametrize("cells, found", [(8, 28.0), (16, 24.0), (32, 20.6)])
+def test_the_law_of_footings_on_sand_is_what_was_measured(cells, found):
+    """N_γ of a rough strip on associated sand of 30°, 14.75 (Martin 2005)."""
+    assert found / 14.75 == pytest.approx(1 + sand_cells.WEIGHT / cells**sand_cells.ORDER, abs=0.05)
+
+
+def test_extrapolating_footings_on_sand_as_the_note_says():
+    """1/(2^0.6 - 1) = 1.9 times the difference of two sizes."""
+    for coarse, fine in ((28.0, 24.0), (24.0, 20.6)):
+        assert fine - 1.9 * (coarse - fine) == pytest.approx(14.75, rel=0.12)
+
+
+def strip(law="drucker-prager", gravity=(0.0, 0.0, -9.81), loads=(), **table):
+    """Half a strip of 2 m on soil, with 8 cells in its width."""
+    values = {"young": 5e7, "poisson": 0.3, "density": 1600.0}
+    values |= {"strength": 2e4} if law == "von-mises" else {"friction_angle": 30.0, "dilation_angle": 30.0, "cohesion": 0.0}
+    foot = body("box.geo", {"length": 2.0, "width": 1.0, "height": 0.5, "size": 5.0}, position=(0.0, 0.5, 0.0), rest_on=0.0, friction=0.6, **table)
+    grid = Grid(Axis(start=0.0, end=4.0, size=0.25), slice_(), Axis(start=-2.0, end=1.0, size=0.25))
+    described = scene("foot", grid, Soil(Material(law=law, **values), top=0.0, geostatic=gravity[2] < 0.0), [foot], clay.Time(1.0, inertia=False), 10, gravity)
+    return replace(described, stages=(replace(described.stages[0], loads=loads),))
+
+
+PRESSED = {"driven": ("z",), "held": ("x", "y", "rx", "ry", "rz"), "velocity": (0.0, 0.0, -0.003)}
+LOADED = {"held": ("x", "y", "rx", "ry", "rz"), "loads": (Load(force=((0.0, 0.0, 0.0, 0.0), (10.0, 0.0, 0.0, -1e6))),)}
+
+
+@pytest.mark.parametrize("table", [PRESSED, LOADED])
+def test_a_footing_on_sand_with_weight(table):
+    text, = texts(sand_cells.footings, strip(**table))
+    assert "8 cells of 0.25 m wide" in text and "(N_γ) is about 89% too high" in text and "less 1.9 times the difference" in text
+
+
+def test_footings_on_clay_on_weightless_sand_or_that_only_rest_are_not_judged():
+    assert not texts(sand_cells.footings, strip("von-mises", **PRESSED)) and not texts(sand_cells.footings, strip(gravity=(0.0, 0.0, 0.0), **PRESSED))
+    assert not texts(sand_cells.footings, strip())
+
+
+@pytest.mark.parametrize("size, soil, law, count", [
+    (0.1, {"upper": (0.6, 0.6, 0.6)}, {}, 1), (0.1, {"upper": (1.2, 1.2, 0.6)}, {}, 0), (0.1, {"upper": (0.6, 0.6, 0.1)}, {}, 0),
+    (0.1, {"upper": (0.6, 0.6, 0.6)}, {"law": "hencky", "friction_angle": None, "dilation_angle": None, "cohesion": None}, 0)])
+def test_a_column_of_sand_on_few_cells(size, soil, law, count):
+    """Six cells high; sand up to the ends of the grid, a single layer and elastic soil do not run out."""
+    side = Axis(start=0.0, end=1.2, size=size)
+    values = {"young": 5e6, "poisson": 0.3, "density": 1600.0, "friction_angle": 30.0, "dilation_angle": 0.0, "cohesion": 0.0} | law
+    described = scene("column", Grid(side, side, Axis(start=0.0, end=0.7, size=size)), Soil(Material(**values), geostatic=False, **soil), [],
+                      clay.Time(0.01), 1)
+    warnings = texts(sand_cells.thin_front, described)
+    assert len(warnings) == count
+    assert all("0.6 m high, 6 cells, limit 16" in text and "27% too little" in text and "at most 0.037 m" in text for text in warnings)
+
+
+def test_a_cylinder_of_sand_given_as_ground():
+    text, = texts(sand_cells.thin_front, sand.round_column().scene)
+    assert "0.3 m high, 6 cells" in text
