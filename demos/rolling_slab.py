@@ -37,4 +37,4 @@ if __name__ == "__main__":
             simulation = hybrid.run(SCENE, folder, [f"body.0.friction={mu}", *changes])
             missed = errors(mu, simulation, simulation.initial_bodies[0].position[0])
             print(f"{way}  mu = {mu}  distance {missed[0]:+.2f} %  spin {missed[1]:+.2f} %")
-            assert np.all(np.abs(missed) < (0.3, 1.0)), "too far from the law"
+            assert np.all(np.abs(missed) < (0.35, 1.0)), "too far from the law"

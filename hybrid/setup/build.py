@@ -76,7 +76,6 @@ def _put_together(scene, decisions, accuracy, body_force, law):
     scene, held, mirrors = with_symmetry(scene, meshes)
     placed = [build_body(*pair, loads.on_bodies(0.0), scene.stages) for pair in zip(scene.bodies, meshes)]
     scene, placed = lower_to_ground(scene, placed)
-    scene, placed, decisions = with_soft_springs(scene, placed, decisions)
     placed = [(line_through_soil(scene, described, body, mesh), motion)
               for described, (body, motion), mesh in zip(scene.bodies, placed, meshes)]
     joints = build_joints(scene, placed, meshes)
@@ -94,6 +93,7 @@ def _put_together(scene, decisions, accuracy, body_force, law):
             soil, points, *([one if there else None for one, there in zip(items, inside)] for items in (bodies, motions)))
         bodies = [with_stiffness(body, soil.law.young, soil.held) for body in bodies]
     pairs, touching = build_pairs(scene, bodies, motions, joints, grid, gravity)
+    scene, bodies, decisions = with_soft_springs(scene, bodies, motions, decisions)
     model = Model(soil, tuple(bodies), build_scheme(scene.time), loads, scene.solver, joints, pairs)
     state = State(0.0, 0, points, motions, contacts, joints=joint_rates.start(model), pairs=touching)
     refuse_velocities(model, state)

@@ -116,7 +116,7 @@ def test_a_resumed_run_has_its_algorithmic_acceleration(geometry, tmp_path):
     for steps in (3, 6):
         described = fall(steps)
         resumed = hybrid.run(described, tmp_path / "parts", resume=steps == 6, quiet=True)
-    back = checkpoint.load(tmp_path / "parts/checkpoint.npz", described)
+    back = checkpoint.load(tmp_path / "parts/checkpoint.npz", resumed.scene)
     for end in (resumed.state, back):
         for found, wanted in ((end.points, whole.state.points), (end.bodies[0], whole.state.bodies[0])):
             for field in ("position", "velocity", "acceleration", "algorithmic"):

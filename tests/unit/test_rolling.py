@@ -12,11 +12,11 @@ AXIS = Axis(start=-1.0, end=1.0, size=0.5)
 LYING = {"rotation": (1.0, 0.0, 0.0, 90.0)}
 
 
-def ratio(body, **changes):
+def ratio(body, held=False, **changes):
     """ε_T/ε_N that a body on a block of elastic soil is given."""
     grid = Grid(AXIS, AXIS, Axis(start=-1.0, end=0.5, size=0.5), Faces(z_min="fixed"))
     described = scene("ratio", grid, elastic(1e6, 0.3), [replace(body, friction=0.5, rest_on=0.0)], 0.01, [Stage("rest", 1)],
-                      soil={"top": 0.0})
+                      soil={"top": 0.0, "held": held})
     simulation = build(replace(described, **changes))
     decided = [d for d in simulation.decisions if d.key == "body.0.tangential"]
     assert all(d.value == simulation.model.bodies[0].tangential == simulation.scene.bodies[0].tangential for d in decided)
@@ -32,6 +32,10 @@ def test_a_box_and_a_cylinder_on_its_end_are_soft_and_bodies_that_roll_are_not()
     assert ratio(box(0.5, 0.5, 0.5)) == 0.3
     assert ratio(cylinder()) == 0.3 and ratio(cylinder(**LYING)) == 3.0
     assert ratio(sphere(0.25, 0.1, 1.0)) == 3.0
+
+
+def test_held_soil_keeps_stiff_springs():
+    assert ratio(box(0.5, 0.5, 0.5), held=True) == 3.0
 
 
 @pytest.mark.parametrize("given", [0.5, 2.0])
