@@ -1,4 +1,4 @@
-"""Which bodies cannot roll: they are given softer tangential springs on soil that deforms, where the scene
+"""Which bodies cannot roll: these have softer tangential springs on soil that deforms, where the scene
 leaves these open.
 
 A body rolls on curved faces that are not upright. One that stands on plane faces sticks at some contact points and slips at

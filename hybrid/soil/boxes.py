@@ -59,7 +59,7 @@ def is_in(box, first):
 @njit(cache=True)
 def move(box, first):
     """Move an empty box to another `first` node (3,)."""
-    for axis in range(3):
+    for axis in range(3):       # numba 0.56 leaves out an assignment to a slice of a tuple's field
         box.first[axis] = first[axis]
 
 
