@@ -21,7 +21,7 @@ from hybrid.scene.ground import heights_at, mean_heights
 STEEPEST = 1.5      # slope [-] up to which places of a column follow the ground
 SAMPLES = 9         # of the ground over a column along each axis
 APART = 0.05        # of the width of a domain: distance over which the slope at a place is taken
-SLIVER = 0.05       # of a domain: what the ground leaves of it is dropped if it is less (`hybrid.setup.ground`)
+SLIVER = 0.05       # of a domain: less soil than that, cut off by the ground or a body, makes no point
 
 
 @dataclass(frozen=True)

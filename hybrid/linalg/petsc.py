@@ -55,6 +55,7 @@ SMALLEST_DIAGONAL, ZERO_DIAGONAL = 1e-13, 1e-300
 # 52 600 unknowns, to 1e-3: 1.2 stagnates; 1.3: 66, 114, 133; 1.5: 76, 142, 167; 2: 99, 198, 193.
 RAISED = 1.5
 SINGULAR = "finds the matrix singular"
+ZERO_PIVOT = 71         # PETSC_ERR_MAT_LU_ZRPVT
 COMM = PETSc.COMM_SELF
 CHOSEN_BY_USER = set(PETSc.Options().getAll())  # PETSC_OPTIONS of the environment take precedence
 ALIVE = WeakSet()       # systems that have not been destroyed
@@ -192,8 +193,10 @@ class BlockSystem:
         with _options_set(options):  # the parts of a field split read their options at the first set-up
             try:
                 ksp.setUp()
-            except PETSc.Error:     # a pivot of zero in the dense factor, of a body that nothing supports
-                self._failed = _singular(solver)
+            except PETSc.Error as error:
+                if error.ierr != ZERO_PIVOT:
+                    raise
+                self._failed = _singular(solver)    # in the dense factor, of a body that nothing supports
         if solver == DIRECT and self.soil_unknowns and not self._failed:
             self._choice.factors += 1
             self._failed = self._factor_failure(ksp)

@@ -7,7 +7,7 @@ import numpy as np
 
 from hybrid.monitors.load_reached import overloads
 from hybrid.runtime.comm import anywhere, largest, maximum, minimum
-from hybrid.scene.defaults import GHOST
+from hybrid.scene.defaults import GHOST, SLIDING
 from hybrid.soil.domains import cells_wide
 
 CUT = 1e-4          # mass of a node over that of a full one [-]: nodes below have stopped runs without inertia
@@ -17,7 +17,6 @@ LOOSEST = 1e-3      # tolerance that is ever advised: errors of the column's str
 # Adhesion from which clay may yield beside a body where it slips along it, and the factor on body.penalty with which such a step
 # has a solution: DESIGN, "Clay that slips and yields has no stiffness".
 ROUGH, SOFTER = 0.7, 0.1
-STICKS = 0.3        # body.tangential of clay that sticks (scene.defaults): a quarter of the iterations, and a body rolls right down to it
 DAMPING = "the default time.scheme, which damps"
 
 
@@ -63,8 +62,8 @@ def remedies(model, reason="", errors=(), tolerance=0.0):
         changes.insert(0, "a looser solver.tolerance (the residual is close to it)")
     if model.bodies:
         changes.append("a lower body.penalty")
-    if any((body.friction or body.interface) and body.tangential > STICKS for body in model.bodies):
-        changes.append(f"body.tangential = {STICKS:g}, where contact sticks and slips in turn")
+    if any((body.friction or body.interface) and body.tangential > SLIDING for body in model.bodies):
+        changes.append(f"body.tangential = {SLIDING:g}, where contact sticks and slips in turn")
     if dynamic and not model.scheme.damps:
         changes.append(DAMPING)
     return tuple(changes)

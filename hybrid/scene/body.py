@@ -83,7 +83,7 @@ class Body:
     penalty: float | None = key("p_f: contact has a pressure of p_f E per unit of overlap; left out: stiff beside the "
                                 "cells of the soil, or beside the weight of the body on held soil", "1/m", default=None,
                                 above=0, remedy="leave it out")
-    tangential: float | None = key("ratio ε_T / ε_N of tangential to normal contact stiffness; the larger, the less a "
+    tangential: float | None = key("ratio ε_T / ε_N of tangential to normal stiffness of contact with the soil; the larger, the less a "
                                    "rolling body creeps; left out: 3, or 0.3 where clay sticks or a body has no curved "
                                    "face to roll on; 1 at corners", "-", default=None, above=0, remedy="1 is usual")
     pull: Pull | None = key("line that drags the body", default=None)

@@ -18,6 +18,7 @@ SCHEME = "generalised-alpha"
 POISSON = 0.4           # from which on elastic soil bends better with F-bar: DESIGN, "F-bar where volume is kept"
 GHOST = 0.3             # factor on Young's modulus: DESIGN, "The ghost penalty leaves full cells alone"
 GHOST_FLOW = 0.03       # the same in soil that flows along bodies in space
+ROLLING, SLIDING = 3.0, 0.3     # ε_T / ε_N of a body that rolls, and of one that sticks at some points and slips at others
 
 
 class Decision(NamedTuple):
@@ -128,9 +129,9 @@ def _tangential(scene, body):
     if body.contact == "corners":
         return 1.0, "as stiff as the normal springs"
     if body.adhesion:   # a pipe laid on clay: 450 iterations instead of 2000
-        return 0.3, "clay that sticks slips after much less than a hundredth of a cell, and needs fewer iterations"
+        return SLIDING, "clay that sticks slips after much less than a hundredth of a cell, and needs fewer iterations"
     # a rolling body creeps by (T/N) (a/r) ε_N / (3 ε_T), a the half-width of its contact: 1 % of a steep ride with 1
-    return 3.0, "stiffer than the normal springs, so that a rolling body hardly creeps"
+    return ROLLING, "stiffer than the normal springs, so that a rolling body hardly creeps"
 
 
 def _adhesion(scene, body):

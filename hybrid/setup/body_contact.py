@@ -24,6 +24,7 @@ from hybrid.contact.body_to_body import Side
 from hybrid.contact.samples import sample
 from hybrid.contact.soil_to_body import Coulomb
 from hybrid.runtime.errors import SceneError
+from hybrid.scene.defaults import ROLLING
 from hybrid.setup.contact import curvature_radius, section
 from hybrid.state import PairHistory
 from hybrid.step.pair_terms import IMPACT, BodyPair
@@ -95,7 +96,7 @@ def _pair(numbers, described, own, bodies, surfaces, motions, grid, g):
     impact = 1.5 / sum(1.0 / mass for mass in moving) / (
         _area(IMPACT * size, radius, size, slice_width) * (IMPACT * size)**2)
     friction = own.friction if own and own.friction is not None else min(body.friction or 0.0 for body in described)
-    return BodyPair(numbers, tuple(sides), stiffness, impact, size, Coulomb(friction, min(b.tangential for b in described)), radii,
+    return BodyPair(numbers, tuple(sides), stiffness, impact, size, Coulomb(friction, ROLLING), radii,
                     collapsed, load, overlap)
 
 

@@ -15,10 +15,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hybrid.contact.held_ground import SLIVER
 from hybrid.contact.search import distances, gaps
 
 SAMPLES = {True: 16, False: 6}      # along each axis of a domain, in a slice and in space
-SLIVER = 0.05       # of a domain: less soil than that makes no point
 UNCUT = 1e-3        # of a domain: less than that is not cut out
 ONE_SIDE = 0.15     # of the soil on one side of a body: less on the other side belongs to a slope or a corner
 TINY = 1e-300       # in place of zero in a denominator

@@ -9,10 +9,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from hybrid.contact.held_ground import SLIVER
 from hybrid.contact.search import distances
 from hybrid.scene.ground import heights, heights_at, mean_heights
 
-SLIVER = 0.05       # of a domain: less soil than that makes no point
 PLACES = 81         # of the ground under a body along each axis
 RAISES = 60         # of a body, by its depth in the ground
 

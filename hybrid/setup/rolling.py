@@ -11,35 +11,34 @@ go on elastic soil (E = 50 MPa, μ = 0.5, cells of 0.1 m) takes, in its first se
 | 1 | 14, 4, 16, 8, 19, 47, 17 |
 | 0.3 | 14, 12, 4, 4, 18, 6, 5 |
 
-On held ground a block that sticks takes 43 instead of 94 in 60 steps, but rocks in springs that lose energy. So held soil, as
-contact of bodies with one another, keeps stiff ones.
+On held ground a block that sticks takes 43 instead of 94 in 60 steps, but rocks in springs that lose energy. So held soil keeps stiff
+ones, as contact of bodies with one another has.
 """
 
 from dataclasses import replace
 
 import numpy as np
 
-from hybrid.scene.defaults import Decision
+from hybrid.scene.defaults import SLIDING, Decision
 
-SOFT = 0.3          # ε_T / ε_N
 UPRIGHT = 0.1       # largest vertical component of the normal of an upright face
 CURVED = np.radians(1.0)    # angle between the normals of a facet and of the surface at its corners, from which it is curved
 
 
 def with_soft_springs(scene, bodies, motions, decisions):
-    """(Scene, [RigidBody], Decisions) with ε_T / ε_N of SOFT on soil that deforms, at bodies that cannot roll; motions: BodyState
+    """(Scene, [RigidBody], Decisions) with ε_T / ε_N of SLIDING on soil that deforms, at bodies that cannot roll; motions: BodyState
     of each."""
     if scene.soil.held:
         return scene, bodies, decisions
     described, bodies, decisions = list(scene.bodies), list(bodies), list(decisions)
     for n, one in enumerate(decisions):
         name, _, key = one.key.rpartition(".")
-        if key != "tangential" or one.value <= SOFT:
+        if key != "tangential" or one.value <= SLIDING:
             continue
         b = int(name.removeprefix("body."))
         if described[b].contact == "faces" and not rolls(bodies[b].outline, motions[b].rotation, scene.grid.z.collapsed):
-            described[b], bodies[b] = replace(described[b], tangential=SOFT), replace(bodies[b], tangential=SOFT)
-            decisions[n] = Decision(one.key, SOFT, "it has no curved face to roll on, and needs fewer iterations")
+            described[b], bodies[b] = replace(described[b], tangential=SLIDING), replace(bodies[b], tangential=SLIDING)
+            decisions[n] = Decision(one.key, SLIDING, "it has no curved face to roll on, and needs fewer iterations")
     return replace(scene, bodies=tuple(described)), bodies, decisions
 
 
