@@ -52,6 +52,7 @@ class Exchange:
     """Plan by which copies on a lattice get the values of their owners, or give theirs to be added up.
 
     own: boxes (ranks, 2, 3) that belong to each process; local: boxes that each has; rank: of this process
+    shared: {other process: numbers that both have, in an order that is the same in both}
     """
 
     def __init__(self, own, local, rank):
@@ -62,8 +63,9 @@ class Exchange:
         others = [other for other in range(len(own)) if other != rank]
         self._copies = {other: self._numbers(_common(local[rank], own[other]), low) for other in others}
         self._given = {other: self._numbers(_common(own[rank], local[other]), low) for other in others}
-        self._copies, self._given = ({other: at for other, at in found.items() if len(at)}
-                                     for found in (self._copies, self._given))
+        self.shared = {other: self._numbers(_common(local[rank], local[other]), low) for other in others}
+        self._copies, self._given, self.shared = ({other: at for other, at in found.items() if len(at)}
+                                                  for found in (self._copies, self._given, self.shared))
 
     def _numbers(self, box, low):
         numbers = np.arange(self._shape.prod()).reshape(self._shape)

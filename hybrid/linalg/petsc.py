@@ -206,7 +206,7 @@ class BlockSystem:
     def _fill_reduced(self, raised):
         """Copy the current values to the matrix of the preconditioner, with its diagonal `raised` by this factor."""
         self._reduced.update(self.values)
-        _lift(self._reduced.values, self._diagonal)
+        lift(self._reduced.values, self._diagonal)
         self._reduced.values[self._diagonal] *= raised
         self._uu_reduced.assemble()     # also discards the inverse of the diagonal that PETSc stores for sweeps
         self._preconditioner.stateIncrease()
@@ -294,7 +294,7 @@ def _singular(solver):
     return f"the direct factor {SINGULAR}" if solver == DIRECT else "a diagonal block is singular"
 
 
-def _lift(values, places):
+def lift(values, places):
     """Raise the diagonal entries `values[places]` that PETSc would treat as zero in a sweep, keeping their sign."""
     diagonal = values[places]
     if (small := np.abs(diagonal) < SMALLEST_DIAGONAL).any():

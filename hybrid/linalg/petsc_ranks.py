@@ -1,10 +1,10 @@
 """The block system of several processes, solved by PETSc: as `hybrid.linalg.petsc`, with what differs between processes.
 
     K_uu   each process keeps the part that its own points give, over all its local unknowns, and applies it to them; sums
-           over processes go along one fixed plan of scatters. Rows are exchanged only for what M^-1 is made from
-    M^-1   of the assembled rows: each process has sweeps over the block of its own unknowns, or incomplete factors of that block
-           and the unknowns next to it, whose part of the solution is left to their owners (restricted additive Schwarz); the
-           direct factor is that of MUMPS, of all rows
+           over processes go along one fixed plan of scatters
+    M^-1   each process has sweeps or incomplete factors of its own unknowns and the copies around them, whose part of the
+           solution is left to their owners (restricted additive Schwarz). Entries that several processes have are added up
+           along another plan. The direct factor is that of MUMPS, of assembled rows
     K_ww   whole in every process, and so is the Schur complement; its columns are made by all processes together
 
 GMRES sees vectors with the own soil unknowns of each process, and those of the bodies in the first one.
@@ -13,21 +13,14 @@ GMRES sees vectors with the own soil unknowns of each process, and those of the 
 import numpy as np
 from petsc4py import PETSc
 
+from hybrid.linalg.petsc import INVERSES, RAISED, lift
 from hybrid.linalg.precond_pattern import ReducedMatrix
 from hybrid.linalg.product import Product
-from hybrid.linalg.solver_choice import DAMPED, DIRECT, INCOMPLETE, MOST, SWEEPS
+from hybrid.linalg.solver_choice import DAMPED, DIRECT, MOST
+from hybrid.linalg.stencil_pattern import diagonal_places
 from hybrid.runtime import comm, ranks
 from hybrid.runtime.errors import StepError
 
-RAISED = 1.5                # as in hybrid.linalg.petsc
-SMALLEST_DIAGONAL = 1e-13   # as there
-INVERSES = {
-    SWEEPS: {"pc_type": "sor"},
-    INCOMPLETE: {"pc_type": "asm", "pc_asm_overlap": 1, "pc_asm_type": "restrict", "sub_ksp_type": "preonly", "sub_pc_type": "ilu",
-                 "sub_pc_factor_zeropivot": 0.0},
-    DIRECT: {"pc_type": "lu", "pc_factor_mat_solver_type": "mumps"},
-}
-INVERSES[DAMPED] = INVERSES[INCOMPLETE]
 ALL, SELF = PETSc.COMM_WORLD, PETSc.COMM_SELF
 
 
@@ -79,7 +72,9 @@ class DistributedSystem:
         self._product, self._multiply = self._copy.duplicate(), Product(pattern.indptr, pattern.indices, self.values)
         self._local = PETSc.Mat().createAIJWithArrays((n, n), (pattern.indptr, pattern.indices, self.values), comm=SELF)
         self._reduced = reduced or ReducedMatrix(pattern.indptr, pattern.indices, np.ones(len(pattern.indices), bool))
-        self._made = {}     # {solver: (matrix of unassembled parts, local matrix, assembled matrix, KSP)}
+        self._diagonal = diagonal_places(self._reduced.indptr, self._reduced.indices)
+        self._shared = _shared_entries(self._reduced, pattern.free, grid.nodes.shared)
+        self._made = {}     # {solver: (matrices, KSP)}
         self._parts = [self._map, self._vector, self._copy, self._result, self._inverted, self._scatter, self._product,
                        self._local]
         self._make_krylov()
@@ -164,9 +159,14 @@ class DistributedSystem:
 
     def _inverse(self, own):
         """(own,) M^-1 times own entries (own,)."""
-        self._vector.array = own
-        self._made[self._solver][-1].solve(self._vector, self._inverted)
-        return self._inverted.array_r
+        ksp = self._made[self._solver][-1]
+        if self._solver == DIRECT:
+            self._vector.array = own
+            ksp.solve(self._vector, self._inverted)
+            return self._inverted.array_r
+        self._to_local(own)
+        ksp.solve(self._copy, self._product)
+        return self._product.array_r[self._own]
 
     # -------------------------------------------------------------- preconditioner
 
@@ -182,23 +182,13 @@ class DistributedSystem:
         self._solver, self._most = solver, most
         if solver not in self._made:
             self._made[solver] = self._make(solver)
-        unassembled, local, matrix, ksp = self._made[solver]
-        if solver != DIRECT:
-            self._reduced.update(self.values)
-        local.assemble()
-        local.stateIncrease()
-        unassembled.assemble()
-        unassembled.convert("aij", matrix)
-        diagonal = matrix.getDiagonal()
-        values = diagonal.array
-        small = np.abs(values) < SMALLEST_DIAGONAL
-        values[small] = np.copysign(SMALLEST_DIAGONAL, values[small])
-        if solver == DAMPED:
-            values *= RAISED
-        diagonal.array = values
-        if solver != DIRECT:
-            matrix.setDiagonal(diagonal)
-        diagonal.destroy()
+        *matrices, ksp = self._made[solver]
+        if solver == DIRECT:
+            unassembled, matrix = matrices
+            unassembled.assemble()
+            unassembled.convert("aij", matrix)
+        else:
+            self._fill_reduced(matrix := matrices[0], RAISED if solver == DAMPED else 1.0)
         ksp.setOperators(matrix)
         ksp.setUp()
         if solver == DIRECT:
@@ -208,31 +198,42 @@ class DistributedSystem:
         if not self._failed:
             self._form_schur()
 
+    def _fill_reduced(self, matrix, raised):
+        """As in BlockSystem; entries of unknowns that several processes have are those of all of them together."""
+        values = self._reduced.values
+        self._reduced.update(self.values)
+        parts = {other: values[at] for other, at in self._shared.items()}
+        for other, part in comm.neighbours(parts, {other: len(at) for other, at in self._shared.items()}, (), float).items():
+            values[self._shared[other]] += part
+        lift(values, self._diagonal)
+        values[self._diagonal] *= raised
+        matrix.assemble()
+        matrix.stateIncrease()
+
     def _make(self, solver):
-        """(unassembled, local, assembled, KSP) of a solver."""
-        n, sizes = len(self._own), (self._count, self.soil_unknowns)
-        csr = (self._reduced.indptr, self._reduced.indices, self._reduced.values)
-        local = self._local
-        if solver == DIRECT:
-            self._local.incRef()
-        else:
-            self._reduced.update(self.values)
-            local = PETSc.Mat().createAIJWithArrays((n, n), csr, comm=SELF)
-        unassembled = PETSc.Mat().createIS((sizes, sizes), lgmapr=self._map, lgmapc=self._map, comm=ALL)
-        unassembled.setISLocalMat(local)
-        unassembled.assemble()
-        matrix = PETSc.Mat()
-        unassembled.convert("aij", matrix)
-        ksp = PETSc.KSP().create(ALL)
+        """(matrices that a solver is made from, KSP): local entries and assembled rows, or the reduced matrix of this process."""
+        matrices = self._assembled() if solver == DIRECT else [self._of_this_process()]
+        ksp = PETSc.KSP().create(ALL if solver == DIRECT else SELF)
         prefix = f"hybrid_inverse_{solver}_"
         ksp.setOptionsPrefix(prefix)
-        ksp.setType("preonly")
-        ksp.setOperators(matrix)
         options = PETSc.Options()
         for key, value in INVERSES[solver].items():
             options[prefix + key] = value
         ksp.setFromOptions()
-        return unassembled, local, matrix, ksp
+        return *matrices, ksp
+
+    def _assembled(self):
+        sizes = (self._count, self.soil_unknowns)
+        unassembled, matrix = PETSc.Mat().createIS((sizes, sizes), lgmapr=self._map, lgmapc=self._map, comm=ALL), PETSc.Mat()
+        self._local.incRef()
+        unassembled.setISLocalMat(self._local)
+        unassembled.assemble()
+        unassembled.convert("aij", matrix)
+        return unassembled, matrix
+
+    def _of_this_process(self):
+        n, csr = len(self._own), (self._reduced.indptr, self._reduced.indices, self._reduced.values)
+        return PETSc.Mat().createAIJWithArrays((n, n), csr, comm=SELF)
 
     def _form_schur(self):
         """S = K_ww - K_wu M^-1 K_uw in every process."""
@@ -278,3 +279,15 @@ class DistributedSystem:
         if reason < 0 or comm.anywhere(~np.isfinite(self._x.array_r)):
             return f"no convergence in {count} iterations, PETSc reason {reason}", count
         return "", count
+
+
+def _shared_entries(matrix, free, shared):
+    """{other process: places of the entries of a ReducedMatrix between unknowns that it has too}, in an order that is the same in
+    both. free: (N, 3) bool; shared: {other process: local numbers of common nodes}"""
+    places, rows = {}, np.diff(matrix.indptr)
+    for other, nodes in shared.items():
+        common = np.zeros_like(free)
+        common[nodes] = True
+        common = common[free]
+        places[other] = np.flatnonzero(np.repeat(common, rows) & common[matrix.indices])
+    return places

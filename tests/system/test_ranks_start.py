@@ -122,16 +122,18 @@ def order(state):
 
 
 def assert_same(out, expected):
-    """Points in the same order, and contact of the same ones."""
+    """Points in the same order, and the same ones touch. Which of two domains has the face between them depends on round-off
+    where both lie alike; such faces do not touch."""
     one, other = (checkpoint.load(folder / "checkpoint.npz") for folder in (expected, out))
     assert len(one.points) == len(other.points)
     for field in ("position", "half_width", "velocity", "stress"):
         values, found = (getattr(state.points, field)[order(state)] for state in (one, other))
         assert np.abs(values - found).max() <= 2e-6 * np.abs(values).max(), field
     for touched, found in zip(one.contacts, other.contacts) if one.ground is None else ():
-        assert len(touched.point) > 10 and np.array_equal(touched.point, found.point)
-        assert np.array_equal(touched.place, found.place)
-        assert np.abs(touched.position - found.position).max() < 1e-7
+        assert touched.touching.sum() > 10
+        for field in ("point", "place"):
+            assert np.array_equal(getattr(touched, field)[touched.touching], getattr(found, field)[found.touching])
+        assert np.abs(touched.position[touched.touching] - found.position[found.touching]).max() < 1e-7
 
 
 def sizes(folder):

@@ -214,7 +214,7 @@ def test_diagonals_that_sweeps_take_for_zero_are_lifted_with_their_sign():
     """Not what is larger, nor what is no diagonal. An exact zero stays far below what sweeps invert: they diverge, and
     the next way is taken."""
     values = np.array([2.0, 1e-20, -1e-20, 0.0, -3.0, 1e-30])
-    petsc._lift(values, np.array([0, 1, 2, 3, 4]))
+    petsc.lift(values, np.array([0, 1, 2, 3, 4]))
     assert values.tolist() == [2.0, petsc.SMALLEST_DIAGONAL, -petsc.SMALLEST_DIAGONAL, petsc.ZERO_DIAGONAL, -3.0, 1e-30]
     assert 2e-14 < petsc.SMALLEST_DIAGONAL and 0.0 < petsc.ZERO_DIAGONAL < 1e-200
 
