@@ -58,10 +58,9 @@ class DistributedSystem:
         self.values = np.empty(len(pattern.indices))
         self.uw, self.wu, self.ww = np.zeros((n, m), order="F"), np.zeros((m, n), order="F"), np.zeros((m, m), order="F")
         self._tolerance, self._sweeps, self._choice = tolerance, sweeps, choice
-        self._own = np.broadcast_to(grid.nodes.owned[:, None], pattern.free.shape)[pattern.free]
+        self._own, numbers = number_unknowns(pattern.free, grid)
         self._count = int(np.count_nonzero(self._own))
         self.body_unknowns, self.soil_unknowns = m, comm.count(self._own)
-        numbers = self._numbers(pattern, grid)
         self._map = PETSc.LGMap().create(numbers, comm=ALL)
         sizes = (self._count, self.soil_unknowns)
         self._vector, self._copy = PETSc.Vec().createMPI(sizes, comm=ALL), PETSc.Vec().createSeq(n, comm=SELF)
@@ -78,15 +77,6 @@ class DistributedSystem:
         self._parts = [self._map, self._vector, self._copy, self._result, self._inverted, self._scatter, self._product,
                        self._local]
         self._make_krylov()
-
-    def _numbers(self, pattern, grid):
-        """(n,) numbers of the local unknowns among those of all processes."""
-        numbers = np.full(pattern.free.shape, -1)
-        own = pattern.free & grid.nodes.owned[:, None]
-        numbers[own] = comm.offset(self._count) + np.arange(self._count)
-        found = grid.from_owners(numbers)[pattern.free].astype(PETSc.IntType)
-        assert (found >= 0).all(), "processes have different active nodes"
-        return found
 
     def _make_krylov(self):
         own = self._count + (self.body_unknowns if ranks.rank() == 0 else 0)
@@ -279,6 +269,17 @@ class DistributedSystem:
         if reason < 0 or comm.anywhere(~np.isfinite(self._x.array_r)):
             return f"no convergence in {count} iterations, PETSc reason {reason}", count
         return "", count
+
+
+def number_unknowns(free, grid):
+    """((n,) bool, which of the local unknowns of a Block are this process's own; (n,) their numbers among those of all processes,
+    consecutive for those of a process). free: (N, 3) bool"""
+    own = grid.own_unknowns(free)
+    count, numbers = int(np.count_nonzero(own)), np.full(free.shape, -1)
+    numbers[free & grid.nodes.owned[:, None]] = comm.offset(count) + np.arange(count)
+    found = grid.from_owners(numbers)[free].astype(PETSc.IntType)
+    assert (found >= 0).all(), "processes have different active nodes"
+    return own, found
 
 
 def _shared_entries(matrix, free, shared):

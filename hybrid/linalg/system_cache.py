@@ -9,6 +9,8 @@ from hybrid.linalg.solver_choice import SolverChoice
 from hybrid.linalg.stencil_pattern import make_pattern
 from hybrid.runtime.comm import anywhere
 
+COPIED = 5000       # unknowns up to which each process has the whole system that is to be factored
+
 
 class Systems:
     """Pattern and BlockSystem of the last call of `get`; `choice`: SolverChoice of all its systems."""
@@ -68,8 +70,12 @@ def direct_system(pattern, soil, body_unknowns, tolerance):
     """System of the few unknowns of a Pattern, solved with a direct factor."""
     if not _shared(pattern, soil.grid):
         return BlockSystem(pattern.indptr, pattern.indices, body_unknowns, "direct", tolerance)
-    from hybrid.linalg.petsc_ranks import DistributedSystem
+    from hybrid.linalg.petsc_copies import CopiedSystem
+    from hybrid.linalg.petsc_ranks import DistributedSystem, number_unknowns
 
+    if soil.grid.count_unknowns(pattern.free) <= COPIED:
+        own, numbers = number_unknowns(pattern.free, soil.grid)
+        return CopiedSystem(pattern, numbers, own, body_unknowns, tolerance)
     return DistributedSystem(pattern, soil.grid, body_unknowns, tolerance, None, False, SolverChoice("direct"))
 
 

@@ -79,9 +79,15 @@ def test_the_factor_of_the_ghost_penalty_does_not_matter():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("angle, across, options, cured, plain", [
-    (0, 8, CURED, 0.01, 0.35), (20, 4, CURED, 0.04, 0.15), (20, 8, CURED, 0.03, 0.1), (30, 4, CURED, 0.07, 0.15)])
+    (0, 8, CURED, 0.01, 0.35), (20, 4, CURED, 0.04, 0.15), (20, 8, CURED, 0.03, 0.1)])
 def test_refined(angle, across, options, cured, plain):
     assert abs(excess(angle, across, **options)) < cured < excess(angle, across, **PLAIN) < plain
+
+
+@pytest.mark.slow
+def test_the_defaults_finish_at_thirty_degrees():
+    """With neither F-bar nor ghost penalty, round-off decides whether this finishes, 11 % too high, or stops in step 14."""
+    assert abs(excess(30, 4, **CURED)) < 0.07
 
 
 @pytest.mark.slow
