@@ -14,6 +14,8 @@ from hybrid.contact import assembly, held_facets, soil_to_body, tunnelling
 from hybrid.contact.corners import find_corners
 from hybrid.runtime.comm import total
 
+TINY = 1e-300       # [N]
+
 
 class ContactPair:
     """A body and the contact points near it, frozen during a step."""
@@ -62,6 +64,19 @@ class ContactPair:
         way."""
         return tunnelling.count_tunnelled(
             self.corners, contact, self.corners.moved(displacement), *pose, self.body.surface, depth)
+
+    def share_interface(self, contact):
+        """Let the points that touch in `contact` bear the adhesion of the clay around them, in proportion to their pressure, in
+        place of those that touched before. Returns the share of it by which their sum changes."""
+        corners, limits = self.corners, self.corners.limits
+        if corners.shared is None:
+            return 0.0
+        touching, pressed = np.zeros(len(corners), bool), np.zeros(len(corners))
+        touching[contact.active], pressed[contact.active] = True, contact.pressure
+        shear = corners.shared(touching, pressed)
+        before, after = (float(total(values[contact.active])) for values in (limits.shear, shear))
+        self.corners = replace(corners, limits=limits._replace(shear=shear))
+        return abs(after - before) / max(after, before, TINY)
 
     def hold_facets(self, contact):
         """Hold the corners that touch to the facets that carry them in `contact`. Returns those facets (m,)."""

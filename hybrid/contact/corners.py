@@ -19,6 +19,7 @@ section, and forces are those on the thickness of the slice.
 Equations: FORMULATION (39).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -45,7 +46,7 @@ class Corners:
     rest: (m,) [m] gap g_0 <= 0 at which the spring has no force
     clearance: (m,) [m] signed distance from the surface at the start: an open point that moves less than this cannot
         touch, so most points are not projected
-    limits: PlaceLimits of the interface, empty where friction alone acts
+    limits: PlaceLimits of the interface, empty where friction alone acts; shared: function of interface.place_limits
     facet: (m,) triangle that a point is held to, -1 for those that find theirs; None where none is held
     """
 
@@ -62,6 +63,7 @@ class Corners:
     rest: np.ndarray
     clearance: np.ndarray
     limits: PlaceLimits = NONE
+    shared: Callable | None = None
     facet: np.ndarray | None = None
 
     def __len__(self):
@@ -69,7 +71,7 @@ class Corners:
 
     def select(self, chosen):
         """The contact points of a mask (m,) bool."""
-        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        values = {field.name: getattr(self, field.name) for field in fields(self)} | {"shared": None}
         return Corners(**{name: value if value is None else value.select(chosen) if name == "limits" else value[chosen]
                           for name, value in values.items()})
 
@@ -103,7 +105,7 @@ def find_corners(domains, pressure, places, grid, active, body, surface, reach, 
     if not domains.half.any():
         area = area / 2         # all eight corners of a point coincide: they share its stiffness
     start = (found["position"] - body.position) @ body.rotation
-    found["limits"] = place_limits(limits, found, area, domains, places, body, surface)
+    found["limits"], found["shared"] = place_limits(limits, found, area, domains, places, body, surface)
     del found["normal"], found["opened"]
     corners = Corners(start=start, node=node[use], weight=weight[use], stiffness=pressure[point] * area, **found)
     is_open = ~corners.touching

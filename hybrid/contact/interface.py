@@ -87,26 +87,35 @@ NONE = PlaceLimits(np.zeros(0), np.zeros(0), np.zeros(0, bool))
 
 
 def place_limits(limits, found, area, domains, places, body, surface):
-    """PlaceLimits of contact points `found` {name: (m, ...)}: position, normal, point, place, clearance, touching and opened
-    as in corners.Corners and ContactHistory, and rest. limits: PointLimits, None for none; area: (m,) [m²]; domains: Domains
-    of the soil's points; places: Places on them; body: BodyState; surface: that the points are in contact with."""
+    """(PlaceLimits, function) of contact points `found` {name: (m, ...)}: position, normal, point, place, clearance, touching and
+    opened as in corners.Corners and ContactHistory, and rest. limits: PointLimits, None for none; area: (m,) [m²]; domains:
+    Domains of the soil's points; places: Places on them; body: BodyState; surface: that the points are in contact with.
+
+    The function gives the limits of shear (m,) [N] where other points touch, (m,) bool, pressed by forces (m,); None where
+    these do not depend on that."""
     if limits is None:
-        return NONE
+        return NONE, None
     shear, tension, opened = np.zeros(0), np.zeros(0), np.zeros(0, bool)
     found = found | {"pressed": area * np.maximum(found["rest"] - found["clearance"], 0.0)}
-    before_body = np.ones(len(area), bool)
+    before_body, own = np.ones(len(area), bool), area
     if not places.at_corners:
-        found, area, before_body = _before_sharp(found, area, domains, places, body, limits.sharp or surface)
-    most = BEARERS if limits.tension == 0.0 else 1      # a bond holds whatever presses
-    borne = _borne_by_each(found, before_body & (area > 0.0), domains, places, most)
+        found, own, before_body = _before_sharp(found, area, domains, places, body, limits.sharp or surface)
+    bonds = limits.tension > 0.0
+    borne = _borne_by_each(found, before_body & (own > 0.0), domains, places, 1 if bonds else BEARERS)
     if limits.shear is not None:
-        shear = borne(limits.shear[found["point"]] * area)
-    if limits.tension > 0.0:
+        shear = borne(limits.shear[found["point"]] * own)
+    if bonds:       # a bond holds whatever presses
         opened = found["opened"]
-        tension = np.where(found["touching"] & ~opened & (area > 0.0), limits.tension, 0.0)
+        tension = np.where(found["touching"] & ~opened & (own > 0.0), limits.tension, 0.0)
         if np.isfinite(limits.tension):
-            tension *= borne(area)
-    return PlaceLimits(shear, tension, opened)
+            tension *= borne(own)
+
+    def shared(touching, pressed):
+        now = found | {"touching": touching, "pressed": pressed}
+        areas = np.where(touching, area, own)
+        return _borne_by_each(now, before_body & (areas > 0.0), domains, places, BEARERS)(limits.shear[found["point"]] * areas)
+
+    return PlaceLimits(shear, tension, opened), None if bonds or places.at_corners or limits.shear is None else shared
 
 
 def _before_sharp(found, area, domains, places, body, sharp):

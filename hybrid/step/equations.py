@@ -161,6 +161,11 @@ class Step:
         with phase("factor"):
             self.system.factor()
 
+    def share_interface(self, evaluation):
+        """Let points of clay that touch in an `evaluation` bear its adhesion (`ContactPair.share_interface`). Returns the
+        largest change among the bodies."""
+        return max((terms.step.pair.share_interface(terms.contact) for terms in evaluation.bodies), default=0.0)
+
     def hold_facets(self, evaluation):
         """Hold the corners that touch to the facets that carry them at an evaluation. Returns those facets, an array for
         each body."""

@@ -120,7 +120,7 @@ BLOCK = """
 name = "block"
 time = { step = 0.01 }
 output = { pictures = [], every = 0, checkpoint = 0 }
-soil = { top = 1.0, geostatic = false, material = { law = "drucker-prager", young = 1e7, poisson = 0.3, density = 1800.0, friction_angle = 32.0, cohesion = 1e3 } }
+soil = { top = 1.0, geostatic = false, material = { law = "drucker-prager", young = 1e7, poisson = 0.3, density = 1800.0, friction_angle = 32.0, dilation_angle = 2.0, cohesion = 1e3 } }
 grid = { x = { start = 0.0, end = 2.0, size = 0.1 }, y = { start = 0.0, end = 2.0, size = 0.1 }, z = { start = 0.0, end = 1.2, size = 0.1 } }
 stage = [{ name = "fall", steps = 2 }]
 """

@@ -78,7 +78,7 @@ def test_the_thickness_of_a_slice_is_no_width_of_a_domain():
              "rest": none, "clearance": np.array([-1e-4, 1e-3, 1e-3]), "touching": np.arange(3) == 0, "opened": none > 0.0}
     area = places.area(found["place"], domains.half, domains.volume)
     body, surface = body_at((0.0, 0.0, 1.0)), box(half=(2.0, 0.5, 1.0))
-    shear = place_limits(PointLimits(np.full(3, SHEAR), 0.0), found, area, domains, places, body, surface).shear
+    shear = place_limits(PointLimits(np.full(3, SHEAR), 0.0), found, area, domains, places, body, surface)[0].shear
     np.testing.assert_allclose(shear, SHEAR * area[0] * np.array([2.0, 0.0, 1.0]))
 
 

@@ -1,0 +1,83 @@
+"""Bodies that slide over clay by a good part of a cell in each step feel the whole of its friction and adhesion. Contact points
+that come and go within a step are about a third of all here."""
+
+import numpy as np
+import pytest
+from rank_runs import hybrid as command
+from rank_runs import needs_mpirun
+
+import hybrid
+from hybrid.output.history import read_history
+from hybrid.step import newton
+
+BRICK = """
+time = { step = 0.01 }
+output = { pictures = [], every = 0 }
+[grid]
+x = { start = 0.0, end = 2.6, size = 0.13 }
+y = { start = 0.0, end = 0.5, collapsed = true }
+z = { start = -0.52, end = 0.13, size = 0.13 }
+faces = { z_min = "fixed" }
+[soil]
+top = 0.0
+material = { law = "von-mises", young = 20e6, poisson = 0.45, density = 1800.0, strength = 100e3 }
+[[body]]
+name = "brick"
+geometry = "GEOMETRY/box.geo"
+parameters = { length = 0.41, width = 0.5, height = 0.28, size = 20 }
+density = DENSITY
+position = [0.353, 0.25, 0.0]
+rest_on = 0.0
+INTERFACE
+[[stage]]
+name = "settle"
+steps = 15
+held = ["x", "ry"]
+[[stage]]
+name = "slide"
+steps = 25
+motion = [{ component = "x", velocity = 3.0 }]
+"""
+LIGHT, HEAVY = (7850.0, "friction = 0.45"), (73e3, "adhesion = 0.3")
+ADHESION = 0.3 * 100e3 * 0.41 * 0.5     # [N] α s_u A
+
+
+def scene(tmp_path, geometry, density, interface):
+    path = tmp_path / "scene.toml"
+    path.write_text(BRICK.replace("GEOMETRY", str(geometry)).replace("DENSITY", str(density)).replace("INTERFACE", interface))
+    return path
+
+
+def shear(path):
+    """Mean forces [N] along the brick, against its motion, and across it, from the tenth step of sliding on."""
+    records = [record for record in hybrid.build(hybrid.load_scene(path)).steps() if record.stage == "slide"][10:]
+    x, _, z = np.mean([record.bodies[0].contact_force for record in records], axis=0)
+    return -x, z
+
+
+def test_friction(tmp_path, geometry, monkeypatch):
+    """0.44 of 0.45; 0.28 where points that come into contact have no share of the clay's strength."""
+    path = scene(tmp_path, geometry, *LIGHT)
+    along, across = shear(path)
+    assert along / across == pytest.approx(0.45, rel=0.06)
+    monkeypatch.setattr(newton, "SHARED", np.inf)
+    along, across = shear(path)
+    assert along / across < 0.35
+
+
+def test_adhesion(tmp_path, geometry, monkeypatch):
+    path = scene(tmp_path, geometry, *HEAVY)
+    assert shear(path)[0] == pytest.approx(ADHESION, rel=0.1)
+    monkeypatch.setattr(newton, "SHARED", np.inf)
+    assert shear(path)[0] < 0.8 * ADHESION
+
+
+@needs_mpirun
+def test_on_two_ranks(tmp_path, geometry):
+    path = scene(tmp_path, geometry, *LIGHT)
+    keys = ["--set", "stage.1.steps=4", "solver.tolerance=1e-8", "solver.linear_tolerance=1e-6"]
+    for ranks in (1, 2):
+        command("run", path, "--out", tmp_path / str(ranks), "--ranks", ranks, *keys)
+    one, two = (read_history(tmp_path / str(ranks)) for ranks in (1, 2))
+    for name in ("brick_contact_fx_N", "brick_contact_fz_N"):
+        assert np.abs(one[name] - two[name]).max() < 1e-4 * np.abs(one[name]).max(), name
