@@ -20,7 +20,7 @@ from hybrid.runtime.errors import StepError
 from hybrid.runtime.timing import phase
 from hybrid.soil.model import Refusal
 from hybrid.step.equations import Evaluation, Step
-from hybrid.step.restriction import restricted, rough_nodes
+from hybrid.step.restriction import restricted, rough_nodes, with_bodies_alone
 
 SHORTEST = 1 / 16  # of a Newton update, tried by the line search
 # An update that leaves less than this share of the residual is taken as it is (anchor, 60 steps: 391 iterations and 402
@@ -108,6 +108,7 @@ def solve(step: Step):
     if isinstance(evaluation, Refusal):
         return Outcome(None, 0, 0, (), f"the first guess {evaluation.reason}")
     if not step.model.scheme.inertia:   # the first guess is then at rest
+        evaluation = landed(step, evaluation)
         step = replace(step, reference=evaluation.internal)
     outcome = _solution(step, solver, evaluation)
     if outcome.converged and step.share_interface(outcome.evaluation) > SHARED:
@@ -128,6 +129,19 @@ def first_evaluation(step):
     if isinstance(resting, Refusal) or step.apex_fraction(resting) >= opened - OPENED:
         return moving
     return resting
+
+
+def landed(step, evaluation):
+    """Evaluation with free bodies that touch nothing put down on soil that does not move: their weight, which no contact resists
+    yet, would press them into it by a part of a cell."""
+    if not any(not comm.anywhere([len(terms.contact)]) and terms.residual.any() for terms in evaluation.bodies):
+        return evaluation
+    part = with_bodies_alone(step)
+    try:
+        outcome = _iterate(part, step.model.solver, part.evaluate(evaluation.unknowns), Updates(PATIENCE, smooth=False))
+    finally:
+        part.system.destroy()
+    return step.evaluate(outcome.evaluation.unknowns) if outcome.converged else evaluation
 
 
 def _solution(step, solver, evaluation):
