@@ -48,6 +48,8 @@ from hybrid.contact.interface import PlaceLimits, shear_limit, work_to_break
 from hybrid.runtime.comm import maximum, total
 from hybrid.state import ContactHistory
 
+CLOSED = 1e-12      # gap over the body's radius up to which a point is in contact: one that just touches has its stiffness
+
 
 @dataclass(frozen=True)
 class CornerContact:
@@ -146,7 +148,8 @@ def evaluate(corners, position, centre, rotation, surface, friction, tangential)
         _hold(points, y, corners.facet, surface)
     rest = np.minimum(np.maximum(corners.rest, points.gap), 0.0)    # a point that comes out will press as any other
     active = np.flatnonzero(np.isfinite(points.gap))
-    pressed = corners.stiffness[active] * (points.gap - corners.rest)[active] < 0.0
+    just = np.where(corners.rest[active] == 0.0, CLOSED * surface.radius, 0.0)
+    pressed = corners.stiffness[active] * ((points.gap - corners.rest)[active] - just) < 0.0
     limits = corners.limits
     if len(limits.tension):
         bonded = limits.tension > 0.0
