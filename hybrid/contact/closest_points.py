@@ -8,6 +8,8 @@ from numba import njit, prange
 from hybrid.body.closest import closest
 from hybrid.body.facet_tree import LANES, joined, outside_bounds
 
+CLOSED = 1e-12      # gap over the body's radius up to which a point is in contact: one that just touches has its stiffness
+
 
 class CornerStart(NamedTuple):
     """Corners at the start of the step, which decides whether they have to be projected: y (m, 3) [m] body frame, and
@@ -73,7 +75,7 @@ def _project(y, start, radius, arrays, patches, points):
             side = sides[n, 0], sides[n, 1], sides[n, 2]
             without_history = side[0] == 0.0 and side[1] == 0.0 and side[2] == 0.0
             x0, x1, x2 = y[n, 0] - y_start[n, 0], y[n, 1] - y_start[n, 1], y[n, 2] - y_start[n, 2]
-            within_clearance = x0 * x0 + x1 * x1 + x2 * x2 < max(clearance[n], 0.0) ** 2
+            within_clearance = x0 * x0 + x1 * x1 + x2 * x2 < max(clearance[n] - CLOSED * radius, 0.0) ** 2
             if without_history and (within_clearance or outside_bounds(y[n, 0], y[n, 1], y[n, 2], radius, tree)):
                 gap[n] = np.inf
                 continue

@@ -5,6 +5,7 @@
     their forces and tangent in the block system                                     `hybrid.contact.assembly`
 """
 
+from contextlib import contextmanager
 from copy import copy
 from dataclasses import replace
 
@@ -12,7 +13,7 @@ import numpy as np
 
 from hybrid.contact import assembly, held_facets, soil_to_body, tunnelling
 from hybrid.contact.corners import find_corners
-from hybrid.runtime.comm import total
+from hybrid.runtime.comm import count, total
 
 TINY = 1e-300       # [N]
 
@@ -77,6 +78,24 @@ class ContactPair:
         before, after = (float(total(values[contact.active])) for values in (limits.shear, shear))
         self.corners = replace(corners, limits=limits._replace(shear=shear))
         return abs(after - before) / max(after, before, TINY)
+
+    def parted(self, contact):
+        """Numbers of the points that touched when the step began, and of those of them that do not in `contact`."""
+        touching = self.corners.touching.copy()
+        before = count(touching)
+        touching[contact.active] = False
+        return before, count(touching)
+
+    @contextmanager
+    def bonded(self):
+        """Context in which the points that touched when the step began pull too."""
+        corners, m = self.corners, len(self.corners)
+        tension = np.where(corners.touching, np.inf, 0.0)
+        self.corners = replace(corners, limits=corners.limits._replace(tension=tension, opened=np.zeros(m, bool)))
+        try:
+            yield
+        finally:
+            self.corners = corners
 
     def hold_facets(self, contact):
         """Hold the corners that touch to the facets that carry them in `contact`. Returns those facets (m,)."""

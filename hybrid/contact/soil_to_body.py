@@ -43,12 +43,10 @@ import numpy as np
 from numba import njit
 
 from hybrid.body.closest import gap_geometry
-from hybrid.contact.closest_points import closest_points
+from hybrid.contact.closest_points import CLOSED, closest_points
 from hybrid.contact.interface import PlaceLimits, shear_limit, work_to_break
 from hybrid.runtime.comm import maximum, total
 from hybrid.state import ContactHistory
-
-CLOSED = 1e-12      # gap over the body's radius up to which a point is in contact: one that just touches has its stiffness
 
 
 @dataclass(frozen=True)
