@@ -14,6 +14,16 @@ faces, which begin on the edge, at Q:
 
 Its parts carry curved patches (`hybrid.body.patches`), so the normal is continuous from face to face. Where several edges
 meet, triangles around a point between them close the body. Where a single edge ends, its last vertex stays one.
+
+The patches have the curvatures of the surface that parabolas sweep along the edge. Those that follow from the normals alone
+stand out of a plane face whose edge is curved, because they take the arc along the edge for one across the face. With d from
+end to end, c_0 and d_0 of the edge itself, a and b its start and its end, and 0 and 1 two steps of the parabola,
+
+    along the edge    c = |d|/|d_0| c_0, and along N_a + N_b what its tangent planes want (`hybrid.body.smooth`)
+    across            c = (X_1 - 2 Q + X_2)/PARTS²
+    b_0 to a_1        c = mean of c across at a, b + mean of c along at 0, 1 + (b_0 + a_1 - a_0 - b_1)/2
+
+The height over a plane face is then s² times that of the parabola's end, and nowhere below it.
 """
 
 import numpy as np
@@ -22,7 +32,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import spsolve
 
 from hybrid.body.closest import closest
-from hybrid.body.smooth import shared_edges, unit
+from hybrid.body.smooth import CREASE, shared_edges, unit
 from hybrid.body.surface import build_surface
 
 PARTS = 4                       # of a parabola
@@ -135,7 +145,8 @@ class _Skin:
         self.normals = list(unit(normals))
         self.edges, self.ends = edges, _ends(split, edges)
         self.meeting, self.direction = self._tangents(surface, moved)
-        self.curves = {}
+        self.curves, self.curvature = {}, {}
+        self.arcs = self._arcs(surface)
 
     def _tangents(self, surface, moved):
         """By pair of vertices: Q, and the direction of the edge, means over the edges that end there."""
@@ -148,18 +159,36 @@ class _Skin:
             for (a, b), q, along in zip(ends, on_edge, unit(end - start)):
                 meeting.setdefault(_pair(a, b), []).append(q)
                 direction.setdefault(_pair(a, b), []).append(along if a < b else -along)
-        return ({pair: np.mean(found, axis=0) for pair, found in meeting.items()},
+        return ({pair: self._in_tangent_planes(pair, np.mean(found, axis=0)) for pair, found in meeting.items()},
                 {pair: unit(np.sum(found, axis=0)) for pair, found in direction.items()})
+
+    def _in_tangent_planes(self, pair, q):
+        """Place nearest to q (3,) [m] in the tangent planes at a pair of vertices."""
+        normals, places = (np.array([values[i] for i in pair]) for values in (self.normals, self.points))
+        return q + np.linalg.lstsq(normals, np.einsum("ki,ki->k", normals, places - q), rcond=None)[0]
+
+    def _arcs(self, surface):
+        """Curvature (e, 3) of every edge, relative to its length."""
+        t, k = self.edges.triangle[:, 0], self.edges.number[:, 0]
+        start, end = surface.vertices[surface.triangles[t, k]], surface.vertices[surface.triangles[t, (k + 1) % 3]]
+        return surface.curvature[t, k] / np.linalg.norm(end - start, axis=1)[:, None]
 
     def close(self):
         """ContactSurface of the whole."""
-        for first, second in zip(*self.ends):
-            self._strip(self._curve(*first), self._curve(*second))
+        for first, second, arc in zip(*self.ends, self.arcs):
+            self._strip(self._curve(*first), self._curve(*second), arc)
         for loop in self._holes():
             self._cover(loop)
         triangles = np.array(self.triangles)
         return build_surface(np.array(self.points), np.concatenate([self.faces, triangles]),
-                             np.concatenate([self.face_normals, np.array(self.normals)[triangles]]))
+                             np.concatenate([self.face_normals, np.array(self.normals)[triangles]]),
+                             self._curvatures(np.concatenate([self.faces, triangles])))
+
+    def _curvatures(self, triangles):
+        """(t, 3, 3) of the edges of triangles, nan where it follows from the normals."""
+        free = np.full(3, np.nan)
+        return np.array([[self.curvature.get(_pair(t[k], t[(k + 1) % 3]), free) for k in range(3)]
+                         for t in triangles.tolist()])
 
     def _curve(self, a, b):
         """Numbers (PARTS + 1,) of the points of the parabola from vertex a to b."""
@@ -174,6 +203,8 @@ class _Skin:
                 inner.append(self._add((1 - s)**2 * one + 2 * s * (1 - s) * q + s**2 * two,
                                        normal * np.sign(normal @ outward)))
             self.curves[pair] = [pair[0], *inner, pair[1]]
+            for ends in zip(self.curves[pair][:-1], self.curves[pair][1:]):
+                self.curvature[_pair(*ends)] = (one - 2 * q + two) / PARTS**2
         curve = self.curves[pair]
         return curve if curve[0] == a else curve[::-1]
 
@@ -186,11 +217,27 @@ class _Skin:
         if len(set(numbers)) == 3:      # not at the end of an edge, where points coincide
             self.triangles.append(numbers)
 
-    def _strip(self, a, b):
-        """Triangles between the parabolas at the start, a, and the end, b, of an edge of its first side."""
+    def _strip(self, a, b, arc):
+        """Triangles between the parabolas at the start, a, and the end, b, of an edge of its first side; arc (3,): curvature
+        of the edge relative to its length."""
+        along = [self._along(*ends, arc) for ends in zip(a, b)]
+        for ends, c in zip(zip(a, b), along):
+            self.curvature[_pair(*ends)] = c
         for i in range(PARTS):
             self._triangle(b[i], a[i], a[i + 1])
             self._triangle(b[i], a[i + 1], b[i + 1])
+            across = [self.curvature.get(_pair(*ends[i:i + 2]), np.zeros(3)) for ends in (a, b)]
+            a0, a1, b0, b1 = (self.points[j] for j in (a[i], a[i + 1], b[i], b[i + 1]))
+            self.curvature.setdefault(_pair(b[i], a[i + 1]),
+                                      0.5 * (sum(across) + along[i] + along[i + 1] + b0 + a1 - a0 - b1))
+
+    def _along(self, a, b, arc):
+        """Curvature (3,) from vertex a to b, along an edge of the curvature `arc` (3,) relative to its length."""
+        d = self.points[b] - self.points[a]
+        c, total = np.linalg.norm(d) * arc, self.normals[a] + self.normals[b]
+        wanted = (self.normals[a] - self.normals[b]) @ d - total @ c
+        square = total @ total
+        return c + wanted / square * total if square > CREASE**2 else c
 
     def _holes(self):
         """Closed loops of points that still have triangles on one side only, where edges meet."""
@@ -216,8 +263,18 @@ class _Skin:
         middle = np.mean(around, axis=0)
         normal = unit(np.sum(np.cross(np.array(around) - middle, np.roll(around, -1, axis=0) - middle), axis=0))
         number = self._add(middle, normal)
+        for i in ends:
+            self.curvature[_pair(i, number)] = _leaving(middle - self.points[i], self.normals[i], normal)
         for a, b in zip(loop[:-1], loop[1:]):
             self._triangle(a, b, number)
+
+
+def _leaving(d, first, last):
+    """Curvature (3,) over d (3,) [m] that lies in the tangent plane of the normal `first` (3,) at its start, however that of
+    the normal `last` at its end is placed, and in this as far as CREASE lets it."""
+    height, across = first @ d, unit(last - (first @ last) * first)
+    sine = max(last @ across, CREASE)
+    return height * first - (last @ d + height * (first @ last)) / sine * across
 
 
 def _pair(a, b):

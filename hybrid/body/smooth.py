@@ -112,10 +112,11 @@ def _without_apexes(normals, facet, by_facets):
     return np.where(apex[:, :, None], np.where(np.any(others != 0.0, axis=2, keepdims=True), others, facet), normals)
 
 
-def build_patches(corners, triangles, facet, normals):
+def build_patches(corners, triangles, facet, normals, given=None):
     """Patches over triangles (t, 3) with `corners` (t, 3, 3) [m], facets' normals `facet` (t, 3) and `normals` (t, 3, 3)
     at the corners, None: facets are the surface; and whether a closest point on a feature of a facet has to be
-    projected onto them, (t, 7) bool."""
+    projected onto them, (t, 7) bool. given: curvature (t, 3, 3) [m] of the edges, nan where it follows from the normals,
+    None: everywhere."""
     count = len(triangles)
     flat = Patches(np.zeros((0, 9, 3)), np.zeros((0, 3, 2), np.int64), 0.0, 1.0), np.zeros((count, 7), bool)
     if normals is None:
@@ -124,6 +125,8 @@ def build_patches(corners, triangles, facet, normals):
     normals = np.where(near[:, :, None], facet[:, None], normals)
     t, k = shared_edges(triangles)
     curvature = _edge_curvature(corners, normals, t, k)
+    if given is not None:
+        curvature = np.where(np.isnan(given), curvature, given)
     curved = (curvature != 0.0).any(axis=(1, 2)) | ~near.all(axis=1)
     if not curved.any():
         return flat

@@ -73,17 +73,25 @@ class ContactSurface:
             return np.repeat(self.normals[:, None], 3, axis=1)
         return nodes[:, [3, 3, 3]] + nodes[:, [3, 4, 5]] * np.array([0.0, 1.0, 1.0])[:, None]
 
+    @property
+    def curvature(self):
+        """c (t, 3, 3) [m] of the edges v0v1, v1v2, v2v0, as in `hybrid.body.smooth`."""
+        nodes = self.tree.patches.nodes
+        return nodes[:, 6:] if len(nodes) else np.zeros_like(self.edge_normals)
+
     def extent(self, direction):
         """Largest product [m] of a point of the surface with `direction` (3,)."""
         flat, nodes = float((self.vertices @ direction).max()), self.tree.patches.nodes
         return max(flat, _extent(nodes @ direction)) if len(nodes) else flat
 
 
-def build_surface(vertices, triangles, corner_normals=None):
+def build_surface(vertices, triangles, corner_normals=None, curvature=None):
     """ContactSurface of `triangles` (t, 3) int into `vertices` (n, 3) [m]; unused vertices are dropped.
 
     corner_normals: (t, 3, 3) outward unit normals, at the corners of the triangles, of the smooth surface that these
     approximate (body.smooth.corner_normals); None: the triangles are the surface.
+    curvature: (t, 3, 3) [m] c of their edges v0v1, v1v2, v2v0 (body.smooth), nan where it follows from the normals; None:
+    everywhere.
 
     Triangles are connected where they share vertex numbers, so coinciding vertices must have been merged. Raises
     GeometryError for no triangles, coordinates that are not finite, numbers out of range, a triangle
@@ -104,7 +112,7 @@ def build_surface(vertices, triangles, corner_normals=None):
     creases, corner_kind = _creases(triangles, edges, sharp, len(vertices))
 
     none, face = np.zeros((len(triangles), 1)), normals[:, None]
-    patches, curved = build_patches(corners, triangles, normals, corner_normals)
+    patches, curved = build_patches(corners, triangles, normals, corner_normals, curvature)
     tree = _build_tree(corners, normals)._replace(
         normals=np.concatenate((face, edge_normals, vertex_normals, face, 0 * face, edges, creases, 0 * face), axis=1),
         kind=np.hstack((none, sharp, 2 * corner_kind, none, curved, none)).astype(np.int64), patches=patches,

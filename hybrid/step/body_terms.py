@@ -177,6 +177,15 @@ class BodyTerms:
                             -self.trial.load if step.body.loads else None)
 
 
+def _expected_pose(body, motion, history, gravity, scheme, dt):
+    """Pose of a body to which its contact points are predicted to move. One that touches nothing yet also falls: else a body
+    that starts in touch and slides would find friction in its first step only if its places happen to rise against it."""
+    position, rotation = rigid.predicted_pose(body, motion, scheme, dt)
+    if scheme.inertia and not anywhere(history.touching):
+        position = position + 0.5 * dt**2 * gravity * body.free[:3]
+    return position, rotation
+
+
 def begin_bodies(model, state, dt, pulling, domains, active, nodal):
     """Tuple of BodyStep. nodal: (velocity, predicted increments) of the nodes, (None, None) for held soil; domains:
     Domains of the soil's points; active: (N,) bool, nodes that carry mass."""
@@ -198,7 +207,7 @@ def begin_bodies(model, state, dt, pulling, domains, active, nodal):
         if not model.scheme.inertia:    # nothing falls, and the time of a step means nothing
             fall = min(fall, grid.smallest_cell)
         reach = search_reach(body, motion, grid, velocity, dt, fall)
-        pose = rigid.predicted_pose(body, motion, model.scheme, dt)
+        pose = _expected_pose(body, motion, state.contacts[number], gravity, model.scheme, dt)
         limits = body.interface and body.interface.of_points(model.soil.law, state.points.plastic_strain)
         pair = ContactPair(body, motion, state.contacts[number], domains, grid, active, reach, (predicted, pose), limits)
         begun.append(BodyStep(number, body, motion, target, pair, reach, unknowns, line_force, gravity, model.scheme,

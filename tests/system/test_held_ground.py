@@ -78,3 +78,17 @@ def test_a_body_beside_a_wall_is_pushed_by_it():
     record, = simulation.steps()
     body = simulation.model.bodies[0]
     assert record.bodies[0].contact_force[0] == pytest.approx(-body.penalty * 0.3 * 0.5 * 0.001, rel=0.1)
+
+
+@pytest.mark.parametrize("spin", [0.0, -40.0])
+@pytest.mark.parametrize("shift", [0.0, 0.013])
+def test_a_sphere_that_is_thrown_along_the_ground_slides_from_the_first_step_on(spin, shift):
+    """Friction was zero there, or pushed it on."""
+    side = Axis(-0.6, 0.6, 0.2)
+    ball = Body(GEOMETRY / "sphere.geo", 900.0, parameters={"radius": 0.19, "size": 0.05}, position=(shift, 0.033, 0.0), rest_on=0.0,
+                friction=0.3, velocity=(2.0, 0.0, 0.0), spin=(0.0, spin, 0.0))
+    simulation = build(Scene(name="thrown", grid=Grid(side, side, Axis(-0.2, 0.0, 0.2)), soil=Soil(ROCK, held=True, geostatic=False),
+                             bodies=(ball,), time=Time(0.01), stages=(Stage("go", 3),), gravity=(0.0, 0.0, -G)))
+    for record in simulation.steps():
+        force = record.bodies[0].contact_force
+        assert force[2] > 0.0 and force[0] == pytest.approx(-0.3 * force[2], rel=0.03)

@@ -147,3 +147,44 @@ def test_an_anchor_is_closed_and_nowhere_turned_over():
     single = np.ones(body.triangles.shape, bool)
     single[shared_edges(body.triangles)] = False
     assert np.allclose(body.vertices[ends[single].ravel(), 1], plane, atol=1e-6)
+
+
+@pytest.mark.parametrize("size", [0.2, 0.12, 0.06])
+def test_the_base_of_a_cylinder_stays_plane_beside_its_rounded_rim(size):
+    """Its patches stood out of the base by up to 5 mm, on which the cylinder then stood."""
+    radius, inset = 0.371, 0.03
+    sharp = surface_of("cylinder.geo", radius=radius, height=0.2, size=size)
+    body = rounded(sharp, 2 * inset)
+    assert body.extent(np.array([0.0, 0.0, -1.0])) == pytest.approx(0.1, abs=1e-12)
+    angles = np.linspace(0.0, 2.0 * np.pi, 50)
+    for r in (0.1, 0.25, radius - 1.1 * inset):     # a polygon's corners are farther in than its sides
+        heights = np.array([gap(body, r * np.cos(angle), r * np.sin(angle), -0.101) for angle in angles])
+        assert heights == pytest.approx(np.full(50, 1e-3), abs=1e-12)
+    for s in (0.1, 0.5, 0.9):                       # the parabola of the section, along the whole rim
+        r, z = radius - (1 - s)**2 * inset, -0.1 + s**2 * inset
+        gaps = np.array([gap(body, r * np.cos(angle), r * np.sin(angle), z) for angle in angles])
+        assert np.abs(gaps).max() < 0.05 * inset
+
+
+def test_a_body_of_plane_and_curved_faces_stays_inside_of_the_plane_ones(tmp_path):
+    """A segment of a cylinder: straight and curved edges that meet in corners."""
+    (tmp_path / "segment.geo").write_text("""
+        SetFactory("OpenCASCADE"); Mesh.MeshSizeMin = 0.15; Mesh.MeshSizeMax = 0.15;
+        Cylinder(1) = {0, 0, -0.1, 0, 0, 0.3, 0.37}; Box(2) = {-1, -1, -1, 1.1, 2, 2};
+        BooleanDifference(3) = { Volume{1}; Delete; }{ Volume{2}; Delete; };
+        Physical Volume("body") = {3}; Physical Surface("contact") = Abs(Boundary{ Volume{3}; });""")
+    sharp = surface_of(tmp_path / "segment.geo")
+    for cell in (0.03, 0.08):
+        body = rounded(sharp, cell)
+        for outward in ((-1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, 0.0, -1.0)):
+            assert body.extent(np.array(outward)) == pytest.approx(sharp.extent(np.array(outward)), abs=1e-12)
+
+
+def test_the_shoulder_of_a_cone_and_its_top_stay_where_they_are():
+    sharp = surface_of("cone.geo", radius=0.1, shaft=0.4, size=0.05)
+    body = rounded(sharp, 0.04)
+    for r, angle in np.ndindex(3, 20):
+        place = (0.03 * r * np.cos(angle), 0.03 * r * np.sin(angle), sharp.upper[2] + 1e-3)
+        assert gap(body, *place) == pytest.approx(1e-3, abs=1e-12)
+    assert body.extent(np.array([0.0, 0.0, 1.0])) == pytest.approx(sharp.upper[2], abs=1e-12)
+    assert np.all(body.upper <= sharp.upper + 1e-4)

@@ -103,8 +103,14 @@ def step_of_ground(scene, soil):
 
 def law_at(scene, soil, height):
     """Name of the law of the soil at a height [m]: that of its layer, or of soil.material."""
+    return material_at(scene, soil, height).law
+
+
+def material_at(scene, soil, height):
+    """Material of the soil at a height [m], the top included: that of its layer, or soil.material."""
     top = top_of(soil)
     for layer in scene.soil.layers:
-        if (layer.bottom is None or height >= layer.bottom) and height < (top if layer.top is None else layer.top):
-            return of_layer(scene.soil.material, layer).law
-    return scene.soil.material.law
+        end = top if layer.top is None else layer.top
+        if (layer.bottom is None or height >= layer.bottom) and (height < end or height == end == top):
+            return of_layer(scene.soil.material, layer)
+    return scene.soil.material

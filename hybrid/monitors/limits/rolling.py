@@ -1,0 +1,72 @@
+"""Round bodies that rest on deforming soil and feel the lattice of its cells.
+
+Soil gives way most under a node and least in the middle of a cell, so a sphere lies lower over a node and is drawn there. The
+force is the slope of an energy: a sphere that is put down at rest on level ground rolls to and fro within a cell, without
+gaining energy, as a marble in a tray of dents. A sphere held on level elastic ground without friction, at six random places,
+each of a/h and a/r, a the radius of contact, h the cell and r the radius of the sphere, has a tangential force of at most
+
+| a/h                 | 0.18  | 0.27 | 0.37       | 0.50 | 0.67 | 0.73 | 1.0  | 1.34 | clay: 0.82 | 1.64 |
+|---------------------|-------|------|------------|------|------|------|------|------|------------|------|
+| a/r                 | 0.065 | 0.13 | 0.065 0.13 | 0.13 | 0.065 | 0.13 | 0.13 | 0.13 | 0.29      | 0.29 |
+| of the weight [%]   | 0.4   | 1.6  | 1.0   1.6  | 3.4  | 1.6  | 3.1  | 2.2  | 0.5  | 9.0        | 1.5  |
+
+which is FORCE(a/h) a/r. Cells that resolve the contact, and soil so stiff that there is hardly any, feel nothing of it.
+"""
+
+import numpy as np
+
+from hybrid.monitors.limits.ways import CLAY, material_at, top_of
+from hybrid.runtime.comm import maximum
+
+FORCE = ((0.0, 0.0), (0.18, 0.065), (0.37, 0.15), (0.5, 0.26), (0.75, 0.26), (1.0, 0.17), (1.34, 0.05))   # r/a of the weight, at a/h
+LIMIT = 0.01        # of the weight
+RESOLVED = 1.34     # cells in the radius of contact, from which on the force is small
+BEARING = 6.0       # pressure under a round body that has sunk into clay, over its strength
+ROUND = 1.25        # largest over smallest distance of a round body's surface from its centre of mass
+
+
+def rolls_on_lattice(scene, model):
+    """Round bodies at rest that are free to roll on level ground whose cells do not resolve their contact."""
+    soil, gravity = model.soil, np.asarray(scene.gravity)
+    if soil.held or scene.soil.ground is not None or not gravity[2] or np.any(gravity[:2]):
+        return
+    material = material_at(scene, soil, top_of(soil))
+    if material.law not in ("hencky", CLAY):
+        return
+    for described, body in zip(scene.bodies, model.bodies):
+        distance = np.linalg.norm(body.surface.vertices, axis=1)
+        if distance.max() > ROUND * distance.min() or not _rests(described, body) or not _rolls(body):
+            continue
+        radius, weight, cell = distance.mean(), body.mass.mass * abs(gravity[2]), soil.grid.smallest_cell
+        contact = min(contact_radius(weight, radius, material, soil), radius)
+        force = contact / radius * np.interp(contact / cell, *np.transpose(FORCE))
+        if contact < RESOLVED * cell and force > LIMIT:
+            yield (f"{body.name} can roll, and its contact with level ground has a radius of {contact:.2g} m, {contact / cell:.2g} cells of "
+                   f"{cell:.3g} m, limit {RESOLVED:g}: it feels the lattice of the cells as a force of up to {force:.1%} of its weight "
+                   "towards their nodes, so that it rolls to and fro within a cell, without gaining energy. Use cells of at most "
+                   f"{contact / RESOLVED:.2g} m, or, if the ground hardly gives way, soil.held = true")
+
+
+def contact_radius(weight, radius, material, soil):
+    """Radius [m] of the contact of a sphere with a weight [N]: that of Hertz on soil as at the top, in clay at least that which
+    carries the weight."""
+    points = soil.constants.position[:, 2] > top_of(soil) - soil.grid.smallest_cell
+    young = maximum(soil.law.young[points])
+    bulk, shear = (maximum(soil.law.parameters[points, k]) for k in (0, 1))
+    poisson = (3 * bulk - 2 * shear) / (6 * bulk + 2 * shear)
+    hertz = (0.75 * weight * radius * (1 - poisson**2) / young) ** (1 / 3)
+    return max(hertz, np.sqrt(weight / (BEARING * np.pi * material.strength))) if material.law == CLAY else hertz
+
+
+def _rests(described, body):
+    """Whether a body begins without motion, and nothing but its weight moves it."""
+    loaded = any(stage.loads for stage in body.stages or ())
+    return not (any(described.velocity) or any(described.spin) or body.driven.any() or described.pull or loaded)
+
+
+def _rolls(body):
+    """Whether a body can turn about y and move along x, or about x along y, and lies on the soil."""
+    return body.free[2] and (body.free[[0, 4]].all() or body.free[[1, 3]].all())
+
+
+LIMITS = (rolls_on_lattice,)
