@@ -1,5 +1,6 @@
 """The first guess of an increment without inertia: bodies that touch nothing yet, soil that just touches, bodies drawn back."""
 
+import numpy as np
 import pytest
 
 import hybrid
@@ -72,10 +73,10 @@ def test_a_mat_is_put_down_by_its_weight(tmp_path, geometry, monkeypatch):
 
 
 def test_a_wall_that_just_touches_sand_holds_it_at_rest(tmp_path, geometry):
-    """K0 γ H²/2, which the soil has from the start."""
+    """K0 γ H²/2, K0 = 1 - sin φ, which the soil has from the start."""
     text = WALL.replace("ZMIN", "0.0").replace("FACES", "").replace("MATERIAL", SAND).replace("STEPS", "1")
     found = records(tmp_path, geometry, text.replace("MOTION", "").replace('"z", "ry"', '"x", "z", "ry"'))
-    expected = 0.3 / 0.7 * 1700 * 9.81 * 2.1**2 / 2
+    expected = (1 - np.sin(np.radians(33.0))) * 1700 * 9.81 * 2.1**2 / 2
     assert -found[-1].bodies[0].contact_force[0] == pytest.approx(expected, rel=0.02)
 
 
