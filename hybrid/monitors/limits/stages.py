@@ -1,4 +1,4 @@
-"""Limits of what stages do to bodies: steps of driven bodies, tables of loads."""
+"""Limits of what stages do to bodies: steps of driven bodies, tables of loads and motions."""
 
 import numpy as np
 
@@ -56,25 +56,41 @@ def _values(given, columns, times):
     return np.stack([np.interp(times, table.times, column) for column in table.values.T], axis=1)
 
 
-def unreached_loads(scene, model):
-    """Tables of loads that end after their stage does, so that their last value is never reached."""
+def unreached_ends(scene, model):
+    """Tables of loads and motions that end after their stage does, or begin after it, so that their last value is never reached."""
     for s, stage in enumerate(scene.stages):
         end = stage.steps * (stage.step or scene.time.step)
-        for i, load in enumerate(stage.loads):
-            for key, given, unit in (("force", load.force, "N"), ("moment", load.moment, "N m")):
-                if given is None:
-                    continue
-                table = Table.of(table_rows(given, 4, f"stage.{s}.load.{i}.{key}"), 0.0)
-                reached, last = table.at(end), table.values[-1]
-                if table.times[-1] > end * (1 + 1e-9) and np.abs(reached - last).max() > REACHED * np.abs(table.values).max():
-                    yield (f"stage.{s}.load.{i}.{key} ends at {table.times[-1]:g} s, and its stage {stage.name!r} at {end:g} s: it "
-                           f"reaches {_shown(reached)} {unit}, not its last row, {_shown(last)} {unit}. Times count from the start "
-                           f"of the stage: set stage.{s}.steps to {int(np.ceil(stage.steps * table.times[-1] / end - 1e-9))}, or "
-                           "end the table earlier")
+        for path, given, columns, unit in _tables(f"stage.{s}", stage):
+            if given is None:
+                continue
+            table = Table.of(table_rows(given, columns, path), 0.0)
+            first = table.values[0] if path.endswith("displacement") else 0.0     # to which displacements are relative
+            reached, last = table.at(end) - first, table.values[-1] - first
+            if table.times[-1] <= end * (1 + 1e-9) or np.abs(reached - last).max() <= REACHED * np.abs(table.values - first).max():
+                continue
+            if table.times[0] >= end * (1 - 1e-9):
+                remedy = f"let them begin at 0, and not at {table.times[0]:g} s, when the stage is over"
+            else:
+                steps = int(np.ceil(stage.steps * table.times[-1] / end - 1e-9))
+                remedy = f"set stage.{s}.steps to {steps}, or end the table earlier"
+            yield (f"{path} ends at {table.times[-1]:g} s, and its stage {stage.name!r} at {end:g} s: it reaches {_shown(reached)} {unit}, not its last "
+                   f"row, {_shown(last)} {unit}. Times count from the start of the stage: {remedy}")
+
+
+def _tables(path, stage):
+    """(key, given table, columns, unit) of each load and motion of a stage that has one."""
+    for i, load in enumerate(stage.loads):
+        for name, unit in (("force", "N"), ("moment", "N m")):
+            yield f"{path}.load.{i}.{name}", getattr(load, name), 4, unit
+    for i, motion in enumerate(stage.motions):
+        turns = len(motion.component or "") > 1
+        for name, unit in (("velocity", "rad/s" if turns else "m/s"), ("displacement", "degrees" if turns else "m")):
+            yield f"{path}.motion.{i}.{name}", getattr(motion, name), 2, unit
 
 
 def _shown(values):
-    return f"({', '.join(f'{value:.4g}' for value in values)})"
+    text = ", ".join(f"{value:.4g}" for value in values)
+    return f"({text})" if len(values) > 1 else text
 
 
-LIMITS = (long_strides, unreached_loads)
+LIMITS = (long_strides, unreached_ends)
