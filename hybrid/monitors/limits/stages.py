@@ -3,6 +3,7 @@
 import numpy as np
 
 from hybrid.body.table import Table
+from hybrid.scene.check import spatial_spin
 from hybrid.scene.check_stage import components
 from hybrid.scene.stage import table_rows
 
@@ -19,7 +20,7 @@ def long_strides(scene, model):
         return
     limit = STRIDE[bool(model.soil.law.plastic)]
     for described, body in zip(scene.bodies, model.bodies):
-        strides = [(_stride(scene, stage, described, name) / np.diff(nodes).min(), name, stage)
+        strides = [(stride_of(scene, stage, described, name) / np.diff(nodes).min(), name, stage)
                    for stage in scene.stages for name, nodes in zip("xyz", model.soil.grid.axes) if len(nodes) > 1]
         cells, name, stage = max(strides, key=lambda stride: stride[0], default=(0.0, "", None))
         if cells > limit * (1 + 1e-9):
@@ -30,13 +31,14 @@ def long_strides(scene, model):
                    "stage.steps), or set time.accuracy")
 
 
-def _stride(scene, stage, described, name):
-    """Largest distance [m] by which a body is driven along an axis in a step of a stage."""
+def stride_of(scene, stage, described, name):
+    """Largest distance [m], or angle [rad], by which a body is driven in a component in a step of a stage."""
     length = stage.step or scene.time.step
     own = [motion for motion in stage.motions if motion.body in (None, described.name) and name in components(motion)]
     if not own:
         driven = name in described.driven and name not in stage.held
-        return driven * abs(described.velocity["xyz".index(name)]) * length
+        rates = dict(zip(("x", "y", "z", "rx", "ry", "rz"), (*described.velocity, *spatial_spin(described))))
+        return driven * abs(rates[name]) * length
     times = length * np.linspace(0.0, stage.steps, min(stage.steps, TIMES) + 1)
     return max(_of_motion(motion, times, length) for motion in own)
 
@@ -47,7 +49,8 @@ def _of_motion(motion, times, length):
     if motion.velocity is not None:
         return length * np.abs(_values(motion.velocity, 2, times)).max()
     moved = np.abs(np.diff(_values(motion.displacement, 2, times), axis=0)).max()
-    return moved * length / (times[1] - times[0])
+    degrees = np.pi / 180 if motion.component.startswith("r") else 1.0
+    return degrees * moved * length / (times[1] - times[0])
 
 
 def _values(given, columns, times):
