@@ -18,7 +18,7 @@ def notes(errors, elastic=0.0, plastic=True, first_order=False, inertia=True, mo
         motion = SimpleNamespace(velocity=np.array([0.0, 0.0, 0.0 if time else -10.0]), spin=np.zeros(3), rotation=np.eye(3))
         found += monitor.notes(StepView(
             model=model, state=SimpleNamespace(time=float(time), bodies=(motion,)), scheme=SimpleNamespace(inertia=inertia, first_order=first_order),
-            report=SimpleNamespace(evaluation=SimpleNamespace(contacts=(None,), pairs=None)),
+            report=SimpleNamespace(error=None, evaluation=SimpleNamespace(contacts=(None,), pairs=None)),
             energy={"kinetic": 0.0 if time else 100.0, "elastic": elastic, "contact": 0.0, "error": error} | energy))
     return found
 
@@ -53,3 +53,8 @@ def test_no_more_than_all_is_lost_and_the_motion_before_the_first_step_counts():
     start = SimpleNamespace(velocity=np.array([0.0, 0.0, -20.0]), spin=np.zeros(3), rotation=np.eye(3))
     text, = notes([-200.0], monitor=AbsorbedImpact(SimpleNamespace(bodies=(body,)), SimpleNamespace(bodies=(start,))))
     assert "200 J of the 400 J" in text
+
+
+def test_an_impact_within_a_step_needs_smaller_steps_and_no_smaller_cells():
+    text, = notes([0.0, -40.0])
+    assert "most of it in a single step" in text and "smaller time.step, or time.accuracy = 1e-3" in text and "smaller cells" not in text

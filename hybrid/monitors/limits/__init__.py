@@ -5,10 +5,10 @@ Each limit is a generator of texts (none or one, or one for each body) over (sce
 value, the limit and the remedy. Numbers that are merely unlikely come first (`hybrid.scene.check_sense`, `place`).
 """
 
-from hybrid.monitors.limits import cells, contact, guided, place, sand_cells, soil, stages, stepping
+from hybrid.monitors.limits import cells, contact, guided, margins, place, sand_cells, soil, stages, stepping
 from hybrid.scene.check_sense import sense_notes
 
-LIMITS = (*place.LIMITS, *soil.LIMITS, *contact.LIMITS, *cells.LIMITS, *sand_cells.LIMITS, *guided.LIMITS, *stages.LIMITS, *stepping.LIMITS)
+LIMITS = (*place.LIMITS, *soil.LIMITS, *contact.LIMITS, *cells.LIMITS, *sand_cells.LIMITS, *guided.LIMITS, *margins.LIMITS, *stages.LIMITS, *stepping.LIMITS)
 
 
 def limit_warnings(scene, model):
