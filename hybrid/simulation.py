@@ -135,6 +135,11 @@ class Simulation:
         return limit_warnings(self.scene, self.model)
 
     @property
+    def later_notes(self):
+        """{note as it was given: the note with its value at the last step} of notes whose values have changed since."""
+        return self._monitors.later()
+
+    @property
     def most_points(self):
         """Number of points in the grid, now or when the body that it follows has sunk, whichever is larger."""
         now = comm.number(self.state.points)
@@ -293,7 +298,7 @@ class Simulation:
         with timing.phase("energy"):
             energy = energies(self.model, state, evaluation)
             energy["error"] = balance_error(energy, self._start_energy)
-        view = StepView(self.model, state, scheme, report, energy)
+        view = StepView(self.model, state, scheme, report, energy, state.step == self.total_steps)
         record = Record(
             step=state.step, stage=stage, stage_step=stage_step, time=state.time, dt=report.dt,
             increments=report.increments, iterations=report.iterations, rejections=report.rejections,

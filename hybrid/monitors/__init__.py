@@ -13,6 +13,8 @@
 | BodyImpact       | bodies that hit one another lose energy without a cause               |
 | PlasticIncrement | an increment without inertia adds too much plastic strain             |
 | BodyOverlap      | bodies are pressed deep into one another                              |
+| GroundImpact     | bodies that hit held ground lose energy without a cause               |
+| Untouched        | at the end of a run: a driven body has touched nothing                |
 | JudgedIncrements | many increments end with a residual above the tolerance               |
 
 Other errors stop no run. `failure_hints` adds probable causes and remedies to the message of a step that fails.
@@ -24,6 +26,7 @@ from hybrid.monitors.body_overlap import BodyOverlap
 from hybrid.monitors.domain_exit import DomainExit
 from hybrid.monitors.energy_balance import EnergyBalance
 from hybrid.monitors.force_oscillation import ForceOscillation
+from hybrid.monitors.ground_impact import GroundImpact
 from hybrid.monitors.judged_increments import JudgedIncrements
 from hybrid.monitors.lost_contact import LostContact
 from hybrid.monitors.lost_points import LostPoints
@@ -31,10 +34,11 @@ from hybrid.monitors.missed_contact import MissedContact
 from hybrid.monitors.monitor import StepView
 from hybrid.monitors.penetration import Penetration
 from hybrid.monitors.plastic_increment import PlasticIncrement
+from hybrid.monitors.untouched import Untouched
 
 MONITORS = (
     DomainExit, LostContact, LostPoints, MissedContact, Penetration, ForceOscillation, EnergyBalance, PlasticIncrement,
-    BodyOverlap, JudgedIncrements, AbsorbedImpact, BodyImpact)
+    BodyOverlap, JudgedIncrements, AbsorbedImpact, BodyImpact, GroundImpact, Untouched)
 
 __all__ = ["MONITORS", "Monitors", "StepView", *(kind.__name__ for kind in MONITORS)]
 
@@ -48,6 +52,10 @@ class Monitors:
     def notes(self, view):
         """Texts about a StepView, each given once in a run."""
         return tuple(text for monitor in self._monitors for text in monitor.notes(view))
+
+    def later(self):
+        """{text as it was given: the text with the value of the last step} of notes whose values have changed."""
+        return {text: last for monitor in self._monitors for text, last in monitor.later().items()}
 
     def stop(self, view):
         """Text about what makes it useless to go on from a StepView; empty if nothing does."""

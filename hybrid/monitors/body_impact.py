@@ -5,7 +5,7 @@ with time.accuracy = 1e-3 and 0.3 % with 1e-4. No single loses enough to be repo
 over some steps, so the loss is summed while bodies are near one another, and judged when nothing has happened for a few steps.
 """
 
-from hybrid.body import rigid
+from hybrid.monitors.absorbed_impact import motion_energy
 from hybrid.monitors.monitor import Monitor
 
 LOST = 0.12         # of the kinetic energy of all bodies; ten steps in the contact time lose 4 % (demos/failure/README.md)
@@ -13,34 +13,59 @@ QUIET = 5           # steps without a force between bodies
 STEADY = 0.01       # of the kinetic energy: change of the balance in one of them, of an impulse that has been given
 
 
-class BodyImpact(Monitor):
-    """Warns once that impacts between bodies that do not touch the soil have cost more than LOST of their kinetic energy."""
+class ImpactLoss(Monitor):
+    """Base of monitors that sum what the balance loses from before bodies hit something until nothing happens any more.
+
+    Impacts that are reported add up, so that the last text has all that they have cost."""
+
+    grows = True
 
     def __init__(self, model, state):
         super().__init__(model, state)
-        self._error = self._kinetic = 0.0       # [J], error of the balance and energy of the bodies' motion at the last step
-        self._before = None                     # [J], the error before bodies came near one another, None while they are apart
+        self._error = 0.0                       # [J], of the balance at the last step
+        self._kinetic = 0.0 if state is None else motion_energy(model.bodies, state.bodies)     # [J], of the bodies there
+        self._before = None                     # [J], the error before bodies came near, None while they are apart
         self._largest, self._quiet = 0.0, 0     # [J], energy of their motion since then; steps for which nothing has happened
+        self._lost = self._of = 0.0             # [J], in all impacts that were reported, and the largest energy before one
+
+    def follow(self, view, struck):
+        """(loss of the present impact [J], whether it is over and too large) at a StepView; struck: whether forces act."""
+        error, kinetic = view.energy["error"], motion_energy(view.model.bodies, view.state.bodies)
+        change = abs(error - self._error)
+        if self._before is None:    # steps apart cost nothing, so each begins afresh
+            self._before, self._largest, self._quiet = self._error, self._kinetic, 0
+        self._error, self._kinetic, self._largest = error, kinetic, max(self._largest, kinetic)
+        self._quiet = 0 if struck or change > STEADY * self._largest else self._quiet + 1
+        loss = self._before - error
+        return loss, self._quiet >= QUIET and loss > LOST * self._largest > 0.0
+
+    def text(self, view, loss, what, cure):
+        """Text about an impact that cost `loss` [J], with those reported before."""
+        self._lost, self._of = self._lost + loss, max(self._of, self._largest)
+        of = max(self._of, self._lost)      # gravity gives them more than they ever had at a time
+        return (f"{what}: {self._lost:.3g} J of the {of:.3g} J of their motion are lost without a cause in the balance up to t = "
+                f"{view.state.time:.4g} s ({self._lost / of:.0%}, limit {LOST:.0%}): increments are too long for their contact{cure}, or "
+                f"{_accuracy(view)}")
+
+    def forget(self):
+        """Begin afresh with the next step."""
+        self._before = None
+
+
+class BodyImpact(ImpactLoss):
+    """Warns once that impacts between bodies that do not touch the soil have cost more than LOST of their kinetic energy."""
 
     def warnings(self, view):
         """Energy, time, share, limit and remedy."""
         if not view.model.pairs or not view.scheme.inertia or view.scheme.first_order:
             return
-        error, kinetic = view.energy["error"], sum(rigid.kinetic_energy(body, motion) for _, body, motion, _ in view.bodies)
-        near, change = _near(view), abs(error - self._error)
-        if self._before is None:    # steps apart cost nothing, so each begins afresh
-            self._before, self._largest, self._quiet = self._error, self._kinetic, 0
-        self._error, self._kinetic, self._largest = error, kinetic, max(self._largest, kinetic)
-        self._quiet = 0 if view.struck or change > STEADY * self._largest else self._quiet + 1
-        loss, done = self._before - error, self._quiet >= QUIET
+        loss, found = self.follow(view, view.struck)
         on_soil = any(len(contact) for contact in view.contacts)    # which takes energy too (`AbsorbedImpact`)
-        if on_soil or done and not near:
-            self._before = None
-        if done and loss > LOST * self._largest > 0.0 and not on_soil:
-            yield "impact", (
-                f"impact of bodies: {loss:.3g} J of the {self._largest:.3g} J of their motion are lost without a cause in the balance up to t = "
-                f"{view.state.time:.4g} s ({loss / self._largest:.0%}, limit {LOST:.0%}): increments are too long for their contact, whose "
-                f"time `check` shows. Use a smaller time.step, a tenth of that keeps 96 %, or {_accuracy(view)}")
+        if found and not on_soil:
+            yield "impact", self.text(view, loss, "impact of bodies", ", whose time `check` shows. Use a smaller time.step, a tenth of that "
+                                      "keeps 96 %")
+        if on_soil or found or self._quiet >= QUIET and not _near(view):
+            self.forget()
 
 
 def _accuracy(view):

@@ -1,9 +1,11 @@
 """Energy that a run gains, or loses in one step, without a cause in the balance of `hybrid.step.energy`."""
 
+from hybrid.monitors.absorbed_impact import motion_energy
 from hybrid.monitors.monitor import Monitor
 
 GAIN = 0.25     # of the largest energy stored so far (kinetic, elastic, contact springs; quasi-static: with what was dissipated)
 START, GROWTH = 5, 1.5  # steps at the start of a run in which no gain counts while the stored energy grows by this factor in a step
+ROUND_OFF = 1e-15   # [J] of a gain that is none, as where nothing has happened yet
 LOSS = 0.5      # of the same, in one step; 0.3 is the most in 200 runs whose steps resolve contact
 
 
@@ -15,7 +17,8 @@ class EnergyBalance(Monitor):
 
     def __init__(self, model, state):
         super().__init__(model, state)
-        self._largest = self._error = 0.0   # [J], stored energy so far; error of the balance at the last step
+        # [J], stored energy so far, at first that of the bodies' motion; error of the balance at the last step
+        self._largest, self._error = 0.0 if state is None else motion_energy(model.bodies, state.bodies), 0.0
         self._steps, self._began = 0, None  # steps so far; time [s] since which the gain is above its limit
 
     def warnings(self, view):
@@ -26,14 +29,14 @@ class EnergyBalance(Monitor):
         before, self._steps = self._largest, self._steps + 1
         spent = 0.0 if scheme.inertia else energy.get("plastic", 0.0) + energy.get("friction", 0.0)
         stored = self._largest = max(before, energy["kinetic"] + energy["elastic"] + energy["contact"] + spent)
-        above = gain > GAIN * stored > 0
+        above = gain > max(GAIN * stored, ROUND_OFF) and stored > 0
         self._began = (view.state.time if self._began is None else self._began) if above else None
         if above and (self._steps > START or stored <= GROWTH * before):
             yield "gain", (f"energy balance: unaccounted gain of {gain:.3g} J since t = {self._began:.4g} s "
                            f"({_share(gain, stored, GAIN)}). {_remedy(view)}")
         if scheme.inertia and not scheme.first_order and not view.struck and loss > LOSS * stored > 0:
             yield "loss", (f"energy balance: unaccounted loss of {loss:.3g} J in the step to t = "
-                           f"{view.state.time:.4g} s ({_share(loss, stored, LOSS)}). {_remedy(view)}")
+                           f"{view.state.time:.4g} s ({_share(loss, max(stored, loss), LOSS)}). {_remedy(view)}")
 
 
 def _share(energy, stored, limit):

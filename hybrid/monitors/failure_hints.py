@@ -5,7 +5,7 @@ The limits are those at which runs of the failure study fail: modes cuts, domain
 
 import numpy as np
 
-from hybrid.monitors.load_reached import overloads
+from hybrid.monitors.load_reached import lifted, overloads
 from hybrid.runtime.comm import anywhere, largest, maximum, minimum
 from hybrid.scene.defaults import GHOST, SLIDING
 from hybrid.soil.domains import cells_wide
@@ -25,14 +25,15 @@ def advice(step, outcome, settings):
 
     outcome: of Newton's method (`reason`, `errors`, `evaluation` or None); settings: with its `tolerance`.
     """
-    overload = overloads(step, outcome.reason)
+    lost = _lost(step, outcome.evaluation)
+    overload = overloads(step, outcome.reason, lost)
     changes, sudden = remedies(step.model, outcome.reason, outcome.errors, settings.tolerance), any(at_once for _, at_once in overload)
     if sudden:      # shorter increments of a load that is there at once change nothing
         changes = [change for change in changes if "a smaller time.step" not in change]
     texts, causes = [text for text, _ in overload], probable_causes(step, outcome.evaluation, sudden)
     causes = [*texts, *causes] if sudden else [*causes, *texts]
     text = ". ".join([*causes, *_use(changes, bool(causes))])
-    if step.soil is None or step.model.scheme.inertia or overload:
+    if step.soil is None or step.model.scheme.inertia or overload or lost and any(lifted(step, body) for body in step.model.bodies):
         return text
     return text + ". Without inertia a step also fails where the load exceeds what the soil can carry"
 
@@ -82,15 +83,11 @@ def probable_causes(step, evaluation, sudden=False):
         return ()
     model, causes = step.model, []
     quasi_static = not model.scheme.inertia
-    lost = (evaluation is not None and quasi_static and model.bodies
-            and not anywhere([len(contact) for contact in evaluation.contacts]))
+    lost = _lost(step, evaluation)
     residual = evaluation and evaluation.norms.get("soil [N]")
     limit = model.soil.roundoff_force(model.soil.grid.count_unknowns(step.pattern.free))
     if lost:
-        names = ", ".join(body.name for body in model.bodies)
-        shorter = "" if sudden else "use shorter increments (a smaller time.step with more stage.steps), "
-        causes.append(f"No corner of the soil touches {names} any more, so that without inertia no force balances the "
-                      f"load: start the body in contact with the soil (body.rest_on), {shorter}or set time.inertia = true")
+        causes += _without_contact(step, sudden)
     elif residual and residual < limit:
         causes.append(f"The residual of the soil, {residual:.2g} N, is round-off of its stiffness, limit {limit:.2g} "
                       "N, as the loads are too small beside the modulus: set a looser solver.tolerance, or a lower "
@@ -103,6 +100,28 @@ def probable_causes(step, evaluation, sudden=False):
             causes.append(f"A node of a nearly empty cell carries {least:.1g} of the mass of a full one, limit {CUT:g} "
                           f"without inertia: leave soil.ghost out, or set soil.ghost = {GHOST:g}")
     return tuple(causes)
+
+
+def _lost(step, evaluation):
+    """Whether a failed `step` without inertia has bodies and none of them has contact in its last `evaluation`."""
+    model = step.model
+    return bool(step.soil is not None and evaluation is not None and not model.scheme.inertia and model.bodies
+                and not anywhere([len(contact) for contact in evaluation.contacts]))
+
+
+def _without_contact(step, sudden):
+    """Texts about bodies that no corner of the soil touches: pulled off, held beside soil that leans on them, or moving freely."""
+    bodies, cell = step.model.bodies, step.model.soil.grid.smallest_cell
+    if texts := [text for body in bodies if (text := lifted(step, body))]:
+        return texts
+    names = ", ".join(body.name for body in bodies)
+    if not any(body.free.any() for body in bodies):
+        return [f"No corner of the soil touches {names}, held or driven, so that soil that leans on it has no support and without inertia nothing "
+                f"balances its stress: let the body reach into the soil by a hundredth of a cell, {0.01 * cell:.2g} m (body.position), or set "
+                "time.inertia = true"]
+    shorter = "" if sudden else "use shorter increments (a smaller time.step with more stage.steps), "
+    return [f"No corner of the soil touches {names} any more, so that without inertia no force balances the "
+            f"load: start the body in contact with the soil (body.rest_on), {shorter}or set time.inertia = true"]
 
 
 def _slips_at_its_strength(model, evaluation):

@@ -48,7 +48,7 @@ class InitialImbalance:
         if self.share <= limit:
             return ()
         return (f"initial imbalance: {self}, is not balanced at the start, limit {100 * limit:g} %. "
-                f"{self._cause()} {_remedy(stage, scheme)}{self._too_long(length) if scheme.inertia else ''}",)
+                f"{self._cause()} {_remedy(stage, scheme, self.stressed)}{self._too_long(length) if scheme.inertia else ''}",)
 
     def _too_long(self, length):
         """About steps of `length` [s] that do not resolve the swing, so that plastic flow depends on them."""
@@ -104,11 +104,12 @@ def _period(soil):
     return float(4 * height * total(slowness * volume) / total(volume))
 
 
-def _remedy(stage, scheme):
-    """What the first stage does about it, or what to change."""
+def _remedy(stage, scheme, stressed):
+    """What the first stage does about it, or what to change; stressed: whether the soil has geostatic stress, which could be left out."""
     if not scheme.inertia:
         return f"Stage {stage.name!r} has no inertia, so its first step finds the equilibrium."
     if scheme.first_order:
         return f"Stage {stage.name!r} damps the motion that follows; give it enough steps to settle."
+    change = "set soil.geostatic = false and turn" if stressed else "turn"
     return ("Let the soil settle in a first stage that damps (stage.beta = 0.5625, stage.gamma = 1) or without "
-            "inertia, or set soil.geostatic = false and turn gravity on by stage.gravity = [0.0, 1.0].")
+            f"inertia, or {change} gravity on by stage.gravity = [0.0, 1.0].")

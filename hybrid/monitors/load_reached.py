@@ -5,8 +5,9 @@ import numpy as np
 UNITS = ((1e6, "MN"), (1e3, "kN"), (1.0, "N"))
 
 
-def overloads(step, reason=""):
-    """[(text, whether the load acts at once)] of the loads that a failed `step` without inertia carries; reason: why it failed."""
+def overloads(step, reason="", lost=False):
+    """[(text, whether the load acts at once)] of the loads that a failed `step` without inertia carries; reason: why it failed; lost: whether no body has
+    contact, so that loads that lift one exceed nothing."""
     model = step.model
     if step.soil is None or model.scheme.inertia:
         return []
@@ -14,7 +15,7 @@ def overloads(step, reason=""):
     found, begin, end = [], step.state.time, step.state.time + step.dt
     for body in model.bodies:
         before, after = (sum((load.at(time)[0] for load in body.loads), np.zeros(3)) for time in (begin, end))
-        if not body.free[:3][after != 0.0].any():
+        if not body.free[:3][after != 0.0].any() or lost and lifted(step, body):
             continue
         if np.allclose(before, after, rtol=1e-12, atol=0.0):
             if step.state.step == 0:    # later it has been carried before
@@ -27,6 +28,16 @@ def overloads(step, reason=""):
         found.append((f"The load exceeds what the soil can carry: gravity had reached {share / whole:.3g} of the whole at t = {begin:.6g} s, the last "
                       "accepted increment", False))
     return found
+
+
+def lifted(step, body):
+    """Text about a body whose loads pull it up by more than its weight in a `step`, empty of others and of those that hold on to the soil."""
+    force, weight = sum((load.at(step.state.time + step.dt)[0] for load in body.loads), np.zeros(3)), body.mass.mass * step.model.gravity
+    if not body.free[2] or force[2] <= max(0.0, -weight[2]) or body.line is not None or body.interface and body.interface.tension:
+        return ""
+    return (f"The load on {body.name}, {_components(force)}, is larger than its weight, {abs(weight[2]):.3g} N, and lifts it off the soil, where without "
+            "inertia nothing balances it: z points up, so that a load that presses down is negative. Change its sign, or let the soil hold on to the "
+            "body (body.tension), or set time.inertia = true")
 
 
 def _at_once(name, force):

@@ -12,7 +12,7 @@ class StepView:
     """An accepted outer step, as monitors see it.
 
     model: Model at its end; state: State at its end; scheme: Scheme of its stage; report: Report of its increments;
-    energy: {name: [J]} at its end, with the "error" of the balance.
+    energy: {name: [J]} at its end, with the "error" of the balance; last: whether it is the last step of the run.
     """
 
     model: object
@@ -20,6 +20,7 @@ class StepView:
     scheme: object
     report: object
     energy: dict
+    last: bool = False
 
     @property
     def contacts(self):
@@ -49,10 +50,14 @@ class Monitor:
     Texts from `stops` end the run.
 
     model, state: Model and State that the run begins from.
+    grows: whether the value in a text goes on changing, so that the end of the run has its last one (`later`).
     """
+
+    grows = False
 
     def __init__(self, model, state):
         self._given = set()
+        self._first, self._latest = {}, {}      # {key: text} of warnings that grow
 
     def notes(self, view):
         """Texts about a StepView that have not been given before."""
@@ -60,8 +65,15 @@ class Monitor:
         for key, text in self.warnings(view):
             if key not in self._given:
                 self._given.add(key)
+                self._first[key] = text
                 texts.append(text)
+            if self.grows:
+                self._latest[key] = text
         return tuple(texts)
+
+    def later(self):
+        """{text as it was given: the last one} of warnings whose values have changed since."""
+        return {self._first[key]: text for key, text in self._latest.items() if text != self._first[key]}
 
     def given(self, key):
         """Whether the warning of this key has been given, so that nothing has to be computed for it."""

@@ -1,7 +1,7 @@
 """How far a run is: one line on a terminal, rewritten after each step; elsewhere a line now and then.
 
-Notes and the closing line, which says where the results are, are permanent lines on both. A stream that can no longer
-be written is left alone: the run goes on without it.
+Notes, at the end those whose values have changed since, and the closing line, which says where the results are, are permanent
+lines on both. A stream that can no longer be written is left alone: the run goes on without it.
 """
 
 import shutil
@@ -50,6 +50,8 @@ class Progress:
         return due
 
     def finish(self, summary, simulation):
+        for note in getattr(simulation, "later_notes", {}).values():
+            self._print(f"at the end: {note}")
         steps, seconds = simulation.state.step - self.first, time.perf_counter() - self.began
         where = f"; results in {self.folder}" if self.folder else ""
         self._print(f"{simulation.scene.name}: {summary['outcome']}, {steps} steps in {clock(seconds)}{where}")

@@ -68,11 +68,12 @@ class Summary:
             self.seconds[phase] = self.seconds.get(phase, 0.0) + value
 
     def finish(self, summary, simulation):
+        later = getattr(simulation, "later_notes", {})
         content = {
             "scene": simulation.scene.name,
             "run": self.run,
             **summary,
-            "notes": self.notes,
+            "notes": [later.get(note, note) for note in self.notes],
             "time_s": simulation.state.time,
             "step": simulation.state.step,
             "resumed_from_step": self.resumed_from,

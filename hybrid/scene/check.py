@@ -147,7 +147,7 @@ def _body(key, body, inertia):
     both = [f for f in body.driven if f in body.held]
     yield from need(not both, f"{key}.driven", both, "other than held", "keep it in one of the two lists")
     for name, freedoms, motion in (("velocity", ("x", "y", "z"), body.velocity),
-                                   ("spin", ("rx", "ry", "rz"), _spatial_spin(body))):
+                                   ("spin", ("rx", "ry", "rz"), spatial_spin(body))):
         given = getattr(body, name)
         moves = [f for f, v in zip(freedoms, motion) if v and f not in body.driven]
         yield from need(inertia or not moves, f"{key}.{name}", given, "zero in a quasi-static scene, unless driven",
@@ -169,7 +169,7 @@ def _interface(key, body, soil):
                     "left out on held soil, which follows no body", "set soil.held = false")
 
 
-def _spatial_spin(body):
+def spatial_spin(body):
     """Spin (3,) about the axes of space, in which rotations are held and driven, without the rotation's round-off."""
     if body.rotation is None or not any(body.rotation[:3]):
         return body.spin

@@ -34,6 +34,18 @@ def components(motion):
     return (*motion.free, *motion.held, *([motion.component] if motion.component else []))
 
 
+def moved(scene, described, names):
+    """Components among `names` in which something moves a body: its velocity and spin, what drives it, or motions of stages."""
+    rates = dict(zip(("x", "y", "z"), described.velocity))
+    if not described.rotation:
+        rates |= dict(zip(("rx", "ry", "rz"), described.spin))
+    found = [name for name in names if name in described.driven or rates.get(name)]
+    for stage in scene.stages:
+        found += [name for motion in stage.motions if motion.body in (None, described.name)
+                  for name in components(motion) if name in names and name not in motion.held]
+    return list(dict.fromkeys(found))
+
+
 def _body(path, given, scene):
     names = [body.name for body in scene.bodies]
     if given.body is None:

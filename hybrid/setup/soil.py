@@ -225,9 +225,9 @@ def initial_stress(described, constants, density, k0, vertical, gravity):
     if described.held or not described.geostatic:
         return constants, np.zeros((len(constants), 3))
     if np.any(gravity[:2] != 0.0) or gravity[2] > 0.0:
-        raise SceneError(f"soil.geostatic needs gravity along -z, but gravity = {gravity.tolist()}; set "
-                         "soil.geostatic = false and turn gravity on by stage.gravity = [0.0, 1.0], or turn the "
-                         "scene")
+        raise SceneError(f"soil.geostatic needs gravity along -z, but gravity = {gravity.tolist()}; z points up: write gravity = "
+                         f"[0.0, 0.0, -{np.linalg.norm(gravity):.4g}], or, if gravity is to act like that, turn the scene, or set soil.geostatic = "
+                         "false and turn gravity on by stage.gravity = [0.0, 1.0]")
     ratios = np.stack([k0, k0, np.ones_like(k0)], axis=1)
     gradient = (density * np.linalg.norm(gravity))[:, None] * ratios
     return replace(constants, geostatic_gradient=gradient), -vertical[:, None] * ratios

@@ -15,7 +15,7 @@ import numpy as np
 from hybrid.body.attitude import rotation_from_axis_angle
 from hybrid.body.symmetry import AXES, Mirror
 from hybrid.runtime.errors import SceneError
-from hybrid.scene.check_stage import components
+from hybrid.scene.check_stage import moved
 from hybrid.scene.defaults import Decision
 
 IN_PLANE = 1e-6     # of the size of a body: cut faces nearer to the plane are in it
@@ -88,24 +88,12 @@ def _soil_reaches(scene, a, at):
     return (low is None or low <= at) and (high is None or high >= at)
 
 
-def _leaving(scene, described, guides):
-    """Components of `guides` that something moves."""
-    rates = dict(zip(("x", "y", "z"), described.velocity))
-    if not described.rotation:
-        rates |= dict(zip(("rx", "ry", "rz"), described.spin))
-    names = [name for name in guides if name in described.driven or rates.get(name)]
-    for stage in scene.stages:
-        names += [name for motion in stage.motions if motion.body in (None, described.name)
-                  for name in components(motion) if name in guides and name not in motion.held]
-    return list(dict.fromkeys(names))
-
-
 def _moves(scene, described, axis):
-    return bool(_leaving(scene, described, Mirror(axis, 0.0, False).guides))
+    return bool(moved(scene, described, Mirror(axis, 0.0, False).guides))
 
 
 def _refuse_motion(scene, key, described, mirror):
-    leaving = _leaving(scene, described, mirror.guides)
+    leaving = moved(scene, described, mirror.guides)
     if leaving:
         raise SceneError(f"{key} ({described.name}) is cut by {mirror}, a plane of symmetry of the grid, but moves in "
                          f"{', '.join(leaving)}: its mirror image would move against it. Model the whole body, or leave "

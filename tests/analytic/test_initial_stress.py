@@ -116,7 +116,7 @@ def test_model_sheet_and_first_record_report_the_imbalance():
     assert notes[0][1].startswith(
         "initial imbalance: 8.3 % of the weight, largest at node (2, 0.5, -0.75) m, is not balanced at the start, "
         "limit")
-    assert "stage.gamma = 1" in notes[0][1] and "stage.gravity = [0.0, 1.0]" in notes[0][1]
+    assert "stage.gamma = 1" in notes[0][1] and "set soil.geostatic = false and turn gravity on by stage.gravity = [0.0, 1.0]" in notes[0][1]
     halfway, resumed = build(cut(steps=3)), build(cut(steps=3))
     next(halfway.steps())
     resumed.state = halfway.state
@@ -125,6 +125,7 @@ def test_model_sheet_and_first_record_report_the_imbalance():
                          (cut(geostatic=False), "no stress yet and its weight acts at once")):
         (record,) = build(scene).steps()
         assert words in record.notes[0]
+        assert "soil.geostatic = false" not in record.notes[0]      # not where it is so already
     assert build(level()).sheet()["modelled"]["initial imbalance"].startswith("balanced, to ")
     quiet = build(replace(cut(geostatic=False), stages=(Stage("load", 1, gravity=(0.0, 1.0)),)))
     assert quiet.imbalance.share == 0.0 and "initial imbalance" in quiet.sheet()["modelled"]

@@ -9,16 +9,16 @@ from hybrid.monitors import StepView
 from hybrid.monitors.absorbed_impact import AbsorbedImpact
 
 
-def notes(errors, elastic=0.0, plastic=True, first_order=False, inertia=True, **energy):
+def notes(errors, elastic=0.0, plastic=True, first_order=False, inertia=True, monitor=None, **energy):
     """Of steps with these errors [J] of a body of 2 kg that falls with 10 m/s, 100 J, and stands still from the second step on."""
     body = SimpleNamespace(mass=SimpleNamespace(mass=2.0, inertia=np.eye(3)))
     model = SimpleNamespace(bodies=(body,), soil=SimpleNamespace(held=False, law=SimpleNamespace(plastic=plastic)))
-    monitor, found = AbsorbedImpact(None, None), []
+    monitor, found = monitor or AbsorbedImpact(None, None), []
     for time, error in enumerate(errors):
         motion = SimpleNamespace(velocity=np.array([0.0, 0.0, 0.0 if time else -10.0]), spin=np.zeros(3), rotation=np.eye(3))
         found += monitor.notes(StepView(
             model=model, state=SimpleNamespace(time=float(time), bodies=(motion,)), scheme=SimpleNamespace(inertia=inertia, first_order=first_order),
-            report=SimpleNamespace(evaluation=SimpleNamespace(contacts=(None,), pairs=None)),
+            report=SimpleNamespace(error=None, evaluation=SimpleNamespace(contacts=(None,), pairs=None)),
             energy={"kinetic": 0.0 if time else 100.0, "elastic": elastic, "contact": 0.0, "error": error} | energy))
     return found
 
@@ -34,3 +34,27 @@ def test_small_losses_that_add_up_are_reported_once():
 def test_other_energies_make_no_impact(other):
     """Work from outside, soil that stores more than falls, elastic soil, schemes that are meant to damp, no inertia."""
     assert notes([0.0, -40.0], **other) == []
+
+
+def test_the_end_of_the_run_has_the_last_value_also_of_energy_that_comes_back():
+    monitor = AbsorbedImpact(None, None)
+    given, = notes([0.0, -16.0, -24.0, -22.0], monitor=monitor)
+    (first, last), = monitor.later().items()
+    assert first == given and "16 J of the 100 J" in first and "22 J of the 100 J" in last and "t = 3 s (22%, limit 15%)" in last
+    notes([0.0, -4.0], monitor=monitor)
+    assert "4 J of the 100 J" in monitor.later()[given]
+
+
+def test_no_more_than_all_is_lost_and_the_motion_before_the_first_step_counts():
+    """Bodies that fall again and again; an impact within the first step."""
+    text, = notes([0.0, -157.0])
+    assert "157 J of the 157 J" in text and "(100%, limit 15%)" in text
+    body = SimpleNamespace(mass=SimpleNamespace(mass=2.0, inertia=np.eye(3)))
+    start = SimpleNamespace(velocity=np.array([0.0, 0.0, -20.0]), spin=np.zeros(3), rotation=np.eye(3))
+    text, = notes([-200.0], monitor=AbsorbedImpact(SimpleNamespace(bodies=(body,)), SimpleNamespace(bodies=(start,))))
+    assert "200 J of the 400 J" in text
+
+
+def test_an_impact_within_a_step_needs_smaller_steps_and_no_smaller_cells():
+    text, = notes([0.0, -40.0])
+    assert "most of it in a single step" in text and "smaller time.step, or time.accuracy = 1e-3" in text and "smaller cells" not in text

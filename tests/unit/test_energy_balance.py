@@ -40,6 +40,26 @@ def test_what_quasi_static_soil_dissipates_is_part_of_the_scale():
     assert len(balance([0.0, 30.0], inertia=False)) == len(balance([0.0, 30.0], plastic=900.0)) == 1
 
 
+def test_a_gain_of_round_off_where_nothing_has_happened_is_none():
+    assert balance([0.0, 0.0, *[2.6e-22] * 5], stored=2.6e-22) == []
+
+
+def test_a_loss_is_never_more_than_all_of_the_energy():
+    """What gravity brings within a step is not in the energy before it."""
+    text, = balance([0.0, -130.0])
+    assert "loss of 130 J" in text and "(100% of" in text
+
+
+def test_a_first_step_that_holds_the_impact_is_measured_by_the_motion_before_it():
+    body = SimpleNamespace(mass=SimpleNamespace(mass=2.0, inertia=np.eye(3)))
+    motion = SimpleNamespace(velocity=np.array([0.0, 0.0, -10.0]), spin=np.zeros(3), rotation=np.eye(3))
+    monitor = EnergyBalance(SimpleNamespace(bodies=(body,)), SimpleNamespace(bodies=(motion,)))
+    view = StepView(SimpleNamespace(bodies=(body,)), SimpleNamespace(time=0.1), SimpleNamespace(inertia=True, damps=True, first_order=False),
+                    SimpleNamespace(error=None, evaluation=None), {"kinetic": 1.0, "elastic": 0.0, "contact": 0.0, "error": -60.0})
+    text, = monitor.notes(view)
+    assert "loss of 60 J" in text and "(60% of" in text
+
+
 def test_a_gain_and_a_loss_are_reported_once_each():
     gain, loss = balance([0.0, 30.0, 40.0, -20.0, -80.0])
     assert gain.startswith("energy balance: unaccounted gain of 30 J since t = 1 s (30% of the largest") and "25%" in gain

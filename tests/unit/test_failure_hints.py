@@ -213,6 +213,22 @@ def test_a_body_that_a_sudden_load_throws_off_is_told_to_let_it_grow_first():
     assert "had reached" not in loaded(GROWING, reason=singular)
 
 
+def test_a_load_that_lifts_a_body_off_is_the_one_cause_and_no_overload():
+    """Not where soil above the body holds it down, or where its weight does."""
+    text = loaded(((0.0, 0.0, 0.0, 0.0), (4.0, 0.0, 0.0, 4e3)), rest_on=0.1)
+    assert text.startswith("The load on body, fz = 1 kN, is larger than its weight, 78.5 N, and lifts it off the soil") and "Change its sign" in text
+    assert "No corner" not in text and "exceeds what the soil can carry" not in text
+    assert "exceeds what the soil can carry: that on body" in loaded(((0.0, 0.0, 0.0, 0.0), (4.0, 0.0, 0.0, 4e3)))
+    assert "No corner" in loaded(((0.0, 0.0, 0.0, 0.0), (4.0, 0.0, 0.0, 40.0)), rest_on=0.1)
+
+
+def test_a_held_body_beside_soil_is_told_to_reach_into_it():
+    """A wall that just touches sand has no contact yet, and no freedom that rest_on or shorter steps could help."""
+    text = loaded(None, rest_on=0.1, held=("x", "y", "z", "rx", "ry", "rz"))
+    assert "body, held or driven, so that soil that leans on it has no support" in text and "0.002 m (body.position)" in text
+    assert "body.rest_on" not in text
+
+
 @pytest.mark.parametrize("table, offered", [({"friction": 0.4, "tangential": 3.0}, True), ({"friction": 0.4}, False), ({}, False)])
 def test_softer_tangential_springs_are_offered_where_contact_sticks(table, offered):
     model = quasi_static(bodies=[box(0.2, 0.2, 0.2, rest_on=0.0, **table)])

@@ -1,14 +1,15 @@
 """Limits of contact and of stepping: each warns where the failure study measured failure, and not just before."""
 
+import re
 from dataclasses import replace
 
 import pytest
 
 from hybrid.monitors.limits import contact, stepping
-from hybrid.scene import Pull
+from hybrid.scene import Motion, Pull
 from hybrid.setup.build import build
 from hybrid.study.precision.problems import platen
-from hybrid.study.scenes import SCHEMES, box, plane
+from hybrid.study.scenes import SCHEMES, box, plane, sphere
 
 
 def texts(limit, body, step=0.01, **rest):
@@ -31,6 +32,30 @@ def test_large_turns_of_a_tumbling_body(scheme, limit):
     assert f"rotates by {1.5 * limit:.3g} rad a step" in text and f"limit {limit:g} rad" in text
     assert "time.accuracy = 1e-3" in text
     assert not tumbling(1.5 * limit, scheme, accuracy=1e-3)
+
+
+@pytest.mark.parametrize("values, words", [
+    ({"spin": (0.0, 0.0, 42.0)}, r"turns by 0.42 rad a step by body.spin, limit 0.4 rad: contact.* steps of at most 0.0095 s"),
+    ({"spin": (0.0, 0.0, 360.0)}, "turns by 3.6 rad a step by body.spin, limit 0.4 rad; is it a number of degrees"),
+    ({"spin": (0.0, 0.0, 42.0), "driven": ("rz",), "held": ("rx", "ry")}, "turns by 0.42 rad a step by"), ({"spin": (0.0, 0.0, 39.0)}, ""),
+    ({"motion": Motion(component="ry", velocity=50.0)}, "turns by 0.5 rad a step by what drives ry"),
+    ({"motion": Motion(component="ry", displacement=((0.0, 0.0), (0.1, 300.0)))}, "turns by 0.524 rad a step by what drives ry"),
+    ({"motion": Motion(component="ry", displacement=((0.0, 0.0), (0.1, 200.0)))}, ""), ({"motion": Motion(component="x", velocity=50.0)}, ""),
+    ({"spin": (0.0, 0.0, 360.0), "time": {"accuracy": 1e-3}}, "")])
+def test_large_turns_about_one_axis(values, words):
+    values = dict(values)
+    motion, time = values.pop("motion", None), values.pop("time", {})
+    scene = plane(box(1.0, 0.7, 0.3, position=(0.0, 0.0, 2.0), **values), 10, 0.01, time=time)
+    simulation = build(replace(scene, stages=(replace(scene.stages[0], motions=(motion,) if motion else ()),)))
+    found = list(stepping.large_turn_about_an_axis(simulation.scene, simulation.model))
+    assert len(found) == bool(words) and all(re.search(words, text) for text in found), found
+
+
+@pytest.mark.parametrize("spin, count", [(100.0, 0), (210.0, 1)])
+def test_a_ball_may_turn_by_more_about_one_axis(spin, count):
+    """Its contact is the same after any turn; beyond 2 rad steps are cut."""
+    body = sphere(0.2, 0.05, position=(0.0, 0.0, 2.0), spin=(0.0, spin, 0.0))
+    assert len(texts(stepping.large_turn_about_an_axis, body)) == count
 
 
 def test_turns_about_one_axis_lose_nothing():

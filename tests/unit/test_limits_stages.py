@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hybrid.monitors.limits.stages import long_strides, unreached_loads
+from hybrid.monitors.limits.stages import long_strides, unreached_ends
 from hybrid.scene import Load, Material, Motion, Stage, Time
 from hybrid.setup.build import build
 from hybrid.study.scenes import box, soil_scene
@@ -50,7 +50,7 @@ def test_tables_of_motions_count_with_their_fastest_step(motion):
 
 def test_a_load_that_ends_after_its_stage_is_told_with_what_it_reaches():
     load = Load(force=((0.0, 0.0, 0.0, 0.0), (10.0, 500.0, 0.0, 0.0)))
-    (text,) = texts(unreached_loads, {"loads": (load,)})
+    (text,) = texts(unreached_ends, {"loads": (load,)})
     assert re.search(r"stage\.0\.load\.0\.force ends at 10 s, and its stage 'go' at 1 s: it reaches \(50, 0, 0\) N, not its last "
                      r"row, \(500, 0, 0\) N\..*stage\.0\.steps to 100", text)
 
@@ -59,7 +59,25 @@ def test_a_load_that_ends_after_its_stage_is_told_with_what_it_reaches():
     Load(force=(1.0, 2.0, 3.0)), Load(moment=((0.0, 0.0, 0.0, 0.0), (1.0, 0.0, 1.0, 0.0))),
     Load(force=((0.0, 1.0, 0.0, 0.0), (0.5, 2.0, 0.0, 0.0), (9.0, 2.0, 0.0, 0.0)))])
 def test_loads_that_reach_their_last_value_are_not(load):
-    assert not texts(unreached_loads, {"loads": (load,)})
+    assert not texts(unreached_ends, {"loads": (load,)})
+
+
+@pytest.mark.parametrize("motion, words", [
+    (Motion(component="x", displacement=((0.0, 0.1), (100.0, 0.2))), r"displacement ends at 100 s, and its stage 'go' at 1 s: it reaches 0.001 m, "
+     r"not its last row, 0.1 m\. .*steps to 1000, or end"),
+    (Motion(component="rx", velocity=((0.0, 0.0), (2.0, 1.0))), "velocity ends at 2 s, .* it reaches 0.5 rad/s, not its last row, 1 rad/s"),
+    (Motion(component="x", displacement=((1.0, 0.0), (2.0, 0.2))), "it reaches 0 m, .* begin at 0, and not at 1 s, when the stage is over"),
+])
+def test_a_motion_that_ends_or_begins_after_its_stage_is_told(motion, words):
+    (text,) = texts(unreached_ends, {"motions": (motion,)})
+    assert text.startswith("stage.0.motion.0.") and re.search(words, text), text
+
+
+@pytest.mark.parametrize("motion", [
+    Motion(component="x", displacement=((0.0, 0.0), (1.0, 0.2))), Motion(component="x", velocity=((0.0, 0.1), (9.0, 0.1))), Motion(held=("x",)),
+    Motion(component="x", displacement=((0.0, 0.3), (0.5, 0.2), (9.0, 0.2)))])
+def test_motions_that_reach_their_last_value_are_not(motion):
+    assert not texts(unreached_ends, {"motions": (motion,)})
 
 
 def test_the_energy_of_soil_that_is_inside_out_gives_no_warning_of_numpy(recwarn):

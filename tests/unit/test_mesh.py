@@ -162,7 +162,7 @@ def test_missing_file_is_refused(tmp_path):
         (
             HEAD + BODY + 'Physical Surface("contact") = {2, 3, 4, 6};\n'
             'Physical Surface("symmetry") = {1, 5};',
-            "'symmetry'.*one plane",
+            "'symmetry'.*one plane.*For a quarter model draw the whole body .* corner of the grid",
         ),
         (HEAD + "Box(2) = {3, 0, 0, 1, 1, 1};" + BODY + CONTACT, r"volumes \[2\] are not in"),
         (

@@ -13,6 +13,7 @@ from hybrid.monitors.lost_contact import LostContact
 from hybrid.monitors.lost_points import LostPoints
 from hybrid.monitors.monitor import Monitor, StepView
 from hybrid.monitors.penetration import Penetration
+from hybrid.monitors.untouched import Untouched
 from hybrid.setup.build import build
 from hybrid.study.scenes import soil_scene, steel
 
@@ -37,6 +38,43 @@ def test_a_monitor_gives_the_first_text_of_each_key():
     assert monitor.notes([("a", "one"), ("b", "two"), ("a", "three")]) == ("one", "two")
     assert monitor.notes([("b", "four"), ("c", "five")]) == ("five",)
     assert monitor.given("a") and not monitor.given("d")
+
+
+def test_what_grows_has_its_last_text_at_the_end():
+    class Growing(Monitor):
+        grows = True
+
+        def warnings(self, view):
+            yield from view
+
+    monitor = Growing(None, None)
+    assert monitor.notes([("a", "1 J"), ("b", "5 J")]) == ("1 J", "5 J") and monitor.later() == {}
+    assert monitor.notes([("a", "2 J")]) == () and monitor.later() == {"1 J": "2 J"}
+
+
+# ------------------------------------------------------------------ driven bodies that touch nothing
+
+
+def driven_above(last=True, step=1, touching=0, drive=(0.0, 0.0, -0.1), joints=()):
+    """Notes of Untouched about one step of a driven box 0.1 m above soil."""
+    given = build(soil_scene([steel(0.2, 0.2, 0.2, name="cube", position=(0.4, 0.4, 0.0), rest_on=0.1, velocity=drive,
+                                    driven=("z",) if any(drive) else ())]))
+    report = SimpleNamespace(evaluation=SimpleNamespace(contacts=(range(touching),), pairs=None))
+    model = replace(given.model, joints=joints)
+    return Untouched(model, given.state).notes(StepView(model, replace(given.state, step=step), model.scheme, report, {}, last))
+
+
+def test_a_driven_body_that_touched_nothing_is_told_at_the_end_of_the_run():
+    text, = driven_above()
+    assert text.startswith("cube is driven and has touched neither soil nor another body in the whole run") and "0.1 m above the highest soil" in text
+    assert "body.rest_on" in text
+
+
+@pytest.mark.parametrize("other", [{"last": False}, {"step": 5}, {"touching": 2}, {"drive": (0.0, 0.0, 0.0)},
+                                   {"joints": (SimpleNamespace(bodies=(0, None)),)}])
+def test_other_bodies_are_not(other):
+    """Before the end, in a run that was resumed, in contact, free to fall, and one that carries another."""
+    assert driven_above(**other) == ()
 
 
 # ------------------------------------------------------------------ bodies that leave the grid

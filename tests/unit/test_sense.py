@@ -5,10 +5,10 @@ from dataclasses import replace
 import pytest
 
 from hybrid.bench.scenes import block
-from hybrid.monitors.limits.place import LIMITS
+from hybrid.monitors.limits.place import LIMITS, odd_points
 from hybrid.runtime.data import DEMOS, GEOMETRY
 from hybrid.runtime.errors import SceneError
-from hybrid.scene import Load, Motion, Pull, Stage, Time
+from hybrid.scene import Joint, Load, Motion, Pull, Stage, Time
 from hybrid.scene.check_sense import sense_notes
 from hybrid.scene.defaults import resolve
 from hybrid.scene.file import load_scene, validate
@@ -111,6 +111,32 @@ def test_a_body_that_only_a_stage_brings_to_the_soil_has_its_place_looked_at(sta
     simulation = build(replace(soil_scene(cubes, x=(0.0, 2.0), y=(0.0, 2.0)), stages=stages))
     found = [note for limit in LIMITS for note in limit(simulation.scene, simulation.model)]
     assert len(found) == noted and all("cube lies beside the grid" in note for note in found), found
+
+
+def points(joint=None, **stage):
+    """Notes about the points of a cube of 0.2 m, from 2 m x 2 m of soil."""
+    cube = replace(box(0.2, 0.2, 0.2, name="cube"), position=(1.0, 1.0, 0.0), rest_on=0.0)
+    given = soil_scene([cube], x=(0.0, 2.0), y=(0.0, 2.0), time=Time(0.01))
+    simulation = build(replace(given, stages=(Stage("go", 1, **stage),), joints=(joint,) if joint else ()))
+    return list(odd_points(simulation.scene, simulation.model))
+
+
+def hinge(*point):
+    return Joint("pin", "hinge", ("cube",), point, axis=(0.0, 1.0, 0.0))
+
+
+@pytest.mark.parametrize("given, words", [
+    ({"joint": hinge(1.0, 1.0, 0.2)}, "joint.0.point of cube lies 1.28 m outside its bounding box, 6.4 times its size, limit 2"),
+    ({"joint": Joint("rod", "rod", ("cube",), (0.0, 0.0, 0.0), end=(1.0, 1.0, 5.0))}, ""),     # the end of a rod is in space
+    ({"joint": Joint("rod", "rod", ("cube",), (0.0, 0.0, 1.0), end=(1.0, 1.0, 5.0))}, "joint.0.point of cube"),
+    ({"joint": hinge(0.0, 0.0, 0.45)}, ""),
+    ({"loads": (Load(force=(0.0, 0.0, -1.0)), Load(force=(0.0, 0.0, -1.0), point=(0.0, 0.0, 25.0)))}, "stage.0.load.1.point of cube lies 24.9 m"),
+    ({"loads": (Load(force=(0.0, 0.0, -1.0), point=(0.15, 0.0, 0.0)),)}, ""),
+    ({"motions": (Motion(free=("x",)), Motion(component="z", velocity=-0.1, point=(3.0, 0.0, 0.0)))}, "stage.0.motion.1.point of cube lies 2.9 m"),
+])
+def test_a_point_far_from_its_body_gives_a_note(given, words):
+    found = points(**given)
+    assert len(found) == bool(words) and all(words in note for note in found), found
 
 
 # ------------------------------------------------------------------ scenes that are right

@@ -2,6 +2,7 @@
 
 import io
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -20,6 +21,19 @@ def test_progress_is_one_line_on_a_terminal():
     FakeSimulation().run([progress.Progress(screen)])
     assert screen.getvalue().count("\n") == 1 and "drag 4/4" in screen.getvalue()
     assert screen.getvalue().endswith("fake: completed, 6 steps in 0:00\n")
+
+
+def test_the_end_of_a_run_has_the_last_value_of_notes_that_change(tmp_path):
+    class Noted(FakeSimulation):
+        later_notes = {"impact: 16%": "impact: 22%"}
+
+        def record(self):
+            return replace(super().record(), notes=("impact: 16%", "other") if self.state.step == 2 else ())
+
+    screen = io.StringIO()
+    Noted().run([progress.Progress(screen), summary.Summary(tmp_path)])
+    assert json.loads((tmp_path / summary.NAME).read_text())["notes"] == ["impact: 22%", "other"]
+    assert screen.getvalue().splitlines()[-2] == "at the end: impact: 22%"
 
 
 @pytest.mark.parametrize("interval, share, lines", [(1e9, 0.05, 5), (1e9, 0.5, 1), (0.0, 1.0, 5), (1e9, 1.0, 0)])

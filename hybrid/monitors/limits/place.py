@@ -10,7 +10,10 @@ DEEPER = 2.0        # and depths of the grid
 LARGER = 5.0        # times the grid
 ROUND_OFF = 0.01    # of the size of a body
 FLUSH = 0.01        # of the smallest cell: a body that reaches less far past the end of the grid ends there
-OFF = 0.05          # radii of a body that a pull point may lie outside its bounding box
+OFF = 0.05          # radii of a body that a pull point may lie outside its bounding box,
+AWAY = 1.0          # sizes of it that the points of its loads and motions may,
+AWAY_JOINED = 2.0   # and those of its joints: a hinge may stand for the arm of a pendulum
+COORDINATES = "those of the geometry, in metres, before body.position moves it"
 STIFF = 1e4         # p_f times the smallest cell [-], of soil that is not held
 
 
@@ -97,16 +100,48 @@ def _lowest_beyond(corners, axis, sign, at):
     return np.concatenate([a[of_a > 0.0, 2], a[cut, 2] + share * (b[cut, 2] - a[cut, 2])]).min()
 
 
-def odd_pull_points(scene, model):
-    """Lines that are fastened in the air."""
+def odd_points(scene, model):
+    """Lines that are fastened in the air; points of joints, loads and motions that are far from their body."""
     for i, body in enumerate(model.bodies):
-        if body.line is None:
-            continue
-        at, surface = body.line.attachment, body.surface
-        away = float(np.linalg.norm(np.maximum(0.0, np.maximum(surface.lower - at, at - surface.upper))))
+        away = 0.0 if body.line is None else _outside(body, body.line.attachment)
         if away > OFF * body.radius:
             yield (f"body.{i}.pull.point of {body.name} lies {away:.3g} m outside its bounding box, which looks wrong: "
-                   "its coordinates are those of the geometry, in metres, before body.position moves it")
+                   f"its coordinates are {COORDINATES}")
+    for key, b, point, sizes in (*_points_of_stages(scene, model), *_points_of_joints(model)):
+        body = model.bodies[b]
+        away, size = _outside(body, point), np.ptp(body.outline.vertices, axis=0).max()
+        if away > sizes * size:
+            yield (f"{key} of {body.name} lies {away:.3g} m outside its bounding box, {away / size:.2g} times its size, limit {sizes:g}, which looks "
+                   f"wrong: its coordinates are {COORDINATES}")
+
+
+def _outside(body, point):
+    """Distance [m] of a point (3,) in the frame of a body from the bounding box of its surface in that frame."""
+    lower, upper = body.outline.vertices.min(axis=0), body.outline.vertices.max(axis=0)
+    return float(np.linalg.norm(np.maximum(0.0, np.maximum(lower - point, point - upper))))
+
+
+def _points_of_stages(scene, model):
+    """(key, number of the body, point (3,) [m] in its frame, sizes that it may be away) of loads and motions of stages."""
+    for s, stage in enumerate(scene.stages):
+        for b, (described, body) in enumerate(zip(scene.bodies, model.bodies)):
+            control = body.stages[s] if body.stages else None
+            numbers = [i for i, load in enumerate(stage.loads) if load.body in (None, described.name)]
+            for i, load in zip(numbers, control.loads if control else ()):
+                yield f"stage.{s}.load.{i}.point", b, load.point, AWAY
+            numbers = {motion.point: i for i, motion in reversed(list(enumerate(stage.motions)))
+                       if motion.point is not None and motion.body in (None, described.name)}
+            guided = {guide.label: guide.point for guide in control.points} if control else {}     # each once, as in the scene
+            for i, point in zip(sorted(numbers.values()), guided.values()):
+                yield f"stage.{s}.motion.{i}.point", b, point, AWAY
+
+
+def _points_of_joints(model):
+    """The same of joints; not the place of a hinge, ball or weld in the second body, which follows from that in the first."""
+    for i, joint in enumerate(model.joints):
+        for b, point, name in zip(joint.bodies, joint.points, ("point", "end")):
+            if b is not None and (name == "point" or not joint.at_point):
+                yield f"joint.{i}.{name}", b, point, AWAY_JOINED
 
 
 def odd_penalty(scene, model):
@@ -129,4 +164,4 @@ def odd_halves(scene, model):
                    "end of the grid, or model the whole body")
 
 
-LIMITS = (odd_places, odd_pull_points, odd_penalty, odd_halves)
+LIMITS = (odd_places, odd_points, odd_penalty, odd_halves)

@@ -1,8 +1,9 @@
-"""Limits of what stages do to bodies: steps of driven bodies, tables of loads."""
+"""Limits of what stages do to bodies: steps of driven bodies, tables of loads and motions."""
 
 import numpy as np
 
 from hybrid.body.table import Table
+from hybrid.scene.check import spatial_spin
 from hybrid.scene.check_stage import components
 from hybrid.scene.stage import table_rows
 
@@ -19,7 +20,7 @@ def long_strides(scene, model):
         return
     limit = STRIDE[bool(model.soil.law.plastic)]
     for described, body in zip(scene.bodies, model.bodies):
-        strides = [(_stride(scene, stage, described, name) / np.diff(nodes).min(), name, stage)
+        strides = [(stride_of(scene, stage, described, name) / np.diff(nodes).min(), name, stage)
                    for stage in scene.stages for name, nodes in zip("xyz", model.soil.grid.axes) if len(nodes) > 1]
         cells, name, stage = max(strides, key=lambda stride: stride[0], default=(0.0, "", None))
         if cells > limit * (1 + 1e-9):
@@ -30,13 +31,14 @@ def long_strides(scene, model):
                    "stage.steps), or set time.accuracy")
 
 
-def _stride(scene, stage, described, name):
-    """Largest distance [m] by which a body is driven along an axis in a step of a stage."""
+def stride_of(scene, stage, described, name):
+    """Largest distance [m], or angle [rad], by which a body is driven in a component in a step of a stage."""
     length = stage.step or scene.time.step
     own = [motion for motion in stage.motions if motion.body in (None, described.name) and name in components(motion)]
     if not own:
         driven = name in described.driven and name not in stage.held
-        return driven * abs(described.velocity["xyz".index(name)]) * length
+        rates = dict(zip(("x", "y", "z", "rx", "ry", "rz"), (*described.velocity, *spatial_spin(described))))
+        return driven * abs(rates[name]) * length
     times = length * np.linspace(0.0, stage.steps, min(stage.steps, TIMES) + 1)
     return max(_of_motion(motion, times, length) for motion in own)
 
@@ -47,7 +49,8 @@ def _of_motion(motion, times, length):
     if motion.velocity is not None:
         return length * np.abs(_values(motion.velocity, 2, times)).max()
     moved = np.abs(np.diff(_values(motion.displacement, 2, times), axis=0)).max()
-    return moved * length / (times[1] - times[0])
+    degrees = np.pi / 180 if motion.component.startswith("r") else 1.0
+    return degrees * moved * length / (times[1] - times[0])
 
 
 def _values(given, columns, times):
@@ -56,25 +59,41 @@ def _values(given, columns, times):
     return np.stack([np.interp(times, table.times, column) for column in table.values.T], axis=1)
 
 
-def unreached_loads(scene, model):
-    """Tables of loads that end after their stage does, so that their last value is never reached."""
+def unreached_ends(scene, model):
+    """Tables of loads and motions that end after their stage does, or begin after it, so that their last value is never reached."""
     for s, stage in enumerate(scene.stages):
         end = stage.steps * (stage.step or scene.time.step)
-        for i, load in enumerate(stage.loads):
-            for key, given, unit in (("force", load.force, "N"), ("moment", load.moment, "N m")):
-                if given is None:
-                    continue
-                table = Table.of(table_rows(given, 4, f"stage.{s}.load.{i}.{key}"), 0.0)
-                reached, last = table.at(end), table.values[-1]
-                if table.times[-1] > end * (1 + 1e-9) and np.abs(reached - last).max() > REACHED * np.abs(table.values).max():
-                    yield (f"stage.{s}.load.{i}.{key} ends at {table.times[-1]:g} s, and its stage {stage.name!r} at {end:g} s: it "
-                           f"reaches {_shown(reached)} {unit}, not its last row, {_shown(last)} {unit}. Times count from the start "
-                           f"of the stage: set stage.{s}.steps to {int(np.ceil(stage.steps * table.times[-1] / end - 1e-9))}, or "
-                           "end the table earlier")
+        for path, given, columns, unit in _tables(f"stage.{s}", stage):
+            if given is None:
+                continue
+            table = Table.of(table_rows(given, columns, path), 0.0)
+            first = table.values[0] if path.endswith("displacement") else 0.0     # to which displacements are relative
+            reached, last = table.at(end) - first, table.values[-1] - first
+            if table.times[-1] <= end * (1 + 1e-9) or np.abs(reached - last).max() <= REACHED * np.abs(table.values - first).max():
+                continue
+            if table.times[0] >= end * (1 - 1e-9):
+                remedy = f"let them begin at 0, and not at {table.times[0]:g} s, when the stage is over"
+            else:
+                steps = int(np.ceil(stage.steps * table.times[-1] / end - 1e-9))
+                remedy = f"set stage.{s}.steps to {steps}, or end the table earlier"
+            yield (f"{path} ends at {table.times[-1]:g} s, and its stage {stage.name!r} at {end:g} s: it reaches {_shown(reached)} {unit}, not its last "
+                   f"row, {_shown(last)} {unit}. Times count from the start of the stage: {remedy}")
+
+
+def _tables(path, stage):
+    """(key, given table, columns, unit) of each load and motion of a stage that has one."""
+    for i, load in enumerate(stage.loads):
+        for name, unit in (("force", "N"), ("moment", "N m")):
+            yield f"{path}.load.{i}.{name}", getattr(load, name), 4, unit
+    for i, motion in enumerate(stage.motions):
+        turns = len(motion.component or "") > 1
+        for name, unit in (("velocity", "rad/s" if turns else "m/s"), ("displacement", "degrees" if turns else "m")):
+            yield f"{path}.motion.{i}.{name}", getattr(motion, name), 2, unit
 
 
 def _shown(values):
-    return f"({', '.join(f'{value:.4g}' for value in values)})"
+    text = ", ".join(f"{value:.4g}" for value in values)
+    return f"({text})" if len(values) > 1 else text
 
 
-LIMITS = (long_strides, unreached_loads)
+LIMITS = (long_strides, unreached_ends)

@@ -2,11 +2,17 @@
 
 import numpy as np
 
+from hybrid.body.attitude import rotation_from_axis_angle
+from hybrid.contact.search import distances
+from hybrid.monitors.limits.stages import stride_of
 from hybrid.runtime.comm import maximum, minimum
 
 # [rad] a step: from here on the attitude of a free body is wrong by 0.05 rad after a rotation of 10 rad (failure study)
 ROTATION = {"schemes of first order": 0.03, "energy-momentum": 0.2, "generalised alpha that damps": 0.2,
             "schemes of second order": 0.4}
+ABOUT_AXIS = 0.4    # [rad] a step about one axis, by which contact and friction see the surface of a body move at once
+DEGREES = 2.0       # [rad] a step: beyond it steps are halved, and the number is usually one of degrees
+ROUND = 0.03        # of the radius of a body, by which facets of a round one differ from what they are after a turn
 TUMBLING = 0.02     # sine between spin and angular momentum: below it a body rotates about one axis, without error
 
 
@@ -16,10 +22,7 @@ def large_rotation_step(scene, model):
         return
     for described, body in zip(scene.bodies, model.bodies):
         spin = np.array(described.spin)
-        momentum = body.mass.inertia @ spin
-        aligned = np.linalg.norm(spin) * np.linalg.norm(momentum)
-        tumbling = np.linalg.norm(np.cross(spin, momentum)) / max(aligned, 1e-300)
-        if tumbling < TUMBLING or not body.free[3:].all():
+        if not _tumbles(spin, body):
             continue
         rotations = [(np.linalg.norm(spin) * (stage.step or scene.time.step), *_limit(model.scheme, stage))
                  for stage in scene.stages]
@@ -28,6 +31,38 @@ def large_rotation_step(scene, model):
             yield (f"{body.name} rotates by {angle:.3g} rad a step by its spin, limit {limit:g} rad for {kind}: its "
                    "attitude is wrong by 0.05 rad or more after 10 rad. Use a smaller time.step, or set "
                    "time.accuracy = 1e-3")
+
+
+def _tumbles(spin, body):
+    """Whether a free body with this spin (3,) [rad/s] does not turn about one axis."""
+    momentum = body.mass.inertia @ spin
+    aligned = np.linalg.norm(spin) * np.linalg.norm(momentum)
+    return np.linalg.norm(np.cross(spin, momentum)) > TUMBLING * max(aligned, 1e-300) and body.free[3:].all()
+
+
+def large_turn_about_an_axis(scene, model):
+    """Bodies whose spin, or what drives them, turns them about one axis by so much in a step that contact follows their surface no more."""
+    if scene.time.accuracy:
+        return
+    for described, body in zip(scene.bodies, model.bodies):
+        spin = np.array(described.spin) * model.scheme.inertia
+        found = [] if _tumbles(spin, body) else [(np.linalg.norm(spin), scene.stages[0], "body.spin")]
+        for stage in scene.stages:
+            names = [f"r{axis}" for axis in "xyz"]
+            found += [(stride_of(scene, stage, described, name) / (stage.step or scene.time.step), stage, f"what drives {name}") for name in names]
+        rate, stage, cause = max(found, key=lambda each: each[0] * (each[1].step or scene.time.step), default=(0.0, None, ""))
+        length = (stage.step or scene.time.step) if stage else 0.0
+        axis = spin if cause == "body.spin" else np.eye(3)["xyz".index(cause[-1])] if cause else None
+        if rate * length > ABOUT_AXIS * (1 + 1e-9) and (rate * length > DEGREES or not _round(body, axis)):
+            unit = "; is it a number of degrees? rad/s expected" if rate * length > DEGREES else ""
+            yield (f"{body.name} turns by {rate * length:.3g} rad a step by {cause}, limit {ABOUT_AXIS:g} rad{unit}: contact sees its surface at the "
+                   f"ends of increments alone. Use steps of at most {ABOUT_AXIS / rate:.2g} s, or set time.accuracy = 1e-3")
+
+
+def _round(body, axis):
+    """Whether a body looks the same after a turn about an axis (3,) in its frame, such as a ball: contact sees no difference then."""
+    turned = body.outline.vertices @ rotation_from_axis_angle(axis, ABOUT_AXIS).T
+    return np.abs(distances(turned, body.outline)[0]).max() < ROUND * body.radius
 
 
 def _limit(scheme, stage):
@@ -69,4 +104,4 @@ def _reached(soil):
         yield within if len(nodes) > 1 else np.ones(1, bool)
 
 
-LIMITS = (large_rotation_step, singular_stiffness)
+LIMITS = (large_rotation_step, large_turn_about_an_axis, singular_stiffness)

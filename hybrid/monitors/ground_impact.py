@@ -1,0 +1,37 @@
+"""Energy that bodies lose when they hit held ground, in steps too long for their contact.
+
+A ball of 47 kg that falls 0.5 m keeps half of its energy at each bounce in steps of 2 ms, and nearly all of it in steps of 0.2 ms.
+"""
+
+import numpy as np
+
+from hybrid.monitors.body_impact import QUIET, ImpactLoss
+from hybrid.runtime.comm import anywhere
+
+SMALL = 0.01    # of the energy of a fall from the radius of the bodies: what has less settles on its contact springs
+
+
+class GroundImpact(ImpactLoss):
+    """Warns once that impacts of bodies on held ground have cost more than LOST of their kinetic energy."""
+
+    def __init__(self, model, state):
+        super().__init__(model, state)
+        self._touched = False   # whether a body has touched the ground since something happens
+
+    def warnings(self, view):
+        """Energy, time, share, limit and remedy."""
+        if not view.model.soil.held or not view.scheme.inertia or view.scheme.first_order:
+            return
+        loss, found = self.follow(view, view.struck)
+        self._touched |= anywhere([len(contact) for contact in view.contacts])
+        if found and self._touched and self._largest > _least(view.model):
+            yield "ground", self.text(view, loss, "impact on held ground", ". Use a smaller time.step, ten in the time for which they touch "
+                                      "keep 96 %")
+        if view.struck or self._quiet >= QUIET:     # by one another: `BodyImpact`
+            self._touched = False
+            self.forget()
+
+
+def _least(model):
+    """Energy [J] of motion below which nothing is an impact."""
+    return SMALL * sum(body.mass.mass * body.radius for body in model.bodies) * float(np.linalg.norm(model.gravity))
