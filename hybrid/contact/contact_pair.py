@@ -76,8 +76,13 @@ class ContactPair:
         touching[contact.active], pressed[contact.active] = True, contact.pressure
         shear = corners.shared(touching, pressed)
         before, after = (float(total(values[contact.active])) for values in (limits.shear, shear))
-        self.corners = replace(corners, limits=limits._replace(shear=shear))
+        self._limits, self.corners = limits, replace(corners, limits=limits._replace(shear=shear))
         return abs(after - before) / max(after, before, TINY)
+
+    def restore_interface(self):
+        """Let the points bear what they did before `share_interface`."""
+        if self.corners.shared is not None:
+            self.corners = replace(self.corners, limits=self._limits)
 
     def parted(self, contact):
         """Numbers of the points that touched when the step began, and of those of them that do not in `contact`."""
@@ -90,7 +95,7 @@ class ContactPair:
     def bonded(self):
         """Context in which the points that touched when the step began pull too."""
         corners, m = self.corners, len(self.corners)
-        tension = np.where(corners.touching, np.inf, 0.0)
+        tension = np.where(corners.touching & (corners.stiffness > 0.0), np.inf, 0.0)
         self.corners = replace(corners, limits=corners.limits._replace(tension=tension, opened=np.zeros(m, bool)))
         try:
             yield

@@ -160,9 +160,8 @@ def evaluate(corners, position, centre, rotation, surface, friction, tangential)
                            corners.rest[active], limits.select(active))
     found = Response.empty(len(active))
     _law(closed, points, Coulomb(friction, tangential), surface.tree, found)
-    pressure = closed.stiffness * (closed.rest - points.gap)
-    if len(limits.tension):
-        pressure = np.maximum(pressure, -closed.limits.tension)
+    most = closed.limits.tension if len(limits.tension) else 0.0
+    pressure = np.maximum(closed.stiffness * (closed.rest - points.gap), -most)
     return CornerContact(
         active, points.gap, found.side @ rotation.T, found.force @ rotation.T, rotation @ found.tangent @ rotation.T,
         rotation @ found.turning @ rotation.T, position[active] - centre, found.slip, found.anchor, found.side,
@@ -203,6 +202,7 @@ def _law(corners, points, coulomb, tree, out):
     for n in range(len(y)):
         eps_n, eps_t = stiffness[n], coulomb.ratio * stiffness[n]
         p, slope, bonded = eps_n * (rest[n] - gap[n]), eps_n, bonds and tension[n] > 0.0
+        p = p if bonded else max(p, 0.0)    # of one that just touches
         energy[n] = 0.5 * p * p / eps_n
         if bonded and p < -tension[n]:
             energy[n] = work_to_break(tension[n], p, eps_n)

@@ -1,6 +1,5 @@
 """Energy that a run gains, or loses in one step, without a cause in the balance of `hybrid.step.energy`."""
 
-from hybrid.monitors.absorbed_impact import motion_energy
 from hybrid.monitors.monitor import Monitor
 
 GAIN = 0.25     # of the largest energy stored so far (kinetic, elastic, contact springs; quasi-static: with what was dissipated)
@@ -17,8 +16,7 @@ class EnergyBalance(Monitor):
 
     def __init__(self, model, state):
         super().__init__(model, state)
-        # [J], stored energy so far, at first that of the bodies' motion; error of the balance at the last step
-        self._largest, self._error = 0.0 if state is None else motion_energy(model.bodies, state.bodies), 0.0
+        self._largest = self._error = 0.0   # [J], stored energy so far; error of the balance at the last step
         self._steps, self._began = 0, None  # steps so far; time [s] since which the gain is above its limit
 
     def warnings(self, view):

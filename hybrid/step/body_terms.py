@@ -181,7 +181,8 @@ def _expected_pose(body, motion, history, gravity, scheme, dt):
     """Pose of a body to which its contact points are predicted to move. One that touches nothing yet also falls: else a body
     that starts in touch and slides would find friction in its first step only if its places happen to rise against it."""
     position, rotation = rigid.predicted_pose(body, motion, scheme, dt)
-    if scheme.inertia and not anywhere(history.touching):
+    moving = motion.velocity.any() or motion.spin.any()
+    if scheme.inertia and moving and not anywhere(history.touching):
         position = position + 0.5 * dt**2 * gravity * body.free[:3]
     return position, rotation
 

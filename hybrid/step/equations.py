@@ -166,6 +166,11 @@ class Step:
         largest change among the bodies."""
         return max((terms.step.pair.share_interface(terms.contact) for terms in evaluation.bodies), default=0.0)
 
+    def restore_interface(self):
+        """Let the points bear what they did before `share_interface`."""
+        for body in self.bodies:
+            body.pair.restore_interface()
+
     def hold_facets(self, evaluation):
         """Hold the corners that touch to the facets that carry them at an evaluation. Returns those facets, an array for
         each body."""

@@ -102,8 +102,9 @@ class Outcome:
                        errors=self.errors + other.errors, judged=self.judged or other.judged)
 
 
-def solve(step: Step):
-    """Outcome of Newton's method on `step`. Never raises for lack of convergence."""
+def solve(step: Step, follow=False):
+    """Outcome of Newton's method on `step`. Never raises for lack of convergence. follow: whether to try soil that has followed
+    bodies (`followed`) where the first guess fails."""
     solver = step.model.solver
     if reason := step.rotation_too_large():
         return Outcome(None, 0, 0, (), reason)
@@ -113,12 +114,19 @@ def solve(step: Step):
     if isinstance(evaluation, Refusal):
         return Outcome(None, 0, 0, (), f"the first guess {evaluation.reason}")
     if not step.model.scheme.inertia:   # the first guess is then at rest
-        evaluation = followed(step, landed(step, evaluation))
+        evaluation = landed(step, evaluation)
         step = replace(step, reference=evaluation.internal)
+    start = evaluation.unknowns
     outcome = _solution(step, solver, evaluation)
+    if follow and not outcome.converged and not step.model.scheme.inertia and (evaluation := followed(step, start)):
+        outcome = outcome.followed_by(_solution(step, solver, evaluation))
     if outcome.converged and step.share_interface(outcome.evaluation) > SHARED:
         again = _solution(step, solver, step.evaluate(outcome.evaluation.unknowns))
-        outcome = outcome.followed_by(again) if again.converged else again.followed_by(outcome)
+        if again.converged:
+            outcome = outcome.followed_by(again)
+        else:
+            step.restore_interface()
+            outcome = again.followed_by(replace(outcome, evaluation=step.evaluate(outcome.evaluation.unknowns)))
     return replace(outcome, reason=rejection(step, outcome.evaluation)) if outcome.converged else outcome
 
 
@@ -146,29 +154,31 @@ def landed(step, evaluation):
         outcome = _iterate(part, step.model.solver, part.evaluate(evaluation.unknowns), Updates(PATIENCE, smooth=False))
     finally:
         part.system.destroy()
-    return step.evaluate(outcome.evaluation.unknowns) if outcome.converged else evaluation
+    return step.evaluate((outcome.evaluation if outcome.converged else evaluation).unknowns)
 
 
-def followed(step, evaluation):
-    """Evaluation where soil has followed bodies that are drawn back from it: an update in which the points that touched pull.
+def followed(step, unknowns):
+    """Evaluation where soil has followed bodies that are drawn back from it: an update from `unknowns` in which the points that
+    touched pull. None where hardly any of them part, or there is no such update.
 
     With the soil still where it was, a body leaves it as soon as it moves farther than its springs are pressed, and Newton's
     method starts from soil that nothing supports.
     """
+    evaluation = step.evaluate(unknowns)
     before, parted = np.sum([terms.step.pair.parted(terms.contact) for terms in evaluation.bodies] or [(0, 0)], axis=0)
     if parted <= PARTED * before:
-        return evaluation
+        return None
     with ExitStack() as bonds:
         for terms in evaluation.bodies:
             bonds.enter_context(terms.step.pair.bonded())
         try:
-            start = step.evaluate(evaluation.unknowns)
+            start = step.evaluate(unknowns)
             step.assemble(start)
             soil, body, _ = step.system.solve(start.soil, start.body, step.model.solver.linear_tolerance)
         except StepError:
-            return evaluation
-    new = step.evaluate(step.moved(evaluation.unknowns, soil, body))
-    return evaluation if isinstance(new, Refusal) or new.error > evaluation.error else new
+            return None
+    new = step.evaluate(step.moved(unknowns, soil, body))
+    return None if isinstance(new, Refusal) else new
 
 
 def _solution(step, solver, evaluation):

@@ -260,7 +260,7 @@ def test_corners_are_held_only_where_the_facet_is_as_near_as_any(monkeypatch):
     monkeypatch.setattr(newton, "AMBIGUOUS", 0.0)
     rejected = []
     solve = newton.solve
-    monkeypatch.setattr(newton, "solve", lambda step: rejected.append(solve(step)) or rejected[-1])
+    monkeypatch.setattr(newton, "solve", lambda *given, **how: rejected.append(solve(*given, **how)) or rejected[-1])
     try:
         ride(ROW[2], -0.06249, 0.3)
     except StepError:

@@ -196,10 +196,10 @@ import sys
 from hybrid.runtime import ranks
 from hybrid.step import newton
 solve = newton.solve
-def broken(step):
+def broken(step, **how):
     if step.state.step == 2 and ranks.rank() == 1:
         raise ArithmeticError("made for the test")
-    return solve(step)
+    return solve(step, **how)
 newton.solve = broken
 """
 
@@ -219,10 +219,10 @@ from hybrid.step import newton
 solve = newton.solve
 with open(f"{sys.argv.pop()}/{ranks.rank()}.pid", "w") as file:
     file.write(str(os.getpid()))
-def killed(step):
+def killed(step, **how):
     if step.state.step == 3 and ranks.rank() == 1:
         os.kill(os.getpid(), 9)
-    return solve(step)
+    return solve(step, **how)
 newton.solve = killed
 """
 

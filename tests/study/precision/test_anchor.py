@@ -52,7 +52,7 @@ def test_a_wrong_course_is_found():
 
 
 def test_a_failure_is_raised(monkeypatch):
-    monkeypatch.setattr(newton, "MOST", 1)
+    monkeypatch.setattr(newton, "MOST", 0)
     with pytest.raises(StepError):
         anchor.solve(h=0.4, solver={"tolerance": 1e-12})
 
