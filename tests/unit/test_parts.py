@@ -57,7 +57,7 @@ def test_a_surface_in_two_parts_is_refused(tmp_path):
 def pushed(steps=2, **body):
     """Scene of a quarter of a cone whose shoulder is near the surface of elastic soil."""
     side = Axis(start=0.0, end=1.5, size=0.25)
-    cone = Body(GEOMETRY / "cone.geo", 1000.0, name="cone", parameters=CONE, rest_on=-0.9, driven=("z",), friction=0.3,
+    cone = Body(GEOMETRY / "cone.geo", 1000.0, name="cone", parameters=CONE, rest_on=-0.9, driven=("z",), friction=0.1,
                 velocity=(0.0, 0.0, -0.02), held=("x", "y", "rx", "ry", "rz"))
     return Scene(name="pushed", grid=Grid(side, side, Axis(start=-2.0, end=0.5, size=0.25), Faces(z_min="fixed")),
                  soil=Soil(Material(law="hencky", young=1e6, poisson=0.2, density=1500.0), top=0.0, geostatic=False),
