@@ -26,7 +26,7 @@ import numpy as np
 from numba import njit
 
 from hybrid.contact.first_contact import predicted_contact_points
-from hybrid.contact.interface import ATTACHED, NONE, PlaceLimits, lie_before, place_limits
+from hybrid.contact.interface import ATTACHED, EVERYWHERE, NONE, PlaceLimits, lie_before, place_limits
 from hybrid.contact.search import gaps_in_space, new_points
 from hybrid.runtime.comm import anywhere
 from hybrid.soil.basis import find_cell, hat
@@ -105,7 +105,8 @@ def find_corners(domains, pressure, places, grid, active, body, surface, reach, 
     if not domains.half.any():
         area = area / 2         # all eight corners of a point coincide: they share its stiffness
     start = (found["position"] - body.position) @ body.rotation
-    found["limits"], found["shared"] = place_limits(limits, found, area, domains, places, body, surface)
+    extent = np.where(grid.collapsed[:, None], EVERYWHERE, grid.extent)
+    found["limits"], found["shared"] = place_limits(limits, found, area, domains, places, body, surface, extent)
     del found["normal"], found["opened"]
     corners = Corners(start=start, node=node[use], weight=weight[use], stiffness=pressure[point] * area, **found)
     is_open = ~corners.touching

@@ -22,6 +22,7 @@ Equations: FORMULATION (40a).
 """
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -32,6 +33,7 @@ from scipy.spatial import cKDTree
 from hybrid.body.closest import closest
 from hybrid.body.facet_tree import NO_SIDE
 from hybrid.body.surface import ContactSurface
+from hybrid.contact.cover import Cover
 from hybrid.contact.search import distances
 from hybrid.runtime.comm import joined, offset
 
@@ -41,32 +43,37 @@ AROUND = 4.0    # widths of a domain up to which a contact point bears the inter
 BEARERS = 4     # contact points without a bond among which a face shares its interface, by the forces that press them
 ALONG = 0.9     # cosine between the way from the surface to a place before it and the normal there
 TURN = 0.5      # largest difference of the normals there: beside a rounded edge the soil is away from the body
+SPARE = 1.05    # layers that count as one: of a single one places are not spread evenly
 TINY = 1e-30    # [m³], area times overlap, of a contact point that nothing presses
 RAMP = 10.0     # shear over pressure of points without a bond, up to which adhesion is mobilised
+EVERYWHERE = np.array([[-np.inf, np.inf]] * 3)
 
 
 @dataclass(frozen=True)
 class Interface:
     """adhesion: α/ξ, None where friction alone limits the shear; tension: σ_t [Pa], 0 without a bond, inf for ever; sharp:
-    ContactSurface on whose area they act, None for the one in contact: edges that this has rounded off are clay's as well."""
+    ContactSurface on whose area they act, None for the one in contact: edges that this has rounded off are clay's as well; cover:
+    Cover of that area, None where contact points bear whatever they are given."""
 
     adhesion: float | None
     tension: float
     sharp: ContactSurface | None = None
+    cover: Cover | None = None
 
     def of_points(self, law, plastic_strain):
         """PointLimits of soil points with a `law` and accumulated plastic strain (n,)."""
         shear = None if self.adhesion is None else self.adhesion * law.cohesion(plastic_strain)
-        return PointLimits(shear, self.tension, self.sharp)
+        return PointLimits(shear, self.tension, self.sharp, self.cover)
 
 
 class PointLimits(NamedTuple):
     """Stresses [Pa] that the interface carries: shear (n,) α s_u of each soil point, None without adhesion; tension; and the
-    `sharp` surface of Interface."""
+    `sharp` surface of Interface and its `cover`."""
 
     shear: np.ndarray | None
     tension: float
     sharp: ContactSurface | None = None
+    cover: Cover | None = None
 
 
 class PlaceLimits(NamedTuple):
@@ -86,10 +93,11 @@ class PlaceLimits(NamedTuple):
 NONE = PlaceLimits(np.zeros(0), np.zeros(0), np.zeros(0, bool))
 
 
-def place_limits(limits, found, area, domains, places, body, surface):
+def place_limits(limits, found, area, domains, places, body, surface, extent=EVERYWHERE):
     """(PlaceLimits, function) of contact points `found` {name: (m, ...)}: position, normal, point, place, clearance, touching and
     opened as in corners.Corners and ContactHistory, and rest. limits: PointLimits, None for none; area: (m,) [m²]; domains:
-    Domains of the soil's points; places: Places on them; body: BodyState; surface: that the points are in contact with.
+    Domains of the soil's points; places: Places on them; body: BodyState; surface: that the points are in contact with; extent:
+    (3, 2) [m] of the soil's grid.
 
     The function gives the limits of shear (m,) [N] where other points touch, (m,) bool, pressed by forces (m,); None where
     these do not depend on that."""
@@ -100,8 +108,11 @@ def place_limits(limits, found, area, domains, places, body, surface):
     before_body, own = np.ones(len(area), bool), area
     if not places.at_corners:
         found, own, before_body = _before_sharp(found, area, domains, places, body, limits.sharp or surface)
-    bonds = limits.tension > 0.0
-    borne = _borne_by_each(found, before_body & (own > 0.0), domains, places, 1 if bonds else BEARERS)
+    bonds, layers = limits.tension > 0.0, None
+    if limits.cover is not None:
+        layers = partial(limits.cover.layers, pose=(body.position, body.rotation), extent=extent)
+    found = found | {"area": own}
+    borne = _borne_by_each(found, before_body & (own > 0.0), domains, places, 1 if bonds else BEARERS, layers)
     if limits.shear is not None:
         shear = borne(limits.shear[found["point"]] * own)
     if bonds:       # a bond holds whatever presses
@@ -111,9 +122,10 @@ def place_limits(limits, found, area, domains, places, body, surface):
             tension *= borne(own)
 
     def shared(touching, pressed):
-        now = found | {"touching": touching, "pressed": pressed}
         areas = np.where(touching, area, own)
-        return _borne_by_each(now, before_body & (areas > 0.0), domains, places, BEARERS)(limits.shear[found["point"]] * areas)
+        now = found | {"touching": touching, "pressed": pressed, "area": areas}
+        borne = _borne_by_each(now, before_body & (areas > 0.0), domains, places, BEARERS, layers)
+        return borne(limits.shear[found["point"]] * areas)
 
     return PlaceLimits(shear, tension, opened), None if bonds or places.at_corners or limits.shear is None else shared
 
@@ -135,15 +147,16 @@ def _before_sharp(found, area, domains, places, body, sharp):
     return found | {"normal": normal, "clearance": clearance}, np.where(open_, seen, area), before
 
 
-def _borne_by_each(found, borne, domains, places, most):
+def _borne_by_each(found, borne, domains, places, most, layers):
     """Function that gives the sums (m,) of the values (m,) of all contact points that each of them bears; borne: (m,) bool,
-    those that another may bear, of this process or another one; most: number of points that share the value of one."""
+    those that another may bear, of this process or another one; most: number of points that share the value of one; layers: of
+    Cover, None where it does not count in how many the points lie."""
     if places.at_corners:
         return lambda values: values
     order = own = ...
     if domains.number is not None:
         found, domains, order, own = _of_all_processes(found, domains)
-    shares = _shares(found, joined(borne)[order], domains, places, most)
+    shares = _shares(found, joined(borne)[order], domains, places, most, layers)
     return lambda values: (shares @ joined(values)[order])[own]
 
 
@@ -156,18 +169,20 @@ def _of_all_processes(found, domains):
     own = np.argsort(order)[offset(len(point)):][:len(point)]
     _, first, point_of_all = np.unique(number[order], return_index=True, return_inverse=True)
     position, half = (joined(values[point])[order][first] for values in (domains.position, domains.half))
-    found = {name: joined(found[name])[order] for name in ("place", "position", "normal", "clearance", "touching", "pressed")}
+    found = {name: joined(found[name])[order]
+             for name in ("place", "position", "normal", "clearance", "touching", "pressed", "area")}
     return found | {"point": point_of_all}, replace(domains, position=position, half=half), order, own
 
 
-def _shares(found, borne, domains, places, most):
+def _shares(found, borne, domains, places, most, layers):
     """Sparse matrix (m, m): the share of the interface of each contact point, its column, that each bears, its row; borne: (m,)
-    bool, those that another may bear; most: as in `_borne_by_each`.
+    bool, those that another may bear; most, layers: as in `_borne_by_each`.
 
     The surface of the soil is made of steps. A few contact points at their tips touch a body: they bear the interface of
     the faces around them, as far as these are part of the surface and no farther from the body than a domain is high. One
     that parts from the body within the step bears nothing in it, and where soil flows along a body many of those that are
-    hardly pressed do; so the nearest ones share a face by the forces that press them.
+    hardly pressed do; so the nearest ones share a face by the forces that press them. Clay that is sheared far parts into layers,
+    faces of each of which are exposed: where they cover the body more than once, all of them count for less.
     """
     m, half = len(borne), domains.half[found["point"]]
     height = 2 * np.einsum("ci,ci->c", np.abs(found["normal"]), half)
@@ -179,9 +194,20 @@ def _shares(found, borne, domains, places, most):
         width = AROUND * 2 * half[touching][:, np.unique(places.axis)].max()     # not that of a slice in plane strain
         others = _divided(found, near, touching, width, min(most, len(touching)))
         bearer, share, of = (np.concatenate(pair) for pair in zip((bearer, share, of), others))
+    if layers is not None and len(of):
+        share = share / _excess(found, np.unique(of), layers)[of]
     alone = np.setdiff1d(np.arange(m), of)
     bearer, share, of = (np.concatenate(pair) for pair in ((bearer, alone), (share, np.ones(len(alone))), (of, alone)))
     return coo_matrix((share, (bearer, of)), shape=(m, m)).tocsr()
+
+
+def _excess(found, chosen, layers):
+    """(m,) factor, 1 or more, by which `chosen` contact points (k,) cover the surface of the body too often around each of them;
+    layers: of Cover."""
+    excess, normal = np.ones(len(found["point"])), found["normal"][chosen]
+    foot = found["position"][chosen] - found["clearance"][chosen, None] * normal
+    excess[chosen] = np.maximum(1.0, layers(foot, normal, found["area"][chosen]) / SPARE)
+    return excess
 
 
 def _divided(found, near, touching, width, count):

@@ -97,6 +97,16 @@ def sample(surface, spacing, width, corner, flat=None, share=1.0):
     return Samples(pieces, edges, share, flat, int(total[-1]))
 
 
+def everywhere(surface, spacing):
+    """Points (n, 3) [m] all over a ContactSurface, no farther apart than about a `spacing` [m], outward normals (n, 3) there and
+    areas (n,) [m²]."""
+    pieces = sample(surface, spacing, 0.0, 0.0).pieces
+    count = int((4**pieces.cuts).sum())
+    found = np.empty((count, 3)), np.empty((count, 3)), np.empty(count)
+    _everywhere(pieces, np.zeros((0, 3)), *found)
+    return found
+
+
 def _edges(surface, spacing, width, corner):
     """Places (e, 3) [m] on sharp convex edges and at the corners where three of them end, normals (e, 3) there and areas (e,)."""
     t, k = shared_edges(surface.triangles)
@@ -193,6 +203,22 @@ def _near(pieces, flat, turn, way, tree, reach, found):
                     point[count, i], normal[count, i] = x[i], N[i]
             count += 1
     return count
+
+
+@njit(cache=True)
+def _everywhere(pieces, flat, point, normal, area):
+    """Fill the points and normals (n, 3) and areas (n,) of all parts of triangles: rows of them, those in between upside down."""
+    count = 0
+    for t in range(len(pieces.cuts)):
+        rows = 2 ** pieces.cuts[t]
+        for i in range(rows):
+            for j in range(rows - i):
+                for third in range(1, 3 if i + j < rows - 1 else 2):
+                    x, N, jacobian = _at(pieces, t, (i + third / 3.0) / rows, (j + third / 3.0) / rows, flat)
+                    area[count] = 0.5 * jacobian / rows**2
+                    for k in range(3):
+                        point[count, k], normal[count, k] = x[k], N[k]
+                    count += 1
 
 
 @njit(cache=True)

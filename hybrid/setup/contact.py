@@ -27,6 +27,7 @@ from hybrid.body.rounded import round_off
 from hybrid.body.sharp_edges import find_edges, narrowest_face
 from hybrid.body.surface import build_surface
 from hybrid.contact import places
+from hybrid.contact.cover import Cover
 from hybrid.contact.interface import Interface
 from hybrid.laws.drucker_prager import cone_constants
 from hybrid.runtime.comm import largest, minimum
@@ -52,8 +53,8 @@ def connect_to_soil(described, body, rotation, soil, gravity, cone):
         edges = find_edges(body.surface, soil.grid.smallest_cell, rotation[soil.grid.collapsed])
         body = replace(body, surface=round_off(body.surface, edges), narrowest=narrowest_face(edges, soil.grid.smallest_cell))
     body = replace(body, places=chosen, penalty=_penalty(described, body, soil, spacing, radius, gravity))
-    if interface and body.surface is not sharp:
-        interface = replace(interface, sharp=sharp)
+    if interface and not chosen.at_corners:
+        interface = replace(interface, sharp=None if body.surface is sharp else sharp, cover=_cover(sharp, soil, rotation))
     body = replace(body, friction=_friction(described), interface=interface)
     return rigid.with_stiffness(body, soil.law.young, soil.held)
 
@@ -73,10 +74,23 @@ def _interface(described, cone):
     return Interface(described.adhesion / cone_constants(0.0, 0.0, cone)[1] if described.adhesion else None, tension)
 
 
+def _cover(surface, soil, rotation):
+    """Cover of a body's `surface`, for the smallest domains of the soil."""
+    collapsed = soil.grid.collapsed
+    share = np.prod([np.ptp(soil.grid.extent[axis]) / np.ptp(surface.vertices @ rotation[axis])
+                     for axis in np.flatnonzero(collapsed)])
+    return Cover.of(surface, _smallest_domain(soil), rotation[collapsed], share)
+
+
+def _smallest_domain(soil):
+    """Width [m] of the smallest domain, not along collapsed axes, nor along z where the ground cuts domains to slivers."""
+    across = ~soil.grid.collapsed & ((soil.ground is None) | (np.arange(3) < 2))
+    return 2 * minimum(soil.constants.half_width[:, across])
+
+
 def _places(described, body, soil, gravity):
     """(Places, their spacing [m], radius of curvature [m] of the body)."""
-    across = ~soil.grid.collapsed & ((soil.ground is None) | (np.arange(3) < 2))     # the ground cuts domains to slivers
-    width, radius = 2 * minimum(soil.constants.half_width[:, across]), curvature_radius(body.surface)
+    width, radius = _smallest_domain(soil), curvature_radius(body.surface)
     if described.contact == "corners":
         return places.corners(), width, radius
     wanted = (REST_CURVATURE if soil.held or _rests(body, soil, radius, gravity) else CURVATURE) * width / radius

@@ -11,6 +11,7 @@ from hybrid.body.rounded import round_off
 from hybrid.body.sharp_edges import find_edges
 from hybrid.contact import places as rules
 from hybrid.contact.contact_pair import ContactPair
+from hybrid.contact.cover import Cover
 from hybrid.contact.interface import Interface, PointLimits, place_limits
 from hybrid.contact.search import Reach
 from hybrid.laws.von_mises import VonMises
@@ -80,6 +81,43 @@ def test_the_thickness_of_a_slice_is_no_width_of_a_domain():
     body, surface = body_at((0.0, 0.0, 1.0)), box(half=(2.0, 0.5, 1.0))
     shear = place_limits(PointLimits(np.full(3, SHEAR), 0.0), found, area, domains, places, body, surface)[0].shear
     np.testing.assert_allclose(shear, SHEAR * area[0] * np.array([2.0, 0.0, 1.0]))
+
+
+@pytest.mark.parametrize("collapsed", [False, True])
+@pytest.mark.parametrize("opened", [False, True])
+@pytest.mark.parametrize("tension", [0.0, 1e3])
+def test_layers_of_clay_that_has_parted_bear_the_interface_of_one(collapsed, opened, tension):
+    """A thin layer touches the plate; where it has parted from the next one, the upper faces of both lie before the plate. In
+    space and in a slice, where a domain has the whole thickness."""
+    across = np.arange(0.025, 0.8, 0.05)
+    x, y = (axis.ravel() for axis in np.meshgrid(across, [0.4] if collapsed else across, indexing="ij"))
+    gap, wide = 0.02 if opened else 0.0, 0.4 if collapsed else 0.025
+    position, half = (np.concatenate([np.stack(np.broadcast_arrays(*row), axis=1) for row in rows]) for rows in (
+        ((x, y, -0.006), (x, y, -0.032 - gap)), ((0.025 + 0 * x, wide, 0.006), (0.025 + 0 * x, wide, 0.02))))
+    places = rules.faces(4, (False, collapsed, False))
+    tops = np.flatnonzero(places.flat[:, 2] == 1.0)
+    point, place = np.repeat(np.arange(len(position)), len(tops)), np.tile(tops, len(position))
+    at = position[point] + places.flat[place] * half[point]
+    depth, m, none = -at[:, 2], len(point), np.zeros(len(point))
+    found = {"point": point, "place": place, "position": at, "normal": np.tile([0.0, 0.0, -1.0], (m, 1)), "rest": none,
+             "clearance": np.where(depth < 1e-9, -1e-6, depth), "touching": depth < 1e-9, "opened": none > 0.0}
+    under = (np.abs(at - 0.4)[:, :2] <= np.where([False, collapsed], np.inf, 0.3)).all(axis=1)
+    found = {name: values[under] for name, values in found.items()}
+    domains, surface, body = domains_of(position, half), box(half=(0.3, 0.4 if collapsed else 0.3, 0.1)), body_at((0.4, 0.4, 0.1))
+    area = places.area(found["place"], domains.half[found["point"]], domains.volume[found["point"]])
+    plate, flat = 0.6 * (0.8 if collapsed else 0.6), np.array([[0.0, 1.0, 0.0]]) if collapsed else ()
+    cover, strength = Cover.of(surface, 0.05, flat), np.full(len(position), SHEAR)
+    counted, every = (place_limits(PointLimits(strength, tension, None, known), found, area, domains, places, body, surface)
+                      for known in (cover, None))
+    layers = 2.0 if opened else 1.0
+    assert every[0].shear[found["touching"]].sum() / SHEAR == pytest.approx(layers * plate, rel=1e-9)
+    sums = [counted[0].shear[found["touching"]].sum() / SHEAR]
+    if tension:
+        sums.append(counted[0].tension.sum() / tension)
+    else:
+        sums.append(counted[1](found["touching"], np.ones(len(area)))[found["touching"]].sum() / SHEAR)
+    for borne in sums:
+        assert borne == pytest.approx(plate, rel=0.12 if opened else 1e-3)      # beside edges half of what is around is not there
 
 
 def ball_in_a_bed(radius, height, tension=0.0):
