@@ -11,7 +11,7 @@ DefineConstant[
   size   = {0.03, Name "Parameters/size"}    // [m] edge length of the tetrahedra
 ];
 
-Mesh.MeshSizeMin = size;
+Mesh.MeshSizeMin = size / 8;
 Mesh.MeshSizeMax = size;
 
 height = radius / Tan(angle * Pi / 360);
@@ -37,6 +37,12 @@ side() = Surface In BoundingBox {-r, -r, height + extension - e, r, r, height + 
 rest() = outside();
 rest() -= tip();
 rest() -= side();
+
+// From the tip on, edges of a twelfth of the circumference: with longer ones a few facets would cut through the cone.
+Field[1] = MathEval;
+Field[1].F = Sprintf("%g + %g * z", size / 8, Pi / 6 * radius / height);
+Background Field = 1;
+Mesh.MeshSizeExtendFromBoundary = 0;
 
 Physical Volume("body") = {3};
 Physical Surface("contact") = outside();

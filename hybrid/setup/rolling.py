@@ -1,5 +1,5 @@
-"""Which bodies cannot roll, for want of curved faces or because they are kept from turning: these have softer tangential springs on
-soil that deforms, where the scene leaves these open.
+"""Which bodies cannot roll: these have softer tangential springs on soil that deforms, where the scene
+leaves these open.
 
 A body rolls on curved faces that are not upright. One that stands on plane faces sticks at some contact points and slips at
 others, and with springs stiffer than those along the normal Newton's method finds hardly which: a box of 0.4 x 1 m let
@@ -11,9 +11,6 @@ go on elastic soil (E = 50 MPa, μ = 0.5, cells of 0.1 m) takes, in its first se
 | 1 | 14, 4, 16, 8, 19, 47, 17 |
 | 0.3 | 14, 12, 4, 4, 18, 6, 5 |
 
-A quarter of a cone with μ = 0.3 that is pushed into elastic soil, cells of half its radius, takes 107 iterations in two steps or stops with
-3, and 35, on another mesh 231, with 0.3.
-
 On held ground a block that sticks takes 43 instead of 94 in 60 steps, but rocks in springs that lose energy. So held soil keeps stiff
 ones, as contact of bodies with one another has.
 """
@@ -24,7 +21,6 @@ import numpy as np
 
 from hybrid.scene.defaults import SLIDING, Decision
 
-ROTATIONS = "rx", "ry", "rz"
 UPRIGHT = 0.1       # largest vertical component of the normal of an upright face
 CURVED = np.radians(1.0)    # angle between the normals of a facet and of the surface at its corners, from which it is curved
 
@@ -40,22 +36,10 @@ def with_soft_springs(scene, bodies, motions, decisions):
         if key != "tangential" or one.value <= SLIDING:
             continue
         b = int(name.removeprefix("body."))
-        if described[b].contact != "faces":
-            continue
-        why = "" if turns(bodies[b], scene.stages) else "it cannot turn"
-        if not why and not rolls(bodies[b].outline, motions[b].rotation, scene.grid.z.collapsed):
-            why = "it has no curved face to roll on"
-        if why:
+        if described[b].contact == "faces" and not rolls(bodies[b].outline, motions[b].rotation, scene.grid.z.collapsed):
             described[b], bodies[b] = replace(described[b], tangential=SLIDING), replace(bodies[b], tangential=SLIDING)
-            decisions[n] = Decision(one.key, SLIDING, f"{why}, and needs fewer iterations")
+            decisions[n] = Decision(one.key, SLIDING, "it has no curved face to roll on, and needs fewer iterations")
     return replace(scene, bodies=tuple(described)), bodies, decisions
-
-
-def turns(body, stages):
-    """Whether a RigidBody turns in any of the stages, by itself or driven."""
-    moved = {component for stage in stages for motion in stage.motions if motion.body in (None, body.name)
-             for component in (*motion.free, motion.component)}
-    return bool(body.free[3:].any() or body.drive[3:].any() or moved & set(ROTATIONS))
 
 
 def rolls(surface, rotation, in_plan):

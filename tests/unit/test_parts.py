@@ -57,12 +57,23 @@ def test_a_surface_in_two_parts_is_refused(tmp_path):
 def pushed(steps=2, **body):
     """Scene of a quarter of a cone whose shoulder is near the surface of elastic soil."""
     side = Axis(start=0.0, end=1.5, size=0.25)
-    cone = Body(GEOMETRY / "cone.geo", 1000.0, name="cone", parameters=CONE, rest_on=-0.9, driven=("z",), friction=0.1,
+    cone = Body(GEOMETRY / "cone.geo", 1000.0, name="cone", parameters=CONE, rest_on=-0.9, driven=("z",), friction=0.3,
                 velocity=(0.0, 0.0, -0.02), held=("x", "y", "rx", "ry", "rz"))
     return Scene(name="pushed", grid=Grid(side, side, Axis(start=-2.0, end=0.5, size=0.25), Faces(z_min="fixed")),
                  soil=Soil(Material(law="hencky", young=1e6, poisson=0.2, density=1500.0), top=0.0, geostatic=False),
                  bodies=(replace(cone, **body),), time=Time(1.0, inertia=False), gravity=(0.0, 0.0, 0.0),
                  stages=(Stage("push", steps),))
+
+
+@pytest.mark.parametrize("friction", [0.3, 0.5])
+def test_the_mesh_of_its_tip_changes_neither_force_nor_iterations(friction):
+    """With edges of one length the mesh has four facets around the tip, which cut through the cone: closest points jump there."""
+    forces = []
+    for size in (0.1, 0.12, 0.2):
+        records = list(build(pushed(3, friction=friction, parameters=CONE | {"size": size})).steps())
+        assert max(record.iterations for record in records) < 40
+        forces.append([record.bodies[0].contact_force[2] for record in records])
+    assert np.ptp(forces, axis=0) == pytest.approx(0.0, abs=0.005 * np.max(forces))
 
 
 def test_forces_of_the_parts_add_up_to_that_of_the_body(tmp_path):

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from hybrid.runtime.errors import StepError
-from hybrid.scene import Axis, Faces, Grid, Motion, Stage
+from hybrid.scene import Axis, Faces, Grid, Stage
 from hybrid.setup.build import build
 from hybrid.study.scenes import box, collapsed, elastic, scene, sphere
 
@@ -33,15 +33,6 @@ def test_a_box_and_a_cylinder_on_its_end_are_soft_and_bodies_that_roll_are_not()
     assert ratio(box(0.5, 0.5, 0.5)) == 0.3
     assert ratio(cylinder()) == 0.3 and ratio(cylinder(**LYING)) == 3.0
     assert ratio(sphere(0.25, 0.1, 1.0)) == 3.0
-
-
-def test_bodies_that_cannot_turn_are_soft():
-    held = ("rx", "ry", "rz")
-    assert ratio(sphere(0.25, 0.1, 1.0, held=held)) == 0.3 and ratio(sphere(0.25, 0.1, 1.0, held=held[:2])) == 3.0
-    turned = Stage("turn", 1, motions=(Motion(component="ry", velocity=1.0),))
-    freed = Stage("free", 1, motions=(Motion(free=("rx",)),))
-    for stage in (turned, freed):
-        assert ratio(sphere(0.25, 0.1, 1.0, held=held), stages=(Stage("rest", 1), stage)) == 3.0
 
 
 def test_held_soil_keeps_stiff_springs():
