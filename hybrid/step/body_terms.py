@@ -1,6 +1,6 @@
 """A body in one increment, and its terms in the equations: FORMULATION (33), (37) and its contact.
 
-    R_w = inertia - weight + line + Σ contact - loads - joints - other bodies       on the body's free unknowns        [N, N m]
+    R_w = inertia - weight + line + Σ contact - loads - joints - other bodies - support       on the body's free unknowns        [N, N m]
 """
 
 from dataclasses import dataclass, replace
@@ -39,6 +39,7 @@ class BodyStep:
     unknowns  slice of the bodies' unknowns that are its own
     line_force  (3,) [N] residual of the line at the start of the step
     begin     [s] start of the step
+    support   (2, 6) [N, N m] at its start and its end, None: none (`hybrid.step.support`)
     """
 
     number: int
@@ -53,6 +54,7 @@ class BodyStep:
     scheme: Scheme
     dt: float
     begin: float = 0.0
+    support: np.ndarray | None = None
 
     @property
     def free(self):
@@ -77,6 +79,13 @@ class BodyStep:
         full[self.free] = increment[self.unknowns]
         return rigid.moved_pose(self.pose(unknowns), full)
 
+    def at_start(self, displacement, gravity):
+        """(4, 6) [N, N m] weight, line, contact and loads at the start of the step. displacement: (N, 3) of 0 [m], None for held
+        soil; gravity: (3,) [m/s²] then."""
+        pose, target = self.committed_pose(), None if self.target is None else self.state.target
+        trial = rigid.evaluate(self.body, self.state, pose, target, gravity, self.scheme, self.dt, self.begin)
+        return np.array([trial.weight, trial.line, -self.pair.evaluate(displacement, pose).resultant, trial.load])
+
     def rotation_angle(self, unknowns=None):
         """Angle [rad] of its rotation in the step, by its committed spin and by trial Unknowns."""
         angle = self.dt * np.linalg.norm(self.state.spin)
@@ -94,6 +103,8 @@ class BodyStep:
                                self.begin + self.dt)
         terms = np.array([trial.inertia, trial.weight, trial.line, on_body, trial.load,
                           joints.on_body(self.number) if joints else np.zeros(6)])
+        if self.support is not None:
+            terms = np.concatenate([terms, -self.support[1:]])
         springs = self.pair.springs(contact)
         if pairs:
             terms = np.concatenate([terms, pairs.on_body(self.number)[None]])
@@ -149,14 +160,15 @@ class BodyTerms:
                     (moment - noise * body.radius) / arm if arm > 0 else 0.0)
         return {f"{body.name} [N]": force, f"{body.name} [N m]": moment}, error
 
-    def add_tangent(self, pattern, system, stiffness, softening=True):
-        """Add contact, inertia and line to the block system; softening: whether with that of contact at convex edges.
+    def add_tangent(self, pattern, system, stiffness, softening=True, secant=False):
+        """Add contact, inertia and line to the block system; softening, secant: as in ContactPair.
 
         stiffness: [N/m] of a cell of the soil. A body that touches nothing has no stiffness without inertia; that of a
         cell leads it back to the soil under its weight.
         """
         own, free = self.step.unknowns, self.step.free
-        ww = self.step.pair.add_tangent(self.contact, pattern, system.values, system.uw[:, own], system.wu[own], softening)
+        ww = self.step.pair.add_tangent(self.contact, pattern, system.values, system.uw[:, own], system.wu[own], softening,
+                                        secant)
         if not self.step.scheme.inertia and not anywhere([len(self.contact)]):
             if self.beside:
                 stiffness = self._pace() or stiffness

@@ -1,6 +1,6 @@
 """The outer step: increments that are accepted, or rejected and shortened, until its end is reached.
 
-    begin    freeze what the committed state provides
+    begin    freeze what the committed state provides; support bodies that cannot begin out of balance
     solve    Newton's method on trial values
     accept   a new committed state          if converged, and accurate where the scene sets time.accuracy
     reject   a shorter increment            otherwise
@@ -18,6 +18,7 @@ from hybrid.step import failure_message, newton, processes
 from hybrid.step.equations import Evaluation, begin
 from hybrid.step.error_estimate import even, following, local_error, shorter
 from hybrid.step.pair_terms import struck
+from hybrid.step.support import Support
 
 EASY = 6            # Newton iterations up to which the next increment may be twice as long
 # Share of an outer step from which on a quasi-static increment that fails is tried with soil that has followed the bodies: in longer
@@ -32,16 +33,19 @@ def outer_step(model, workspace, state, length, pulling, control):
     Raises StepError when the increment would fall below control.smallest; the committed state is untouched.
     """
     control.begin(length)
-    start, report = state, Report(length, 0.0 if control.accuracy else None)
+    start, report, support = state, Report(length, 0.0 if control.accuracy else None), None
     while state.step == start.step:
         rest = start.time + length - state.time
         dt = control.increment(rest)
         step = outcome = None   # frees the last increment before the next one is begun
         model, state = processes.settle(model, state, workspace)
         step = begin(model, state, dt, pulling, workspace)
+        step = support.under(step) if support else step
         outcome = newton.solve(step, follow=dt <= FOLLOW * length)
         accepted, error = control.judge(step, outcome)
         report.count(outcome, accepted)
+        if not accepted and not support and state.time == start.time:
+            support = Support.at_start(step, length)
         if accepted:
             last = rest - dt <= ROUND_OFF * length
             before, state = state, step.accept(outcome.evaluation, start.time + length if last else None)

@@ -4,6 +4,7 @@ import numpy as np
 
 from hybrid.body import guides, rigid
 from hybrid.body.rigid import FREEDOMS
+from hybrid.step.support import work_of_support
 
 
 def work_after(step, evaluation, points, bodies, lost=0.0):
@@ -39,6 +40,8 @@ def work_after(step, evaluation, points, bodies, lost=0.0):
         if terms.step.body.line:
             add("pull", _of_pull(terms, bodies[terms.step.number]))
     for terms in evaluation.bodies:
+        if terms.step.support is not None:
+            add("load", work_of_support(terms.step, step.state.bodies[terms.step.number], bodies[terms.step.number]))
         if own := terms.step.body.loads:
             done = guides.work_of_loads(own, step.state.bodies[terms.step.number], bodies[terms.step.number],
                                         step.state.time, step.dt)

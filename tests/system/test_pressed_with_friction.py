@@ -1,0 +1,60 @@
+"""A rough block pressed on elastic soil in plane strain: soil beneath it sticks, where Newton's method finds slip to and fro."""
+
+import pytest
+
+from hybrid.runtime.data import GEOMETRY
+from hybrid.runtime.errors import StepError
+from hybrid.scene.file import load_scene
+from hybrid.setup.build import build
+from hybrid.step.equations import Step
+
+PRESSED = """
+time = { step = 1.0, inertia = false }
+[grid]
+x = { start = -1.5, end = 2.0, size = 0.1 }
+y = { start = 0.0, end = 1.0, collapsed = true }
+z = { start = -1.5, end = 0.3, size = 0.1 }
+faces = { z_min = "fixed" }
+[soil]
+top = 0.0
+material = { law = "hencky", young = 10e6, poisson = 0.3, density = 1800.0 }
+[[body]]
+name = "block"
+geometry = "GEOMETRY/box.geo"
+parameters = { length = 1.0, width = 1.0, height = 0.5 }
+density = 2000.0
+position = [0.0, 0.5, 0.0]
+rest_on = 0.0
+friction = 0.3
+[[stage]]
+name = "press"
+steps = 3
+motion = [{ held = ["x"] }]
+load = [{ force = [[0.0, 0.0, 0.0, 0.0], [3.0, 0.0, 0.0, -12e3]] }]
+[[stage]]
+name = "drag"
+steps = 1
+motion = [{ component = "x", velocity = 0.01 }]
+"""
+
+
+@pytest.fixture
+def pressed(tmp_path):
+    path = tmp_path / "pressed.toml"
+    path.write_text(PRESSED.replace("GEOMETRY", str(GEOMETRY)))
+    return build(load_scene(path))
+
+
+def test_a_rough_block_is_pressed_and_slides(pressed):
+    records = list(pressed.steps())
+    weight = 0.5 * 2000.0 * 9.81
+    forces = [record.bodies[0].contact_force for record in records]
+    assert [force[2] for force in forces] == pytest.approx([weight + 4e3, weight + 8e3, weight + 12e3, weight], rel=1e-3)
+    assert forces[-1][0] == pytest.approx(-0.3 * weight, rel=0.01)
+    assert sum(record.iterations for record in records) < 120 and not any(record.rejections for record in records)
+
+
+def test_it_is_not_without_the_secants_of_slip(pressed, monkeypatch):
+    monkeypatch.setattr(Step, "slips", lambda step, evaluation: False)
+    with pytest.raises(StepError, match="step 1 failed"):
+        next(pressed.steps())
