@@ -12,6 +12,7 @@
 | AbsorbedImpact   | falling bodies lose energy, little by little, without a cause         |
 | BodyImpact       | bodies that hit one another lose energy without a cause               |
 | PlasticIncrement | an increment without inertia adds too much plastic strain             |
+| FlowingSoil      | soil that no body moves flows under its weight, without inertia       |
 | BodyOverlap      | bodies are pressed deep into one another                              |
 | GroundImpact     | bodies that hit held ground lose energy without a cause               |
 | Untouched        | at the end of a run: a driven body has touched nothing                |
@@ -25,6 +26,7 @@ from hybrid.monitors.body_impact import BodyImpact
 from hybrid.monitors.body_overlap import BodyOverlap
 from hybrid.monitors.domain_exit import DomainExit
 from hybrid.monitors.energy_balance import EnergyBalance
+from hybrid.monitors.flowing_soil import FlowingSoil
 from hybrid.monitors.force_oscillation import ForceOscillation
 from hybrid.monitors.ground_impact import GroundImpact
 from hybrid.monitors.judged_increments import JudgedIncrements
@@ -38,7 +40,7 @@ from hybrid.monitors.untouched import Untouched
 
 MONITORS = (
     DomainExit, LostContact, LostPoints, MissedContact, Penetration, ForceOscillation, EnergyBalance, PlasticIncrement,
-    BodyOverlap, JudgedIncrements, AbsorbedImpact, BodyImpact, GroundImpact, Untouched)
+    FlowingSoil, BodyOverlap, JudgedIncrements, AbsorbedImpact, BodyImpact, GroundImpact, Untouched)
 
 __all__ = ["MONITORS", "Monitors", "StepView", *(kind.__name__ for kind in MONITORS)]
 

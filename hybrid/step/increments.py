@@ -11,6 +11,7 @@ the estimated error sets it (`hybrid.step.error_estimate`).
 
 from dataclasses import dataclass
 
+from hybrid.monitors.flowing_soil import largest_move
 from hybrid.monitors.plastic_increment import largest_increment
 from hybrid.runtime.errors import StepError
 from hybrid.soil.model import Soil
@@ -49,7 +50,9 @@ def outer_step(model, workspace, state, length, pulling, control):
         if accepted:
             last = rest - dt <= ROUND_OFF * length
             before, state = state, step.accept(outcome.evaluation, start.time + length if last else None)
-            report.accept(dt, error, 0.0 if model.scheme.inertia else largest_increment(before.points, state.points))
+            report.accept(dt, error)
+            if not model.scheme.inertia:
+                report.flow(before.points, state.points)
     report.evaluation, report.soil = outcome.evaluation, model.soil
     return state, report
 
@@ -121,6 +124,7 @@ class Report:
                 within round-off (`hybrid.step.newton`)
     iterations, krylov      of Newton's method and of the linear solver, in all trials
     plastic_increment       largest growth of the plastic strain of a point in an increment, 0 with inertia
+    moved       [m] sum over increments of the largest displacement of a point, 0 with inertia
     evaluation  the last accepted one; soil: Soil whose points the new state has
     """
 
@@ -132,6 +136,7 @@ class Report:
     iterations: int = 0
     krylov: int = 0
     plastic_increment: float = 0.0
+    moved: float = 0.0
     evaluation: Evaluation | None = None
     soil: Soil | None = None
 
@@ -141,8 +146,13 @@ class Report:
         self.increments, self.rejections = self.increments + accepted, self.rejections + (not accepted)
         self.judged += accepted and outcome.judged
 
-    def accept(self, dt, error, plastic_increment):
+    def accept(self, dt, error):
         """Add an accepted increment."""
-        self.dt, self.plastic_increment = min(self.dt, dt), max(self.plastic_increment, plastic_increment)
+        self.dt = min(self.dt, dt)
         if error is not None:
             self.error += error.length
+
+    def flow(self, before, after):
+        """Add what an accepted increment did to the Points that it led from `before` to `after`."""
+        self.plastic_increment = max(self.plastic_increment, largest_increment(before, after))
+        self.moved += largest_move(before, after)

@@ -32,7 +32,7 @@ class Sides(NamedTuple):
 def pushed_walls(scene, model):
     """Upright walls that are driven against sand, or away from it, in plane strain."""
     for body, way, place, plane in driven(scene, model):
-        depth = _depths(scene, model.soil, place, way) if plane else None
+        depth = depths(scene, model.soil, place, way, SAND) if plane else None
         if depth is None:
             continue
         if depth.behind > PASSIVE * depth.ahead:
@@ -43,6 +43,13 @@ def pushed_walls(scene, model):
 
 def retaining_walls(scene, model):
     """Bodies that no guide holds, with sand on one side of them and hardly any on the other."""
+    for body, _, _, depth in free_walls(scene, model, SAND):
+        yield from _retained(body, depth.behind, model.soil.grid.smallest_cell, "retains", "where it gives way, the pressure of the sand is")
+
+
+def free_walls(scene, model, laws):
+    """(RigidBody, places (V, 3) [m] of its vertices, way (3,) away from the soil, Sides) of each body that no guide holds, with soil of one of the
+    `laws` on one side of it and hardly any on the other."""
     soil = model.soil
     if soil.held or not soil.law.plastic or scene.gravity[2] >= 0.0 or soil.grid.collapsed.sum() != 1:
         return
@@ -52,9 +59,9 @@ def retaining_walls(scene, model):
             continue
         whole, place = outline(described, body)
         for way in np.eye(3)[axis], -np.eye(3)[axis]:
-            depth = _depths(scene, soil, place, way)
+            depth = depths(scene, soil, place, way, laws)
             if depth is not None and depth.behind > PASSIVE * depth.ahead and leads(whole, place, -way):
-                yield from _retained(body, depth.behind, soil.grid.smallest_cell, "retains", "where it gives way, the pressure of the sand is")
+                yield body, place, way, depth
 
 
 def footings(scene, model):
@@ -93,24 +100,25 @@ def _retained(body, depth, cell, does, load):
                "extrapolate two sizes of cells to none")
 
 
-def _depths(scene, soil, place, way):
-    """Sides of an upright wall with its vertices at `place`, moved along a `way`, in plane strain; None of what is none, goes up or down, or ends on a smooth base."""
+def depths(scene, soil, place, way, laws):
+    """Sides of an upright wall with its vertices at `place`, moved along a `way`, in plane strain, whose foot is in soil of one of the `laws`; None of
+    what is none, goes up or down, or ends on a smooth base."""
     axis, bottom, cell = int(np.argmax(np.abs(way))), place[:, 2].min(), soil.grid.smallest_cell
     base = minimum(soil.constants.position[:, 2] - soil.constants.half_width[:, 2])
-    if soil.grid.collapsed.sum() != 1 or way[2] or soil.grid.collapsed[2] or bottom < base + cell or law_at(scene, soil, bottom + 0.5 * cell) not in SAND:
+    if soil.grid.collapsed.sum() != 1 or way[2] or soil.grid.collapsed[2] or bottom < base + cell or law_at(scene, soil, bottom + 0.5 * cell) not in laws:
         return None
-    before = [surface - bottom for surface in _surfaces(soil, place[:, axis], axis)]
+    top = soil.constants.position[:, 2] + soil.constants.half_width[:, 2]
+    before = [maximum(top[inside], -np.inf) - bottom for inside in beside(soil, place[:, axis], axis)]
     if place[:, 2].max() < bottom + max(before):    # under the ground
         return None
     return Sides(*(max(depth, 0.0) for depth in (before[::-1] if way[axis] > 0 else before)))
 
 
-def _surfaces(soil, reach, axis):
-    """Heights [m] of the soil in two cells below and above what a body covers along an `axis`, -inf where there is none."""
+def beside(soil, reach, axis):
+    """Points (n,) bool in two cells below, and in two above, what a body covers along an `axis`."""
     low, high, cell = reach.min(), reach.max(), soil.grid.smallest_cell
-    x, top = soil.constants.position[:, axis], soil.constants.position[:, 2] + soil.constants.half_width[:, 2]
-    for inside in (x > low - 2 * cell) & (x < low), (x > high) & (x < high + 2 * cell):
-        yield maximum(top[inside], -np.inf)
+    x = soil.constants.position[:, axis]
+    return (x > low - 2 * cell) & (x < low), (x > high) & (x < high + 2 * cell)
 
 
 def thin_front(scene, model):

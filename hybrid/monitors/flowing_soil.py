@@ -1,0 +1,83 @@
+"""Soil that flows under nothing but its weight in steps without inertia: a slope or a cut that has failed.
+
+Without inertia a failed mass has no equilibrium, but large displacements give it a new one: a vertical cut in clay sinks by a
+few per cent of its height at every increase of gravity, with few iterations, and the run completes. What tells this flow from
+elastic settlement is that the work of the weight is dissipated instead of stored. With d_s the largest displacement of a point
+in step s,
+
+    D_s = growth of the plastic work    E_s = growth of the elastic energy    flow = Σ d_s  over steps with D_s > E_s, one after the other
+
+Cuts of a height H, E = 1, 5, 100 MPa, 8 and 16 cells high, gravity growing in 10 or 40 steps:
+
+| γ H / s_u       | flow                                                        |
+|-----------------|-------------------------------------------------------------|
+| up to 4         | at most 4e-5 H; the soil settles by up to 0.05 H            |
+| 4.5 to 8        | 0.014 to 0.47 H, but for 0 of 1 MPa on 8 cells, where D < E |
+"""
+
+import numpy as np
+
+from hybrid.monitors.monitor import Monitor
+from hybrid.runtime.comm import anywhere, largest, maximum, minimum
+
+LIMIT = 0.005       # of the height of the soil
+STILL = 0.1         # of what the soil moves by in a step: a body that touches it and moves more has a share in that
+
+
+def largest_move(before, after):
+    """Largest displacement of a point [m] between two states of the same Points."""
+    return largest(np.linalg.norm(after.position - before.position, axis=1))
+
+
+class FlowingSoil(Monitor):
+    """Warns that soil which no body moves flows under its weight, without inertia."""
+
+    grows = True
+
+    def __init__(self, model, state):
+        super().__init__(model, state)
+        self._flow, self._since = 0.0, None         # [m]; [s], end of the last step before it
+        self._last = None   # time [s], bodies, plastic work and elastic energy [J] of the last step
+        if not (state is None or state.step or model.soil.held):
+            self._last = state.time, state.bodies, 0.0, model.soil.stored_energy(state.points)
+
+    def warnings(self, view):
+        """Time, flow, limit and remedy."""
+        soil = view.model.soil
+        if view.scheme.inertia or soil.held or not soil.law.plastic or not view.model.gravity.any():
+            return
+        last, self._last = self._last, (view.state.time, view.state.bodies, view.energy["plastic"], view.energy["elastic"])
+        if last is None:        # first step of a run that is resumed
+            return
+        time, bodies, plastic, elastic = last
+        stored = max(view.energy["elastic"] - elastic, 0.0)
+        if view.energy["plastic"] - plastic <= stored or _pushed(view, bodies):
+            if not self.given("flow"):      # it has come to rest
+                self._flow, self._since = 0.0, None
+            return
+        self._since = time if self._since is None else self._since
+        self._flow += view.report.moved
+        height = _height(soil.constants)
+        if self._flow > LIMIT * height:
+            yield "flow", (
+                f"soil flows under its weight: from t = {self._since:.4g} to {view.state.time:.4g} s points have moved by up to {self._flow:.3g} m, "
+                f"{self._flow / height:.2g} of the height of the soil, limit {LIMIT:g}, in steps in which no body moved them and more work was "
+                "dissipated than stored. It has failed: its strength does not carry its weight, and without inertia the shapes that follow are not "
+                f"those of a real collapse. The soil stood until t = {self._since:.4g} s. Raise the strength or flatten the ground, or follow the "
+                "collapse with time.inertia = true")
+
+
+def _pushed(view, before):
+    """Whether a body that touches the soil has moved in the step; before: BodyState of each body at its begin."""
+    return any(anywhere([len(contact)]) and _moved(body, before[b], after) > STILL * view.report.moved for b, body, after, contact in view.bodies)
+
+
+def _moved(body, before, after):
+    """Largest displacement [m] that translation and rotation of a body may have given to a point of it."""
+    return np.linalg.norm(after.position - before.position) + np.linalg.norm(after.rotation - before.rotation) * body.radius
+
+
+def _height(points):
+    """Height [m] of the soil at the start."""
+    z, half = points.position[:, 2], points.half_width[:, 2]
+    return maximum(z + half) - minimum(z - half)

@@ -1,0 +1,75 @@
+"""Limit of few cells behind a wall that clay follows: the law is what was measured, and only such walls have the note."""
+
+import re
+
+import pytest
+
+from hybrid.monitors.limits import clay_cells
+from hybrid.scene import Axis, Grid, Layer, Material, Soil, Time
+from hybrid.setup.build import build
+from hybrid.study.random.fresh.problem import body, scene, slice_
+
+WEIGHT, HEIGHT = 1700 * 9.81, 3.0
+HELD = ("y", "z", "rx", "ry", "rz")
+AWAY, AGAINST = ({"driven": ("x",), "held": HELD, "velocity": (v, 0.0, 0.0)} for v in (-0.0015, 0.0015))
+ROCK = Layer("rock", top=-HEIGHT, material={"strength": 200e3, "young": 50e6})
+STEP = ((0.0, -HEIGHT), (0.001, 0.0))
+
+
+def texts(number=6.4, cells=20, ground=STEP, layers=(ROCK,), limit=clay_cells.drawn_walls, gravity=-9.81, material=None, **table):
+    """Warnings about a wall 3 m high on rock, at x < 0, with clay of γ H / s_u = number beside it."""
+    size, values = HEIGHT / cells, {"law": "von-mises", "poisson": 0.49, "strength": WEIGHT * HEIGHT / number, **(material or {})}
+    wall = body("box.geo", {"length": 0.53, "width": 1.0, "height": 3.2, "size": 20.0}, position=(-0.265, 0.5, -1.4), **(table or AWAY))
+    grid = Grid(Axis(start=-12 * size, end=6.0, size=size), slice_(), Axis(start=-HEIGHT - 6 * size, end=2 * size, size=size))
+    soil = Soil(Material(young=5e6, density=1700.0, **values), top=0.0, ground=ground, layers=layers, geostatic=False)
+    simulation = build(scene("wall", grid, soil, [wall], Time(1.0, inertia=False), 10, (0.0, 0.0, gravity)))
+    return list(limit(simulation.scene, simulation.model))
+
+
+def missing(found):
+    """Share [-] of the load that a note gives."""
+    return 0.01 * float(re.search(r"about (\d+)% too low", found[0])[1])
+
+
+@pytest.mark.parametrize("number, cells, found", [
+    (6.375, 5, 0.167), (6.375, 10, 0.507), (6.375, 20, 0.741), (6.375, 40, 0.869), (10, 10, 0.691), (10, 20, 0.825), (16, 10, 0.766), (16, 20, 0.884)])
+def test_the_law_is_what_was_measured(number, cells, found):
+    """Over γ H²/2 - 2 s_u H (demos/random/README.md)."""
+    assert 1.0 - missing(texts(number, cells)) == pytest.approx(found, abs=0.07)
+
+
+def test_a_wall_that_moves_away_from_clay():
+    """Cells of 0.052 m leave 10 %: (H - 1.4 h)(H - H_c) over H (H - H_c)."""
+    text, = texts()
+    assert "box moves away from 3 m of clay that stands by itself up to 1.88 m only, 20 cells of 0.15 m" in text
+    assert "about 24% too low" in text and "unsafe" in text
+    finest = float(re.search(r"cells of at most ([\d.]+) m", text)[1])
+    assert missing(texts(cells=HEIGHT // finest)) <= 0.11 and texts(cells=round(1.2 * HEIGHT / finest)) == []
+
+
+def test_other_walls():
+    """Clay that stands by itself, is pushed against, has no weight, or stands on both sides; sand."""
+    assert texts(number=3.9) == [] and texts(**AGAINST) == [] and texts(gravity=0.0) == []
+    assert texts(ground=((0.0, 0.0), (1.0, 0.0))) == []
+    sand = {"law": "drucker-prager", "friction_angle": 30.0, "dilation_angle": 0.0, "cohesion": 1e3, "poisson": 0.3, "strength": None}
+    assert texts(material=sand, layers=()) == []
+
+
+def test_the_mean_of_all_clay_behind_the_wall_counts():
+    """Clay as strong in its upper half as is needed to stand; a strength that grows with depth; sand on clay, of which nothing is known."""
+    upper = Layer("upper", bottom=-0.5 * HEIGHT, material={"strength": 3 * WEIGHT * HEIGHT / 6.4})
+    assert texts(layers=(upper, ROCK)) == []
+    su = WEIGHT * HEIGHT / 6.4
+    assert "up to 1.87 m only" in texts(material={"strength": 0.5 * su, "strength_gradient": su / HEIGHT})[0]
+    sand = Layer("sand", bottom=-0.5 * HEIGHT, law="drucker-prager", material={"friction_angle": 30.0, "dilation_angle": 0.0, "cohesion": 1e3})
+    assert texts(layers=(sand, ROCK)) == []
+
+
+def test_clay_that_hangs_on_the_wall_is_not_judged():
+    assert texts(tension="full", **AWAY) == []
+
+
+def test_a_free_wall_in_front_of_clay():
+    text, = texts(limit=clay_cells.clay_walls, held=("z", "ry"))
+    assert "retains 3 m of clay" in text and "where it gives way, the pressure of the clay is about 24% too low" in text
+    assert texts(limit=clay_cells.clay_walls) == []
