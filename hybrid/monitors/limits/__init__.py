@@ -5,10 +5,10 @@ Each limit is a generator of texts (none or one, or one for each body) over (sce
 what happens beyond its number, and tests hold the two together. A text names the value, the limit and the remedy. Numbers that are merely unlikely come first (`hybrid.scene.check_sense`, `place`).
 """
 
-from hybrid.monitors.limits import base, cells, contact, guided, margins, place, rolling, sand_cells, soil, stages, stepping, turning
+from hybrid.monitors.limits import base, cells, contact, guided, margins, place, rolling, sand_cells, soil, stages, stepping, support, turning
 from hybrid.scene.check_sense import sense_notes
 
-MODULES = place, soil, contact, base, rolling, cells, sand_cells, turning, guided, margins, stages, stepping
+MODULES = place, support, soil, contact, base, rolling, cells, sand_cells, turning, guided, margins, stages, stepping
 LIMITS = tuple(limit for module in MODULES for limit in module.LIMITS)
 
 
