@@ -33,7 +33,7 @@ def advice(step, outcome, settings):
     texts, causes = [text for text, _ in overload], probable_causes(step, outcome.evaluation, sudden)
     causes = [*texts, *causes] if sudden else [*causes, *texts]
     text = ". ".join([*causes, *_use(changes, bool(causes))])
-    if step.soil is None or step.model.scheme.inertia or overload or lost and any(lifted(step, body) for body in step.model.bodies):
+    if step.soil is None or not step.model.soil.law.plastic or step.model.scheme.inertia or overload or lost and any(lifted(step, body) for body in step.model.bodies):
         return text
     return text + ". Without inertia a step also fails where the load exceeds what the soil can carry"
 

@@ -35,6 +35,8 @@ class Odd:
         return [f"{path}.{self.key} = {shown(value)}{f' {self.unit}' if self.unit else ''} looks wrong: {self.meaning}"]
 
 
+GENTLE = 20.0           # [Pa/m]: normally consolidated clays have 1000 to 2000
+WEAK = 100.0, 0.01      # tension [Pa] and share of the soil's strength, below both of which it looks like kPa
 FRICTIONAL = ("drucker-prager", "willam-warnke")
 SOIL = (
     Odd("relative_density", 0, 1.0001, "%", "per cent expected; is this a share, 0.38 for 38 %?"),
@@ -45,6 +47,7 @@ SOIL = (
     Odd("young", 1e13, inf, "Pa", "steel has 2.1e11 Pa"),
     Odd("cohesion", 0, 50, "Pa", KILOPASCAL, FRICTIONAL),
     Odd("strength", 0, 100, "Pa", KILOPASCAL),
+    Odd("strength_gradient", 0, GENTLE, "Pa/m", "Pa/m expected; is this a number of kPa/m, 1500 for 1.5?"),
     Odd("density", 0, 30, "kg/m³", TONS),
     Odd("density", 3e4, inf, "kg/m³", "a soil has 1000 to 2500 kg/m³"),
 )
@@ -69,6 +72,7 @@ def sense_notes(scene):
         yield from _soil(scene, heavy)
     for i, body in enumerate(scene.bodies):
         yield from _body(f"body.{i}", body, heavy or scene.time.inertia)
+        yield from _tension(f"body.{i}", body, scene.soil)
     size = hypot(*scene.gravity)
     if size > STRONGEST:
         yield f"gravity = {shown(scene.gravity)} m/s² looks wrong: 9.81 m/s² expected; is this a number of mm/s²?"
@@ -91,6 +95,22 @@ def _soil(scene, heavy):
             if used and (own is None or odd.key in own):
                 yield from odd.note(path, getattr(material, odd.key))
         yield from _stiffness(path, material, weight)
+        if own is None or material.law != soil.material.law or "cohesion" in own:
+            yield from _apex(path, material, heavy or scene.time.inertia)
+
+
+def _apex(path, m, supported):
+    """Sand that neither weight nor cohesion lets carry anything, so that without inertia nothing balances a body's force."""
+    if not supported and m.law in FRICTIONAL and m.cohesion == 0.0:
+        yield (f"{path}.cohesion = 0 Pa with gravity = [0, 0, 0] m/s² looks wrong: sand without pressure has no strength and no stiffness, so that no step "
+               "has an equilibrium; give gravity = [0, 0, -9.81], or a cohesion")
+
+
+def _tension(path, body, soil):
+    """Tension beside the strength of the strongest clay of the soil."""
+    strength = max((m.strength or 0.0 for m in (soil.material, *(of_layer(soil.material, layer) for layer in soil.layers))), default=0.0)
+    if not soil.held and isinstance(body.tension, (int, float)) and 0.0 < body.tension < min(WEAK[0], WEAK[1] * strength):
+        yield (f"{path}.tension = {body.tension:g} Pa beside strength = {strength:g} Pa looks wrong: {KILOPASCAL}")
 
 
 def _ends(scene):

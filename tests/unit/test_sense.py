@@ -37,6 +37,8 @@ SLOPE = "slope"
     (SLOPE, ["gravity=[0, 0, -9810]"], "gravity = [0, 0, -9810] m/s² looks wrong: 9.81 m/s² expected"),
     (SLOPE, ["gravity=[0, 0, 9.81]"], "it acts upwards"),
     (SLOPE, [CLAY, *SHARED, "soil.material.strength=10"], "strength = 10 Pa looks wrong"),
+    (SLOPE, [CLAY, *SHARED, "soil.material.strength_gradient=1.5"], "strength_gradient = 1.5 Pa/m looks wrong: Pa/m expected; is this a number of kPa/m"),
+    (SLOPE, ["gravity=[0, 0, 0]", "time.inertia=false", "soil.material.cohesion=0"], "sand without pressure has no strength and no stiffness"),
     (SLOPE, [CLAY, *SHARED, "soil.material.young=5e3"], "the weight of the soil, 3.53e+04 Pa at its foot, is over 2"),
     (SLOPE, [CLAY, *SHARED, "soil.material.young=5e4"], "over strength = 10000 Pa is 5, which looks wrong"),
     (SLOPE, ["grid.x.end=20000", "grid.x.size=500"], "grid.x, 20000 m long, looks wrong: SI units expected"),
@@ -52,6 +54,27 @@ SLOPE = "slope"
 def test_a_number_that_looks_wrong_gives_a_note(name, overrides, words):
     found = notes(name, *overrides)
     assert any(words in note for note in found), found
+
+
+CUBE = f"body=[{{ geometry = '{GEOMETRY / 'box.geo'}', density = 2000.0, position = [0.0, 0.5, 0.0], rest_on = 2.0, adhesion = 1.0, tension = %s }}]"
+
+
+@pytest.mark.parametrize("tension, noted", [("20", "20"), ("5.0", "5"), ("20e3", ""), ("200.0", ""), ("'full'", "")])
+def test_a_tension_far_below_the_strength_of_the_clay(tension, noted):
+    found = notes(SLOPE, CLAY, *SHARED, CUBE % tension)
+    assert [note for note in found if "body.0.tension" in note] == [
+        f"body.0.tension = {noted} Pa beside strength = 10000 Pa looks wrong: Pa expected; is this a number of kPa?"] * bool(noted)
+
+
+@pytest.mark.parametrize("overrides", [["gravity=[0, 0, 0]", "time.inertia=true", "soil.material.cohesion=0"], ["time.inertia=false", "soil.material.cohesion=0"], [CLAY, *SHARED, "soil.material.strength_gradient=1500"],
+                                       ["gravity=[0, 0, 0]", "time.inertia=false", "soil.material.cohesion=300"]])
+def test_sand_with_weight_cohesion_or_inertia_and_usual_gradients_look_right(overrides):
+    assert not [note for note in notes(SLOPE, *overrides) if "looks wrong" in note and ("cohesion" in note or "gradient" in note)]
+
+
+def test_a_layer_of_sand_without_weight_is_noted_once():
+    found = notes(SLOPE, "gravity=[0, 0, 0]", "time.inertia=false", "soil.material.cohesion=0", "soil.layer=[{ name = 'low', top = 1.0, material = { young = 2e7 } }]")
+    assert sum("no stiffness" in note for note in found) == 1
 
 
 def test_a_scene_that_is_refused_says_which_numbers_look_wrong():

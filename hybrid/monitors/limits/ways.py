@@ -66,11 +66,32 @@ def outline(described, body):
 
 def leads(body, place, way):
     """Whether faces across the way are most of what a body covers in its direction."""
+    normal, area = _faces(body, place)
+    covered = normal @ (way / np.linalg.norm(way))
+    ahead = covered > 0.0
+    return covered[covered > PLANE * area].sum() > LEADING * covered[ahead].sum() > 0.0
+
+
+def facing(body, place, way):
+    """Unit normal (3,) of the plane face that is most of what a body covers in the direction of its way, across it or inclined; None of a round one."""
+    normal, area = _faces(body, place)
+    covered = normal @ (way / np.linalg.norm(way))
+    ahead = covered > 0.0
+    normal, area, covered = normal[ahead], area[ahead], covered[ahead]
+    units = normal / area[:, None]
+    for unit in np.unique(units.round(2), axis=0):
+        same = units @ (unit / np.linalg.norm(unit)) > PLANE
+        if covered[same].sum() > LEADING * covered.sum():
+            mean = normal[same].sum(axis=0)
+            return mean / np.linalg.norm(mean)
+    return None
+
+
+def _faces(body, place):
+    """Outward normals (T, 3) of the triangles of a body, as long as their areas (T,) [m²]."""
     corners = place[body.surface.triangles]
-    normal = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) @ (way / np.linalg.norm(way))
-    area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    ahead = normal > 0.0
-    return normal[normal > PLANE * area].sum() > LEADING * normal[ahead].sum() > 0.0
+    normal = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return normal, np.linalg.norm(normal, axis=1)
 
 
 def sides(grid, place, way):

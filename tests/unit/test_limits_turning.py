@@ -1,0 +1,62 @@
+"""Bodies turned in clay: the note has the torque that was measured, and is not given beside its limits."""
+
+from dataclasses import replace
+
+import pytest
+
+from hybrid.monitors.limits import LIMITS, turning
+from hybrid.scene import Axis, Faces, Grid, Load, Soil
+from hybrid.setup.build import build
+from hybrid.study.random.fresh import clay
+from hybrid.study.random.fresh.problem import WEIGHTLESS, body, scene
+
+HELD = ("x", "y", "z", "rx", "ry")
+TURNED = {"driven": ("rz",), "held": HELD, "spin": (0.0, 0.0, 0.002)}
+PILE = "cylinder.geo", {"radius": 0.5, "height": 1.5, "size": 0.3}
+BLADE = "box.geo", {"length": 1.0, "width": 0.3, "height": 1.0, "size": 2.0}
+
+
+def notes(made=PILE, size=0.125, material=None, loads=(), top=0.0, **table):
+    """Texts about a body in clay whose top is flush with it, or higher by `top` [m]."""
+    file, values = made
+    made = body(file, values, position=(0.0, 0.0, -0.5 * values["height"] + top), **{"adhesion": 1.0, "tension": "full"} | (table or TURNED))
+    side = Axis(start=-1.5, end=1.5, size=size)
+    grid = Grid(side, side, Axis(start=-2.5, end=max(0.25, size), size=size), Faces(z_min="fixed"))
+    described = scene("turn", grid, Soil(material or clay.clay(2e4), top=0.0, geostatic=False), [made], clay.Time(1.0, inertia=False), 4, WEIGHTLESS)
+    simulation = build(replace(described, stages=(replace(described.stages[0], loads=loads),)))
+    return list(turning.turned(simulation.scene, simulation.model))
+
+
+@pytest.mark.parametrize("across, torque", [(7, 69.3), (10, 59.9)])
+def test_the_law_of_vanes_is_what_was_measured(across, torque):
+    """[kN m] of D = H = 1 m in 20 kPa after 0.02 rad, where π s_u (D² H/2 + D³/6) is 41.9."""
+    assert torque / 41.9 == pytest.approx((1 + turning.SHEARED / across) ** 3, abs=0.03)
+
+
+def test_a_blade_shears_the_next_cell_whatever_holds_on_to_it():
+    for table in ({}, {"adhesion": None, "tension": None}):
+        text, = notes(BLADE, **TURNED | table)
+        assert "turned about z in clay, 8 cells of 0.125 m across" in text and "about 57% too high, limit 10%" in text and "diameter as 1.16 m" in text
+        assert "length as 1.16 m" in text and "cells of at most 0.026 m" in text
+
+
+def test_clay_that_slips_along_a_round_body():
+    for adhesion in (1.0, 0.5):
+        text, = notes(**TURNED, adhesion=adhesion, tension=None)
+        assert "8 cells of 0.125 m across, limit 16," in text and "13 % and 6 % too low" in text and "at most 0.062 m" in text
+    assert not notes(**TURNED, adhesion=None, tension=None)     # smooth
+
+
+def test_a_moment_turns_a_body_that_is_free():
+    moment = (Load(moment=((0.0, 0.0, 0.0, 0.0), (4.0, 0.0, 0.0, 4e4))),)
+    assert "about 57%" in notes(BLADE, loads=moment, held=HELD)[0]
+    assert not notes(BLADE, held=HELD) and not notes(BLADE, loads=moment, held=(*HELD, "rz"))
+
+
+def test_elastic_soil_and_bodies_above_the_clay_are_not_judged():
+    assert not notes(BLADE, material=replace(clay.clay(2e4), law="hencky", strength=None), **TURNED, adhesion=None, tension=None)
+    assert not notes(BLADE, top=0.75)
+
+
+def test_check_and_runs_ask_for_it():
+    assert turning.turned in LIMITS
