@@ -51,12 +51,10 @@ class ContactPair:
         [N, N m about its centre]."""
         return assembly.add_residual(contact, self.corners, force)
 
-    def add_tangent(self, contact, pattern, values, uw, wu, softening=True, secant=False):
+    def add_tangent(self, contact, pattern, values, uw, wu, softening=True):
         """Add the tangent to the soil block `values` and to its coupling with the body's m free components, uw (n, m)
-        and wu (m, n); returns K_ww (6, 6). softening: whether with that of convex edges; secant: whether slip has the stiffness
-        of its secant."""
+        and wu (m, n); returns K_ww (6, 6). softening: whether with that of convex edges."""
         D = contact.tangent if softening else assembly.without_softening(contact)
-        D = D + contact.secant if secant else D
         ww, Q = assembly.body_tangent(contact, D)
         if pattern.size:
             assembly.add_tangent(contact, self.corners, D, Q, pattern, values, self.body.free, uw, wu)

@@ -56,8 +56,7 @@ class CornerContact:
     active: (m,) indices into Corners; gap: (m,) [m], negative; normal: (m, 3) outward from the body
     force: (m, 3) [N], minus the force on the corner
     tangent: (m, 3, 3) [N/m] ∂force/∂x_c at fixed attitude; turning: (m, 3, 3) [N/m] of it -p G, by which the pressure turns with
-    the surface; arm: (m, 3) [m] from the body's centre; slip: (m,) bool; secant: (m, 3, 3) [N/m] that `tangent` lacks of the
-    secant of slip along its direction
+    the surface; arm: (m, 3) [m] from the body's centre; slip: (m,) bool
     anchor: (m, 3) [m] body frame, the anchor of the history once the state is accepted; side: (m, 3) N, body frame
     pressure: (m,) p [N]; triangle: (m,) of the closest point, weights: (m, 3) of its vertices there
     energy: stored in the springs [J]; dissipated: friction work of the step [J]
@@ -72,7 +71,6 @@ class CornerContact:
     turning: np.ndarray
     arm: np.ndarray
     slip: np.ndarray
-    secant: np.ndarray
     anchor: np.ndarray
     side: np.ndarray
     pressure: np.ndarray
@@ -118,15 +116,13 @@ class Coulomb(NamedTuple):
 
 
 class Response(NamedTuple):
-    """Output of the law, body frame: force (m, 3) [N], tangent (m, 3, 3) [N/m] and of it turning (m, 3, 3), slip (m,) bool, secant
-    (m, 3, 3) as in CornerContact,
+    """Output of the law, body frame: force (m, 3) [N], tangent (m, 3, 3) [N/m] and of it turning (m, 3, 3), slip (m,) bool,
     anchor (m, 3) [m] after the step, side (m, 3) N, energy and dissipated (m,) [J], opened (m,) bool."""
 
     force: np.ndarray
     tangent: np.ndarray
     turning: np.ndarray
     slip: np.ndarray
-    secant: np.ndarray
     anchor: np.ndarray
     side: np.ndarray
     energy: np.ndarray
@@ -135,8 +131,8 @@ class Response(NamedTuple):
 
     @classmethod
     def empty(cls, m):
-        return cls(np.empty((m, 3)), np.empty((m, 3, 3)), np.empty((m, 3, 3)), np.zeros(m, np.bool_), np.zeros((m, 3, 3)),
-                   np.empty((m, 3)), np.empty((m, 3)), np.zeros(m), np.zeros(m), np.zeros(m, np.bool_))
+        return cls(np.empty((m, 3)), np.empty((m, 3, 3)), np.empty((m, 3, 3)), np.zeros(m, np.bool_), np.empty((m, 3)),
+                   np.empty((m, 3)), np.zeros(m), np.zeros(m), np.zeros(m, np.bool_))
 
 
 def evaluate(corners, position, centre, rotation, surface, friction, tangential):
@@ -168,8 +164,7 @@ def evaluate(corners, position, centre, rotation, surface, friction, tangential)
     pressure = np.maximum(closed.stiffness * (closed.rest - points.gap), -most)
     return CornerContact(
         active, points.gap, found.side @ rotation.T, found.force @ rotation.T, rotation @ found.tangent @ rotation.T,
-        rotation @ found.turning @ rotation.T, position[active] - centre, found.slip,
-        rotation @ found.secant @ rotation.T, found.anchor, found.side,
+        rotation @ found.turning @ rotation.T, position[active] - centre, found.slip, found.anchor, found.side,
         pressure, points.triangle, points.weights,
         float(total(found.energy)), float(total(found.dissipated)), rest, found.opened)
 
@@ -202,7 +197,7 @@ def _law(corners, points, coulomb, tree, out):
     y, y_anchor, origin, stiffness, rest, limits = corners      # unpacked once, because each access in the loop would count references
     gap, triangle, feature, foot, weights = points
     shear, tension, _ = limits
-    force, tangent, turning, slip, secant, anchor, side, energy, dissipated, opened = out
+    force, tangent, turning, slip, anchor, side, energy, dissipated, opened = out
     M, g_t, t, K, bonds = np.empty((3, 3)), np.empty(3), np.empty(3), np.empty((3, 3)), len(tension) > 0
     for n in range(len(y)):
         eps_n, eps_t = stiffness[n], coulomb.ratio * stiffness[n]
@@ -226,7 +221,6 @@ def _law(corners, points, coulomb, tree, out):
             if slip[n]:
                 s = g_t[0] / size, g_t[1] / size, g_t[2] / size
                 _slip(limit, size, change, dgap, s, M, t, K)
-                _secant(limit / size, s, M, secant[n])
                 dissipated[n] = limit * _slipped(y[n], origin[n], s, limit / eps_t)
                 energy[n] += 0.5 * limit * limit / eps_t
                 for i in range(3):
@@ -274,15 +268,6 @@ def _slip(limit, size, slope, dgap, s, M, t, K):
         for j in range(3):
             sM = s[0] * M[0, j] + s[1] * M[1, j] + s[2] * M[2, j]
             K[i, j] = limit / size * (M[i, j] - s[i] * sM) - slope * s[i] * dgap[j]
-
-
-@njit(cache=True)
-def _secant(stiffness, s, M, out):
-    """Fill (3, 3) with what the secant of slip, `stiffness` L/|g_t| [N/m] times M, has along its direction s."""
-    for j in range(3):
-        sM = s[0] * M[0, j] + s[1] * M[1, j] + s[2] * M[2, j]
-        for i in range(3):
-            out[i, j] = stiffness * s[i] * sM
 
 
 @njit(cache=True)

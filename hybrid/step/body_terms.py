@@ -160,15 +160,14 @@ class BodyTerms:
                     (moment - noise * body.radius) / arm if arm > 0 else 0.0)
         return {f"{body.name} [N]": force, f"{body.name} [N m]": moment}, error
 
-    def add_tangent(self, pattern, system, stiffness, softening=True, secant=False):
-        """Add contact, inertia and line to the block system; softening, secant: as in ContactPair.
+    def add_tangent(self, pattern, system, stiffness, softening=True):
+        """Add contact, inertia and line to the block system; softening: whether with that of contact at convex edges.
 
         stiffness: [N/m] of a cell of the soil. A body that touches nothing has no stiffness without inertia; that of a
         cell leads it back to the soil under its weight.
         """
         own, free = self.step.unknowns, self.step.free
-        ww = self.step.pair.add_tangent(self.contact, pattern, system.values, system.uw[:, own], system.wu[own], softening,
-                                        secant)
+        ww = self.step.pair.add_tangent(self.contact, pattern, system.values, system.uw[:, own], system.wu[own], softening)
         if not self.step.scheme.inertia and not anywhere([len(self.contact)]):
             if self.beside:
                 stiffness = self._pace() or stiffness

@@ -144,16 +144,16 @@ class Step:
         return Evaluation(unknowns, residual, np.concatenate(on_bodies), error, norms, internal, soil and soil.trial,
                           soil and soil.rates, bodies, joints, pairs)
 
-    def assemble(self, evaluation, softening=True, secant=False):
+    def assemble(self, evaluation, softening=True):
         """Fill the block system with the tangent at an evaluation, and factor it. softening: whether with that of contact at
-        convex edges; secant: whether slip has the stiffness of its secant."""
+        convex edges."""
         self.system.clear()
         stiffness = comm.largest(self.model.soil.law.young) * self.model.soil.grid.smallest_cell
         if self.soil is not None:   # no process waits for another between soil and contact: they share the sum of both
             soil_terms.add_tangent(self, evaluation.soil_trial, evaluation.error)
         with phase("contact"):
             for terms in evaluation.bodies:
-                terms.add_tangent(self.pattern, self.system, stiffness, softening, secant)
+                terms.add_tangent(self.pattern, self.system, stiffness, softening)
             if evaluation.pairs:
                 evaluation.pairs.add_tangent(self.system.ww)
             if evaluation.joints:
@@ -189,10 +189,6 @@ class Step:
     def softened(self, evaluation):
         """Whether convex edges or curved faces of bodies press the soil at an evaluation."""
         return any(comm.anywhere(contact.turning) for contact in evaluation.contacts)
-
-    def slips(self, evaluation):
-        """Whether soil slips along bodies at an evaluation."""
-        return any(comm.anywhere(contact.slip) for contact in evaluation.contacts)
 
     def contrast(self):
         """Stiffness of contact on the face of a cell over that of the cell [-]; 0 without contact or soil."""

@@ -9,10 +9,6 @@ convex edges, whole updates with a tangent that does not soften (`hybrid.contact
 slides off an edge has no equilibrium on the way. Where an update leaves most of the residual in a few nodes, these are
 solved for by themselves before the next one (`hybrid.step.restriction`).
 
-The shear of a point that slips does not change with its way: Newton's method carries it over the narrow range in which it sticks,
-μp/ε_T on both sides, and then back. Where all of these updates fail, slip has the stiffness of its secant, L/|g_t|, with which the
-way shrinks by |t|/L in each iteration until the point sticks.
-
 The linear systems K δ = -R are solved to FORMULATION (48). The settings are those of the scene, `hybrid.scene.Solver`.
 """
 
@@ -74,14 +70,12 @@ GOOD, GOOD_YIELDING = 0.15, 0.01
 @dataclass(frozen=True)
 class Updates:
     """How updates are made: until `patience` of them make no progress; shorten: with a line search, else whole; smooth: with
-    few rough nodes solved for by themselves; softening: by the tangent with the softening of contact at convex edges; secant: with
-    the stiffness of slip's secant."""
+    few rough nodes solved for by themselves; softening: by the tangent with the softening of contact at convex edges."""
 
     patience: int
     shorten: bool = False
     smooth: bool = True
     softening: bool = True
-    secant: bool = False
 
 
 @dataclass(frozen=True)
@@ -225,25 +219,18 @@ def progressing(errors, patience=PATIENCE):
 
 def _newton(step, solver, evaluation):
     """Outcome with whole updates; where they make no progress, from the best iterate with those of a tangent that does not
-    soften where convex edges press the soil; with shorter ones; and, where soil slips to and fro, with the secants of slip."""
-    whole, shorter = TRIAL if solver.line_search else PATIENCE, Updates(PATIENCE, shorten=True)
+    soften where convex edges press the soil; and then with shorter ones."""
+    whole = TRIAL if solver.line_search else PATIENCE
     outcome = _iterate(step, solver, evaluation, Updates(whole))
-    for updates in (Updates(whole, softening=False), shorter, Updates(whole, secant=True), shorter):
+    for updates in (Updates(whole, softening=False), Updates(PATIENCE, shorten=True)):
         if outcome.converged:
             break
-        if _useful(updates, step, solver, outcome.evaluation):
+        near = outcome.evaluation.error <= HAIR * solver.tolerance      # accepted as it is; shorter updates gain nothing there
+        useful = solver.line_search and not near if updates.shorten else step.softened(outcome.evaluation)
+        if useful:
             best = step.evaluate(outcome.evaluation.unknowns)
             outcome = outcome.followed_by(_iterate(step, solver, best, updates))
     return outcome
-
-
-def _useful(updates, step, solver, evaluation):
-    """Whether to go on with `updates` from the best evaluation of those before."""
-    if updates.secant:
-        return step.slips(evaluation)
-    if updates.shorten:     # an error of a hair above the tolerance is accepted as it is; shorter updates gain nothing there
-        return solver.line_search and evaluation.error > HAIR * solver.tolerance
-    return step.softened(evaluation)
 
 
 def _iterate(step, solver, evaluation, updates):
@@ -262,7 +249,7 @@ def _iterate(step, solver, evaluation, updates):
             break
         try:
             if not current:
-                step.assemble(evaluation, updates.softening, updates.secant)
+                step.assemble(evaluation, updates.softening)
             with phase("solve"):
                 soil, body, count = step.system.solve(evaluation.soil, evaluation.body,
                                                       linear_tolerance(solver, forcing, evaluation.error))

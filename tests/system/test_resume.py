@@ -197,4 +197,5 @@ def test_bonds_that_have_broken_stay_broken_in_a_resumed_run(geometry, tmp_path)
     assert stopped.contacts[0].opened.any()
     assert [name for name in whole if whole[name] != parts[name] and not name.startswith("extra/")] == []
     forces = read_history(tmp_path / "whole")["body_contact_fz_N"]
-    assert forces.min() == pytest.approx(-5e3 * 0.16, rel=1e-3) and forces[-1] == 0.0
+    # 0.1 % of the bonds lie over one another at the edges of the box
+    assert forces.min() == pytest.approx(-5e3 * 0.16, rel=2e-3) and forces[-1] == 0.0

@@ -57,18 +57,6 @@ def test_without_softening_the_tangent_of_a_convex_body_resists_every_motion():
     np.testing.assert_array_equal(assembly.without_softening(flat), flat.tangent)
 
 
-def test_the_secant_of_slip_reaches_back_to_the_anchor():
-    """With it, the shear L s along the way g_t = z that a point slips on a plane face is (tangent + secant) z: its secant."""
-    y = np.array([[0.2, 0.1, 0.49], [0.3, 0.2, 0.48]])
-    anchors = y - [[0.05, 0.02, 0.0], [1e-5, 0.0, 0.0]]
-    surface = box()
-    contact = contact_of(corners_in(surface, y, anchors), surface, mu=0.4)
-    assert contact.slip.tolist() == [True, False] and not contact.secant[1].any()
-    way, shear = (y - anchors)[0], contact.force[0] + contact.pressure[0] * contact.normal[0]
-    np.testing.assert_allclose(contact.secant[0] @ way, shear, rtol=1e-12)
-    np.testing.assert_allclose(contact.secant[0] @ np.cross(way, contact.normal[0]), 0.0, atol=1e-9 * np.abs(shear).max())
-
-
 def test_law_is_objective():
     surface, rng = ball(), np.random.default_rng(3)
     pose = np.array([0.2, 0.1, -0.3]), RIGHT_HAND
