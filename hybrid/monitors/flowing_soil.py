@@ -37,19 +37,20 @@ class FlowingSoil(Monitor):
     def __init__(self, model, state):
         super().__init__(model, state)
         self._flow, self._since = 0.0, None         # [m]; [s], end of the last step before it
-        self._last = None   # time [s], bodies, plastic work and elastic energy [J] of the last step
-        if not (state is None or state.step or model.soil.held):
-            self._last = state.time, state.bodies, 0.0, model.soil.stored_energy(state.points)
+        self._last = None   # (number, time [s], bodies, plastic work [J], elastic energy [J]) of the last step
+        if state is not None and not model.soil.held:
+            self._last = state.step, state.time, state.bodies, 0.0, model.soil.stored_energy(state.points)
 
     def warnings(self, view):
         """Time, flow, limit and remedy."""
         soil = view.model.soil
         if view.scheme.inertia or soil.held or not soil.law.plastic or not view.model.gravity.any():
             return
-        last, self._last = self._last, (view.state.time, view.state.bodies, view.energy["plastic"], view.energy["elastic"])
-        if last is None:        # first step of a run that is resumed
+        now = view.state
+        last, self._last = self._last, (now.step, now.time, now.bodies, view.energy["plastic"], view.energy["elastic"])
+        if last[0] != now.step - 1:     # first step of a run that is resumed
             return
-        time, bodies, plastic, elastic = last
+        _, time, bodies, plastic, elastic = last
         stored = max(view.energy["elastic"] - elastic, 0.0)
         if view.energy["plastic"] - plastic <= stored or _pushed(view, bodies):
             if not self.given("flow"):      # it has come to rest
@@ -60,7 +61,7 @@ class FlowingSoil(Monitor):
         height = _height(soil.constants)
         if self._flow > LIMIT * height:
             yield "flow", (
-                f"soil flows under its weight: from t = {self._since:.4g} to {view.state.time:.4g} s points have moved by up to {self._flow:.3g} m, "
+                f"soil flows under its weight: from t = {self._since:.4g} to {now.time:.4g} s points have moved by up to {self._flow:.3g} m, "
                 f"{self._flow / height:.2g} of the height of the soil, limit {LIMIT:g}, in steps in which no body moved them and more work was "
                 "dissipated than stored. It has failed: its strength does not carry its weight, and without inertia the shapes that follow are not "
                 f"those of a real collapse. The soil stood until t = {self._since:.4g} s. Raise the strength or flatten the ground, or follow the "
