@@ -44,7 +44,7 @@ def test_clay_that_slips_along_a_round_body():
     for adhesion in (1.0, 0.5):
         text, = notes(**TURNED, adhesion=adhesion, tension=None)
         assert "8 cells of 0.125 m across, limit 16," in text and "13 % and 6 % too low" in text and "at most 0.062 m" in text
-    assert not notes(**TURNED, adhesion=None, tension=None)     # smooth
+    assert not notes(**TURNED, adhesion=None, tension=None) and not notes(**TURNED, adhesion=None, tension="full")     # smooth
 
 
 def test_a_moment_turns_a_body_that_is_free():
