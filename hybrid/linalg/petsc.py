@@ -153,7 +153,7 @@ class BlockSystem:
         return (self._matrix, self._matrix) if solver == DIRECT else (self._applied, self._preconditioner)
 
     def destroy(self):
-        """Release the memory of matrices and factors now, not when Python's garbage collector runs."""
+        """Release the memory of matrices and factors now, not when Python's garbage collector runs. A second call does nothing."""
         ALIVE.discard(self)
         if self._blocks:
             for ksp, _ in self._solvers.values():
@@ -165,6 +165,7 @@ class BlockSystem:
             things += [self._uu_reduced, self._product] if self._reduced is not None else []
             for thing in things:
                 thing.destroy()
+            self._blocks = []
 
     def clear(self):
         """Set all blocks except K_uu to zero, because assembly adds to them; K_uu is overwritten."""

@@ -320,6 +320,18 @@ def test_a_matrix_that_is_singular_to_the_direct_factor_is_named(linear):
         solved(*badly_conditioned(linear, singular=True))
 
 
+LOOP = """
+def steps():
+    kept = system()
+    kept.values[:], kept.ww[:] = 1.0, np.eye(6)
+    kept.factor()
+    try:
+        yield kept.solve(np.ones(3), np.ones(6), 1e-3)
+    finally:        # in a loop that is left early, when Python ends
+        kept.destroy()
+loop = steps()
+next(loop)
+"""
 DROPPED = """
 import numpy as np
 from hybrid.linalg.petsc import BlockSystem
@@ -332,7 +344,7 @@ def system():
 
 
 @pytest.mark.parametrize("how", ["system()", "kept = system()", "kept = system()\nkept.itself = kept\ndel kept",
-                                 "kept = [system()._product]\nkept.append(kept)\ndel kept"])
+                                 "kept = [system()._product]\nkept.append(kept)\ndel kept", LOOP])
 def test_a_process_ends_well_with_systems_that_nobody_has_destroyed(how):
     """PETSc ends after Python has, and must have no matrix by then that calls Python."""
     ended = subprocess.run([sys.executable, "-c", DROPPED.format(how)], capture_output=True, text=True)
