@@ -6,6 +6,7 @@
 3 first_contact.py  predicts where an open contact point will touch: the anchor of its tangential spring
 4 closest_points.py closest points of the body's surface
   soil_to_body.py   law of contact there: pressure, stick or slip, tangent
+  reversals.py      points that Newton's method carries from slip to slip the other way, held in stick
   interface.py      clay that sticks: adhesion, tension until it breaks away, and the points that bear them
 5 assembly.py       forces and tangent into the residual and the block system, through the nodes of their cells
 6 contact_pair.py   does 2 to 5 for one body; tunnelling.py rejects a step that carried contact points through it

@@ -102,6 +102,17 @@ class ContactPair:
         finally:
             self.corners = corners
 
+    @contextmanager
+    def sticking(self, points):
+        """Context in which the shear of `points`, an index of contact points, has no limit."""
+        corners, mask = self.corners, np.zeros(len(self.corners), bool)
+        mask[points] = True
+        self.corners = replace(corners, sticking=mask)
+        try:
+            yield
+        finally:
+            self.corners = corners
+
     def hold_facets(self, contact):
         """Hold the corners that touch to the facets that carry them in `contact`. Returns those facets (m,)."""
         facet = held_facets.facets(self.corners, contact, self.body.surface)

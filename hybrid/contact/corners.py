@@ -48,6 +48,7 @@ class Corners:
         touch, so most points are not projected
     limits: PlaceLimits of the interface, empty where friction alone acts; shared: function of interface.place_limits
     facet: (m,) triangle that a point is held to, -1 for those that find theirs; None where none is held
+    sticking: (m,) bool, points whose shear has no limit (`hybrid.contact.reversals`); None where there are none
     """
 
     point: np.ndarray
@@ -65,6 +66,7 @@ class Corners:
     limits: PlaceLimits = NONE
     shared: Callable | None = None
     facet: np.ndarray | None = None
+    sticking: np.ndarray | None = None
 
     def __len__(self):
         return len(self.point)

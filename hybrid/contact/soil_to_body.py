@@ -48,6 +48,8 @@ from hybrid.contact.interface import PlaceLimits, shear_limit, work_to_break
 from hybrid.runtime.comm import maximum, total
 from hybrid.state import ContactHistory
 
+NOWHERE = np.zeros(0, bool)
+
 
 @dataclass(frozen=True)
 class CornerContact:
@@ -85,6 +87,11 @@ class CornerContact:
         return len(self.active)
 
     @property
+    def shear(self):
+        """Force (m, 3) [N] along the surface."""
+        return self.force - np.einsum("ci,ci->c", self.force, self.normal)[:, None] * self.normal
+
+    @property
     def resultant(self):
         """Force (3,) [N] and moment about the body's centre (3,) [N m] of the soil on the body, as (6,)."""
         return np.concatenate([total(self.force), total(np.cross(self.arm, self.force))])
@@ -98,7 +105,7 @@ class CornerContact:
 class ClosedCorners(NamedTuple):
     """Corners that the law is evaluated at, body frame: y, anchor (m, 3) [m]; origin (m, 3) [m], where the path begins
     along which friction does work in this step; stiffness (m,) ε_N [N/m]; rest (m,) [m] gap without force; limits:
-    PlaceLimits."""
+    PlaceLimits; sticking (m,) bool as in Corners, empty for none."""
 
     y: np.ndarray
     anchor: np.ndarray
@@ -106,6 +113,7 @@ class ClosedCorners(NamedTuple):
     stiffness: np.ndarray
     rest: np.ndarray
     limits: PlaceLimits
+    sticking: np.ndarray = NOWHERE
 
 
 class Coulomb(NamedTuple):
@@ -157,7 +165,8 @@ def evaluate(corners, position, centre, rotation, surface, friction, tangential)
     points = points.select(active)
     origin = np.where(corners.touching[active, None], corners.anchor[active], corners.start[active])
     closed = ClosedCorners(y[active], corners.anchor[active], origin, corners.stiffness[active],
-                           corners.rest[active], limits.select(active))
+                           corners.rest[active], limits.select(active),
+                           NOWHERE if corners.sticking is None else corners.sticking[active])
     found = Response.empty(len(active))
     _law(closed, points, Coulomb(friction, tangential), surface.tree, found)
     most = closed.limits.tension if len(limits.tension) else 0.0
@@ -194,7 +203,7 @@ def commit(corners, position, contact):
 @njit(cache=True)
 def _law(corners, points, coulomb, tree, out):
     """The law of the module's head at every closed corner."""
-    y, y_anchor, origin, stiffness, rest, limits = corners      # unpacked once, because each access in the loop would count references
+    y, y_anchor, origin, stiffness, rest, limits, sticking = corners    # unpacked once: each access in the loop would count references
     gap, triangle, feature, foot, weights = points
     shear, tension, _ = limits
     force, tangent, turning, slip, anchor, side, energy, dissipated, opened = out
@@ -217,7 +226,7 @@ def _law(corners, points, coulomb, tree, out):
             limit, change = shear_limit(p, slope, coulomb.mu, n, shear, bonded)
             _tangential_gap(y[n], y_anchor[n], N, G, g_t, M)
             size = math.sqrt(g_t[0] * g_t[0] + g_t[1] * g_t[1] + g_t[2] * g_t[2])
-            slip[n] = not eps_t * size <= limit
+            slip[n] = not (eps_t * size <= limit or len(sticking) and sticking[n])
             if slip[n]:
                 s = g_t[0] / size, g_t[1] / size, g_t[2] / size
                 _slip(limit, size, change, dgap, s, M, t, K)

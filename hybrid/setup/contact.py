@@ -1,7 +1,7 @@
 """Contact of a body with the soil of a scene: where it is evaluated, how stiff it is, and its part in plane strain.
 
 Spacing of the places on the faces of domains    s = 2 l / k <= r/16, on held soil r/32      k from 4 to 32
-penalty on elastic soil                           p_f = 500 / h, 2000 / h of a driven body of planes
+penalty on elastic soil                           p_f = 500 / h, 2000 / h of a body of planes driven into it
 penalty on soil that yields                       p_f = 20 / h
 penalty on held soil                              p_f E = W / (π r δ²),  δ = 2 s²/r
 of a curved body that rests on elastic soil       the softer one of 500 / h and that on held soil,  s <= r/32
@@ -36,7 +36,7 @@ from hybrid.runtime.errors import SceneError
 FEWEST, MOST = 4, 32                # places along a face
 CURVATURE, REST_CURVATURE = 16, 32  # spacings in a radius of curvature; of bodies that rest on soil of given shape
 STIFFNESS = {False: 500.0, True: 20.0}  # p_f h, by whether the soil yields
-PRESSED = 2000.0                    # the same of driven planes on elastic soil, whose force is wanted and whose cells follow
+PRESSED = 2000.0                    # the same of planes driven into elastic soil, whose force is wanted and whose cells follow
 PATCH = 2.0                         # spacings in the radius of a contact patch on held soil
 PUBLISHED = 50.0                    # [1/m] p_f
 SHARP = 0.1                         # of the area: fillets and tips, which cells do not resolve either
@@ -108,7 +108,7 @@ def _penalty(described, body, soil, spacing, radius, gravity):
         return described.penalty * factor
     if described.contact == "corners":
         return PUBLISHED * factor
-    pressed = body.driven.any() and not np.isfinite(radius) and not soil.law.plastic
+    pressed = body.driven.any() and not (np.isfinite(radius) or soil.law.plastic or _carried(body, soil, gravity))
     stiff = (PRESSED if pressed else STIFFNESS[soil.law.plastic]) / soil.grid.smallest_cell
     weight = body.mass.mass * np.linalg.norm(gravity)
     rests = _rests(body, soil, radius, gravity)

@@ -7,7 +7,8 @@ to four times the iterations. So whole updates, s = 1, are taken as long as they
 best iterate after that (a watchdog: Chamberlain et al., Math. Program. Study 16 (1982) 1-17). In between, where a body has
 convex edges, whole updates with a tangent that does not soften (`hybrid.contact.assembly.without_softening`): soil that
 slides off an edge has no equilibrium on the way. Where an update leaves most of the residual in a few nodes, these are
-solved for by themselves before the next one (`hybrid.step.restriction`).
+solved for by themselves before the next one (`hybrid.step.restriction`). Contact points that an update carries from slip in
+one direction to slip in the other are held in stick for the next one (`hybrid.contact.reversals`).
 
 The linear systems K δ = -R are solved to FORMULATION (48). The settings are those of the scene, `hybrid.scene.Solver`.
 """
@@ -237,7 +238,7 @@ def _iterate(step, solver, evaluation, updates):
     errors, krylov, current, jumps = [], 0, False, []
     forcing = max(solver.linear_tolerance / max(1.0, step.contrast() / STIFF), FINEST)
     good = GOOD_YIELDING if step.model.soil.law.plastic else GOOD
-    best = evaluation
+    best, turned = evaluation, None
     while True:
         iteration = len(errors)
         errors.append(evaluation.error)
@@ -248,11 +249,11 @@ def _iterate(step, solver, evaluation, updates):
         if iteration == MOST or astray or not progressing(errors, updates.patience):
             break
         try:
-            if not current:
-                step.assemble(evaluation, updates.softening)
+            held = step.held_in_stick(evaluation, turned) if turned else evaluation
+            if turned or not current:
+                step.assemble(held, updates.softening)
             with phase("solve"):
-                soil, body, count = step.system.solve(evaluation.soil, evaluation.body,
-                                                      linear_tolerance(solver, forcing, evaluation.error))
+                soil, body, count = step.system.solve(held.soil, held.body, linear_tolerance(solver, forcing, held.error))
         except StepError as failure:
             return Outcome(best, iteration, krylov, tuple(errors), str(failure))
         krylov += count
@@ -262,6 +263,7 @@ def _iterate(step, solver, evaluation, updates):
             return Outcome(best, iteration, krylov, tuple(errors), f"the update {evaluation.reason}")
         if updates.smooth and evaluation.error > max(SLOW * errors[-1], solver.tolerance):
             evaluation = smoothed(step, solver, evaluation, updates.softening)
+        turned = step.reversals(before, evaluation, turned)
         # corners sent to another facet by the update and back by what smooths it jump as well
         jumps.append(jumped(before, trial) or evaluation is not trial and jumped(before, evaluation))
         # assembling and factoring the soil block costs several solutions; the bodies' few unknowns cost nothing

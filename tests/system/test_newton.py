@@ -99,7 +99,7 @@ def test_updates_that_go_astray_are_not_followed(monkeypatch):
     step = SimpleNamespace(
         model=SimpleNamespace(soil=SimpleNamespace(law=SimpleNamespace(plastic=True))), contrast=lambda: 0.0,
         system=SimpleNamespace(solve=lambda *system: (None, None, 1), soil_unknowns=1),
-        assemble=lambda evaluation, softening: tangents.append(softening))
+        assemble=lambda evaluation, softening: tangents.append(softening), reversals=lambda *given: None)
     monkeypatch.setattr(held_facets, "switched", lambda *contacts: False)
     for start, updates, count in ((0.01, newton.Updates(4, smooth=False), 1), (0.5, newton.Updates(4, smooth=False), 4),
                                   (0.01, newton.Updates(4, shorten=True, smooth=False, softening=False), 4)):
@@ -233,7 +233,8 @@ def test_jumps_that_smoothing_takes_back_count(monkeypatch):
 
     model = SimpleNamespace(soil=SimpleNamespace(law=SimpleNamespace(plastic=True)))
     system = SimpleNamespace(solve=lambda *system: (None, None, 1), soil_unknowns=1)
-    step = SimpleNamespace(model=model, system=system, contrast=lambda: 0.0, assemble=lambda *tangent: None)
+    step = SimpleNamespace(model=model, system=system, contrast=lambda: 0.0, assemble=lambda *tangent: None,
+                           reversals=lambda *given: None)
     monkeypatch.setattr(held_facets, "switched", lambda before, after, surface: before != after)
     monkeypatch.setattr(newton, "line_search", lambda *search: at("the other one"))
     monkeypatch.setattr(newton, "smoothed", lambda *few: at("one"))

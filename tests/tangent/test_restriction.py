@@ -10,6 +10,7 @@ from scipy.sparse import csr_matrix
 from hybrid.setup.build import build
 from hybrid.soil import restriction as of_soil
 from hybrid.step import newton, restriction
+from hybrid.step.equations import Step
 from hybrid.study.precision.problems import anchor
 
 CLOSE = {"rel": 1e-11, "abs": 1e-9}     # sums of points in another order
@@ -77,7 +78,9 @@ def test_what_cannot_be_restricted_is_left(geometry, monkeypatch):
 
 
 def test_sand_before_an_anchor_takes_fewer_iterations(monkeypatch):
-    """And comes to the same place."""
+    """And comes to the same place. Of the two remedies, this one alone: points held in stick do as much here."""
+    monkeypatch.setattr(Step, "reversals", lambda *given: None)
+
     def most():
         simulation = build(anchor.scene(h=0.4, drag=0.5))
         steps = simulation.steps()
