@@ -7,10 +7,10 @@ first (`hybrid.scene.check_sense`, `place`).
 """
 
 from hybrid.monitors.limits import (base, cells, clay_cells, contact, guided, margins, place, rolling, sand_cells, soil, stages,
-                                    stepping, support, turning)
+                                    stepping, turning, unsupported)
 from hybrid.scene.check_sense import sense_notes
 
-MODULES = (place, support, soil, contact, base, rolling, cells, clay_cells, sand_cells, turning, guided, margins, stages,
+MODULES = (place, unsupported, soil, contact, base, rolling, cells, clay_cells, sand_cells, turning, guided, margins, stages,
            stepping)
 LIMITS = tuple(limit for module in MODULES for limit in module.LIMITS)
 

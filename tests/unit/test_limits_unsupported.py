@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from hybrid.monitors.limits import LIMITS, support
+from hybrid.monitors.limits import LIMITS, unsupported
 from hybrid.scene import Faces, Load, Time
 from hybrid.setup.build import build
 from hybrid.study.scenes import box, soil_scene
@@ -23,9 +23,9 @@ def soil(bodies=(), time=QUASI_STATIC, gravity=(0.0, 0.0, -9.81), **table):
 
 
 def test_soil_with_weight_over_a_free_face():
-    text, = notes(support.soil_without_support, soil(faces=Faces(z_min="free")))
+    text, = notes(unsupported.soil_without_support, soil(faces=Faces(z_min="free")))
     assert "weight of the soil, 4.52e+03 N" in text and 'grid.faces.z_min = "free"' in text and 'Set grid.faces.z_min = "fixed"' in text
-    text, = notes(support.soil_without_support, soil(lower=(0.0, 0.0, -0.2)))
+    text, = notes(unsupported.soil_without_support, soil(lower=(0.0, 0.0, -0.2)))
     assert "ends at z = -0.2 m, 0.2 m above the grid's lower end" in text
 
 
@@ -36,14 +36,14 @@ def test_soil_with_weight_over_a_free_face():
      "bodies": [box(0.8, 0.8, 0.2, position=(0.4, 0.4, -0.5), held=("x", "y", "z", "rx", "ry", "rz"))]}])
 def test_soil_that_is_supported_or_needs_no_support(table):
     """By a face below or at a side, by a body below; without weight, and with inertia."""
-    assert not notes(support.soil_without_support, soil(**table))
+    assert not notes(unsupported.soil_without_support, soil(**table))
 
 
 def loaded(force, time=QUASI_STATIC, **table):
     """Texts about a plate of 64 kg on soil with a force [N]."""
     plate = box(0.2, 0.2, 0.2, **PLATE | {"rest_on": 0.0} | table)
     described = soil([plate], time=time)
-    return notes(support.loads_that_lift, replace(described, stages=(replace(described.stages[0], loads=(Load(force=force),)),)))
+    return notes(unsupported.loads_that_lift, replace(described, stages=(replace(described.stages[0], loads=(Load(force=force),)),)))
 
 
 @pytest.mark.parametrize("force", [(0.0, 0.0, 200e3), ((0.0, 0.0, 0.0, 0.0), (4.0, 0.0, 0.0, 200e3))])
@@ -59,4 +59,4 @@ def test_loads_that_lift_nothing():
 
 
 def test_check_and_runs_ask_for_them():
-    assert {support.soil_without_support, support.loads_that_lift} <= set(LIMITS)
+    assert {unsupported.soil_without_support, unsupported.loads_that_lift} <= set(LIMITS)
