@@ -63,6 +63,23 @@ velocity = [1.0, 0.0, 0.0]
 name = "slide"
 steps = 4
 """
+# Window and fine cells go with a box through sand
+FOLLOWED_BOX = """
+grid.x = { start = 0.0, end = 9.6, size = 0.2, growth = 1.4, around = [0.4, 0.4], window = [0.4, 0.4], doublings = 1 }
+grid.y = { start = -0.2, end = 0.2, collapsed = true }
+grid.z = { start = -3.2, end = 1.6, size = 0.2, growth = 1.4, around = [0.6, 0.2] }
+grid.faces = { z_min = "fixed" }
+soil.top = 0.0
+soil.material = { relative_density = 38 }
+[[body]]
+name = "box"
+geometry = "GEOMETRY/box.geo"
+parameters = { length = 0.8, width = 0.8, height = 0.6, size = 20.0 }
+density = 2000.0
+position = [1.6, 0.0, 0.301]
+held = ["ry"]
+friction = 0.3
+"""
 
 
 def scene_file(folder, text):
