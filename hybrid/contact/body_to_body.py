@@ -140,7 +140,7 @@ class SideStep:
         closed = soil_to_body.ClosedCorners(
             y[active], self.anchor[active], origin, self.stiffness[active], self.rest[active], NONE)
         found = soil_to_body.Response.empty(len(active))
-        soil_to_body._law(closed, points, self.law, surface.tree, found)
+        soil_to_body.contact_law(closed, points, self.law, surface.tree, found)
         R = pose_b[1]
         arm_b = y[active] @ R.T
         arm_a = self.places.point[active] @ pose_a[1].T

@@ -15,7 +15,7 @@ import numpy as np
 from numba import njit
 
 from hybrid.body.closest import closest
-from hybrid.body.patches import _normal, point
+from hybrid.body.patches import point, unit_normal
 from hybrid.body.smooth import shared_edges
 from hybrid.contact.search import distances
 
@@ -226,7 +226,7 @@ def _at(pieces, t, v, w, flat):
     """Point at weights (v, w) of triangle t, its normal, and twice the area over that in the weights."""
     if len(pieces.nodes) and pieces.curved[t]:
         x, x_v, x_w = point(t, v, w, pieces.nodes)
-        N, _, _ = _normal(t, v, w, pieces.nodes)
+        N, _, _ = unit_normal(t, v, w, pieces.nodes)
     else:
         c = pieces.corners
         x_v = c[t, 1, 0] - c[t, 0, 0], c[t, 1, 1] - c[t, 0, 1], c[t, 1, 2] - c[t, 0, 2]

@@ -159,7 +159,7 @@ def evaluate(corners, position, centre, rotation, surface, friction, tangential)
     closed = ClosedCorners(y[active], corners.anchor[active], origin, corners.stiffness[active],
                            corners.rest[active], limits.select(active))
     found = Response.empty(len(active))
-    _law(closed, points, Coulomb(friction, tangential), surface.tree, found)
+    contact_law(closed, points, Coulomb(friction, tangential), surface.tree, found)
     most = closed.limits.tension if len(limits.tension) else 0.0
     pressure = np.maximum(closed.stiffness * (closed.rest - points.gap), -most)
     return CornerContact(
@@ -192,7 +192,7 @@ def commit(corners, position, contact):
 
 
 @njit(cache=True)
-def _law(corners, points, coulomb, tree, out):
+def contact_law(corners, points, coulomb, tree, out):
     """The law of the module's head at every closed corner."""
     y, y_anchor, origin, stiffness, rest, limits = corners      # unpacked once, because each access in the loop would count references
     gap, triangle, feature, foot, weights = points

@@ -52,6 +52,7 @@ class Exchange:
     """Plan by which copies on a lattice get the values of their owners, or give theirs to be added up.
 
     own: boxes (ranks, 2, 3) that belong to each process; local: boxes that each has; rank: of this process
+    copies, given: {other process: numbers of what it owns and this one has copies of, and the other way round}
     shared: {other process: numbers that both have, in an order that is the same in both}
     """
 
@@ -61,11 +62,11 @@ class Exchange:
         self.owned[_within(own[rank], low)] = True
         self.owned = self.owned.ravel()
         others = [other for other in range(len(own)) if other != rank]
-        self._copies = {other: self._numbers(_common(local[rank], own[other]), low) for other in others}
-        self._given = {other: self._numbers(_common(own[rank], local[other]), low) for other in others}
+        self.copies = {other: self._numbers(_common(local[rank], own[other]), low) for other in others}
+        self.given = {other: self._numbers(_common(own[rank], local[other]), low) for other in others}
         self.shared = {other: self._numbers(_common(local[rank], local[other]), low) for other in others}
-        self._copies, self._given, self.shared = ({other: at for other, at in found.items() if len(at)}
-                                                  for found in (self._copies, self._given, self.shared))
+        self.copies, self.given, self.shared = ({other: at for other, at in found.items() if len(at)}
+                                                for found in (self.copies, self.given, self.shared))
 
     def _numbers(self, box, low):
         numbers = np.arange(self._shape.prod()).reshape(self._shape)
@@ -73,12 +74,12 @@ class Exchange:
 
     def from_owners(self, values):
         """Fill the copies of `values` (n, ...) in place."""
-        self._move(values, self._given, self._copies, add=False)
+        self._move(values, self.given, self.copies, add=False)
         return values
 
     def summed(self, values):
         """Add up `values` (n, ...) over all processes in place."""
-        self._move(values, self._copies, self._given, add=True)
+        self._move(values, self.copies, self.given, add=True)
         return self.from_owners(values)
 
     def _move(self, values, out, into, add):

@@ -13,7 +13,7 @@ GMRES sees vectors with the own soil unknowns of each process, and those of the 
 import numpy as np
 from petsc4py import PETSc
 
-from hybrid.linalg.petsc import INVERSES, RAISED, lift
+from hybrid.linalg.inverses import INVERSES, RAISED, lift
 from hybrid.linalg.precond_pattern import ReducedMatrix
 from hybrid.linalg.product import Product
 from hybrid.linalg.solver_choice import DAMPED, DIRECT, MOST
@@ -77,6 +77,10 @@ class DistributedSystem:
         self._parts = [self._map, self._vector, self._copy, self._result, self._inverted, self._scatter, self._product,
                        self._local]
         self._make_krylov()
+
+    def owners(self):
+        """(n,) process that owns each unknown of this one."""
+        return np.searchsorted(self._vector.getOwnershipRanges(), self._map.indices, side="right") - 1
 
     def _make_krylov(self):
         own = self._count + (self.body_unknowns if ranks.rank() == 0 else 0)

@@ -50,7 +50,7 @@ class _Kept(NamedTuple):
     fresh: bool
 
 
-class _Origin(NamedTuple):
+class Origin(NamedTuple):
     """What the numbers of the points last added were computed from: D (n, 3, 3) and τ (n, 3) [Pa], ΔF^-1 and ΔF_0^-1
     (n, 3, 3), without F-bar the former twice."""
 
@@ -82,7 +82,7 @@ class KeptStiffness:
     def __init__(self, tolerance, young, fbar=False):
         n = len(young)
         self._limit, self._numbers, self._changed = tolerance * young, np.empty((n, COUNT if fbar else 81)), np.empty(n, bool)
-        self._origin = _Origin(*(np.empty(shape) for shape in ((n, 3, 3), (n, 3), (n, 3, 3), (n, 3, 3))))
+        self._origin = Origin(*(np.empty(shape) for shape in ((n, 3, 3), (n, 3), (n, 3, 3), (n, 3, 3))))
         self._increment, self._pattern, self.values = lambda: None, None, np.zeros(0)
 
     def update(self, increment, grid, trial, principal_stress, tangent, volume, pattern, share=1.0):
@@ -99,8 +99,8 @@ class KeptStiffness:
                 ghost.add_stiffness(increment.cuts, grid, pattern, self.values)
         points = _PointState(trial.inverse, trial.strain, trial.directions, principal_stress, tangent, volume)
         dilatation = mean_dilatation(increment.mean, grid.collapsed, trial)
-        now = _Origin(tangent, principal_stress, trial.inverse, trial.inverse if dilatation is None else dilatation.inverse)
-        _mark_changed(now, self._origin, -1.0 * self._limit if fresh else share * self._limit, self._changed)
+        now = Origin(tangent, principal_stress, trial.inverse, trial.inverse if dilatation is None else dilatation.inverse)
+        mark_changed(now, self._origin, -1.0 * self._limit if fresh else share * self._limit, self._changed)
         _add_stiffness(increment.slabs, increment.basis, grid.shape, points, pattern.sparsity, self.values,
                        _Kept(self._numbers, self._changed, fresh), dilatation)
 
@@ -183,7 +183,7 @@ def copy_values(values, out):
 
 
 @njit(cache=True, parallel=True)
-def _mark_changed(now, before, limit, changed):
+def mark_changed(now, before, limit, changed):
     """Fill `changed` (n,): points where D or τ, or an inverse times the largest of these, is farther than the `limit` (n,)
     [Pa] from where it was `before`, which becomes what it is `now` there. A negative limit marks all."""
     D, stress, inverse, mean_inverse = now

@@ -247,12 +247,12 @@ def test_faults_are_refused(geometry, values, soil, text):
 
 
 def test_adhesion_alone_needs_no_friction_and_no_adhesion_is_smooth():
-    from hybrid.setup.contact import _friction, _interface
+    from hybrid.setup.contact import friction_of, interface_of
 
     for values, mu, adhesion in (({}, 0.0, None), ({"friction": 0.3}, 0.3, None), ({"adhesion": 0.5}, np.inf, 0.5),
                                  ({"adhesion": 0.5, "friction": 0.3}, 0.3, 0.5), ({"adhesion": 0.0}, 0.0, None),
                                  ({"adhesion": 0.0, "friction": 0.3}, 0.0, None)):
         described = Body("box.geo", 1.0, **values)
-        made = _interface(described, "plane strain")
-        assert _friction(described) == mu and (made and made.adhesion) == adhesion
-    assert _interface(replace(Body("box.geo", 1.0), tension="full"), "compression").tension == np.inf
+        made = interface_of(described, "plane strain")
+        assert friction_of(described) == mu and (made and made.adhesion) == adhesion
+    assert interface_of(replace(Body("box.geo", 1.0), tension="full"), "compression").tension == np.inf
