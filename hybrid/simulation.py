@@ -143,8 +143,8 @@ class Simulation:
         return max(now, self.moving_grid.points_when_sunk(self.model, self.state)) if self.moving_grid else now
 
     def contact_forces(self, b):
-        """Force of the soil on each surface vertex of body b at the last accepted step, (V, 3) [N]; of several processes, which
-        all call this, of the soil of all."""
+        """Force of the soil on each surface vertex of body b at the last accepted step, (V, 3) [N]; of several processes,
+        which all call this, of the soil of all."""
         if self._forces is not None:
             return self._forces[b]
         surface = self.surfaces[b]
@@ -162,8 +162,8 @@ class Simulation:
         return whole
 
     def with_all_points(self):
-        """This simulation as it is drawn: in the first of several processes, which all call this, with the points of all. Nothing
-        else needs all points in one process."""
+        """This simulation as it is drawn: in the first of several processes, which all call this, with the points of all.
+        Nothing else needs all points in one process."""
         whole = copy(self)
         whole.state, whole._initial_position = processes.gather(self.model, self.state)
         return whole
@@ -171,8 +171,8 @@ class Simulation:
     def run(self, observers=()):
         """Run the remaining steps; returns the summary dict {"outcome", "reason"} that observers get too.
 
-        Of several processes each has the same observers, which are shown its own points; their calls are collective, and raise
-        the same error everywhere (`hybrid.output.first`).
+        Of several processes each has the same observers, which are shown its own points; their calls are collective, and
+        raise the same error everywhere (`hybrid.output.first`).
 
         `finish` of every observer is called however the run ends: completed, failed (the error is raised again) or
         interrupted. Raises OutputError, which interrupts the run, for an OSError of an observer.
@@ -238,7 +238,8 @@ class Simulation:
                 raise
             self.evaluation, self.increment = report.evaluation, control.dt
             self.solver_memory = workspace.systems.choice.memory()
-            if self.model.soil.grid.nodes is not None and report.soil is not self.model.soil:    # points have gone to other processes
+            # points have gone to other processes
+            if self.model.soil.grid.nodes is not None and report.soil is not self.model.soil:
                 self.model, model = self.model.with_soil(report.soil), model.with_soil(report.soil)
             record, lost = self._record(stage.name, stage_step, report, model.scheme)
             yield record
@@ -278,7 +279,8 @@ class Simulation:
             increments=report.increments, iterations=report.iterations, rejections=report.rejections,
             residual=evaluation.error, contacts=int(comm.total([len(terms.contact) for terms in evaluation.bodies])),
             seconds=timing.collect(), energies=energy,
-            bodies=[body_record(terms, state, evaluation.joints) for terms in evaluation.bodies], joints=joint_records(evaluation),
+            bodies=[body_record(terms, state, evaluation.joints) for terms in evaluation.bodies],
+            joints=joint_records(evaluation),
             pairs=pair_records(evaluation), time_error=report.error,
             krylov=report.krylov, judged=report.judged, copies=copies(self.mirrors),
             notes=self._initial_notes() + self._monitors.notes(view))

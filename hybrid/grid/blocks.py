@@ -23,7 +23,8 @@ from hybrid.runtime.errors import SceneError
 
 
 def cut_into_blocks(loads, parts):
-    """Boxes (parts, 2, 3) of cells [low, high) with nearly equal shares of the `loads` (a, b, c), whole numbers, of all cells.
+    """Boxes (parts, 2, 3) of cells [low, high) with nearly equal shares of the `loads` (a, b, c), whole numbers, of all
+    cells.
 
     Raises SceneError where there are not enough layers of cells.
     """
@@ -166,22 +167,22 @@ def cells_of(position, lines):
 
 
 def cell_numbers(position, grid):
-    """((n,) number of the cell of each position (n, 3) [m], (3,) shape of the cells) of a whole grid, given as a Grid or a Block
-    of it."""
+    """((n,) number of the cell of each position (n, 3) [m], (3,) shape of the cells) of a whole grid, given as a Grid or
+    a Block of it."""
     return np.ravel_multi_index(cells_of(position, grid.lines).T, grid.cell_counts), grid.cell_counts
 
 
 def cut_block(grid, loads, parts, rank):
-    """Block of the process `rank` of `parts` with nearly equal shares of the `loads` (a, b, c) of cells, from the whole Grid or
-    from another Block of it."""
+    """Block of the process `rank` of `parts` with nearly equal shares of the `loads` (a, b, c) of cells, from the whole
+    Grid or from another Block of it."""
     boxes = cut_into_blocks(loads, parts)
     fullest = max(loads[_within(box, np.zeros(3, int))].sum() for box in boxes)
     return block_of(grid, boxes, rank, fullest / max(loads.sum(), 1))
 
 
 def block_of(grid, boxes, rank, fullest=0.0, layers=1):
-    """Block of the process `rank`, one of those with `boxes` (parts, 2, 3) of cells, from the whole Grid or from another Block
-    of it."""
+    """Block of the process `rank`, one of those with `boxes` (parts, 2, 3) of cells, from the whole Grid or from another
+    Block of it."""
     lines, planes = grid.lines, grid.planes
     shape = np.array([len(nodes) for nodes in lines])
     cells, more = np.maximum(1, shape - 1), shape > 1       # one more node than cells, but on a collapsed axis
@@ -192,7 +193,8 @@ def block_of(grid, boxes, rank, fullest=0.0, layers=1):
     part = _within(with_nodes[rank], np.zeros(3, int))
     x, y, z = (plane[one] for plane, one in zip(planes, part))
     fixed = (x[:, None, None] | y[:, None] | z).reshape(-1, 3)
-    block = Block(tuple(np.ascontiguousarray(nodes[one]) for nodes, one in zip(lines, part)), grid.extent, fixed, grid.closed,
+    block = Block(tuple(np.ascontiguousarray(nodes[one]) for nodes, one in zip(lines, part)), grid.extent, fixed,
+                  grid.closed,
                   lines=lines, planes=planes, boxes=boxes, rank=rank, layers=layers, fullest=fullest,
                   nodes=Exchange(own, with_nodes, rank), cells=Exchange(boxes, around, rank))
     widths = [each[one] for each, one in zip(node_widths(lines, grid.extent), part)]

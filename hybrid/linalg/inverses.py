@@ -1,4 +1,5 @@
-"""Approximate inverses M^-1 of K_uu that precondition GMRES: their options in PETSc, and what keeps their pivots away from zero.
+"""Approximate inverses M^-1 of K_uu that precondition GMRES: their options in PETSc, and what keeps their pivots away
+from zero.
 
 M^-1 is one of three: a symmetric Gauss-Seidel (SSOR) sweep over the blocks of nodes; ILU(0); ILU(0) of a matrix whose
 diagonal is raised by half, which is stable where the soil is nearly incompressible and ILU(0) is of no use. Where none

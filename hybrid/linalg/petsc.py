@@ -82,8 +82,8 @@ class BlockSystem:
             ALIVE.add(self)
 
     def _join(self):
-        """Form the system matrix, as it is factored and as GMRES applies it, and the preconditioner's matrix; with bodies and
-        soil they are nested matrices."""
+        """Form the system matrix, as it is factored and as GMRES applies it, and the preconditioner's matrix; with bodies
+        and soil they are nested matrices."""
         n, m = self.soil_unknowns, self.body_unknowns
         soil = [self._blocks[0]] * 3 if self._reduced is None else [self._uu, self._product, self._uu_reduced]
         if self._coupled:

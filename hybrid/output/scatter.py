@@ -46,7 +46,8 @@ def _draw(axes, cloud):
     dots = axes.scatter(x[~out], y[~out], 12, colour[~out], zorder=3, **look)
     for side, marker in ((1, "^"), (-1, "v")):
         beyond = out & (side * y > 0)
-        axes.scatter(x[beyond], np.full(beyond.sum(), 0.97 * side * edge), 14, colour[beyond], marker=marker, zorder=3, **look)
+        axes.scatter(x[beyond], np.full(beyond.sum(), 0.97 * side * edge), 14, colour[beyond], marker=marker, zorder=3,
+                     **look)
     axes.plot(cloud.failed, np.zeros(len(cloud.failed)), "x", color="#9c2a1c", markersize=5, zorder=4)
     axes.set_ylim(-edge, edge)
     return dots

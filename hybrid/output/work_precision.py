@@ -12,8 +12,8 @@ GAP = 0.075     # smallest distance of two labels in heights of the panel
 
 @dataclass(frozen=True)
 class Series:
-    """A curve: costs and errors of what was done, costs of repeats beyond it as a share, how many settings failed; foreign: of
-    another program."""
+    """A curve: costs and errors of what was done, costs of repeats beyond it as a share, how many settings failed;
+    foreign: of another program."""
 
     label: str
     cost: list
@@ -34,7 +34,8 @@ class Panel:
 
 
 def work_precision(path, problems, cost, mark):
-    """A Panel for each of the `problems`: error against `cost` (its name), the front in grey behind; `mark` in the corner."""
+    """A Panel for each of the `problems`: error against `cost` (its name), the front in grey behind; `mark` in the
+    corner."""
     with panels(path, [problem.title for problem in problems], height=2.3, room=0.2, size=9) as (drawing, places):
         stamp_corner(drawing, mark)
         for panel, axes in zip(problems, places):

@@ -51,7 +51,8 @@ def connect_to_soil(described, body, rotation, soil, gravity, cone):
     interface, sharp = interface_of(described, cone), body.surface
     if not (soil.held or chosen.at_corners or _carried(body, soil, gravity)):
         edges = find_edges(body.surface, soil.grid.smallest_cell, rotation[soil.grid.collapsed])
-        body = replace(body, surface=round_off(body.surface, edges), narrowest=narrowest_face(edges, soil.grid.smallest_cell))
+        body = replace(body, surface=round_off(body.surface, edges),
+                       narrowest=narrowest_face(edges, soil.grid.smallest_cell))
     body = replace(body, places=chosen, penalty=_penalty(described, body, soil, spacing, radius, gravity))
     if interface and not chosen.at_corners:
         interface = replace(interface, sharp=None if body.surface is sharp else sharp, cover=_cover(sharp, soil, rotation))

@@ -9,8 +9,8 @@ CLAY = Material(law="von-mises", young=5e6, poisson=0.49, density=1700.0, streng
 def put_on_soil(body, size, x, z, y=None, material=CLAY, faces=ROLLERS, steps=1, **soil):
     """Scene of one stage of `steps` of 1 s.
 
-    size [m]: of the cells; x, y, z: (start, end) [m] of the grid, plane strain in a slice of 1 m without y; soil: further values of
-    that table, whose surface is at z = 0 unless it gives another.
+    size [m]: of the cells; x, y, z: (start, end) [m] of the grid, plane strain in a slice of 1 m without y; soil: further
+    values of that table, whose surface is at z = 0 unless it gives another.
     """
     across = Axis(*y, size) if y else collapsed()
     return Scene(

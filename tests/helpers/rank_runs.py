@@ -1,4 +1,5 @@
-"""Runs of the command in one and in several processes, the scenes that they start from, and what they leave in their folders."""
+"""Runs of the command in one and in several processes, the scenes that they start from, and what they leave in their
+folders."""
 
 import csv
 import importlib.util
@@ -107,11 +108,13 @@ def python(ranks, *arguments):
 
 
 def _done(command, environment):
-    return subprocess.run(command, env={**environment, "NUMBA_NUM_THREADS": "1"}, capture_output=True, text=True, timeout=300)
+    return subprocess.run(command, env={**environment, "NUMBA_NUM_THREADS": "1"}, capture_output=True, text=True,
+                          timeout=300)
 
 
 def hybrid(*arguments, code=0):
-    """stderr of the command in the environment of a user, which ends with a code; by --ranks it becomes several processes."""
+    """stderr of the command in the environment of a user, which ends with a code; by --ranks it becomes several
+    processes."""
     done = _done([sys.executable, "-m", "hybrid", *map(str, arguments)], os.environ)
     assert done.returncode == code, done.stderr
     return done.stderr
@@ -131,7 +134,8 @@ def state(folder):
 
 def points(folder, *more):
     """Fields of the points there, each (n, ...), by name."""
-    return {name: getattr(state(folder).points, name) for name in ("position", "velocity", "stress", "plastic_strain", *more)}
+    return {name: getattr(state(folder).points, name)
+            for name in ("position", "velocity", "stress", "plastic_strain", *more)}
 
 
 def history(folder):

@@ -15,10 +15,12 @@ from hybrid.study.scenes import box
 MAT = put_on_soil(
     box(1.6, 1.0, 0.5, size=20.0, density=2400.0, position=(0.0, 0.5, 0.0), rest_on=0.001, held=("x", "ry")),
     size=0.1, x=(0.0, 4.0), z=(-3.0, 0.4), steps=2)
-SAND = Material(law="drucker-prager", young=2e7, poisson=0.3, density=1700.0, friction_angle=33.0, dilation_angle=3.0, cohesion=0.0)
+SAND = Material(law="drucker-prager", young=2e7, poisson=0.3, density=1700.0, friction_angle=33.0, dilation_angle=3.0,
+                cohesion=0.0)
 WALL = put_on_soil(
     box(0.3, 1.0, 2.4, size=20.0, density=2400.0, position=(-0.15, 0.5, 1.2), held=("x", "z", "ry")),
-    size=0.15, x=(-0.9, 4.5), z=(0.0, 2.55), material=SAND, faces=Faces(), top=None, lower=(0.0, 0.0, 0.0), upper=(4.5, 1.0, 2.1))
+    size=0.15, x=(-0.9, 4.5), z=(0.0, 2.55), material=SAND, faces=Faces(), top=None, lower=(0.0, 0.0, 0.0),
+    upper=(4.5, 1.0, 2.1))
 DRAWN = put_on_soil(
     box(0.53, 1.0, 3.2, size=20.0, density=2400.0, position=(-0.265, 0.5, -1.4), held=("z", "ry"), driven=("x",),
         velocity=(-0.0015, 0.0, 0.0)),
@@ -56,7 +58,8 @@ def drawn_back():
 
 
 def test_soil_follows_a_wall_that_is_drawn_back():
-    """Its springs are pressed by less than it moves, so that it would leave the soil behind, which cannot stand by itself."""
+    """Its springs are pressed by less than it moves, so that it would leave the soil behind, which cannot stand by
+    itself."""
     iterations, force = drawn_back()
     assert iterations < 350 and 50e3 < force < 65e3
 

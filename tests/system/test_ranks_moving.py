@@ -1,5 +1,5 @@
-"""Soil that moves among several processes: points that cross over or leave the grid, a grid that follows a body, and blocks that
-follow the work. They start mpirun on tiny scenes."""
+"""Soil that moves among several processes: points that cross over or leave the grid, a grid that follows a body, and
+blocks that follow the work. They start mpirun on tiny scenes."""
 
 import meshio
 import numpy as np
@@ -125,7 +125,8 @@ processes.GROWN = float(sys.argv.pop())
 def test_blocks_follow_soil_that_moves(tmp_path, grown, uneven):
     """A block of soil slides 1.9 m along: each of two ranks keeps half of it, but not where blocks stay as they are."""
     path = scene_file(tmp_path, THROWN.replace("end = 2.0", "end = 4.0").replace("steps = 14", "steps = 20"))
-    text = program(patched(tmp_path / "shares.py", SHARES), "run", path, "--out", tmp_path / "two", grown, ranks=2, fails=uneven)
+    text = program(patched(tmp_path / "shares.py", SHARES), "run", path, "--out", tmp_path / "two", grown, ranks=2,
+                   fails=uneven)
     if uneven:
         assert "uneven: " in text
         return

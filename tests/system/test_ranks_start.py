@@ -1,4 +1,5 @@
-"""The start of several processes: each makes the points of its own cells, and of a new window its share. None ever has all."""
+"""The start of several processes: each makes the points of its own cells, and of a new window its share. None ever has
+all."""
 
 import json
 import subprocess
@@ -90,10 +91,12 @@ if ranks.rank() == 0:
 
 def run(tmp_path, name, ranks):
     """(Largest share of all points that a process has had, folder) of a scene on so many processes."""
-    scene, script, out = scene_file(tmp_path, SCENES[name].replace("SAND", SAND)), tmp_path / "script.py", tmp_path / str(ranks)
+    scene = scene_file(tmp_path, SCENES[name].replace("SAND", SAND))
+    script, out = tmp_path / "script.py", tmp_path / str(ranks)
     script.write_text(COUNTED)
     command, environment = launch(ranks, ["-m", "mpi4py", script, scene, out])
-    done = subprocess.run(command if ranks > 1 else [sys.executable, *command[6:]], env={**environment, "NUMBA_NUM_THREADS": "1"},
+    done = subprocess.run(command if ranks > 1 else [sys.executable, *command[6:]],
+                          env={**environment, "NUMBA_NUM_THREADS": "1"},
                           capture_output=True, text=True, timeout=200)
     assert done.returncode == 0, done.stderr
     return float(done.stdout.split()[-1]), out
@@ -101,7 +104,9 @@ def run(tmp_path, name, ranks):
 
 def order(state):
     """Points in the order of their initial places, where a grid has added some, else of their numbers."""
-    return np.arange(len(state.points)) if state.ground is None else np.lexsort(np.round(state.ground.constants.position, 6).T)
+    if state.ground is None:
+        return np.arange(len(state.points))
+    return np.lexsort(np.round(state.ground.constants.position, 6).T)
 
 
 def assert_same(out, expected):

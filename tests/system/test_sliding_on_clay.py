@@ -1,5 +1,5 @@
-"""Bodies that slide over clay by a good part of a cell in each step feel the whole of its friction and adhesion. Contact points
-that come and go within a step are about a third of all here."""
+"""Bodies that slide over clay by a good part of a cell in each step feel the whole of its friction and adhesion. Contact
+points that come and go within a step are about a third of all here."""
 
 import numpy as np
 import pytest

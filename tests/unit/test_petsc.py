@@ -215,7 +215,8 @@ def test_diagonals_that_sweeps_take_for_zero_are_lifted_with_their_sign():
     the next way is taken."""
     values = np.array([2.0, 1e-20, -1e-20, 0.0, -3.0, 1e-30])
     inverses.lift(values, np.array([0, 1, 2, 3, 4]))
-    assert values.tolist() == [2.0, inverses.SMALLEST_DIAGONAL, -inverses.SMALLEST_DIAGONAL, inverses.ZERO_DIAGONAL, -3.0, 1e-30]
+    assert values.tolist() == [2.0, inverses.SMALLEST_DIAGONAL, -inverses.SMALLEST_DIAGONAL, inverses.ZERO_DIAGONAL,
+                               -3.0, 1e-30]
     assert 2e-14 < inverses.SMALLEST_DIAGONAL and 0.0 < inverses.ZERO_DIAGONAL < 1e-200
 
 

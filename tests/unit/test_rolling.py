@@ -49,8 +49,8 @@ def test_the_published_method_keeps_its_own():
 
 
 def test_a_box_at_rest_on_soil_that_deforms_takes_few_iterations():
-    """Let go on a strip of soil of 50 MPa, in plane strain: 59 iterations in 3 steps; with the springs of a body that rolls 158, or
-    the first step fails after as many."""
+    """Let go on a strip of soil of 50 MPa, in plane strain: 59 iterations in 3 steps; with the springs of a body that
+    rolls 158, or the first step fails after as many."""
     def iterations(**body):
         grid = Grid(Axis(-1.5, 1.5, 0.1), collapsed(), Axis(-1.0, 0.2, 0.1), Faces(z_min="fixed"))
         fallen = box(0.4, 1.0, 1.0, size=5.0, position=(0.0, 0.5, 0.0), rest_on=0.0, friction=0.5, **body)

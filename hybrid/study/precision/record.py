@@ -22,8 +22,8 @@ class Record:
     """A run and its repeats, of one `setting` of a `curve` of a `problem`.
 
     values: arguments of the problem's `solve`; errors: by name, empty if the run failed; seconds: processor
-    time of the steps of every repeat, without start-up; reason: why the run failed, else empty; source: name of another program,
-    empty for this one. AMPLE was timed on another machine; Kratos, by wall time, on the same one.
+    time of the steps of every repeat, without start-up; reason: why the run failed, else empty; source: name of another
+    program, empty for this one. AMPLE was timed on another machine; Kratos, by wall time, on the same one.
     """
 
     problem: str
