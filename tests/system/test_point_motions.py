@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from differences import central
 from scipy.integrate import solve_ivp
 
 from hybrid.body.attitude import exp_so3
@@ -120,13 +121,10 @@ def test_gradient_and_curvature_by_differences():
     def at(q):
         return (pose[0] + q[:3], exp_so3(q[3:]) @ pose[1]), other
 
-    def central(function, h=1e-5):
-        return np.array([(function(h * e) - function(-h * e)) / (2 * h) for e in np.eye(6)]).T
-
     gradient = guide.rows((pose, other), 0.1)[1]
-    np.testing.assert_allclose(gradient[:, :6], central(lambda q: guide.rows(at(q), 0.1)[0]), atol=1e-9)
+    np.testing.assert_allclose(gradient[:, :6], central(lambda q: guide.rows(at(q), 0.1)[0], 6), atol=1e-9)
     bent = guide.curvature((pose, other), np.array([3.0]))
-    np.testing.assert_allclose(bent[:6, :6], central(lambda q: 3.0 * guide.rows(at(q))[1][0, :6]), atol=1e-8)
+    np.testing.assert_allclose(bent[:6, :6], central(lambda q: 3.0 * guide.rows(at(q))[1][0, :6], 6), atol=1e-8)
     assert not bent[6:].any() and not gradient[:, 6:].any()
 
 
