@@ -27,7 +27,7 @@ def best_ranks(scene, cores, memory):
     try:
         scene, _ = resolve(apply_accuracy(scene)[0])
         need, points = size(scene, [axis_nodes(axis) for axis in (scene.grid.x, scene.grid.y, scene.grid.z)])
-    except HybridError:     # told when the scene is built
+    except HybridError:     # reported when the scene is built
         return 1, 0
     number = int(min(cores, points // PER_PROCESS, (memory - need) / LIBRARIES))
     return number if number >= FEWEST else 1, points

@@ -69,7 +69,7 @@ def in_part(body, mirrors):
     return replace(body, mass=mass)
 
 
-def stray_cap(described, mesh, mirrors):
+def stray_cap(mesh, mirrors):
     """Whether the cut face of a body lies in no plane of symmetry of the model."""
     return len(mesh.symmetry) > 0 and not any(mirror.cut for mirror in mirrors)
 

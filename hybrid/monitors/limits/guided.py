@@ -25,7 +25,7 @@ def swallowed_loads(scene, model):
             for i, load in zip(own, body.loads):
                 found = {}
                 for component, text in _lost(described, body, load):
-                    found.setdefault(_why(scene, described, body, component), []).append((FREEDOMS[component], text))
+                    found.setdefault(_why(scene, body, component), []).append((FREEDOMS[component], text))
                 for (reason, remedy), parts in found.items():
                     names, texts = (" and ".join(each) for each in zip(*parts))
                     yield (f"stage.{s}.load.{i} on {body.name}: {texts} act{'s' if len(parts) == 1 else ''} on {names}, "
@@ -41,7 +41,7 @@ def _lost(described, body, load):
         value = max((row[axis] for row in force), key=abs)
         if abs(value) > SWALLOWED * largest:
             yield axis, f"f{'xyz'[axis]} = {_shown(value)}N"
-    # those are told already
+    # forces across a plane of symmetry are reported above
     across = np.array([not any(mirror.axis == name for mirror in body.mirrors) for name in "xyz"])
     for axis in np.flatnonzero(~body.free[3:]):
         given = max((row[axis] for row in moment), key=abs)
@@ -65,7 +65,7 @@ def _arm(described, body, point):
     return arm
 
 
-def _why(scene, described, body, component):
+def _why(scene, body, component):
     """(why a component is not free, what to do) as texts."""
     name = FREEDOMS[component]
     for mirror in body.mirrors:
