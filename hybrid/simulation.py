@@ -23,7 +23,7 @@ from hybrid.monitors.failure_hints import overstretched_domains
 from hybrid.monitors.initial_equilibrium import initial_imbalance
 from hybrid.monitors.limits import limit_warnings
 from hybrid.output.model_sheet import model_sheet
-from hybrid.output.observers import finish, tell
+from hybrid.output.observers import finish, notify
 from hybrid.output.record import Record
 from hybrid.runtime import comm, ranks, timing
 from hybrid.runtime.errors import HybridError, OutputError, StepError
@@ -178,11 +178,11 @@ class Simulation:
         interrupted. Raises OutputError, which interrupts the run, for an OSError of an observer.
         """
         summary, stop, shared = {"outcome": "completed", "reason": ""}, None, True
-        tell(observers, lambda observer: observer.start(self))
+        notify(observers, lambda observer: observer.start(self))
         try:
             with closing(self.steps()) as steps:        # their matrices, also where an observer ends the run
                 for record in steps:
-                    tell(observers, lambda observer, record=record: observer.accepted(record, self))
+                    notify(observers, lambda observer, record=record: observer.accepted(record, self))
         except (KeyboardInterrupt, OutputError) as error:
             summary.update(outcome="interrupted", reason=str(error) or "SIGINT")
             stop, shared = error, getattr(error, "of_all", isinstance(error, OutputError))

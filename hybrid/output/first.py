@@ -31,13 +31,13 @@ class First:
     def finish_alone(self, summary, simulation):
         """`finish` where the first process does not know what the others do."""
         if self._observer and self._alone:
-            self._tell("finish", simulation, summary)
+            self._notify("finish", simulation, summary)
 
     def _call(self, name, simulation, *given):
         shown = self._shown(simulation, name)
-        ranks.in_first(lambda: self._tell(name, shown, *given))
+        ranks.in_first(lambda: self._notify(name, shown, *given))
 
-    def _tell(self, name, simulation, *given):
+    def _notify(self, name, simulation, *given):
         with errors_of(self._observer), comm.alone():
             getattr(self._observer, name)(*given, simulation)
 

@@ -7,7 +7,7 @@ from hybrid.output import errors_of
 log = logging.getLogger("hybrid")
 
 
-def tell(observers, call):
+def notify(observers, call):
     """Call each observer: `call` is a function of it."""
     for observer in observers:
         with errors_of(observer):

@@ -1,8 +1,8 @@
 """The processes of a run: how many there are, which one this is, and how they end together. The only module that starts MPI.
 
 One process is the rule; several are started by mpirun (`hybrid run --ranks`). A fault that all of them find, such as a
-mistake in the scene, is told once and ends them all; one that a single process meets ends the others, which would wait for
-it forever.
+mistake in the scene, is reported once and ends them all; one that a single process meets ends the others, which would
+wait for it forever.
 """
 
 import logging
@@ -17,8 +17,8 @@ from hybrid.runtime.errors import HybridError
 # Set by mpirun of Open MPI, MPICH and Intel MPI, and by srun --mpi
 STARTED = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MPI_LOCALNRANKS", "PMIX_RANK")
 
-# Open MPI refuses to run as root, and more processes than cores, unless told that this is meant; 4 and 5 have a variable
-# each for the latter. About every fault 4 prints a page of its own unless told not to; 5 always does, and refuses
+# Open MPI refuses to run as root, and more processes than cores, unless a variable allows it; 4 and 5 have a variable
+# each for the latter. About every fault 4 prints a page of its own unless it is quiet; 5 always does, and refuses
 # mpirun's -q. 5 complains when a machine's IPv4 and IPv6 addresses do not reach one another; processes of one machine
 # need lo only.
 OPEN_MPI = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_orte_execute_quiet": "1",

@@ -91,10 +91,10 @@ def test_soil_that_comes_to_rest_in_between_has_not_failed():
     assert seen(FLOW, REST, FLOW) == 0 and seen(FLOW, FLOW, REST, FLOW) == 1
 
 
-@pytest.mark.parametrize("body, contacts, told", [(0.02, 1, 0), (0.001, 1, 1), (0.02, 0, 1)])
-def test_soil_that_a_body_moves_is_not(body, contacts, told):
+@pytest.mark.parametrize("body, contacts, reported", [(0.02, 1, 0), (0.001, 1, 1), (0.02, 0, 1)])
+def test_soil_that_a_body_moves_is_not(body, contacts, reported):
     """Not where the body hardly moves or does not touch it."""
-    assert seen((0.1, body, contacts, 10.0)) == told
+    assert seen((0.1, body, contacts, 10.0)) == reported
 
 
 

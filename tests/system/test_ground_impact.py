@@ -1,4 +1,4 @@
-"""A ball that falls on held ground: its bounces cost energy in long steps, which is told, with the sum at the end, and
+"""A ball that falls on held ground: its bounces cost energy in long steps, which is reported, with the sum at the end, and
 hardly any in short ones."""
 
 import io

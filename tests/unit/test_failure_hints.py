@@ -147,10 +147,10 @@ def test_many_judged_increments_are_reported_once():
     assert notes(10, 10) == ()
 
 
-@pytest.mark.parametrize("adhesion, slips, inertia, told",
+@pytest.mark.parametrize("adhesion, slips, inertia, reported",
                          [(1.0, True, False, True), (0.5, True, False, False), (1.0, False, False, False),
                                                             (1.0, True, True, False), (None, True, False, False)])
-def test_clay_that_slips_at_its_own_strength_is_a_cause_and_a_softer_penalty_the_remedy(adhesion, slips, inertia, told):
+def test_clay_that_slips_at_its_own_strength_is_a_cause_and_a_softer_penalty_the_remedy(adhesion, slips, inertia, reported):
     """A skirt with α = 1 on cells of 0.1 m stops with steps of any length; with a tenth of the penalty it takes all of
     them."""
     body = SimpleNamespace(name="skirt", penalty=200.0, interface=SimpleNamespace(adhesion=adhesion))
@@ -161,7 +161,7 @@ def test_clay_that_slips_at_its_own_strength_is_a_cause_and_a_softer_penalty_the
                            pattern=SimpleNamespace(free=np.ones((2, 3), bool)))
     evaluation = SimpleNamespace(contacts=[_Contact(np.array([slips, False]))], norms={"soil [N]": 1.0})
     causes = probable_causes(step, evaluation)
-    assert bool(causes) == told and all("skirt" in text and "body.penalty = 20 /m" in text for text in causes)
+    assert bool(causes) == reported and all("skirt" in text and "body.penalty = 20 /m" in text for text in causes)
 
 
 class _Contact(SimpleNamespace):

@@ -1,4 +1,4 @@
-"""Loads on held components and motions out of a plane of symmetry, which nothing shows in a result, are told before the
+"""Loads on held components and motions out of a plane of symmetry, which nothing shows in a result, are reported before the
 run."""
 
 import re
@@ -40,9 +40,9 @@ def test_loads_in_the_plane_are_not(load):
     assert not texts(swallowed_loads, load)
 
 
-@pytest.mark.parametrize("point, told", [(None, False), ((0.0, 0.0, 0.0), False), ((0.09, 0.0, 0.0), True)])
-def test_half_of_a_load_on_a_half_body_may_act_in_the_plane_or_at_its_centre(point, told):
-    assert bool(texts(swallowed_loads, Load(force=(0.0, 0.0, -100.0), point=point), symmetry="x")) == told
+@pytest.mark.parametrize("point, reported", [(None, False), ((0.0, 0.0, 0.0), False), ((0.09, 0.0, 0.0), True)])
+def test_half_of_a_load_on_a_half_body_may_act_in_the_plane_or_at_its_centre(point, reported):
+    assert bool(texts(swallowed_loads, Load(force=(0.0, 0.0, -100.0), point=point), symmetry="x")) == reported
 
 
 @pytest.mark.parametrize("values, words", [

@@ -1,4 +1,4 @@
-"""Soil that ends beside or below a body that is pressed into it, nearer than its failure mechanism reaches, is told
+"""Soil that ends beside or below a body that is pressed into it, nearer than its failure mechanism reaches, is reported
 before the run."""
 
 from dataclasses import replace

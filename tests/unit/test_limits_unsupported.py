@@ -1,4 +1,4 @@
-"""Soil that nothing supports and loads that lift a body, without inertia: told before the first step fails."""
+"""Soil that nothing supports and loads that lift a body, without inertia: reported before the first step fails."""
 
 from dataclasses import replace
 

@@ -25,7 +25,7 @@ class Problem:
 
 
 def body(file, values, **table):
-    """Body of 1000 kg/m³ unless `table` says otherwise."""
+    """Body of 1000 kg/m³ unless `table` has another density."""
     return Body(**{"geometry": GEOMETRY / file, "density": 1000.0, "parameters": values, "name": file[:-4]} | table)
 
 
