@@ -40,6 +40,6 @@ def test_clay_does_not_part_from_a_plate_thinner_than_a_cell_and_the_limit_says_
       "body.plate.held=['y', 'z', 'rx', 'ry', 'rz']"], False),
     (["body.plate.parameters.height=0.05", "soil.material={relative_density=38.0, young=2e7}"], False),
     (["body.plate.parameters.height=0.05", "body.plate.position=[0.0, 0.025, 0.1]"], False)])
-def test_only_walls_that_soil_should_part_from_are_told(more, warned):
+def test_only_walls_that_soil_should_part_from_are_reported(more, warned):
     """Not those that the soil is to stay on, that move along themselves, in sand without tension, or above the ground."""
     assert any("thick where" in text for text in build(load_scene(DEMO, [*COARSE, *more])).warned) == warned

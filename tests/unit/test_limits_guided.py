@@ -27,7 +27,7 @@ def texts(limit, load=None, motion=None, y=None, stage=(), **body):
     (Load(force=(0.0, 0.0, -100.0), point=(0.05, 0.0, 0.0)),
      "the moment my = 5 N m of the force at its point acts on ry, held, as"),
 ])
-def test_loads_that_a_plane_of_symmetry_carries_are_told(load, words):
+def test_loads_that_a_plane_of_symmetry_carries_are_reported(load, words):
     text, = texts(swallowed_loads, load)
     assert text.startswith(f"stage.0.load.0 on cube: {words}") and "the body does not feel it" in text
     assert "Model the whole body" in text
@@ -53,7 +53,7 @@ def test_half_of_a_load_on_a_half_body_may_act_in_the_plane_or_at_its_centre(poi
     ({"y": collapsed(0.2), "position": (0.3, 0.1, 0.0), "load": Load(force=(0.0, 5.0, -5.0))},
      "acts on y, held across the collapsed axis y"),
 ])
-def test_loads_on_components_that_are_held_or_driven_are_told(values, words):
+def test_loads_on_components_that_are_held_or_driven_are_reported(values, words):
     text, = texts(swallowed_loads, **{"load": Load(force=(0.0, 0.0, -5.0)), "position": (0.4, 0.4, 0.0)} | values)
     assert re.search(words, text), text
 
@@ -65,7 +65,7 @@ def test_a_pull_line_across_the_plane_is_told_and_one_in_it_is_not():
     assert not texts(swallowed_pulls, pull=along)
 
 
-def test_a_half_that_moves_out_of_its_plane_is_told():
+def test_a_half_that_moves_out_of_its_plane_is_reported():
     text, = texts(moving_halves, motion=Motion(component="x", velocity=0.1))
     assert text.startswith("cube lies across x = 0 m, the end of the grid") and "moves in x" in text
     assert "Extend the grid" in text

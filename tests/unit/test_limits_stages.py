@@ -73,7 +73,7 @@ def test_loads_that_reach_their_last_value_are_not(load):
     (Motion(component="x", displacement=((1.0, 0.0), (2.0, 0.2))),
      "it reaches 0 m, .* begin at 0, and not at 1 s, when the stage is over"),
 ])
-def test_a_motion_that_ends_or_begins_after_its_stage_is_told(motion, words):
+def test_a_motion_that_ends_or_begins_after_its_stage_is_reported(motion, words):
     (text,) = texts(unreached_ends, {"motions": (motion,)})
     assert text.startswith("stage.0.motion.0.") and re.search(words, text), text
 

@@ -61,7 +61,7 @@ def test_the_part_reports_what_the_whole_has(whole, given):
     assert part.sheet()["modelled"]["symmetry"]
 
 
-def test_masses_of_part_and_whole_are_told():
+def test_masses_of_part_and_whole_are_reported():
     simulation = build(pressed(y=HALF, symmetry="y"))
     mass = 2000.0 * 4 / 3 * np.pi * 0.3**3
     assert 2 * simulation.masses[0].mass == pytest.approx(mass, rel=2e-3)
