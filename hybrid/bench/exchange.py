@@ -18,7 +18,7 @@ import numpy as np
 HEIGHT, STEPS = 14, 3       # cells of the block, twice as many along x and y: 37 000 unknowns
 RANKS = (1, 2, 4, 8)
 SOILS = ("sand", "clay")
-# [Pa] of clay that bears its weight; weaker clay ends with a direct factor on any number of ranks
+# Strength [Pa] of clay that bears its weight; weaker clay ends with a direct factor on any number of ranks
 STRENGTH = 10e3
 SOLVERS = ("sweeps", "incomplete", "damped", "direct")      # by their numbers in hybrid.linalg.solver_choice
 COLLECTIVE = ("_over_processes", "joined", "counts", "offset", "from_first", "to_each")     # of hybrid.runtime.comm

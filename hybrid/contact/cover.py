@@ -22,7 +22,7 @@ from hybrid.contact.samples import everywhere
 
 PATCH = 0.5     # widths of a domain across a patch
 AROUND = 2.0    # widths of a domain in R
-# of the surface around a patch that counts at least: a quarter is in the grid where two planes of symmetry meet
+# Share of the surface around a patch that counts at least: a quarter is in the grid where two planes of symmetry meet
 LEAST = 0.2
 MOST = 5e4      # patches of a large body, each of which has about fifty others around it
 

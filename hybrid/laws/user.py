@@ -24,7 +24,7 @@ from hybrid.runtime.errors import LawError
 from hybrid.state import PointConstants
 
 MEMBERS = ("young", "plastic", "respond", "energy", "strain")
-# of a point, in a row of `CheckedLaw`
+# Values of a point, in a row of `CheckedLaw`
 FIELDS = {"position": slice(0, 3), "half_width": slice(3, 6), "volume": 6, "mass": 7}
 TRIED = (0.0, 0.0, 0.0), (-0.03, 0.01, 0.005)   # strains beyond that at rest, at which the law of some points is compared
 SAME = 1e-9         # [-] difference that round-off explains

@@ -26,7 +26,7 @@ class ImpactLoss(Monitor):
         self._error = 0.0                       # [J], of the balance at the last step
         self._kinetic = 0.0 if state is None else motion_energy(model.bodies, state.bodies)     # [J], of the bodies there
         self._before = None                     # [J], the error before bodies came near, None while they are apart
-        # [J], energy of their motion since then; steps for which nothing has happened
+        # Largest energy [J] of their motion since then; steps for which nothing has happened
         self._largest, self._quiet = 0.0, 0
         self._lost = self._of = 0.0             # [J], in all impacts that were reported, and the largest energy before one
 

@@ -2,9 +2,9 @@
 
 from hybrid.monitors.monitor import Monitor
 
-# of the largest energy stored so far (kinetic, elastic, contact springs; quasi-static: with what was dissipated)
+# Share of the largest energy stored so far (kinetic, elastic, contact springs; quasi-static: with what was dissipated)
 GAIN = 0.25
-# steps at the start of a run in which no gain counts while the stored energy grows by this factor in a step
+# Steps at the start of a run in which no gain counts while the stored energy grows by this factor in a step
 START, GROWTH = 5, 1.5
 ROUND_OFF = 1e-15   # [J] of a gain that is none, as where nothing has happened yet
 LOSS = 0.5      # of the same, in one step; 0.3 is the most in 200 runs whose steps resolve contact

@@ -21,9 +21,9 @@ from hybrid.contact.soil_to_body import Coulomb
 from hybrid.state import PairHistory
 
 IMPACT = 5e-3   # of the size of the smaller body: overlap by an impact
-# of the size of the smaller body: reach beyond twice the predicted path, with and without inertia
+# Share of the size of the smaller body: reach beyond twice the predicted path, with and without inertia
 MARGIN = {True: 0.02, False: 0.1}
-# of the speed of the fastest body: velocity that an impulse has yet to give, above which increments do not grow
+# Share of the speed of the fastest body: velocity that an impulse has yet to give, above which increments do not grow
 LEFT = 0.02
 STRIDE = 0.5    # of the same: longest predicted path of bodies that may meet in an increment
 PASSED = 0.01   # of the same: depth of places on their way that counts as having passed through

@@ -15,7 +15,7 @@ import numpy as np
 from hybrid.monitors.limits.ways import CLAY, EXCESS, STEEP, driven, law_at, leads, loaded, sides, step_of_ground, top_of
 
 ATTACHED, ROUND, EDGE, CUT = 1.75, 1.5, 0.3, 1.05
-# times that: an inclined load at V = 4 of 5.14, one at an eighth of the width beside the centre
+# Factor on EDGE: an inclined load at V = 4 of 5.14, one at an eighth of the width beside the centre
 COMBINED = 2.7
 ON_LINE = 0.15                  # cells between an edge and a line of the grid: contact sees the edge there as on it
 DEEP = 1.0                      # widths: flow of clay around a body that goes deeper closes behind it

@@ -13,7 +13,7 @@ from hybrid.scene.stage import table_rows
 STIFFNESS_RATIO = 10.0      # p_f times the depth of soil [-]: below it contact springs take a tenth of the displacement
 TANGENTIAL_RATIO = 0.3      # ε_T/ε_N [-]: below it a rolling sphere creeps by 5 % of its path and more
 SPACINGS = 2.0              # width of a body over the spacing of contact points [-]: below it too few sample the body
-# of a wall with clay on both sides, in cells: thinner ones may have no grid line free of soil between
+# Thickness of a wall with clay on both sides, in cells: thinner ones may have no grid line free of soil between
 THICKNESS = 2.0
 THIN_SHARE = 0.25           # of the surface in clay, that is thinner
 ACROSS = 0.3                # cosine: faces that a driven body moves along are not parted from the soil

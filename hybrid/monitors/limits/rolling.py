@@ -19,7 +19,7 @@ import numpy as np
 from hybrid.monitors.limits.ways import CLAY, material_at, top_of
 from hybrid.runtime.comm import maximum
 
-# r/a of the weight, at a/h
+# (a/h, tangential force over the weight times r/a)
 FORCE = ((0.0, 0.0), (0.18, 0.065), (0.37, 0.15), (0.5, 0.26), (0.75, 0.26), (1.0, 0.17), (1.34, 0.05))
 LIMIT = 0.01        # of the weight
 RESOLVED = 1.34     # cells in the radius of contact, from which on the force is small

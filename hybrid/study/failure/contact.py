@@ -115,7 +115,7 @@ def tangential_stiffness(ratio, changes=()):
     return Observation(abs(spin), texts)
 
 
-# of corners [m], [s], of wall and edge [m], [1/m], [m]
+# Spacing of corners [m]; step [s]; length of wall and edge [m]; penalty [1/m]; depth [m]
 SPACING, STEP, LENGTH, PENALTY, SHALLOW = 0.1, 0.01, 0.3, 50.0, 0.002
 
 
