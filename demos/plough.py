@@ -1,7 +1,8 @@
-"""Draft of an upright blade in sand beside the wedge of McKyes and Ali (`hybrid.study.blade`): runs plough.toml and draws both.
+"""Draft of an upright blade in sand beside the wedge of McKyes and Ali (`hybrid.study.blade`): runs plough.toml and draws
+both.
 
-The band is the theory from the friction angle of the sand in compression, 32.75 degrees, to that of the law in plane strain, 36;
-its lower line has no heap, its upper one all that the blade has swept as a surcharge on the wedge.
+The band is the theory from the friction angle of the sand in compression, 32.75 degrees, to that of the law in plane
+strain, 36; its lower line has no heap, its upper one all that the blade has swept as a surcharge on the wedge.
 
     .venv/bin/python demos/plough.py            two minutes; the last line has draft and theory after 0.2 depths of way
     .venv/bin/python demos/plough.py out/plough a run that is there
@@ -57,4 +58,5 @@ if __name__ == "__main__":
     print(draw(OUT))
     way, face, whole = measured(OUT)
     low, high = wedge(0.2 * DEPTH)
-    print(f"draft after 0.2 depths of way: {np.interp(0.2 * DEPTH, way, whole) / 1e3:.1f} kN, theory {low / 1e3:.1f} to {high / 1e3:.1f} kN")
+    print(f"draft after 0.2 depths of way: {np.interp(0.2 * DEPTH, way, whole) / 1e3:.1f} kN, theory {low / 1e3:.1f} to "
+          f"{high / 1e3:.1f} kN")

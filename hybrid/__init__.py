@@ -18,9 +18,9 @@ from importlib import import_module
 from hybrid.runtime.environment import prepare
 from hybrid.runtime.kernel_cache import choose_folder
 
-# Threads of OpenMP wait some microseconds for the next parallel loop, and a step has many short ones: the anchor takes 0.87 of the
-# time that it takes with numba's own work queue, whose threads sleep in between. Longer waiting gains no more, and takes time
-# from others on a busy machine. Numba reads this when it is imported.
+# Threads of OpenMP wait some microseconds for the next parallel loop, and a step has many short ones: the anchor takes
+# 0.87 of the time that it takes with numba's own work queue, whose threads sleep in between. Longer waiting gains no
+# more, and takes time from others on a busy machine. Numba reads this when it is imported.
 os.environ.setdefault("NUMBA_THREADING_LAYER_PRIORITY", "omp workqueue tbb")
 os.environ.setdefault("GOMP_SPINCOUNT", "1000")
 # Threads of BLAS wait for each other at each of thousands of short sums: the anchor takes 1.2 times the processor's time.
@@ -28,8 +28,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")      # without effect where n
 prepare()
 choose_folder()     # of compiled kernels, likewise
 
-_SCENE = ("Axis Body Condition Contact Faces Freedom Grid Joint Law Layer Load Material Motion Output Pull Scene Soil Solver Stage "
-          "Target Time Vector").split()
+_SCENE = ("Axis Body Condition Contact Faces Freedom Grid Joint Law Layer Load Material Motion Output Pull Scene Soil "
+          "Solver Stage Target Time Vector").split()
 _HOMES = {
     **dict.fromkeys(_SCENE, "hybrid.scene"),
     **dict.fromkeys(("load_scene", "validate"), "hybrid.scene.file"),

@@ -32,16 +32,16 @@ def main(arguments=None):
     open_streams()
     try:
         try:
-            return _told("", _main(arguments))
+            return _report("", _main(arguments))
         finally:
-            sys.stdout.flush()      # here, where a failure can still be told
+            sys.stdout.flush()      # here, where a failure can still be reported
     except BrokenPipeError:
         silence(1)
-        return _told("", UNREAD)
+        return _report("", UNREAD)
     except OSError as error:
         if error.filename is None and error.errno in (errno.ENOSPC, errno.EIO, errno.EBADF):
             silence(1)      # what is left to print would fail again
-        return _told(f"hybrid: {error.filename or 'output'}: {error.strerror or error}")
+        return _report(f"hybrid: {error.filename or 'output'}: {error.strerror or error}")
 
 
 def _main(arguments):
@@ -54,23 +54,23 @@ def _main(arguments):
             require_folder()
         COMMANDS[options.command](options)
     except HybridError as error:
-        return _told(f"hybrid: {error}")
+        return _report(f"hybrid: {error}")
     except MemoryError as error:
-        return _told(f"hybrid: out of memory ({error}); use larger cells, or a machine with more memory")
+        return _report(f"hybrid: out of memory ({error}); use larger cells, or a machine with more memory")
     except KeyboardInterrupt as stop:
-        return _told(_interrupted(stop), getattr(stop, "exit_code", INTERRUPTED))
+        return _report(_interrupted(stop), getattr(stop, "exit_code", INTERRUPTED))
     return 0
 
 
 def _interrupted(stop):
-    """What is told of a KeyboardInterrupt."""
+    """Message about a KeyboardInterrupt."""
     kept = getattr(stop, "kept", None)
     hint = f"; step {kept} is kept: continue with --resume" if kept is not None else ""
     return f"\nhybrid: interrupted{f' by {stop}' if str(stop) else ''}{hint}"
 
 
 def _with_others(options):
-    """Exit code of a run by several processes, one fault of which ends all: told once, by the process that has it."""
+    """Exit code of a run by several processes, one fault of which ends all: reported once, by the process that has it."""
     ranks.prepare()
     code, text = 0, ""
     try:
@@ -87,13 +87,13 @@ def _with_others(options):
     if not code:
         return 0
     if ranks.end_together():
-        return code if ranks.rank() else _told(text, code)
-    _told(f"{text}\nhybrid: this happened on rank {ranks.rank()} of {ranks.started()}; the others are ended", code)
+        return code if ranks.rank() else _report(text, code)
+    _report(f"{text}\nhybrid: this happened on rank {ranks.rank()} of {ranks.started()}; the others are ended", code)
     ranks.abort(code)
     return code
 
 
-def _told(text, code=2):
+def _report(text, code=2):
     """The exit code, after an attempt to print a text to somebody who may have gone."""
     try:
         if text:

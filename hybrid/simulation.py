@@ -10,7 +10,6 @@ What a user reads, stable from version to version:
     record.bodies[i].contact_force          (3,) [N] of the soil on the body
 """
 
-import logging
 from contextlib import closing
 from copy import copy
 from functools import cached_property
@@ -23,8 +22,8 @@ from hybrid.monitors import Monitors, StepView
 from hybrid.monitors.failure_hints import overstretched_domains
 from hybrid.monitors.initial_equilibrium import initial_imbalance
 from hybrid.monitors.limits import limit_warnings
-from hybrid.output import errors_of
 from hybrid.output.model_sheet import model_sheet
+from hybrid.output.observers import finish, notify
 from hybrid.output.record import Record
 from hybrid.runtime import comm, ranks, timing
 from hybrid.runtime.errors import HybridError, OutputError, StepError
@@ -35,8 +34,6 @@ from hybrid.step.equations import begin
 from hybrid.step.increments import Control, outer_step
 from hybrid.step.records import body_record, joint_records, pair_records
 from hybrid.step.workspace import Workspace
-
-log = logging.getLogger("hybrid")
 
 
 class Simulation:
@@ -146,8 +143,8 @@ class Simulation:
         return max(now, self.moving_grid.points_when_sunk(self.model, self.state)) if self.moving_grid else now
 
     def contact_forces(self, b):
-        """Force of the soil on each surface vertex of body b at the last accepted step, (V, 3) [N]; of several processes, which
-        all call this, of the soil of all."""
+        """Force of the soil on each surface vertex of body b at the last accepted step, (V, 3) [N]; of several processes,
+        which all call this, of the soil of all."""
         if self._forces is not None:
             return self._forces[b]
         surface = self.surfaces[b]
@@ -165,8 +162,8 @@ class Simulation:
         return whole
 
     def with_all_points(self):
-        """This simulation as it is drawn: in the first of several processes, which all call this, with the points of all. Nothing
-        else needs all points in one process."""
+        """This simulation as it is drawn: in the first of several processes, which all call this, with the points of all.
+        Nothing else needs all points in one process."""
         whole = copy(self)
         whole.state, whole._initial_position = processes.gather(self.model, self.state)
         return whole
@@ -174,18 +171,18 @@ class Simulation:
     def run(self, observers=()):
         """Run the remaining steps; returns the summary dict {"outcome", "reason"} that observers get too.
 
-        Of several processes each has the same observers, which are shown its own points; their calls are collective, and raise
-        the same error everywhere (`hybrid.output.first`).
+        Of several processes each has the same observers, which are shown its own points; their calls are collective, and
+        raise the same error everywhere (`hybrid.output.first`).
 
         `finish` of every observer is called however the run ends: completed, failed (the error is raised again) or
         interrupted. Raises OutputError, which interrupts the run, for an OSError of an observer.
         """
         summary, stop, shared = {"outcome": "completed", "reason": ""}, None, True
-        self._tell(observers, lambda observer: observer.start(self))
+        notify(observers, lambda observer: observer.start(self))
         try:
             with closing(self.steps()) as steps:        # their matrices, also where an observer ends the run
                 for record in steps:
-                    self._tell(observers, lambda observer, record=record: observer.accepted(record, self))
+                    notify(observers, lambda observer, record=record: observer.accepted(record, self))
         except (KeyboardInterrupt, OutputError) as error:
             summary.update(outcome="interrupted", reason=str(error) or "SIGINT")
             stop, shared = error, getattr(error, "of_all", isinstance(error, OutputError))
@@ -198,33 +195,10 @@ class Simulation:
             shared = False      # it may be of this process alone
             raise
         finally:
-            self._finish(observers, summary, ranks.started() == 1 or shared and ranks.all_here())
+            finish(observers, summary, self, ranks.started() == 1 or shared and ranks.all_here())
             if stop is not None:
                 stop.kept = summary.get("checkpoint_step")
         return summary
-
-    def _tell(self, observers, call):
-        """Call each observer."""
-        for observer in observers:
-            with errors_of(observer):
-                call(observer)
-
-    def _finish(self, observers, summary, together):
-        """Call `finish` of every observer, also when one of them fails; its error is raised unless the run failed. Of several
-        processes that are not `together` each can only call what needs no other one."""
-        failure = None
-        for observer in observers:
-            try:
-                with errors_of(observer):
-                    if together:
-                        observer.finish(summary, self)
-                    elif hasattr(observer, "finish_alone"):
-                        observer.finish_alone(summary, self)
-            except Exception as error:
-                log.warning("%s failed at the end of the run: %s", type(observer).__name__, error)
-                failure = failure or error
-        if failure and summary["outcome"] == "completed":
-            raise failure
 
     def steps(self):
         """Generator of a Record per accepted outer step, from the present state to the end of the last stage.
@@ -264,7 +238,8 @@ class Simulation:
                 raise
             self.evaluation, self.increment = report.evaluation, control.dt
             self.solver_memory = workspace.systems.choice.memory()
-            if self.model.soil.grid.nodes is not None and report.soil is not self.model.soil:    # points have gone to other processes
+            # points have gone to other processes
+            if self.model.soil.grid.nodes is not None and report.soil is not self.model.soil:
                 self.model, model = self.model.with_soil(report.soil), model.with_soil(report.soil)
             record, lost = self._record(stage.name, stage_step, report, model.scheme)
             yield record
@@ -304,7 +279,8 @@ class Simulation:
             increments=report.increments, iterations=report.iterations, rejections=report.rejections,
             residual=evaluation.error, contacts=int(comm.total([len(terms.contact) for terms in evaluation.bodies])),
             seconds=timing.collect(), energies=energy,
-            bodies=[body_record(terms, state, evaluation.joints) for terms in evaluation.bodies], joints=joint_records(evaluation),
+            bodies=[body_record(terms, state, evaluation.joints) for terms in evaluation.bodies],
+            joints=joint_records(evaluation),
             pairs=pair_records(evaluation), time_error=report.error,
             krylov=report.krylov, judged=report.judged, copies=copies(self.mirrors),
             notes=self._initial_notes() + self._monitors.notes(view))

@@ -168,7 +168,8 @@ class BodyState:
 class JointState:
     """Joints of a model, row by row.
 
-    multipliers  (n,) [N, N m]; active: (n,) bool, rows that are zero: joints, stops that touch, taut lines, sticking friction
+    multipliers  (n,) [N, N m]
+    active       (n,) bool, rows that are zero: joints, stops that touch, taut lines, sticking friction
     missed       (n,) [m, rad] values of the rows; None where no point of a body is guided
     """
 
@@ -181,8 +182,9 @@ class JointState:
 class PairHistory:
     """Contact of two bodies: of each side (0: places on the first body, 1: on the second one) that touch, m of them,
 
-    number  (m,) of the place (`hybrid.contact.samples`); anchor: (m, 3) [m] in the frame of the other body, reference point of
-            the tangential spring; rest: (m,) [m] gap, not positive, at which its spring has no force
+    number  (m,) of the place (`hybrid.contact.samples`)
+    anchor  (m, 3) [m] in the frame of the other body, reference point of the tangential spring
+    rest    (m,) [m] gap, not positive, at which its spring has no force
     factor  (1,) by which the contact is stiffer than under weight alone, for the speed at which it began
     """
 

@@ -1,7 +1,7 @@
 """Sizes of the blocks of a block of soil on rollers, and of what their processes exchange, without making the plans.
 
-Blocks are cut by `hybrid.grid.blocks`; copies and overlaps are differences of boxes of nodes, with the nodes above the soil left
-out of the unknowns. Contact points in other blocks, which need more layers of copies, are not considered.
+Blocks are cut by `hybrid.grid.blocks`; copies and overlaps are differences of boxes of nodes, with the nodes above the
+soil left out of the unknowns. Contact points in other blocks, which need more layers of copies, are not considered.
 """
 
 from dataclasses import dataclass
@@ -14,8 +14,8 @@ from hybrid.grid.blocks import cut_into_blocks
 
 @dataclass(frozen=True)
 class Sizes:
-    """Of the block of each process, (N,): unknowns that it owns, copies from others, has copied, and has in the overlap of its
-    factor; nodes that it owns, copies and has copied; neighbours; points as a share of all."""
+    """Of the block of each process, (N,): unknowns that it owns, copies from others, has copied, and has in the overlap
+    of its factor; nodes that it owns, copies and has copied; neighbours; points as a share of all."""
 
     own: np.ndarray
     copies: np.ndarray
@@ -30,7 +30,8 @@ class Sizes:
 
 @cache
 def sizes(cells, ranks, empty=2):
-    """Sizes of blocks of (a, b, c) `cells` of soil on rollers at base and sides, below `empty` layers, on so many `ranks`."""
+    """Sizes of blocks of (a, b, c) `cells` of soil on rollers at base and sides, below `empty` layers, on so many
+    `ranks`."""
     points = np.zeros((cells[0], cells[1], cells[2] + empty), np.int64)
     points[:, :, :cells[2]] = 8
     boxes = cut_into_blocks(points, ranks)
@@ -63,5 +64,6 @@ def sizes(cells, ranks, empty=2):
     filled = np.array([points[tuple(slice(a, b) for a, b in zip(*box))].sum() for box in boxes])
     mine = unknowns(own[:, 0], own[:, 1])
     copied, met = shared(local, own, nodes)
-    return Sizes(mine, shared(local, own, unknowns)[0], shared(own, local, unknowns)[0], unknowns(wide[:, 0], wide[:, 1]) - mine,
+    return Sizes(mine, shared(local, own, unknowns)[0], shared(own, local, unknowns)[0],
+                 unknowns(wide[:, 0], wide[:, 1]) - mine,
                  nodes(own[:, 0], own[:, 1]), copied, shared(own, local, nodes)[0], met, filled / points.sum())

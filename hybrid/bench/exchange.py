@@ -18,7 +18,8 @@ import numpy as np
 HEIGHT, STEPS = 14, 3       # cells of the block, twice as many along x and y: 37 000 unknowns
 RANKS = (1, 2, 4, 8)
 SOILS = ("sand", "clay")
-STRENGTH = 10e3             # [Pa] of clay that bears its weight; weaker clay ends with a direct factor on any number of ranks
+# Strength [Pa] of clay that bears its weight; weaker clay ends with a direct factor on any number of ranks
+STRENGTH = 10e3
 SOLVERS = ("sweeps", "incomplete", "damped", "direct")      # by their numbers in hybrid.linalg.solver_choice
 COLLECTIVE = ("_over_processes", "joined", "counts", "offset", "from_first", "to_each")     # of hybrid.runtime.comm
 
@@ -124,10 +125,10 @@ def count(height, soil):
         "own nodes": np.count_nonzero(plan.owned) if several else grid.node_count,
         "copied nodes": np.count_nonzero(~plan.owned) if several else 0,
         "own unknowns": own, "copied unknowns": copies,
-        "neighbours": len(plan._given.keys() | plan._copies.keys()) if several else 0,
+        "neighbours": len(plan.given.keys() | plan.copies.keys()) if several else 0,
         "kB a product": 8e-3 * (given + copies),      # copies are filled, and what was added to them goes back
         "kB a preconditioner": 0.5e-3 * inverse["messageLength"] / inverse["count"],   # PETSc counts sent and received
-        "kB a vector field": 24e-3 * sum(map(len, plan._given.values())) if several else 0,
+        "kB a vector field": 24e-3 * sum(map(len, plan.given.values())) if several else 0,
         "reductions a GMRES iteration": ((gmres["numReductions"] if several else 0) + within) / krylov,
         "exchanges a Newton iteration": counts["fields"] / newton,
         "kB of fields a Newton iteration": 1e-3 * counts["bytes"] / newton,
@@ -149,8 +150,7 @@ def _local(system):
 
     if ranks.started() == 1:
         return np.array([system.soil_unknowns])
-    owner = np.searchsorted(system._vector.getOwnershipRanges(), system._map.indices, side="right") - 1
-    return np.bincount(owner, minlength=ranks.started())
+    return np.bincount(system.owners(), minlength=ranks.started())
 
 
 if __name__ == "__main__":

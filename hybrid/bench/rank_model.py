@@ -1,4 +1,5 @@
-"""Time of an outer step on many processes, from the record of one process and the sizes of blocks: a model, not a measurement.
+"""Time of an outer step on many processes, from the record of one process and the sizes of blocks: a model, not a
+measurement.
 
     step(N) = Σ phases(1) w(N)                                   work of the fullest block, w its share of the points
             + n (fixed + exchanges (m α + B_f/β) + R_n ρ_n)       each of n Newton iterations
@@ -43,7 +44,8 @@ NEEDED = {"exchange", "ranks", "scaling", "sphere"}     # cases of a record
 
 @dataclass(frozen=True)
 class Run:
-    """A recorded run of one process. cells: (a, b, c) of soil; seconds: of a step by phase; newton, krylov: iterations a step."""
+    """A recorded run of one process. cells: (a, b, c) of soil; seconds: of a step by phase; newton, krylov: iterations a
+    step."""
 
     name: str
     cells: tuple
@@ -74,7 +76,8 @@ def step(run, ranks, record):
     return {
         "points": soil * share + fixed, "linear solver": linear * share * wider * grown + gmres * CALLS, "contact": contact,
         "messages": run.newton * fields + gmres * (moved + 3 * met * LATENCY),
-        "reductions": gmres * counts["of GMRES"] * reduction + run.newton * counts["of Newton"] * (reduction + ranks * COMBINED),
+        "reductions": gmres * counts["of GMRES"] * reduction
+        + run.newton * counts["of Newton"] * (reduction + ranks * COMBINED),
     }
 
 
@@ -140,15 +143,15 @@ def section(record):
             rows.append([f"{run.name}, {_round(run.points)} points", ranks, total, f"{alone / total / ranks:.0%}",
                          ranks ** exchanged(record)["growth"], f"{most}, {parts[most] / total:.0%}"])
     return ("## Many processes, by a model\n\n" + paragraph(
-        "Not measured. Time of an outer step from phases and iterations of one process, as recorded; blocks as the program cuts "
-        "them; messages and reductions as counted above, on a network with an assumed latency of "
-        f"{1e6 * LATENCY:g} µs and {1e-9 * BANDWIDTH:g} GB/s; a core and its memory for each process, of the record's kind (two "
-        "threads where the record has them). GMRES iterations grow with a power of the ranks, fitted to the sand above and "
-        "extrapolated beyond 8 ranks. Work of contact is not divided. Files are left out: each "
-        "process writes its own points. `reductions` take log2 N latencies, those outside "
-        f"GMRES also {1e6 * COMBINED:g} µs a process, as each combines the numbers of all in Python. The drag is the anchor of "
-        "the record in smaller cells: work in proportion to the points, that of contact to their power 2/3, Newton iterations to "
-        "the power 1/4 of the cells along the anchor, GMRES iterations as in the scaling above. Limit: the part that takes most.")
+        "Not measured. Time of an outer step from phases and iterations of one process, as recorded; blocks as the "
+        "program cuts them; messages and reductions as counted above, on a network with an assumed latency of "
+        f"{1e6 * LATENCY:g} µs and {1e-9 * BANDWIDTH:g} GB/s; a core and its memory for each process, of the record's "
+        "kind (two threads where the record has them). GMRES iterations grow with a power of the ranks, fitted to the "
+        "sand above and extrapolated beyond 8 ranks. Work of contact is not divided. Files are left out: each process "
+        f"writes its own points. `reductions` take log2 N latencies, those outside GMRES also {1e6 * COMBINED:g} µs a "
+        "process, as each combines the numbers of all in Python. The drag is the anchor of the record in smaller cells: "
+        "work in proportion to the points, that of contact to their power 2/3, Newton iterations to the power 1/4 of the "
+        "cells along the anchor, GMRES iterations as in the scaling above. Limit: the part that takes most.")
         + "\n" + markdown(["scene", "ranks", "s a step", "efficiency", "iterations, times", "limit"], rows)
         + "\n" + paragraph(_checked(record)))
 

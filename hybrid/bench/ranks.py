@@ -1,6 +1,7 @@
 """One process, two threads and two processes (`--ranks 2`) on the same scenes: iterations, and the time of each phase.
 
-Each run is a process of its own, one after the other. Its time is that of its phases: without start-up, compilation and files.
+Each run is a process of its own, one after the other. Its time is that of its phases: without start-up, compilation and
+files.
 """
 
 import csv
@@ -17,8 +18,22 @@ BLOCK = """
 name = "block"
 time = {{ step = 0.01 }}
 output = {{ pictures = [], every = 0, checkpoint = 0 }}
-soil = {{ top = 1.0, geostatic = false, ghost = 0.0, material = {{ law = "drucker-prager", young = 10e6, poisson = 0.3, density = 1800.0, friction_angle = 32.0, dilation_angle = 2.0, cohesion = 1e3 }} }}
-grid = {{ x = {{ start = 0.0, end = 2.0, size = {size} }}, y = {{ start = 0.0, end = 2.0, size = {size} }}, z = {{ start = 0.0, end = {end}, size = {size} }} }}
+[soil]
+top = 1.0
+geostatic = false
+ghost = 0.0
+[soil.material]
+law = "drucker-prager"
+young = 10e6
+poisson = 0.3
+density = 1800.0
+friction_angle = 32.0
+dilation_angle = 2.0
+cohesion = 1e3
+[grid]
+x = {{ start = 0.0, end = 2.0, size = {size} }}
+y = {{ start = 0.0, end = 2.0, size = {size} }}
+z = {{ start = 0.0, end = {end}, size = {size} }}
 [[stage]]
 name = "fall"
 steps = 3

@@ -95,11 +95,13 @@ def _scaling(case):
 
 def _ranks(case):
     phases = [key for key in case["rows"][0] if key not in ("scene", "way", "steps", "iterations", "krylov", "s", "gain")]
-    keys = ["steps", "iterations", "krylov", "s", "gain", *sorted(phases, key=lambda key: -sum(row[key] for row in case["rows"]))]
+    keys = ["steps", "iterations", "krylov", "s", "gain",
+            *sorted(phases, key=lambda key: -sum(row[key] for row in case["rows"]))]
     rows = [[key if key not in phases else f"{key} [s]", *(row[key] for row in case["rows"])] for key in keys]
-    return (paragraph("One process, two threads and two processes (`--ranks 2`) on the machine of the stamp, one after the other: three "
-                      "steps of a block of 106 000 unknowns, and the first of the anchor. Gain: time of one process over that of the "
-                      "column." + (f" Measured at commit {case['commit']}." if "commit" in case else ""))
+    commit = f" Measured at commit {case['commit']}." if "commit" in case else ""
+    return (paragraph("One process, two threads and two processes (`--ranks 2`) on the machine of the stamp, one after "
+                      "the other: three steps of a block of 106 000 unknowns, and the first of the anchor. Gain: time of "
+                      f"one process over that of the column.{commit}")
             + "\n" + markdown(["", *(f"{row['scene']}, {row['way']}" for row in case["rows"])], rows))
 
 

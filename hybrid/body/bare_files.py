@@ -9,7 +9,7 @@ triangles (.stl) and meshes (.msh). Groups are made for the user:
 | symmetry            | faces in the plane that the body is cut | (`hybrid.body.half`)                  |
 |                     | in, by gmsh                             |                                       |
 
-A shell with holes has no inside: where its edges are open is told.
+A shell with holes has no inside: the message names the place of its open edges.
 """
 
 from collections import Counter

@@ -1,11 +1,12 @@
 """Closest point on the smooth surface that facets approximate, from the nearest facet on.
 
-The place is projected onto the patch over that facet, and from patch to patch (`hybrid.body.patches`). Beyond a sharp edge of
-the smooth surface the closest point is on the edge, curved or straight, or on the other side of it. Near and beyond a centre
-of curvature, where the projection fails, the place belongs to another patch or face: that of the smallest gap nearby, or to
-the place of the nearest facet on its patch.
+The place is projected onto the patch over that facet, and from patch to patch (`hybrid.body.patches`). Beyond a sharp
+edge of the smooth surface the closest point is on the edge, curved or straight, or on the other side of it. Near and
+beyond a centre of curvature, where the projection fails, the place belongs to another patch or face: that of the smallest
+gap nearby, or to the place of the nearest facet on its patch.
 
-A closest point is (triangle, feature, foot, weights, gap), as `hybrid.body.closest.closest` returns it; triangle -1 for none.
+A closest point is (triangle, feature, foot, weights, gap), as `hybrid.body.closest.closest` returns it; triangle -1 for
+none.
 """
 
 import math
@@ -20,8 +21,9 @@ FIXED = 7   # feature: a place on a patch that is not projected
 
 @njit(cache=True)
 def closest_on_patches(y, slot, feature, v, w, side, excluded, tree):
-    """Closest point to y, a tuple of three [m], from the closest feature of the facet in a slot and the weights of its corners
-    v1 and v2 there. side: a tuple of three; excluded: cosine with it below which facets are excluded, ALL for none.
+    """Closest point to y, a tuple of three [m], from the closest feature of the facet in a slot and the weights of its
+    corners v1 and v2 there. side: a tuple of three; excluded: cosine with it below which facets are excluded, ALL for
+    none.
     """
     distance, bulge = _to_facet(y, slot, feature, v, w, tree), tree.patches.bulge
     found = _projected(y, tree.order[slot], v, w, excluded == ALL, tree)
@@ -95,9 +97,9 @@ def _on_edge(y, triangle, edge, s, tree):
 
 @njit(cache=True)
 def _on_any_patch(y, slot, v, w, distance, side, excluded, tree):
-    """Closest point on the patch or plane face of the smallest gap with the sign of `distance` [m], that to the nearest facet,
-    which is in `slot`, at the weights v, w; where there is none, the place of that facet on its patch, if it has one. Others
-    as in `closest_on_patches`.
+    """Closest point on the patch or plane face of the smallest gap with the sign of `distance` [m], that to the nearest
+    facet, which is in `slot`, at the weights v, w; where there is none, the place of that facet on its patch, if it has
+    one. Others as in `closest_on_patches`.
     """
     boxes, first, facets, leaves = tree.boxes, tree.first, tree.facets, len(tree.first) - 1
     inside, reach, least = distance < 0.0, (abs(distance) + 2.0 * tree.patches.bulge) ** 2, math.inf

@@ -1,6 +1,7 @@
 """Pull line whose lower end runs through soil from the mudline to a body: force and angle at the shackle in closed form.
 
-Along a line without weight the soil bears with Q across it and rubs with μ Q along it; s runs from the shackle to the mudline:
+Along a line without weight the soil bears with Q across it and rubs with μ Q along it; s runs from the shackle to the
+mudline:
 
     T dθ/ds = -Q      dT/ds = μ Q      dz/ds = -sin θ      =>      T = T_m exp(μ (θ_m - θ))
 
@@ -15,8 +16,8 @@ For small angles this is T_a (θ_a² - θ_m²) = 2 z Q (Neubecker & Randolph, J.
 | Q        | bearing on a metre of line, (q0 + q1 z) min(1, z/b)                           | N/m  |
 | b        | bearing width of the line                                                     | m    |
 
-The line is elastic between its ends, T_m = k (l - l0) with l their distance, and leaves the mudline towards its far end. θ_a is at most
-a right angle: soil that would bend it farther carries the rest. Above the mudline the line is straight.
+The line is elastic between its ends, T_m = k (l - l0) with l their distance, and leaves the mudline towards its far end.
+θ_a is at most a right angle: soil that would bend it farther carries the rest. Above the mudline the line is straight.
 
 Equations: FORMULATION (37a).
 """
@@ -75,8 +76,8 @@ def shackle(tension, angle, load, friction):
 
 
 def line_ends(position, rotation, attachment, target, length, stiffness, soil):
-    """Pull [N] and angle [-] at the mudline, tension [N] and angle at the shackle, of a line through soil (LineSoil); arguments
-    as those of `line_force`."""
+    """Pull [N] and angle [-] at the mudline, tension [N] and angle at the shackle, of a line through soil (LineSoil);
+    arguments as those of `line_force`."""
     place = position + rotation @ attachment
     span, depth = place - target, soil.mudline - place[2]
     across, pull = math.hypot(span[0], span[1]), max(0.0, stiffness * (math.sqrt(span @ span) - length))
@@ -126,7 +127,8 @@ def embedded_line_force(position, rotation, attachment, target, length, stiffnes
     share = load / tension
     d_steep = np.zeros(3)
     if steep < STEEPEST:
-        d_steep = (-q * up - share * d_tension - (soil.friction * load - tension * math.sin(angle)) * d_angle) / (pull * sine)
+        d_steep = (-q * up - share * d_tension
+                   - (soil.friction * load - tension * math.sin(angle)) * d_angle) / (pull * sine)
     d_pull = pull / tension * d_tension - soil.friction * pull * (d_steep - d_angle)
     d_flat = -(np.diag([1.0, 1.0, 0.0]) - np.outer(flat, flat)) / across
     by_point = -(np.outer(cosine * flat + sine * up, d_pull) + pull * np.outer(cosine * up - sine * flat, d_steep)

@@ -135,17 +135,17 @@ def _tetrahedra(polygons):
 
 
 def _former(mesh, contact, cuts):
-    """Number (t,) of the triangle of the contact surface of `mesh` that each of the triangles `contact` (t, 3) is part of, -1
-    of none; cuts: {number of a new point: the ends of its edge}."""
+    """Number (t,) of the triangle of the contact surface of `mesh` that each of the triangles `contact` (t, 3) is part
+    of, -1 of none; cuts: {number of a new point: the ends of its edge}."""
     number = {tuple(sorted(triangle)): k for k, triangle in enumerate(mesh.contact.tolist())}
     nodes = ({node for corner in corners for node in cuts.get(corner, (corner,))} for corners in contact.tolist())
     return np.array([number.get(tuple(sorted(found)), -1) for found in nodes], np.int64)
 
 
 def _normals(mesh, contact, cuts, former, a):
-    """Normals (t, 3, 3) at the corners of the triangles `contact` (t, 3) that are left: those of the `former` triangles (t,) of
-    `mesh` that they are part of. At corners from `cuts` they lie between those at the ends of the edge, and in the plane where
-    the surface crosses it nearly at right angles."""
+    """Normals (t, 3, 3) at the corners of the triangles `contact` (t, 3) that are left: those of the `former` triangles
+    (t,) of `mesh` that they are part of. At corners from `cuts` they lie between those at the ends of the edge, and in
+    the plane where the surface crosses it nearly at right angles."""
     ends = np.array([cuts.get(node, (node, node)) for node in contact.ravel().tolist()]).reshape(-1, 3, 2)
     normals = np.full((*contact.shape, 3), np.nan)
     for t in np.flatnonzero(former >= 0):

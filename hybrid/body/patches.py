@@ -74,7 +74,7 @@ def _add(a, s, b):
 
 
 @njit(cache=True)
-def _normal(t, v, w, nodes):
+def unit_normal(t, v, w, nodes):
     """N at the weights and its derivatives N_v, N_w."""
     n1, n2 = _row(nodes, t, 4), _row(nodes, t, 5)
     m = _add(_add(_row(nodes, t, 3), v, n1), w, n2)
@@ -102,7 +102,7 @@ def _solve(y, t, v, w, nodes):
     gap = 0.0
     for n in range(ITERATIONS):
         x, x_v, x_w = point(t, v, w, nodes)
-        N, N_v, N_w = _normal(t, v, w, nodes)
+        N, N_v, N_w = unit_normal(t, v, w, nodes)
         r = y[0] - x[0], y[1] - x[1], y[2] - x[2]
         if n == 0:
             gap = dot(r, N)
@@ -210,7 +210,7 @@ def edge_curve(t, edge, s, nodes):
 def geometry(t, v, w, gap, nodes):
     """N, ∂g/∂y and the rows of G = ∂N/∂y, G[i][j] = ∂N_i/∂y_j, at the weights and gap of a projection."""
     _, x_v, x_w = point(t, v, w, nodes)
-    N, N_v, N_w = _normal(t, v, w, nodes)
+    N, N_v, N_w = unit_normal(t, v, w, nodes)
     a, b = _add(x_v, gap, N_v), _add(x_w, gap, N_w)
     normal = _cross(a, b)
     scale, zero = 1.0 / dot(normal, N), (0.0, 0.0, 0.0)

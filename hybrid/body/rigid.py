@@ -29,7 +29,8 @@ FREEDOMS = ("x", "y", "z", "rx", "ry", "rz")
 @dataclass(frozen=True)
 class Line:
     """Pull line: attachment (3,) [m] from the centre in the body frame, initial direction (3,) from there to its far
-    end, velocity (3,) [m/s] of the far end, stiffness [N/m], unstretched length [m]; soil: that the line cuts through, None where it feels none."""
+    end, velocity (3,) [m/s] of the far end, stiffness [N/m], unstretched length [m]; soil: that the line cuts through,
+    None where it feels none."""
 
     attachment: np.ndarray
     direction: np.ndarray
@@ -52,7 +53,8 @@ class RigidBody:
     mirrors: planes of symmetry that it lies in; stray_cap: whether it has a cut face that lies in none
     places: where contact is evaluated on the domains of soil points (`hybrid.contact.places`)
     narrowest: width [m] of the narrowest face whose edges were rounded off in cells as wide or wider; inf without one
-    surface: in contact with soil; on soil that yields or that it is driven into the outline with its sharp edges rounded off (`hybrid.body.rounded`)
+    surface: in contact with soil; on soil that yields or that it is driven into the outline with its sharp edges rounded
+    off (`hybrid.body.rounded`)
     outline: ContactSurface of the geometry, as it is drawn; None: `surface`
     friction: μ, inf where adhesion alone limits the shear; interface: `hybrid.contact.interface.Interface`, None without
     penalty: p_f [1/m], or on held soil p_f E [N/m³]; contact_pressure: (n,) p_f E [N/m³] against each soil point, given
@@ -133,7 +135,8 @@ def lay_out_line(body, state):
 
 
 def line_ends(line, state):
-    """(Pull [N], angle [-]) at the mudline and at the shackle of a Line that cuts through soil, in a BodyState with its far end."""
+    """(Pull [N], angle [-]) at the mudline and at the shackle of a Line that cuts through soil, in a BodyState with its
+    far end."""
     return embedded_line.line_ends(state.position, state.rotation, line.attachment, state.target, line.length,
                                    line.stiffness, line.soil)
 

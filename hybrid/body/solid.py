@@ -203,7 +203,7 @@ def check_flat(mesh):
     out_of_plane = np.abs(spread @ np.linalg.svd(spread, full_matrices=False)[2][-1]).max()
     if out_of_plane > 1e-6 * np.abs(spread).max():
         raise GeometryError(
-            f"{label(mesh)}: nodes of the physical surface 'symmetry' are up to {out_of_plane:.3g} m off "
-            "its mean plane; a symmetry surface is one plane: put only the cut face into this group. For a quarter model draw the "
-            "whole body without this group, with its middle at the corner of the grid: it is cut by itself"
+            f"{label(mesh)}: nodes of the physical surface 'symmetry' are up to {out_of_plane:.3g} m off its mean plane; "
+            "a symmetry surface is one plane: put only the cut face into this group. For a quarter model draw the whole "
+            "body without this group, with its middle at the corner of the grid: it is cut by itself"
         )

@@ -107,7 +107,7 @@ def build_surface(vertices, triangles, corner_normals=None, curvature=None):
     normals = _face_normals(corners)
     edges = np.roll(corners, -1, axis=1) - corners
     edges /= np.linalg.norm(edges, axis=2)[:, :, None]
-    edge_normals, sharp = _edge_normals(triangles, normals, edges)
+    edge_normals, sharp = _edge_normals(triangles, normals)
     vertex_normals = _vertex_normals(triangles, normals, edges, len(vertices))
     creases, corner_kind = _creases(triangles, edges, sharp, len(vertices))
 
@@ -177,7 +177,7 @@ def _face_normals(corners):
     return normals / twice[:, None]
 
 
-def _edge_normals(triangles, normals, edges):
+def _edge_normals(triangles, normals):
     """Pseudo-normals (t, 3, 3) of the edges, and whether each is sharp or the rim of a cut, (t, 3) bool."""
     ends = np.stack((triangles, np.roll(triangles, -1, axis=1)), axis=2).reshape(-1, 2)
     _, edge, sharing = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True, return_counts=True)

@@ -36,8 +36,8 @@ def _depth(one, pose, other, place, collapsed):
 
 
 def volume_of_overlap(one, other, per_axis=24):
-    """Volume [m³] that two bodies, each (RigidBody, BodyState), share: by points at equal distances in the common part of their
-    boxes."""
+    """Volume [m³] that two bodies, each (RigidBody, BodyState), share: by points at equal distances in the common part of
+    their boxes."""
     boxes = np.array([rigid.bounding_box(*pair) for pair in (one, other)])
     lower, upper = boxes[:, 0].max(axis=0), boxes[:, 1].min(axis=0)
     steps = [low + (np.arange(per_axis) + 0.5) / per_axis * (high - low) for low, high in zip(lower, upper)]

@@ -1,16 +1,17 @@
 """Contact of two rigid bodies: the law of `hybrid.contact.soil_to_body` at places on the surface of each.
 
-    F = ½ Σ k a f(y)  over places x = c_a + R_a X of body a,   y = R_bᵀ (x - c_b)  in the frame of body b, and the other way round
+    F = ½ Σ k a f(y)  over places x = c_a + R_a X of body a, and the other way round
+    y = R_bᵀ (x - c_b)  in the frame of body b
 
 X never changes in the frame of its body, and the anchor of the tangential spring never changes in that of the other one: the
-springs are objective. Force and moment on both bodies act at the same place, so that they cancel to round-off. With D = ∂F/∂x
-at fixed attitude, r_a = x - c_a, r_b = x - c_b and q = (δc_a, δφ_a, δc_b, δφ_b),
+springs are objective. Force and moment on both bodies act at the same place, so that they cancel to round-off. With D =
+∂F/∂x at fixed attitude, r_a = x - c_a, r_b = x - c_b and q = (δc_a, δφ_a, δc_b, δφ_b),
 
     δF = Q q,  Q = [D, -D r̃_a, -D, D r̃_b - F̃]
     K = [ Q;  r̃_a Q;  -Q;  -r̃_b Q ] + [ 0;  F̃ P_a;  0;  F̃ P_b ]      P_a q = r̃_a δφ_a,  P_b q = δc_a - r̃_a δφ_a - δc_b
 
-A place presses only on a side of the other body that looks at it (`hybrid.body.closest.closest_facing`): no history is needed
-to tell one side of a thin plate from the other, nor the face of a box from its flank.
+A place presses only on a side of the other body that looks at it (`hybrid.body.closest.closest_facing`): no history is
+needed to tell one side of a thin plate from the other, nor the face of a box from its flank.
 
 Equations: FORMULATION (60) to (62).
 """
@@ -61,9 +62,10 @@ class Path(NamedTuple):
 
 
 class PairContact(NamedTuple):
-    """Places of one side in contact at trial poses, m of them, vectors in space: active (m,) among its Places; force (m, 3) [N],
-    minus that on body a; tangent (m, 3, 3) [N/m]; arms (m, 3) [m] from the centres of a and b; anchor (m, 3) [m] in the frame of
-    b and rest (m,) [m] of the history once the state is accepted; gap (m,) [m]; energy, dissipated [J]; springs [N/m]; slip (m,)."""
+    """Places of one side in contact at trial poses, m of them, vectors in space: active (m,) among its Places; force
+    (m, 3) [N], minus that on body a; tangent (m, 3, 3) [N/m]; arms (m, 3) [m] from the centres of a and b; anchor (m, 3) [m]
+    in the frame of b and rest (m,) [m] of the history once the state is accepted; gap (m,) [m]; energy, dissipated [J];
+    springs [N/m]; slip (m,)."""
 
     active: np.ndarray
     force: np.ndarray
@@ -112,8 +114,8 @@ def relative(pose_a, pose_b, collapsed):
 class SideStep:
     """Places of a Side near the other body, frozen during an increment.
 
-    start: (m, 3) [m] in the frame of body b; touching: (m,) bool at the start; anchor: (m, 3) [m] of the history, else where the
-    place is predicted to touch first; rest: (m,) [m] gap without force; stiffness: (m,) [N/m]
+    start: (m, 3) [m] in the frame of body b; touching: (m,) bool at the start; anchor: (m, 3) [m] of the history, else
+    where the place is predicted to touch first; rest: (m,) [m] gap without force; stiffness: (m,) [N/m]
     """
 
     side: Side
@@ -140,7 +142,7 @@ class SideStep:
         closed = soil_to_body.ClosedCorners(
             y[active], self.anchor[active], origin, self.stiffness[active], self.rest[active], NONE)
         found = soil_to_body.Response.empty(len(active))
-        soil_to_body._law(closed, points, self.law, surface.tree, found)
+        soil_to_body.contact_law(closed, points, self.law, surface.tree, found)
         R = pose_b[1]
         arm_b = y[active] @ R.T
         arm_a = self.places.point[active] @ pose_a[1].T
@@ -154,7 +156,8 @@ class SideStep:
         return self.places.number[contact.active], contact.anchor, contact.rest
 
     def passed(self, contact, poses, depth):
-        """Number of places that the increment carried through the other body, or deeper than `depth` [m] into it on their way."""
+        """Number of places that the increment carried through the other body, or deeper than `depth` [m] into it on their
+        way."""
         is_open = ~self.touching
         is_open[contact.active] = False
         turn, way = relative(poses[self.side.a], poses[self.side.b], self.collapsed)
@@ -171,7 +174,8 @@ class SideStep:
 
 
 def begin(side, poses, predicted, reach, history, stiffness, law, collapsed):
-    """SideStep from committed `poses` of all bodies and those `predicted` at the end of the increment; reach: [m] of the search;
+    """SideStep from committed `poses` of all bodies and those `predicted` at the end of the increment; reach: [m] of the
+    search;
     history: (number, anchor, rest) of places in contact; stiffness: k/2 [N/m³]."""
     turn, way = relative(poses[side.a], poses[side.b], collapsed)
     places = side.samples.near(turn, way, side.surface, reach)
@@ -183,7 +187,8 @@ def begin(side, poses, predicted, reach, history, stiffness, law, collapsed):
     anchor[touching], rest[touching] = known[at], rests[at]
     if m:
         path = _path(poses[side.a], poses[side.b], predicted[side.a], predicted[side.b], collapsed)
-        _first_contact(places.point, places.normal, side.samples.first_edge > places.number, touching, path, side.surface.radius, side.surface.tree, anchor)
+        _first_contact(places.point, places.normal, side.samples.first_edge > places.number, touching, path,
+                       side.surface.radius, side.surface.tree, anchor)
     return SideStep(side, places, start, touching, anchor, rest, stiffness * places.area, law, collapsed)
 
 
@@ -231,8 +236,8 @@ def _project(y, outward, on_face, start, clearance, radius, arrays, patches, poi
 
 @njit(cache=True)
 def _first_contact(point, normal, on_face, touching, path, radius, tree, anchor):
-    """Replace the `anchor` (m, 3) of places that do not touch by the place where they are predicted to touch first, or to be at
-    the end."""
+    """Replace the `anchor` (m, 3) of places that do not touch by the place where they are predicted to touch first, or to
+    be at the end."""
     for n in range(len(point)):
         if touching[n]:
             continue

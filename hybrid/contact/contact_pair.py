@@ -67,8 +67,8 @@ class ContactPair:
             self.corners, contact, self.corners.moved(displacement), *pose, self.body.surface, depth)
 
     def share_interface(self, contact):
-        """Let the points that touch in `contact` bear the adhesion of the clay around them, in proportion to their pressure, in
-        place of those that touched before. Returns the share of it by which their sum changes."""
+        """Let the points that touch in `contact` bear the adhesion of the clay around them, in proportion to their
+        pressure, in place of those that touched before. Returns the share of it by which their sum changes."""
         corners, limits = self.corners, self.corners.limits
         if corners.shared is None:
             return 0.0

@@ -103,7 +103,8 @@ def find_corners(domains, pressure, places, grid, active, body, surface, reach, 
     found = {name: values[use] for name, values in found.items()}
     point, place = found["point"], found["place"]
     normal = found["normal"]
-    area = places.area(place, domains.half[point], domains.volume[point]) * domains.facing(places, point, place, found["position"], normal)
+    area = places.area(place, domains.half[point],
+                       domains.volume[point]) * domains.facing(places, point, place, found["position"], normal)
     if not domains.half.any():
         area = area / 2         # all eight corners of a point coincide: they share its stiffness
     start = (found["position"] - body.position) @ body.rotation
@@ -135,7 +136,8 @@ def _within_reach(domains, places, collapsed, body, surface, reach, history):
 
 
 def _of_history(history, collapsed, body, surface, farthest):
-    """Normals (m, 3) and signed distances (m,) [m] of the points of the history, inf where an open one is beyond `farthest`."""
+    """Normals (m, 3) and signed distances (m,) [m] of the points of the history, inf where an open one is beyond
+    `farthest`."""
     _, normal, distance = gaps_in_space(history.position, collapsed, body, surface, farthest)
     deep = np.flatnonzero((history.touching | history.opened) & np.isinf(distance))
     _, normal[deep], distance[deep] = gaps_in_space(history.position[deep], collapsed, body, surface, np.inf)

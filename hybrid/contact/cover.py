@@ -22,15 +22,16 @@ from hybrid.contact.samples import everywhere
 
 PATCH = 0.5     # widths of a domain across a patch
 AROUND = 2.0    # widths of a domain in R
-LEAST = 0.2     # of the surface around a patch that counts at least: a quarter is in the grid where two planes of symmetry meet
+# Share of the surface around a patch that counts at least: a quarter is in the grid where two planes of symmetry meet
+LEAST = 0.2
 MOST = 5e4      # patches of a large body, each of which has about fifty others around it
 
 
 @dataclass(frozen=True)
 class Cover:
-    """s patches of a body's surface. place, normal: (s, 3) in the body frame [m], [-]; area: (s,) [m²]; near: (s, s) K of each
-    pair on the same side of the body; tree: of places and normals, those times the width; width: [m] of a domain; flat: (k, 3) unit
-    vectors along collapsed axes, body frame."""
+    """s patches of a body's surface. place, normal: (s, 3) in the body frame [m], [-]; area: (s,) [m²]; near: (s, s) K of
+    each pair on the same side of the body; tree: of places and normals, those times the width; width: [m] of a domain;
+    flat: (k, 3) unit vectors along collapsed axes, body frame."""
 
     place: np.ndarray
     normal: np.ndarray
@@ -42,7 +43,8 @@ class Cover:
 
     @classmethod
     def of(cls, surface, width, flat=(), share=1.0):
-        """Cover of a ContactSurface for domains of a `width` [m]; flat: as above; share: part of it that lies in the slice."""
+        """Cover of a ContactSurface for domains of a `width` [m]; flat: as above; share: part of it that lies in the
+        slice."""
         flat, (a, b, c) = np.reshape(flat, (-1, 3)), surface.vertices[surface.triangles].swapaxes(0, 1)
         whole = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()
         width = max(width, np.sqrt(whole / MOST) / PATCH)
@@ -52,7 +54,8 @@ class Cover:
                    width, flat)
 
     def layers(self, foot, normal, area, pose, extent):
-        """(m,) C at contact points with closest points and normals (m, 3) [m], in space, and areas (m,) [m²]; pose: of the body;
+        """(m,) C at contact points with closest points and normals (m, 3) [m], in space, and areas (m,) [m²]; pose: of
+        the body;
         extent: (3, 2) [m] of the grid along its axes, without limits along those that are collapsed."""
         position, rotation = pose
         foot = _flattened((foot - position) @ rotation, self.flat)

@@ -3,12 +3,13 @@
     y(s) = R(s)^T (x_c + s Δx_c - c - s Δc),   R(s) = exp(s φ~) R_n,   0 <= s <= 1
     anchor = y(s)  where the gap vanishes first, else y(1)
 
-along the predicted motion of the step (everything keeps its velocity, and a body that touches nothing falls). In the frame of a rolling body the corner comes
-down a curved path: before it touches it moves a³/(3r²) along the surface of a sphere of radius r, a being its distance
-from the point of rest. At a = 50 mm and r = 0.25 m that is 0.7 mm, more than a stiff tangential spring needs to slip:
-with the anchor at the place of the corner at the start of the step, a rolling sphere creeps by 1-2 %. With the anchor
-at the end of the step, the friction of the step in which the contact closes would be lost. The predicted motion is
-constant in a step, so the anchor adds nothing to the tangent. Without motion the anchor is the place at the start.
+along the predicted motion of the step (everything keeps its velocity, and a body that touches nothing falls). In the
+frame of a rolling body the corner comes down a curved path: before it touches it moves a³/(3r²) along the surface of a
+sphere of radius r, a being its distance from the point of rest. At a = 50 mm and r = 0.25 m that is 0.7 mm, more than a
+stiff tangential spring needs to slip: with the anchor at the place of the corner at the start of the step, a rolling
+sphere creeps by 1-2 %. With the anchor at the end of the step, the friction of the step in which the contact closes would
+be lost. The predicted motion is constant in a step, so the anchor adds nothing to the tangent. Without motion the anchor
+is the place at the start.
 
 The side of the body by which the path enters is remembered: in a thin body the opposite side may soon be nearer.
 

@@ -1,8 +1,8 @@
 """Held ground with given heights: contact points lie on its surface as it is given, not on the flat tops of columns.
 
-A column of domains ends at the mean height of the ground over it, so held soil, which is never deformed, would be a staircase
-to a body that rolls: a ball in a valley lost 39 % of its energy from step to step. Where the ground is no steeper than
-STEEPEST within a column, the places on its upper face are therefore moved vertically to
+A column of domains ends at the mean height of the ground over it, so held soil, which is never deformed, would be a
+staircase to a body that rolls: a ball in a valley lost 39 % of its energy from step to step. Where the ground is no
+steeper than STEEPEST within a column, the places on its upper face are therefore moved vertically to
 
     z = h(x, y)
 
@@ -52,22 +52,24 @@ class HeldGround:
         _, column = np.unique(position[:, 0] + 1j * position[:, 1], return_inverse=True)
         shift, highest = np.zeros(len(position)), np.zeros(len(position), bool)
         shift[ends], highest[ends] = away, True
-        return cls(surface, top, np.isin(column, column[ends]), highest, shift, APART * np.min(upper - lower, initial=np.inf))
+        return cls(surface, top, np.isin(column, column[ends]), highest, shift,
+                   APART * np.min(upper - lower, initial=np.inf))
 
     def heights(self, place):
         """Height (m,) [m] of the ground at places (m, 2) or (m, 3) [m]."""
         return np.minimum(heights_at(self.surface, place[:, :2]), self.top)
 
     def lowered(self, point, position):
-        """Positions (m, c, 3) [m] of domains' corners, of `point` (m,), where none of those that follow is above the ground."""
+        """Positions (m, c, 3) [m] of domains' corners, of `point` (m,), where none of those that follow is above the
+        ground."""
         z = self.heights(position.reshape(-1, 3)).reshape(position.shape[:2])
         lowered = position.copy()
         lowered[..., 2] = np.where(self.follows[point, None], np.minimum(position[..., 2], z), position[..., 2])
         return lowered
 
     def placed(self, point, up, position):
-        """(Positions (m, 3) [m] of places on domains once they lie on the ground, (m,) bool, those that are kept); up: (m,) bool,
-        on upper faces."""
+        """(Positions (m, 3) [m] of places on domains once they lie on the ground, (m,) bool, those that are kept); up:
+        (m,) bool, on upper faces."""
         on, z = up & self.highest[point], self.heights(position)
         placed = position.copy()
         placed[on, 2] = z[on]
@@ -85,7 +87,8 @@ class HeldGround:
 
 
 def _sampled(surface, lower, upper):
-    """(Heights (n, SAMPLES²) [m], largest slope (n,) [-]) of the ground over rectangles from `lower` to `upper` (n, 2) [m]."""
+    """(Heights (n, SAMPLES²) [m], largest slope (n,) [-]) of the ground over rectangles from `lower` to `upper` (n, 2)
+    [m]."""
     share = np.linspace(0.0, 1.0, SAMPLES)
     x, y = (lower[:, i, None] + (upper - lower)[:, i, None] * share for i in (0, 1))
     place = np.stack(np.broadcast_arrays(x[:, :, None], y[:, None, :]), axis=-1)

@@ -52,8 +52,8 @@ EVERYWHERE = np.array([[-np.inf, np.inf]] * 3)
 @dataclass(frozen=True)
 class Interface:
     """adhesion: α/ξ, None where friction alone limits the shear; tension: σ_t [Pa], 0 without a bond, inf for ever; sharp:
-    ContactSurface on whose area they act, None for the one in contact: edges that this has rounded off are clay's as well; cover:
-    Cover of that area, None where contact points bear whatever they are given."""
+    ContactSurface on whose area they act, None for the one in contact: edges that this has rounded off are clay's as
+    well; cover: Cover of that area, None where contact points bear whatever they are given."""
 
     adhesion: float | None
     tension: float
@@ -94,10 +94,10 @@ NONE = PlaceLimits(np.zeros(0), np.zeros(0), np.zeros(0, bool))
 
 
 def place_limits(limits, found, area, domains, places, body, surface, extent=EVERYWHERE):
-    """(PlaceLimits, function) of contact points `found` {name: (m, ...)}: position, normal, point, place, clearance, touching and
-    opened as in corners.Corners and ContactHistory, and rest. limits: PointLimits, None for none; area: (m,) [m²]; domains:
-    Domains of the soil's points; places: Places on them; body: BodyState; surface: that the points are in contact with; extent:
-    (3, 2) [m] of the soil's grid.
+    """(PlaceLimits, function) of contact points `found` {name: (m, ...)}: position, normal, point, place, clearance,
+    touching and opened as in corners.Corners and ContactHistory, and rest. limits: PointLimits, None for none; area: (m,)
+    [m²]; domains: Domains of the soil's points; places: Places on them; body: BodyState; surface: that the points are in
+    contact with; extent: (3, 2) [m] of the soil's grid.
 
     The function gives the limits of shear (m,) [N] where other points touch, (m,) bool, pressed by forces (m,); None where
     these do not depend on that."""
@@ -134,8 +134,8 @@ def _before_sharp(found, area, domains, places, body, sharp):
     """Contact points `found` and their areas with those that do not touch measured from the `sharp` surface of the body, and
     (m,) bool, whether they lie before it as in `lie_before`.
 
-    From half a cell beside an edge on the surface in contact turns away from the soil: by more than TURN in the last fifth of a cell.
-    Measured from it, a face that slides bears α s_u on its middle alone.
+    From half a cell beside an edge on the surface in contact turns away from the soil: by more than TURN in the last
+    fifth of a cell. Measured from it, a face that slides bears α s_u on its middle alone.
     """
     y, open_ = (found["position"] - body.position) @ body.rotation, ~found["touching"]
     distance, normal = distances(y, sharp)
@@ -149,8 +149,8 @@ def _before_sharp(found, area, domains, places, body, sharp):
 
 def _borne_by_each(found, borne, domains, places, most, layers):
     """Function that gives the sums (m,) of the values (m,) of all contact points that each of them bears; borne: (m,) bool,
-    those that another may bear, of this process or another one; most: number of points that share the value of one; layers: of
-    Cover, None where it does not count in how many the points lie."""
+    those that another may bear, of this process or another one; most: number of points that share the value of one;
+    layers: of Cover, None where it does not count in how many the points lie."""
     if places.at_corners:
         return lambda values: values
     order = own = ...
@@ -175,14 +175,14 @@ def _of_all_processes(found, domains):
 
 
 def _shares(found, borne, domains, places, most, layers):
-    """Sparse matrix (m, m): the share of the interface of each contact point, its column, that each bears, its row; borne: (m,)
-    bool, those that another may bear; most, layers: as in `_borne_by_each`.
+    """Sparse matrix (m, m): the share of the interface of each contact point, its column, that each bears, its row;
+    borne: (m,) bool, those that another may bear; most, layers: as in `_borne_by_each`.
 
     The surface of the soil is made of steps. A few contact points at their tips touch a body: they bear the interface of
     the faces around them, as far as these are part of the surface and no farther from the body than a domain is high. One
     that parts from the body within the step bears nothing in it, and where soil flows along a body many of those that are
-    hardly pressed do; so the nearest ones share a face by the forces that press them. Clay that is sheared far parts into layers,
-    faces of each of which are exposed: where they cover the body more than once, all of them count for less.
+    hardly pressed do; so the nearest ones share a face by the forces that press them. Clay that is sheared far parts into
+    layers, faces of each of which are exposed: where they cover the body more than once, all of them count for less.
     """
     m, half = len(borne), domains.half[found["point"]]
     height = 2 * np.einsum("ci,ci->c", np.abs(found["normal"]), half)
@@ -202,7 +202,8 @@ def _shares(found, borne, domains, places, most, layers):
 
 
 def _excess(found, chosen, layers):
-    """(m,) factor, 1 or more, by which `chosen` contact points (k,) cover the surface of the body too often around each of them;
+    """(m,) factor, 1 or more, by which `chosen` contact points (k,) cover the surface of the body too often around each
+    of them;
     layers: of Cover."""
     excess, normal = np.ones(len(found["point"])), found["normal"][chosen]
     foot = found["position"][chosen] - found["clearance"][chosen, None] * normal
@@ -264,8 +265,8 @@ def work_to_break(tension, p, eps_n):
 
 @njit(cache=True)
 def lie_before(y, normal, tree):
-    """(m,) bool, whether places y (m, 3) [m] are in a body or lie along the normal (m, 3) of the closest point of its surface,
-    and not beside an edge; all in the body frame."""
+    """(m,) bool, whether places y (m, 3) [m] are in a body or lie along the normal (m, 3) of the closest point of its
+    surface, and not beside an edge; all in the body frame."""
     before = np.ones(len(y), np.bool_)
     for n in range(len(y)):
         _, _, foot, _, gap = closest((y[n, 0], y[n, 1], y[n, 2]), np.inf, tree, NO_SIDE)

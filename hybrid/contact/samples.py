@@ -1,11 +1,12 @@
 """Places on the surface of a body at which its contact with another body is evaluated.
 
 Each triangle is cut into 4^n equal ones, whose centroids, on the curved patch where there is one, are the places: the
-midpoint rule of ∫ k g dA. Only triangles near the other body are cut, and of them only what is near it, so that the number of
-places does not grow with the size of a body. A place keeps its number, which names triangle and part.
+midpoint rule of ∫ k g dA. Only triangles near the other body are cut, and of them only what is near it, so that the
+number of places does not grow with the size of a body. A place keeps its number, which names triangle and part.
 
-A sharp edge or corner that meets a face of the other body lies between places of that face. So edges carry places as well, and
-count with an area of their length times a width; corners count with an area of their own (`hybrid.setup.body_contact`).
+A sharp edge or corner that meets a face of the other body lies between places of that face. So edges carry places as
+well, and count with an area of their length times a width; corners count with an area of their own
+(`hybrid.setup.body_contact`).
 """
 
 from dataclasses import dataclass
@@ -15,7 +16,7 @@ import numpy as np
 from numba import njit
 
 from hybrid.body.closest import closest
-from hybrid.body.patches import _normal, point
+from hybrid.body.patches import point, unit_normal
 from hybrid.body.smooth import shared_edges
 from hybrid.contact.search import distances
 
@@ -26,7 +27,8 @@ BEND = np.radians(20.0)     # between the faces at a sharp edge, as in `hybrid.b
 
 class Pieces(NamedTuple):
     """Triangles of a surface: corners (t, 3, 3) [m], normal (t, 3), nodes (t, 9, 3) of their patches (empty if none is
-    curved), curved (t,) bool, bulge [m] of patches, cuts (t,) times that each is cut into four, first (t,) number of its places."""
+    curved), curved (t,) bool, bulge [m] of patches, cuts (t,) times that each is cut into four, first (t,) number of its
+    places."""
 
     corners: np.ndarray
     normal: np.ndarray
@@ -52,9 +54,10 @@ class Places(NamedTuple):
 class Samples:
     """All places of a body, against one other body.
 
-    pieces: the triangles that are cut where it is necessary; edges: Places on its sharp edges and corners, whose clearance is
-    not set; share: part of the body that lies in the slice of plane strain, else 1; flat: (k, 3) unit vectors of the body frame
-    along collapsed axes, along which places lie at the centre of mass; first_edge: number of the first place on an edge
+    pieces: the triangles that are cut where it is necessary; edges: Places on its sharp edges and corners, whose
+    clearance is not set; share: part of the body that lies in the slice of plane strain, else 1; flat: (k, 3) unit
+    vectors of the body frame along collapsed axes, along which places lie at the centre of mass; first_edge: number of
+    the first place on an edge
     """
 
     pieces: Pieces
@@ -64,7 +67,8 @@ class Samples:
     first_edge: int = 0
 
     def near(self, turn, way, surface, reach):
-        """Places within `reach` [m] of the `surface` of another body, in whose frame a point X of this one is at turn X + way."""
+        """Places within `reach` [m] of the `surface` of another body, in whose frame a point X of this one is at turn X +
+        way."""
         count = 256
         while True:
             found = (np.empty(count, np.int64), np.empty((count, 3)), np.empty((count, 3)), np.empty(count), np.empty(count))
@@ -82,8 +86,8 @@ class Samples:
 
 
 def sample(surface, spacing, width, corner, flat=None, share=1.0):
-    """Samples of a ContactSurface with a `spacing` [m] of places, a `width` [m] that edges count with and an area `corner` [m²]
-    of corners; flat, share: as in Samples."""
+    """Samples of a ContactSurface with a `spacing` [m] of places, a `width` [m] that edges count with and an area
+    `corner` [m²] of corners; flat, share: as in Samples."""
     corners = surface.vertices[surface.triangles]
     longest = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).max(axis=1)
     cuts = np.clip(np.ceil(np.log2(longest / (SPREAD * spacing))), 0, FINEST).astype(np.int64)
@@ -98,8 +102,8 @@ def sample(surface, spacing, width, corner, flat=None, share=1.0):
 
 
 def everywhere(surface, spacing):
-    """Points (n, 3) [m] all over a ContactSurface, no farther apart than about a `spacing` [m], outward normals (n, 3) there and
-    areas (n,) [m²]."""
+    """Points (n, 3) [m] all over a ContactSurface, no farther apart than about a `spacing` [m], outward normals (n, 3)
+    there and areas (n,) [m²]."""
     pieces = sample(surface, spacing, 0.0, 0.0).pieces
     count = int((4**pieces.cuts).sum())
     found = np.empty((count, 3)), np.empty((count, 3)), np.empty(count)
@@ -108,7 +112,8 @@ def everywhere(surface, spacing):
 
 
 def _edges(surface, spacing, width, corner):
-    """Places (e, 3) [m] on sharp convex edges and at the corners where three of them end, normals (e, 3) there and areas (e,)."""
+    """Places (e, 3) [m] on sharp convex edges and at the corners where three of them end, normals (e, 3) there and areas
+    (e,)."""
     t, k = shared_edges(surface.triangles)
     ends = surface.triangles[t[:, 0], k[:, 0]], surface.triangles[t[:, 0], (k[:, 0] + 1) % 3]
     of_corner = surface.corner_normals
@@ -207,7 +212,8 @@ def _near(pieces, flat, turn, way, tree, reach, found):
 
 @njit(cache=True)
 def _everywhere(pieces, flat, point, normal, area):
-    """Fill the points and normals (n, 3) and areas (n,) of all parts of triangles: rows of them, those in between upside down."""
+    """Fill the points and normals (n, 3) and areas (n,) of all parts of triangles: rows of them, those in between upside
+    down."""
     count = 0
     for t in range(len(pieces.cuts)):
         rows = 2 ** pieces.cuts[t]
@@ -226,12 +232,13 @@ def _at(pieces, t, v, w, flat):
     """Point at weights (v, w) of triangle t, its normal, and twice the area over that in the weights."""
     if len(pieces.nodes) and pieces.curved[t]:
         x, x_v, x_w = point(t, v, w, pieces.nodes)
-        N, _, _ = _normal(t, v, w, pieces.nodes)
+        N, _, _ = unit_normal(t, v, w, pieces.nodes)
     else:
         c = pieces.corners
         x_v = c[t, 1, 0] - c[t, 0, 0], c[t, 1, 1] - c[t, 0, 1], c[t, 1, 2] - c[t, 0, 2]
         x_w = c[t, 2, 0] - c[t, 0, 0], c[t, 2, 1] - c[t, 0, 1], c[t, 2, 2] - c[t, 0, 2]
-        x = (c[t, 0, 0] + v * x_v[0] + w * x_w[0], c[t, 0, 1] + v * x_v[1] + w * x_w[1], c[t, 0, 2] + v * x_v[2] + w * x_w[2])
+        x = (c[t, 0, 0] + v * x_v[0] + w * x_w[0], c[t, 0, 1] + v * x_v[1] + w * x_w[1],
+             c[t, 0, 2] + v * x_v[2] + w * x_w[2])
         N = pieces.normal[t, 0], pieces.normal[t, 1], pieces.normal[t, 2]
     a = x_v[1] * x_w[2] - x_v[2] * x_w[1]
     b = x_v[2] * x_w[0] - x_v[0] * x_w[2]

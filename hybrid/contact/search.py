@@ -1,7 +1,7 @@
 """Search of the places on the points' domains that are near a body: from domains to groups of places to places.
 
-A body is searched in its own frame. In plane strain it is the prism over its section through its centre of mass, so positions
-are those in the plane of that section.
+A body is searched in its own frame. In plane strain it is the prism over its section through its centre of mass, so
+positions are those in the plane of that section.
 """
 
 import math
@@ -56,8 +56,8 @@ class Domains:
         return cls(points.position, half, constants.volume, included, constants.number, ground)
 
     def facing(self, places, point, number, position, normal):
-        """Area (m,) [-] projected along normals (m, 3) of a body over that of the faces that `places` at `position` (m, 3) [m]
-        are on; point, number: (m,) of each."""
+        """Area (m,) [-] projected along normals (m, 3) of a body over that of the faces that `places` at `position`
+        (m, 3) [m] are on; point, number: (m,) of each."""
         usual = places.facing(number, normal)
         if self.ground is None or places.at_corners:
             return usual
@@ -76,8 +76,8 @@ def distances(y, surface, reach=np.inf):
 
 
 def gaps(y, surface, reach=np.inf):
-    """Gaps (m,) [m] between positions y (m, 3) in the body frame and the surface as contact sees them, inf beyond `reach` [m],
-    and the outward normals there (m, 3)."""
+    """Gaps (m,) [m] between positions y (m, 3) in the body frame and the surface as contact sees them, inf beyond `reach`
+    [m], and the outward normals there (m, 3)."""
     out, normal = np.empty(len(y)), np.zeros((len(y), 3))
     _distances(np.ascontiguousarray(y), reach, *surface.tree.parts, out, normal)
     return out, normal
@@ -109,7 +109,8 @@ def new_points(domains, places, collapsed, body, surface, reach, known):
         position, kept = domains.ground.placed(point, places.up(number), position)
         point, number, position = point[kept], number[kept], position[kept]
     position, normal, distance = gaps_in_space(position, collapsed, body, surface, farthest)
-    stay = np.flatnonzero((distance <= reach.at(position, normal, body)) & (domains.facing(places, point, number, position, normal) > 0.0))
+    within = distance <= reach.at(position, normal, body)
+    stay = np.flatnonzero(within & (domains.facing(places, point, number, position, normal) > 0.0))
     return {"point": point[stay], "place": number[stay], "position": position[stay], "clearance": distance[stay],
             "normal": normal[stay], "rest": np.minimum(distance[stay], 0.0)}
 

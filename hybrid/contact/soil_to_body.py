@@ -57,8 +57,8 @@ class CornerContact:
 
     active: (m,) indices into Corners; gap: (m,) [m], negative; normal: (m, 3) outward from the body
     force: (m, 3) [N], minus the force on the corner
-    tangent: (m, 3, 3) [N/m] ∂force/∂x_c at fixed attitude; turning: (m, 3, 3) [N/m] of it -p G, by which the pressure turns with
-    the surface; arm: (m, 3) [m] from the body's centre; slip: (m,) bool
+    tangent: (m, 3, 3) [N/m] ∂force/∂x_c at fixed attitude; turning: (m, 3, 3) [N/m] of it -p G, by which the pressure
+    turns with the surface; arm: (m, 3) [m] from the body's centre; slip: (m,) bool
     anchor: (m, 3) [m] body frame, the anchor of the history once the state is accepted; side: (m, 3) N, body frame
     pressure: (m,) p [N]; triangle: (m,) of the closest point, weights: (m, 3) of its vertices there
     energy: stored in the springs [J]; dissipated: friction work of the step [J]
@@ -168,7 +168,7 @@ def evaluate(corners, position, centre, rotation, surface, friction, tangential)
                            corners.rest[active], limits.select(active),
                            NOWHERE if corners.sticking is None else corners.sticking[active])
     found = Response.empty(len(active))
-    _law(closed, points, Coulomb(friction, tangential), surface.tree, found)
+    contact_law(closed, points, Coulomb(friction, tangential), surface.tree, found)
     most = closed.limits.tension if len(limits.tension) else 0.0
     pressure = np.maximum(closed.stiffness * (closed.rest - points.gap), -most)
     return CornerContact(
@@ -201,9 +201,10 @@ def commit(corners, position, contact):
 
 
 @njit(cache=True)
-def _law(corners, points, coulomb, tree, out):
+def contact_law(corners, points, coulomb, tree, out):
     """The law of the module's head at every closed corner."""
-    y, y_anchor, origin, stiffness, rest, limits, sticking = corners    # unpacked once: each access in the loop would count references
+    # unpacked once, because each access in the loop would count references
+    y, y_anchor, origin, stiffness, rest, limits, sticking = corners
     gap, triangle, feature, foot, weights = points
     shear, tension, _ = limits
     force, tangent, turning, slip, anchor, side, energy, dissipated, opened = out

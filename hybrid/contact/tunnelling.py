@@ -54,8 +54,8 @@ def count_tunnelled(corners, contact, position, centre, rotation, surface, depth
 
 
 def pierced(start, path, finest, tree):
-    """(m,) bool, whether a path (m, 3) from `start` (m, 3) enters by one side and leaves by the opposite one, or ends inside nearest to
-    the opposite one; finest: [m] shortest step of the walk."""
+    """(m,) bool, whether a path (m, 3) from `start` (m, 3) enters by one side and leaves by the opposite one, or ends
+    inside nearest to the opposite one; finest: [m] shortest step of the walk."""
     found = np.zeros(len(start), np.bool_)
     _walk(start, path, finest, *tree.parts, found)
     return found

@@ -23,7 +23,8 @@ from hybrid.runtime.errors import SceneError
 
 
 def cut_into_blocks(loads, parts):
-    """Boxes (parts, 2, 3) of cells [low, high) with nearly equal shares of the `loads` (a, b, c), whole numbers, of all cells.
+    """Boxes (parts, 2, 3) of cells [low, high) with nearly equal shares of the `loads` (a, b, c), whole numbers, of all
+    cells.
 
     Raises SceneError where there are not enough layers of cells.
     """
@@ -52,6 +53,7 @@ class Exchange:
     """Plan by which copies on a lattice get the values of their owners, or give theirs to be added up.
 
     own: boxes (ranks, 2, 3) that belong to each process; local: boxes that each has; rank: of this process
+    copies, given: {other process: numbers of what it owns and this one has copies of, and the other way round}
     shared: {other process: numbers that both have, in an order that is the same in both}
     """
 
@@ -61,11 +63,11 @@ class Exchange:
         self.owned[_within(own[rank], low)] = True
         self.owned = self.owned.ravel()
         others = [other for other in range(len(own)) if other != rank]
-        self._copies = {other: self._numbers(_common(local[rank], own[other]), low) for other in others}
-        self._given = {other: self._numbers(_common(own[rank], local[other]), low) for other in others}
+        self.copies = {other: self._numbers(_common(local[rank], own[other]), low) for other in others}
+        self.given = {other: self._numbers(_common(own[rank], local[other]), low) for other in others}
         self.shared = {other: self._numbers(_common(local[rank], local[other]), low) for other in others}
-        self._copies, self._given, self.shared = ({other: at for other, at in found.items() if len(at)}
-                                                  for found in (self._copies, self._given, self.shared))
+        self.copies, self.given, self.shared = ({other: at for other, at in found.items() if len(at)}
+                                                for found in (self.copies, self.given, self.shared))
 
     def _numbers(self, box, low):
         numbers = np.arange(self._shape.prod()).reshape(self._shape)
@@ -73,12 +75,12 @@ class Exchange:
 
     def from_owners(self, values):
         """Fill the copies of `values` (n, ...) in place."""
-        self._move(values, self._given, self._copies, add=False)
+        self._move(values, self.given, self.copies, add=False)
         return values
 
     def summed(self, values):
         """Add up `values` (n, ...) over all processes in place."""
-        self._move(values, self._copies, self._given, add=True)
+        self._move(values, self.copies, self.given, add=True)
         return self.from_owners(values)
 
     def _move(self, values, out, into, add):
@@ -165,22 +167,22 @@ def cells_of(position, lines):
 
 
 def cell_numbers(position, grid):
-    """((n,) number of the cell of each position (n, 3) [m], (3,) shape of the cells) of a whole grid, given as a Grid or a Block
-    of it."""
+    """((n,) number of the cell of each position (n, 3) [m], (3,) shape of the cells) of a whole grid, given as a Grid or
+    a Block of it."""
     return np.ravel_multi_index(cells_of(position, grid.lines).T, grid.cell_counts), grid.cell_counts
 
 
 def cut_block(grid, loads, parts, rank):
-    """Block of the process `rank` of `parts` with nearly equal shares of the `loads` (a, b, c) of cells, from the whole Grid or
-    from another Block of it."""
+    """Block of the process `rank` of `parts` with nearly equal shares of the `loads` (a, b, c) of cells, from the whole
+    Grid or from another Block of it."""
     boxes = cut_into_blocks(loads, parts)
     fullest = max(loads[_within(box, np.zeros(3, int))].sum() for box in boxes)
     return block_of(grid, boxes, rank, fullest / max(loads.sum(), 1))
 
 
 def block_of(grid, boxes, rank, fullest=0.0, layers=1):
-    """Block of the process `rank`, one of those with `boxes` (parts, 2, 3) of cells, from the whole Grid or from another Block
-    of it."""
+    """Block of the process `rank`, one of those with `boxes` (parts, 2, 3) of cells, from the whole Grid or from another
+    Block of it."""
     lines, planes = grid.lines, grid.planes
     shape = np.array([len(nodes) for nodes in lines])
     cells, more = np.maximum(1, shape - 1), shape > 1       # one more node than cells, but on a collapsed axis
@@ -191,7 +193,8 @@ def block_of(grid, boxes, rank, fullest=0.0, layers=1):
     part = _within(with_nodes[rank], np.zeros(3, int))
     x, y, z = (plane[one] for plane, one in zip(planes, part))
     fixed = (x[:, None, None] | y[:, None] | z).reshape(-1, 3)
-    block = Block(tuple(np.ascontiguousarray(nodes[one]) for nodes, one in zip(lines, part)), grid.extent, fixed, grid.closed,
+    block = Block(tuple(np.ascontiguousarray(nodes[one]) for nodes, one in zip(lines, part)), grid.extent, fixed,
+                  grid.closed,
                   lines=lines, planes=planes, boxes=boxes, rank=rank, layers=layers, fullest=fullest,
                   nodes=Exchange(own, with_nodes, rank), cells=Exchange(boxes, around, rank))
     widths = [each[one] for each, one in zip(node_widths(lines, grid.extent), part)]

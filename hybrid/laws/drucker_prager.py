@@ -10,9 +10,9 @@
 
 η̄ is η of associated flow with the dilation angle, in plane strain η̄ = sinψ / √(1 + sin²ψ/3), and r = √(1 - η̄²/3). There
 the deviator along the thickness is -2/3 η̄ √J2 once the soil flows, whatever φ is, and η and ξ are those of
-Mohr-Coulomb's line in the other two principal stresses. Equal angles are associated flow. The cohesion hardens or softens linearly with the
-equivalent plastic strain, c(α) = max(c0 + H α, c_r). Softening localises in bands one cell wide, so its results depend
-on the cells. Return and tangent are those of `hybrid.laws.cone`.
+Mohr-Coulomb's line in the other two principal stresses. Equal angles are associated flow. The cohesion hardens or softens
+linearly with the equivalent plastic strain, c(α) = max(c0 + H α, c_r). Softening localises in bands one cell wide, so its
+results depend on the cells. Return and tangent are those of `hybrid.laws.cone`.
 
 Equations: FORMULATION (19).
 """

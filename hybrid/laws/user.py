@@ -11,9 +11,9 @@ checked at every call; a point with a result that is not a finite number counts 
 halved. Check a new law with `hybrid.check_law` first: it compares the tangent with finite differences.
 demos/user_law.py is an example.
 
-On several processes each calls the function with its own points, again when points have come or gone. So what it gives a point
-must depend on this point alone, and not on the number of points or their order; at the start each process checks this with halves
-of its points. Start the script by
+On several processes each calls the function with its own points, again when points have come or gone. So what it gives a
+point must depend on this point alone, and not on the number of points or their order; at the start each process checks
+this with halves of its points. Start the script by
 `mpirun -n 2 python -m mpi4py SCRIPT`, which ends all processes where one fails.
 """
 
@@ -24,15 +24,16 @@ from hybrid.runtime.errors import LawError
 from hybrid.state import PointConstants
 
 MEMBERS = ("young", "plastic", "respond", "energy", "strain")
-FIELDS = {"position": slice(0, 3), "half_width": slice(3, 6), "volume": 6, "mass": 7}    # of a point, in a row of `CheckedLaw`
+# Values of a point, in a row of `CheckedLaw`
+FIELDS = {"position": slice(0, 3), "half_width": slice(3, 6), "volume": 6, "mass": 7}
 TRIED = (0.0, 0.0, 0.0), (-0.03, 0.01, 0.005)   # strains beyond that at rest, at which the law of some points is compared
 SAME = 1e-9         # [-] difference that round-off explains
 
 
 class CheckedLaw:
     """A user's law of `n` points whose results are checked. Its tangents are taken for unsymmetric, because a law that
-    is derived from another one inherits `symmetric` from it, right or wrong. rows: (n, 11) what the user's function `make` was
-    given of each point: FIELDS and its initial stress."""
+    is derived from another one inherits `symmetric` from it, right or wrong. rows: (n, 11) what the user's function
+    `make` was given of each point: FIELDS and its initial stress."""
 
     symmetric = False
 
@@ -69,8 +70,8 @@ def is_of_user(law):
 
 
 def refuse_unlike(law):
-    """LawError where a CheckedLaw of some points is another one for the lower or the upper half of them along an axis: what a
-    process makes of its points has to be what one process makes of all."""
+    """LawError where a CheckedLaw of some points is another one for the lower or the upper half of them along an axis:
+    what a process makes of its points has to be what one process makes of all."""
     rest = law.strain(law.rows[:, 8:])
     for half in _halves(law.rows[:, FIELDS["position"]]):
         part = law.with_rows(law.rows[half])
@@ -78,13 +79,14 @@ def refuse_unlike(law):
             whole, some = law.respond(rest + more, np.zeros(law.n)), part.respond(rest[half] + more, np.zeros(part.n))
             scale = SAME * np.abs(np.nan_to_num(whole.stress)).max(initial=0.0)
             if not np.allclose(whole.stress[half], some.stress, rtol=0.0, atol=scale, equal_nan=True):
-                raise LawError(f"--ranks: {law.name} of some of the points is not that of all points there. Each process calls "
-                               "its function with the points that it has: make what it gives a point depend on this point "
-                               "alone, such as on its position, or run on one rank")
+                raise LawError(f"--ranks: {law.name} of some of the points is not that of all points there. Each process "
+                               "calls its function with the points that it has: make what it gives a point depend on "
+                               "this point alone, such as on its position, or run on one rank")
 
 
 def _halves(position):
-    """Yields (n,) bool, points in the lower and the upper half of their range along each axis, where there are some in both."""
+    """Yields (n,) bool, points in the lower and the upper half of their range along each axis, where there are some in
+    both."""
     for x in position.T:
         lower = x < 0.5 * (x.min(initial=np.inf) + x.max(initial=-np.inf))
         if lower.any() and not lower.all():

@@ -7,17 +7,7 @@ K_uu is sparse (AIJ) over the free soil unknowns. The other blocks are dense, wi
 unknown of the bodies. The preconditioner is the upper block factorisation: an approximate inverse M^-1 of K_uu and the
 exact Schur complement K_ww - K_wu M^-1 K_uw, formed with one application of M^-1 per body unknown.
 
-M^-1 is one of three: a symmetric Gauss-Seidel (SSOR) sweep over the blocks of nodes; ILU(0); ILU(0) of a matrix whose
-diagonal is raised by half, which is stable where the soil is nearly incompressible and ILU(0) is of no use. Where none
-of them converges at a reasonable cost, a direct factor (MUMPS, of all of K_uu) takes their place, if it fits in memory.
-`hybrid.linalg.solver_choice` decides the order by the iterations counted. A sweep needs no factor, preserves positive
-definiteness and does not converge more slowly with stiff contact, so it is used first where the soil's tangent is
-symmetric. In sand, to a relative residual of 1e-2, sweeps over blocks take 13 GMRES iterations, sweeps over rows 14
-(19 600 unknowns); with 103 000 unknowns they take 15 to 25, and 25 to 28.
-
-All three are computed from a part of the entries (`hybrid.linalg.precond_pattern`): with only the entries that couple nodes
-of one cell, the factor of 15 600 unknowns takes 0.04 s instead of 0.35 s, and GMRES needs 8 iterations instead of 4 to
-1e-3, in the same time.
+M^-1 and the order in which its kinds are tried: `hybrid.linalg.inverses`, `hybrid.linalg.solver_choice`.
 
 All matrices stay allocated while the pattern is unchanged; values are edited in place. Options prefix: "hybrid_".
 
@@ -32,28 +22,13 @@ from weakref import WeakSet
 import numpy as np
 from petsc4py import PETSc
 
+from hybrid.linalg.inverses import INVERSES, RAISED, lift
 from hybrid.linalg.precond_pattern import ReducedMatrix
 from hybrid.linalg.product import Product
-from hybrid.linalg.solver_choice import DAMPED, DIRECT, INCOMPLETE, MOST, SWEEPS, SolverChoice
+from hybrid.linalg.solver_choice import DAMPED, DIRECT, MOST, SolverChoice
 from hybrid.linalg.stencil_pattern import diagonal_places
 from hybrid.runtime.errors import StepError
 
-# PETSc options of M^-1. A node that domains hardly overlap has a row with very small entries and an even smaller pivot.
-# Elimination without pivoting does not depend on the scale of rows and columns, so only a pivot of exactly zero is an
-# error. Sweeps go forward and backward, PETSc's default. PETSc inverts the diagonal block of each node (its rows have the
-# same sparsity) unless a shift or relaxation is set, but treats a scalar pivot below 2e-14 as zero: diagonals are raised
-# to SMALLEST_DIAGONAL [N/m]. An exact zero would be an error; it is replaced by ZERO_DIAGONAL, with which sweeps diverge.
-INCOMPLETE_FACTOR = {"ksp_type": "preonly", "pc_type": "ilu", "pc_factor_zeropivot": 0.0}
-INVERSES = {
-    SWEEPS: {"ksp_type": "preonly", "pc_type": "sor"},
-    INCOMPLETE: INCOMPLETE_FACTOR,
-    DAMPED: INCOMPLETE_FACTOR,
-    DIRECT: {"ksp_type": "preonly", "pc_type": "lu", "pc_factor_mat_solver_type": "mumps"},
-}
-SMALLEST_DIAGONAL, ZERO_DIAGONAL = 1e-13, 1e-300
-# Factor on the diagonal before the damped factor. Iterations for clay (von Mises, ν = 0.49, F-bar) of 4 800, 17 600 and
-# 52 600 unknowns, to 1e-3: 1.2 stagnates; 1.3: 66, 114, 133; 1.5: 76, 142, 167; 2: 99, 198, 193.
-RAISED = 1.5
 SINGULAR = "finds the matrix singular"
 ZERO_PIVOT = 71         # PETSC_ERR_MAT_LU_ZRPVT
 COMM = PETSc.COMM_SELF
@@ -107,8 +82,8 @@ class BlockSystem:
             ALIVE.add(self)
 
     def _join(self):
-        """Form the system matrix, as it is factored and as GMRES applies it, and the preconditioner's matrix; with bodies and
-        soil they are nested matrices."""
+        """Form the system matrix, as it is factored and as GMRES applies it, and the preconditioner's matrix; with bodies
+        and soil they are nested matrices."""
         n, m = self.soil_unknowns, self.body_unknowns
         soil = [self._blocks[0]] * 3 if self._reduced is None else [self._uu, self._product, self._uu_reduced]
         if self._coupled:
@@ -293,14 +268,6 @@ class BlockSystem:
 def _singular(solver):
     """Why a `solver` whose set-up or solution is an error of PETSc has failed."""
     return f"the direct factor {SINGULAR}" if solver == DIRECT else "a diagonal block is singular"
-
-
-def lift(values, places):
-    """Raise the diagonal entries `values[places]` that PETSc would treat as zero in a sweep, keeping their sign."""
-    diagonal = values[places]
-    if (small := np.abs(diagonal) < SMALLEST_DIAGONAL).any():
-        raised = np.copysign(SMALLEST_DIAGONAL, diagonal[small])
-        values[places[small]] = np.where(diagonal[small] == 0.0, ZERO_DIAGONAL, raised)
 
 
 @contextmanager

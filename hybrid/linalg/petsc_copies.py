@@ -1,7 +1,8 @@
 """The block system of few unknowns in several processes: each process has all of it, and solves it as one process would.
 
 The parts that the points of each process give are added up; a factor of a few hundred rows takes less time than the messages
-of a factor that is divided. 178 such tangents of the anchor on two ranks, with all that belongs to them: 1.3 s divided, 0.4 s so.
+of a factor that is divided. 178 such tangents of the anchor on two ranks, with all that belongs to them: 1.3 s divided,
+0.4 s so.
 """
 
 import numpy as np
@@ -14,8 +15,8 @@ from hybrid.runtime import comm
 class CopiedSystem:
     """Storage and solution; attributes and methods as those of BlockSystem, for the local unknowns of a process.
 
-    pattern: Pattern of the local unknowns; numbers: (n,) of these among those of all processes; own: (n,) bool, those that belong
-    to this process, whose numbers are consecutive in the order of processes
+    pattern: Pattern of the local unknowns; numbers: (n,) of these among those of all processes; own: (n,) bool, those
+    that belong to this process, whose numbers are consecutive in the order of processes
     """
 
     def __init__(self, pattern, numbers, own, body_unknowns, tolerance):

@@ -13,7 +13,7 @@ GMRES sees vectors with the own soil unknowns of each process, and those of the 
 import numpy as np
 from petsc4py import PETSc
 
-from hybrid.linalg.petsc import INVERSES, RAISED, lift
+from hybrid.linalg.inverses import INVERSES, RAISED, lift
 from hybrid.linalg.precond_pattern import ReducedMatrix
 from hybrid.linalg.product import Product
 from hybrid.linalg.solver_choice import DAMPED, DIRECT, MOST
@@ -77,6 +77,10 @@ class DistributedSystem:
         self._parts = [self._map, self._vector, self._copy, self._result, self._inverted, self._scatter, self._product,
                        self._local]
         self._make_krylov()
+
+    def owners(self):
+        """(n,) process that owns each unknown of this one."""
+        return np.searchsorted(self._vector.getOwnershipRanges(), self._map.indices, side="right") - 1
 
     def _make_krylov(self):
         own = self._count + (self.body_unknowns if ranks.rank() == 0 else 0)
@@ -201,7 +205,8 @@ class DistributedSystem:
         matrix.stateIncrease()
 
     def _make(self, solver):
-        """(matrices that a solver is made from, KSP): local entries and assembled rows, or the reduced matrix of this process."""
+        """(matrices that a solver is made from, KSP): local entries and assembled rows, or the reduced matrix of this
+        process."""
         matrices = self._assembled() if solver == DIRECT else [self._of_this_process()]
         ksp = PETSc.KSP().create(ALL if solver == DIRECT else SELF)
         prefix = f"hybrid_inverse_{solver}_"
@@ -272,8 +277,8 @@ class DistributedSystem:
 
 
 def number_unknowns(free, grid):
-    """((n,) bool, which of the local unknowns of a Block are this process's own; (n,) their numbers among those of all processes,
-    consecutive for those of a process). free: (N, 3) bool"""
+    """((n,) bool, which of the local unknowns of a Block are this process's own; (n,) their numbers among those of all
+    processes, consecutive for those of a process). free: (N, 3) bool"""
     own = grid.own_unknowns(free)
     count, numbers = int(np.count_nonzero(own)), np.full(free.shape, -1)
     numbers[free & grid.nodes.owned[:, None]] = comm.offset(count) + np.arange(count)
@@ -283,8 +288,8 @@ def number_unknowns(free, grid):
 
 
 def _shared_entries(matrix, free, shared):
-    """{other process: places of the entries of a ReducedMatrix between unknowns that it has too}, in an order that is the same in
-    both. free: (N, 3) bool; shared: {other process: local numbers of common nodes}"""
+    """{other process: places of the entries of a ReducedMatrix between unknowns that it has too}, in an order that is the
+    same in both. free: (N, 3) bool; shared: {other process: local numbers of common nodes}"""
     places, rows = {}, np.diff(matrix.indptr)
     for other, nodes in shared.items():
         common = np.zeros_like(free)

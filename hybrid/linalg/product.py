@@ -1,7 +1,7 @@
 """Product of the soil block with a vector on all threads, as PETSc sees it: a matrix of type python.
 
-PETSc's own product runs on one thread, and adds the entries of a row one after the other. Product of 1.6 and of 24 million entries
-in ms on one thread: PETSc 0.71 and 10.3, with four sums side by side 0.39 and 8.0.
+PETSc's own product runs on one thread, and adds the entries of a row one after the other. Product of 1.6 and of 24
+million entries in ms on one thread: PETSc 0.71 and 10.3, with four sums side by side 0.39 and 8.0.
 """
 
 import numpy as np

@@ -19,9 +19,9 @@ A tangent goes to the cheapest. Iterations are kept by decade of the last soluti
 been tried counts as PRIOR, one that has failed as infinite. The solver in use is left for one that costs less than 1 /
 MARGIN of it. A solver that takes MARGIN times what the next one would cost is stopped, at the earliest after LEAST
 iterations, and the next one goes on; so a tangent takes at most a few times the cost of the best solver. After RETRY
-tangents all is forgotten, as the soil may have changed. Where all have failed but the direct factor, it is forgotten after SOON
-tangents, twice as many the next time: one iterate that went astray must not give the whole run to a factor. The counts are
-part of a checkpoint.
+tangents all is forgotten, as the soil may have changed. Where all have failed but the direct factor, it is forgotten
+after SOON tangents, twice as many the next time: one iterate that went astray must not give the whole run to a factor.
+The counts are part of a checkpoint.
 """
 
 import math

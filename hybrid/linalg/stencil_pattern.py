@@ -91,8 +91,8 @@ class Sizes:
 
 
 def sizes_of_box(planes):
-    """Sizes of the pattern of a box of nodes, which is not made. planes: (n, 3) bool of each axis, components that are free in
-    each of its planes of nodes; those of a node are free in all of its three planes."""
+    """Sizes of the pattern of a box of nodes, which is not made. planes: (n, 3) bool of each axis, components that are
+    free in each of its planes of nodes; those of a node are free in all of its three planes."""
     def nodes_with(components):
         return prod(int(np.count_nonzero(plane[:, components].all(axis=1))) for plane in planes)
 

@@ -1,22 +1,22 @@
 """What a run warns of, before it (`limits`, `initial_equilibrium`) and during it (one monitor for each kind of error).
 
-| monitor          | warns that                                                            |
-|------------------|-----------------------------------------------------------------------|
-| DomainExit       | a body leaves the grid; stops the run where nothing drives it there   |
-| LostContact      | nothing; stops a run in which a body falls beside or through the soil |
+| monitor          | warns that                                                              |
+|------------------|-------------------------------------------------------------------------|
+| DomainExit       | a body leaves the grid; stops the run where nothing drives it there     |
+| LostContact      | nothing; stops a run in which a body falls beside or through the soil   |
 | LostPoints       | points are inactive, detached from the soil, or distorted               |
-| MissedContact    | a body is inside the soil, between the corners, and has no contact    |
-| Penetration      | a body overlaps the soil by more than a point domain                  |
-| ForceOscillation | the contact force oscillates because the scheme does not damp         |
-| EnergyBalance    | energy is gained, or lost in one step, that the balance cannot explain |
-| AbsorbedImpact   | falling bodies lose energy, little by little, without a cause         |
-| BodyImpact       | bodies that hit one another lose energy without a cause               |
-| PlasticIncrement | an increment without inertia adds too much plastic strain             |
-| FlowingSoil      | soil that no body moves flows under its weight, without inertia       |
-| BodyOverlap      | bodies are pressed deep into one another                              |
-| GroundImpact     | bodies that hit held ground lose energy without a cause               |
-| Untouched        | at the end of a run: a driven body has touched nothing                |
-| JudgedIncrements | many increments end with a residual above the tolerance               |
+| MissedContact    | a body is inside the soil, between the corners, and has no contact      |
+| Penetration      | a body overlaps the soil by more than a point domain                    |
+| ForceOscillation | the contact force oscillates because the scheme does not damp           |
+| EnergyBalance    | energy is gained, or lost in one step, that the balance cannot explain  |
+| AbsorbedImpact   | falling bodies lose energy, little by little, without a cause           |
+| BodyImpact       | bodies that hit one another lose energy without a cause                 |
+| PlasticIncrement | an increment without inertia adds too much plastic strain               |
+| FlowingSoil      | soil that no body moves flows under its weight, without inertia         |
+| BodyOverlap      | bodies are pressed deep into one another                                |
+| GroundImpact     | bodies that hit held ground lose energy without a cause                 |
+| Untouched        | at the end of a run: a driven body has touched nothing                  |
+| JudgedIncrements | many increments end with a residual above the tolerance                 |
 
 Other errors stop no run. `failure_hints` adds probable causes and remedies to the message of a step that fails.
 """

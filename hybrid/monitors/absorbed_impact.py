@@ -1,7 +1,7 @@
 """Energy of falling bodies that the balance loses in an impact on soil that yields, a little in every step.
 
-A sphere dropped on glass beads loses 32, 24, 18 % of its energy with 4, 5, 6 cells in its diameter, and stops 25, 15, 10 % too early
-(demos/random/README.md). No single step loses enough to be reported by `EnergyBalance`.
+A sphere dropped on glass beads loses 32, 24, 18 % of its energy with 4, 5, 6 cells in its diameter, and stops 25, 15,
+10 % too early (demos/random/README.md). No single step loses enough to be reported by `EnergyBalance`.
 """
 
 from hybrid.body import rigid
@@ -38,16 +38,18 @@ class AbsorbedImpact(Monitor):
             # bodies that fall again and again lose more than they ever had at a time
             fallen = max(self._falling, lost)
             yield "absorbed", (
-                f"impact: {lost:.3g} J of the {fallen:.3g} J of falling bodies are lost without a cause in the balance up to "
-                f"t = {view.state.time:.4g} s ({lost / fallen:.0%}, limit {ABSORBED:.0%}): {self._cause(view, lost)}")
+                f"impact: {lost:.3g} J of the {fallen:.3g} J of falling bodies are lost without a cause in the balance "
+                f"up to t = {view.state.time:.4g} s ({lost / fallen:.0%}, limit {ABSORBED:.0%}): "
+                f"{self._cause(view, lost)}")
 
     def _cause(self, view, lost):
-        """Cause and remedy of a loss [J]: in steps too long for the impact, or little by little in cells too coarse for it."""
+        """Cause and remedy of a loss [J]: in steps too long for the impact, or little by little in cells too coarse for
+        it."""
         if self._at_once > AT_ONCE * lost:
             accuracy = "time.accuracy = 1e-3" if view.report.error is None else "a smaller time.accuracy"
             return f"most of it in a single step, which is too long for it. Use a smaller time.step, or {accuracy}"
-        return ("cells are too coarse for it, and the bodies go less deep, a sphere on sand by 10 % where 18 % are lost and by 25 % where "
-                "32 % are. Use smaller cells at the bodies")
+        return ("cells are too coarse for it, and the bodies go less deep, a sphere on sand by 10 % where 18 % are lost "
+                "and by 25 % where 32 % are. Use smaller cells at the bodies")
 
 
 def motion_energy(bodies, motions):

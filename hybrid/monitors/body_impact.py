@@ -1,8 +1,9 @@
 """Energy that bodies lose when they hit one another, in steps too long for their contact.
 
-A cradle of three steel balls, whose contacts last 1 ms, loses 54 % of its energy in two impacts with steps of 2 ms, 32 % with 0.5 ms, 33 %
-with time.accuracy = 1e-3 and 0.3 % with 1e-4. No single loses enough to be reported by `EnergyBalance`, and the scheme hands an impulse on
-over some steps, so the loss is summed while bodies are near one another, and judged when nothing has happened for a few steps.
+A cradle of three steel balls, whose contacts last 1 ms, loses 54 % of its energy in two impacts with steps of 2 ms, 32 %
+with 0.5 ms, 33 % with time.accuracy = 1e-3 and 0.3 % with 1e-4. No single loses enough to be reported by `EnergyBalance`,
+and the scheme hands an impulse on over some steps, so the loss is summed while bodies are near one another, and judged
+when nothing has happened for a few steps.
 """
 
 from hybrid.monitors.absorbed_impact import motion_energy
@@ -25,7 +26,8 @@ class ImpactLoss(Monitor):
         self._error = 0.0                       # [J], of the balance at the last step
         self._kinetic = 0.0 if state is None else motion_energy(model.bodies, state.bodies)     # [J], of the bodies there
         self._before = None                     # [J], the error before bodies came near, None while they are apart
-        self._largest, self._quiet = 0.0, 0     # [J], energy of their motion since then; steps for which nothing has happened
+        # Largest energy [J] of their motion since then; steps for which nothing has happened
+        self._largest, self._quiet = 0.0, 0
         self._lost = self._of = 0.0             # [J], in all impacts that were reported, and the largest energy before one
 
     def follow(self, view, struck):
@@ -43,9 +45,9 @@ class ImpactLoss(Monitor):
         """Text about an impact that cost `loss` [J], with those reported before."""
         self._lost, self._of = self._lost + loss, max(self._of, self._largest)
         of = max(self._of, self._lost)      # gravity gives them more than they ever had at a time
-        return (f"{what}: {self._lost:.3g} J of the {of:.3g} J of their motion are lost without a cause in the balance up to t = "
-                f"{view.state.time:.4g} s ({self._lost / of:.0%}, limit {LOST:.0%}): increments are too long for their contact{cure}, or "
-                f"{_accuracy(view)}")
+        return (f"{what}: {self._lost:.3g} J of the {of:.3g} J of their motion are lost without a cause in the balance "
+                f"up to t = {view.state.time:.4g} s ({self._lost / of:.0%}, limit {LOST:.0%}): increments are too long "
+                f"for their contact{cure}, or {_accuracy(view)}")
 
     def forget(self):
         """Begin afresh with the next step."""
@@ -62,8 +64,8 @@ class BodyImpact(ImpactLoss):
         loss, found = self.follow(view, view.struck)
         on_soil = any(len(contact) for contact in view.contacts)    # which takes energy too (`AbsorbedImpact`)
         if found and not on_soil:
-            yield "impact", self.text(view, loss, "impact of bodies", ", whose time `check` shows. Use a smaller time.step, a tenth of that "
-                                      "keeps 96 %")
+            yield "impact", self.text(view, loss, "impact of bodies",
+                                      ", whose time `check` shows. Use a smaller time.step, a tenth of that keeps 96 %")
         if on_soil or found or self._quiet >= QUIET and not _near(view):
             self.forget()
 

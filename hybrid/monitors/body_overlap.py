@@ -20,6 +20,7 @@ class BodyOverlap(Monitor):
             limit = LIMIT * pair.size
             if depth > limit:
                 names = [bodies[b].name for b in pair.numbers]
-                yield index, (f"bodies {names[0]} and {names[1]} overlap by {depth:.3g} m at t = {view.state.time:.4g} s, limit {limit:.3g} m, "
-                              f"under a force of {np.linalg.norm(force):.3g} N, for which their contact is too soft: use a [[contact]] with "
-                              f"bodies = {names} and the largest force expected as load")
+                yield index, (f"bodies {names[0]} and {names[1]} overlap by {depth:.3g} m at t = {view.state.time:.4g} "
+                              f"s, limit {limit:.3g} m, under a force of {np.linalg.norm(force):.3g} N, for which their "
+                              f"contact is too soft: use a [[contact]] with bodies = {names} and the largest force "
+                              "expected as load")

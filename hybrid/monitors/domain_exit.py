@@ -42,7 +42,8 @@ class DomainExit(Monitor):
 
 
 def _beyond(model, bodies, slack=SLACK):
-    """Yield (body, (axis, side), coordinate the body reaches, coordinate of the face) [m] for each face passed by `slack` cells."""
+    """Yield (body, (axis, side), coordinate the body reaches, coordinate of the face) [m] for each face passed by `slack`
+    cells."""
     grid = model.soil.grid
     least = slack * grid.smallest_cell
     for b, (body, state) in enumerate(zip(model.bodies, bodies)):

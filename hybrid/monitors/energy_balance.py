@@ -2,8 +2,10 @@
 
 from hybrid.monitors.monitor import Monitor
 
-GAIN = 0.25     # of the largest energy stored so far (kinetic, elastic, contact springs; quasi-static: with what was dissipated)
-START, GROWTH = 5, 1.5  # steps at the start of a run in which no gain counts while the stored energy grows by this factor in a step
+# Share of the largest energy stored so far (kinetic, elastic, contact springs; quasi-static: with what was dissipated)
+GAIN = 0.25
+# Steps at the start of a run in which no gain counts while the stored energy grows by this factor in a step
+START, GROWTH = 5, 1.5
 ROUND_OFF = 1e-15   # [J] of a gain that is none, as where nothing has happened yet
 LOSS = 0.5      # of the same, in one step; 0.3 is the most in 200 runs whose steps resolve contact
 
@@ -11,8 +13,8 @@ LOSS = 0.5      # of the same, in one step; 0.3 is the most in 200 runs whose st
 class EnergyBalance(Monitor):
     """Warns once of an unaccounted gain, and once of an unaccounted loss of most of the energy in one step, as happens
     where an impact falls into one step. A scheme of first order is meant to lose energy, and a quasi-static run has no
-    history in time. Where a run starts from rest, the first steps store so little that a light touch of contact would count: a gain is
-    judged when the energy has a scale, and reported with the time at which it began."""
+    history in time. Where a run starts from rest, the first steps store so little that a light touch of contact would
+    count: a gain is judged when the energy has a scale, and reported with the time at which it began."""
 
     def __init__(self, model, state):
         super().__init__(model, state)

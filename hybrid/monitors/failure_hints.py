@@ -14,8 +14,8 @@ CUT = 1e-4          # mass of a node over that of a full one [-]: nodes below ha
 DOMAIN_WIDTH = 0.9  # cells that a domain may be wide before soil separates next to it,
 STRETCHED = 1.05    # if its F is larger than this (Frobenius norm of a column)
 LOOSEST = 1e-3      # tolerance that is ever advised: errors of the column's stress grow by a seventh from here on
-# Adhesion from which clay may yield beside a body where it slips along it, and the factor on body.penalty with which such a step
-# has a solution: DESIGN, "Clay that slips and yields has no stiffness".
+# Adhesion from which clay may yield beside a body where it slips along it, and the factor on body.penalty with which such
+# a step has a solution: DESIGN, "Clay that slips and yields has no stiffness".
 ROUGH, SOFTER = 0.7, 0.1
 DAMPING = "the default time.scheme, which damps"
 
@@ -27,13 +27,15 @@ def advice(step, outcome, settings):
     """
     lost = _lost(step, outcome.evaluation)
     overload = overloads(step, outcome.reason, lost)
-    changes, sudden = remedies(step.model, outcome.reason, outcome.errors, settings.tolerance), any(at_once for _, at_once in overload)
+    changes = remedies(step.model, outcome.reason, outcome.errors, settings.tolerance)
+    sudden = any(at_once for _, at_once in overload)
     if sudden:      # shorter increments of a load that is there at once change nothing
         changes = [change for change in changes if "a smaller time.step" not in change]
     texts, causes = [text for text, _ in overload], probable_causes(step, outcome.evaluation, sudden)
     causes = [*texts, *causes] if sudden else [*causes, *texts]
     text = ". ".join([*causes, *_use(changes, bool(causes))])
-    if step.soil is None or not step.model.soil.law.plastic or step.model.scheme.inertia or overload or lost and any(lifted(step, body) for body in step.model.bodies):
+    yields = step.soil is not None and step.model.soil.law.plastic and not step.model.scheme.inertia
+    if not yields or overload or lost and any(lifted(step, body) for body in step.model.bodies):
         return text
     return text + ". Without inertia a step also fails where the load exceeds what the soil can carry"
 
@@ -78,7 +80,8 @@ def accuracy_remedies(model):
 
 
 def probable_causes(step, evaluation, sudden=False):
-    """Texts about a failed `step` and the last `evaluation` of its trial values, None where there is none; sudden: whether its load acts at once."""
+    """Texts about a failed `step` and the last `evaluation` of its trial values, None where there is none; sudden:
+    whether its load acts at once."""
     if step.soil is None:
         return ()
     model, causes = step.model, []
@@ -110,15 +113,16 @@ def _lost(step, evaluation):
 
 
 def _without_contact(step, sudden):
-    """Texts about bodies that no corner of the soil touches: pulled off, held beside soil that leans on them, or moving freely."""
+    """Texts about bodies that no corner of the soil touches: pulled off, held beside soil that leans on them, or moving
+    freely."""
     bodies, cell = step.model.bodies, step.model.soil.grid.smallest_cell
     if texts := [text for body in bodies if (text := lifted(step, body))]:
         return texts
     names = ", ".join(body.name for body in bodies)
     if not any(body.free.any() for body in bodies):
-        return [f"No corner of the soil touches {names}, held or driven, so that soil that leans on it has no support and without inertia nothing "
-                f"balances its stress: let the body reach into the soil by a hundredth of a cell, {0.01 * cell:.2g} m (body.position), or set "
-                "time.inertia = true"]
+        return [f"No corner of the soil touches {names}, held or driven, so that soil that leans on it has no support "
+                "and without inertia nothing balances its stress: let the body reach into the soil by a hundredth of a "
+                f"cell, {0.01 * cell:.2g} m (body.position), or set time.inertia = true"]
     shorter = "" if sudden else "use shorter increments (a smaller time.step with more stage.steps), "
     return [f"No corner of the soil touches {names} any more, so that without inertia no force balances the "
             f"load: start the body in contact with the soil (body.rest_on), {shorter}or set time.inertia = true"]
@@ -128,9 +132,9 @@ def _slips_at_its_strength(model, evaluation):
     """Texts about bodies along which clay slips at almost its own strength."""
     rough = [(body, contact) for body, contact in zip(model.bodies, evaluation.contacts)
              if body.interface and (body.interface.adhesion or 0.0) >= ROUGH]
-    return [f"Clay slips along {body.name} at almost its own strength (body.adhesion) and yields there as well, which leaves it without "
-            f"stiffness: set body.penalty = {SOFTER * body.penalty:.3g} /m, a tenth of what it is, or larger cells; shorter "
-            "steps do not help" for body, contact in rough if anywhere(contact.slip)]
+    return [f"Clay slips along {body.name} at almost its own strength (body.adhesion) and yields there as well, which "
+            f"leaves it without stiffness: set body.penalty = {SOFTER * body.penalty:.3g} /m, a tenth of what it is, or "
+            "larger cells; shorter steps do not help" for body, contact in rough if anywhere(contact.slip)]
 
 
 def overstretched_domains(model, points):

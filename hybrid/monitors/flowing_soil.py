@@ -1,11 +1,12 @@
 """Soil that flows under nothing but its weight in steps without inertia: a slope or a cut that has failed.
 
-Without inertia a failed mass has no equilibrium, but large displacements give it a new one: a vertical cut in clay sinks by a
-few per cent of its height at every increase of gravity, with few iterations, and the run completes. What tells this flow from
-elastic settlement is that the work of the weight is dissipated instead of stored. With d_s the largest displacement of a point
-in step s,
+Without inertia a failed mass has no equilibrium, but large displacements give it a new one: a vertical cut in clay sinks
+by a few per cent of its height at every increase of gravity, with few iterations, and the run completes. What tells this
+flow from elastic settlement is that the work of the weight is dissipated instead of stored. With d_s the largest
+displacement of a point in step s,
 
-    D_s = growth of the plastic work    E_s = growth of the elastic energy    flow = Σ d_s  over steps with D_s > E_s, one after the other
+    D_s = growth of the plastic work    E_s = growth of the elastic energy
+    flow = Σ d_s  over steps with D_s > E_s, one after the other
 
 Cuts of a height H, E = 1, 5, 100 MPa, 8 and 16 cells high, gravity growing in 10 or 40 steps:
 
@@ -61,16 +62,18 @@ class FlowingSoil(Monitor):
         height = _height(soil.constants)
         if self._flow > LIMIT * height:
             yield "flow", (
-                f"soil flows under its weight: from t = {self._since:.4g} to {now.time:.4g} s points have moved by up to {self._flow:.3g} m, "
-                f"{self._flow / height:.2g} of the height of the soil, limit {LIMIT:g}, in steps in which no body moved them and more work was "
-                "dissipated than stored. It has failed: its strength does not carry its weight, and without inertia the shapes that follow are not "
-                f"those of a real collapse. The soil stood until t = {self._since:.4g} s. Raise the strength or flatten the ground, or follow the "
-                "collapse with time.inertia = true")
+                f"soil flows under its weight: from t = {self._since:.4g} to {now.time:.4g} s points have moved by up to "
+                f"{self._flow:.3g} m, {self._flow / height:.2g} of the height of the soil, limit {LIMIT:g}, in steps in "
+                "which no body moved them and more work was dissipated than stored. It has failed: its strength does not "
+                "carry its weight, and without inertia the shapes that follow are not those of a real collapse. The soil "
+                f"stood until t = {self._since:.4g} s. Raise the strength or flatten the ground, or follow the collapse "
+                "with time.inertia = true")
 
 
 def _pushed(view, before):
     """Whether a body that touches the soil has moved in the step; before: BodyState of each body at its begin."""
-    return any(anywhere([len(contact)]) and _moved(body, before[b], after) > STILL * view.report.moved for b, body, after, contact in view.bodies)
+    return any(anywhere([len(contact)]) and _moved(body, before[b], after) > STILL * view.report.moved
+               for b, body, after, contact in view.bodies)
 
 
 def _moved(body, before, after):

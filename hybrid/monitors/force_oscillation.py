@@ -33,16 +33,17 @@ class ForceOscillation(Monitor):
             forces.append(float(np.linalg.norm(contact.resultant[:3])))
             del forces[:-LONG]
             if found := _found(forces):
-                yield b, (f"the contact force on {body.name} oscillates: up to t = {view.state.time:.4g} s {found}. Only its "
-                          "mean is reliable. Leave out time.scheme, as the default damps, or use a lower body.penalty")
+                yield b, (f"the contact force on {body.name} oscillates: up to t = {view.state.time:.4g} s {found}. Only "
+                          "its mean is reliable. Leave out time.scheme, as the default damps, or use a lower "
+                          "body.penalty")
 
 
 def _found(forces):
     """What is found in the last forces [N], with its limit, as a clause; empty where nothing is."""
     deviation, reversals = oscillation(forces[-STEPS:]) if len(forces) >= STEPS else (0.0, 0)
     if deviation > LIMIT and reversals >= REVERSALS:
-        return (f"it deviates by {deviation:.0%} from its mean (root mean square, last {STEPS} steps), limit {LIMIT:.0%}, and "
-                f"reverses {reversals} times")
+        return (f"it deviates by {deviation:.0%} from its mean (root mean square, last {STEPS} steps), limit "
+                f"{LIMIT:.0%}, and reverses {reversals} times")
     touches = np.array(forces) > 0.0
     losses = np.count_nonzero(touches[:-1] & ~touches[1:])
     return f"contact is lost {losses} times in {len(forces)} steps, limit {LOSSES - 1}" if losses >= LOSSES else ""

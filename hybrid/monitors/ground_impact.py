@@ -1,6 +1,7 @@
 """Energy that bodies lose when they hit held ground, in steps too long for their contact.
 
-A ball of 47 kg that falls 0.5 m keeps half of its energy at each bounce in steps of 2 ms, and nearly all of it in steps of 0.2 ms.
+A ball of 47 kg that falls 0.5 m keeps half of its energy at each bounce in steps of 2 ms, and nearly all of it in steps
+of 0.2 ms.
 """
 
 import numpy as np
@@ -25,8 +26,8 @@ class GroundImpact(ImpactLoss):
         loss, found = self.follow(view, view.struck)
         self._touched |= anywhere([len(contact) for contact in view.contacts])
         if found and self._touched and self._largest > _least(view.model):
-            yield "ground", self.text(view, loss, "impact on held ground", ". Use a smaller time.step, ten in the time for which they touch "
-                                      "keep 96 %")
+            yield "ground", self.text(view, loss, "impact on held ground",
+                                      ". Use a smaller time.step, ten in the time for which they touch keep 96 %")
         if view.struck or self._quiet >= QUIET:     # by one another: `BodyImpact`
             self._touched = False
             self.forget()

@@ -47,8 +47,8 @@ class InitialImbalance:
         limit = SETTLED if settled else TOLERANCE
         if self.share <= limit:
             return ()
-        return (f"initial imbalance: {self}, is not balanced at the start, limit {100 * limit:g} %. "
-                f"{self._cause()} {_remedy(stage, scheme, self.stressed)}{self._too_long(length) if scheme.inertia else ''}",)
+        return (f"initial imbalance: {self}, is not balanced at the start, limit {100 * limit:g} %. {self._cause()} "
+                f"{_remedy(stage, scheme, self.stressed)}{self._too_long(length) if scheme.inertia else ''}",)
 
     def _too_long(self, length):
         """About steps of `length` [s] that do not resolve the swing, so that plastic flow depends on them."""
@@ -105,7 +105,8 @@ def _period(soil):
 
 
 def _remedy(stage, scheme, stressed):
-    """What the first stage does about it, or what to change; stressed: whether the soil has geostatic stress, which could be left out."""
+    """What the first stage does about it, or what to change; stressed: whether the soil has geostatic stress, which could
+    be left out."""
     if not scheme.inertia:
         return f"Stage {stage.name!r} has no inertia, so its first step finds the equilibrium."
     if scheme.first_order:

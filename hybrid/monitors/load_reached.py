@@ -1,4 +1,5 @@
-"""The loads at which a quasi-static step failed: the first cause, where free bodies are pushed by forces of a stage or gravity grows."""
+"""The loads at which a quasi-static step failed: the first cause, where free bodies are pushed by forces of a stage or
+gravity grows."""
 
 import numpy as np
 
@@ -7,12 +8,13 @@ UNITS = ((1e6, "MN"), (1e3, "kN"), (1.0, "N"))
 
 
 def overloads(step, reason="", lost=False):
-    """[(text, whether the load acts at once)] of the loads that a failed `step` without inertia carries; reason: why it failed; lost: whether no body has
-    contact, so that loads that lift one exceed nothing."""
+    """[(text, whether the load acts at once)] of the loads that a failed `step` without inertia carries; reason: why it
+    failed; lost: whether no body has contact, so that loads that lift one exceed nothing."""
     model = step.model
     if step.soil is None or model.scheme.inertia:
         return []
-    yields, singular = step.model.soil.law.plastic, "linear solver" in reason    # a body that has flown off, or that nothing holds, rather than soil that yields
+    # a body that has flown off, or that nothing holds, rather than soil that yields
+    yields, singular = step.model.soil.law.plastic, "linear solver" in reason
     found, begin, end = [], step.state.time, step.state.time + step.dt
     for body in model.bodies:
         before, after = (sum((load.at(time)[0] for load in body.loads), np.zeros(3)) for time in (begin, end))
@@ -23,45 +25,59 @@ def overloads(step, reason="", lost=False):
                 found.append((_at_once(body.name, after, yields) + _sign(step, body, after), True))
         elif not singular and (yields or slides(body, after)):
             holds = "the soil" if yields else "friction on the elastic soil"
-            found.append((f"The load exceeds what {holds} can carry: that on {body.name} had reached {components_of(before)} at t = {begin:.6g} s, "
-                          "the last accepted increment", False))
+            found.append((f"The load exceeds what {holds} can carry: that on {body.name} had reached "
+                          f"{components_of(before)} at t = {begin:.6g} s, the last accepted increment", False))
     share, whole = (np.linalg.norm(acceleration) for acceleration in (model.loads.on_bodies(begin), model.gravity))
     if model.loads.high > model.loads.low and whole > 0.0 and yields and not singular:
-        found.append((f"The load exceeds what the soil can carry: gravity had reached {share / whole:.3g} of the whole at t = {begin:.6g} s, the last "
-                      "accepted increment", False))
+        found.append((f"The load exceeds what the soil can carry: gravity had reached {share / whole:.3g} of the whole "
+                      f"at t = {begin:.6g} s, the last accepted increment", False))
     return found
 
 
 def slides(body, force):
-    """Whether a force (3,) [N] has a part along the ground in which a body is free, so that friction may be all that holds it."""
+    """Whether a force (3,) [N] has a part along the ground in which a body is free, so that friction may be all that
+    holds it."""
     return bool((body.free[:2] & (np.abs(force[:2]) > ALONG * np.abs(force).max())).any())
 
 
 def lifted(step, body):
-    """Text about a body whose loads pull it up by more than its weight in a `step`, empty of others and of those that hold on to the soil."""
-    force, weight = sum((load.at(step.state.time + step.dt)[0] for load in body.loads), np.zeros(3)), body.mass.mass * step.model.gravity
-    if not body.free[2] or force[2] <= max(0.0, -weight[2]) or body.line is not None or body.interface and body.interface.tension:
+    """Text about a body whose loads pull it up by more than its weight in a `step`, empty of others and of those that
+    hold on to the soil."""
+    force = sum((load.at(step.state.time + step.dt)[0] for load in body.loads), np.zeros(3))
+    weight = body.mass.mass * step.model.gravity
+    if force[2] <= max(0.0, -weight[2]) or held_down(body):
         return ""
-    return (f"The load on {body.name}, {components_of(force)}, is larger than its weight, {abs(weight[2]):.3g} N, and lifts it off the soil, where without "
-            "inertia nothing balances it: z points up, so that a load that presses down is negative. Change its sign, or let the soil hold on to the "
-            "body (body.tension), or set time.inertia = true")
+    return (f"The load on {body.name}, {components_of(force)}, is larger than its weight, {abs(weight[2]):.3g} N, and "
+            "lifts it off the soil, where without inertia nothing balances it: z points up, so that a load that presses "
+            "down is negative. Change its sign, or let the soil hold on to the body (body.tension), or set time.inertia "
+            "= true")
+
+
+def held_down(body):
+    """Whether a line, soil that sticks to it or a guide may keep a body from being lifted."""
+    return body.line is not None or not body.free[2] or bool(body.interface and body.interface.tension)
 
 
 def _at_once(name, force, yields):
-    """Text about a constant force (3,) [N] that a run without inertia begins with, on soil that yields or on elastic soil."""
+    """Text about a constant force (3,) [N] that a run without inertia begins with, on soil that yields or on elastic
+    soil."""
     row, carried = ", ".join(f"{value:.6g}" for value in force), ", or it exceeds what the soil can carry" if yields else ""
     told = ", and the message then says how much is carried" if yields else ""
-    return (f"The load on {name}, {components_of(force)}, acts at once, and the first step may not find its equilibrium{carried}: let the load grow, "
-            f"force = [[0, 0, 0, 0], [T, {row}]] with T the length of the stage{told}")
+    return (f"The load on {name}, {components_of(force)}, acts at once, and the first step may not find its "
+            f"equilibrium{carried}: let the load grow, force = [[0, 0, 0, 0], [T, {row}]] with T the length of the "
+            f"stage{told}")
 
 
 def _sign(step, body, force):
     """Text about a force (3,) [N] that pulls a body up by more than its weight and may have the wrong sign."""
-    return f". It pulls {body.name} up: z points up, so that fz = {force[2]:.6g} N should be negative if it presses down" if lifted(step, body) else ""
+    if not lifted(step, body):
+        return ""
+    return f". It pulls {body.name} up: z points up, so that fz = {force[2]:.6g} N should be negative if it presses down"
 
 
 def components_of(force):
-    """Text of the components (3,) [N] that are not 0, such as "fx = 39.3, fz = -180 kN"; of a load that has not begun "0 N"."""
+    """Text of the components (3,) [N] that are not 0, such as "fx = 39.3, fz = -180 kN"; of a load that has not begun "0
+    N"."""
     largest = np.abs(force).max()
     scale, unit = next(((scale, unit) for scale, unit in UNITS if largest >= scale), UNITS[-1])
     shown = [f"f{axis} = {value / scale:.3g}" for axis, value in zip("xyz", force) if abs(value) > 1e-6 * largest]

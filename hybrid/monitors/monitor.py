@@ -34,7 +34,8 @@ class StepView:
 
     @property
     def struck(self):
-        """Whether bodies touch one another: the scheme hands an impulse on over some steps, so that energy is missing for a while."""
+        """Whether bodies touch one another: the scheme hands an impulse on over some steps, so that energy is missing for
+        a while."""
         pairs = getattr(getattr(self.report, "evaluation", None), "pairs", None)
         return pairs is not None and pairs.energy > 0.0
 

@@ -1,4 +1,5 @@
-"""Driven bodies that touched nothing in a whole run: their forces are zero because of where they are, not because of the soil."""
+"""Driven bodies that touched nothing in a whole run: their forces are zero because of where they are, not because of the
+soil."""
 
 import numpy as np
 
@@ -19,7 +20,8 @@ class Untouched(Monitor):
     def warnings(self, view):
         """Body, gap and remedy."""
         self._since = view.state.step if self._since is None else self._since
-        self._touched |= {b for b, _, _, contact in view.bodies if b not in self._touched and anywhere([len(contact)])} | _pressed(view)
+        self._touched |= {b for b, _, _, contact in view.bodies if b not in self._touched
+                          and anywhere([len(contact)])} | _pressed(view)
         if not view.last or self._since > 1:    # a run that was resumed may have touched before
             return
         joined = {b for joint in view.model.joints for b in joint.bodies}
@@ -27,8 +29,9 @@ class Untouched(Monitor):
             if b not in self._touched and b not in joined and body.driven[:3].any():
                 gap = rigid.bounding_box(body, motion)[0, 2] - view.surface()
                 where = f": at the end it is {gap:.3g} m above the highest soil" if np.isfinite(gap) and gap > 0.0 else ""
-                yield b, (f"{body.name} is driven and has touched neither soil nor another body in the whole run, so that its forces are "
-                          f"zero{where}. Let it begin at the soil (body.rest_on, body.position), or drive it farther")
+                yield b, (f"{body.name} is driven and has touched neither soil nor another body in the whole run, so "
+                          f"that its forces are zero{where}. Let it begin at the soil (body.rest_on, body.position), or "
+                          "drive it farther")
 
 
 def _pressed(view):

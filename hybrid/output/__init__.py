@@ -71,7 +71,8 @@ def errors_of(observer):
 def standard(folder, progress=True, run=""):
     """The observers of `hybrid run`, in the order in which they must be called; they write all files of a run.
 
-    folder: of the results (made if missing). progress: tell on stderr how far the run is. run: identity of the run (`hybrid.output.run_folder`).
+    folder: of the results (made if missing). progress: report it on stderr. run: identity of the run
+    (`hybrid.output.run_folder`).
     """
     from hybrid.output.checkpoint import Checkpoints
     from hybrid.output.history import History

@@ -1,4 +1,5 @@
-"""Figures of the soil's action on bodies: resistance to what drives them, stress on parts of surfaces, lines through soil."""
+"""Figures of the soil's action on bodies: resistance to what drives them, stress on parts of surfaces, lines through
+soil."""
 
 from pathlib import Path
 
@@ -49,13 +50,13 @@ def driven_ways(history, name, first):
 
 
 def parts(folder, areas, path=None):
-    """Mean stress on every named part of driven bodies against the way driven in the last stage, one panel a part, as the tip
-    resistance and the sleeve friction of a cone (of a body driven down against the depth); from history.csv.
+    """Mean stress on every named part of driven bodies against the way driven in the last stage, one panel a part, as the
+    tip resistance and the sleeve friction of a cone (of a body driven down against the depth); from history.csv.
 
-    areas: {body: {part: (area [m²], area [m²] seen by what moves along {"x": (down, up), "y": ..., "z": ...})}} of the whole.
-    The force along the way is that over the area seen against it, of a part along the way over its own area. Parts with less
-    than FELT of the largest stress are left out. Writes parts.png in `folder` unless `path` is given, and returns the path;
-    None where no driven body has parts.
+    areas: {body: {part: (area [m²], area [m²] seen by what moves along {"x": (down, up), "y": ..., "z": ...})}} of the
+    whole. The force along the way is that over the area seen against it, of a part along the way over its own area. Parts
+    with less than FELT of the largest stress are left out. Writes parts.png in `folder` unless `path` is given, and
+    returns the path; None where no driven body has parts.
     """
     history, path = read_history(folder), Path(path or Path(folder) / "parts.png")
     curves = [curve for name, own in areas.items() for curve in _part_curves(history, name, own)]

@@ -47,7 +47,7 @@ class Checkpoints:
 
     def __init__(self, folder, run=""):
         self.path, self.run = Path(folder) / NAME, run
-        self.saved = self._accepted = None      # number of the step on disk; what `_noted` says of the last step
+        self.saved = self._accepted = None      # number of the step on disk; `_noted` of the last step
 
     def start(self, simulation):
         self._accepted = self._noted(simulation)

@@ -70,7 +70,8 @@ def reserve(path, growth=GROWTH):
 
 
 def keep_room(partial, size, path):
-    """Allocate so many bytes and MORE at `partial` for the file that becomes `path`. Raises OSError where there is no room."""
+    """Allocate so many bytes and MORE at `partial` for the file that becomes `path`. Raises OSError where there is no
+    room."""
     try:
         with open(partial, "wb") as file:
             os.posix_fallocate(file.fileno(), 0, int(size) + MORE)
@@ -88,8 +89,8 @@ def read(path, names=()):
 
 @contextmanager
 def opened(path):
-    """Context with the arrays at `path`, each of which is read when it is asked for. Raises CheckpointError for a file that is
-    missing, broken or of another format."""
+    """Context with the arrays at `path`, each of which is read when it is asked for. Raises CheckpointError for a file
+    that is missing, broken or of another format."""
     try:
         with np.load(path, allow_pickle=False) as file:
             found = int(file["format"]) if "format" in file.files else None

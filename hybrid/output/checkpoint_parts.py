@@ -5,9 +5,9 @@
 | checkpoint_000010_r2.npz | points and contacts of process 2 after step 10, with their numbers in the run     |
 | checkpoint.npz           | the names of the parts, and all else: bodies, works, scene                        |
 
-The list is written when all parts are on disk, and parts that it does not name are then removed. So a kill at any moment leaves
-a whole checkpoint, this one or the one before. Any number of processes may go on from it, and from that of one process: each
-reads part by part, array by array, and keeps its own points.
+The list is written when all parts are on disk, and parts that it does not name are then removed. So a kill at any moment
+leaves a whole checkpoint, this one or the one before. Any number of processes may go on from it, and from that of one
+process: each reads part by part, array by array, and keeps its own points.
 """
 
 import re
@@ -51,12 +51,14 @@ def arrays(state, number):
     """({name: array} of the part of this process, {name: array} of all else) for a State on points with `number` (n,)."""
     ground = state.ground and replace(state.ground, constants=replace(state.ground.constants, number=None))
     every = {"number": number, **flattened(replace(state, contacts=named(state.contacts, number), ground=ground))}
-    return tuple({key: value for key, value in every.items() if bool(OF_POINTS.match(key)) is mine} for mine in (True, False))
+    return tuple({key: value for key, value in every.items() if bool(OF_POINTS.match(key)) is mine}
+                 for mine in (True, False))
 
 
 def share(path, keeps):
-    """(State, numbers (n,) of its points, increasing) of a checkpoint at `path`, with the points that `keeps` chooses by their
-    numbers (m,) in the run, (m,) bool. Contacts are named (`hybrid.soil.parcels`), points left behind have numbers too."""
+    """(State, numbers (n,) of its points, increasing) of a checkpoint at `path`, with the points that `keeps` chooses by
+    their numbers (m,) in the run, (m,) bool. Contacts are named (`hybrid.soil.parcels`), points left behind have numbers
+    too."""
     with opened(path) as file:
         others = {key: file[key] for key in file.files if not OF_POINTS.match(key)}
     found = [restored_part({**others, **_rows(each, keeps, others)}) for each in _parts(path) or [Path(path)]]
@@ -97,8 +99,8 @@ def _rows(path, keeps, others):
     with opened(path) as file:
         for key in ("run", "state/step"):
             if file[key] != others[key]:
-                raise CheckpointError(f"{path} belongs to another checkpoint ({key} {file[key]}, listed {others[key]}): start "
-                                      "a new run, with --overwrite")
+                raise CheckpointError(f"{path} belongs to another checkpoint ({key} {file[key]}, listed {others[key]}): "
+                                      "start a new run, with --overwrite")
         names = [key for key in file.files if OF_POINTS.match(key)]
         number = file["number"] if "number" in names else np.arange(len(file["points/position"]))
         kept = dict.fromkeys(("points/", "ground/constants/", "ground/rows"), keeps(number))

@@ -7,6 +7,7 @@ from textwrap import fill
 import numpy as np
 
 from hybrid.output.figures import PAGE, figure
+from hybrid.output.panels import stamp_corner
 
 # Distinct in grey too: the worse, the darker; silent failures have a cross as well.
 COLOURS = {"right": "#cfe8d5", "degraded": "#f2d479", "reported": "#6f9fc8", "silent": "#9c2a1c"}
@@ -105,4 +106,4 @@ def _finish(drawing, unused, mark):
     drawing.suptitle(" ", fontsize=7)   # room for the legend
     squares = [drawing.axes[0].plot([], [], "s", color=COLOURS[kind], label=LABELS[kind])[0] for kind in COLOURS]
     drawing.legend(handles=squares, loc="upper center", ncol=len(COLOURS), fontsize=6.5)
-    drawing.supxlabel(mark, fontsize=5, x=0.99, ha="right", color="#777777")
+    stamp_corner(drawing, mark)

@@ -1,8 +1,9 @@
 """Observers in a run by several processes: all of these have the same ones, in the same order, and call them together.
 
 An observer that writes for all of them is of the first process alone: `First` stands for it in the others. It is shown the
-simulation of the first process, with its own points; numbers in the record, and bodies, are those of the whole run anyway. Only
-a picture needs the points of all, and a frame of a body the forces on all of its surface: they are collected when one is due.
+simulation of the first process, with its own points; numbers in the record, and bodies, are those of the whole run
+anyway. Only a picture needs the points of all, and a frame of a body the forces on all of its surface: they are collected
+when one is due.
 """
 
 from hybrid.output import errors_of
@@ -11,8 +12,9 @@ from hybrid.runtime.stop_signals import Stopped
 
 
 class First:
-    """The observer that `make` gives in the first process. shown: function, which all processes call, of a simulation and the name
-    of the method to be called, that gives what the observer sees; alone: whether `finish` may be called without the others."""
+    """The observer that `make` gives in the first process. shown: function, which all processes call, of a simulation and
+    the name of the method to be called, that gives what the observer sees; alone: whether `finish` may be called without
+    the others."""
 
     def __init__(self, make, shown=lambda simulation, call: simulation, alone=True):
         self._observer, self._shown, self._alone = ranks.in_first(make), shown, alone
@@ -29,13 +31,13 @@ class First:
     def finish_alone(self, summary, simulation):
         """`finish` where the first process does not know what the others do."""
         if self._observer and self._alone:
-            self._tell("finish", simulation, summary)
+            self._notify("finish", simulation, summary)
 
     def _call(self, name, simulation, *given):
         shown = self._shown(simulation, name)
-        ranks.in_first(lambda: self._tell(name, shown, *given))
+        ranks.in_first(lambda: self._notify(name, shown, *given))
 
-    def _tell(self, name, simulation, *given):
+    def _notify(self, name, simulation, *given):
         with errors_of(self._observer), comm.alone():
             getattr(self._observer, name)(*given, simulation)
 

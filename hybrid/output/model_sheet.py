@@ -158,20 +158,22 @@ def _pairs(scene, model):
     names, rows = [body.name for body in scene.bodies], []
     for pair in model.pairs[:PAIRS]:
         one, other = (names[b] for b in pair.numbers)
-        rows.append(f"{one} and {other}: friction {pair.law.mu:g}, an overlap of up to {pair.overlap:.3g} m under {pair.load:.4g} N"
-                    f"{_contact_time(scene, model, pair)}")
+        rows.append(f"{one} and {other}: friction {pair.law.mu:g}, an overlap of up to {pair.overlap:.3g} m under "
+                    f"{pair.load:.4g} N{_contact_time(scene, model, pair)}")
     rows += [f"and {len(model.pairs) - PAIRS} more"] if len(model.pairs) > PAIRS else []
     joined = sorted({" and ".join(joint.bodies) for joint in scene.joints if len(joint.bodies) == 2})
     return rows + ([f"none between {', '.join(joined)}: joined"] if joined else [])
 
 
 def _contact_time(scene, model, pair):
-    """How long two bodies touch when they hit one another, beside the step; nothing about bodies that do not move by themselves."""
+    """How long two bodies touch when they hit one another, beside the step; nothing about bodies that do not move by
+    themselves."""
     moving = [model.bodies[b].mass.mass for b in pair.numbers if model.bodies[b].free[:3].any()]
     if not (model.scheme.inertia and moving):
         return ""
     slow, impact = pair.contact_times(1.0 / sum(1.0 / mass for mass in moving))
-    return f"; a slow touch takes {slow:.2g} s and an impact at v m/s {impact:.2g}/v s if that is less, time.step = {scene.time.step:g} s"
+    return (f"; a slow touch takes {slow:.2g} s and an impact at v m/s {impact:.2g}/v s if that is less, "
+            f"time.step = {scene.time.step:g} s")
 
 
 def _symmetry(model):
@@ -181,18 +183,24 @@ def _symmetry(model):
         return {}
     part = {1: "half", 2: "a quarter"}.get(len(mirrors), "a part")
     planes = " and ".join(map(str, mirrors))
-    return {"symmetry": [f"{planes}: {part} of the whole is modelled", f"forces, masses and energies are those of this part; "
-                         f"those of the whole, {copies(mirrors)} times as large, are named so"]}
+    return {"symmetry": [f"{planes}: {part} of the whole is modelled",
+                         f"forces, masses and energies are those of this part; those of the whole, {copies(mirrors)} "
+                         "times as large, are named so"]}
+
+
+def _of_motion(motion):
+    """Text of a motion: its body, its point, and which components are free, held and driven."""
+    driven = (motion.component,) * (motion.component is not None)
+    words = (("free", motion.free), ("held", motion.held), ("driven", driven))
+    return " ".join(filter(None, (motion.body, _point(motion.point), *(
+        f"{word} {' '.join(names)}" for word, names in words if names))))
 
 
 def _of_stages(scene):
     """{label: motions and loads of bodies in the stages}, empty where they have none."""
     texts = []
     for stage in scene.stages:
-        parts = [" ".join(filter(None, (motion.body, _point(motion.point), *(
-            f"{word} {' '.join(names)}" for word, names in (
-                ("free", motion.free), ("held", motion.held), ("driven", (motion.component,) * (motion.component is not None)))
-            if names)))) for motion in stage.motions]
+        parts = [_of_motion(motion) for motion in stage.motions]
         parts += [" ".join(filter(None, (load.body, "loaded by a", " and a ".join(
             name for name in ("force", "moment") if getattr(load, name) is not None)))) for load in stage.loads]
         texts += [f"{stage.name}: {', '.join(parts)}"] if parts else []

@@ -41,7 +41,8 @@ REMEDY = "try: apt install libegl1 libgl1-mesa-dri (off-screen OpenGL), pip inst
 
 class Pictures:
     """Observer that writes soil_step_005.png, ... at the steps `scene.output.pictures`, counted from the
-    start of the last stage, and trajectory.png, line_tension.png, resistance.png, parts.png and line_in_soil.png at the end."""
+    start of the last stage, and trajectory.png, line_tension.png, resistance.png, parts.png and line_in_soil.png at the
+    end."""
 
     def __init__(self, folder):
         self.folder = Path(folder)

@@ -23,7 +23,8 @@ VTK_TYPES = {"float64": "Float64", "float32": "Float32", "int64": "Int64"}
 
 
 class Pieces:
-    """Observer in every process of several, with the points of its own; writes frames when `hybrid.output.vtk.Frames` does."""
+    """Observer in every process of several, with the points of its own; writes frames when `hybrid.output.vtk.Frames`
+    does."""
 
     def __init__(self, folder):
         self.folder = Path(folder)

@@ -1,7 +1,7 @@
 """How far a run is: one line on a terminal, rewritten after each step; elsewhere a line now and then.
 
-Notes, at the end those whose values have changed since, and the closing line, which says where the results are, are permanent
-lines on both. A stream that can no longer be written is left alone: the run goes on without it.
+Notes, at the end those whose values have changed since, and the closing line, which says where the results are, are
+permanent lines on both. A stream that can no longer be written is left alone: the run goes on without it.
 """
 
 import shutil

@@ -30,8 +30,9 @@ class BodyRecord:
 
     reaction and work are {component: force or moment of its guides, work done by them [J]} of components that are held or
     driven ("x" ... "rz", "tip x" of a point "tip"), with work["load"] of loads;
-    load: (6,) [N, N m], None where none act; parts: {name of a part of the surface: force of the soil on it (3,) [N]}, which add up to contact_force, empty where the geometry names none; line_ends: (pull [N], angle [-] above the horizontal) at
-    the mudline and at the shackle of a line that cuts through soil, else None. Moments are about the
+    load: (6,) [N, N m], None where none act; parts: {name of a part of the surface: force of the soil on it (3,) [N]},
+    which add up to contact_force, empty where the geometry names none; line_ends: (pull [N], angle [-] above the
+    horizontal) at the mudline and at the shackle of a line that cuts through soil, else None. Moments are about the
     centre of mass; force and moment are in the spatial frame, the spin is in
     the body frame, as in `hybrid.state.BodyState`. All values are those of what is modelled; mirrors: planes of symmetry
     that the body lies in.
@@ -81,14 +82,15 @@ class BodyRecord:
         if self.load is not None:
             columns.update(zip((f"load_{kind}_{unit}" for kind, unit in zip(
                 ("fx", "fy", "fz", "mx", "my", "mz"), ["N"] * 3 + ["Nm"] * 3)), self.load))
-        columns.update({"load_J" if name == "load" else f"drive_{name.replace(' ', '_')}_J": value for name, value in self.work.items()})
+        columns.update({"load_J" if name == "load" else f"drive_{name.replace(' ', '_')}_J": value
+                        for name, value in self.work.items()})
         return {f"{self.name}_{key}": float(value) for key, value in whole_columns(columns, self.mirrors).items()}
 
 
 @dataclass
 class JointRecord:
-    """One joint at the end of a step: force [N] and moment about the joined point [N m] (6,) on its first body, along the axes
-    of space, and the angle [deg] of a hinge, None of others; mirrors: planes of symmetry that the body lies in."""
+    """One joint at the end of a step: force [N] and moment about the joined point [N m] (6,) on its first body, along the
+    axes of space, and the angle [deg] of a hinge, None of others; mirrors: planes of symmetry that the body lies in."""
 
     name: str
     force: np.ndarray
@@ -105,8 +107,9 @@ class JointRecord:
 
 @dataclass
 class PairRecord:
-    """Contact of two bodies with one another at the end of a step: force (3,) [N] of the `second` one on the `first`, along the axes
-    of space; deepest overlap [m]; number of places in contact; mirrors: planes of symmetry that they lie in."""
+    """Contact of two bodies with one another at the end of a step: force (3,) [N] of the `second` one on the `first`,
+    along the axes of space; deepest overlap [m]; number of places in contact; mirrors: planes of symmetry that they lie
+    in."""
 
     first: str
     second: str

@@ -117,9 +117,9 @@ class RunFolder:
         identity, path, marker = _read(self.path / NAME), self.path / checkpoint.NAME, self.path / STARTING
         if marker.exists():
             raise checkpoint.CheckpointError(
-                f"{self.path}: the run of {marker.read_text(encoding='utf-8')[:20]}, which was to replace these results, was "
-                "stopped before its first checkpoint: start it again without --resume; or, to continue the earlier run, "
-                f"delete {marker}")
+                f"{self.path}: the run of {marker.read_text(encoding='utf-8')[:20]}, which was to replace these results, "
+                "was stopped before its first checkpoint: start it again without --resume; or, to continue the earlier "
+                f"run, delete {marker}")
         if identity and not (identity["cleared"] and path.exists()):
             raise checkpoint.CheckpointError(
                 f"{self.path}: its run was stopped before its first checkpoint, or writes none (output.checkpoint = 0): "
@@ -135,8 +135,8 @@ class RunFolder:
         if self._overwrite or not found or identity and not identity["cleared"]:
             return
         if not identity:
-            raise RunFolderError(f"{self.path} holds results of an unknown run ({', '.join(found[:3])}, ...): choose another "
-                                 "folder by --out, or replace them by --overwrite")
+            raise RunFolderError(f"{self.path} holds results of an unknown run ({', '.join(found[:3])}, ...): choose "
+                                 "another folder by --out, or replace them by --overwrite")
         steps, summary = count_steps(self.path), _read(self.path / SUMMARY) or {}
         if not steps:
             return
@@ -147,8 +147,8 @@ class RunFolder:
             raise RunFolderError(f"{self.path} holds {steps} steps of this scene, which has not been completed: continue by "
                                  "--resume, choose another folder by --out, or start again by --overwrite")
         if (seconds := sum(summary["totals"]["seconds"].values())) > CHEAP:
-            raise RunFolderError(f"{self.path} holds the results of this scene, {seconds / 60:.0f} minutes of computing: choose "
-                                 "another folder by --out, continue by --resume, or replace them by --overwrite")
+            raise RunFolderError(f"{self.path} holds the results of this scene, {seconds / 60:.0f} minutes of computing: "
+                                 "choose another folder by --out, continue by --resume, or replace them by --overwrite")
 
     def _other_physics(self, identity):
         return checkpoint.differences(identity["physics"], checkpoint.fingerprint(self._scene), "folder")

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hybrid.output.figures import PAGE, figure
+from hybrid.output.panels import panels, stamp_corner
 
 LIMIT = 10.0    # dots beyond this many aims are drawn at the edge as triangles
 
@@ -26,19 +26,14 @@ class Cloud:
 
 def scatter(path, clouds, colour, mark):
     """Panels two abreast, the colour bar named `colour`; `mark` in the corner. Returns the path."""
-    rows = (len(clouds) + 1) // 2
-    with figure(path, PAGE, 2.1 * rows + 0.3) as drawing:
-        drawing.supxlabel(mark, fontsize=5, x=0.99, ha="right", color="#777777")
-        panels = np.ravel(drawing.subplots(rows, 2, squeeze=False))
-        for letter, cloud, axes in zip("abcdefghijkl", clouds, panels):
-            axes.set_title(f"({letter}) {cloud.title}", loc="left", fontsize=8)
+    with panels(path, [cloud.title for cloud in clouds], height=2.1, room=0.3, size=8) as (drawing, places):
+        stamp_corner(drawing, mark)
+        for cloud, axes in zip(clouds, places):
             axes.set_xlabel(cloud.across, fontsize=7)
             axes.set_ylabel(cloud.error, fontsize=7)
             axes.tick_params(labelsize=6)
             dots = _draw(axes, cloud)
-        for axes in panels[len(clouds):]:
-            axes.set_axis_off()
-        drawing.colorbar(dots, ax=panels.tolist(), shrink=0.6, aspect=40, pad=0.01).set_label(colour, fontsize=7)
+        drawing.colorbar(dots, ax=drawing.axes, shrink=0.6, aspect=40, pad=0.01).set_label(colour, fontsize=7)
     return path
 
 
@@ -51,7 +46,8 @@ def _draw(axes, cloud):
     dots = axes.scatter(x[~out], y[~out], 12, colour[~out], zorder=3, **look)
     for side, marker in ((1, "^"), (-1, "v")):
         beyond = out & (side * y > 0)
-        axes.scatter(x[beyond], np.full(beyond.sum(), 0.97 * side * edge), 14, colour[beyond], marker=marker, zorder=3, **look)
+        axes.scatter(x[beyond], np.full(beyond.sum(), 0.97 * side * edge), 14, colour[beyond], marker=marker, zorder=3,
+                     **look)
     axes.plot(cloud.failed, np.zeros(len(cloud.failed)), "x", color="#9c2a1c", markersize=5, zorder=4)
     axes.set_ylim(-edge, edge)
     return dots

@@ -1,4 +1,5 @@
-"""Keys of a scene as text, to tell whether a run may be continued with it: those of the physics, and settings, which may differ.
+"""Keys of a scene as text, to tell whether a run may be continued with it: those of the physics, and settings, which may
+differ.
 """
 
 import dataclasses

@@ -18,7 +18,8 @@ def mesh_sheet(body, mass, density):
     if body.regions:
         mesh_rows["volumes [m³]"] = [f"{name}: {volume:.6g}" for name, volume in body.region_volumes().items()]
     if body.parts:
-        mesh_rows["parts of the surface"] = [f"{name}: {(body.part == k).sum()} triangles" for k, name in enumerate(body.parts)]
+        mesh_rows["parts of the surface"] = [f"{name}: {(body.part == k).sum()} triangles"
+                                             for k, name in enumerate(body.parts)]
     mass_rows = {
         "density [kg/m³]": [f"{name}: {rho:g}" for name, rho in density.items()] if isinstance(density, dict)
         else density,

@@ -104,7 +104,7 @@ def versions(known=None):
     """Versions of python and of the packages that a run uses, without importing any; `known` replaces those found.
 
     They are read from the package metadata, else from a loaded module. gmsh, of which Debian has no metadata, is not
-    loaded here: the process that meshed has told its version.
+    loaded here: the process that meshed has reported its version.
     """
     found = {"python": platform.python_version()}
     for module, names in PACKAGES.items():

@@ -82,8 +82,8 @@ def with_forces_if_drawn(simulation, call):
 
 
 class Series:
-    """Frames NAME_000000.vtu, ... of a folder, or NAME_000000.pvtu with their pieces, and the NAME.pvd that lists them, rewritten
-    after each frame.
+    """Frames NAME_000000.vtu, ... of a folder, or NAME_000000.pvtu with their pieces, and the NAME.pvd that lists them,
+    rewritten after each frame.
 
     Opened at step 0 the frames of an earlier run are deleted. Opened later those after `step` are deleted, and one at
     `step` itself that is not due every so many steps, where the run had ended; the rest are kept. Their times are those
@@ -95,7 +95,8 @@ class Series:
     def __init__(self, folder, name, step=0, every=1):
         self.folder, self.name = Path(folder), name
         self.frames, self.files = {}, {}    # step -> time [s]; step -> name of the file
-        matches = [re.fullmatch(re.escape(name) + r"_(\d{6,})(_r\d+)?\.p?vtu", path.name) for path in self.folder.glob("*.*vtu")]
+        matches = [re.fullmatch(re.escape(name) + r"_(\d{6,})(_r\d+)?\.p?vtu", path.name)
+                   for path in self.folder.glob("*.*vtu")]
         found = [(int(match[1]), match[2], match[0]) for match in matches if match]
         times = self._times() if step and found else {}
         for number, part, file in found:

@@ -4,15 +4,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hybrid.output.figures import COLOURS, MARKERS, PAGE, figure
+from hybrid.output.figures import COLOURS, MARKERS
+from hybrid.output.panels import panels, stamp_corner
 
 GAP = 0.075     # smallest distance of two labels in heights of the panel
 
 
 @dataclass(frozen=True)
 class Series:
-    """A curve: costs and errors of what was done, costs of repeats beyond it as a share, how many settings failed; foreign: of
-    another program."""
+    """A curve: costs and errors of what was done, costs of repeats beyond it as a share, how many settings failed;
+    foreign: of another program."""
 
     label: str
     cost: list
@@ -32,19 +33,16 @@ class Panel:
     front: list
 
 
-def work_precision(path, panels, cost, mark):
-    """Panels two abreast of error against `cost` (its name), the front in grey behind; `mark` in the corner."""
-    rows = (len(panels) + 1) // 2
-    with figure(path, PAGE, 2.3 * rows + 0.2) as drawing:
-        drawing.supxlabel(mark, fontsize=5, x=0.99, ha="right", color="#777777")
-        for letter, panel, axes in zip("abcdefghijkl", panels, np.ravel(drawing.subplots(rows, 2, squeeze=False))):
-            axes.set_title(f"({letter}) {panel.title}", loc="left", fontsize=9)
+def work_precision(path, problems, cost, mark):
+    """A Panel for each of the `problems`: error against `cost` (its name), the front in grey behind; `mark` in the
+    corner."""
+    with panels(path, [problem.title for problem in problems], height=2.3, room=0.2, size=9) as (drawing, places):
+        stamp_corner(drawing, mark)
+        for panel, axes in zip(problems, places):
             axes.set_xlabel(cost, fontsize=7)
             axes.set_ylabel(panel.error, fontsize=7)
             axes.tick_params(labelsize=6, which="both")
             _draw(axes, panel)
-        for axes in drawing.axes[len(panels):]:
-            axes.set_axis_off()
     return path
 
 

@@ -24,7 +24,8 @@ def demo_titles():
 
 
 def copy_demo(name, folder):
-    """Copy a shipped scene and its table to folder/demos and the geometries to folder/geometry; returns the path of the scene.
+    """Copy a shipped scene and its table to folder/demos and the geometries to folder/geometry; returns the path of the
+    scene.
 
     Geometries that are there already are kept. Raises SceneError for an unknown name, or if the scene is there already.
     """

@@ -2,8 +2,8 @@
 
 Numba knows the type of an array at once. For a tuple it writes a fingerprint of what is in it, and looks that up. In numba
 0.56 a fingerprint has room for 40 characters; those of longer tuples, three arrays with names or more, are read from
-memory that was never written and are found in no table, so that each call finds the types anew, in 0.06 to 0.1 ms. Here tuples of
-arrays are looked up by what decides their type: 100 steps of demos/rolling_sphere.toml take 0.6 of the time.
+memory that was never written and are found in no table, so that each call finds the types anew, in 0.06 to 0.1 ms. Here
+tuples of arrays are looked up by what decides their type: 100 steps of demos/rolling_sphere.toml take 0.6 of the time.
 """
 
 import numpy as np

@@ -1,8 +1,8 @@
 """The processes of a run: how many there are, which one this is, and how they end together. The only module that starts MPI.
 
 One process is the rule; several are started by mpirun (`hybrid run --ranks`). A fault that all of them find, such as a
-mistake in the scene, is told once and ends them all; one that a single process meets ends the others, which would wait for
-it forever.
+mistake in the scene, is reported once and ends them all; one that a single process meets ends the others, which would
+wait for it forever.
 """
 
 import logging
@@ -17,9 +17,10 @@ from hybrid.runtime.errors import HybridError
 # Set by mpirun of Open MPI, MPICH and Intel MPI, and by srun --mpi
 STARTED = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MPI_LOCALNRANKS", "PMIX_RANK")
 
-# Open MPI refuses to run as root, and more processes than cores, unless told that this is meant; 4 and 5 have a variable each
-# for the latter. About every fault 4 prints a page of its own unless told not to; 5 always does, and refuses mpirun's -q.
-# 5 complains when a machine's IPv4 and IPv6 addresses do not reach one another; processes of one machine need lo only.
+# Open MPI refuses to run as root, and more processes than cores, unless a variable allows it; 4 and 5 have a variable
+# each for the latter. About every fault 4 prints a page of its own unless it is quiet; 5 always does, and refuses
+# mpirun's -q. 5 complains when a machine's IPv4 and IPv6 addresses do not reach one another; processes of one machine
+# need lo only.
 OPEN_MPI = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_orte_execute_quiet": "1",
             "OMPI_MCA_rmaps_base_oversubscribe": "1", "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
             "OMPI_MCA_hwloc_base_binding_policy": "none", "OMPI_MCA_btl_tcp_if_include": "lo",
@@ -45,13 +46,15 @@ def launch(number, program):
 
 
 def may_start():
-    """Whether this process may become several: it was not started as one of some, and nobody has set its number of threads."""
+    """Whether this process may become several: it was not started as one of some, and nobody has set its number of
+    threads."""
     return not any(name in os.environ for name in (*STARTED, "NUMBA_NUM_THREADS"))
 
 
 def can_start(number, seconds=60.0):
     """Whether mpirun can start so many processes here that know of one another; tried within some `seconds`."""
-    command, environment = launch(number, ["-c", f"from mpi4py import MPI; raise SystemExit(MPI.COMM_WORLD.size != {number})"])
+    command, environment = launch(number, ["-c", "from mpi4py import MPI; raise SystemExit(MPI.COMM_WORLD.size != "
+                                                 f"{number})"])
     try:
         return subprocess.run(command, env=environment, capture_output=True, stdin=subprocess.DEVNULL,
                               timeout=seconds).returncode == 0
@@ -98,7 +101,8 @@ def same_fault(error):
 
 
 def in_first(function):
-    """Result of a function that only the first process calls, None in the others; a HybridError or OSError is raised in all."""
+    """Result of a function that only the first process calls, None in the others; a HybridError or OSError is raised in
+    all."""
     result = fault = None
     if rank() == 0:
         try:
@@ -115,7 +119,8 @@ def same(value):
 
 
 def together(function):
-    """Result of a function that every process calls. An OSError or HybridError of one is raised in all of them, and names it."""
+    """Result of a function that every process calls. An OSError or HybridError of one is raised in all of them, and names
+    it."""
     result = fault = None
     try:
         result = function()

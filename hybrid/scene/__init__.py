@@ -25,5 +25,5 @@ from hybrid.scene.schema import (
     Vector,
 )
 
-__all__ = ["Axis", "Body", "Condition", "Contact", "Faces", "Freedom", "Grid", "Joint", "Law", "Layer", "Load", "Material", "Motion", "Output",
-           "Pull", "Scene", "Soil", "Solver", "Stage", "Target", "Time", "Vector"]
+__all__ = ["Axis", "Body", "Condition", "Contact", "Faces", "Freedom", "Grid", "Joint", "Law", "Layer", "Load",
+           "Material", "Motion", "Output", "Pull", "Scene", "Soil", "Solver", "Stage", "Target", "Time", "Vector"]

@@ -1,4 +1,5 @@
-"""What a scene's `accuracy` sets: a level scales cells and steps and sets a tolerance; a target looks settings up in records.
+"""What a scene's `accuracy` sets: a level scales cells and steps and sets a tolerance; a target looks settings up in
+records.
 
 Level, by name:
 

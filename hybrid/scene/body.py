@@ -24,12 +24,14 @@ class Pull:
                                    "-", default=None)
     tension_only: bool = key("the line goes slack instead of pushing", default=True)
     diameter: float | None = key(
-        "of the wire, or of the bars of the chain, that cuts through the soil between the ground and the point: it is pulled "
-        "at the ground, and its force on the body is smaller and steeper; left out: the line feels no soil. Of a half body half of the line is modelled", "m", default=None,
+        "of the wire, or of the bars of the chain, that cuts through the soil between the ground and the point: it is "
+        "pulled at the ground, and its force on the body is smaller and steeper; left out: the line feels no soil. Of a "
+        "half body half of the line is modelled", "m", default=None,
         above=0, remedy="0.05 is a chain of 50 mm")
     chain: bool = key("with `diameter`: a chain, which bears on 2.5 diameters; else a wire, on one", default=True)
     bearing_factor: float | None = key(
-        "Nc of clay (von-mises) or Nq of sand in the bearing of that line; left out: 11, or exp(π tan φ) tan²(45° + φ/2)", "-",
+        "Nc of clay (von-mises) or Nq of sand in the bearing of that line; left out: 11, or exp(π tan φ) tan²(45° + φ/2)",
+        "-",
         default=None, above=0, remedy="8.5 to 14 is usual in clay")
     line_friction: float = key("friction along that line over its bearing", "-", default=0.4, at_least=0, at_most=1,
                                remedy="0.35 to 0.5 is usual of a chain")
@@ -67,12 +69,12 @@ class Body:
     driven: tuple[Freedom, ...] = key(
         "translations and rotations that keep the velocity and spin of the start, whatever force that needs",
         default=())
-    friction: float | None = key("Coulomb coefficient μ against the soil: shear is at most μ times the pressure; left out: 0, "
-                                 "or no such limit with `adhesion`", "-", default=None, at_least=0,
+    friction: float | None = key("Coulomb coefficient μ against the soil: shear is at most μ times the pressure; left "
+                                 "out: 0, or no such limit with `adhesion`", "-", default=None, at_least=0,
                                  remedy="0.45 is steel on sand")
-    adhesion: float | None = key("adhesion factor α against clay (von-mises): shear is at most α times the s_u of the touching "
-                                 "soil, softened where that softens; with `friction` the smaller limit holds; left out: 1 with "
-                                 "friction, in soil that is clay throughout", "-",
+    adhesion: float | None = key("adhesion factor α against clay (von-mises): shear is at most α times the s_u of the "
+                                 "touching soil, softened where that softens; with `friction` the smaller limit holds; "
+                                 "left out: 1 with friction, in soil that is clay throughout", "-",
                                  default=None, at_least=0, at_most=1, remedy="0.3 to 0.5 is usual of steel in soft clay")
     tension: float | Literal["full"] | None = key(
         "tension that soil on the body bears before it breaks away there, once and for all; full: it never breaks away; "
@@ -83,7 +85,8 @@ class Body:
     penalty: float | None = key("p_f: contact has a pressure of p_f E per unit of overlap; left out: stiff beside the "
                                 "cells of the soil, or beside the weight of the body on held soil", "1/m", default=None,
                                 above=0, remedy="leave it out")
-    tangential: float | None = key("ratio ε_T / ε_N of tangential to normal stiffness of contact with the soil; the larger, the less a "
-                                   "rolling body creeps; left out: 3, or 0.3 where clay sticks or a body has no curved "
-                                   "face to roll on; 1 at corners", "-", default=None, above=0, remedy="1 is usual")
+    tangential: float | None = key("ratio ε_T / ε_N of tangential to normal stiffness of contact with the soil; the "
+                                   "larger, the less a rolling body creeps; left out: 3, or 0.3 where clay sticks or a "
+                                   "body has no curved face to roll on; 1 at corners", "-", default=None, above=0,
+                                   remedy="1 is usual")
     pull: Pull | None = key("line that drags the body", default=None)

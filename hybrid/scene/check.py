@@ -108,19 +108,22 @@ def _soil(key, soil, grid):
 
 
 def _line_in_soil(key, pull, soil):
-    for wrong, what in ((soil.held, "soil.held"), (bool(soil.layers), "soil.layer"), (soil.ground is not None, "soil.ground"),
+    for wrong, what in ((soil.held, "soil.held"), (bool(soil.layers), "soil.layer"),
+                        (soil.ground is not None, "soil.ground"),
                         (soil.material.law in ("hencky", "user"), f"soil.material.law = {soil.material.law!r}"),
                         (not pull.tension_only, "tension_only = false")):
-        yield from need(not wrong, key, pull.diameter, f"left out with {what}: the bearing of a line is known in level clay or "
-                        "sand of one kind", "leave it out")
+        yield from need(not wrong, key, pull.diameter,
+                        f"left out with {what}: the bearing of a line is known in level clay or sand of one kind",
+                        "leave it out")
 
 
 def _ground(key, soil, grid, top):
     from hybrid.scene.ground import heights  # late: it loads numpy, which other scenes are read without
 
     moving = [name for name in "xyz" if getattr(grid, name).window]
-    yield from need(not moving, key, "given", f"left out with grid.{'.'.join(moving)}.window: soil that comes in would not have "
-                    "settled", "leave out the window")
+    yield from need(not moving, key, "given",
+                    f"left out with grid.{'.'.join(moving)}.window: soil that comes in would not have settled",
+                    "leave out the window")
     yield from need(soil.basis == "gimp", key, "given", "left out with soil.basis = 'mpm', whose points have no domains to "
                     "cut", "leave out soil.basis")
     try:
@@ -130,8 +133,8 @@ def _ground(key, soil, grid, top):
         return
     low, high = grid.z.start, top
     yield from need(low < z.min() and z.max() <= high + 1e-9 * (high - low), key, f"{z.min():g} to {z.max():g} m",
-                    f"above {low:g} m, the end of the grid, and at most soil.top = {high:g} m", "raise soil.top and grid.z.end, "
-                    "or lower the ground")
+                    f"above {low:g} m, the end of the grid, and at most soil.top = {high:g} m",
+                    "raise soil.top and grid.z.end, or lower the ground")
 
 
 # ------------------------------------------------------------------ bodies

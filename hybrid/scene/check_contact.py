@@ -15,5 +15,6 @@ def contact_faults(scene):
                             f"name a [[body]]{did_you_mean(name, names)}")
         yield from need(pair not in met, key, contact.bodies, "in one [[contact]]", "put its keys together")
         joined = any(frozenset(joint.bodies) == pair for joint in scene.joints)
-        yield from need(not joined, key, contact.bodies, "bodies that no joint connects", "joined bodies do not touch one another")
+        yield from need(not joined, key, contact.bodies, "bodies that no joint connects",
+                        "joined bodies do not touch one another")
         met.add(pair)

@@ -54,5 +54,6 @@ def _scheme(scene):
     for stage in scene.stages:
         radius = scheme.with_pair(stage.beta, stage.gamma).spectral_radius
         yield from need(radius <= DAMPED, "time.scheme", time.scheme,
-                        f"one that damps in a scene with joints or guided points (spectral radius {radius:.3g}, limit {DAMPED:g})",
+                        f"one that damps in a scene with joints or guided points (spectral radius {radius:.3g}, limit "
+                        f"{DAMPED:g})",
                         "leave it out; without damping their forces oscillate")

@@ -69,7 +69,8 @@ def _missing(key, m):
     absent = [name for name in needed if getattr(m, name) is None]
     if absent:
         preset = ", or relative_density [%] for the sand preset" if "relative_density" in USES[m.law] else ""
-        others = "; law = 'hencky' is elastic soil, strength [Pa] that of undrained clay" if "friction_angle" in absent else ""
+        elastic_or_clay = "; law = 'hencky' is elastic soil, strength [Pa] that of undrained clay"
+        others = elastic_or_clay if "friction_angle" in absent else ""
         yield f"{key}: missing {', '.join(absent)} for law {m.law!r}; give them{preset}{others}"
 
 

@@ -29,7 +29,8 @@ class Odd:
     def note(self, path, value):
         """[The note about a value], [] where it looks right or there is none."""
         if isinstance(value, dict):
-            return [note for name, item in value.items() for note in replace(self, key=f"{self.key}.{name}").note(path, item)]
+            return [note for name, item in value.items()
+                    for note in replace(self, key=f"{self.key}.{name}").note(path, item)]
         if value is None or not self.above < value < self.below:
             return []
         return [f"{path}.{self.key} = {shown(value)}{f' {self.unit}' if self.unit else ''} looks wrong: {self.meaning}"]
@@ -102,13 +103,14 @@ def _soil(scene, heavy):
 def _apex(path, m, supported):
     """Sand that neither weight nor cohesion lets carry anything, so that without inertia nothing balances a body's force."""
     if not supported and m.law in FRICTIONAL and m.cohesion == 0.0:
-        yield (f"{path}.cohesion = 0 Pa with gravity = [0, 0, 0] m/s² looks wrong: sand without pressure has no strength and no stiffness, so that no step "
-               "has an equilibrium; give gravity = [0, 0, -9.81], or a cohesion")
+        yield (f"{path}.cohesion = 0 Pa with gravity = [0, 0, 0] m/s² looks wrong: sand without pressure has no strength "
+               "and no stiffness, so that no step has an equilibrium; give gravity = [0, 0, -9.81], or a cohesion")
 
 
 def _tension(path, body, soil):
     """Tension beside the strength of the strongest clay of the soil."""
-    strength = max((m.strength or 0.0 for m in (soil.material, *(of_layer(soil.material, layer) for layer in soil.layers))), default=0.0)
+    strength = max((m.strength or 0.0
+                    for m in (soil.material, *(of_layer(soil.material, layer) for layer in soil.layers))), default=0.0)
     if not soil.held and isinstance(body.tension, (int, float)) and 0.0 < body.tension < min(WEAK[0], WEAK[1] * strength):
         yield (f"{path}.tension = {body.tension:g} Pa beside strength = {strength:g} Pa looks wrong: {KILOPASCAL}")
 

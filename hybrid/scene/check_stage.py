@@ -35,7 +35,8 @@ def components(motion):
 
 
 def moved(scene, described, names):
-    """Components among `names` in which something moves a body: its velocity and spin, what drives it, or motions of stages."""
+    """Components among `names` in which something moves a body: its velocity and spin, what drives it, or motions of
+    stages."""
     rates = dict(zip(("x", "y", "z"), described.velocity))
     if not described.rotation:
         rates |= dict(zip(("rx", "ry", "rz"), described.spin))

@@ -74,7 +74,8 @@ def _law(scene, material):
         return "drucker-prager", "the published method" if material.cone is None else "it has a cone"
     if any(_collapsed(scene)):
         return "drucker-prager", "the scene has one kind of stress state, in which a cone has Mohr-Coulomb's strength"
-    return "willam-warnke", "Mohr-Coulomb's strength in compression and in extension, near to it where soil shears in a plane"
+    return ("willam-warnke",
+            "Mohr-Coulomb's strength in compression and in extension, near to it where soil shears in a plane")
 
 
 def _cone(scene, material):
@@ -83,8 +84,8 @@ def _cone(scene, material):
     if sum(_collapsed(scene)) == 1:
         return "plane strain", "the scene is in plane strain, where the cone has Mohr-Coulomb's or Tresca's strength"
     if "drucker-prager" not in laws(scene.soil) and not any(_collapsed(scene)):
-        return "plane strain", ("sheared in a plane clay has s_u, and nowhere more than Tresca's law; with s_u of triaxial compression "
-                                "there, set compression: 1.15 times as strong")
+        return "plane strain", ("sheared in a plane clay has s_u, and nowhere more than Tresca's law; with s_u of "
+                                "triaxial compression there, set compression: 1.15 times as strong")
     return "compression", "the strength in triaxial compression is that of Mohr-Coulomb or Tresca"
 
 
@@ -106,7 +107,8 @@ def _ghost(scene, soil):
     if soil.held:
         return 0.0, "held soil does not deform"
     if scene.bodies and _plastic_laws(soil) and not any(_collapsed(scene)):
-        return GHOST_FLOW, "cells with little soil follow the fullest of their neighbours, loosely as soil flows along bodies"
+        return (GHOST_FLOW,
+                "cells with little soil follow the fullest of their neighbours, loosely as soil flows along bodies")
     return GHOST, "cells with little soil follow the fullest of their neighbours"
 
 
@@ -137,7 +139,8 @@ def _tangential(scene, body):
 def _adhesion(scene, body):
     if scene.method == "published" or not body.friction or scene.soil.held or laws(scene.soil) != {"von-mises"}:
         return None, ""
-    # pressed by 20 s_u and without this limit, a rough cylinder in cells of an eighth of its width takes 14 % too much with it
+    # pressed by 20 s_u and without this limit, a rough cylinder in cells of an eighth of its width takes 14 % too much
+    # with it
     return 1.0, "clay shears by itself before a body feels more than its strength"
 
 

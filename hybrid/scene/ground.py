@@ -9,7 +9,8 @@ from hybrid.scene.stage import csv_rows
 
 
 def heights(given, path="soil.ground"):
-    """(x (a,), y (b,) or None, z (a, b) or (a,)) [m] of `soil.ground`: a profile, or a CSV file with columns x, z or x, y, z.
+    """(x (a,), y (b,) or None, z (a, b) or (a,)) [m] of `soil.ground`: a profile, or a CSV file with columns x, z or x,
+    y, z.
 
     Two points of a profile at the same x are a vertical wall. Raises SceneError for what is no such surface.
     """
@@ -19,7 +20,8 @@ def heights(given, path="soil.ground"):
     table = np.array(rows)
     if table.shape[1] == 2:
         if np.any(np.diff(table[:, 0]) < 0.0) or table[0, 0] == table[-1, 0]:
-            raise SceneError(f"{path}: x = {', '.join(f'{x:g}' for x in table[:6, 0])} ... must not decrease; sort the points")
+            raise SceneError(f"{path}: x = {', '.join(f'{x:g}' for x in table[:6, 0])} ... must not decrease; sort the "
+                             "points")
         return table[:, 0], None, table[:, 1]
     x, column = np.unique(table[:, 0], return_inverse=True)
     y, row = np.unique(table[:, 1], return_inverse=True)
@@ -32,8 +34,8 @@ def heights(given, path="soil.ground"):
 
 
 def mean_heights(surface, lower, upper):
-    """Mean height (n,) [m] of a `surface` (x, y, z) over rectangles from `lower` to `upper` (n, 2) [m]: exact of a profile, of
-    a grid on 4 x 4 places."""
+    """Mean height (n,) [m] of a `surface` (x, y, z) over rectangles from `lower` to `upper` (n, 2) [m]: exact of a
+    profile, of a grid on 4 x 4 places."""
     x, y, z = surface
     if y is None:
         return (_integral(upper[:, 0], x, z) - _integral(lower[:, 0], x, z)) / (upper[:, 0] - lower[:, 0])

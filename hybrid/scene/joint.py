@@ -8,12 +8,13 @@ from hybrid.scene.table import key, table
 
 @table
 class Joint:
-    """An exact joint of two bodies, or of a body and the ground. Joined bodies do not touch one another, others do (`contact`)."""
+    """An exact joint of two bodies, or of a body and the ground. Joined bodies do not touch one another, others do
+    (`contact`)."""
 
     name: str = key("label of the joint in the output")
     kind: Literal["hinge", "ball", "weld", "rod", "line"] = key(
-        "hinge: one rotation is left; ball: all rotations; weld: none; rod: two points keep their distance; line: they come no "
-        "farther apart than its length")
+        "hinge: one rotation is left; ball: all rotations; weld: none; rod: two points keep their distance; line: they "
+        "come no farther apart than its length")
     bodies: tuple[str, ...] = key("names of two bodies, or of one that is joined to the ground")
     point: str | Vector = key("where the first body is joined: name of a physical point of its geometry, or three "
                               "coordinates of that geometry", "m")
@@ -24,8 +25,8 @@ class Joint:
                                above=0, remedy="leave it out")
     axis: Vector | None = key("of a hinge: direction in space at the start", "-", default=None)
     limits: tuple[float, float] | None = key(
-        "smallest and largest angle of a hinge, at which it stops without rebound: rotation of the first body about the axis "
-        "relative to the second one, 0 at the start", "deg", default=None, at_least=-170, at_most=170,
+        "smallest and largest angle of a hinge, at which it stops without rebound: rotation of the first body about the "
+        "axis relative to the second one, 0 at the start", "deg", default=None, at_least=-170, at_most=170,
         remedy="leave it out for a hinge that turns freely")
     friction_moment: float = key("moment of a hinge that resists its rotation", "N m", default=0.0, at_least=0,
                                  remedy="0 is a hinge without friction")

@@ -71,9 +71,9 @@ def _values_of_material():
 HEAD = """# Keys of a scene file
 
 Every table and key, made by `hybrid schema --page`. Units are SI, angles are in degrees, z points upwards.
-A key without a default (–) may be left out, but for the values of soil.material that its law needs; *required* keys may not. A default that is *decided* follows from the
-other keys: `hybrid check` shows the value and the reason (`hybrid.scene.defaults`). The range of a list is that of each
-number in it.
+A key without a default (–) may be left out, but for the values of soil.material that its law needs; *required* keys may
+not. A default that is *decided* follows from the other keys: `hybrid check` shows the value and the reason
+(`hybrid.scene.defaults`). The range of a list is that of each number in it.
 Keys that are unknown, of another type, out of range or in contradiction are refused with value, limit and remedy.
 
 For completion and checks in an editor, write the JSON Schema beside the scene, `hybrid schema --out scene.schema.json`,
@@ -116,9 +116,11 @@ def _section(cls, paths):
         row = (f"`{file_name(f)}`", _words(hints[f.name]), key.unit, _default(cls, f), str(key.range), key.meaning)
         lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |")
     if cls is Material:
-        lines += ["", "Values that each law needs where `relative_density` does not give them, and all that it uses, apart from `density`:", "",
+        lines += ["", "Values that each law needs where `relative_density` does not give them, and all that it uses, "
+                      "apart from `density`:", "",
                   "| law | needs | uses |", "|---|---|---|"]
-        lines += [f"| `{law}` | {_needs(law)} | {', '.join(f'`{name}`' for name in names) or '–'} |" for law, names in USES.items()]
+        lines += [f"| `{law}` | {_needs(law)} | {', '.join(f'`{name}`' for name in names) or '–'} |"
+                  for law, names in USES.items()]
     return "\n".join([*lines, ""])
 
 

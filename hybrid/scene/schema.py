@@ -2,8 +2,9 @@
 
 A scene file (TOML) and these classes correspond one to one; None in Python is a key left out of a file. The tables are
 [grid.x], [grid.y], [grid.z], [grid.faces], [soil], [soil.material], [[soil.layer]], [soil.layer.material], [[body]],
-[body.parameters], [body.pull], [[joint]], [[contact]], [time], [[stage]], [[stage.motion]], [[stage.load]], [accuracy], [solver] and [output]. demos/scene-reference.md has all
-keys on one page. Files are read in `hybrid.scene.file` and checked in `hybrid.scene.check`; nothing here computes.
+[body.parameters], [body.pull], [[joint]], [[contact]], [time], [[stage]], [[stage.motion]], [[stage.load]], [accuracy],
+[solver] and [output]. demos/scene-reference.md has all keys on one page. Files are read in `hybrid.scene.file` and
+checked in `hybrid.scene.check`; nothing here computes.
 """
 
 from typing import Literal
@@ -16,7 +17,8 @@ from hybrid.scene.soil import Law, Layer, Material, Soil
 from hybrid.scene.stage import Load, Motion, Stage
 from hybrid.scene.table import key, table
 
-__all__ = ["Axis", "Body", "Condition", "Contact", "Faces", "Freedom", "Grid", "Joint", "Law", "Layer", "Load", "Material", "Motion", "Output",
+__all__ = ["Axis", "Body", "Condition", "Contact", "Faces", "Freedom", "Grid", "Joint", "Law", "Layer", "Load",
+           "Material", "Motion", "Output",
            "Pull", "Scene", "Soil", "Solver", "Stage", "Target", "Time", "Vector"]
 
 
@@ -100,7 +102,8 @@ class Scene:
     soil: Soil = key("the deformable body")
     bodies: tuple[Body, ...] = key("the rigid bodies", default=(), name="body")
     joints: tuple[Joint, ...] = key("joints of bodies", default=(), name="joint")
-    contacts: tuple[Contact, ...] = key("contacts of bodies with one another that differ from the others", default=(), name="contact")
+    contacts: tuple[Contact, ...] = key("contacts of bodies with one another that differ from the others", default=(),
+                                        name="contact")
     time: Time = key("step and scheme of time integration")
     stages: tuple[Stage, ...] = key("periods of time, one after the other; at least one", name="stage")
     gravity: Vector = key("acceleration of gravity", "m/s²", default=(0.0, 0.0, -9.81))

@@ -76,8 +76,8 @@ class Soil:
     material: Material = key("law and values of the soil in no layer")
     top: float | None = key("z of the surface; left out: upper end of the grid", "m", default=None)
     ground: tuple[tuple[float, float], ...] | Path | None = key(
-        "surface that is not level, at most as high as `top`: a profile along x as a list of [x, z], straight in between and "
-        "level beyond its ends, or the path of a CSV file with columns x, z, or x, y, z of a grid of heights", "m",
+        "surface that is not level, at most as high as `top`: a profile along x as a list of [x, z], straight in between "
+        "and level beyond its ends, or the path of a CSV file with columns x, z, or x, y, z of a grid of heights", "m",
         default=None)
     lower: tuple[float, float, float] | None = key("lower corner of the box of soil; left out: that of the grid", "m",
                                                    default=None)
@@ -125,7 +125,9 @@ USES = {  # values that each law uses, apart from its name and the density
     "von-mises": (*ELASTIC, "strength", "strength_gradient", "hardening", "residual_strength", "cone"),
     "user": (),
 }
-NEEDS = {   # values that a law has no default for, without a relative density; `young` or, with `reference_young`, `stiffness_exponent` too
+# values that a law has no default for, without a relative density; `young` or, with `reference_young`,
+# `stiffness_exponent` too
+NEEDS = {
     "hencky": ("poisson", "density"),
     "drucker-prager": ("poisson", "density", "friction_angle", "dilation_angle", "cohesion"),
     "willam-warnke": ("poisson", "density", "friction_angle", "dilation_angle", "cohesion"),

@@ -3,10 +3,10 @@
     N = min(cores, points / PER_PROCESS, (memory left - memory of the soil) / LIBRARIES)    rounded down; one where N < FEWEST
 
 Each process makes its own block of the initial state. On two cores two processes take 1.05 of the time of
-two threads for a block of 256 000 points and 1.08 for the anchor (demos/speed/README.md), and start 6 s later. So two are not
-worth it. Threads share only the products of the linear solver, a quarter of the work:
-they cannot be faster than four times one, and processes can. One process runs held soil, whose points cost nothing, and a grid
-that follows a body, whose number of points is not known from the scene.
+two threads for a block of 256 000 points and 1.08 for the anchor (demos/speed/README.md), and start 6 s later. So two are
+not worth it. Threads share only the products of the linear solver, a quarter of the work:
+they cannot be faster than four times one, and processes can. One process runs held soil, whose points cost nothing, and a
+grid that follows a body, whose number of points is not known from the scene.
 """
 
 from hybrid.runtime.errors import HybridError
@@ -20,14 +20,14 @@ PER_PROCESS, FEWEST = 100_000, 4    # points, processes
 
 
 def best_ranks(scene, cores, memory):
-    """(Number of processes for a checked Scene on `cores` with `memory` [bytes] left, its number of points or 0 where that was
-    not needed)."""
+    """(Number of processes for a checked Scene on `cores` with `memory` [bytes] left, its number of points or 0 where
+    that was not needed)."""
     if cores < FEWEST or scene.grid.moves or scene.soil.held:
         return 1, 0
     try:
         scene, _ = resolve(apply_accuracy(scene)[0])
         need, points = size(scene, [axis_nodes(axis) for axis in (scene.grid.x, scene.grid.y, scene.grid.z)])
-    except HybridError:     # told when the scene is built
+    except HybridError:     # reported when the scene is built
         return 1, 0
     number = int(min(cores, points // PER_PROCESS, (memory - need) / LIBRARIES))
     return number if number >= FEWEST else 1, points

@@ -8,8 +8,9 @@
 | bodies of planes     | d/16                | d/1000    | (d/4)²; in plane strain b d/4             |
 
 with 1/r the sum of both curvatures, d the size of the smaller body and b the thickness of the slice. So a sphere sinks by a
-thousandth of its diameter into what it rests on, and its patch of contact has a radius of two spacings. Edges count with a width
-and corners with an area with which they alone carry F at an overlap of d/1000. An impact overlaps bodies by at most IMPACT d.
+thousandth of its diameter into what it rests on, and its patch of contact has a radius of two spacings. Edges count with
+a width and corners with an area with which they alone carry F at an overlap of d/1000. An impact overlaps bodies by at
+most IMPACT d.
 
 Equations: FORMULATION (60), (63).
 """
@@ -35,8 +36,8 @@ STANDARD = 9.81             # [m/s²] where a scene has no gravity
 
 
 def refuse_overlap_of_bodies(placed, joined, collapsed):
-    """SceneError where two of the bodies `placed`, each a RigidBody and BodyState, overlap at the start. joined: pairs of their
-    numbers that may; collapsed: (3,) bool, axes along which only their sections count."""
+    """SceneError where two of the bodies `placed`, each a RigidBody and BodyState, overlap at the start. joined: pairs of
+    their numbers that may; collapsed: (3,) bool, axes along which only their sections count."""
     joined = {frozenset(pair) for pair in joined}
     for first, second in combinations(range(len(placed)), 2):
         if {first, second} in joined:
@@ -45,16 +46,16 @@ def refuse_overlap_of_bodies(placed, joined, collapsed):
         depth = depth_of_overlap(one, other, collapsed)
         if depth > TOUCH * min(one[0].radius, other[0].radius):
             volume = volume_of_overlap(one, other)
-            raise SceneError(f"bodies {one[0].name!r} and {other[0].name!r} overlap at the start, by {depth:.3g} m or more and about "
-                             f"{volume:.2g} m³; move one of them by body.position or body.rest_on. Join bodies that belong together by "
-                             "a [[joint]], or make one geometry of them")
+            raise SceneError(f"bodies {one[0].name!r} and {other[0].name!r} overlap at the start, by {depth:.3g} m or "
+                             f"more and about {volume:.2g} m³; move one of them by body.position or body.rest_on. Join "
+                             "bodies that belong together by a [[joint]], or make one geometry of them")
 
 
 def build_pairs(scene, bodies, motions, joints, grid, gravity):
     """(tuple of BodyPair, [PairHistory] at the start) of all bodies that no joint connects.
 
-    bodies: RigidBody and motions: BodyState of each; gravity: (3,) [m/s²]. Bodies that overlap a little at the start begin without
-    force.
+    bodies: RigidBody and motions: BodyState of each; gravity: (3,) [m/s²]. Bodies that overlap a little at the start
+    begin without force.
     """
     joined = {frozenset(joint.bodies) for joint in joints}
     given = {frozenset(contact.bodies): contact for contact in scene.contacts}
@@ -119,7 +120,8 @@ def _history(pair, motions):
     """PairHistory at the start, whose places inside the other body have no force."""
     poses, empty, parts = [(motion.position, motion.rotation) for motion in motions], PairHistory.empty(), []
     for i, side in enumerate(pair.sides):
-        begun = body_to_body.begin(side, poses, poses, TOUCH * pair.size, empty.side(i), pair.stiffness, pair.law, pair.collapsed)
+        begun = body_to_body.begin(side, poses, poses, TOUCH * pair.size, empty.side(i), pair.stiffness, pair.law,
+                                   pair.collapsed)
         found = begun.evaluate(poses)
         parts += [begun.places.number[found.active], begun.start[found.active], found.gap]
     return PairHistory(*parts, np.ones(1))

@@ -117,7 +117,7 @@ def _connected(described, mesh, mirrors, placed, soil, gravity, cone):
     connected = connect_to_soil(described, body, motion.rotation, soil, gravity, cone)
     parts = surface_parts(mesh, body.outline, connected.surface, motion.rotation[soil.grid.collapsed],
                           connected.mass.mass / body.mass.mass)
-    return replace(connected, mirrors=mirrors, stray_cap=stray_cap(described, mesh, mirrors), parts=parts)
+    return replace(connected, mirrors=mirrors, stray_cap=stray_cap(mesh, mirrors), parts=parts)
 
 
 def _start(taken, settled, bodies):

@@ -48,25 +48,26 @@ def connect_to_soil(described, body, rotation, soil, gravity, cone):
     cone: soil.material.cone. Raises SceneError."""
     body = in_slice(body, soil.grid, rotation)
     chosen, spacing, radius = _places(described, body, soil, gravity)
-    interface, sharp = _interface(described, cone), body.surface
+    interface, sharp = interface_of(described, cone), body.surface
     if not (soil.held or chosen.at_corners or _carried(body, soil, gravity)):
         edges = find_edges(body.surface, soil.grid.smallest_cell, rotation[soil.grid.collapsed])
-        body = replace(body, surface=round_off(body.surface, edges), narrowest=narrowest_face(edges, soil.grid.smallest_cell))
+        body = replace(body, surface=round_off(body.surface, edges),
+                       narrowest=narrowest_face(edges, soil.grid.smallest_cell))
     body = replace(body, places=chosen, penalty=_penalty(described, body, soil, spacing, radius, gravity))
     if interface and not chosen.at_corners:
         interface = replace(interface, sharp=None if body.surface is sharp else sharp, cover=_cover(sharp, soil, rotation))
-    body = replace(body, friction=_friction(described), interface=interface)
+    body = replace(body, friction=friction_of(described), interface=interface)
     return rigid.with_stiffness(body, soil.law.young, soil.held)
 
 
-def _friction(described):
+def friction_of(described):
     """Coefficient of friction, inf where adhesion alone limits the shear; 0 where either of them is none."""
     if described.adhesion == 0.0:
         return 0.0
     return described.friction if described.friction is not None else 0.0 if described.adhesion is None else np.inf
 
 
-def _interface(described, cone):
+def interface_of(described, cone):
     """Interface of a body, None where its contact is that of friction alone."""
     tension = {None: 0.0, "full": np.inf}.get(described.tension, described.tension)
     if not described.adhesion and not tension:
@@ -96,7 +97,7 @@ def _places(described, body, soil, gravity):
     wanted = (REST_CURVATURE if soil.held or _rests(body, soil, radius, gravity) else CURVATURE) * width / radius
     k = int(places.BLOCK * np.ceil(np.clip(wanted, FEWEST, MOST) / places.BLOCK))
     reach = places.HELD_REACH if soil.held else places.FACE_REACH
-    if _interface(described, "plane strain"):   # the steps that domains make of a surface are as high as a domain
+    if interface_of(described, "plane strain"):   # the steps that domains make of a surface are as high as a domain
         reach = max(reach, width / soil.grid.smallest_cell)
     return places.faces(k, soil.grid.collapsed, reach), width / k, radius
 

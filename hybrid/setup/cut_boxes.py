@@ -111,7 +111,8 @@ def soil_shares(boxes, surface, motion, collapsed):
     offset = np.stack([a.ravel() for a in np.meshgrid(*([0.0] if c else t for c in collapsed), indexing="ij")], axis=1)
     for ids in chunks(np.flatnonzero(~inside), len(offset)):
         place = boxes.position[ids, None] + offset * boxes.half[ids, None]
-        d, normal = gaps(in_frame(place.reshape(-1, 3), motion, collapsed), surface)     # near a tip bounds of it are far smaller
+        # near a tip bounds of it are far smaller
+        d, normal = gaps(in_frame(place.reshape(-1, 3), motion, collapsed), surface)
         width = np.repeat(2 * across[ids] / count, len(offset), axis=0)
         width = np.einsum("si,si->s", np.abs(normal @ motion.rotation.T), width)
         soil = np.clip(0.5 + d / np.maximum(width, TINY), 0.0, 1.0).reshape(len(ids), len(offset))

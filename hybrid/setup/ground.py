@@ -1,8 +1,8 @@
 """Ground that is not level: points cut to it, bodies that lie on it.
 
 A column of points ends at the mean height of the ground over its cross-section, so the volume of soil is that under the
-ground; the domain that the ground cuts becomes a lower one with the soil that is left. Under a slope stress at rest is the weight of the
-column above, and K0 times that; `hybrid.setup.settle` then finds the equilibrium.
+ground; the domain that the ground cuts becomes a lower one with the soil that is left. Under a slope stress at rest is
+the weight of the column above, and K0 times that; `hybrid.setup.settle` then finds the equilibrium.
 """
 
 from dataclasses import replace
@@ -37,11 +37,13 @@ def cut_to_ground(constants, level):
     share = shares_below(level, position[:, 2], half[:, 2])
     position[:, 2] -= (1.0 - share) * half[:, 2]
     half[:, 2] *= share
-    return replace(constants, position=position, half_width=half, volume=constants.volume * share, mass=constants.mass * share)
+    return replace(constants, position=position, half_width=half, volume=constants.volume * share,
+                   mass=constants.mass * share)
 
 
 def lower_to_ground(scene, placed):
-    """(Scene, [(RigidBody, BodyState)]) with a height for every body with rest_on = "ground": as low as the ground lets it."""
+    """(Scene, [(RigidBody, BodyState)]) with a height for every body with rest_on = "ground": as low as the ground lets
+    it."""
     described, moved = list(scene.bodies), list(placed)
     for b, (body, motion) in enumerate(placed):
         if described[b].rest_on == "ground":

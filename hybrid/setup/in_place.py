@@ -1,8 +1,8 @@
 """Bodies that are in the soil from the start: the soil that they take is removed, and what is left touches them.
 
-Domains are cut in `hybrid.setup.cut_boxes`; the contact points of faces that the cut exposes start in equilibrium with the soil
-(`hybrid.setup.exposed_faces`). Every body in place is reported before the run, and one that overlaps the ground by less than
-a cell asks whether that is meant: it may have been put there by a wrong number.
+Domains are cut in `hybrid.setup.cut_boxes`; the contact points of faces that the cut exposes start in equilibrium with
+the soil (`hybrid.setup.exposed_faces`). Every body in place is reported before the run, and one that overlaps the ground
+by less than a cell asks whether that is meant: it may have been put there by a wrong number.
 
 Equations: FORMULATION (54).
 """
@@ -30,8 +30,8 @@ SHALLOW = 1.0       # cells: a body less deep in the ground may be there by mist
 @dataclass(frozen=True)
 class Taken:
     """Soil that a body takes: volume [m³] of the body in it, volume and mass [m³, kg] of soil removed, numbers of points
-    removed and of points cut; shallow: depth [m] of its lowest point under the ground, of a body that stands out of it by the
-    rest and is less than SHALLOW cells deep, else 0; cells: the same in cells."""
+    removed and of points cut; shallow: depth [m] of its lowest point under the ground, of a body that stands out of it by
+    the rest and is less than SHALLOW cells deep, else 0; cells: the same in cells."""
 
     name: str
     inside: float
@@ -43,8 +43,8 @@ class Taken:
     cells: float = 0.0
 
     def __str__(self):
-        meant = (f". It is only {self.shallow:.3g} m deep in the ground, {self.cells:.2g} cells, limit {SHALLOW:g}: if it is "
-                 'to lie on it, set body.rest_on = "ground"') if self.shallow else ""
+        meant = (f". It is only {self.shallow:.3g} m deep in the ground, {self.cells:.2g} cells, limit {SHALLOW:g}: if "
+                 'it is to lie on it, set body.rest_on = "ground"') if self.shallow else ""
         return (f"{self.name} is in place: it takes {self.volume:.4g} m³ of soil ({self.mass:.4g} kg), where "
                 f"{self.inside:.4g} m³ of it lie in the ground; {self.removed} points removed, {self.cut} cut{meant}")
 
@@ -109,8 +109,10 @@ def _taken(body, motion, soil, boxes, left, inside, cut):
     ground = maximum((boxes.position + boxes.half)[changed[boxes.parent], 2], low)
     depth, limit = ground - low, SHALLOW * soil.grid.smallest_cell
     shallow = depth if depth < limit and high > ground else 0.0
-    inside, gone, removed, cut = (total([each]) for each in (inside, gone, len(np.setdiff1d(boxes.parent, left.parent)), cut))
-    return Taken(body.name, float(inside), float(total(boxes.volume) - total(left.volume)), gone, int(removed), int(cut), shallow,
+    inside, gone, removed, cut = (total([each])
+                                  for each in (inside, gone, len(np.setdiff1d(boxes.parent, left.parent)), cut))
+    return Taken(body.name, float(inside), float(total(boxes.volume) - total(left.volume)), gone, int(removed), int(cut),
+                 shallow,
                  shallow / soil.grid.smallest_cell)
 
 
@@ -119,14 +121,16 @@ def _boxes(points):
 
 
 def _renumbered(constants, boxes):
-    """Numbers (n,) in the run of `boxes`, in the order of the points that they come from; None where one process has them all."""
+    """Numbers (n,) in the run of `boxes`, in the order of the points that they come from; None where one process has them
+    all."""
     if constants.number is None:
         return None
     pieces = np.bincount(boxes.parent, minlength=len(constants))
     changed = joined(np.column_stack([constants.number, pieces - 1])[pieces != 1])      # of all processes, near the bodies
     changed = changed[np.argsort(changed[:, 0])]
     moved = np.concatenate([[0], np.cumsum(changed[:, 1])])     # by the points removed and added before
-    parent, piece = constants.number[boxes.parent], np.arange(len(boxes.parent)) - np.searchsorted(boxes.parent, boxes.parent)
+    parent = constants.number[boxes.parent]
+    piece = np.arange(len(boxes.parent)) - np.searchsorted(boxes.parent, boxes.parent)
     return parent + moved[np.searchsorted(changed[:, 0], parent)] + piece
 
 
@@ -134,7 +138,8 @@ def _cut_points(soil, points, boxes):
     """(Soil, Points at rest) of `boxes`, each with the density, the law and the stress of its point at its own height."""
     kept = select(Population(points, soil.constants, soil.law.rows), boxes.parent)
     share = boxes.volume / np.prod(2 * kept.constants.half_width, axis=1)
-    constants = replace(kept.constants, position=boxes.position, half_width=boxes.half, number=_renumbered(soil.constants, boxes),
+    constants = replace(kept.constants, position=boxes.position, half_width=boxes.half,
+                        number=_renumbered(soil.constants, boxes),
                         volume=kept.constants.volume * share, mass=kept.constants.mass * share)
     law, stress = soil.law.with_rows(kept.rows), np.einsum("nii->ni", kept.points.stress)
     if constants.geostatic_gradient is not None:

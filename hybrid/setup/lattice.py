@@ -20,8 +20,8 @@ from hybrid.state import PointConstants
 
 @dataclass(frozen=True)
 class Lattice:
-    """Lines of points along the axes: centres, halves (widths): three arrays [m]; cells: three arrays, cell of the grid that each
-    line is in; ground: soil.ground, None where it is level."""
+    """Lines of points along the axes: centres, halves (widths): three arrays [m]; cells: three arrays, cell of the grid
+    that each line is in; ground: soil.ground, None where it is level."""
 
     centres: tuple
     halves: tuple

@@ -15,8 +15,8 @@ CLAY = 11.0     # Nc, of the 8.5 to 14 that are used
 
 
 def line_through_soil(scene, described, body, mesh):
-    """The body, with the soil that its pull line cuts through where the scene gives that line a diameter. mesh: TetMesh; of a
-    half body half of the line is modelled."""
+    """The body, with the soil that its pull line cuts through where the scene gives that line a diameter. mesh: TetMesh;
+    of a half body half of the line is modelled."""
     pull, soil = described.pull, scene.soil
     if pull is None or pull.diameter is None:
         return body

@@ -10,8 +10,8 @@ pressed on elastic soil (E = 10 MPa, cells of 0.1 m, plane strain) takes, in its
 | 3 | 23, 33, 11 |
 | 0.3 | 12, 5, 5 |
 
-On held ground a block that sticks takes 43 instead of 94 in 60 steps, but rocks in springs that lose energy. So held soil keeps stiff
-ones, as contact of bodies with one another has.
+On held ground a block that sticks takes 43 instead of 94 in 60 steps, but rocks in springs that lose energy. So held soil
+keeps stiff ones, as contact of bodies with one another has.
 """
 
 from dataclasses import replace
@@ -25,8 +25,8 @@ CURVED = np.radians(1.0)    # angle between the normals of a facet and of the su
 
 
 def with_soft_springs(scene, bodies, motions, decisions):
-    """(Scene, [RigidBody], Decisions) with ε_T / ε_N of SLIDING on soil that deforms, at bodies that cannot roll; motions: BodyState
-    of each."""
+    """(Scene, [RigidBody], Decisions) with ε_T / ε_N of SLIDING on soil that deforms, at bodies that cannot roll;
+    motions: BodyState of each."""
     if scene.soil.held:
         return scene, bodies, decisions
     described, bodies, decisions = list(scene.bodies), list(bodies), list(decisions)
@@ -42,7 +42,8 @@ def with_soft_springs(scene, bodies, motions, decisions):
 
 
 def rolls(surface, rotation, in_plan):
-    """Whether a ContactSurface has curved faces that are not upright; in_plan: where z is collapsed, upright ones count too."""
+    """Whether a ContactSurface has curved faces that are not upright; in_plan: where z is collapsed, upright ones count
+    too."""
     turning = np.einsum("tcj,tj->tc", surface.corner_normals, surface.normals).min(axis=1) < np.cos(CURVED)
     upward = surface.normals @ rotation[2]
     return bool(np.any(turning & (in_plan | (np.abs(upward) > UPRIGHT))))

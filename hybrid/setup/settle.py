@@ -1,4 +1,5 @@
-"""The start of soil that geostatic stress does not leave in equilibrium: around a body in place, under ground that is not level.
+"""The start of soil that geostatic stress does not leave in equilibrium: around a body in place, under ground that is not
+level.
 
 Quasi-static steps under the loads of the start find the equilibrium before the first stage begins: the first one takes
 nearly all, the others what is out of balance after the points have moved. Bodies are held, pull lines are slack; then
@@ -41,8 +42,9 @@ class Settled:
 
 
 def settle(model, state, length):
-    """(Model, State in equilibrium, Settled or None) from a State at rest; nothing is done where the soil carries no stress, or
-    no weight. length: [s] of the step, of which nothing depends but a rate. Raises SceneError where there is no equilibrium.
+    """(Model, State in equilibrium, Settled or None) from a State at rest; nothing is done where the soil carries no
+    stress, or no weight. length: [s] of the step, of which nothing depends but a rate. Raises SceneError where there is
+    no equilibrium.
 
     The model is the one given, but where points have gone to other processes."""
     if model.soil.held or not anywhere(state.points.stress):

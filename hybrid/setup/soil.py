@@ -41,8 +41,8 @@ class Stratum:
 
 
 def build_soil(scene, grid, loads, law=None):
-    """(Soil model, its points at rest), in geostatic equilibrium if the scene wants that. law: of a user. Several processes each
-    make their block of the grid and the points in its cells."""
+    """(Soil model, its points at rest), in geostatic equilibrium if the scene wants that. law: of a user. Several
+    processes each make their block of the grid and the points in its cells."""
     described, cells = scene.soil, None
     if ranks.started() > 1:
         grid, cells = processes.first_block(grid, count_points(described, grid))
@@ -63,7 +63,8 @@ def _held_ground(described, grid, constants):
     """HeldGround that contact follows where soil with domains is held under given heights, None elsewhere."""
     if described.ground is None or not described.held or described.basis != "gimp":
         return None
-    return HeldGround.of(heights(described.ground), soil_box(described, grid)[1][2], constants.position, constants.half_width)
+    return HeldGround.of(heights(described.ground), soil_box(described, grid)[1][2], constants.position,
+                         constants.half_width)
 
 
 def count_points(described, grid):
@@ -225,9 +226,10 @@ def initial_stress(described, constants, density, k0, vertical, gravity):
     if described.held or not described.geostatic:
         return constants, np.zeros((len(constants), 3))
     if np.any(gravity[:2] != 0.0) or gravity[2] > 0.0:
-        raise SceneError(f"soil.geostatic needs gravity along -z, but gravity = {gravity.tolist()}; z points up: write gravity = "
-                         f"[0.0, 0.0, -{np.linalg.norm(gravity):.4g}], or, if gravity is to act like that, turn the scene, or set soil.geostatic = "
-                         "false and turn gravity on by stage.gravity = [0.0, 1.0]")
+        raise SceneError(f"soil.geostatic needs gravity along -z, but gravity = {gravity.tolist()}; z points up: write "
+                         f"gravity = [0.0, 0.0, -{np.linalg.norm(gravity):.4g}], or, if gravity is to act like that, "
+                         "turn the scene, or set soil.geostatic = false and turn gravity on by stage.gravity = [0.0, "
+                         "1.0]")
     ratios = np.stack([k0, k0, np.ones_like(k0)], axis=1)
     gradient = (density * np.linalg.norm(gravity))[:, None] * ratios
     return replace(constants, geostatic_gradient=gradient), -vertical[:, None] * ratios

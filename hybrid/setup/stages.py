@@ -55,9 +55,9 @@ def refuse_implied(scene, model, state):
     """SceneError where the component of a point that a stage guides follows from what else holds the body."""
     for number, stage in enumerate(scene.stages):
         for guide in implied_guides(model.for_stage(stage.held, number=number), state.bodies):
-            raise SceneError(f"stage {stage.name!r} guides {guide.name} of body {model.bodies[guide.bodies[0]].name!r}, which "
-                             "components that are held or driven, joints or other points leave no freedom there; remove this "
-                             "motion, or release one of them")
+            raise SceneError(f"stage {stage.name!r} guides {guide.name} of body {model.bodies[guide.bodies[0]].name!r}, "
+                             "which components that are held or driven, joints or other points leave no freedom there; "
+                             "remove this motion, or release one of them")
 
 
 def _load(load, key, described, body_mesh, centre):

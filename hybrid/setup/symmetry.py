@@ -61,14 +61,15 @@ def mirrors_of(scene, described, mesh):
 
 
 def in_part(body, mirrors):
-    """The RigidBody with the share of its mass in the part that is modelled: half of it for each plane that it lies across."""
+    """The RigidBody with the share of its mass in the part that is modelled: half of it for each plane that it lies
+    across."""
     share = 0.5 ** sum(not mirror.cut for mirror in mirrors)
     mass = replace(body.mass, **{name: share * getattr(body.mass, name)
                                  for name in ("mass", "inertia", "matrix", "gravity_load")})
     return replace(body, mass=mass)
 
 
-def stray_cap(described, mesh, mirrors):
+def stray_cap(mesh, mirrors):
     """Whether the cut face of a body lies in no plane of symmetry of the model."""
     return len(mesh.symmetry) > 0 and not any(mirror.cut for mirror in mirrors)
 

@@ -22,7 +22,8 @@ from hybrid.linalg.stencil import local_number, relative_place
 
 NODES = 27
 STRIDE = 88         # columns of a box, 3 x 28, and as many more as make whole vectors
-# Unsigned offsets of rows: numba tests at every access whether a signed index is negative, and then uses no vector registers.
+# Unsigned offsets of rows: numba tests at every access whether a signed index is negative, and then uses no vector
+# registers.
 ROW, ROWS = np.uintp(STRIDE), np.uintp(2 * STRIDE)
 
 

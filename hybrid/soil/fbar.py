@@ -24,8 +24,8 @@ with the gradients at the start of the step, which are fixed within an increment
     Â_imkn  = ΔF^-1_mj ΔF^-1_nl [A_ijkl - c_ij δ_kl - δ_ij e_kl + κ δ_ij δ_kl + q δ_il δ_jk]
     ĉ_im    = ΔF^-1_mj (c_ij - κ δ_ij)          ê_kn = ΔF^-1_nl (e_kl - κ δ_kl)
 
-B and S are arrays over the components (w, k) of a point's nodes, summed and added as in `hybrid.soil.boxes`. The tangent of a
-point follows from COUNT numbers: Â, ĉ, ê, ΔF_0^-1, κ and q.
+B and S are arrays over the components (w, k) of a point's nodes, summed and added as in `hybrid.soil.boxes`. The tangent
+of a point follows from COUNT numbers: Â, ĉ, ê, ΔF_0^-1, κ and q.
 
 The value at the element's centre is used by de Souza Neto, Perić, Dutko & Owen, Int. J. Solids Struct. 33 (1996)
 3277-3296, and for material points by Coombs et al., Comput. Methods Appl. Mech. Eng. 333 (2018) 1-21. Their force has
@@ -146,12 +146,12 @@ def mean_tangent(A, c, e, scalars, inverse, mean_inverse, work, out):
 
 @njit(cache=True, fastmath={"contract"})
 def add_mean_terms(numbers, volume, column, nodes, columns, g, d, work, B):
-    """Add the terms of ĉ to B_im, which contains V0 Â_imkn ∂_n S_w, and all terms to S_im, for the components of the nodes of
-    a point.
+    """Add the terms of ĉ to B_im, which contains V0 Â_imkn ∂_n S_w, and all terms to S_im, for the components of the
+    nodes of a point.
 
     numbers: (COUNT,) of `mean_tangent`; volume: V0, negative to subtract; column, nodes, columns, B: as in
-    `hybrid.soil.boxes`, S_im in row i after B_im; g, d: (28, 3) ∂S and ∂M; work: (8 STRIDE,) scratch. It takes, for the columns (w, k), h_w,k of the
-    column's own component, what ΔF_0^-1_mi multiplies, q h_w,i and ΔF_0^-1_mk.
+    `hybrid.soil.boxes`, S_im in row i after B_im; g, d: (28, 3) ∂S and ∂M; work: (8 STRIDE,) scratch. It takes, for the
+    columns (w, k), h_w,k of the column's own component, what ΔF_0^-1_mi multiplies, q h_w,i and ΔF_0^-1_mk.
     """
     T, kappa, q = numbers[INVERSE_AT:SCALARS_AT], numbers[SCALARS_AT], numbers[SCALARS_AT + 1]
     c, e = numbers[C_AT:E_AT], numbers[E_AT:INVERSE_AT]

@@ -123,8 +123,8 @@ def refuse_outside_grid(leaving, position, grid, constants):
     if not anywhere([len(ids)]):
         return
     ends = "; ".join(f"{axis} {low:.6g} to {high:.6g}" for axis, (low, high) in zip("xyz", grid.extent))
-    raise StepError(f"{list_points(constants.named(ids), position[ids])} would leave the grid ({ends} m); enlarge the grid, hold its "
-                    'face, or set soil.stray = "freeze" or "remove"')
+    raise StepError(f"{list_points(constants.named(ids), position[ids])} would leave the grid ({ends} m); enlarge the "
+                    'grid, hold its face, or set soil.stray = "freeze" or "remove"')
 
 
 def refuse_detached(detached, position, constants):
@@ -132,8 +132,9 @@ def refuse_detached(detached, position, constants):
     scene."""
     ids = np.flatnonzero(detached)
     if anywhere([len(ids)]):
-        raise StepError(f"{list_points(constants.named(ids), position[ids])} touch no other soil and no held node, so nothing carries "
-                        'them in a quasi-static scene; set soil.stray = "freeze" or "remove", or time.inertia = true')
+        raise StepError(f"{list_points(constants.named(ids), position[ids])} touch no other soil and no held node, so "
+                        'nothing carries them in a quasi-static scene; set soil.stray = "freeze" or "remove", or '
+                        'time.inertia = true')
 
 
 @njit(cache=True, parallel=True)

@@ -167,7 +167,8 @@ class Soil:
         response = self.law.respond(strain.strain, points.plastic_strain)
         failed = () if response.failed is None else np.flatnonzero(_active_only(points, response.failed))
         if number(failed):
-            return Refusal(f"leaves the soil's law without a stress at {lost_points.list_points(self.constants.named(failed))}")
+            return Refusal("leaves the soil's law without a stress at "
+                           f"{lost_points.list_points(self.constants.named(failed))}")
         stress = from_principal(response.stress, strain.directions)
         volume = _active_only(points, self.constants.volume)
         force = internal_force(step.basis, step.slabs, self.grid.shape, strain, stress, volume,
@@ -278,7 +279,8 @@ class Soil:
 
     def stored_energy(self, points):
         """Elastic energy of committed points [J]."""
-        with np.errstate(divide="ignore", over="ignore", invalid="ignore"):     # soil that the next step refuses as inside out
+        # soil that the next step refuses as inside out
+        with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
             energy = self.law.energy(logarithmic(points.b_elastic))
         return float(total(energy * self.constants.volume))
 

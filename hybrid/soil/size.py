@@ -23,8 +23,9 @@ FBAR_PER_POINT = 4000   # more with F-bar and contact on faces, as measured in a
 def sizes(soil):
     """Sizes of the soil block in the first step, of all processes: nodes in the support of a point at its initial place."""
     planes = []
-    for nodes, fixed, collapsed, x, half in zip(soil.grid.lines, soil.grid.planes, soil.grid.collapsed, soil.constants.position.T,
-                                                soil.constants.half_width.T):
+    position, half_width = soil.constants.position.T, soil.constants.half_width.T
+    grid = soil.grid
+    for nodes, fixed, collapsed, x, half in zip(grid.lines, grid.planes, grid.collapsed, position, half_width):
         reached = np.full(len(nodes), not soil.held)
         if not (soil.held or collapsed):
             reached = (nodes >= _at_or_below(nodes, minimum(x - half))) & (nodes <= _at_or_above(nodes, maximum(x + half)))

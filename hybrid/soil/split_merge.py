@@ -37,7 +37,8 @@ def select(population, ids):
 
 def concatenate(first, second):
     """Both populations, the points of the second after those of the first. An array that only one has is zero for the
-    other, and so is the gradient of an algorithmic acceleration that only one carries, as after a stage of another scheme."""
+    other, and so is the gradient of an algorithmic acceleration that only one carries, as after a stage of another
+    scheme."""
     def both(a, b):
         if a is None and b is None:
             return None

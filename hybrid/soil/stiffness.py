@@ -2,8 +2,8 @@
 
     K_vw,ik   = Σ_p V0 g_v,j A_ijkl g_w,l           A_ijkl = ∂τ_ij/∂l_kl - τ_il δ_jk
 
-(FORMULATION (12); g, τ and V0 as in `hybrid.soil.forces`, A in `hybrid.soil.tangent`, sums over points in `hybrid.soil.boxes`,
-the terms of F-bar in `hybrid.soil.fbar`).
+(FORMULATION (12); g, τ and V0 as in `hybrid.soil.forces`, A in `hybrid.soil.tangent`, sums over points in
+`hybrid.soil.boxes`, the terms of F-bar in `hybrid.soil.fbar`).
 
 Within an increment ∇_n S is fixed, so a point's part of K is linear in the 81 numbers
 
@@ -50,7 +50,7 @@ class _Kept(NamedTuple):
     fresh: bool
 
 
-class _Origin(NamedTuple):
+class Origin(NamedTuple):
     """What the numbers of the points last added were computed from: D (n, 3, 3) and τ (n, 3) [Pa], ΔF^-1 and ΔF_0^-1
     (n, 3, 3), without F-bar the former twice."""
 
@@ -81,8 +81,9 @@ class KeptStiffness:
 
     def __init__(self, tolerance, young, fbar=False):
         n = len(young)
-        self._limit, self._numbers, self._changed = tolerance * young, np.empty((n, COUNT if fbar else 81)), np.empty(n, bool)
-        self._origin = _Origin(*(np.empty(shape) for shape in ((n, 3, 3), (n, 3), (n, 3, 3), (n, 3, 3))))
+        self._limit, self._changed = tolerance * young, np.empty(n, bool)
+        self._numbers = np.empty((n, COUNT if fbar else 81))
+        self._origin = Origin(*(np.empty(shape) for shape in ((n, 3, 3), (n, 3), (n, 3, 3), (n, 3, 3))))
         self._increment, self._pattern, self.values = lambda: None, None, np.zeros(0)
 
     def update(self, increment, grid, trial, principal_stress, tangent, volume, pattern, share=1.0):
@@ -99,8 +100,8 @@ class KeptStiffness:
                 ghost.add_stiffness(increment.cuts, grid, pattern, self.values)
         points = _PointState(trial.inverse, trial.strain, trial.directions, principal_stress, tangent, volume)
         dilatation = mean_dilatation(increment.mean, grid.collapsed, trial)
-        now = _Origin(tangent, principal_stress, trial.inverse, trial.inverse if dilatation is None else dilatation.inverse)
-        _mark_changed(now, self._origin, -1.0 * self._limit if fresh else share * self._limit, self._changed)
+        now = Origin(tangent, principal_stress, trial.inverse, trial.inverse if dilatation is None else dilatation.inverse)
+        mark_changed(now, self._origin, -1.0 * self._limit if fresh else share * self._limit, self._changed)
         _add_stiffness(increment.slabs, increment.basis, grid.shape, points, pattern.sparsity, self.values,
                        _Kept(self._numbers, self._changed, fresh), dilatation)
 
@@ -118,15 +119,16 @@ def _add_stiffness(slabs, basis, shape, points, sparsity, values, kept, dilatati
 
 @njit(cache=True)
 def _add_slab(order, basis, shape, points, sparsity, values, kept, dilatation):
-    """Add the tangent of the points of one slab, box by box. Tuples are unpacked first, as access to their fields in the loop
-    costs 10 %."""
+    """Add the tangent of the points of one slab, box by box. Tuples are unpacked first, as access to their fields in the
+    loop costs 10 %."""
     first, count, value, gradient = basis
     inverse, strain, directions, stress, tangent, volume = points
     numbers, changed, fresh = kept
     widths, deforms = box_widths(shape), np.array([n > 1 for n in shape])
     if dilatation is not None:
         mean_value, mean_inverse, deforms = dilatation
-    box, node, number, column = empty_box(), np.empty(NODES, np.int64), np.empty(NODES + 1, np.int64), np.empty(NODES + 1, np.int64)
+    box, node = empty_box(), np.empty(NODES, np.int64)
+    number, column = np.empty(NODES + 1, np.int64), np.empty(NODES + 1, np.int64)
     new, A, dyads, pulled = np.empty(COUNT), np.empty(81), np.empty((3, 81)), np.empty((3, 3))
     g, E, B = np.empty((NODES + 1, 3)), np.empty(9 * STRIDE), np.empty((3, 6 * STRIDE))
     d, work, c, e = np.empty_like(g), np.empty_like(E), np.empty((3, 3)), np.empty((3, 3))      # of F-bar
@@ -183,7 +185,7 @@ def copy_values(values, out):
 
 
 @njit(cache=True, parallel=True)
-def _mark_changed(now, before, limit, changed):
+def mark_changed(now, before, limit, changed):
     """Fill `changed` (n,): points where D or τ, or an inverse times the largest of these, is farther than the `limit` (n,)
     [Pa] from where it was `before`, which becomes what it is `now` there. A negative limit marks all."""
     D, stress, inverse, mean_inverse = now

@@ -22,8 +22,9 @@ from hybrid.step.search_reach import search_reach
 # all of the moments of inertia, a tolerance of 1e-6 makes the period of a plate wrong by 4e-5, where the scheme is wrong by
 # 1e-6. With the default tolerance, 1e-4, rates are solved to 1e-10.
 FLIGHT = 1e-6
-# Without inertia a body that rests on others may have no stiffness, or that of a corner: it moves by at most this share of its size
-# in an iteration, and REST of the stiffness of its contact is added against motions that nothing resists, as the rolling of a ball.
+# Without inertia a body that rests on others may have no stiffness, or that of a corner: it moves by at most this share
+# of its size in an iteration, and REST of the stiffness of its contact is added against motions that nothing resists, as
+# the rolling of a ball.
 PACE, REST = 0.01, 1e-6
 
 
@@ -80,8 +81,8 @@ class BodyStep:
         return rigid.moved_pose(self.pose(unknowns), full)
 
     def at_start(self, displacement, gravity):
-        """(4, 6) [N, N m] weight, line, contact and loads at the start of the step. displacement: (N, 3) of 0 [m], None for held
-        soil; gravity: (3,) [m/s²] then."""
+        """(4, 6) [N, N m] weight, line, contact and loads at the start of the step. displacement: (N, 3) of 0 [m], None
+        for held soil; gravity: (3,) [m/s²] then."""
         pose, target = self.committed_pose(), None if self.target is None else self.state.target
         trial = rigid.evaluate(self.body, self.state, pose, target, gravity, self.scheme, self.dt, self.begin)
         return np.array([trial.weight, trial.line, -self.pair.evaluate(displacement, pose).resultant, trial.load])
@@ -114,8 +115,9 @@ class BodyStep:
 
 @dataclass(frozen=True)
 class BodyTerms:
-    """Terms of a body at a trial pose: `terms` (k, 6) [N, N m] inertia, weight, line, contact, loads, joints and, where there are
-    others, contact with other bodies; springs: [N/m] stiffness of its contact; beside: whether other bodies may touch it."""
+    """Terms of a body at a trial pose: `terms` (k, 6) [N, N m] inertia, weight, line, contact, loads, joints and, where
+    there are others, contact with other bodies; springs: [N/m] stiffness of its contact; beside: whether other bodies may
+    touch it."""
 
     step: BodyStep
     pose: tuple

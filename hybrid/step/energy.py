@@ -3,12 +3,12 @@
     stored = kinetic + elastic + potential + contact springs + line
     stored(t) - stored(0) + plastic + friction + ghost + left + stop = work of pull, drive and load + error
 
-Ghost is the work of the ghost penalty, which resists increments and stores nothing. Kinetic energy is that of points and bodies, none in a quasi-static scene; the energy that the transfer between points
-and grid loses is part of the error. Drive is the work of guides: of driven components, and of the impulse when a stage
-holds a body that moves or drives one that rests. Stop, of scenes with joints, is the kinetic energy lost where stops and
-lines engage. Load is the work of all loads but the whole of gravity
-(`hybrid.step.loads`, `hybrid.body.guides`). Left is the energy of soil that a moving grid leaves behind, and the energy lost where it merges
-points (`hybrid.step.moving_grid`).
+Ghost is the work of the ghost penalty, which resists increments and stores nothing. Kinetic energy is that of points and
+bodies, none in a quasi-static scene; the energy that the transfer between points and grid loses is part of the error.
+Drive is the work of guides: of driven components, and of the impulse when a stage holds a body that moves or drives one
+that rests. Stop, of scenes with joints, is the kinetic energy lost where stops and lines engage. Load is the work of all
+loads but the whole of gravity (`hybrid.step.loads`, `hybrid.body.guides`). Left is the energy of soil that a moving grid
+leaves behind, and the energy lost where it merges points (`hybrid.step.moving_grid`).
 """
 
 import numpy as np

@@ -22,8 +22,8 @@ from hybrid.step.pair_terms import struck
 from hybrid.step.support import Support
 
 EASY = 6            # Newton iterations up to which the next increment may be twice as long
-# Share of an outer step from which on a quasi-static increment that fails is tried with soil that has followed the bodies: in longer
-# ones it would give more force than two halves do (5 % on a cylinder in deep clay).
+# Share of an outer step from which on a quasi-static increment that fails is tried with soil that has followed the
+# bodies: in longer ones it would give more force than two halves do (5 % on a cylinder in deep clay).
 FOLLOW = 1 / 8
 ROUND_OFF = 1e-9    # of an outer step: a rest as short as this is none
 

@@ -62,7 +62,8 @@ def consistent(model, bodies, joints, active, driven=None):
 
 
 def engages(step, terms):
-    """Whether stops, lines or friction engage in an increment, with an impulse. step: Step; terms: its JointTerms or None."""
+    """Whether stops, lines or friction engage in an increment, with an impulse. step: Step; terms: its JointTerms or
+    None."""
     if terms is None or not step.model.scheme.inertia:
         return False
     bounded = np.isfinite(terms.step.bounds).any(axis=1)
@@ -120,8 +121,8 @@ def begin_stage(model, bodies, joints):
 
 
 def released(model, state, guides):
-    """`state` after a stage with other `guides` of points: what they pushed with accelerates bodies from the start of the next
-    step, as in `rigid.release_guides`."""
+    """`state` after a stage with other `guides` of points: what they pushed with accelerates bodies from the start of the
+    next step, as in `rigid.release_guides`."""
     if state.joints is None or not model.scheme.inertia:
         return state
     before = replace(model, joints=(), guides=guides)
@@ -137,8 +138,8 @@ def released(model, state, guides):
 
 
 def engage_guides(model, state, dt):
-    """`state` at the start of an increment of `dt` [s] in which guided points have the rates of their tables; the work of the
-    impulses is work of the drive."""
+    """`state` at the start of an increment of `dt` [s] in which guided points have the rates of their tables; the work of
+    the impulses is work of the drive."""
     if not model.guides or not model.scheme.inertia:
         return state
     always = ~np.isfinite(rows_of(model)[0]).any(axis=1)

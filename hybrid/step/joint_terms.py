@@ -7,9 +7,9 @@ s = k, times a length r for rows of angles, with k a stiffness of the bodies, so
 others imply, such as those along components that guides hold, are left out: their λ is zero. c = CREEP k for rows of
 friction, which may stick where a stop acts along them too, else 0.
 
-Multipliers are forces at the end of the increment. Newmark's scheme without damping makes them oscillate, so scenes with joints
-need one that damps. Velocities that rows allow, and impulses: `hybrid.step.joint_rates`. The rows of joints are followed by
-those of guided points (`hybrid.body.point_guides`).
+Multipliers are forces at the end of the increment. Newmark's scheme without damping makes them oscillate, so scenes with
+joints need one that damps. Velocities that rows allow, and impulses: `hybrid.step.joint_rates`. The rows of joints are
+followed by those of guided points (`hybrid.body.point_guides`).
 
 Source: M. Arnold and O. Brüls, Multibody Syst. Dyn. 18 (2007) 185-202 (generalised alpha with multipliers).
 

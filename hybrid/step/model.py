@@ -60,7 +60,8 @@ class Model:
         guides = tuple(guide.of_body(i, start) for i, b in enumerate(bodies) if number is not None and b.stages
                        for guide in b.stages[number].points)
         bodies = tuple(b if number is None or not b.stages else b.stages[number].apply(b, start) for b in bodies)
-        return replace(self, scheme=self.scheme.with_pair(beta, gamma), bodies=bodies, loads=loads or self.loads, guides=guides)
+        return replace(self, scheme=self.scheme.with_pair(beta, gamma), bodies=bodies, loads=loads or self.loads,
+                       guides=guides)
 
     def begin_stage(self, state, guides=()):
         """`state` at the start of a stage of this model: guides release bodies or engage them. The work of the impulse

@@ -8,8 +8,8 @@ The grid carries no state, so between two outer steps it may be replaced (`hybri
     3. points are split where cells have become finer, merged where coarser (`hybrid.soil.refinement`)
     4. domains are fitted to their new cells, and contact follows its points to their new numbers
 
-On several processes the halves of a point may lie in different blocks, so 3 is done where their initial place is, and the new
-grid is cut into new blocks (`hybrid.step.processes`).
+On several processes the halves of a point may lie in different blocks, so 3 is done where their initial place is, and the
+new grid is cut into new blocks (`hybrid.step.processes`).
 
 Points with a corner that contact follows are neither split nor merged. At an end of the window inside the axis, soil
 is held at least along that axis. The energy of soil left behind in 1 and the energy lost in 3 are work "left".
@@ -191,8 +191,8 @@ class MovingGrid:
                        for a, s in enumerate(window)], axis=0)
 
     def _fill_new_blocks(self, layouts, grid, here, made, shared):
-        """Population with points at rest in blocks that enter the window for the first time, and the new `made`; shared: whether
-        several processes make their share of these points each."""
+        """Population with points at rest in blocks that enter the window for the first time, and the new `made`; shared:
+        whether several processes make their share of these points each."""
         window = self._blocks(layouts)
         if made[window].all():
             return here, made

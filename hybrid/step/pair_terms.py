@@ -1,7 +1,7 @@
 """Bodies in contact with one another, in one increment: their forces and stiffness in the bodies' block of the equations.
 
-The law is that of `hybrid.contact.body_to_body`, at places on both bodies, each side with half of the stiffness k. Pairs that are
-too far apart to touch in the increment cost a distance of centres.
+The law is that of `hybrid.contact.body_to_body`, at places on both bodies, each side with half of the stiffness k. Pairs
+that are too far apart to touch in the increment cost a distance of centres.
 
     k = f k_0       k_0 from the weight of the lighter body (`hybrid.setup.body_contact`)
 
@@ -21,8 +21,10 @@ from hybrid.contact.soil_to_body import Coulomb
 from hybrid.state import PairHistory
 
 IMPACT = 5e-3   # of the size of the smaller body: overlap by an impact
-MARGIN = {True: 0.02, False: 0.1}   # of the size of the smaller body: reach beyond twice the predicted path, with and without inertia
-LEFT = 0.02     # of the speed of the fastest body: velocity that an impulse has yet to give, above which increments do not grow
+# Share of the size of the smaller body: reach beyond twice the predicted path, with and without inertia
+MARGIN = {True: 0.02, False: 0.1}
+# Share of the speed of the fastest body: velocity that an impulse has yet to give, above which increments do not grow
+LEFT = 0.02
 STRIDE = 0.5    # of the same: longest predicted path of bodies that may meet in an increment
 PASSED = 0.01   # of the same: depth of places on their way that counts as having passed through
 
@@ -33,7 +35,8 @@ class BodyPair:
 
     numbers: of the first and second body; sides: places of the first one on the second, and the other way round
     stiffness: k_0 [N/m³]; impact: [N s²/m⁵] k over the square of the speed of an impact; size: [m] of the smaller body
-    law: Coulomb; radii: (2,) [m] of balls around them; collapsed: (3,) bool axes; load: [N] that k_0 is made for, and overlap: [m] under it
+    law: Coulomb; radii: (2,) [m] of balls around them; collapsed: (3,) bool axes; load: [N] that k_0 is made for, and
+    overlap: [m] under it
     """
 
     numbers: tuple[int, int]
@@ -53,8 +56,9 @@ class BodyPair:
         return float(np.linalg.norm(np.where(self.collapsed, 0.0, apart))) - sum(self.radii)
 
     def contact_times(self, mass):
-        """(time [s] of a touch at most as deep as `overlap`, way [m] that over the speed of a harder impact is its time) of bodies with
-        an effective `mass` [kg]: π times depth over speed of a linear spring, 2.8 of one whose area grows with the overlap."""
+        """(time [s] of a touch at most as deep as `overlap`, way [m] that over the speed of a harder impact is its time)
+        of bodies with an effective `mass` [kg]: π times depth over speed of a linear spring, 2.8 of one whose area grows
+        with the overlap."""
         return float(np.pi * np.sqrt(mass * self.overlap / self.load)), 3.0 * IMPACT * self.size
 
     def path(self, poses, others):
@@ -68,7 +72,8 @@ class BodyPair:
 
 @dataclass(frozen=True)
 class PairStep:
-    """A pair near enough to touch, frozen during an increment: index in the model; sides; factor f; reach [m] of the search."""
+    """A pair near enough to touch, frozen during an increment: index in the model; sides; factor f; reach [m] of the
+    search."""
 
     index: int
     pair: BodyPair
@@ -79,9 +84,9 @@ class PairStep:
 
 @dataclass(frozen=True)
 class PairsStep:
-    """All pairs during an increment. poses: committed, of all bodies; near: PairStep of those that may touch; columns: (b, 6)
-    places of the bodies' components among their unknowns, -1 of components that are none; hasty: why the increment is too long for
-    what bodies are predicted to do, empty if it is not."""
+    """All pairs during an increment. poses: committed, of all bodies; near: PairStep of those that may touch; columns:
+    (b, 6) places of the bodies' components among their unknowns, -1 of components that are none; hasty: why the increment
+    is too long for what bodies are predicted to do, empty if it is not."""
 
     poses: tuple
     pairs: tuple[BodyPair, ...]
@@ -187,7 +192,8 @@ def begin_pairs(model, state, bodies, dt):
         reach = 2.0 * path + fall + MARGIN[model.scheme.inertia] * pair.size
         if path > STRIDE * pair.size and pair.distance(poses) <= path:
             names = " and ".join(bodies[b].body.name for b in pair.numbers)
-            hasty = f"bodies {names} approach one another by {path:.3g} m, limit {STRIDE * pair.size:.3g} m where they may meet"
+            hasty = (f"bodies {names} approach one another by {path:.3g} m, limit {STRIDE * pair.size:.3g} m where they "
+                     "may meet")
         elif pair.distance(poses) <= reach:
             near.append(_begin_pair(index, pair, history, bodies, poses, predicted, reach, dt))
     columns = np.full((len(bodies), 6), -1)
@@ -197,9 +203,9 @@ def begin_pairs(model, state, bodies, dt):
 
 
 def struck(step, evaluation):
-    """Whether the increment to an Evaluation leaves a body with an impulse that the scheme has not handed on yet, so that the next
-    one must not be longer: generalised alpha moves bodies by the acceleration of earlier increments, and an impulse is a force
-    times the length of its own one."""
+    """Whether the increment to an Evaluation leaves a body with an impulse that the scheme has not handed on yet, so that
+    the next one must not be longer: generalised alpha moves bodies by the acceleration of earlier increments, and an
+    impulse is a force times the length of its own one."""
     if step.pairs is None or not step.model.scheme.auxiliary:
         return False
     states = [terms.accept() for terms in evaluation.bodies]
@@ -211,7 +217,8 @@ def struck(step, evaluation):
 def _begin_pair(index, pair, history, bodies, poses, predicted, reach, dt):
     """PairStep of a pair that may touch."""
     def both(factor):
-        return tuple(body_to_body.begin(side, poses, predicted, reach, history.side(i), 0.5 * factor * pair.stiffness, pair.law,
+        return tuple(body_to_body.begin(side, poses, predicted, reach, history.side(i), 0.5 * factor * pair.stiffness,
+                                        pair.law,
                                         pair.collapsed) for i, side in enumerate(pair.sides))
 
     factor = float(history.factor[0])

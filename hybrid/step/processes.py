@@ -1,11 +1,11 @@
 """Points and nodes of a run by several processes: who makes them, how they move to new owners, gathered for a picture.
 
-From the start on each process has the points in the cells of its block (`hybrid.grid.blocks`), in the order of their numbers in
-the whole run, their constants, their rows of the law and what contact remembers of them. Points that a moving grid has left
-behind stay with the process that had them. Bodies and their surfaces are in all processes.
+From the start on each process has the points in the cells of its block (`hybrid.grid.blocks`), in the order of their
+numbers in the whole run, their constants, their rows of the law and what contact remembers of them. Points that a moving
+grid has left behind stay with the process that had them. Bodies and their surfaces are in all processes.
 
-A block's load is the work on it: POINT of a point and CONTACT of a contact point, which lives with its soil point. Blocks of equal
-loads are cut anew where the share of the fullest one has become GROWN times as large, and for every new grid.
+A block's load is the work on it: POINT of a point and CONTACT of a contact point, which lives with its soil point. Blocks
+of equal loads are cut anew where the share of the fullest one has become GROWN times as large, and for every new grid.
 """
 
 from contextlib import suppress
@@ -28,8 +28,8 @@ POINT, CONTACT = 2, 1   # times on one process that drags the anchor: 0.44 of a 
 
 
 def first_block(grid, counts):
-    """(Block of this process from the whole grid, (a, b, c) bool its own cells) for numbers of points `counts` (a, b, c) in the
-    cells, from which on each process holds only its share of all values."""
+    """(Block of this process from the whole grid, (a, b, c) bool its own cells) for numbers of points `counts` (a, b, c)
+    in the cells, from which on each process holds only its share of all values."""
     block = cut_block(grid, counts, ranks.started(), ranks.rank())
     comm.split()
     low, high = block.boxes[ranks.rank()]
@@ -39,8 +39,8 @@ def first_block(grid, counts):
 
 
 def share(counts):
-    """(a, b, c) bool, cells whose points, of numbers `counts` (a, b, c), this process makes before they go to their owners: a
-    nearly equal share, in the order of the cells, however few cells they are in."""
+    """(a, b, c) bool, cells whose points, of numbers `counts` (a, b, c), this process makes before they go to their
+    owners: a nearly equal share, in the order of the cells, however few cells they are in."""
     before = np.cumsum(counts).reshape(counts.shape) - counts
     return before * ranks.started() // max(counts.sum(), 1) == ranks.rank()
 
@@ -51,9 +51,9 @@ def balanced(model, state):
 
 
 def keeps(model, state):
-    """Function of the numbers (n,) of points in the run: which of them, (n,) bool, this process takes from a checkpoint of a run
-    that starts with `model` and `state`. These are the points whose constants it has; where a grid moves constants are in the
-    checkpoint, and any equal share will do."""
+    """Function of the numbers (n,) of points in the run: which of them, (n,) bool, this process takes from a checkpoint
+    of a run that starts with `model` and `state`. These are the points whose constants it has; where a grid moves
+    constants are in the checkpoint, and any equal share will do."""
     if state.ground is not None:
         return lambda numbers: numbers % ranks.started() == ranks.rank()
     return lambda numbers: np.isin(numbers, model.soil.constants.number)
@@ -104,7 +104,8 @@ def _settled(model, state):
 
 
 def _cut_anew(grid, position, contacts):
-    """Block of this process with a nearly equal share of the load of points at `position` (n, 3) [m] and of their contacts."""
+    """Block of this process with a nearly equal share of the load of points at `position` (n, 3) [m] and of their
+    contacts."""
     cell, shape = cell_numbers(position, grid)
     loads = comm.counts(_sums(cell, contacts, int(np.prod(shape)))).reshape(shape)
     return cut_block(grid, loads, ranks.started(), ranks.rank())
@@ -146,8 +147,8 @@ def _with_points(model, state, population, contacts, block):
 
 
 def numbered(population, new, behind):
-    """`population` with numbers of its points `new` (n,) bool: after all others and those `behind` (Population or None), in the
-    order of the initial places of the new points of all processes."""
+    """`population` with numbers of its points `new` (n,) bool: after all others and those `behind` (Population or None),
+    in the order of the initial places of the new points of all processes."""
     constants = population.constants
     number, place = constants.number.copy(), constants.position[new]
     others = [number[~new].astype(float)] + ([] if behind is None else [behind.constants.number])

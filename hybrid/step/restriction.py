@@ -41,8 +41,8 @@ def rough_nodes(step, evaluation):
 
 def restricted(step, nodes, evaluation):
     """Step whose unknowns are those of `nodes` (N,) bool and of the bodies; trial values of `step` are those of this Step
-    too. Of the contact points it has those that touch in an `evaluation` of `step` or that move with the nodes. Its system is
-    to be destroyed after use."""
+    too. Of the contact points it has those that touch in an `evaluation` of `step` or that move with the nodes. Its
+    system is to be destroyed after use."""
     model, solver = step.model, step.model.solver
     part, soil, near = restriction.restricted(model.soil, step.soil, nodes, solver)
     bodies = tuple(replace(body, contact_pressure=body.contact_pressure[near]) for body in model.bodies)
@@ -54,7 +54,8 @@ def restricted(step, nodes, evaluation):
 
 
 def with_bodies_alone(step):
-    """Step whose unknowns are those of the bodies: the soil stays where a trial has it. Its system is to be destroyed after use."""
+    """Step whose unknowns are those of the bodies: the soil stays where a trial has it. Its system is to be destroyed
+    after use."""
     grid, solver = step.model.soil.grid, step.model.solver
     pattern = make_pattern(np.zeros(grid.node_count, bool), grid.fixed, grid.shape)
     return replace(step, pattern=pattern, system=direct_system(pattern, step.model.soil, step.system.body_unknowns,

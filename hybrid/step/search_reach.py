@@ -4,9 +4,10 @@
 
 at the point of the body's surface closest to a contact point: ẋ_s is its velocity there and N the outward normal, so
 soil that a body slides along is not farther within reach than soil at rest. s is a share of the smallest cell
-(`hybrid.contact.places`), f the way that a body let go falls, V the speed of the fastest point of the body, |v_v| the largest component of a node's
-velocity, and d_v the distance from the body's bounding box to the cells around the node. A contact point moves no
-faster than the fastest node of its cell. The factor 2 is the margin for velocities that grow within the step.
+(`hybrid.contact.places`), f the way that a body let go falls, V the speed of the fastest point of the body, |v_v| the
+largest component of a node's velocity, and d_v the distance from the body's bounding box to the cells around the node. A
+contact point moves no faster than the fastest node of its cell. The factor 2 is the margin for velocities that grow
+within the step.
 
 f = g Δt², without inertia at most a cell: nothing falls there, and with a step of 1 s it was 9.8 m, so all of the soil was
 searched in every step. `travel_ratio` measures afterwards whether the margin R_0 was enough.

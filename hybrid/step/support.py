@@ -1,8 +1,8 @@
 """Support of free bodies where a quasi-static step cannot begin out of balance.
 
 A ball put on clay touches it at a point: all of its weight at once has no solution near there, however short the increment,
-because without inertia loads do not grow with it. Where the first increment of a step fails, the imbalance R_w(0) of the bodies at
-its start is therefore taken off their equations, and comes back linearly over the step:
+because without inertia loads do not grow with it. Where the first increment of a step fails, the imbalance R_w(0) of the
+bodies at its start is therefore taken off their equations, and comes back linearly over the step:
 
     R_w(u) - (1 - s) R_w(0) = 0        s = (t - t_0)/T at the end of an increment, FORMULATION (53a)
 
@@ -21,7 +21,8 @@ OUT_OF_BALANCE = 0.01   # share of the largest term of a body from which on it i
 
 @dataclass(frozen=True)
 class Support:
-    """begin, length [s] of the step; imbalance: (6,) [N, N m] R_w(0) of each body on its free components, about its centre."""
+    """begin, length [s] of the step; imbalance: (6,) [N, N m] R_w(0) of each body on its free components, about its
+    centre."""
 
     begin: float
     length: float

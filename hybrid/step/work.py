@@ -1,4 +1,5 @@
-"""Work of one increment, by what does it: plastic flow, ghost penalty, friction, stops, drive, pull and load (`hybrid.step.energy`)."""
+"""Work of one increment, by what does it: plastic flow, ghost penalty, friction, stops, drive, pull and load
+(`hybrid.step.energy`)."""
 
 import numpy as np
 

@@ -5,11 +5,11 @@
     N_γ = r/2d (1 + 2/3 s)/D      N_c = (1 + cot β cot(β + φ)) (1 + s)/D      N_q = r/d (1 + s)/D
     s = r/w √(1 - (d cot α / r)²)      D = cos(α + δ) + sin(α + δ) cot(β + φ)
 
-P acts at the angle δ, tan δ = μ, to the normal of the blade (width w, depth d, rake α); H is the draft. A wedge rises on a plane
-at the angle β and meets the surface at a distance r in front of the tip, with a crescent on either side of it, whose share
-is s; β is that of the smallest N_γ. Without the crescents (w infinite) P is Coulomb's passive force, with δ = 0 Rankine's.
-The formulas follow from the equilibrium of the wedge, weight γ d r/2 a width, and of the sectors of the crescents, weight γ d r²/6
-an angle, each pushed in its own direction. McKyes and Ali, J. Terramech. 14 (1977) 43-51.
+P acts at the angle δ, tan δ = μ, to the normal of the blade (width w, depth d, rake α); H is the draft. A wedge rises on
+a plane at the angle β and meets the surface at a distance r in front of the tip, with a crescent on either side of it,
+whose share is s; β is that of the smallest N_γ. Without the crescents (w infinite) P is Coulomb's passive force, with δ =
+0 Rankine's. The formulas follow from the equilibrium of the wedge, weight γ d r/2 a width, and of the sectors of the
+crescents, weight γ d r²/6 an angle, each pushed in its own direction. McKyes and Ali, J. Terramech. 14 (1977) 43-51.
 
 In plane strain a cone has a friction angle of its own, `hybrid.laws.cone.plane_strain_angle`.
 """
@@ -35,7 +35,8 @@ def factors(angle, wall, depth, width=np.inf, rake=90.0):
 def draft(soil, wall, depth, width, swept=0.0):
     """Draft H [N] of an upright blade after it has swept a distance [m].
 
-    soil: (γ [N/m³], c [Pa], φ [degrees]). What it has swept, its depth times that distance, lies on the wedge as an even surcharge.
+    soil: (γ [N/m³], c [Pa], φ [degrees]). What it has swept, its depth times that distance, lies on the wedge as an even
+    surcharge.
     """
     weight, cohesion, angle = soil
     n_weight, n_cohesion, n_surcharge, r = factors(angle, wall, depth, width)

@@ -11,7 +11,8 @@ most as strong as Tresca's (√J2 = s_u lies inside of the hexagon), so the exac
 
 Between smooth and rough, with an adhesion α = sin Δ, the cylinder has π + 2Δ + 2 cosΔ + 4 (cos Δ/2 + sin Δ/2).
 
-Cylinder: in place from the start, as in a user's scene (`hybrid.setup.in_place`). The clay at its axis bears 20 s_u, so none opens.
+Cylinder: in place from the start, as in a user's scene (`hybrid.setup.in_place`). The clay at its axis bears 20 s_u, so
+none opens.
 """
 
 from dataclasses import dataclass
@@ -105,7 +106,8 @@ def buried(across, friction=0.0, adhesion=None, way=0.1, rigidity=500.0, steps=2
     density = PRESSURE * STRENGTH / (9.81 * up[-1])
     body = Body(GEOMETRY / "cylinder.geo", 1000.0, name="cylinder", rest_on=-0.5, rotation=(1.0, 0.0, 0.0, 90.0),
                 parameters={"radius": 0.5, "height": 3 * size, "size": 0.05}, position=(0.0, 0.25 * size, 0.0),
-                friction=friction, adhesion=adhesion, velocity=(way / steps, 0.0, 0.0), driven=("x",), held=("y", "z", "rx", "ry", "rz"))
+                friction=friction, adhesion=adhesion, velocity=(way / steps, 0.0, 0.0), driven=("x",),
+                held=("y", "z", "rx", "ry", "rz"))
     return Scene(name="buried", grid=Grid(x, slice_, z, Faces(z_min="fixed")),
                  soil=Soil(clay(rigidity, density), top=up[-1], k0=1.0), bodies=(body,), time=Time(1.0, inertia=False),
                  stages=(Stage("push", steps),))

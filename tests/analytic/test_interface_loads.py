@@ -75,7 +75,8 @@ def column(**values):
     """Stages of a plate that is pressed on elastic clay, lifted, pressed again and lifted again."""
     size, young = 0.25, 1e6
     across, slice_ = Axis(start=0.0, end=2 * size, size=size), Axis(start=0.0, end=size, collapsed=True)
-    body = Body(GEOMETRY / "box.geo", 1000.0, name="plate", parameters={"length": 1.0, "width": 1.0, "height": 0.2, "size": 0.5},
+    body = Body(GEOMETRY / "box.geo", 1000.0, name="plate",
+                parameters={"length": 1.0, "width": 1.0, "height": 0.2, "size": 0.5},
                 position=(0.25, 0.125, 0.0), rest_on=0.0, held=("x", "y", "rx", "ry", "rz"), penalty=4e3, **values)
     material = Material(law="von-mises", young=young, poisson=0.0, density=1.0, strength=1e6)
     return Scene(name="column", grid=Grid(across, slice_, Axis(start=-1.0, end=0.5, size=size), Faces(z_min="fixed")),
@@ -107,14 +108,16 @@ def test_pull_of_a_plate_from_a_column(tension, least):
 def dragged(**values):
     """Scene of a block of 0.5 m x 0.25 m that is pressed on clay with 2.5 kPa and then dragged by one millimetre."""
     size = 0.125
-    body = Body(GEOMETRY / "box.geo", 1000.0, name="block", parameters={"length": 0.5, "width": 0.25, "height": 0.2, "size": 0.5},
+    body = Body(GEOMETRY / "box.geo", 1000.0, name="block",
+                parameters={"length": 0.5, "width": 0.25, "height": 0.2, "size": 0.5},
                 position=(0.5, 0.25, 0.0), rest_on=0.0, held=("y", "rx", "ry", "rz"), **values)
+    pressed = (Load(force=(0.0, 0.0, -LOAD)),)
     return Scene(name="drag", grid=Grid(Axis(start=0.0, end=1.0, size=size), Axis(start=0.0, end=0.5, size=size),
                                         Axis(start=-0.5, end=0.25, size=size), Faces(z_min="fixed")),
                  soil=Soil(plasticity.clay(500.0), top=0.0, geostatic=False), bodies=(body,), gravity=(0.0, 0.0, 0.0),
                  time=Time(1.0, inertia=False), stages=(
-                     Stage("press", 1, motions=(Motion(held=("x",)),), loads=(Load(force=(0.0, 0.0, -LOAD)),)),
-                     Stage("drag", 4, motions=(Motion(component="x", velocity=2.5e-4),), loads=(Load(force=(0.0, 0.0, -LOAD)),))))
+                     Stage("press", 1, motions=(Motion(held=("x",)),), loads=pressed),
+                     Stage("drag", 4, motions=(Motion(component="x", velocity=2.5e-4),), loads=pressed)))
 
 
 LOAD = 2.5e3 * 0.125    # [N]
@@ -123,8 +126,8 @@ LOAD = 2.5e3 * 0.125    # [N]
 @pytest.mark.parametrize("adhesion, friction, stress", [(0.05, None, 500.0), (0.05, 0.3, 500.0), (1.0, 0.3, 750.0),
                                                         (0.0, None, 0.0)])
 def test_drag_of_a_block_is_the_smaller_limit(adhesion, friction, stress):
-    """α s_u A or μ N, with all of the area under the block although contact sees its edges rounded off from half a cell on. Of both
-    the smaller one at every contact point: less than either in all."""
+    """α s_u A or μ N, with all of the area under the block although contact sees its edges rounded off from half a cell
+    on. Of both the smaller one at every contact point: less than either in all."""
     records, _ = timed_steps(build(dragged(adhesion=adhesion, friction=friction)))
     drag, normal = -records[-1].bodies[0].contact_force[0], records[-1].bodies[0].contact_force[2]
     assert normal == pytest.approx(LOAD, rel=1e-3)

@@ -1,8 +1,8 @@
 """Passive pressure of sand on an upright smooth wall in plane strain that stands in the soil and is pushed, against Rankine.
 
 A wall down to a smooth base compresses the soil evenly, so cells do not matter. A wall that ends in the soil drags on the
-nodes below its foot, so that the wedge is about a cell deeper than the wall: its force is too large by 2 h/d, first order in the
-cells, and is extrapolated.
+nodes below its foot, so that the wedge is about a cell deeper than the wall: its force is too large by 2 h/d, first order
+in the cells, and is extrapolated.
 """
 
 import pytest
@@ -18,8 +18,8 @@ AHEAD = 6.0                                       # depths of soil in front of t
 
 
 def force_over_rankine(cells, travel, cone="plane strain", depth=0.4, base=False):
-    """Force [-] on a wall with `cells` in its depth, pushed by a share `travel` of that, over Rankine's with the angle of the law in
-    plane strain; and that angle [degrees]. base: a smooth one at the foot, else the soil goes on below."""
+    """Force [-] on a wall with `cells` in its depth, pushed by a share `travel` of that, over Rankine's with the angle of
+    the law in plane strain; and that angle [degrees]. base: a smooth one at the foot, else the soil goes on below."""
     h = depth / cells
     wall = Body(GEOMETRY / "box.geo", 7850.0, name="wall", position=(0.0, 0.5, 0.0),
                 parameters={"length": depth, "width": 1.0, "height": (3 if base else 2) * depth, "size": 0.5 * depth},

@@ -2,7 +2,8 @@
 
 A kinematically admissible velocity on triangles whose dissipation equals the work of the loads bounds the load that a
 rigid, perfectly plastic soil with associated flow can carry (Drucker, Prager & Greenberg 1952). Mohr and Coulomb's law
-√((σ_x - σ_z)² + 4τ²) ≤ 2c cosφ - (σ_x + σ_z) sinφ is taken at `ANGLES` directions, so strain rates are a sum of λ_k ≥ 0 times
+√((σ_x - σ_z)² + 4τ²) ≤ 2c cosφ - (σ_x + σ_z) sinφ is taken at `ANGLES` directions, so strain rates are a sum of λ_k ≥ 0
+times
 
     n_k = (sinφ + cos α_k, sinφ - cos α_k, 2 sin α_k),     α_k = 2πk / ANGLES,
 
@@ -24,7 +25,8 @@ def triangles(length, height, across, up):
     nodes = np.stack([x.ravel(), z.ravel()], axis=1)
     centre = x.size + np.arange(a.size)
     nodes = np.concatenate([nodes, (nodes[a] + nodes[c]) / 2])
-    return nodes, np.concatenate([np.stack(t, axis=1) for t in ((a, b, centre), (b, c, centre), (c, d, centre), (d, a, centre))])
+    return nodes, np.concatenate([np.stack(t, axis=1)
+                                  for t in ((a, b, centre), (b, c, centre), (c, d, centre), (d, a, centre))])
 
 
 def strain_rates(nodes, cells):

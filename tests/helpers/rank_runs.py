@@ -1,4 +1,5 @@
-"""Runs of the command in one and in several processes, the scenes that they start from, and what they leave in their folders."""
+"""Runs of the command in one and in several processes, the scenes that they start from, and what they leave in their
+folders."""
 
 import csv
 import importlib.util
@@ -63,6 +64,23 @@ velocity = [1.0, 0.0, 0.0]
 name = "slide"
 steps = 4
 """
+# Window and fine cells go with a box through sand
+FOLLOWED_BOX = """
+grid.x = { start = 0.0, end = 9.6, size = 0.2, growth = 1.4, around = [0.4, 0.4], window = [0.4, 0.4], doublings = 1 }
+grid.y = { start = -0.2, end = 0.2, collapsed = true }
+grid.z = { start = -3.2, end = 1.6, size = 0.2, growth = 1.4, around = [0.6, 0.2] }
+grid.faces = { z_min = "fixed" }
+soil.top = 0.0
+soil.material = { relative_density = 38 }
+[[body]]
+name = "box"
+geometry = "GEOMETRY/box.geo"
+parameters = { length = 0.8, width = 0.8, height = 0.6, size = 20.0 }
+density = 2000.0
+position = [1.6, 0.0, 0.301]
+held = ["ry"]
+friction = 0.3
+"""
 
 
 def scene_file(folder, text):
@@ -90,11 +108,13 @@ def python(ranks, *arguments):
 
 
 def _done(command, environment):
-    return subprocess.run(command, env={**environment, "NUMBA_NUM_THREADS": "1"}, capture_output=True, text=True, timeout=300)
+    return subprocess.run(command, env={**environment, "NUMBA_NUM_THREADS": "1"}, capture_output=True, text=True,
+                          timeout=300)
 
 
 def hybrid(*arguments, code=0):
-    """stderr of the command in the environment of a user, which ends with a code; by --ranks it becomes several processes."""
+    """stderr of the command in the environment of a user, which ends with a code; by --ranks it becomes several
+    processes."""
     done = _done([sys.executable, "-m", "hybrid", *map(str, arguments)], os.environ)
     assert done.returncode == code, done.stderr
     return done.stderr
@@ -114,7 +134,8 @@ def state(folder):
 
 def points(folder, *more):
     """Fields of the points there, each (n, ...), by name."""
-    return {name: getattr(state(folder).points, name) for name in ("position", "velocity", "stress", "plastic_strain", *more)}
+    return {name: getattr(state(folder).points, name)
+            for name in ("position", "velocity", "stress", "plastic_strain", *more)}
 
 
 def history(folder):

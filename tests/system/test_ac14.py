@@ -44,8 +44,8 @@ def test_the_hinge_holds_and_the_fluke_turns_downwards():
 
 
 def test_the_fluke_reaches_its_stop_and_stays_there():
-    """Turned by a constant moment M without gravity: sqrt(2 J θ / M) to the stop at 35 degrees, where it rests with -M on the
-    hinge and the stop, without rebound or chatter."""
+    """Turned by a constant moment M without gravity: sqrt(2 J θ / M) to the stop at 35 degrees, where it rests with -M on
+    the hinge and the stop, without rebound or chatter."""
     moment = 5e3
     parts = tuple(Body(name=name, geometry=GEOMETRY / f"ac14_{name}.geo", density=7850.0, parameters={"size": 0.3},
                        position=(0.0, 0.0, 5.0), held=held, friction=0.0)

@@ -57,7 +57,8 @@ def test_soil_in_front_heaves(drag):
 
 
 def test_energy_of_the_drag_balances(drag):
-    """On cells of 0.4 m, where the anchor leaps, 1.5 % of what is put in is lost: in the steps and in springs that soften."""
+    """On cells of 0.4 m, where the anchor leaps, 1.5 % of what is put in is lost: in the steps and in springs that
+    soften."""
     _, records = drag
     before, after = of(records, "settle")[-1].energies, of(records, "drag")[-1].energies
     put_in = after["pull"] + before["potential"] - after["potential"]

@@ -1,4 +1,5 @@
-"""Bodies in contact with one another: impacts, rolling and sliding, stacks, thin bodies, plane strain, without inertia, resumed."""
+"""Bodies in contact with one another: impacts, rolling and sliding, stacks, thin bodies, plane strain, without inertia,
+resumed."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -37,7 +38,8 @@ def momentum(simulation, states):
 
 
 def kinetic(simulation, states):
-    return sum(0.5 * m.mass * s.velocity @ s.velocity + 0.5 * s.spin @ m.inertia @ s.spin for m, s in zip(simulation.masses, states))
+    return sum(0.5 * m.mass * s.velocity @ s.velocity + 0.5 * s.spin @ m.inertia @ s.spin
+               for m, s in zip(simulation.masses, states))
 
 
 # ------------------------------------------------------------------ impact of two spheres
@@ -51,8 +53,8 @@ def struck(friction, step, offset=0.1):
 
 
 def impulse_between(simulation, records):
-    """(normal impulse, impulse across it) [N s] of the first sphere on the second one; the normal is that of the centres while they
-    touch."""
+    """(normal impulse, impulse across it) [N s] of the first sphere on the second one; the normal is that of the centres
+    while they touch."""
     normal = sum(np.linalg.norm(r.pairs[0].force) * (r.bodies[1].position - r.bodies[0].position) for r in records)
     normal /= np.linalg.norm(normal)
     change = simulation.masses[1].mass * simulation.state.bodies[1].velocity
@@ -62,8 +64,9 @@ def impulse_between(simulation, records):
 @pytest.mark.parametrize("friction", [0.0, 0.02])
 @pytest.mark.parametrize("step", [0.01, 0.001])
 def test_spheres_that_collide_keep_momentum_and_gain_no_energy(friction, step):
-    """Momentum is kept to round-off, angular momentum to the error of the scheme. The normal impulse is that of an elastic impact,
-    or less by what the scheme damps; friction that slips gives both spheres the spin of μ times it: ω = μ P r/J."""
+    """Momentum is kept to round-off, angular momentum to the error of the scheme. The normal impulse is that of an
+    elastic impact, or less by what the scheme damps; friction that slips gives both spheres the spin of μ times it: ω = μ
+    P r/J."""
     simulation, records = struck(friction, step)
     before, after = (momentum(simulation, states) for states in (simulation.initial_bodies, simulation.state.bodies))
     mass, inertia = simulation.masses[0].mass, simulation.masses[0].inertia[0, 0]
@@ -80,7 +83,8 @@ def test_spheres_that_collide_keep_momentum_and_gain_no_energy(friction, step):
 
 
 def test_friction_that_sticks_stops_the_sliding_of_spheres_that_collide():
-    """Without tangential rebound the impulse across is m v_t/7, v_t = 0.2 m/s the velocity across, and twice that with all of it."""
+    """Without tangential rebound the impulse across is m v_t/7, v_t = 0.2 m/s the velocity across, and twice that with
+    all of it."""
     simulation, records = struck(0.5, 0.001)
     _, across = impulse_between(simulation, records)
     assert 0.98 < across / (simulation.masses[0].mass * 0.2 / 7) < 2.0
@@ -104,7 +108,8 @@ def test_a_sphere_rolls():
     assert state.position[0] == pytest.approx(0.5 * a * t**2, rel=4e-3)
     assert (state.rotation @ state.spin)[1] == pytest.approx(a * t / 0.25, rel=4e-3)
     assert abs(state.position[1] - 0.03) < 1e-4
-    assert records[-1].pairs[0].force[2] == pytest.approx(-simulation.masses[1].mass * G * np.cos(np.radians(10.0)), rel=0.03)
+    assert records[-1].pairs[0].force[2] == pytest.approx(-simulation.masses[1].mass * G * np.cos(np.radians(10.0)),
+                                                          rel=0.03)
 
 
 def test_a_sphere_slides_and_spins():
@@ -147,8 +152,9 @@ def test_a_contact_table_has_the_friction_of_its_pair():
 def stack(steps, step=0.02, lowest=2.25, **options):
     """Three boxes of 0.5 t, each a little beside the one below it."""
     slab = box(2.0, 2.0, 0.5, name="slab", position=(0.0, 0.0, 2.0), held=HELD, friction=0.5)
-    return scene([slab, *(box(1.0, 1.0, 0.5, name=f"box{i}", position=(0.02 * i, 0.03 * i, lowest + 0.25 + 0.5 * i), friction=0.5)
-                          for i in range(3))], steps, step, **options)
+    places = [(0.02 * i, 0.03 * i, lowest + 0.25 + 0.5 * i) for i in range(3)]
+    boxes = [box(1.0, 1.0, 0.5, name=f"box{i}", position=place, friction=0.5) for i, place in enumerate(places)]
+    return scene([slab, *boxes], steps, step, **options)
 
 
 def test_a_stack_of_boxes_stays_at_rest():
@@ -186,13 +192,15 @@ def test_a_pile_on_sand_carries_the_weights_above():
     assert row["lower_contact_fz_N"] == pytest.approx(3 * weight, rel=0.03)
     assert row["middle_on_lower_fz_N"] == pytest.approx(-2 * weight, rel=0.03)
     assert row["upper_on_middle_fz_N"] == pytest.approx(-weight, rel=0.03)
-    assert row["ball_z_m"] == pytest.approx(simulation.initial_bodies[3].position[2]) and weight == pytest.approx(7534.0, rel=1e-3)
+    assert row["ball_z_m"] == pytest.approx(simulation.initial_bodies[3].position[2])
+    assert weight == pytest.approx(7534.0, rel=1e-3)
 
 
 def test_a_stack_without_inertia_carries_the_weights_above():
     """From 5 mm above one another, without contact."""
     described = stack(2, time={"inertia": False})
-    bodies = [replace(body, position=(*body.position[:2], body.position[2] + 0.005 * i)) for i, body in enumerate(described.bodies)]
+    bodies = [replace(body, position=(*body.position[:2], body.position[2] + 0.005 * i))
+              for i, body in enumerate(described.bodies)]
     simulation, records = run(replace(described, bodies=tuple(bodies)))
     forces = [p.force[2] for p in records[-1].pairs if p.places]
     np.testing.assert_allclose(forces, -simulation.masses[1].mass * G * np.array([3.0, 2.0, 1.0]), rtol=1e-3)
@@ -216,7 +224,8 @@ def test_boxes_that_tumble_onto_one_another_gain_no_energy():
     """Corners and edges first: both fall turned by 40 and 30 degrees. After 0.9 s the lower one lies flat on the slab."""
     slab = box(3.0, 3.0, 0.5, name="slab", position=(0.0, 0.0, 2.0), held=HELD, friction=0.4)
     low = box(0.5, 0.4, 0.3, name="low", position=(0.0, 0.0, 2.75), rotation=(1.0, 0.4, 0.2, 40.0), friction=0.4)
-    high = box(0.6, 0.2, 0.2, name="high", position=(0.05, 0.1, 3.3), rotation=(0.2, 1.0, 0.5, 30.0), friction=0.4, spin=(0.0, 0.0, 2.0))
+    high = box(0.6, 0.2, 0.2, name="high", position=(0.05, 0.1, 3.3), rotation=(0.2, 1.0, 0.5, 30.0), friction=0.4,
+               spin=(0.0, 0.0, 2.0))
     simulation, records = run(scene([slab, low, high], 90, 0.01))
     assert max(r.energies["error"] for r in records) < 1e-6 and max(p.overlap for r in records for p in r.pairs) < 2e-3
     lying = simulation.state.bodies[1]
@@ -242,8 +251,10 @@ def test_bodies_in_plane_strain_carry_a_metre_of_slice_each():
 @pytest.mark.parametrize("speed, step, held", [(30.0, 0.001, True), (30.0, 0.001, False), (100.0, 0.02, True)])
 def test_a_ball_does_not_pass_through_a_thin_shank(speed, step, held):
     """A shank of 20 x 40 mm and a ball of 0.2 m, which moves by up to 2 m in a step; a light shank is thrown ahead of it."""
-    shank = box(0.02, 1.0, 0.04, name="shank", position=(0.0, 0.0, 2.0), density=7850.0, held=HELD if held else (), friction=0.3)
-    ball = sphere(0.1, 0.04, name="ball", position=(-0.35, 0.05, 2.0), velocity=(speed, 0.0, 0.0), density=7850.0, friction=0.3)
+    shank = box(0.02, 1.0, 0.04, name="shank", position=(0.0, 0.0, 2.0), density=7850.0, held=HELD if held else (),
+                friction=0.3)
+    ball = sphere(0.1, 0.04, name="ball", position=(-0.35, 0.05, 2.0), velocity=(speed, 0.0, 0.0), density=7850.0,
+                  friction=0.3)
     simulation, records = run(scene([shank, ball], int(0.4 / speed / step) + 6, step, gravity=(0.0, 0.0, 0.0)))
     thin, thrown = simulation.state.bodies
     assert thrown.position[0] < thin.position[0] - 0.1
@@ -277,7 +288,8 @@ def test_faulty_contacts_are_refused(contact, words):
 def test_contact_that_is_too_soft_for_a_force_is_reported_with_the_cure(load, reported):
     """A box between a held one and one that is driven by 30 mm: the force is what it takes."""
     described = [box(0.3, 0.3, 0.3, name="post", position=(0.0, 0.0, 2.0), held=HELD),
-                 box(0.3, 0.3, 0.3, name="ram", position=(0.301, 0.0, 2.0), held=HELD[1:], driven=("x",), velocity=(-0.4, 0.0, 0.0))]
+                 box(0.3, 0.3, 0.3, name="ram", position=(0.301, 0.0, 2.0), held=HELD[1:], driven=("x",),
+                     velocity=(-0.4, 0.0, 0.0))]
     contacts = [Contact(("post", "ram"), load=load)] if load else []
     simulation, records = run(scene(described, 6, 0.01, contacts=contacts, gravity=(0.0, 0.0, 0.0)))
     notes = [note for record in records for note in record.notes if "overlap by" in note]
@@ -287,7 +299,8 @@ def test_contact_that_is_too_soft_for_a_force_is_reported_with_the_cure(load, re
 
 
 def test_joined_bodies_do_not_touch_one_another():
-    bodies = [box(0.5, 0.5, 0.5, name=name, position=(x, 0.0, 2.0), friction=0.5) for name, x in (("one", 0.0), ("two", 0.4))]
+    bodies = [box(0.5, 0.5, 0.5, name=name, position=(x, 0.0, 2.0), friction=0.5)
+              for name, x in (("one", 0.0), ("two", 0.4))]
     pin = Joint("pin", "weld", ("one", "two"), (0.2, 0.0, 0.0))
     simulation, records = run(replace(scene(bodies, 3, 0.01), joints=(pin,)))
     assert simulation.model.pairs == () and records[-1].pairs == []
@@ -304,7 +317,8 @@ def test_the_sheet_lists_pairs():
 @pytest.mark.parametrize("share, count", [(2.0, 1), (0.05, 0)])
 def test_a_step_longer_than_the_contact_of_two_balls_is_reported(share, count):
     """By the contact time of the sheet: two balls of 0.2 m meet with 2 m/s."""
-    balls = [sphere(0.1, 0.04, name=name, position=(x, 0.0, 2.0), velocity=(v, 0.0, 0.0)) for name, x, v in (("one", 0.0, 2.0), ("two", 0.23, 0.0))]
+    balls = [sphere(0.1, 0.04, name=name, position=(x, 0.0, 2.0), velocity=(v, 0.0, 0.0))
+             for name, x, v in (("one", 0.0, 2.0), ("two", 0.23, 0.0))]
     given = scene(balls, 1, 1.0)
     _, way = build(given).model.pairs[0].contact_times(1.0)
     step = share * way / 2.0

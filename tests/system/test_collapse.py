@@ -40,7 +40,8 @@ def test_survives_only_with_the_ghost_penalty(soil):
     0.3, once 0.9), with the standard basis at 0.45 to 0.95 and once not at all. Hence the earliest stop of three runs
     is tested.
     """
-    bare, reason = min((collapse(YIELD * (1 + nudge), **{"fbar": False, "ghost": 0.0, **soil}) for nudge in (0.0, 1e-8, 2e-8)),
+    bare, reason = min((collapse(YIELD * (1 + nudge), **{"fbar": False, "ghost": 0.0, **soil})
+                        for nudge in (0.0, 1e-8, 2e-8)),
                        key=lambda run: run[0].state.step)
     assert 5 <= bare.state.step <= 15 and ("inside out" in reason or "residual" in reason)
     tied, reason = collapse(**soil)

@@ -28,8 +28,8 @@ def last(steps, *keys):
 
 def test_the_tip_feels_the_strength_and_the_weight_and_the_sleeve_the_adhesion():
     """Measured over the last four steps: N = 9.1, 12 % below theory, on two cells in the radius and after half a radius of
-    way; f_s = 0.319 s_u, 6 % above α s_u: it bears what lies behind the shoulder. With adhesion lost to points that part within a
-    step it was 2 % above, and 12 % below where the cone has gone on from 2 m."""
+    way; f_s = 0.319 s_u, 6 % above α s_u: it bears what lies behind the shoulder. With adhesion lost to points that part
+    within a step it was 2 % above, and 12 % below where the cone has gone on from 2 m."""
     rows, q, f = last(4, f"body.cone.rest_on={-DEPTH}", f"stage.0.steps={STEPS}")
     middle = DEPTH + 0.025 * (STEPS - 1.5) - 2 / 3 * R / np.tan(np.pi / 6)      # of the face, over its projection
     theory = 4 / 3 * (1 + np.log(RIGIDITY)) * (1.25 + RIGIDITY / 2000) + 2.2 * ADHESION
@@ -41,5 +41,6 @@ def test_the_tip_feels_the_strength_and_the_weight_and_the_sleeve_the_adhesion()
 
 @pytest.mark.slow
 def test_the_sleeve_feels_the_adhesion_once_after_a_long_way():
-    """1.07 of α s_u over the last cell of a way of five radii from the surface; 1.37 where each layer of the clay beside it counts."""
+    """1.07 of α s_u over the last cell of a way of five radii from the surface; 1.37 where each layer of the clay beside
+    it counts."""
     assert last(10, "stage.0.steps=100")[2] == pytest.approx(ADHESION * STRENGTH, rel=0.12)

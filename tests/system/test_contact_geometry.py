@@ -93,8 +93,8 @@ def test_without_memory_of_the_side_the_force_flips(geometry, forgetful):
 
 
 def test_a_blade_pushes_down_what_is_under_its_edge(geometry):
-    """On corners: a wall of 40 mm driven edge-down along a row of three sites: F = p_f E g A up to half its thickness; beyond that
-    its walls are nearer and part the soil."""
+    """On corners: a wall of 40 mm driven edge-down along a row of three sites: F = p_f E g A up to half its thickness;
+    beyond that its walls are nearer and part the soil."""
     blade = steel(0.04, 0.3, 0.3, position=(0.4, 0.4, 0.0), contact="corners")
     force = lift(blade, 3)
     np.testing.assert_allclose(force[:1], DEPTHS[:1] * 0.03, rtol=1e-9)

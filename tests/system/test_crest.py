@@ -1,7 +1,8 @@
 """A strip footing at the crest of a clay slope (demos/crest.toml), on ground that is not level.
 
-Upper bound of limit analysis, with Prandtl's fan cut short by the slope β: a wedge of area B²/4 under the footing goes down at
-45° with the velocity √2 V, the fan of radius B/√2 turns it by π/2 - β, and a wedge of area B²/4 leaves along the slope.
+Upper bound of limit analysis, with Prandtl's fan cut short by the slope β: a wedge of area B²/4 under the footing goes
+down at 45° with the velocity √2 V, the fan of radius B/√2 turns it by π/2 - β, and a wedge of area B²/4 leaves along the
+slope.
 
     dissipation   (2 + π - 2β) s_u B V      work of the weight   ½ γ B² V sin β
     q / s_u = 2 + π - 2β - (γ B / 2 s_u) sin β

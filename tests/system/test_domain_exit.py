@@ -13,10 +13,11 @@ from hybrid.study.scenes import driven, soil_scene, steel
 
 
 def notes(bodies, steps=6, about="leaves the grid", **scene):
-    """Notes [(step, text)] of a run over held soil, but that it was never touched; its grid is 0.8 m wide and ends 0.4 m above and
-    below z = 0."""
+    """Notes [(step, text)] of a run over held soil, but that it was never touched; its grid is 0.8 m wide and ends 0.4 m
+    above and below z = 0."""
     records = build(soil_scene(bodies, held=True, steps=steps, **scene)).steps()
-    return [(record.step, note) for record in records for note in record.notes if about in note and "touched neither" not in note]
+    return [(record.step, note) for record in records for note in record.notes if about in note
+            and "touched neither" not in note]
 
 
 def flying(geometry, velocity, **body):
@@ -54,5 +55,6 @@ def test_terminal_and_summary_carry_the_note(geometry, tmp_path):
     simulation = build(soil_scene([flying(geometry, (8.0, 0.0, 0.0), name="cube")], held=True, steps=5))
     simulation.run([Summary(tmp_path), Progress(stream)])
     before, note, untouched = json.loads((tmp_path / "summary.json").read_text())["notes"]
-    assert before.startswith("cube will be at x = 0.9 m") and note.startswith("cube leaves the grid") and "touched neither" in untouched
+    assert before.startswith("cube will be at x = 0.9 m") and note.startswith("cube leaves the grid")
+    assert "touched neither" in untouched
     assert [line for line in stream.getvalue().splitlines() if line.startswith("cube")] == [before, note, untouched]

@@ -28,8 +28,8 @@ def test_landing_force_on_twice_the_soil():
 
 @pytest.mark.slow
 def test_drag_force_on_twice_the_soil():
-    """The demo as it is, over a metre of drag: measured 2.1 %, and 4 % for the landing. An anchor that is heavier by 1 kg/m³ on
-    the same soil changes the force by 0.6 %."""
+    """The demo as it is, over a metre of drag: measured 2.1 %, and 4 % for the landing. An anchor that is heavier by 1
+    kg/m³ on the same soil changes the force by 0.6 %."""
     short = ["stage.1.steps=50"]
     once, twice = contact_forces(short), contact_forces(short + TWICE)
     assert abs(twice[25:, 0].mean() / once[25:, 0].mean() - 1) < 0.03

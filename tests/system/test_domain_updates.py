@@ -14,13 +14,13 @@ from hybrid.soil import transfer
 from hybrid.soil.basis import evaluate_basis
 from hybrid.soil.domains import updated_half
 
-study = demo("domains")
-EVERY_OTHER = study.WAY[1::2]
+study, motions = demo("domains"), demo("domains_prescribed")
+EVERY_OTHER = motions.WAY[1::2]
 
 
 def worst(rule, name, quantity="force"):
     """Largest on the way of a motion of the volume's error, gap, overlap or error of the force."""
-    found = study.prescribed(rule, study.MOTIONS[name], EVERY_OTHER, 2)
+    found = motions.prescribed(rule, motions.MOTIONS[name], EVERY_OTHER, 2)
     return abs(found[("volume", "gap", "overlap", "force").index(quantity)])
 
 
@@ -70,7 +70,7 @@ def test_moments_of_any_box():
     np.testing.assert_allclose(moments(exp_so3([0.0, np.pi / 2, 0.0])), [0.3, 0.2, 0.1], rtol=1e-12)
     F = np.random.default_rng(3).normal(size=(3, 3)) * 0.3 + np.eye(3)
     assert np.prod(moments(F)) == pytest.approx(np.linalg.det(F) * 0.006, rel=1e-12)
-    flat = moments(study.turned(30) @ study.stretched(1.5) @ study.sheared(0.3), (axes[0], np.zeros(1), axes[2]))
+    flat = moments(motions.turned(30) @ motions.stretched(1.5) @ motions.sheared(0.3), (axes[0], np.zeros(1), axes[2]))
     assert flat[1] == 0.2 and flat[0] * flat[2] == pytest.approx(1.5 * 0.03, rel=1e-12)
 
 

@@ -20,7 +20,8 @@ def notes(records):
 
 
 def test_an_impact_in_one_step_gains_energy_and_is_reported():
-    """Thrown back at 4.7 m/s, faster than an elastic impact in this soil allows; 0.6 kJ too many. Only once, though the energy stays."""
+    """Thrown back at 4.7 m/s, faster than an elastic impact in this soil allows; 0.6 kJ too many. Only once, though the
+    energy stays."""
     records = thrown(0.03, scheme="newmark")
     assert records[-1].bodies[0].velocity[2] > 4.0 and records[-1].energies["error"] > 500.0
     text, = notes(records)

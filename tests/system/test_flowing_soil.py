@@ -1,4 +1,5 @@
-"""A vertical cut in clay under growing gravity, without inertia: reported where it fails, and not where it stands or settles.
+"""A vertical cut in clay under growing gravity, without inertia: reported where it fails, and not where it stands or
+settles.
 
 It stands up to γ H / s_u = 3.78 by limit analysis, and up to 4.27 on 8 cells in its height.
 """
@@ -23,7 +24,8 @@ def cut(number, steps=10, young=5e6, hold=0, law="von-mises"):
     strength = {"strength": WEIGHT * HEIGHT / number} if law == "von-mises" else {}
     grid = Grid(Axis(start=-1.5 * HEIGHT, end=2 * HEIGHT, size=HEIGHT / CELLS), Axis(start=0.0, end=1.0, collapsed=True),
                 Axis(start=-HEIGHT, end=1.25 * HEIGHT, size=HEIGHT / CELLS), Faces(z_min="fixed"))
-    soil = Soil(Material(law=law, young=young, poisson=0.49, density=1800.0, **strength), top=HEIGHT, ground=((0.0, 0.0), (0.001, HEIGHT)), geostatic=False)
+    soil = Soil(Material(law=law, young=young, poisson=0.49, density=1800.0, **strength), top=HEIGHT,
+                ground=((0.0, 0.0), (0.001, HEIGHT)), geostatic=False)
     stages = Stage("on", steps, gravity=(0.0, 1.0)), *([Stage("hold", hold)] if hold else [])
     return Scene(name="cut", grid=grid, soil=soil, time=Time(1.0, inertia=False), stages=stages)
 
@@ -35,7 +37,8 @@ def notes(scene):
     return found, [simulation.later_notes.get(text, text) for text in found]
 
 
-@pytest.mark.parametrize("changes", [{"number": 6}, {"number": 6, "steps": 40}, {"number": 4.5}, {"number": 4.5, "young": 1e8, "hold": 5}])
+@pytest.mark.parametrize("changes", [{"number": 6}, {"number": 6, "steps": 40}, {"number": 4.5},
+                                     {"number": 4.5, "young": 1e8, "hold": 5}])
 def test_a_cut_that_cannot_stand_is_reported(changes):
     """Whatever the number of steps; stiff clay has flowed by 0.007 of its height only, 1.4 times the limit."""
     found, last = notes(cut(**changes))
@@ -44,7 +47,8 @@ def test_a_cut_that_cannot_stand_is_reported(changes):
         assert "from t = 7 to 8 s" in found[0] and "from t = 7 to 10 s" in last[0] and "stood until t = 7 s" in last[0]
 
 
-@pytest.mark.parametrize("changes", [{"number": 3}, {"number": 3, "steps": 40, "hold": 3}, {"number": 4}, {"number": 3, "young": 1e6},
+@pytest.mark.parametrize("changes", [{"number": 3}, {"number": 3, "steps": 40, "hold": 3}, {"number": 4},
+                                     {"number": 3, "young": 1e6},
                                      {"number": 3.5, "young": 1e8, "hold": 5}, {"number": 3, "young": 1e6, "law": "hencky"}])
 def test_a_cut_that_stands_is_not(changes):
     """Also where soft soil settles by a twentieth of the height of the cut."""
@@ -55,10 +59,12 @@ def test_a_cut_that_stands_is_not(changes):
 
 
 def seen(*steps, inertia=False, first=1):
-    """Number of notes about steps (displacement of the soil, of a box over it [m], its contacts, plastic work of the step [J]) of clay 0.4 m high
-    that stores 1 J in each; first: number of the first one, in a run that is resumed before it."""
+    """Number of notes about steps (displacement of the soil, of a box over it [m], its contacts, plastic work of the step
+    [J]) of clay 0.4 m high that stores 1 J in each; first: number of the first one, in a run that is resumed before
+    it."""
     clay = Material(law="von-mises", young=1e6, poisson=0.3, density=1800.0, strength=1e4)
-    scene = soil_scene([steel(0.2, 0.2, 0.2, position=(0.4, 0.4, 0.0), rest_on=0.1)], gravity=(0.0, 0.0, -9.81), time=Time(1.0, inertia=inertia))
+    scene = soil_scene([steel(0.2, 0.2, 0.2, position=(0.4, 0.4, 0.0), rest_on=0.1)], gravity=(0.0, 0.0, -9.81),
+                       time=Time(1.0, inertia=inertia))
     simulation = build(replace(scene, soil=replace(scene.soil, material=clay)))
     model, state = simulation.model, simulation.state
     monitor, notes = FlowingSoil(model, state), 0
@@ -85,10 +91,10 @@ def test_soil_that_comes_to_rest_in_between_has_not_failed():
     assert seen(FLOW, REST, FLOW) == 0 and seen(FLOW, FLOW, REST, FLOW) == 1
 
 
-@pytest.mark.parametrize("body, contacts, told", [(0.02, 1, 0), (0.001, 1, 1), (0.02, 0, 1)])
-def test_soil_that_a_body_moves_is_not(body, contacts, told):
+@pytest.mark.parametrize("body, contacts, reported", [(0.02, 1, 0), (0.001, 1, 1), (0.02, 0, 1)])
+def test_soil_that_a_body_moves_is_not(body, contacts, reported):
     """Not where the body hardly moves or does not touch it."""
-    assert seen((0.1, body, contacts, 10.0)) == told
+    assert seen((0.1, body, contacts, 10.0)) == reported
 
 
 

@@ -23,12 +23,14 @@ def scene(ground, material=SAND, size=0.5, **more):
     slice_ = Axis(start=0.0, end=0.5, collapsed=True)
     z = Axis(start=-3.0, end=3.0, size=size)
     return Scene(name="ground", grid=Grid(Axis(start=0.0, end=10.0, size=size), slice_, z, Faces(z_min="fixed")),
-                 soil=Soil(material, top=2.0, ground=ground), time=Time(1.0, inertia=False), stages=(Stage("rest", 1),), **more)
+                 soil=Soil(material, top=2.0, ground=ground), time=Time(1.0, inertia=False), stages=(Stage("rest", 1),),
+                 **more)
 
 
 def test_heights_of_a_profile_are_exact_and_walls_are_vertical():
     surface = heights(((0.0, 1.0), (2.0, 1.0), (2.0, 0.0), (4.0, 2.0)))
-    lower, upper = np.array([[-1.0, 0.0], [1.5, 0.0], [2.0, 0.0], [3.0, 0.0]]), np.array([[0.0, 1.0], [2.5, 1.0], [4.0, 1.0], [6.0, 1.0]])
+    lower, upper = np.array([[-1.0, 0.0], [1.5, 0.0], [2.0, 0.0],
+                             [3.0, 0.0]]), np.array([[0.0, 1.0], [2.5, 1.0], [4.0, 1.0], [6.0, 1.0]])
     np.testing.assert_allclose(mean_heights(surface, lower, upper), [1.0, (0.5 + 0.125) / 1.0, 1.0, (1.5 + 2 * 2.0) / 3])
     np.testing.assert_allclose(heights_at(surface, np.array([[2.0, 0.0], [3.0, 5.0], [9.0, 0.0]])), [1.0, 1.0, 2.0])
 
@@ -55,7 +57,8 @@ def test_level_ground_is_that_of_soil_top():
     assert given.imbalance.share < 1e-9
 
 
-@pytest.mark.parametrize("ground, volume", [(SLOPE, 36.75), (((0.0, 1.5), (4.0, 1.5), (4.0, 0.37), (6.0, 0.37), (6.0, 1.5)), 42.74)])
+@pytest.mark.parametrize("ground, volume",
+                         [(SLOPE, 36.75), (((0.0, 1.5), (4.0, 1.5), (4.0, 0.37), (6.0, 0.37), (6.0, 1.5)), 42.74)])
 def test_soil_is_cut_to_the_ground_and_its_start_is_settled(ground, volume):
     """The volume is that under the ground; stress on the base carries the weight, and the moment of it."""
     simulation = build(scene(ground, replace(SAND, cohesion=2e4)))
@@ -74,7 +77,8 @@ def test_strength_counts_from_the_ground_above():
     clay = Material(law="von-mises", young=1e7, poisson=0.45, density=1700.0, strength=1e3, strength_gradient=2e3)
     described, _ = resolve(scene(SLOPE, clay))
     from hybrid.setup.grid import build_grid
-    constants, _, law = lay_out(replace(described.soil, geostatic=False), build_grid(described)[0], np.array([0.0, 0.0, -9.81]))
+    constants, _, law = lay_out(replace(described.soil, geostatic=False), build_grid(described)[0],
+                                np.array([0.0, 0.0, -9.81]))
     column = np.flatnonzero(np.isclose(constants.position[:, 0], constants.position[-1, 0]))
     far = np.flatnonzero(np.isclose(constants.position[:, 0], constants.position[0, 0]))
     strength = law.cohesion(np.zeros(len(constants)))
@@ -94,7 +98,8 @@ def test_ground_that_is_none_is_refused(ground, message):
 
 def test_a_slope_too_steep_for_its_strength_is_refused():
     weak = replace(SAND, friction_angle=10.0, dilation_angle=0.0, cohesion=100.0)
-    with pytest.raises(SceneError, match="no equilibrium at the start.* flatten soil.ground or raise the strength|more than the law can carry"):
+    with pytest.raises(SceneError, match="no equilibrium at the start.* flatten soil.ground or raise the strength|more "
+                                         "than the law can carry"):
         build(replace(scene(((0.0, 2.0), (4.0, 2.0), (4.5, -2.0), (10.0, -2.0)), weak),
                       soil=replace(scene(((0.0, 2.0), (4.0, 2.0), (4.5, -2.0), (10.0, -2.0)), weak).soil)))
 

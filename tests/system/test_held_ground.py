@@ -72,7 +72,8 @@ def test_walls_keep_their_columns_and_gentle_ground_is_followed_on_its_upper_fac
 def test_a_body_beside_a_wall_is_pushed_by_it():
     """The wall ends between columns: it carries what a face of the domains does, p_f E A δ."""
     wall = ((0.0, 0.0), (1.0, 0.0), (1.0, 0.6), (2.0, 0.6))
-    box = Body(GEOMETRY / "box.geo", 2400.0, parameters={"length": 0.3, "width": 0.5, "height": 0.3, "size": 1.0}, name="box",
+    box = Body(GEOMETRY / "box.geo", 2400.0, parameters={"length": 0.3, "width": 0.5, "height": 0.3, "size": 1.0},
+               name="box",
                position=(0.84, 0.25, 0.25), driven=("x",), held=("z", "ry"), velocity=(1.1, 0.0, 0.0), friction=0.0)
     simulation = build(scene(wall, box, (0.0, 2.0), (-0.4, 1.0), 0.6, 1))
     record, = simulation.steps()
@@ -85,9 +86,11 @@ def test_a_body_beside_a_wall_is_pushed_by_it():
 def test_a_sphere_that_is_thrown_along_the_ground_slides_from_the_first_step_on(spin, shift):
     """Friction was zero there, or pushed it on."""
     side = Axis(-0.6, 0.6, 0.2)
-    ball = Body(GEOMETRY / "sphere.geo", 900.0, parameters={"radius": 0.19, "size": 0.05}, position=(shift, 0.033, 0.0), rest_on=0.0,
+    ball = Body(GEOMETRY / "sphere.geo", 900.0, parameters={"radius": 0.19, "size": 0.05}, position=(shift, 0.033, 0.0),
+                rest_on=0.0,
                 friction=0.3, velocity=(2.0, 0.0, 0.0), spin=(0.0, spin, 0.0))
-    simulation = build(Scene(name="thrown", grid=Grid(side, side, Axis(-0.2, 0.0, 0.2)), soil=Soil(ROCK, held=True, geostatic=False),
+    simulation = build(Scene(name="thrown", grid=Grid(side, side, Axis(-0.2, 0.0, 0.2)),
+                             soil=Soil(ROCK, held=True, geostatic=False),
                              bodies=(ball,), time=Time(0.01), stages=(Stage("go", 3),), gravity=(0.0, 0.0, -G)))
     for record in simulation.steps():
         force = record.bodies[0].contact_force

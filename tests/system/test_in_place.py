@@ -32,7 +32,8 @@ TILTED = ("box.geo", (0.0, 1.0, 0.0, 30.0), {"length": 1.0, "width": 0.1, "heigh
 PIPE = ("cylinder.geo", (1.0, 0.0, 0.0, 90.0), {"radius": 0.5, "height": 0.3, "size": 0.05}), np.pi / 4
 
 
-@pytest.mark.parametrize("shape, area, error, force", [(*PLATE, 1e-9, 0.05), (*THIN, 0.02, 0.15), (*TILTED, 0.03, 0.08), (*PIPE, 0.01, 0.05)])
+@pytest.mark.parametrize("shape, area, error, force",
+                         [(*PLATE, 1e-9, 0.05), (*THIN, 0.02, 0.15), (*TILTED, 0.03, 0.08), (*PIPE, 0.01, 0.05)])
 def test_soil_and_steel_are_never_in_one_place_and_what_is_left_carries_the_body(shape, area, error, force):
     """The soil that is taken has the body's volume, no point is inside the body, and the force that holds it is its weight
     less that of this soil: div σ = -ρ g, whatever K0."""
@@ -91,8 +92,9 @@ def test_a_body_that_hardly_overlaps_the_ground_is_asked_whether_that_is_meant(p
 
 
 def test_around_a_shaft_with_a_tip_no_more_soil_is_cut_than_it_takes():
-    """A penetrometer, whose tip makes bounds of distances far smaller than gaps. Sampled with such bounds, domains that touch it
-    nowhere were cut by a thousandth, so that their faces counted as exposed: 1.31 of the area of the shaft, 4 % more soil."""
+    """A penetrometer, whose tip makes bounds of distances far smaller than gaps. Sampled with such bounds, domains that
+    touch it nowhere were cut by a thousandth, so that their faces counted as exposed: 1.31 of the area of the shaft, 4 %
+    more soil."""
     demo = GEOMETRY.parent / "demos" / "cone.toml"
     simulation = build(load_scene(demo, ["body.cone.rest_on=-2.5", "stage.0.steps=1"]))
     radius, length = 0.5, 0.5 / np.tan(np.pi / 6)

@@ -215,7 +215,8 @@ def test_a_folder_that_vanishes_stops_the_run_with_its_state(scene, whole, tmp_p
     with pytest.MonkeyPatch.context() as patch:
         save = checkpoint.Checkpoints.accepted
         patch.setattr(checkpoint.Checkpoints, "accepted", lambda *given: (save(*given), vanish()))
-        with pytest.raises(OutputError, match="history.csv: cannot be written .*; the checkpoint has the state after step 9"):
+        with pytest.raises(OutputError, match="history.csv: cannot be written .*; the checkpoint has the state after "
+                                              "step 9"):
             hybrid.run(scene, folder, quiet=True)
     assert hybrid.run(scene, folder, resume=True, quiet=True).state.step == STEPS
 

@@ -49,7 +49,8 @@ CENTRE = 0.0      # height of the centre of the bars in their geometry
 
 
 def pendulum(steps, step, **joint):
-    hinge = Joint(name="pin", kind="hinge", bodies=("upper",), point=(-LENGTHS[0] / 2, 0.0, CENTRE), axis=(0.0, 1.0, 0.0), **joint)
+    hinge = Joint(name="pin", kind="hinge", bodies=("upper",), point=(-LENGTHS[0] / 2, 0.0, CENTRE),
+                  axis=(0.0, 1.0, 0.0), **joint)
     return joined([arm("upper", LENGTHS[0], LENGTHS[0] / 2)], [hinge], steps, step)
 
 
@@ -266,7 +267,8 @@ def welded(steps):
     for simulation in (two, one):
         list(simulation.steps())
     np.testing.assert_allclose(two.state.bodies[1].rotation, two.state.bodies[0].rotation, atol=1e-7)
-    return np.abs(0.5 * (two.state.bodies[0].position + two.state.bodies[1].position) - one.state.bodies[0].position).max() + (
+    return np.abs(0.5 * (two.state.bodies[0].position + two.state.bodies[1].position)
+                  - one.state.bodies[0].position).max() + (
         np.abs(two.state.bodies[1].rotation - one.state.bodies[0].rotation).max())
 
 

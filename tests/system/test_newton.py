@@ -278,7 +278,8 @@ def test_held_corners_are_on_the_planes_of_their_facets():
     body = step.bodies[0]
     resting = step.evaluate(step.at_rest())
     step.hold_facets(resting)
-    assert step.facet_error(resting) == 0.0 and (body.pair.corners.facet >= 0).sum() == (resting.contacts[0].gap < -1e-6).sum()
+    assert step.facet_error(resting) == 0.0
+    assert (body.pair.corners.facet >= 0).sum() == (resting.contacts[0].gap < -1e-6).sum()
     # 18 cm to the side some corners are nearer to the flank than to the bottom, but still held to it
     position, rotation = body.committed_pose()
     pose = position + (0.198, 0.0, 0.0), rotation

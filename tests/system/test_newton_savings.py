@@ -56,7 +56,8 @@ def test_the_answer_is_the_same_within_the_tolerance(exact, name):
 
 
 def test_a_linear_system_is_not_solved_farther_than_the_tolerance_needs():
-    """Far from the solution to the tolerance of the scene, near it to a tenth of what is left to gain, never worse than 0.1."""
+    """Far from the solution to the tolerance of the scene, near it to a tenth of what is left to gain, never worse than
+    0.1."""
     solver = Solver(tolerance=1e-4, linear_tolerance=1e-3)
     assert newton.linear_tolerance(solver, 1e-3, 0.5) == 1e-3
     assert newton.linear_tolerance(solver, 1e-3, 2e-4) == pytest.approx(0.05)

@@ -36,8 +36,8 @@ def test_pipe_sinks_under_its_weight_and_digs_sideways():
 
 
 def test_axial_resistance_is_that_of_the_arc():
-    """Pressed to a quarter of its diameter, then moved along its axis under its weight: α s_u on the arc in the clay. On cells
-    of D/4 it is a tenth more, because clay is heaved up beside the pipe, to 72° from its bottom instead of 60°."""
+    """Pressed to a quarter of its diameter, then moved along its axis under its weight: α s_u on the arc in the clay. On
+    cells of D/4 it is a tenth more, because clay is heaved up beside the pipe, to 72° from its bottom instead of 60°."""
     scene, depth, length, adhesion = coarse(4), 0.25 * DIAMETER, 0.25, 0.5
     (body,) = scene.bodies
     grid = replace(scene.grid, x=Axis(start=-0.75, end=0.75, size=0.125), y=Axis(start=0.0, end=length, size=0.125),

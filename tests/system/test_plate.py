@@ -24,8 +24,8 @@ def test_pull_out_factor(more, factor, low, high):
 
 
 def test_clay_does_not_part_from_a_plate_thinner_than_a_cell_and_the_limit_says_so():
-    """Half a cell thick, it carries as if the clay stuck to it (11.0; 10.4); so it does for the first half of a cell of its way if
-    it is 1.5 cells thick, but of two cells never."""
+    """Half a cell thick, it carries as if the clay stuck to it (11.0; 10.4); so it does for the first half of a cell of
+    its way if it is 1.5 cells thick, but of two cells never."""
     simulation = build(load_scene(DEMO, [*COARSE, "body.plate.parameters.height=0.05"]))
     note, = (text for text in simulation.warned if "thick" in text)
     assert "plate is 0.05 m thick where the soil is on both sides of it, 0.5 cells of 0.1 m, limit 2" in note
@@ -40,6 +40,6 @@ def test_clay_does_not_part_from_a_plate_thinner_than_a_cell_and_the_limit_says_
       "body.plate.held=['y', 'z', 'rx', 'ry', 'rz']"], False),
     (["body.plate.parameters.height=0.05", "soil.material={relative_density=38.0, young=2e7}"], False),
     (["body.plate.parameters.height=0.05", "body.plate.position=[0.0, 0.025, 0.1]"], False)])
-def test_only_walls_that_soil_should_part_from_are_told(more, warned):
+def test_only_walls_that_soil_should_part_from_are_reported(more, warned):
     """Not those that the soil is to stay on, that move along themselves, in sand without tension, or above the ground."""
     assert any("thick where" in text for text in build(load_scene(DEMO, [*COARSE, *more])).warned) == warned

@@ -42,6 +42,7 @@ def test_smooth_blade_lifts_the_wedge_of_the_theory():
 
 
 def test_blade_that_leans_back_needs_less():
-    """After two steps, when friction is there: 0.86. In the first one the ratio is that of springs: 0.67 with ε_T = 3 ε_N, 0.83 with 0.3."""
+    """After two steps, when friction is there: 0.86. In the first one the ratio is that of springs: 0.67 with ε_T = 3
+    ε_N, 0.83 with 0.3."""
     upright, leaning = (next(forces(f"body.plough.parameters.rake={rake}", "stage.0.steps=2"))[-1, 0] for rake in (90, 60))
     assert 0.5 < leaning / upright < 0.9

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from differences import central
 from scipy.integrate import solve_ivp
 
 from hybrid.body.attitude import exp_so3
@@ -52,7 +53,8 @@ def turned(time):
         return inertia + mass * arm**2 * np.sin(phi)**2
 
     rate = -arm * np.sin(first) * mass * SPEED / all_of_it(first)
-    way = solve_ivp(lambda _, phi: rate * np.sqrt(all_of_it(first) / all_of_it(phi)), (0, time), [first], rtol=1e-11, atol=1e-12)
+    way = solve_ivp(lambda _, phi: rate * np.sqrt(all_of_it(first) / all_of_it(phi)), (0, time), [first], rtol=1e-11,
+                    atol=1e-12)
     return way.y[0, -1] - first
 
 
@@ -74,8 +76,8 @@ def test_a_plate_driven_at_its_corner_turns_as_integrated_with_second_order():
 
 
 def test_work_is_reaction_times_motion_under_a_weight():
-    """A plate lifted slowly at its corner by a table of displacements hangs from it in the end: reaction m g, work of the drive
-    against the weight."""
+    """A plate lifted slowly at its corner by a table of displacements hangs from it in the end: reaction m g, work of the
+    drive against the weight."""
     stages = (replace(drive(200, component="z", displacement=((0.0, 0.0), (1.0, 0.2)), held=("x", "y")),),)
     simulation, records, motions = run(plate(stages, 0.01, (0.0, 0.0, -9.81)))
     np.testing.assert_allclose(corner(simulation, motions[-1]), np.add(CORNER, (0.0, 0.0, 3.2)), atol=1e-9)
@@ -119,13 +121,10 @@ def test_gradient_and_curvature_by_differences():
     def at(q):
         return (pose[0] + q[:3], exp_so3(q[3:]) @ pose[1]), other
 
-    def central(function, h=1e-5):
-        return np.array([(function(h * e) - function(-h * e)) / (2 * h) for e in np.eye(6)]).T
-
     gradient = guide.rows((pose, other), 0.1)[1]
-    np.testing.assert_allclose(gradient[:, :6], central(lambda q: guide.rows(at(q), 0.1)[0]), atol=1e-9)
+    np.testing.assert_allclose(gradient[:, :6], central(lambda q: guide.rows(at(q), 0.1)[0], 6), atol=1e-9)
     bent = guide.curvature((pose, other), np.array([3.0]))
-    np.testing.assert_allclose(bent[:6, :6], central(lambda q: 3.0 * guide.rows(at(q))[1][0, :6]), atol=1e-8)
+    np.testing.assert_allclose(bent[:6, :6], central(lambda q: 3.0 * guide.rows(at(q))[1][0, :6], 6), atol=1e-8)
     assert not bent[6:].any() and not gradient[:, 6:].any()
 
 
@@ -146,7 +145,8 @@ def test_a_point_that_cannot_move_and_one_that_is_not_there_are_refused():
 
 
 def test_the_plate_of_the_demo_is_pressed_dragged_at_its_corner_and_released():
-    """The force on the way is near α s_u B = 1 kN; the corner follows the CSV table; the released plate springs back a little."""
+    """The force on the way is near α s_u B = 1 kN; the corner follows the CSV table; the released plate springs back a
+    little."""
     coarse = [f"grid.{axis}.size=0.25" for axis in "xz"]
     scene = load_scene(DEMOS / "stages.toml", [*coarse, "output.pictures=[]"])
     simulation = build(scene)

@@ -1,4 +1,5 @@
-"""Several processes give what one gives, to the tolerance of the solver, and end together. They start mpirun on tiny scenes."""
+"""Several processes give what one gives, to the tolerance of the solver, and end together. They start mpirun on tiny
+scenes."""
 
 import time
 from pathlib import Path
@@ -120,14 +121,30 @@ BLOCK = """
 name = "block"
 time = { step = 0.01 }
 output = { pictures = [], every = 0, checkpoint = 0 }
-soil = { top = 1.0, geostatic = false, material = { law = "drucker-prager", young = 1e7, poisson = 0.3, density = 1800.0, friction_angle = 32.0, dilation_angle = 2.0, cohesion = 1e3 } }
-grid = { x = { start = 0.0, end = 2.0, size = 0.1 }, y = { start = 0.0, end = 2.0, size = 0.1 }, z = { start = 0.0, end = 1.2, size = 0.1 } }
-stage = [{ name = "fall", steps = 2 }]
+[soil]
+top = 1.0
+geostatic = false
+[soil.material]
+law = "drucker-prager"
+young = 1e7
+poisson = 0.3
+density = 1800.0
+friction_angle = 32.0
+dilation_angle = 2.0
+cohesion = 1e3
+[grid]
+x = { start = 0.0, end = 2.0, size = 0.1 }
+y = { start = 0.0, end = 2.0, size = 0.1 }
+z = { start = 0.0, end = 1.2, size = 0.1 }
+[[stage]]
+name = "fall"
+steps = 2
 """
 
 
 def test_the_preconditioner_has_the_stiffness_of_all_ranks(tmp_path):
-    """2 % more GMRES iterations on two ranks than on one; six times as many where entries on a cut are those of one rank only."""
+    """2 % more GMRES iterations on two ranks than on one; six times as many where entries on a cut are those of one rank
+    only."""
     path = scene_file(tmp_path, BLOCK)
     for ranks in (1, 2):
         hybrid("run", path, "--out", tmp_path / str(ranks), "--ranks", ranks)

@@ -130,8 +130,8 @@ def files(folder):
 
 
 def test_a_killed_run_goes_on_with_any_number_of_processes(run, whole, tmp_path):
-    """It is killed when the parts of step 4 are written and their list is not. From step 2 it goes on from 2 to 3 processes, from
-    3 to 1, and from 1 to 2. No process has all points meanwhile."""
+    """It is killed when the parts of step 4 are written and their list is not. From step 2 it goes on from 2 to 3
+    processes, from 3 to 1, and from 1 to 2. No process has all points meanwhile."""
     out = tmp_path / "out"
     run("out", ranks=2, patch="watched, and killed before the list", fails=True)
     assert state(out).step == 2 and (out / "checkpoint_000004_r1.npz").exists()

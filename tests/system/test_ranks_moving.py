@@ -1,10 +1,22 @@
-"""Soil that moves among several processes: points that cross over or leave the grid, a grid that follows a body, and blocks that
-follow the work. They start mpirun on tiny scenes."""
+"""Soil that moves among several processes: points that cross over or leave the grid, a grid that follows a body, and
+blocks that follow the work. They start mpirun on tiny scenes."""
 
 import meshio
 import numpy as np
 import pytest
-from rank_runs import SLIDE, hybrid, largest_difference, needs_mpirun, patched, points, program, scene_file, settings, state
+from rank_runs import (
+    FOLLOWED_BOX,
+    SLIDE,
+    hybrid,
+    largest_difference,
+    needs_mpirun,
+    patched,
+    points,
+    program,
+    scene_file,
+    settings,
+    state,
+)
 
 from hybrid.output.history import read_history
 
@@ -49,28 +61,13 @@ def test_points_that_leave_the_grid(tmp_path):
     assert texts[0].splitlines()[-1] in texts[1].splitlines()      # which Open MPI 5 follows by a page of its own
 
 
-# A box is pushed through sand; window and fine cells go with it, points are split, merged and left behind
+# A box is pushed through sand; points are split, merged and left behind
 PLOUGH = """
 name = "plough"
 time = { step = 0.04 }
 output = { pictures = [], every = 5, checkpoint = 3 }
 solver = { tolerance = 1e-8, linear_tolerance = 1e-6 }
-[grid]
-x = { start = 0.0, end = 9.6, size = 0.2, growth = 1.4, around = [0.4, 0.4], window = [0.4, 0.4], doublings = 1 }
-y = { start = -0.2, end = 0.2, collapsed = true }
-z = { start = -3.2, end = 1.6, size = 0.2, growth = 1.4, around = [0.6, 0.2] }
-faces = { z_min = "fixed" }
-[soil]
-top = 0.0
-material = { relative_density = 38 }
-[[body]]
-name = "box"
-geometry = "GEOMETRY/box.geo"
-parameters = { length = 0.8, width = 0.8, height = 0.6, size = 20.0 }
-density = 2000.0
-position = [1.6, 0.0, 0.301]
-held = ["ry"]
-friction = 0.3
+""" + FOLLOWED_BOX + """
 [[stage]]
 name = "go"
 steps = 20
@@ -128,7 +125,8 @@ processes.GROWN = float(sys.argv.pop())
 def test_blocks_follow_soil_that_moves(tmp_path, grown, uneven):
     """A block of soil slides 1.9 m along: each of two ranks keeps half of it, but not where blocks stay as they are."""
     path = scene_file(tmp_path, THROWN.replace("end = 2.0", "end = 4.0").replace("steps = 14", "steps = 20"))
-    text = program(patched(tmp_path / "shares.py", SHARES), "run", path, "--out", tmp_path / "two", grown, ranks=2, fails=uneven)
+    text = program(patched(tmp_path / "shares.py", SHARES), "run", path, "--out", tmp_path / "two", grown, ranks=2,
+                   fails=uneven)
     if uneven:
         assert "uneven: " in text
         return

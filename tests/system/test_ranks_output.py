@@ -21,7 +21,8 @@ EACH_STEP = COLUMN.replace("every = 2, checkpoint = 2", "every = 1, checkpoint =
 def run(folder, *arguments, ranks=1, patch="", fails=False):
     """stderr of a run of the column into a folder, with frames and checkpoints of each of its 3 steps."""
     script = patched(folder.parent / "script.py", patch)
-    return program(script, "run", scene_file(folder.parent, EACH_STEP), "--out", folder, *arguments, ranks=ranks, fails=fails)
+    return program(script, "run", scene_file(folder.parent, EACH_STEP), "--out", folder, *arguments, ranks=ranks,
+                   fails=fails)
 
 
 def files(folder):
@@ -31,7 +32,8 @@ def files(folder):
 def in_order(grid):
     """Coordinates and fields of a frame, in the order of the points' numbers."""
     order = np.argsort(grid["number"]) if "number" in grid.point_data else np.arange(grid.n_points)
-    return {"points": grid.points[order], **{name: np.asarray(grid[name])[order] for name in grid.point_data if name != "number"}}
+    return {"points": grid.points[order],
+            **{name: np.asarray(grid[name])[order] for name in grid.point_data if name != "number"}}
 
 
 def test_pieces_are_the_frame_of_one_process_and_go_on_with_any_number(tmp_path):

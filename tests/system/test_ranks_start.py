@@ -1,18 +1,18 @@
-"""The start of several processes: each makes the points of its own cells, and of a new window its share. None ever has all."""
+"""The start of several processes: each makes the points of its own cells, and of a new window its share. None ever has
+all."""
 
 import json
-import shutil
 import subprocess
 import sys
 
 import numpy as np
 import pytest
+from rank_runs import FOLLOWED_BOX, needs_mpirun, scene_file
 
 from hybrid.output import checkpoint
 from hybrid.runtime.ranks import launch
 
-pytest.importorskip("mpi4py")
-pytestmark = pytest.mark.skipif(shutil.which("mpirun") is None, reason="needs mpirun")
+pytestmark = needs_mpirun
 
 HEAD = """
 name = "start"
@@ -67,23 +67,8 @@ position = [0.0, 0.025, -1.487]
 rotation = [0.0, 1.0, 0.0, 30.0]
 held = ["x", "y", "z", "rx", "ry", "rz"]
 """
-# Window and fine cells go with a box through sand
-MOVING = HEAD.format(time="", steps=8).replace("steps = 8", 'steps = 8, motion = [{ component = "x", velocity = 6.0 }]') + """
-grid.x = { start = 0.0, end = 9.6, size = 0.2, growth = 1.4, around = [0.4, 0.4], window = [0.4, 0.4], doublings = 1 }
-grid.y = { start = -0.2, end = 0.2, collapsed = true }
-grid.z = { start = -3.2, end = 1.6, size = 0.2, growth = 1.4, around = [0.6, 0.2] }
-grid.faces = { z_min = "fixed" }
-soil.top = 0.0
-soil.material = { relative_density = 38 }
-[[body]]
-name = "box"
-geometry = "GEOMETRY/box.geo"
-parameters = { length = 0.8, width = 0.8, height = 0.6, size = 20.0 }
-density = 2000.0
-position = [1.6, 0.0, 0.301]
-held = ["ry"]
-friction = 0.3
-"""
+GO = 'steps = 8, motion = [{ component = "x", velocity = 6.0 }]'
+MOVING = HEAD.format(time="", steps=8).replace("steps = 8", GO) + FOLLOWED_BOX
 SCENES = {"graded": GRADED, "slope": SLOPE, "in place": IN_PLACE, "moving": MOVING}
 # The largest number of points that any process has had at a time, of all that there are
 COUNTED = """
@@ -104,13 +89,14 @@ if ranks.rank() == 0:
 """
 
 
-def run(tmp_path, geometry, name, ranks):
+def run(tmp_path, name, ranks):
     """(Largest share of all points that a process has had, folder) of a scene on so many processes."""
-    scene, script, out = tmp_path / "scene.toml", tmp_path / "script.py", tmp_path / str(ranks)
-    scene.write_text(SCENES[name].replace("GEOMETRY", str(geometry)).replace("SAND", SAND))
+    scene = scene_file(tmp_path, SCENES[name].replace("SAND", SAND))
+    script, out = tmp_path / "script.py", tmp_path / str(ranks)
     script.write_text(COUNTED)
     command, environment = launch(ranks, ["-m", "mpi4py", script, scene, out])
-    done = subprocess.run(command if ranks > 1 else [sys.executable, *command[6:]], env={**environment, "NUMBA_NUM_THREADS": "1"},
+    done = subprocess.run(command if ranks > 1 else [sys.executable, *command[6:]],
+                          env={**environment, "NUMBA_NUM_THREADS": "1"},
                           capture_output=True, text=True, timeout=200)
     assert done.returncode == 0, done.stderr
     return float(done.stdout.split()[-1]), out
@@ -118,7 +104,9 @@ def run(tmp_path, geometry, name, ranks):
 
 def order(state):
     """Points in the order of their initial places, where a grid has added some, else of their numbers."""
-    return np.arange(len(state.points)) if state.ground is None else np.lexsort(np.round(state.ground.constants.position, 6).T)
+    if state.ground is None:
+        return np.arange(len(state.points))
+    return np.lexsort(np.round(state.ground.constants.position, 6).T)
 
 
 def assert_same(out, expected):
@@ -145,12 +133,12 @@ def sizes(folder):
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_no_process_has_all_points_and_all_are_those_of_one(tmp_path, geometry, name):
+def test_no_process_has_all_points_and_all_are_those_of_one(tmp_path, name):
     """Also numbers of cells, points, unknowns and entries, and what is not modelled, are those of one process."""
-    whole, expected = run(tmp_path, geometry, name, 1)
+    whole, expected = run(tmp_path, name, 1)
     assert whole >= 1.0
     for ranks, limit in ((2, 0.75), (3, 0.6)):
-        share, out = run(tmp_path, geometry, name, ranks)
+        share, out = run(tmp_path, name, ranks)
         assert share < limit, (ranks, share)
         assert_same(out, expected)
         assert name == "moving" or sizes(out) == sizes(expected)    # one process writes that of the grid at the end

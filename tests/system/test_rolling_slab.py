@@ -32,7 +32,7 @@ def test_the_first_tenths_of_a_second_on_coarse_facets(mu):
 @pytest.mark.parametrize("mu", FRICTION)
 @pytest.mark.parametrize("changes, limit", zip(WAYS, (0.2, 0.35)), ids=["faces", "corners"])
 def test_published_variant(mu, changes, limit):
-    """Within 0.2 % in distance on the faces of cells of 0.1 m and 0.35 % on the corners of cells of 0.025 m (0.31 % at μ = 0.4, of
-    which springs with ε_T = ε_N creep by 0.05 %: with 3 ε_N 0.26 %), and 1 % in spin, after one second."""
+    """Within 0.2 % in distance on the faces of cells of 0.1 m and 0.35 % on the corners of cells of 0.025 m (0.31 % at μ
+    = 0.4, of which springs with ε_T = ε_N creep by 0.05 %: with 3 ε_N 0.26 %), and 1 % in spin, after one second."""
     distance, spin = missed(mu, changes)
     assert distance < limit and spin < 1.0

@@ -27,8 +27,8 @@ def landing(geometry, names, options):
 def test_two_bodies_far_apart_move_as_each_alone(geometry, options):
     """In a step of 1 ms a wave goes a tenth of a cell: what one body does is 1e-13 of it four cells away.
 
-    Measured differences: 2e-9 of the place and 7e-6 of the forces (springs 400 times as stiff as a cell), also with friction, penalty and places of
-    contact that differ from body to body. Twelve unknowns together, six alone.
+    Measured differences: 2e-9 of the place and 7e-6 of the forces (springs 400 times as stiff as a cell), also with
+    friction, penalty and places of contact that differ from body to body. Twelve unknowns together, six alone.
     """
     both = landing(geometry, ("ball", "brick"), options)
     alone = [landing(geometry, (name,), options) for name in ("ball", "brick")]
@@ -58,7 +58,8 @@ def thrown_at_wall(geometry, cell):
                held=("x", "y", "z", "rx", "ry", "rz"), contact="corners")
     simulation = build(soil_scene(
         [wall], x=(-0.2, 1.2), y=across, z=across, size=cell, faces=FREE, top=0.05, lower=(0.0, -0.05, -0.05),
-        upper=(1.0, 0.05, 0.05), young=YOUNG, steps=int(2.8 / WAVE / step), time=Time(step=step, scheme="newmark"), ghost=0.0))
+        upper=(1.0, 0.05, 0.05), young=YOUNG, steps=int(2.8 / WAVE / step), time=Time(step=step, scheme="newmark"),
+        ghost=0.0))
     assert simulation.sheet()["modelled"]["body unknowns"] == 0
     points, mass = simulation.state.points, simulation.model.soil.constants.mass
     points.velocity[:, 0] = -SPEED

@@ -1,10 +1,10 @@
-"""Bodies that slide over clay by a good part of a cell in each step feel the whole of its friction and adhesion. Contact points
-that come and go within a step are about a third of all here."""
+"""Bodies that slide over clay by a good part of a cell in each step feel the whole of its friction and adhesion. Contact
+points that come and go within a step are about a third of all here."""
 
 import numpy as np
 import pytest
 from rank_runs import hybrid as command
-from rank_runs import needs_mpirun
+from rank_runs import needs_mpirun, scene_file
 
 import hybrid
 from hybrid.output.history import read_history
@@ -42,10 +42,9 @@ LIGHT, HEAVY = (7850.0, "friction = 0.45"), (73e3, "adhesion = 0.3")
 ADHESION = 0.3 * 100e3 * 0.41 * 0.5     # [N] α s_u A
 
 
-def scene(tmp_path, geometry, density, interface):
-    path = tmp_path / "scene.toml"
-    path.write_text(BRICK.replace("GEOMETRY", str(geometry)).replace("DENSITY", str(density)).replace("INTERFACE", interface))
-    return path
+def brick(folder, density, interface):
+    """Path of the scene with a brick of this density [kg/m³] and `interface`, a line of its table."""
+    return scene_file(folder, BRICK.replace("DENSITY", str(density)).replace("INTERFACE", interface))
 
 
 def shear(path):
@@ -55,9 +54,9 @@ def shear(path):
     return -x, z
 
 
-def test_friction(tmp_path, geometry, monkeypatch):
+def test_friction(tmp_path, monkeypatch):
     """0.44 of 0.45; 0.28 where points that come into contact have no share of the clay's strength."""
-    path = scene(tmp_path, geometry, *LIGHT)
+    path = brick(tmp_path, *LIGHT)
     along, across = shear(path)
     assert along / across == pytest.approx(0.45, rel=0.06)
     monkeypatch.setattr(newton, "SHARED", np.inf)
@@ -65,16 +64,16 @@ def test_friction(tmp_path, geometry, monkeypatch):
     assert along / across < 0.35
 
 
-def test_adhesion(tmp_path, geometry, monkeypatch):
-    path = scene(tmp_path, geometry, *HEAVY)
+def test_adhesion(tmp_path, monkeypatch):
+    path = brick(tmp_path, *HEAVY)
     assert shear(path)[0] == pytest.approx(ADHESION, rel=0.1)
     monkeypatch.setattr(newton, "SHARED", np.inf)
     assert shear(path)[0] < 0.8 * ADHESION
 
 
 @needs_mpirun
-def test_on_two_ranks(tmp_path, geometry):
-    path = scene(tmp_path, geometry, *LIGHT)
+def test_on_two_ranks(tmp_path):
+    path = brick(tmp_path, *LIGHT)
     keys = ["--set", "stage.1.steps=4", "solver.tolerance=1e-8", "solver.linear_tolerance=1e-6"]
     for ranks in (1, 2):
         command("run", path, "--out", tmp_path / str(ranks), "--ranks", ranks, *keys)

@@ -125,7 +125,8 @@ def test_the_tangent_of_a_load_by_differences():
 
 
 def pressed_and_dragged():
-    """A plate over all of the soil, loaded with 1 kN, then dragged by 2 cm under that load, on elastic soil with friction; quasi-static."""
+    """A plate over all of the soil, loaded with 1 kN, then dragged by 2 cm under that load, on elastic soil with
+    friction; quasi-static."""
     side = Axis(start=-0.4, end=0.4, size=0.2)
     down = Load(force=(0.0, 0.0, -1000.0))
     plate = box(1.06, 1.06, 0.1, size=0.2, rest_on=0.0, held=("x", "y", *TURNS), friction=0.3)

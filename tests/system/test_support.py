@@ -1,63 +1,41 @@
-"""Bodies put on soil with all of their weight at once, without inertia: supported where the first increment has no solution."""
+"""Bodies put on soil with all of their weight at once, without inertia: supported where an increment has no solution."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from put_on_soil import CLAY, put_on_soil
 
-import hybrid
-from hybrid.runtime.data import GEOMETRY
 from hybrid.runtime.errors import StepError
+from hybrid.setup.build import build
 from hybrid.step import increments
 from hybrid.step.support import Support, work_of_support
 from hybrid.step.workspace import Workspace
+from hybrid.study.scenes import sphere
 
-BALL = """
-time = { step = 1.0, inertia = false }
-[grid]
-x = { start = 0.0, end = 1.2, size = 0.15 }
-y = { start = 0.0, end = 1.2, size = 0.15 }
-z = { start = -1.2, end = 0.6, size = 0.15 }
-faces = { z_min = "fixed" }
-[soil]
-top = 0.0
-material = { law = "von-mises", young = 5e6, poisson = 0.49, density = 1600.0, strength = 10e3 }
-[[body]]
-name = "ball"
-geometry = "GEOMETRY/sphere.geo"
-parameters = { radius = 0.45, size = 0.1 }
-density = 4000.0
-rest_on = 0.0
-held = ["x", "y", "rx", "ry", "rz"]
-[[stage]]
-name = "put"
-steps = 1
-"""
+DENSITY, RADIUS = 4000.0, 0.45
+BALL = put_on_soil(
+    sphere(RADIUS, size=0.1, growth=0.0, density=DENSITY, rest_on=0.0, held=("x", "y", "rx", "ry", "rz")),
+    size=0.15, x=(0.0, 1.2), y=(0.0, 1.2), z=(-1.2, 0.6), material=replace(CLAY, density=1600.0))
 
 
-def ball(tmp_path):
-    path = tmp_path / "ball.toml"
-    path.write_text(BALL.replace("GEOMETRY", str(GEOMETRY)))
-    return hybrid.build(hybrid.load_scene(path))
-
-
-def test_a_ball_put_on_clay_sinks_in_until_it_is_borne(tmp_path):
-    record, = ball(tmp_path).steps()
+def test_a_ball_put_on_clay_sinks_in_until_it_is_borne():
+    record, = build(BALL).steps()
     one = record.bodies[0]
-    assert one.contact_force[2] == pytest.approx(4000.0 * 9.81 * np.pi * 0.45**3 / 3, rel=0.02)     # of a quarter
-    assert 0.05 < 0.45 - one.position[2] < 0.2
+    assert one.contact_force[2] == pytest.approx(DENSITY * 9.81 * np.pi * RADIUS**3 / 3, rel=0.02)     # of a quarter
+    assert 0.05 < RADIUS - one.position[2] < 0.2
     energies = record.energies
     assert abs(energies["error"]) < 0.1 * energies["plastic"] and energies["load"] < -0.5 * energies["plastic"]
 
 
-def test_it_has_no_solution_without_support(tmp_path, monkeypatch):
+def test_it_has_no_solution_without_support(monkeypatch):
     monkeypatch.setattr(increments.Support, "at_start", lambda step, length: None)
     with pytest.raises(StepError, match="step 1 failed"):
-        list(ball(tmp_path).steps())
+        list(build(BALL).steps())
 
 
-def test_a_support_fades_to_nothing_and_does_the_work_of_its_mean(tmp_path):
-    simulation = ball(tmp_path)
+def test_a_support_fades_to_nothing_and_does_the_work_of_its_mean():
+    simulation = build(BALL)
     step = increments.begin(simulation.model, simulation.state, 0.25, True, Workspace(simulation.model))
     support = Support.at_start(step, 1.0)
     weight = -step.bodies[0].at_start(step.at_rest().displacement, simulation.model.loads.gravity).sum(axis=0)

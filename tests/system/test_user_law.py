@@ -161,7 +161,8 @@ def test_a_law_on_two_processes(tmp_path):
 
     def run(ranks, folder, *more):
         command, environment = launch(ranks, ["-m", "mpi4py", script, tmp_path / folder, *more])
-        return subprocess.run(command if ranks > 1 else [sys.executable, *command[6:]], capture_output=True, text=True, timeout=120,
+        return subprocess.run(command if ranks > 1 else [sys.executable, *command[6:]], capture_output=True, text=True,
+                              timeout=120,
                               env={**environment, "NUMBA_NUM_THREADS": "1"})
 
     for ranks in (1, 2):

@@ -50,8 +50,8 @@ def test_files_of_the_wheel(wheel):
         held = {name for name in archive.namelist() if ".dist-info/" not in name}
     package = {str(path.relative_to(ROOT)) for suffix in ("py", "json", "md")
                for path in (ROOT / "hybrid").rglob(f"*.{suffix}") if path.resolve().is_relative_to(ROOT / "hybrid")}
-    shipped = {f"hybrid/data/{path.relative_to(ROOT)}" for pattern in ("geometry/*.geo", "geometry/*.step", "demos/*.csv", "demos/*.toml", "demos/*.py")
-               for path in ROOT.glob(pattern)}
+    patterns = ("geometry/*.geo", "geometry/*.step", "demos/*.csv", "demos/*.toml", "demos/*.py")
+    shipped = {f"hybrid/data/{path.relative_to(ROOT)}" for pattern in patterns for path in ROOT.glob(pattern)}
     assert held == package | shipped
 
 

@@ -137,8 +137,8 @@ def test_guided_components_of_a_body_are_no_unknowns(geometry, guide, contact):
 @pytest.mark.parametrize("driven", [("x",), ("z", "ry"), FREEDOMS])
 def test_rows_and_columns_of_driven_components_are_absent(geometry, driven):
     """K of a body that is driven along its own path is K of the free body there without those rows and columns,
-    but for the moment of the spin rate that the body starts with, which guides change (3e-10 of K). Without gravity: a free body
-    that touches nothing yet is expected to fall, a driven one is not, and their friction starts elsewhere."""
+    but for the moment of the spin rate that the body starts with, which guides change (3e-10 of K). Without gravity: a
+    free body that touches nothing yet is expected to fall, a driven one is not, and their friction starts elsewhere."""
     tangents, poses = [], []
     for some in ((), driven):
         described = scene(geometry, "hencky", 0.3, driven=some, contact="corners")

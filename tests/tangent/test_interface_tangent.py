@@ -43,7 +43,8 @@ def corners_of(feature, pulled, shear, tension):
             assert kind in KIND[feature]
             normal[n] = (foot[n] - y[n]) / -gap
         out = foot + OUT * normal
-        corners = replace(corners, start=out, position=CENTRE + out @ ROTATION.T, side=normal, anchor=corners.anchor + out - y)
+        corners = replace(corners, start=out, position=CENTRE + out @ ROTATION.T, side=normal,
+                          anchor=corners.anchor + out - y)
     limits = PlaceLimits(np.zeros(0) if shear is None else np.full(m, shear),
                          np.full(m, tension) if tension else np.zeros(0), np.zeros(m if tension else 0, bool))
     return replace(corners, limits=limits)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from differences import central
 
 from hybrid.body.attitude import exp_so3
 from hybrid.body.joints import Joint
@@ -25,18 +26,14 @@ def moved(step):
                  for i, (c, turn) in enumerate(POSES))
 
 
-def central(function, h=1e-5):
-    return np.array([(function(h * e) - function(-h * e)) / (2 * h) for e in np.eye(12)]).T
-
-
 @every_joint
 def test_gradients_and_curvature_by_differences(joint):
     values, gradients = joint.rows(POSES, 0.1)
     n = len(joint.bounds)
     assert values.shape == (n,) and gradients.shape == (n, 12) and joint.angular.shape == (n,)
-    np.testing.assert_allclose(gradients, central(lambda q: joint.rows(moved(q), 0.1)[0]), atol=1e-9)
+    np.testing.assert_allclose(gradients, central(lambda q: joint.rows(moved(q), 0.1)[0], 12), atol=1e-9)
     multipliers = np.random.default_rng(2).normal(size=n)
-    expected = central(lambda q: joint.rows(moved(q), 0.1)[1].T @ multipliers)
+    expected = central(lambda q: joint.rows(moved(q), 0.1)[1].T @ multipliers, 12)
     np.testing.assert_allclose(joint.curvature(POSES, multipliers), expected, atol=1e-8)
 
 

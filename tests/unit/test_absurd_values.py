@@ -148,7 +148,8 @@ def test_bodies_that_overlap(place, overlap, geometry):
               box(1.0, 1.0, 1.0, name="two", position=tuple(a + b for a, b in zip((1.0, 1.0, 0.6), place)))]
     scene = soil_scene(bodies, x=(0.0, 3.0), y=(0.0, 3.0), z=(-0.4, 3.0), held=True, time=Time(0.01))
     if overlap:
-        with pytest.raises(SceneError, match="bodies 'one' and 'two' overlap at the start, by .* or more and about .* m³; move one"):
+        with pytest.raises(SceneError, match="bodies 'one' and 'two' overlap at the start, by .* or more and about .* "
+                                             "m³; move one"):
             build(scene)
     else:
         build(scene)

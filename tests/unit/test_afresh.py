@@ -10,7 +10,8 @@ from hybrid.study.random import afresh
 from hybrid.study.random.family import options_set
 
 PAGE = GEOMETRY.parent / "demos" / "random" / "README.md"
-INTERFACE = {"Body.adhesion", "Body.tension", "Scene.joints", "Soil.ground"}     # physics that the random families do not have
+# physics that the random families do not have
+INTERFACE = {"Body.adhesion", "Body.tension", "Scene.joints", "Soil.ground"}
 
 
 @pytest.mark.parametrize("name", afresh.PROBLEMS)
@@ -26,7 +27,8 @@ def test_the_page_quotes_the_record():
     assert json.loads(afresh.PATH.read_text(encoding="utf-8"))["stamp"]
 
 
-@pytest.mark.parametrize("name", ["block slides", "block sticks", "ball rolls", "oedometer", "wall", "wall drawn back", "bank, 26°", "buoyant pipe"])
+@pytest.mark.parametrize("name", ["block slides", "block sticks", "ball rolls", "oedometer", "wall", "wall drawn back",
+                                  "bank, 26°", "buoyant pipe"])
 def test_problems_of_seconds_are_right_and_nothing_is_reported(name):
     outcome = afresh.measure(name)
     assert abs(outcome.error) <= outcome.allowed and outcome.messages == ()

@@ -1,4 +1,4 @@
-"""Solids of CAD, triangles and meshes are bodies as they are: groups are made, units scaled, halves cut, holes told."""
+"""Solids of CAD, triangles and meshes are bodies as they are: groups are made, units scaled, halves cut, holes reported."""
 
 import re
 from contextlib import contextmanager

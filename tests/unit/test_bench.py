@@ -2,10 +2,10 @@
 
 import json
 import subprocess
-import sys
 
 import numpy as np
 import pytest
+from stand_in import interpreter
 
 from hybrid import bench, cli
 from hybrid.bench import block, kratos_parts, scenes, stamp
@@ -130,12 +130,7 @@ print("banner"); print("RESULT", json.dumps({"seconds": [2.0, 1.0, 1.0], "newton
 
 @pytest.fixture
 def peer(tmp_path):
-    """A stand-in for the peer's interpreter."""
-    (tmp_path / "fake.py").write_text(FAKE)
-    path = tmp_path / "python"
-    path.write_text(f'#!/bin/sh\nexec {sys.executable} {tmp_path}/fake.py "$@"\n')
-    path.chmod(0o755)
-    return path
+    return interpreter(tmp_path, FAKE)
 
 
 def test_ratios_to_a_peer(peer):

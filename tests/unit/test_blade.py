@@ -13,7 +13,8 @@ YOUNG = np.array([1e7])
 
 
 def coulomb(angle, wall):
-    """Coulomb's coefficient of passive pressure on an upright wall: force along its normal and that at the angle of friction."""
+    """Coulomb's coefficient of passive pressure on an upright wall: force along its normal and that at the angle of
+    friction."""
     phi, delta = np.radians([angle, wall])
     return np.cos(phi) ** 2 / (np.cos(delta) * (1 - np.sqrt(np.sin(phi + delta) * np.sin(phi) / np.cos(delta))) ** 2)
 

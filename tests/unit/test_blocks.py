@@ -1,4 +1,5 @@
-"""Blocks of a grid: their nodes are those of the whole grid, however often blocks are cut, and reach as far as they have to."""
+"""Blocks of a grid: their nodes are those of the whole grid, however often blocks are cut, and reach as far as they have
+to."""
 
 from dataclasses import replace
 

@@ -25,7 +25,8 @@ def whole_state(moves):
     constants = PointConstants(simulation.initial_position, simulation.initial_half, np.full(n, 1e-3), np.full(n, 2.0))
     behind = select(Population(state.points, constants, np.ones((n, 2))), np.arange(7))
     layout = np.array([(0, 3), (0, 0), (1, 4)])
-    return replace(state, ground=Ground(layout, layout + 1, np.ones((2, 1, 3), bool), constants, np.full((n, 2), 5.0), behind))
+    return replace(state, ground=Ground(layout, layout + 1, np.ones((2, 1, 3), bool), constants, np.full((n, 2), 5.0),
+                                        behind))
 
 
 def save(folder, state, owner):
@@ -41,7 +42,8 @@ def save(folder, state, owner):
                                                   PointConstants(*np.zeros((2, n, 3)), *np.zeros((2, n))), np.zeros((n, 2)))
         own = select(points, mine)
         if ground:
-            behind = replace(ground.behind, constants=replace(ground.behind.constants, number=n + np.arange(len(ground.behind))))
+            behind = replace(ground.behind,
+                             constants=replace(ground.behind.constants, number=n + np.arange(len(ground.behind))))
             ground = replace(ground, constants=replace(own.constants, number=number[mine]), rows=ground.rows[mine],
                              behind=select(behind, slice(rank, None, PROCESSES)))
         of_points, others = parts.arrays(replace(state, points=own.points, contacts=contacts, ground=ground), number[mine])

@@ -1,4 +1,5 @@
-"""How often contact points cover the surface of a body: once, in layers, on both sides of a wall, in half models and slices."""
+"""How often contact points cover the surface of a body: once, in layers, on both sides of a wall, in half models and
+slices."""
 
 import numpy as np
 import pytest
@@ -13,7 +14,8 @@ WIDTH = 0.1
 
 
 def at(surface, spacing=0.02, chosen=None):
-    """Feet (m, 3), normals (m, 3) and areas (m,) of contact points spread evenly over a surface, as much of it as `chosen` says."""
+    """Feet (m, 3), normals (m, 3) and areas (m,) of contact points spread evenly over a surface, as much of it as
+    `chosen` says."""
     found = everywhere(surface, spacing)
     return found if chosen is None else tuple(values[chosen(*found)] for values in found)
 
@@ -22,7 +24,8 @@ def twice(found):
     return tuple(np.concatenate([values, values]) for values in found)
 
 
-@pytest.mark.parametrize("surface, area", [(ball(0.25), 4 * np.pi * 0.25**2), (box(half=(0.5, 0.3, 0.2)), 8 * (0.15 + 0.06 + 0.1))])
+@pytest.mark.parametrize("surface, area",
+                         [(ball(0.25), 4 * np.pi * 0.25**2), (box(half=(0.5, 0.3, 0.2)), 8 * (0.15 + 0.06 + 0.1))])
 @pytest.mark.parametrize("spacing", [0.01, 0.05, 1.0])
 def test_points_everywhere_have_the_area_of_the_surface(surface, area, spacing):
     point, normal, own = everywhere(surface, spacing)
@@ -42,7 +45,8 @@ def test_each_layer_counts_once_whatever_the_pose(surface, pose):
 
 
 def test_where_contact_ends_there_is_half_of_a_layer():
-    cover, found = Cover.of(box(half=(1.0, 1.0, 0.5)), WIDTH), at(box(half=(1.0, 1.0, 0.5)), chosen=lambda y, n, a: y[:, 0] > 0.0)
+    cover, found = Cover.of(box(half=(1.0, 1.0, 0.5)),
+                            WIDTH), at(box(half=(1.0, 1.0, 0.5)), chosen=lambda y, n, a: y[:, 0] > 0.0)
     layers, top = cover.layers(*found, ORIGIN, EVERYWHERE), found[1][:, 2] > 0.9
     x, inner = found[0][:, 0], top & (np.abs(found[0][:, 1]) < 0.7)
     assert layers[inner & (x < 0.03)] == pytest.approx(0.5, abs=0.12)
@@ -50,7 +54,8 @@ def test_where_contact_ends_there_is_half_of_a_layer():
 
 
 def test_what_is_beyond_a_plane_of_symmetry_does_not_count():
-    """Two layers on the half of the surface that the grid has: two up to the plane, where half of the surface around is missing."""
+    """Two layers on the half of the surface that the grid has: two up to the plane, where half of the surface around is
+    missing."""
     surface = ball(0.5)
     cover, found = Cover.of(surface, WIDTH), twice(at(surface, chosen=lambda y, n, a: y[:, 0] > 0.0))
     half = np.array([[0.0, 2.0], [-2.0, 2.0], [-2.0, 2.0]])

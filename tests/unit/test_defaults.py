@@ -14,7 +14,8 @@ from hybrid.setup.build import build
 from hybrid.study.scenes import soil_scene, steel
 
 CUBE = steel(0.2, 0.2, 0.2, position=(0.4, 0.4, 0.2))
-PUBLISHED = {"soil.fbar": False, "soil.ghost": 0.0, "body.0.contact": "corners", "body.0.tangential": 1.0, "time.scheme": "newmark"}
+PUBLISHED = {"soil.fbar": False, "soil.ghost": 0.0, "body.0.contact": "corners", "body.0.tangential": 1.0,
+             "time.scheme": "newmark"}
 
 
 def decided(scene):
@@ -66,7 +67,8 @@ SAND = Layer("sand", top=0.1, law="drucker-prager", material={"relative_density"
 
 
 @pytest.mark.parametrize("given, soil, limit", [
-    ({"friction": 0.3}, {}, 1.0), ({"friction": 0.0}, {}, None), ({"friction": None}, {}, None), ({"friction": 0.3}, {"held": True}, None),
+    ({"friction": 0.3}, {}, 1.0), ({"friction": 0.0}, {}, None), ({"friction": None}, {}, None),
+    ({"friction": 0.3}, {"held": True}, None),
     ({"friction": 0.3}, {"layers": (SAND,)}, None), ({"friction": 0.3, "adhesion": 0.5}, {}, 0.5)])
 def test_friction_on_clay_is_limited_by_its_strength(given, soil, limit):
     """Not where nothing yields, where there is no s_u, or by the published method."""

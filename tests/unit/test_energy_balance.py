@@ -12,12 +12,13 @@ from hybrid.monitors.energy_balance import EnergyBalance
 def balance(errors, stored=100.0, bodies=(), inertia=True, damps=False, accuracy=None, plastic=0.0):
     """Notes of steps with these errors [J] of the balance."""
     monitor = EnergyBalance(None, None)
-    view = {"model": SimpleNamespace(bodies=bodies), "scheme": SimpleNamespace(inertia=inertia, damps=damps, first_order=damps),
+    view = {"model": SimpleNamespace(bodies=bodies),
+            "scheme": SimpleNamespace(inertia=inertia, damps=damps, first_order=damps),
             "report": SimpleNamespace(error=accuracy)}
     kinetic = np.broadcast_to(stored, len(errors))
+    rest = {"elastic": 0.0, "contact": 0.0, "plastic": plastic}
     return [note for time, error in enumerate(errors) for note in monitor.notes(StepView(
-        state=SimpleNamespace(time=time), energy={"kinetic": kinetic[time], "elastic": 0.0, "contact": 0.0, "plastic": plastic, "error": error},
-        **view))]
+        state=SimpleNamespace(time=time), energy={"kinetic": kinetic[time], "error": error, **rest}, **view))]
 
 
 def test_energy_within_its_limits_gives_no_note():
@@ -25,7 +26,8 @@ def test_energy_within_its_limits_gives_no_note():
 
 
 def test_a_gain_while_a_motion_begins_counts_only_once_the_energy_has_a_scale():
-    """A block starts to slide: the touch of contact in the first step is lost in the energy of the third. One that stays is reported."""
+    """A block starts to slide: the touch of contact in the first step is lost in the energy of the third. One that stays
+    is reported."""
     sliding = [0.5 * step**2 for step in range(1, 8)]
     assert balance([0.25] * 7, sliding) == []
     text, = balance([0.5 * energy for energy in sliding], sliding)
@@ -54,8 +56,10 @@ def test_a_first_step_that_holds_the_impact_loses_no_more_than_all():
     body = SimpleNamespace(mass=SimpleNamespace(mass=2.0, inertia=np.eye(3)))
     motion = SimpleNamespace(velocity=np.array([0.0, 0.0, -10.0]), spin=np.zeros(3), rotation=np.eye(3))
     monitor = EnergyBalance(SimpleNamespace(bodies=(body,)), SimpleNamespace(bodies=(motion,)))
-    view = StepView(SimpleNamespace(bodies=(body,)), SimpleNamespace(time=0.1), SimpleNamespace(inertia=True, damps=True, first_order=False),
-                    SimpleNamespace(error=None, evaluation=None), {"kinetic": 1.0, "elastic": 0.0, "contact": 0.0, "error": -60.0})
+    view = StepView(SimpleNamespace(bodies=(body,)), SimpleNamespace(time=0.1),
+                    SimpleNamespace(inertia=True, damps=True, first_order=False),
+                    SimpleNamespace(error=None, evaluation=None),
+                    {"kinetic": 1.0, "elastic": 0.0, "contact": 0.0, "error": -60.0})
     text, = monitor.notes(view)
     assert "loss of 60 J" in text and "(100% of" in text
 

@@ -75,8 +75,10 @@ def full_row():
     z, mirrors = np.ones(3), (Mirror("y", 0.0, True),)
     body = BodyRecord("foot", z, np.ones(4), z, z, z, z, reaction={"x": 1.0, "rx": 1.0, "tip x": 1.0}, load=np.ones(6),
                       work={"load": 1.0, "x": 1.0, "tip x": 1.0}, mirrors=mirrors, parts={"base": z}, line_ends=(1.0,) * 4)
-    return Record(1, "go", 1, 1.0, 1.0, 1, 1, 0, 1e-5, 3, seconds={"contact search": 1.0}, energies=dict.fromkeys((*STORED, *WORKS, "stop", "error"), 1.0),
-                  bodies=[body], joints=[JointRecord("pin", np.ones(6), 1.0)], pairs=[PairRecord("one", "two", z, 1.0, 2)], copies=2,
+    return Record(1, "go", 1, 1.0, 1.0, 1, 1, 0, 1e-5, 3, seconds={"contact search": 1.0},
+                  energies=dict.fromkeys((*STORED, *WORKS, "stop", "error"), 1.0),
+                  bodies=[body], joints=[JointRecord("pin", np.ones(6), 1.0)],
+                  pairs=[PairRecord("one", "two", z, 1.0, 2)], copies=2,
                   time_error=1e-6).row()
 
 
@@ -84,7 +86,8 @@ def test_the_page_explains_every_column():
     """And names none that does not exist. Columns of the whole of a half model are explained below the table."""
     page = (GEOMETRY.parent / "demos" / "README.md").read_text(encoding="utf-8")
     section = page.split("## Columns of history.csv")[1]
-    named = [code for line in section.splitlines() if line.startswith("| `") for code in re.findall(r"`([^`]+)`", line.split("|")[1])]
+    named = [code for line in section.splitlines() if line.startswith("| `")
+             for code in re.findall(r"`([^`]+)`", line.split("|")[1])]
 
     def pattern(code):
         code = re.sub("BODY|PART|JOINT|POINT|SECOND|FIRST|PHASE", ".+", code)

@@ -75,7 +75,8 @@ def test_the_thickness_of_a_slice_is_no_width_of_a_domain():
     places = rules.faces(4, (False, True, False))
     top = int(np.flatnonzero(places.flat[:, 2] == 1.0)[0])
     domains, upward, none = domains_of(position, np.tile(half, (3, 1))), np.tile([0.0, 0.0, -1.0], (3, 1)), np.zeros(3)
-    found = {"point": np.arange(3), "place": np.full(3, top), "position": position + places.flat[top] * half, "normal": upward,
+    found = {"point": np.arange(3), "place": np.full(3, top), "position": position + places.flat[top] * half,
+             "normal": upward,
              "rest": none, "clearance": np.array([-1e-4, 1e-3, 1e-3]), "touching": np.arange(3) == 0, "opened": none > 0.0}
     area = places.area(found["place"], domains.half, domains.volume)
     body, surface = body_at((0.0, 0.0, 1.0)), box(half=(2.0, 0.5, 1.0))
@@ -87,8 +88,8 @@ def test_the_thickness_of_a_slice_is_no_width_of_a_domain():
 @pytest.mark.parametrize("opened", [False, True])
 @pytest.mark.parametrize("tension", [0.0, 1e3])
 def test_layers_of_clay_that_has_parted_bear_the_interface_of_one(collapsed, opened, tension):
-    """A thin layer touches the plate; where it has parted from the next one, the upper faces of both lie before the plate. In
-    space and in a slice, where a domain has the whole thickness."""
+    """A thin layer touches the plate; where it has parted from the next one, the upper faces of both lie before the
+    plate. In space and in a slice, where a domain has the whole thickness."""
     across = np.arange(0.025, 0.8, 0.05)
     x, y = (axis.ravel() for axis in np.meshgrid(across, [0.4] if collapsed else across, indexing="ij"))
     gap, wide = 0.02 if opened else 0.0, 0.4 if collapsed else 0.025
@@ -103,7 +104,8 @@ def test_layers_of_clay_that_has_parted_bear_the_interface_of_one(collapsed, ope
              "clearance": np.where(depth < 1e-9, -1e-6, depth), "touching": depth < 1e-9, "opened": none > 0.0}
     under = (np.abs(at - 0.4)[:, :2] <= np.where([False, collapsed], np.inf, 0.3)).all(axis=1)
     found = {name: values[under] for name, values in found.items()}
-    domains, surface, body = domains_of(position, half), box(half=(0.3, 0.4 if collapsed else 0.3, 0.1)), body_at((0.4, 0.4, 0.1))
+    domains, body = domains_of(position, half), body_at((0.4, 0.4, 0.1))
+    surface = box(half=(0.3, 0.4 if collapsed else 0.3, 0.1))
     area = places.area(found["place"], domains.half[found["point"]], domains.volume[found["point"]])
     plate, flat = 0.6 * (0.8 if collapsed else 0.6), np.array([[0.0, 1.0, 0.0]]) if collapsed else ()
     cover, strength = Cover.of(surface, 0.05, flat), np.full(len(position), SHEAR)
@@ -117,7 +119,8 @@ def test_layers_of_clay_that_has_parted_bear_the_interface_of_one(collapsed, ope
     else:
         sums.append(counted[1](found["touching"], np.ones(len(area)))[found["touching"]].sum() / SHEAR)
     for borne in sums:
-        assert borne == pytest.approx(plate, rel=0.12 if opened else 1e-3)      # beside edges half of what is around is not there
+        # beside edges half of what is around is not there
+        assert borne == pytest.approx(plate, rel=0.12 if opened else 1e-3)
 
 
 def ball_in_a_bed(radius, height, tension=0.0):
@@ -127,7 +130,8 @@ def ball_in_a_bed(radius, height, tension=0.0):
     nearest_corner = np.maximum(np.abs(position - centre) - half, 0.0)
     inside = np.linalg.norm(nearest_corner, axis=1) < radius - 5e-3
     domains = domains_of(position, half, ~inside)
-    body = SimpleNamespace(surface=ball(radius), friction=np.inf, tangential=0.5, places=rules.faces(8), free=np.ones(6, bool),
+    body = SimpleNamespace(surface=ball(radius), friction=np.inf, tangential=0.5, places=rules.faces(8),
+                           free=np.ones(6, bool),
                            contact_pressure=np.full(len(position), PRESSURE))
     limits = PointLimits(np.full(len(position), SHEAR), tension)
 
@@ -247,12 +251,12 @@ def test_faults_are_refused(geometry, values, soil, text):
 
 
 def test_adhesion_alone_needs_no_friction_and_no_adhesion_is_smooth():
-    from hybrid.setup.contact import _friction, _interface
+    from hybrid.setup.contact import friction_of, interface_of
 
     for values, mu, adhesion in (({}, 0.0, None), ({"friction": 0.3}, 0.3, None), ({"adhesion": 0.5}, np.inf, 0.5),
                                  ({"adhesion": 0.5, "friction": 0.3}, 0.3, 0.5), ({"adhesion": 0.0}, 0.0, None),
                                  ({"adhesion": 0.0, "friction": 0.3}, 0.0, None)):
         described = Body("box.geo", 1.0, **values)
-        made = _interface(described, "plane strain")
-        assert _friction(described) == mu and (made and made.adhesion) == adhesion
-    assert _interface(replace(Body("box.geo", 1.0), tension="full"), "compression").tension == np.inf
+        made = interface_of(described, "plane strain")
+        assert friction_of(described) == mu and (made and made.adhesion) == adhesion
+    assert interface_of(replace(Body("box.geo", 1.0), tension="full"), "compression").tension == np.inf

@@ -3,18 +3,18 @@
 import numpy as np
 import pytest
 
-from hybrid.soil.stiffness import _mark_changed, _Origin
+from hybrid.soil.stiffness import mark_changed, Origin
 
 LIMIT = 0.1     # [Pa], of a modulus of 10 Pa: a hundredth of it in ΔF^-1
 
 
 def origin(n=3):
-    return _Origin(np.full((n, 3, 3), 10.0), np.zeros((n, 3)), np.zeros((n, 3, 3)), np.zeros((n, 3, 3)))
+    return Origin(np.full((n, 3, 3), 10.0), np.zeros((n, 3)), np.zeros((n, 3, 3)), np.zeros((n, 3, 3)))
 
 
 def marked(now, before, limit=LIMIT):
     changed = np.empty(len(now.stress), bool)
-    _mark_changed(now, before, np.full(len(now.stress), limit), changed)
+    mark_changed(now, before, np.full(len(now.stress), limit), changed)
     return changed
 
 

@@ -27,7 +27,8 @@ def basis(count=1):
     return Basis(*(np.ones((count, 3), kind) for kind in (np.int32, np.int32, float, float)))
 
 
-VALUES = [basis(), (np.ones(3), np.ones((2, 2), order="F"), np.ones((4, 4))[::2]), Mixed(np.ones(1), 2.0, (np.ones(2), np.float64(1)), None),
+VALUES = [basis(), (np.ones(3), np.ones((2, 2), order="F"), np.ones((4, 4))[::2]),
+          Mixed(np.ones(1), 2.0, (np.ones(2), np.float64(1)), None),
           (np.ones(2), 3), (np.ones(2), 2**63), (1, 2), ()]
 
 

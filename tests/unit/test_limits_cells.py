@@ -1,4 +1,5 @@
-"""Limits of few cells in clay: each warns with the excess that the record of problems set up afresh has, and not beside it."""
+"""Limits of few cells in clay: each warns with the excess that the record of problems set up afresh has, and not beside
+it."""
 
 from dataclasses import replace
 
@@ -39,7 +40,8 @@ def test_the_law_of_edges_on_lines_is_that_of_the_record(name, across):
 def test_a_plate_attached_to_clay_on_few_cells(across, count):
     warnings = texts(cells.few_cells, clay.plate_anchor(across=across).scene)
     assert len(warnings) == count
-    assert all("is 6 cells of 0.2 m wide" in text and "about 29%" in text and "limit 10%" in text and "at most 0.069 m" in text for text in warnings)
+    assert all("is 6 cells of 0.2 m wide" in text and "about 29%" in text and "limit 10%" in text
+               and "at most 0.069 m" in text for text in warnings)
 
 
 @pytest.mark.parametrize("across, found", [(10, 17.25), (15, 15.9)])
@@ -51,9 +53,12 @@ def test_the_law_of_round_plates_is_what_was_measured(across, found):
 def buried(kind="cylinder.geo", values=(("radius", 1.0), ("height", 0.4), ("size", 0.5)), top="fixed"):
     """A quarter of a plate of 2 m that clay sticks to, 3.8 m below the top of a block of it with cells of 0.4 m."""
     side = Axis(start=0.0, end=4.0, size=0.4)
-    plate = body(kind, dict(values), position=(0.0, 0.0, -8.0), adhesion=1.0, tension="full", **PUSHED | {"velocity": (0.0, 0.0, 0.01)})
-    grid = Grid(side, side, Axis(start=-12.0, end=-4.0, size=0.4), Faces(z_min="fixed", z_max=top, x_max="fixed", y_max="fixed"))
-    return scene("plate", grid, Soil(clay.clay(1.5e4), geostatic=False), [plate], clay.Time(1.0, inertia=False), 20, WEIGHTLESS)
+    plate = body(kind, dict(values), position=(0.0, 0.0, -8.0), adhesion=1.0, tension="full",
+                 **PUSHED | {"velocity": (0.0, 0.0, 0.01)})
+    grid = Grid(side, side, Axis(start=-12.0, end=-4.0, size=0.4),
+                Faces(z_min="fixed", z_max=top, x_max="fixed", y_max="fixed"))
+    return scene("plate", grid, Soil(clay.clay(1.5e4), geostatic=False), [plate], clay.Time(1.0, inertia=False), 20,
+                 WEIGHTLESS)
 
 
 def test_a_plate_in_a_block_with_a_held_top_is_deep_and_both_sides_count():
@@ -68,10 +73,13 @@ def test_a_plate_in_a_block_with_a_held_top_is_deep_and_both_sides_count():
 def footing(half=0.8, mirrored=True, size=0.4, **table):
     """A strip on clay, whole or half of it."""
     x = Axis(start=0.0 if mirrored else -10 * size, end=10 * size, size=size)
-    foot = body("box.geo", {"length": 2 * half, "width": 1.0, "height": 0.5, "size": 8.0}, position=(0.0, 0.5, 0.0), rest_on=0.0,
+    foot = body("box.geo", {"length": 2 * half, "width": 1.0, "height": 0.5, "size": 8.0}, position=(0.0, 0.5, 0.0),
+                rest_on=0.0,
                 **PUSHED | {"velocity": (0.0, 0.0, -0.01)} | table)
-    grid = Grid(x, Axis(start=0.0, end=1.0, collapsed=True), Axis(start=-10 * size, end=size, size=size), Faces(z_min="fixed"))
-    return scene("foot", grid, Soil(clay.clay(1e4), top=0.0, geostatic=False), [foot], clay.Time(1.0, inertia=False), 1, WEIGHTLESS)
+    grid = Grid(x, Axis(start=0.0, end=1.0, collapsed=True), Axis(start=-10 * size, end=size, size=size),
+                Faces(z_min="fixed"))
+    return scene("foot", grid, Soil(clay.clay(1e4), top=0.0, geostatic=False), [foot], clay.Time(1.0, inertia=False), 1,
+                 WEIGHTLESS)
 
 
 @pytest.mark.parametrize("half, mirrored, count", [(0.8, True, 1), (0.8, False, 1), (0.7, True, 0), (1.6, True, 0)])
@@ -83,8 +91,10 @@ def test_a_footing_with_edges_on_lines_of_the_grid(half, mirrored, count):
 
 
 @pytest.mark.parametrize("half, load, count", [
-    (1.5, {"force": ((0.0, 0.0, 0.0, 0.0), (9.0, 45e3, 0.0, -180e3))}, 1), (1.5, {"force": ((0.0, 0.0, 0.0, 0.0), (9.0, 0.0, 0.0, -240e3)), "point": (0.375, 0.0, 0.0)}, 1),
-    (1.5, {"force": ((0.0, 0.0, 0.0, 0.0), (9.0, 0.0, 0.0, -240e3))}, 0), (0.6, {"force": ((0.0, 0.0, 0.0, 0.0), (9.0, 0.0, 0.0, -240e3))}, 1),
+    (1.5, {"force": ((0.0, 0.0, 0.0, 0.0), (9.0, 45e3, 0.0, -180e3))}, 1),
+    (1.5, {"force": ((0.0, 0.0, 0.0, 0.0), (9.0, 0.0, 0.0, -240e3)), "point": (0.375, 0.0, 0.0)}, 1),
+    (1.5, {"force": ((0.0, 0.0, 0.0, 0.0), (9.0, 0.0, 0.0, -240e3))}, 0),
+    (0.6, {"force": ((0.0, 0.0, 0.0, 0.0), (9.0, 0.0, 0.0, -240e3))}, 1),
     (1.5, {"force": (0.0, 0.0, 180e3)}, 0)])
 def test_a_footing_that_a_stage_loads(half, load, count):
     """Ten cells wide, 6 % of the load in its middle and 2.7 times that of an inclined or eccentric one; four cells wide."""
@@ -95,11 +105,14 @@ def test_a_footing_that_a_stage_loads(half, load, count):
     assert all(("inclined or eccentric load" in text and "up to 16%" in text) == (half == 1.5) for text in warnings)
 
 
-@pytest.mark.parametrize("across, inclined, eccentric", [(10, (36.0, 39.0), (199.5, 206.5)), (20, (36.0, 36.0), (186.0, 186.0))])
+@pytest.mark.parametrize("across, inclined, eccentric",
+                         [(10, (36.0, 39.0), (199.5, 206.5)), (20, (36.0, 36.0), (186.0, 186.0))])
 def test_the_law_of_combined_loads_is_what_was_measured(across, inclined, eccentric):
-    """Strip of 3 m on 15 kPa: H at V = 180 kN/m, 32.9 kN/m (Green 1954), and V at an eighth of the width, 173.5 kN/m (Meyerhof)."""
+    """Strip of 3 m on 15 kPa: H at V = 180 kN/m, 32.9 kN/m (Green 1954), and V at an eighth of the width, 173.5 kN/m
+    (Meyerhof)."""
     law = 1 + cells.COMBINED * 2 * cells.EDGE / across
-    assert all(low / exact - 0.03 < law < high / exact + 0.03 for (low, high), exact in ((inclined, 32.9), (eccentric, 173.5)))
+    assert all(low / exact - 0.03 < law < high / exact + 0.03
+               for (low, high), exact in ((inclined, 32.9), (eccentric, 173.5)))
 
 
 def test_bodies_that_nothing_drives_or_that_lift_off_are_not_judged():
@@ -113,7 +126,8 @@ def test_a_ball_deep_in_clay_in_space(cone, depth, count):
     side = Axis(start=0.0, end=0.6, size=0.2)
     ball = body("sphere.geo", {"radius": 0.2, "size": 0.1}, rest_on=0.0, velocity=(0.0, 0.0, -depth), **PUSHED)
     described = scene("ball", Grid(side, side, Axis(start=-1.2, end=0.2, size=0.2)),
-                      Soil(replace(clay.clay(1e4), cone=cone), top=0.0, geostatic=False), [ball], clay.Time(1.0, inertia=False), 1, WEIGHTLESS)
+                      Soil(replace(clay.clay(1e4), cone=cone), top=0.0, geostatic=False), [ball],
+                      clay.Time(1.0, inertia=False), 1, WEIGHTLESS)
     warnings = texts(cells.flow_around, described)
     assert len(warnings) == count
     assert all("of its widths deep, limit 2," in text and 'cone = "compression"' in text for text in warnings)
@@ -132,7 +146,10 @@ def test_an_upright_cut_in_clay(size, ground, law, count):
     """Eight and sixteen cells high; a slope and elastic soil are not judged."""
     material = clay.clay(18e3, 1800.0)
     material = material if law == "von-mises" else replace(material, law=law, strength=None)
-    grid = Grid(Axis(start=-4.0, end=4.0, size=size), Axis(start=0.0, end=1.0, collapsed=True), Axis(start=-6.0, end=0.5, size=size), Faces(z_min="fixed"))
-    warnings = texts(cells.upright_cut, scene("cut", grid, Soil(material, top=0.0, ground=ground, geostatic=False), [], clay.Time(1.0, inertia=False), 9))
+    grid = Grid(Axis(start=-4.0, end=4.0, size=size), Axis(start=0.0, end=1.0, collapsed=True),
+                Axis(start=-6.0, end=0.5, size=size), Faces(z_min="fixed"))
+    warnings = texts(cells.upright_cut, scene("cut", grid, Soil(material, top=0.0, ground=ground, geostatic=False), [],
+                                              clay.Time(1.0, inertia=False), 9))
     assert len(warnings) == count
-    assert all("4 m high, 8 cells of 0.5 m" in text and "about 13% too high" in text and "at most 0.38 m" in text for text in warnings)
+    assert all("4 m high, 8 cells of 0.5 m" in text and "about 13% too high" in text and "at most 0.38 m" in text
+               for text in warnings)

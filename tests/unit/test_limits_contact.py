@@ -35,12 +35,16 @@ def test_large_turns_of_a_tumbling_body(scheme, limit):
 
 
 @pytest.mark.parametrize("values, words", [
-    ({"spin": (0.0, 0.0, 42.0)}, r"turns by 0.42 rad a step by body.spin, limit 0.4 rad: contact.* steps of at most 0.0095 s"),
+    ({"spin": (0.0, 0.0, 42.0)},
+     r"turns by 0.42 rad a step by body.spin, limit 0.4 rad: contact.* steps of at most 0.0095 s"),
     ({"spin": (0.0, 0.0, 360.0)}, "turns by 3.6 rad a step by body.spin, limit 0.4 rad; is it a number of degrees"),
-    ({"spin": (0.0, 0.0, 42.0), "driven": ("rz",), "held": ("rx", "ry")}, "turns by 0.42 rad a step by"), ({"spin": (0.0, 0.0, 39.0)}, ""),
+    ({"spin": (0.0, 0.0, 42.0), "driven": ("rz",), "held": ("rx", "ry")}, "turns by 0.42 rad a step by"),
+    ({"spin": (0.0, 0.0, 39.0)}, ""),
     ({"motion": Motion(component="ry", velocity=50.0)}, "turns by 0.5 rad a step by what drives ry"),
-    ({"motion": Motion(component="ry", displacement=((0.0, 0.0), (0.1, 300.0)))}, "turns by 0.524 rad a step by what drives ry"),
-    ({"motion": Motion(component="ry", displacement=((0.0, 0.0), (0.1, 200.0)))}, ""), ({"motion": Motion(component="x", velocity=50.0)}, ""),
+    ({"motion": Motion(component="ry", displacement=((0.0, 0.0), (0.1, 300.0)))},
+     "turns by 0.524 rad a step by what drives ry"),
+    ({"motion": Motion(component="ry", displacement=((0.0, 0.0), (0.1, 200.0)))}, ""),
+    ({"motion": Motion(component="x", velocity=50.0)}, ""),
     ({"spin": (0.0, 0.0, 360.0), "time": {"accuracy": 1e-3}}, "")])
 def test_large_turns_about_one_axis(values, words):
     values = dict(values)
@@ -83,7 +87,8 @@ def test_soft_springs_of_stuck_friction(tangential, friction, count):
 
 
 @pytest.mark.parametrize("width, more, count", [
-    (0.26, {}, 0), (0.24, {}, 1), (0.24, {"contact": "faces"}, 0), (0.07, {"contact": "faces"}, 0), (0.24, {"rotation": (0.0, 0.0, 1.0, 30.0)}, 1)])
+    (0.26, {}, 0), (0.24, {}, 1), (0.24, {"contact": "faces"}, 0), (0.07, {"contact": "faces"}, 0),
+    (0.24, {"rotation": (0.0, 0.0, 1.0, 30.0)}, 1)])
 def test_bodies_narrower_than_two_spacings_of_contact_points(width, more, count):
     """Corners lie 0.125 m apart, points on faces 0.031 m."""
     body = box(1.0, width, 0.5, rest_on=0.0, **{"contact": "corners", **more})

@@ -1,4 +1,5 @@
-"""Loads on held components and motions out of a plane of symmetry, which nothing shows in a result, are told before the run."""
+"""Loads on held components and motions out of a plane of symmetry, which nothing shows in a result, are reported before the
+run."""
 
 import re
 from dataclasses import replace
@@ -20,13 +21,16 @@ def texts(limit, load=None, motion=None, y=None, stage=(), **body):
 
 
 @pytest.mark.parametrize("load, words", [
-    (Load(force=((0.0, 0.0, 0.0, 0.0), (1.0, 5e3, 0.0, -15e3))), "fx = 5 kN acts on x, held, as the model is symmetric about x = 0 m"),
+    (Load(force=((0.0, 0.0, 0.0, 0.0), (1.0, 5e3, 0.0, -15e3))),
+     "fx = 5 kN acts on x, held, as the model is symmetric about x = 0 m"),
     (Load(moment=(0.0, -40.0, 0.0)), "my = -40 N m acts on ry, held, as the model is symmetric"),
-    (Load(force=(0.0, 0.0, -100.0), point=(0.05, 0.0, 0.0)), "the moment my = 5 N m of the force at its point acts on ry, held, as"),
+    (Load(force=(0.0, 0.0, -100.0), point=(0.05, 0.0, 0.0)),
+     "the moment my = 5 N m of the force at its point acts on ry, held, as"),
 ])
-def test_loads_that_a_plane_of_symmetry_carries_are_told(load, words):
+def test_loads_that_a_plane_of_symmetry_carries_are_reported(load, words):
     text, = texts(swallowed_loads, load)
-    assert text.startswith(f"stage.0.load.0 on cube: {words}") and "the body does not feel it" in text and "Model the whole body" in text
+    assert text.startswith(f"stage.0.load.0 on cube: {words}") and "the body does not feel it" in text
+    assert "Model the whole body" in text
 
 
 @pytest.mark.parametrize("load", [
@@ -36,17 +40,20 @@ def test_loads_in_the_plane_are_not(load):
     assert not texts(swallowed_loads, load)
 
 
-@pytest.mark.parametrize("point, told", [(None, False), ((0.0, 0.0, 0.0), False), ((0.09, 0.0, 0.0), True)])
-def test_half_of_a_load_on_a_half_body_may_act_in_the_plane_or_at_its_centre(point, told):
-    assert bool(texts(swallowed_loads, Load(force=(0.0, 0.0, -100.0), point=point), symmetry="x")) == told
+@pytest.mark.parametrize("point, reported", [(None, False), ((0.0, 0.0, 0.0), False), ((0.09, 0.0, 0.0), True)])
+def test_half_of_a_load_on_a_half_body_may_act_in_the_plane_or_at_its_centre(point, reported):
+    assert bool(texts(swallowed_loads, Load(force=(0.0, 0.0, -100.0), point=point), symmetry="x")) == reported
 
 
 @pytest.mark.parametrize("values, words", [
-    ({"held": ("z",)}, "acts on z, held: .* Release it"), ({"driven": ("z",), "velocity": (0.0, 0.0, -0.1)}, "acts on z, driven: .* do not drive it"),
-    ({"stage": {"held": ("z",)}}, "acts on z, held:"), ({"motion": Motion(component="z", velocity=-0.1)}, "acts on z, driven:"),
-    ({"y": collapsed(0.2), "position": (0.3, 0.1, 0.0), "load": Load(force=(0.0, 5.0, -5.0))}, "acts on y, held across the collapsed axis y"),
+    ({"held": ("z",)}, "acts on z, held: .* Release it"), ({"driven": ("z",), "velocity": (0.0, 0.0, -0.1)},
+                                                           "acts on z, driven: .* do not drive it"),
+    ({"stage": {"held": ("z",)}}, "acts on z, held:"), ({"motion": Motion(component="z", velocity=-0.1)},
+                                                        "acts on z, driven:"),
+    ({"y": collapsed(0.2), "position": (0.3, 0.1, 0.0), "load": Load(force=(0.0, 5.0, -5.0))},
+     "acts on y, held across the collapsed axis y"),
 ])
-def test_loads_on_components_that_are_held_or_driven_are_told(values, words):
+def test_loads_on_components_that_are_held_or_driven_are_reported(values, words):
     text, = texts(swallowed_loads, **{"load": Load(force=(0.0, 0.0, -5.0)), "position": (0.4, 0.4, 0.0)} | values)
     assert re.search(words, text), text
 
@@ -58,9 +65,10 @@ def test_a_pull_line_across_the_plane_is_told_and_one_in_it_is_not():
     assert not texts(swallowed_pulls, pull=along)
 
 
-def test_a_half_that_moves_out_of_its_plane_is_told():
+def test_a_half_that_moves_out_of_its_plane_is_reported():
     text, = texts(moving_halves, motion=Motion(component="x", velocity=0.1))
-    assert text.startswith("cube lies across x = 0 m, the end of the grid") and "moves in x" in text and "Extend the grid" in text
+    assert text.startswith("cube lies across x = 0 m, the end of the grid") and "moves in x" in text
+    assert "Extend the grid" in text
     assert "moves in ry" in texts(moving_halves, spin=(0.0, 1.0, 0.0))[0]
     assert not texts(moving_halves, motion=Motion(component="z", velocity=-0.1))
     assert not texts(moving_halves, motion=Motion(component="x", velocity=0.1), position=(0.4, 0.4, 0.0))

@@ -1,4 +1,5 @@
-"""Soil that ends beside or below a body that is pressed into it, nearer than its failure mechanism reaches, is told before the run."""
+"""Soil that ends beside or below a body that is pressed into it, nearer than its failure mechanism reaches, is reported
+before the run."""
 
 from dataclasses import replace
 
@@ -16,22 +17,26 @@ DOWN = {"driven": ("z",), "velocity": (0.0, 0.0, -0.1)}
 def texts(x=(-1.0, 1.0), depth=0.4, size=0.05, load=None, material=CLAY, faces=(), **body):
     """Texts about half of a strip 0.4 m wide on soil in plane strain, whose middle is at x = 0."""
     strip = box(0.4, 0.2, 0.2, name="strip", **{"position": (0.0, 0.1, 0.0), "rest_on": 0.0} | ({} if load else DOWN) | body)
-    scene = soil_scene([strip], x=Axis(*x, size), y=collapsed(0.2), z=Axis(-depth, 6 * size, size), faces=Faces(z_min="fixed", **dict(faces)))
-    scene = replace(scene, soil=replace(scene.soil, material=material), stages=(Stage("go", 2, loads=(load,) if load else ()),))
+    scene = soil_scene([strip], x=Axis(*x, size), y=collapsed(0.2), z=Axis(-depth, 6 * size, size),
+                       faces=Faces(z_min="fixed", **dict(faces)))
+    scene = replace(scene, soil=replace(scene.soil, material=material),
+                    stages=(Stage("go", 2, loads=(load,) if load else ()),))
     simulation = build(scene)
     return list(narrow_margins(simulation.scene, simulation.model))
 
 
 def test_a_side_near_the_body_is_told_with_its_distance_in_widths():
     text, = texts(x=(-1.0, 0.25))
-    assert text.startswith("strip is 0.4 m wide, and the soil ends 0.05 m beside it at x = 0.25 m, 0.12 widths, limit 0.15") and "grid.x outwards" in text
+    assert text.startswith("strip is 0.4 m wide, and the soil ends 0.05 m beside it at x = 0.25 m, 0.12 widths, limit "
+                           "0.15") and "grid.x outwards" in text
     text, = texts(x=(0.0, 0.25))     # half a model: its width is that of the whole
     assert "strip is 0.4 m wide, and the soil ends 0.05 m beside it at x = 0.25 m" in text
 
 
 def test_a_base_near_the_body_is_told_for_the_end_of_its_way():
     text, = texts(depth=0.1, velocity=(0.0, 0.0, -1.0))
-    assert "the soil ends 0.08 m below it at the end of its way, 0.2 widths, limit 0.25" in text and "unless the soil is to end there" in text
+    assert "the soil ends 0.08 m below it at the end of its way, 0.2 widths, limit 0.25" in text
+    assert "unless the soil is to end there" in text
     assert "0.05 m below it, 0.12 widths" in texts(depth=0.05, load=Load(force=(0.0, 0.0, -50.0)), held=("x", "ry"))[0]
 
 
@@ -42,7 +47,8 @@ def test_the_mechanism_under_a_rough_body_reaches_farther():
 
 
 @pytest.mark.parametrize("values", [
-    {}, {"x": (0.0, 0.3)}, {"x": (-1.0, 0.25), "faces": {"x_max": "free"}}, {"x": (-0.2, 0.2)},       # a platen on all of the soil
+    # a platen on all of the soil
+    {}, {"x": (0.0, 0.3)}, {"x": (-1.0, 0.25), "faces": {"x_max": "free"}}, {"x": (-0.2, 0.2)},
     {"x": (-1.0, 0.25), "velocity": (0.1, 0.0, 0.0), "driven": ("x", "z")},
     {"x": (-1.0, 0.25), "velocity": (0.0, 0.0, 0.1)}, {"x": (-1.0, 0.25), "driven": (), "velocity": (0.0, 0.0, -0.1)},
     {"x": (-1.0, 0.25), "material": Material(law="hencky", young=1e6, poisson=0.3, density=1800.0)}])

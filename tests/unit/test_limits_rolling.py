@@ -1,4 +1,5 @@
-"""Round bodies at rest on soil whose cells do not resolve their contact: the force that draws them to nodes, and the note about it."""
+"""Round bodies at rest on soil whose cells do not resolve their contact: the force that draws them to nodes, and the note
+about it."""
 
 import numpy as np
 import pytest
@@ -13,13 +14,16 @@ ELASTIC = {"law": "hencky", "young": 10e6, "poisson": 0.3, "density": 1800.0}
 CLAY = {"law": "von-mises", "young": 5e6, "poisson": 0.45, "density": 1800.0, "strength": 20e3}
 
 
-def sphere(cell, material=ELASTIC, at=(0.0, 0.0), inertia=True, soil=(), gravity=(0.0, 0.0, -9.81), stages=(Stage("rest", 2),), **body):
+def sphere(cell, material=ELASTIC, at=(0.0, 0.0), inertia=True, soil=(), gravity=(0.0, 0.0, -9.81),
+           stages=(Stage("rest", 2),), **body):
     """Simulation of a sphere put down on a bed three cells and at least 0.2 m deep."""
     n, depth, up = (int(np.ceil(max(length, rows * cell) / cell)) for length, rows in ((0.24, 3), (0.2, 3), (0.1, 1)))
     side = Axis(-n * cell, n * cell, cell)
-    ball = Body(GEOMETRY / "sphere.geo", 2500.0, name="ball", position=(*at, 0.0), rest_on=0.0, parameters={"radius": RADIUS, "size": 0.06}, **body)
+    ball = Body(GEOMETRY / "sphere.geo", 2500.0, name="ball", position=(*at, 0.0), rest_on=0.0,
+                parameters={"radius": RADIUS, "size": 0.06}, **body)
     grid = Grid(side, side, Axis(-depth * cell, up * cell, cell), Faces(z_min="fixed"))
-    return build(Scene(name="ball", grid=grid, soil=Soil(Material(**material), top=0.0, **dict(soil)), bodies=(ball,), gravity=gravity,
+    return build(Scene(name="ball", grid=grid, soil=Soil(Material(**material), top=0.0, **dict(soil)), bodies=(ball,),
+                       gravity=gravity,
                        time=Time(0.02 if inertia else 1.0, inertia=inertia), stages=stages))
 
 
@@ -30,21 +34,24 @@ def notes(*given, **more):
 
 @pytest.mark.parametrize("cell, material, words", [
     (0.11, ELASTIC, ("radius of 0.04 m, 0.37 cells", "up to 1.9% of its weight", "cells of at most 0.03 m")),
-    (0.055, ELASTIC, ("0.73 cells", "up to 3.4% of its weight")), (0.11, CLAY, ("radius of 0.09 m, 0.82 cells", "at most 0.067 m"))])
+    (0.055, ELASTIC, ("0.73 cells", "up to 3.4% of its weight")),
+    (0.11, CLAY, ("radius of 0.09 m, 0.82 cells", "at most 0.067 m"))])
 def test_a_sphere_at_rest_on_coarse_cells_is_reported(cell, material, words):
     found, = notes(cell, material, friction=None if material is CLAY else 0.5)
     assert all(word in found for word in words) and "without gaining energy" in found and "soil.held = true" in found
 
 
 @pytest.mark.parametrize("more", [
-    {"cell": 0.029}, {"material": {**ELASTIC, "young": 1e9}}, {"held": ("x", "y")}, {"held": ("rx", "ry")}, {"velocity": (1.0, 0.0, 0.0)},
+    {"cell": 0.029}, {"material": {**ELASTIC, "young": 1e9}}, {"held": ("x", "y")}, {"held": ("rx", "ry")},
+    {"velocity": (1.0, 0.0, 0.0)},
     {"soil": {"held": True, "geostatic": False}}, {"gravity": (-1.0, 0.0, -9.7), "soil": {"geostatic": False}}])
 def test_bodies_that_do_not_feel_it_or_do_not_rest_are_not_reported(more):
     assert not notes(**{"cell": 0.11, **more})
 
 
 def tangential(cell):
-    """Largest force along the surface, over the weight, on a sphere that is held without friction at four places in a cell."""
+    """Largest force along the surface, over the weight, on a sphere that is held without friction at four places in a
+    cell."""
     forces = []
     for at in np.random.default_rng(3).uniform(0.0, cell, (4, 2)):
         *_, record = sphere(cell, at=tuple(at), inertia=False, friction=0.0, held=("x", "y", "rx", "ry", "rz")).steps()

@@ -29,14 +29,16 @@ DOWN = {"driven": ("z",), "velocity": (0.0, 0.0, -2.0)}
 
 def test_a_body_driven_by_a_cell_a_step_is_told_with_the_step_that_is_short_enough():
     (text,) = texts(long_strides, **DOWN)
-    assert text.startswith("cube is driven by 1 cells along z in each step of stage 'go', limit 0.5") and "at most 0.05 s" in text
+    assert text.startswith("cube is driven by 1 cells along z in each step of stage 'go', limit 0.5")
+    assert "at most 0.05 s" in text
     (text,) = texts(long_strides, yields=False, **DOWN | {"velocity": (0.0, 0.0, -4.0)})
     assert "by 2 cells" in text and "limit 1:" in text
 
 
 @pytest.mark.parametrize("values", [
     {"velocity": (0.0, 0.0, -1.0)}, {"stage": {"step": 0.04}}, {"stage": {"held": ("z",)}}, {"time": {"accuracy": 1e-3}},
-    {"soil": {"held": True}}, {"yields": False}, {"driven": ()}, {"stage": {"motions": (Motion(component="z", velocity=-0.5),)}}])
+    {"soil": {"held": True}}, {"yields": False}, {"driven": ()},
+    {"stage": {"motions": (Motion(component="z", velocity=-0.5),)}}])
 def test_shorter_strides_and_those_that_do_no_harm_are_not(values):
     assert not texts(long_strides, **DOWN | values)
 
@@ -51,8 +53,8 @@ def test_tables_of_motions_count_with_their_fastest_step(motion):
 def test_a_load_that_ends_after_its_stage_is_told_with_what_it_reaches():
     load = Load(force=((0.0, 0.0, 0.0, 0.0), (10.0, 500.0, 0.0, 0.0)))
     (text,) = texts(unreached_ends, {"loads": (load,)})
-    assert re.search(r"stage\.0\.load\.0\.force ends at 10 s, and its stage 'go' at 1 s: it reaches \(50, 0, 0\) N, not its last "
-                     r"row, \(500, 0, 0\) N\..*stage\.0\.steps to 100", text)
+    assert re.search(r"stage\.0\.load\.0\.force ends at 10 s, and its stage 'go' at 1 s: it reaches \(50, 0, 0\) N, "
+                     r"not its last row, \(500, 0, 0\) N\..*stage\.0\.steps to 100", text)
 
 
 @pytest.mark.parametrize("load", [
@@ -63,18 +65,22 @@ def test_loads_that_reach_their_last_value_are_not(load):
 
 
 @pytest.mark.parametrize("motion, words", [
-    (Motion(component="x", displacement=((0.0, 0.1), (100.0, 0.2))), r"displacement ends at 100 s, and its stage 'go' at 1 s: it reaches 0.001 m, "
-     r"not its last row, 0.1 m\. .*steps to 1000, or end"),
-    (Motion(component="rx", velocity=((0.0, 0.0), (2.0, 1.0))), "velocity ends at 2 s, .* it reaches 0.5 rad/s, not its last row, 1 rad/s"),
-    (Motion(component="x", displacement=((1.0, 0.0), (2.0, 0.2))), "it reaches 0 m, .* begin at 0, and not at 1 s, when the stage is over"),
+    (Motion(component="x", displacement=((0.0, 0.1), (100.0, 0.2))),
+     r"displacement ends at 100 s, and its stage 'go' at 1 s: it reaches 0.001 m, not its last row, 0.1 m\. "
+     r".*steps to 1000, or end"),
+    (Motion(component="rx", velocity=((0.0, 0.0), (2.0, 1.0))),
+     "velocity ends at 2 s, .* it reaches 0.5 rad/s, not its last row, 1 rad/s"),
+    (Motion(component="x", displacement=((1.0, 0.0), (2.0, 0.2))),
+     "it reaches 0 m, .* begin at 0, and not at 1 s, when the stage is over"),
 ])
-def test_a_motion_that_ends_or_begins_after_its_stage_is_told(motion, words):
+def test_a_motion_that_ends_or_begins_after_its_stage_is_reported(motion, words):
     (text,) = texts(unreached_ends, {"motions": (motion,)})
     assert text.startswith("stage.0.motion.0.") and re.search(words, text), text
 
 
 @pytest.mark.parametrize("motion", [
-    Motion(component="x", displacement=((0.0, 0.0), (1.0, 0.2))), Motion(component="x", velocity=((0.0, 0.1), (9.0, 0.1))), Motion(held=("x",)),
+    Motion(component="x", displacement=((0.0, 0.0), (1.0, 0.2))),
+    Motion(component="x", velocity=((0.0, 0.1), (9.0, 0.1))), Motion(held=("x",)),
     Motion(component="x", displacement=((0.0, 0.3), (0.5, 0.2), (9.0, 0.2)))])
 def test_motions_that_reach_their_last_value_are_not(motion):
     assert not texts(unreached_ends, {"motions": (motion,)})

@@ -38,7 +38,8 @@ def test_sizes_are_those_of_the_first_step(friction):
 
 
 @pytest.mark.parametrize("options, contact", [
-    ({}, "contact at 2400 faces of each domain"), ({"contact": "corners", "penalty": 50.0}, "contact at 8 corners of each domain")])
+    ({}, "contact at 2400 faces of each domain"), ({"contact": "corners", "penalty": 50.0},
+                                                   "contact at 8 corners of each domain")])
 def test_contact_of_a_body(options, contact):
     ball = sphere(0.25, 0.1, name="ball", position=(0.0, 0.0, 0.5), friction=0.3, **options)
     simulation = build(plane(ball, 1, 0.01))

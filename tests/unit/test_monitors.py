@@ -61,12 +61,14 @@ def driven_above(last=True, step=1, touching=0, drive=(0.0, 0.0, -0.1), joints=(
                                     driven=("z",) if any(drive) else ())]))
     report = SimpleNamespace(evaluation=SimpleNamespace(contacts=(range(touching),), pairs=None))
     model = replace(given.model, joints=joints)
-    return Untouched(model, given.state).notes(StepView(model, replace(given.state, step=step), model.scheme, report, {}, last))
+    return Untouched(model, given.state).notes(StepView(model, replace(given.state, step=step), model.scheme, report, {},
+                                                        last))
 
 
 def test_a_driven_body_that_touched_nothing_is_told_at_the_end_of_the_run():
     text, = driven_above()
-    assert text.startswith("cube is driven and has touched neither soil nor another body in the whole run") and "0.1 m above the highest soil" in text
+    assert text.startswith("cube is driven and has touched neither soil nor another body in the whole run")
+    assert "0.1 m above the highest soil" in text
     assert "body.rest_on" in text
 
 

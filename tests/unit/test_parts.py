@@ -67,7 +67,8 @@ def pushed(steps=2, **body):
 
 @pytest.mark.parametrize("friction", [0.3, 0.5])
 def test_the_mesh_of_its_tip_changes_neither_force_nor_iterations(friction):
-    """With edges of one length the mesh has four facets around the tip, which cut through the cone: closest points jump there."""
+    """With edges of one length the mesh has four facets around the tip, which cut through the cone: closest points jump
+    there."""
     forces = []
     for size in (0.1, 0.12, 0.2):
         records = list(build(pushed(3, friction=friction, parameters=CONE | {"size": size})).steps())
@@ -109,7 +110,8 @@ def test_parts_of_a_prism_are_those_of_its_slice(tmp_path):
     body = Body(path, 1000.0, name="block", position=(-0.5, -0.5, 0.0), driven=("z",), velocity=(0.0, 0.0, -0.01),
                 held=("x", "y", "rx", "ry", "rz"))
     scene = replace(pushed(1), bodies=(body,), grid=Grid(
-        Axis(start=-1.5, end=1.5, size=0.25), Axis(start=-0.1, end=0.1, collapsed=True), Axis(start=-2.0, end=0.5, size=0.25),
+        Axis(start=-1.5, end=1.5, size=0.25), Axis(start=-0.1, end=0.1, collapsed=True),
+        Axis(start=-2.0, end=0.5, size=0.25),
         Faces(z_min="fixed")))
     simulation = build(scene)
     parts = simulation.model.bodies[0].parts

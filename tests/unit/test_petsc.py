@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.sparse import block_diag, csr_matrix, diags, identity, kron, random
 
-from hybrid.linalg import petsc, solver_choice
+from hybrid.linalg import inverses, solver_choice
 from hybrid.linalg.petsc import BlockSystem
 from hybrid.linalg.precond_pattern import ReducedMatrix
 from hybrid.linalg.solver_choice import DAMPED, INCOMPLETE, SWEEPS, Single, SolverChoice
@@ -105,17 +105,17 @@ def test_sweeps_take_the_unknowns_of_a_node_together(monkeypatch, m):
     """Shear that outweighs the diagonal, as where sand flows, is nothing to the inverse of a block."""
     uu, counts = nodes(200, np.array([[1.0, 3.0, 2.0], [-3.0, 1.0, 3.0], [-2.0, -3.0, 1.0]])), []
     for shift in ({}, {"pc_sor_diagonal_shift": 1e-300}):   # with which PETSc takes every row by itself
-        monkeypatch.setitem(petsc.INVERSES, SWEEPS, {**petsc.INVERSES[SWEEPS], **shift})
+        monkeypatch.setitem(inverses.INVERSES, SWEEPS, {**inverses.INVERSES[SWEEPS], **shift})
         system = BlockSystem(uu.indptr, uu.indices, m, "auto", 1e-8, sweeps=True)
         counts.append(pushed(system, uu))
     assert counts[0] < 15 and counts[1] > 2 * counts[0]
 
 
 @pytest.mark.parametrize("part", [False, True])
-@pytest.mark.parametrize("least, solver", [(petsc.SMALLEST_DIAGONAL, SWEEPS), (0.0, INCOMPLETE)])
+@pytest.mark.parametrize("least, solver", [(inverses.SMALLEST_DIAGONAL, SWEEPS), (0.0, INCOMPLETE)])
 def test_a_node_with_hardly_any_stiffness_does_not_stop_the_sweeps(monkeypatch, least, solver, part):
     """A lone component of 1e-17 N/m, among nodes whose blocks PETSc inverts."""
-    monkeypatch.setattr(petsc, "SMALLEST_DIAGONAL", least)
+    monkeypatch.setattr(inverses, "SMALLEST_DIAGONAL", least)
     uu = csr_matrix(block_diag([nodes(100, 4 * np.eye(3)), [[1e-17]]]))
     kept = ReducedMatrix(uu.indptr, uu.indices, np.ones(uu.nnz, bool)) if part else None
     system = BlockSystem(uu.indptr, uu.indices, 3, "auto", 1e-10, kept, sweeps=True)
@@ -214,9 +214,10 @@ def test_diagonals_that_sweeps_take_for_zero_are_lifted_with_their_sign():
     """Not what is larger, nor what is no diagonal. An exact zero stays far below what sweeps invert: they diverge, and
     the next way is taken."""
     values = np.array([2.0, 1e-20, -1e-20, 0.0, -3.0, 1e-30])
-    petsc.lift(values, np.array([0, 1, 2, 3, 4]))
-    assert values.tolist() == [2.0, petsc.SMALLEST_DIAGONAL, -petsc.SMALLEST_DIAGONAL, petsc.ZERO_DIAGONAL, -3.0, 1e-30]
-    assert 2e-14 < petsc.SMALLEST_DIAGONAL and 0.0 < petsc.ZERO_DIAGONAL < 1e-200
+    inverses.lift(values, np.array([0, 1, 2, 3, 4]))
+    assert values.tolist() == [2.0, inverses.SMALLEST_DIAGONAL, -inverses.SMALLEST_DIAGONAL, inverses.ZERO_DIAGONAL,
+                               -3.0, 1e-30]
+    assert 2e-14 < inverses.SMALLEST_DIAGONAL and 0.0 < inverses.ZERO_DIAGONAL < 1e-200
 
 
 def badly_conditioned(linear, choice=None, singular=False, bodies=0):

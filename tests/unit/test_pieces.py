@@ -45,7 +45,8 @@ def test_frames_after_the_step_of_a_resumed_run_go_with_their_pieces(tmp_path):
     vtk.write_vtu(tmp_path / pieces.piece(6, 1), mesh)       # of a frame that was never complete
     again = vtk.Series(tmp_path, "soil", 2, 2)               # by one process
     again.add(3, 0.3, mesh)
-    assert vtk.read_pvd(tmp_path / "soil.pvd") == [("soil_000000.pvtu", 0.0), ("soil_000002.pvtu", 0.2), ("soil_000003.vtu", 0.3)]
+    assert vtk.read_pvd(tmp_path / "soil.pvd") == [("soil_000000.pvtu", 0.0), ("soil_000002.pvtu", 0.2),
+                                                   ("soil_000003.vtu", 0.3)]
     left = {path.name for path in tmp_path.glob("soil_0*")}
     assert left == {"soil_000003.vtu"} | {f"soil_00000{step}{end}" for step in (0, 2)
                                           for end in (".pvtu", "_r0.vtu", "_r1.vtu", "_r2.vtu")}

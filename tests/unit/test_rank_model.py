@@ -1,4 +1,5 @@
-"""Time on many processes by the model: sizes of blocks are those of the plans, and one process takes what the record says."""
+"""Time on many processes by the model: sizes of blocks are those of the plans, and one process takes what the record
+says."""
 
 import copy
 import json
@@ -28,11 +29,11 @@ def test_sizes_are_those_of_the_plans(cells, ranks):
         block = cut_block(grid, points, ranks, rank)
         plan, height = block.nodes, np.broadcast_to(block.axes[2], block.shape).ravel()
         free = (~block.fixed & (height <= cells[2])[:, None]).sum(axis=1)
-        given, copied = (sum(free[at].sum() for at in one.values()) for one in (plan._given, plan._copies))
+        given, copied = (sum(free[at].sum() for at in one.values()) for one in (plan.given, plan.copies))
         assert (found.own[rank], found.copies[rank], found.given[rank]) == (free[plan.owned].sum(), copied, given)
         assert found.nodes[rank] == plan.owned.sum() and found.copied_nodes[rank] == (~plan.owned).sum()
-        assert found.given_nodes[rank] == sum(map(len, plan._given.values()))
-        assert found.neighbours[rank] == len(plan._given.keys() | plan._copies.keys())
+        assert found.given_nodes[rank] == sum(map(len, plan.given.values()))
+        assert found.neighbours[rank] == len(plan.given.keys() | plan.copies.keys())
         assert found.overlap[rank] <= found.copies[rank]
 
 

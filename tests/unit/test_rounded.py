@@ -122,7 +122,8 @@ def test_a_slender_cylinder_of_few_facets_stays_round():
     """Vertices that move by twice its radius along it do not leave its surface."""
     surface = surface_of("cylinder.geo", radius=0.05, height=5.0, size=0.1)
     body = rounded(surface, 0.2)
-    assert body is not surface and np.linalg.norm(body.vertices[:, :2], axis=1).max() < 0.053      # 0.065 on the tangent planes
+    # 0.065 on the tangent planes
+    assert body is not surface and np.linalg.norm(body.vertices[:, :2], axis=1).max() < 0.053
 
 
 def test_the_shoulder_of_a_cone_is_an_edge_and_its_tip_is_none():

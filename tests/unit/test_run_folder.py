@@ -119,7 +119,8 @@ def test_a_run_that_is_stopped_while_it_meshes_is_not_continued_from_older_resul
     run = computed(folder, scene)
     with pytest.raises(ending), RunFolder(folder, scene):
         raise ending    # before begin()
-    with pytest.raises(checkpoint.CheckpointError, match=r"before its first checkpoint: start it again without --resume; or, "
+    with pytest.raises(checkpoint.CheckpointError,
+                       match=r"before its first checkpoint: start it again without --resume; or, "
                                                          r"to continue the earlier run, delete .*\.run\.starting"):
         started(folder, scene, resume=True)
     (folder / run_folder.STARTING).unlink()

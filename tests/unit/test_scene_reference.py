@@ -35,10 +35,12 @@ def test_the_page_has_every_table_and_key():
     text = page()
     for heading, cls in tables():
         assert heading in text
-    assert "| `tolerance` | number | - | `0.0001` | from 1e-14 to below 1 | tolerance of the residual, relative to the forces acting |" in text
+    assert ("| `tolerance` | number | - | `0.0001` | from 1e-14 to below 1 "
+            "| tolerance of the residual, relative to the forces acting |") in text
     assert "| `steps` | whole number | - | *required* | at least 1 | outer steps |" in text
     assert text.count("\n| `") >= sum(len(cls.__dataclass_fields__) for cls in {cls for _, cls in tables()})
-    assert "| `hencky` | `poisson`, `density`; `young`, or `reference_young` and `stiffness_exponent` | `relative_density`, `buoyant`, `young`" in text
+    assert ("| `hencky` | `poisson`, `density`; `young`, or `reference_young` and `stiffness_exponent` "
+            "| `relative_density`, `buoyant`, `young`") in text
     assert "| `drucker-prager` | `poisson`, `density`, `friction_angle`, `dilation_angle`, `cohesion`; " in text
 
 

@@ -37,8 +37,10 @@ SLOPE = "slope"
     (SLOPE, ["gravity=[0, 0, -9810]"], "gravity = [0, 0, -9810] m/s² looks wrong: 9.81 m/s² expected"),
     (SLOPE, ["gravity=[0, 0, 9.81]"], "it acts upwards"),
     (SLOPE, [CLAY, *SHARED, "soil.material.strength=10"], "strength = 10 Pa looks wrong"),
-    (SLOPE, [CLAY, *SHARED, "soil.material.strength_gradient=1.5"], "strength_gradient = 1.5 Pa/m looks wrong: Pa/m expected; is this a number of kPa/m"),
-    (SLOPE, ["gravity=[0, 0, 0]", "time.inertia=false", "soil.material.cohesion=0"], "sand without pressure has no strength and no stiffness"),
+    (SLOPE, [CLAY, *SHARED, "soil.material.strength_gradient=1.5"],
+     "strength_gradient = 1.5 Pa/m looks wrong: Pa/m expected; is this a number of kPa/m"),
+    (SLOPE, ["gravity=[0, 0, 0]", "time.inertia=false", "soil.material.cohesion=0"],
+     "sand without pressure has no strength and no stiffness"),
     (SLOPE, [CLAY, *SHARED, "soil.material.young=5e3"], "the weight of the soil, 3.53e+04 Pa at its foot, is over 2"),
     (SLOPE, [CLAY, *SHARED, "soil.material.young=5e4"], "over strength = 10000 Pa is 5, which looks wrong"),
     (SLOPE, ["grid.x.end=20000", "grid.x.size=500"], "grid.x, 20000 m long, looks wrong: SI units expected"),
@@ -56,24 +58,30 @@ def test_a_number_that_looks_wrong_gives_a_note(name, overrides, words):
     assert any(words in note for note in found), found
 
 
-CUBE = f"body=[{{ geometry = '{GEOMETRY / 'box.geo'}', density = 2000.0, position = [0.0, 0.5, 0.0], rest_on = 2.0, adhesion = 1.0, tension = %s }}]"
+CUBE = (f"body=[{{ geometry = '{GEOMETRY / 'box.geo'}', density = 2000.0, position = [0.0, 0.5, 0.0], rest_on = 2.0, "
+        "adhesion = 1.0, tension = %s }]")
 
 
 @pytest.mark.parametrize("tension, noted", [("20", "20"), ("5.0", "5"), ("20e3", ""), ("200.0", ""), ("'full'", "")])
 def test_a_tension_far_below_the_strength_of_the_clay(tension, noted):
     found = notes(SLOPE, CLAY, *SHARED, CUBE % tension)
-    assert [note for note in found if "body.0.tension" in note] == [
-        f"body.0.tension = {noted} Pa beside strength = 10000 Pa looks wrong: Pa expected; is this a number of kPa?"] * bool(noted)
+    text = f"body.0.tension = {noted} Pa beside strength = 10000 Pa looks wrong: Pa expected; is this a number of kPa?"
+    assert [note for note in found if "body.0.tension" in note] == [text] * bool(noted)
 
 
-@pytest.mark.parametrize("overrides", [["gravity=[0, 0, 0]", "time.inertia=true", "soil.material.cohesion=0"], ["time.inertia=false", "soil.material.cohesion=0"], [CLAY, *SHARED, "soil.material.strength_gradient=1500"],
-                                       ["gravity=[0, 0, 0]", "time.inertia=false", "soil.material.cohesion=300"]])
+@pytest.mark.parametrize("overrides", [
+    ["gravity=[0, 0, 0]", "time.inertia=true", "soil.material.cohesion=0"],
+    ["time.inertia=false", "soil.material.cohesion=0"],
+    [CLAY, *SHARED, "soil.material.strength_gradient=1500"],
+    ["gravity=[0, 0, 0]", "time.inertia=false", "soil.material.cohesion=300"]])
 def test_sand_with_weight_cohesion_or_inertia_and_usual_gradients_look_right(overrides):
-    assert not [note for note in notes(SLOPE, *overrides) if "looks wrong" in note and ("cohesion" in note or "gradient" in note)]
+    assert not [note for note in notes(SLOPE, *overrides) if "looks wrong" in note
+                and ("cohesion" in note or "gradient" in note)]
 
 
 def test_a_layer_of_sand_without_weight_is_noted_once():
-    found = notes(SLOPE, "gravity=[0, 0, 0]", "time.inertia=false", "soil.material.cohesion=0", "soil.layer=[{ name = 'low', top = 1.0, material = { young = 2e7 } }]")
+    found = notes(SLOPE, "gravity=[0, 0, 0]", "time.inertia=false", "soil.material.cohesion=0",
+                  "soil.layer=[{ name = 'low', top = 1.0, material = { young = 2e7 } }]")
     assert sum("no stiffness" in note for note in found) == 1
 
 
@@ -149,13 +157,16 @@ def hinge(*point):
 
 
 @pytest.mark.parametrize("given, words", [
-    ({"joint": hinge(1.0, 1.0, 0.2)}, "joint.0.point of cube lies 1.28 m outside its bounding box, 6.4 times its size, limit 2"),
+    ({"joint": hinge(1.0, 1.0, 0.2)}, "joint.0.point of cube lies 1.28 m outside its bounding box, 6.4 times its size, "
+                                      "limit 2"),
     ({"joint": Joint("rod", "rod", ("cube",), (0.0, 0.0, 0.0), end=(1.0, 1.0, 5.0))}, ""),     # the end of a rod is in space
     ({"joint": Joint("rod", "rod", ("cube",), (0.0, 0.0, 1.0), end=(1.0, 1.0, 5.0))}, "joint.0.point of cube"),
     ({"joint": hinge(0.0, 0.0, 0.45)}, ""),
-    ({"loads": (Load(force=(0.0, 0.0, -1.0)), Load(force=(0.0, 0.0, -1.0), point=(0.0, 0.0, 25.0)))}, "stage.0.load.1.point of cube lies 24.9 m"),
+    ({"loads": (Load(force=(0.0, 0.0, -1.0)), Load(force=(0.0, 0.0, -1.0), point=(0.0, 0.0, 25.0)))},
+     "stage.0.load.1.point of cube lies 24.9 m"),
     ({"loads": (Load(force=(0.0, 0.0, -1.0), point=(0.15, 0.0, 0.0)),)}, ""),
-    ({"motions": (Motion(free=("x",)), Motion(component="z", velocity=-0.1, point=(3.0, 0.0, 0.0)))}, "stage.0.motion.1.point of cube lies 2.9 m"),
+    ({"motions": (Motion(free=("x",)), Motion(component="z", velocity=-0.1, point=(3.0, 0.0, 0.0)))},
+     "stage.0.motion.1.point of cube lies 2.9 m"),
 ])
 def test_a_point_far_from_its_body_gives_a_note(given, words):
     found = points(**given)

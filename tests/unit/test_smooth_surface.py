@@ -272,8 +272,8 @@ def test_cone_keeps_its_apex(known):
 
 
 def test_places_around_a_tip_are_inside_by_the_smooth_surface_if_by_facets(geometry):
-    """But for what stands out of the facets. Where the smooth surface ends beside the tip of a cone, places outside of it were
-    taken for places 5 cm inside."""
+    """But for what stands out of the facets. Where the smooth surface ends beside the tip of a cone, places outside of it
+    were taken for places 5 cm inside."""
     mesh = generate(geometry / "cone.geo")
     surface, facets = build_surface(mesh.points, mesh.contact, mesh.normals), build_surface(mesh.points, mesh.contact)
     tip, bulge = mesh.points[mesh.points[:, 2].argmin()], surface.tree.patches.bulge

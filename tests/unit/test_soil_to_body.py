@@ -43,7 +43,8 @@ def test_tangent_of_a_rigid_motion_of_everything_vanishes_in_translation():
 
 
 def test_without_softening_the_tangent_of_a_convex_body_resists_every_motion():
-    """A ball's pressure turns with its surface and pushes points aside: p/r of softening. Of plane faces nothing is taken away."""
+    """A ball's pressure turns with its surface and pushes points aside: p/r of softening. Of plane faces nothing is taken
+    away."""
     surface, rng = build_surface(*sphere(2)), np.random.default_rng(3)
     y = rng.standard_normal((40, 3))
     y *= (rng.uniform(0.9, 0.99, 40) / np.linalg.norm(y, axis=1))[:, None]

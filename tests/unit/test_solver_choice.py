@@ -6,7 +6,19 @@ import numpy as np
 import pytest
 
 from hybrid.linalg import solver_choice
-from hybrid.linalg.solver_choice import ASKED, DAMPED, DIRECT, INCOMPLETE, LEAST, MARGIN, MOST, RETRY, SOON, SWEEPS, SolverChoice
+from hybrid.linalg.solver_choice import (
+    ASKED,
+    DAMPED,
+    DIRECT,
+    INCOMPLETE,
+    LEAST,
+    MARGIN,
+    MOST,
+    RETRY,
+    SOON,
+    SWEEPS,
+    SolverChoice,
+)
 from hybrid.runtime.memory import available_memory, direct_factor_memory
 
 

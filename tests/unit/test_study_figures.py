@@ -5,7 +5,7 @@ from contextlib import contextmanager
 import numpy as np
 import pytest
 
-from hybrid.output import failure_map, figures, scatter, work_precision
+from hybrid.output import failure_map, figures, panels, scatter, work_precision
 from hybrid.output.failure_map import COLOURS, LABELS, Map, draw_one_parameter_maps, draw_two_parameter_maps
 from hybrid.output.scatter import Cloud
 from hybrid.output.work_precision import Panel, Series
@@ -33,7 +33,7 @@ def drawn(monkeypatch):
             yield drawing
             kept.append(drawing)
 
-    for module in (failure_map, scatter, work_precision):
+    for module in (failure_map, panels):
         monkeypatch.setattr(module, "figure", keeping)
     return kept
 

@@ -49,7 +49,8 @@ def test_the_part_reports_what_the_whole_has(whole, given):
     names = [name.replace("_whole", "") for name in found if "whole" in name]
     assert {"ball_contact_fz_N", "ball_reaction_fz_N", "ball_drive_z_J", "energy_elastic_J", "energy_drive_J"} <= set(names)
     force, energy = abs(row["ball_contact_fz_N"]), abs(row["energy_drive_J"])
-    own = ("kinetic", "potential", "error") if "symmetry" not in given else ()     # of a ball across the plane, twice as heavy
+    # of a ball across the plane, twice as heavy
+    own = ("kinetic", "potential", "error") if "symmetry" not in given else ()
     for name in names:
         quantity, _, unit = name.rpartition("_")
         if any(word in name for word in own) or own and "reaction_fz" in name or own and "drive" in name:
@@ -60,7 +61,7 @@ def test_the_part_reports_what_the_whole_has(whole, given):
     assert part.sheet()["modelled"]["symmetry"]
 
 
-def test_masses_of_part_and_whole_are_told():
+def test_masses_of_part_and_whole_are_reported():
     simulation = build(pressed(y=HALF, symmetry="y"))
     mass = 2000.0 * 4 / 3 * np.pi * 0.3**3
     assert 2 * simulation.masses[0].mass == pytest.approx(mass, rel=2e-3)
@@ -128,7 +129,8 @@ def test_forces_along_a_normal_and_moments_across_it_cancel():
     half, quarter = (whole_columns(columns, tuple(Mirror(a, 0.0, True) for a in axes)) for axes in ("y", "xy"))
     assert {name: half[f"contact_{name}"] for name in ("fx_whole_N", "fy_whole_N", "my_whole_Nm", "mx_whole_Nm")} == {
         "fx_whole_N": 2, "fy_whole_N": 0, "my_whole_Nm": 2, "mx_whole_Nm": 0}
-    assert [quarter[f"reaction_{name}"] for name in ("fz_whole_N", "fx_whole_N", "mz_whole_Nm", "my_whole_Nm")] == [4, 0, 0, 0]
+    assert [quarter[f"reaction_{name}"]
+            for name in ("fz_whole_N", "fx_whole_N", "mz_whole_Nm", "my_whole_Nm")] == [4, 0, 0, 0]
     assert half["tension_whole_N"] == 2 and quarter["drive_z_whole_J"] == 4 and "x_whole_m" not in half
     assert list(half).index("tension_whole_N") == list(half).index("tension_N") + 1
     assert whole_columns(columns, ()) == columns
@@ -175,5 +177,6 @@ class _Spy:
 
     def __exit__(self, *error):
         (axes,) = self.drawing.axes
-        self.drawn["label"], self.drawn["highest"] = axes.get_ylabel(), max(line.get_ydata().max() for line in axes.lines[:1])
+        self.drawn["label"] = axes.get_ylabel()
+        self.drawn["highest"] = max(line.get_ydata().max() for line in axes.lines[:1])
         return self.context.__exit__(*error)

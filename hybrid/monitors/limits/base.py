@@ -1,9 +1,9 @@
 """Bodies that are moved along the fixed base of the grid.
 
-The lowest row of cells hangs on nodes that do not move. A body that reaches down into it and is moved sideways ploughs through
-clay that cannot give way: it is pressed against the fixed nodes, or squeezed out under the rounded edge of the foot, and the
-force grows with the way. Of a wall in plane strain that is pushed 0.0135 H into clay of 20 cells h in its height, over the exact
-force 2 s_u H of a smooth wall, and that of one with half the clay's strength on it:
+The lowest row of cells hangs on nodes that do not move. A body that reaches down into it and is moved sideways ploughs
+through clay that cannot give way: it is pressed against the fixed nodes, or squeezed out under the rounded edge of the
+foot, and the force grows with the way. Of a wall in plane strain that is pushed 0.0135 H into clay of 20 cells h in its
+height, over the exact force 2 s_u H of a smooth wall, and that of one with half the clay's strength on it:
 
 | foot above the base | -0.8 h | 0    | 0.2 h | 0.4 h | 0.6 h | h    |
 |---------------------|--------|------|-------|-------|-------|------|
@@ -17,7 +17,8 @@ CLEAR = 0.5     # cells between a body and the fixed base: from there on the for
 
 
 def body_on_fixed_base(scene, model):
-    """Bodies that can move sideways with their foot in the lowest half of a row of cells of soil that yields, over a fixed base."""
+    """Bodies that can move sideways with their foot in the lowest half of a row of cells of soil that yields, over a
+    fixed base."""
     grid, soil = model.soil.grid, model.soil
     if soil.held or not soil.law.plastic or scene.grid.faces.z_min != "fixed":
         return
@@ -28,10 +29,10 @@ def body_on_fixed_base(scene, model):
             continue
         where = f"{-foot:.2g} m below" if foot < -1e-6 * cell else f"{foot:.2g} m above" if foot > 1e-6 * cell else "on"
         yield (f"{body.name} can move sideways with its foot {where} the fixed base of the grid, limit {CLEAR:g} cells, "
-               f"{CLEAR * cell:.2g} m, above it: nodes there do not move, so that the soil of the lowest row cannot give way, and "
-               "the force grows with the way (a wall pushed into clay: 47 % too large with its foot on the base, after 0.014 of "
-               f"its height; 1 % with the foot a cell above). End the body {cell:.2g} m above the base, one cell, or set "
-               'grid.faces = { z_min = "roller" } where the base is smooth')
+               f"{CLEAR * cell:.2g} m, above it: nodes there do not move, so that the soil of the lowest row cannot "
+               "give way, and the force grows with the way (a wall pushed into clay: 47 % too large with its foot on the "
+               f"base, after 0.014 of its height; 1 % with the foot a cell above). End the body {cell:.2g} m above the "
+               'base, one cell, or set grid.faces = { z_min = "roller" } where the base is smooth')
 
 
 def _sideways(scene, described, body, grid):

@@ -1,12 +1,13 @@
 """Loads of clay that few cells make wrong, by how much, from problems set up afresh (demos/random/README.md, "By cells").
 
-    attached to clay on all sides, deep                   Π (1 + 1.75/n)           over the sides, n cells across; 1.5 for 1.75 of round outlines
-    pushed into clay, with edges on lines of the grid     Π (1 + 0.3 e/n)          over the sides, e = 0, 1, 2 of whose edges are
+    attached to clay on all sides, deep                   Π (1 + 1.75/n)     over the sides, n cells across;
+                                                                             1.5 for 1.75 of round outlines
+    pushed into clay, with edges on lines of the grid     Π (1 + 0.3 e/n)    over the sides, e = 0, 1, 2 of whose edges are
     the same under an inclined or eccentric load          2.7 times that excess
-    upright cut under its own weight, plane strain        1 + 1.05/n               n cells in its height
+    upright cut under its own weight, plane strain        1 + 1.05/n         n cells in its height
 
-Nodes at the edge of a face move with it, and the clay is sheared in the cell beyond (DESIGN, "The foot of a blade drags on the next nodes"). Those of
-sand are in `sand_cells`.
+Nodes at the edge of a face move with it, and the clay is sheared in the cell beyond (DESIGN, "The foot of a blade drags
+on the next nodes"). Those of sand are in `sand_cells`.
 """
 
 import numpy as np
@@ -14,15 +15,16 @@ import numpy as np
 from hybrid.monitors.limits.ways import CLAY, EXCESS, STEEP, driven, law_at, leads, loaded, sides, step_of_ground, top_of
 
 ATTACHED, ROUND, EDGE, CUT = 1.75, 1.5, 0.3, 1.05
-COMBINED = 2.7                  # times that: an inclined load at V = 4 of 5.14, one at an eighth of the width beside the centre
+# Factor on EDGE: an inclined load at V = 4 of 5.14, one at an eighth of the width beside the centre
+COMBINED = 2.7
 ON_LINE = 0.15                  # cells between an edge and a line of the grid: contact sees the edge there as on it
 DEEP = 1.0                      # widths: flow of clay around a body that goes deeper closes behind it
 DEEP_PLATE = 2.0                # widths under the ground: a shallower plate lifts the clay above it
 
 
 def few_cells(scene, model):
-    """Bodies driven through clay with a plane face, or loaded until they go through it, so few cells wide that their load is more than EXCESS
-    too high."""
+    """Bodies driven through clay with a plane face, or loaded until they go through it, so few cells wide that their load
+    is more than EXCESS too high."""
     pushed = [(*found, False) for found in driven(scene, model)] + list(loaded(scene, model))
     for body, way, place, plane, combined in pushed:
         if not plane:
@@ -39,33 +41,39 @@ def few_cells(scene, model):
 def flow_around(scene, model):
     """Deep flow of clay in space around a body without a plane face, with a match of the cone that is too weak there."""
     soil = model.soil
-    if soil.held or scene.soil.material.law != CLAY or soil.grid.collapsed.any() or scene.soil.material.cone != "plane strain":
+    material = scene.soil.material
+    if soil.held or material.law != CLAY or soil.grid.collapsed.any() or material.cone != "plane strain":
         return
     top = top_of(soil)
     for body, way, place, plane in driven(scene, model):
         depth, width = top - place[:, 2].min() - min(way[2], 0.0), np.ptp(place[:, :2], axis=0).min()
         if not plane and depth > (1.0 + DEEP) * width:
-            yield (f"{body.name} is driven {depth / width:.2g} of its widths deep, limit {1 + DEEP:g}, through clay as strong as s_u where it is "
-                   'sheared in a plane (soil.material.cone = "plane strain"): flow around a body in space is partly that of triaxial '
-                   "compression and extension, where this clay has 0.87 s_u, and a ball carries 12 % less than in Tresca's at least. Set "
-                   'soil.material.cone = "compression" if s_u is that of triaxial compression; footings are right without')
+            yield (f"{body.name} is driven {depth / width:.2g} of its widths deep, limit {1 + DEEP:g}, through clay as "
+                   'strong as s_u where it is sheared in a plane (soil.material.cone = "plane strain"): flow around a '
+                   "body in space is partly that of triaxial compression and extension, where this clay has 0.87 s_u, "
+                   "and a ball carries 12 % less than in Tresca's at least. Set soil.material.cone = "
+                   '"compression" if s_u is that of triaxial compression; footings are right without')
 
 
 def upright_cut(scene, model):
-    """Steps of the ground in clay with weight and without bodies, in plane strain, so few cells high that they stand under too much gravity."""
+    """Steps of the ground in clay with weight and without bodies, in plane strain, so few cells high that they stand
+    under too much gravity."""
     soil = model.soil
     if soil.held or scene.bodies or not np.any(scene.gravity) or soil.grid.collapsed.sum() != 1:
         return
     height, cell = step_of_ground(scene, soil), soil.grid.smallest_cell
-    if height > STEEP * cell and CUT * cell / height > EXCESS and law_at(scene, soil, top_of(soil) - height + 0.5 * cell) == CLAY:
-        yield (f"the ground has an upright step {height:.3g} m high, {height / cell:.2g} cells of {cell:.3g} m, in clay: the weight under which it "
-               f"stands is about {CUT * cell / height:.0%} too high, limit {EXCESS:.0%}. Use cells of at most {EXCESS / CUT * height:.2g} m")
+    foot = top_of(soil) - height + 0.5 * cell
+    if height > STEEP * cell and CUT * cell / height > EXCESS and law_at(scene, soil, foot) == CLAY:
+        yield (f"the ground has an upright step {height:.3g} m high, {height / cell:.2g} cells of {cell:.3g} m, in clay: "
+               f"the weight under which it stands is about {CUT * cell / height:.0%} too high, limit {EXCESS:.0%}. Use "
+               f"cells of at most {EXCESS / CUT * height:.2g} m")
 
 
 def _attached(scene, model, body, way, place):
     """(Excess, text, remedy) of a body deep in clay that stays on it."""
     soil, cell = model.soil, model.soil.grid.smallest_cell
-    across = [(width, ATTACHED if leads(body, place, np.eye(3)[axis]) else ROUND) for axis, width, _ in sides(soil.grid, place, way)]
+    across = [(width, ATTACHED if leads(body, place, np.eye(3)[axis]) else ROUND)
+              for axis, width, _ in sides(soil.grid, place, way)]
     width = min((width for width, _ in across), default=np.inf)
     shallow = place[:, 2].max() > top_of(soil) - DEEP_PLATE * width and not _covered(scene, soil)
     if not across or body.interface is None or not np.isinf(body.interface.tension) or shallow:
@@ -97,8 +105,10 @@ def _on_lines(scene, model, body, way, place):
             narrow = min(narrow, width / cell)
     if not on:
         return 0.0, "", ""
-    return (excess - 1.0, f"is {narrow:.2g} cells wide and has edges on lines of the grid along {', '.join(on)}, where it drives the "
-            "clay of the next cell too", "Move the lines of the grid by a quarter of a cell against it, or use smaller cells")
+    return (excess - 1.0,
+            f"is {narrow:.2g} cells wide and has edges on lines of the grid along {', '.join(on)}, where it drives the "
+            "clay of the next cell too",
+            "Move the lines of the grid by a quarter of a cell against it, or use smaller cells")
 
 
 LIMITS = (few_cells, flow_around, upright_cut)

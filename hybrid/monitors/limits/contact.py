@@ -13,7 +13,8 @@ from hybrid.scene.stage import table_rows
 STIFFNESS_RATIO = 10.0      # p_f times the depth of soil [-]: below it contact springs take a tenth of the displacement
 TANGENTIAL_RATIO = 0.3      # ε_T/ε_N [-]: below it a rolling sphere creeps by 5 % of its path and more
 SPACINGS = 2.0              # width of a body over the spacing of contact points [-]: below it too few sample the body
-THICKNESS = 2.0             # of a wall with clay on both sides, in cells: thinner ones may have no grid line free of soil between
+# Thickness of a wall with clay on both sides, in cells: thinner ones may have no grid line free of soil between
+THICKNESS = 2.0
 THIN_SHARE = 0.25           # of the surface in clay, that is thinner
 ACROSS = 0.3                # cosine: faces that a driven body moves along are not parted from the soil
 SAMPLES = 20                # of a thickness
@@ -67,14 +68,16 @@ def narrow_face(scene, model):
     cell = model.soil.grid.smallest_cell
     for body in model.bodies:
         if body.narrowest < cell:
-            yield (f"{body.name} has a face {body.narrowest:.2g} m wide between sharp edges, limit {cell:.3g} m, one cell: the grid "
-                   "does not resolve it, its load depends on where it stands in a cell, and Newton's method may need many iterations "
-                   f"for it. Round it off in the geometry, or use cells of at most {body.narrowest:.2g} m at the body")
+            yield (f"{body.name} has a face {body.narrowest:.2g} m wide between sharp edges, limit {cell:.3g} m, one "
+                   "cell: the grid does not resolve it, its load depends on where it stands in a cell, and Newton's "
+                   "method may need many iterations for it. Round it off in the geometry, or use cells of at most "
+                   f"{body.narrowest:.2g} m at the body")
 
 
 def thin_wall(scene, model):
     """Walls in clay so thin that the soil on both sides shares nodes, which keep it together: it does not part from them."""
-    if model.soil.held or not {scene.soil.material.law, *(layer.law for layer in scene.soil.layers)} & {"von-mises", "hencky"}:
+    laws = {scene.soil.material.law, *(layer.law for layer in scene.soil.layers)}
+    if model.soil.held or not laws & {"von-mises", "hencky"}:
         return
     cell, soil = model.soil.grid.smallest_cell, model.soil.constants
     top = maximum(soil.position[:, 2] + soil.half_width[:, 2])
@@ -85,11 +88,11 @@ def thin_wall(scene, model):
             continue
         thickness, share = _thickness(scene, described, body, THICKNESS * cell, top)
         if share > THIN_SHARE:
-            yield (f"{body.name} is {thickness:.2g} m thick where the soil is on both sides of it, {thickness / cell:.2g} cells "
-                   f"of {cell:.3g} m, limit {THICKNESS:g}: soil on both sides shares nodes of the grid, so it does not part "
-                   "from the body, and the load is that of soil that sticks to it (a strip plate pulled out of clay, 1.5 "
-                   f'widths deep: 3.5 times as much). Use cells of at most {thickness / THICKNESS:.2g} m, or set '
-                   'body.tension = "full" if the soil is to stay on it')
+            yield (f"{body.name} is {thickness:.2g} m thick where the soil is on both sides of it, "
+                   f"{thickness / cell:.2g} cells of {cell:.3g} m, limit {THICKNESS:g}: soil on both sides shares nodes "
+                   "of the grid, so it does not part from the body, and the load is that of soil that sticks to it (a "
+                   "strip plate pulled out of clay, 1.5 widths deep: 3.5 times as much). Use cells of at most "
+                   f'{thickness / THICKNESS:.2g} m, or set body.tension = "full" if the soil is to stay on it')
 
 
 def _covers(vertices, soil, grid):

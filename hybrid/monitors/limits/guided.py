@@ -16,7 +16,8 @@ MIDDLE = 0.02       # the same between the middle of a body and the end of the g
 
 
 def swallowed_loads(scene, model):
-    """Forces and moments of stages on components that are held or driven, which change the reaction there and nothing else."""
+    """Forces and moments of stages on components that are held or driven, which change the reaction there and nothing
+    else."""
     for s, stage in enumerate(scene.stages):
         staged = model.for_stage(stage.held, number=s)
         for described, body in zip(scene.bodies, staged.bodies):
@@ -24,11 +25,11 @@ def swallowed_loads(scene, model):
             for i, load in zip(own, body.loads):
                 found = {}
                 for component, text in _lost(described, body, load):
-                    found.setdefault(_why(scene, described, body, component), []).append((FREEDOMS[component], text))
+                    found.setdefault(_why(scene, body, component), []).append((FREEDOMS[component], text))
                 for (reason, remedy), parts in found.items():
                     names, texts = (" and ".join(each) for each in zip(*parts))
-                    yield (f"stage.{s}.load.{i} on {body.name}: {texts} act{'s' if len(parts) == 1 else ''} on {names}, {reason}: the body "
-                           f"does not feel it, it only changes the reaction. {remedy}")
+                    yield (f"stage.{s}.load.{i} on {body.name}: {texts} act{'s' if len(parts) == 1 else ''} on {names}, "
+                           f"{reason}: the body does not feel it, it only changes the reaction. {remedy}")
 
 
 def _lost(described, body, load):
@@ -40,7 +41,8 @@ def _lost(described, body, load):
         value = max((row[axis] for row in force), key=abs)
         if abs(value) > SWALLOWED * largest:
             yield axis, f"f{'xyz'[axis]} = {_shown(value)}N"
-    across = np.array([not any(mirror.axis == name for mirror in body.mirrors) for name in "xyz"])     # those are told already
+    # forces across a plane of symmetry are reported above
+    across = np.array([not any(mirror.axis == name for mirror in body.mirrors) for name in "xyz"])
     for axis in np.flatnonzero(~body.free[3:]):
         given = max((row[axis] for row in moment), key=abs)
         of_force = max((np.cross(arm, row * across)[axis] for row in force), key=abs)
@@ -51,9 +53,10 @@ def _lost(described, body, load):
 
 
 def _arm(described, body, point):
-    """Arm (3,) [m] in space of a point of a body at the start. Where the body is cut its loads may act in the plane, as half of those on the
-    whole, or at its centre, so that this arm is none."""
-    rotation = rotation_from_axis_angle(described.rotation[:3], np.radians(described.rotation[3])) if described.rotation else np.eye(3)
+    """Arm (3,) [m] in space of a point of a body at the start. Where the body is cut its loads may act in the plane, as
+    half of those on the whole, or at its centre, so that this arm is none."""
+    rotation = rotation_from_axis_angle(described.rotation[:3],
+                                        np.radians(described.rotation[3])) if described.rotation else np.eye(3)
     arm, centre = rotation @ point, np.array(described.position or np.zeros(3)) + rotation @ body.mass.centre
     for mirror in body.mirrors:
         a = AXES[mirror.axis]
@@ -62,7 +65,7 @@ def _arm(described, body, point):
     return arm
 
 
-def _why(scene, described, body, component):
+def _why(scene, body, component):
     """(why a component is not free, what to do) as texts."""
     name = FREEDOMS[component]
     for mirror in body.mirrors:
@@ -71,7 +74,8 @@ def _why(scene, described, body, component):
                     "Model the whole body for a load that is not symmetric")
     collapsed = [axis for axis in "xyz" if getattr(scene.grid, axis).collapsed]
     if any(name in Mirror(axis, 0.0, False).guides for axis in collapsed):
-        return f"held across the collapsed axis {', '.join(collapsed)}", "Leave this component out, or model all three dimensions"
+        return (f"held across the collapsed axis {', '.join(collapsed)}",
+                "Leave this component out, or model all three dimensions")
     if body.drive[component] or any(guide.component == component for guide in body.guides):
         return "driven", "Leave this component out, or do not drive it"
     return "held", "Release it (body.held, stage.held, or a motion with free), or leave this component out"
@@ -91,28 +95,32 @@ def swallowed_pulls(scene, model):
         way = np.array(described.pull.direction or described.pull.velocity)
         for mirror in body.mirrors:
             if abs(way[AXES[mirror.axis]]) > ASIDE * np.linalg.norm(way):
-                yield (f"body.{i}.pull of {body.name} leads along {mirror.axis}, held, as the model is symmetric about {mirror} and its "
-                       "mirror image is pulled the other way: the body does not feel this part of its tension. Model the whole body, or let the "
-                       "line lie in the plane")
+                yield (f"body.{i}.pull of {body.name} leads along {mirror.axis}, held, as the model is symmetric about "
+                       f"{mirror} and its mirror image is pulled the other way: the body does not feel this part of its "
+                       "tension. Model the whole body, or let the line lie in the plane")
 
 
 def moving_halves(scene, model):
-    """Bodies with their middle in a roller face of the grid, as half a model, that move out of it: the other half has no soil."""
+    """Bodies with their middle in a roller face of the grid, as half a model, that move out of it: the other half has no
+    soil."""
     for described, body in zip(scene.bodies, model.bodies):
         place = initial_vertices(described, body)
         for axis, a in AXES.items():
-            if getattr(scene.grid, axis).collapsed or scene.gravity[a] or any(mirror.axis == axis for mirror in body.mirrors):
+            mirrored = any(mirror.axis == axis for mirror in body.mirrors)
+            if getattr(scene.grid, axis).collapsed or scene.gravity[a] or mirrored:
                 continue
             names = moved(scene, described, Mirror(axis, 0.0, False).guides)
             ends = _half_at(scene, model.soil, axis, place[:, a].min(), place[:, a].max()) if names else ()
             for end in ends:
-                yield (f"{body.name} lies across {axis} = {end:.4g} m, the end of the grid, with its middle in it, as half a model does, and moves in "
-                       f"{', '.join(names)}: its mirror image would move against it, so that it is taken as a whole body with soil on one side "
-                       "alone. Extend the grid to both sides of it, or leave these components out")
+                yield (f"{body.name} lies across {axis} = {end:.4g} m, the end of the grid, with its middle in it, as "
+                       f"half a model does, and moves in {', '.join(names)}: its mirror image would move against it, so "
+                       "that it is taken as a whole body with soil on one side alone. Extend the grid to both sides of "
+                       "it, or leave these components out")
 
 
 def _half_at(scene, soil, axis, low, high):
-    """Coordinates [m] of the roller faces across an axis in which the middle of a body from `low` to `high` [m] lies beside soil."""
+    """Coordinates [m] of the roller faces across an axis in which the middle of a body from `low` to `high` [m] lies
+    beside soil."""
     a, (start, end) = AXES[axis], soil.grid.extent[AXES[axis]]
     at, half, cell = soil.constants.position[:, a], soil.constants.half_width[:, a], soil.grid.smallest_cell
     covers = low <= start and high >= end

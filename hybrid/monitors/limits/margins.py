@@ -1,7 +1,7 @@
 """Soil that ends so near a body that is pressed into it that its failure mechanism does not fit: the load is too large.
 
-Load of a strip of width B on clay over that far from all ends, 1.6 m wide with cells of 0.1 m, by the distance to a roller beside it or a fixed
-base below:
+Load of a strip of width B on clay over that far from all ends, 1.6 m wide with cells of 0.1 m, by the distance to a
+roller beside it or a fixed base below:
 
     beside [B]     0.06   0.125   0.19   0.25   0.5       below [B]      0.19   0.25   0.31   0.5
     smooth         1.89   1.15    1.04   1.00   1.00      smooth         1.18   1.07   1.03   1.00
@@ -21,7 +21,8 @@ DOWN = 0.9      # share of the way of a body that is pressed down
 
 
 def narrow_margins(scene, model):
-    """Bodies pressed down into soil that ends at a face of the grid beside or below them, nearer than their failure mechanism reaches."""
+    """Bodies pressed down into soil that ends at a face of the grid beside or below them, nearer than their failure
+    mechanism reaches."""
     pressed = [(*each[:3], False) for each in driven(scene, model)] + [(*each[:3], True) for each in loaded(scene, model)]
     for body, way, place, by_force in pressed:
         if way[2] > -DOWN * np.linalg.norm(way):
@@ -33,19 +34,21 @@ def narrow_margins(scene, model):
             if gap is not None and gap < BESIDE[rough] * width:
                 yield _text(body, width, gap, f"beside it at {where}", BESIDE[rough], where[0])
         below = place[:, 2].min() + (0.0 if by_force else way[2]) - _ends(model.soil, 2)[0]
-        if np.isfinite(width) and -0.1 * width < below < BELOW[rough] * width and not scene.grid.z.moves and scene.grid.faces.z_min != "free":
+        ends_there = not scene.grid.z.moves and scene.grid.faces.z_min != "free"
+        if np.isfinite(width) and -0.1 * width < below < BELOW[rough] * width and ends_there:
             yield _text(body, width, below, "below it" if by_force else "below it at the end of its way", BELOW[rough], "z")
 
 
 def _text(body, width, gap, where, limit, axis):
-    return (f"{body.name} is {width:.3g} m wide, and the soil ends {gap:.3g} m {where}, {gap / width:.2g} widths, limit {limit:g}: soil that should flow from "
-            "under it is held there, so that the body carries more than on ground without this end, by a tenth at the limit on clay and by much "
-            f"more nearer to it. Move the end of grid.{axis} outwards, unless the soil is to end there")
+    return (f"{body.name} is {width:.3g} m wide, and the soil ends {gap:.3g} m {where}, {gap / width:.2g} widths, limit "
+            f"{limit:g}: soil that should flow from under it is held there, so that the body carries more than on ground "
+            "without this end, by a tenth at the limit on clay and by much more nearer to it. Move the end of "
+            f"grid.{axis} outwards, unless the soil is to end there")
 
 
 def _beside(scene, soil, place):
-    """(width [m] of a body, its distance [m] to the end of the soil or None where that is no end, text of the place) for the ends of the axes
-    along which soil can flow away; a body on, or beyond, a face of the grid is half of one there."""
+    """(width [m] of a body, its distance [m] to the end of the soil or None where that is no end, text of the place) for
+    the ends of the axes along which soil can flow away; a body on, or beyond, a face of the grid is half of one there."""
     grid, cell = soil.grid, soil.grid.smallest_cell
     for axis, name in enumerate("xy"):
         ends, limits = (place[:, axis].min(), place[:, axis].max()), grid.extent[axis]
@@ -55,7 +58,8 @@ def _beside(scene, soil, place):
             continue
         width = ends[1] - ends[0] if all(inside) else 2 * (ends[1] - limits[0] if inside[1] else limits[1] - ends[0])
         for side, sign in ((0, 1), (1, -1)):
-            closed = abs(reached[side] - limits[side]) < cell and getattr(scene.grid.faces, f"{name}_{('min', 'max')[side]}") != "free"
+            condition = getattr(scene.grid.faces, f"{name}_{('min', 'max')[side]}")
+            closed = abs(reached[side] - limits[side]) < cell and condition != "free"
             gap = sign * (ends[side] - limits[side]) if inside[side] and closed else None
             yield width, gap, f"{name} = {limits[side]:.3g} m"
 

@@ -68,8 +68,9 @@ def _place(soil, low, high, grid):
 
 
 def _crossing(soil, body, place):
-    """What looks wrong about a body with vertices at `place` (V, 3) [m] that is inside and outside the grid; None if nothing:
-    the soil ends before, or below the part outside; that part is the mirror image of the other; all of the soil is covered."""
+    """What looks wrong about a body with vertices at `place` (V, 3) [m] that is inside and outside the grid; None if
+    nothing: the soil ends before, or below the part outside; that part is the mirror image of the other; all of the soil
+    is covered."""
     grid, slack = soil.grid, FLUSH * soil.grid.smallest_cell
     low, high = place.min(axis=0), place.max(axis=0)
     at, half = soil.constants.position, soil.constants.half_width
@@ -78,16 +79,17 @@ def _crossing(soil, body, place):
         (start, end), name = grid.extent[i], "xyz"[i]
         if low[i] < start + slack and high[i] > end - slack:
             continue
-        for face, reached, sign, side, filled in ((start, low[i], -1, "start", lower[i]), (end, high[i], 1, "end", upper[i])):
+        for face, reached, sign, side, filled in ((start, low[i], -1, "start", lower[i]),
+                                                  (end, high[i], 1, "end", upper[i])):
             beyond = sign * (reached - face)
             mirrored = abs(0.5 * (low[i] + high[i]) - face) < ROUND_OFF * (high[i] - low[i])
             if beyond < slack or mirrored or sign * (filled - face) < -grid.smallest_cell:
                 continue
             if _lowest_beyond(place[body.surface.triangles], i, sign, face) < upper[2] + grid.smallest_cell:
-                return (f"reaches {beyond:.3g} m past the {side} of the grid at {name} = {face:.4g} m, {beyond / (high[i] - low[i]):.0%} of "
-                        f"its length along {name}: there is no soil beyond, so that this part has no contact. Move grid.{name}.{side} "
-                        "outwards, or the body; a body whose middle is in the face is half a model, one that covers all of the "
-                        "soil a platen")
+                return (f"reaches {beyond:.3g} m past the {side} of the grid at {name} = {face:.4g} m, "
+                        f"{beyond / (high[i] - low[i]):.0%} of its length along {name}: there is no soil beyond, so that "
+                        f"this part has no contact. Move grid.{name}.{side} outwards, or the body; a body whose middle "
+                        "is in the face is half a model, one that covers all of the soil a platen")
     return None
 
 
@@ -111,8 +113,8 @@ def odd_points(scene, model):
         body = model.bodies[b]
         away, size = _outside(body, point), np.ptp(body.outline.vertices, axis=0).max()
         if away > sizes * size:
-            yield (f"{key} of {body.name} lies {away:.3g} m outside its bounding box, {away / size:.2g} times its size, limit {sizes:g}, which looks "
-                   f"wrong: its coordinates are {COORDINATES}")
+            yield (f"{key} of {body.name} lies {away:.3g} m outside its bounding box, {away / size:.2g} times its size, "
+                   f"limit {sizes:g}, which looks wrong: its coordinates are {COORDINATES}")
 
 
 def _outside(body, point):
@@ -131,13 +133,15 @@ def _points_of_stages(scene, model):
                 yield f"stage.{s}.load.{i}.point", b, load.point, AWAY
             numbers = {motion.point: i for i, motion in reversed(list(enumerate(stage.motions)))
                        if motion.point is not None and motion.body in (None, described.name)}
-            guided = {guide.label: guide.point for guide in control.points} if control else {}     # each once, as in the scene
+            # each once, as in the scene
+            guided = {guide.label: guide.point for guide in control.points} if control else {}
             for i, point in zip(sorted(numbers.values()), guided.values()):
                 yield f"stage.{s}.motion.{i}.point", b, point, AWAY
 
 
 def _points_of_joints(model):
-    """The same of joints; not the place of a hinge, ball or weld in the second body, which follows from that in the first."""
+    """The same of joints; not the place of a hinge, ball or weld in the second body, which follows from that in the
+    first."""
     for i, joint in enumerate(model.joints):
         for b, point, name in zip(joint.bodies, joint.points, ("point", "end")):
             if b is not None and (name == "point" or not joint.at_point):
@@ -159,9 +163,9 @@ def odd_halves(scene, model):
     """Bodies that are cut where the soil is not."""
     for i, body in enumerate(model.bodies):
         if body.stray_cap:
-            yield (f"body.{i}: {body.name} is cut, but its cut face lies in no plane of symmetry of the grid, a roller at the "
-                   "end of x or y: soil may pass through this face, and forces are those of the part. Put the face on the "
-                   "end of the grid, or model the whole body")
+            yield (f"body.{i}: {body.name} is cut, but its cut face lies in no plane of symmetry of the grid, a roller "
+                   "at the end of x or y: soil may pass through this face, and forces are those of the part. Put the "
+                   "face on the end of the grid, or model the whole body")
 
 
 LIMITS = (odd_places, odd_points, odd_penalty, odd_halves)

@@ -1,9 +1,10 @@
 """Round bodies that rest on deforming soil and feel the lattice of its cells.
 
-Soil gives way most under a node and least in the middle of a cell, so a sphere lies lower over a node and is drawn there. The
-force is the slope of an energy: a sphere that is put down at rest on level ground rolls to and fro within a cell, without
-gaining energy, as a marble in a tray of dents. A sphere held on level elastic ground without friction, at six random places,
-each of a/h and a/r, a the radius of contact, h the cell and r the radius of the sphere, has a tangential force of at most
+Soil gives way most under a node and least in the middle of a cell, so a sphere lies lower over a node and is drawn there.
+The force is the slope of an energy: a sphere that is put down at rest on level ground rolls to and fro within a cell,
+without gaining energy, as a marble in a tray of dents. A sphere held on level elastic ground without friction, at six
+random places, each of a/h and a/r, a the radius of contact, h the cell and r the radius of the sphere, has a tangential
+force of at most
 
 | a/h                 | 0.18  | 0.27 | 0.37       | 0.50 | 0.67 | 0.73 | 1.0  | 1.34 | clay: 0.82 | 1.64 |
 |---------------------|-------|------|------------|------|------|------|------|------|------------|------|
@@ -18,7 +19,8 @@ import numpy as np
 from hybrid.monitors.limits.ways import CLAY, material_at, top_of
 from hybrid.runtime.comm import maximum
 
-FORCE = ((0.0, 0.0), (0.18, 0.065), (0.37, 0.15), (0.5, 0.26), (0.75, 0.26), (1.0, 0.17), (1.34, 0.05))   # r/a of the weight, at a/h
+# (a/h, tangential force over the weight times r/a)
+FORCE = ((0.0, 0.0), (0.18, 0.065), (0.37, 0.15), (0.5, 0.26), (0.75, 0.26), (1.0, 0.17), (1.34, 0.05))
 LIMIT = 0.01        # of the weight
 RESOLVED = 1.34     # cells in the radius of contact, from which on the force is small
 BEARING = 6.0       # pressure under a round body that has sunk into clay, over its strength
@@ -41,15 +43,16 @@ def rolls_on_lattice(scene, model):
         contact = min(contact_radius(weight, radius, material, soil), radius)
         force = contact / radius * np.interp(contact / cell, *np.transpose(FORCE))
         if contact < RESOLVED * cell and force > LIMIT:
-            yield (f"{body.name} can roll, and its contact with level ground has a radius of {contact:.2g} m, {contact / cell:.2g} cells of "
-                   f"{cell:.3g} m, limit {RESOLVED:g}: it feels the lattice of the cells as a force of up to {force:.1%} of its weight "
-                   "towards their nodes, so that it rolls to and fro within a cell, without gaining energy. Use cells of at most "
-                   f"{contact / RESOLVED:.2g} m, or, if the ground hardly gives way, soil.held = true")
+            yield (f"{body.name} can roll, and its contact with level ground has a radius of {contact:.2g} m, "
+                   f"{contact / cell:.2g} cells of {cell:.3g} m, limit {RESOLVED:g}: it feels the lattice of the cells "
+                   f"as a force of up to {force:.1%} of its weight towards their nodes, so that it rolls to and fro "
+                   f"within a cell, without gaining energy. Use cells of at most {contact / RESOLVED:.2g} m, or, if the "
+                   "ground hardly gives way, soil.held = true")
 
 
 def contact_radius(weight, radius, material, soil):
-    """Radius [m] of the contact of a sphere with a weight [N]: that of Hertz on soil as at the top, in clay at least that which
-    carries the weight."""
+    """Radius [m] of the contact of a sphere with a weight [N]: that of Hertz on soil as at the top, in clay at least that
+    which carries the weight."""
     points = soil.constants.position[:, 2] > top_of(soil) - soil.grid.smallest_cell
     young = maximum(soil.law.young[points])
     bulk, shear = (maximum(soil.law.parameters[points, k]) for k in (0, 1))

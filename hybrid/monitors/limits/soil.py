@@ -73,11 +73,11 @@ def strong_cone(scene, model):
     laws = {m.law for m in materials(scene.soil) if m.cone == "compression"}
     if "drucker-prager" in laws:
         angle = maximum([plane_strain_angle(row) for row in np.unique(law.parameters[law.parameters[:, 2] > 0], axis=0)])
-        yield (f'soil.material.cone = "compression": this cone has a friction angle of {angle:.3g} degrees in plane strain, far '
-               'more than the one given, its limit. Leave soil.material.cone out')
+        yield (f'soil.material.cone = "compression": this cone has a friction angle of {angle:.3g} degrees in plane '
+               'strain, far more than the one given, its limit. Leave soil.material.cone out')
     if "von-mises" in laws:
-        yield ('soil.material.cone = "compression": in plane strain this cone carries 2/√3 = 1.15 of the strength given, limit 1. '
-               'Leave soil.material.cone out')
+        yield ('soil.material.cone = "compression": in plane strain this cone carries 2/√3 = 1.15 of the strength given, '
+               'limit 1. Leave soil.material.cone out')
 
 
 def materials(soil):

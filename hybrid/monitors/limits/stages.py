@@ -7,15 +7,16 @@ from hybrid.scene.check import spatial_spin
 from hybrid.scene.check_stage import components
 from hybrid.scene.stage import table_rows
 
-# Cells that a driven body may move by in a step, by whether the soil yields. Hertz problems (hybrid.study.random) are right on
-# elastic soil with 0.7 of their finest cells.
+# Cells that a driven body may move by in a step, by whether the soil yields. Hertz problems (hybrid.study.random) are
+# right on elastic soil with 0.7 of their finest cells.
 STRIDE = {False: 1.0, True: 0.5}
 REACHED = 1e-3      # of the largest value of a table: what may be missing from its last row when its stage ends
 TIMES = 10000       # of a stage at which a table is looked at
 
 
 def long_strides(scene, model):
-    """Bodies that are driven by more than half a cell a step, a cell on elastic soil: the soil they meet is crushed or passed in one increment."""
+    """Bodies that are driven by more than half a cell a step, a cell on elastic soil: the soil they meet is crushed or
+    passed in one increment."""
     if model.soil.held or scene.time.accuracy:
         return
     limit = STRIDE[bool(model.soil.law.plastic)]
@@ -25,10 +26,10 @@ def long_strides(scene, model):
         cells, name, stage = max(strides, key=lambda stride: stride[0], default=(0.0, "", None))
         if cells > limit * (1 + 1e-9):
             length = stage.step or scene.time.step
-            yield (f"{body.name} is driven by {cells:.3g} cells along {name} in each step of stage {stage.name!r}, limit {limit:g}: "
-                   "soil in its way is deformed too much for one increment, so that steps fail, are cut into many, or give a "
-                   f"wrong load. Use steps of at most {length * limit / cells:.2g} s (time.step or stage.step, with more "
-                   "stage.steps), or set time.accuracy")
+            yield (f"{body.name} is driven by {cells:.3g} cells along {name} in each step of stage {stage.name!r}, limit "
+                   f"{limit:g}: soil in its way is deformed too much for one increment, so that steps fail, are cut into "
+                   f"many, or give a wrong load. Use steps of at most {length * limit / cells:.2g} s (time.step or "
+                   "stage.step, with more stage.steps), or set time.accuracy")
 
 
 def stride_of(scene, stage, described, name):
@@ -60,7 +61,8 @@ def _values(given, columns, times):
 
 
 def unreached_ends(scene, model):
-    """Tables of loads and motions that end after their stage does, or begin after it, so that their last value is never reached."""
+    """Tables of loads and motions that end after their stage does, or begin after it, so that their last value is never
+    reached."""
     for s, stage in enumerate(scene.stages):
         end = stage.steps * (stage.step or scene.time.step)
         for path, given, columns, unit in _tables(f"stage.{s}", stage):
@@ -69,15 +71,17 @@ def unreached_ends(scene, model):
             table = Table.of(table_rows(given, columns, path), 0.0)
             first = table.values[0] if path.endswith("displacement") else 0.0     # to which displacements are relative
             reached, last = table.at(end) - first, table.values[-1] - first
-            if table.times[-1] <= end * (1 + 1e-9) or np.abs(reached - last).max() <= REACHED * np.abs(table.values - first).max():
+            all_but_reached = np.abs(reached - last).max() <= REACHED * np.abs(table.values - first).max()
+            if table.times[-1] <= end * (1 + 1e-9) or all_but_reached:
                 continue
             if table.times[0] >= end * (1 - 1e-9):
                 remedy = f"let them begin at 0, and not at {table.times[0]:g} s, when the stage is over"
             else:
                 steps = int(np.ceil(stage.steps * table.times[-1] / end - 1e-9))
                 remedy = f"set stage.{s}.steps to {steps}, or end the table earlier"
-            yield (f"{path} ends at {table.times[-1]:g} s, and its stage {stage.name!r} at {end:g} s: it reaches {_shown(reached)} {unit}, not its last "
-                   f"row, {_shown(last)} {unit}. Times count from the start of the stage: {remedy}")
+            yield (f"{path} ends at {table.times[-1]:g} s, and its stage {stage.name!r} at {end:g} s: it reaches "
+                   f"{_shown(reached)} {unit}, not its last row, {_shown(last)} {unit}. Times count from the start of "
+                   f"the stage: {remedy}")
 
 
 def _tables(path, stage):

@@ -41,7 +41,8 @@ def _tumbles(spin, body):
 
 
 def large_turn_about_an_axis(scene, model):
-    """Bodies whose spin, or what drives them, turns them about one axis by so much in a step that contact follows their surface no more."""
+    """Bodies whose spin, or what drives them, turns them about one axis by so much in a step that contact follows their
+    surface no more."""
     if scene.time.accuracy:
         return
     for described, body in zip(scene.bodies, model.bodies):
@@ -49,18 +50,22 @@ def large_turn_about_an_axis(scene, model):
         found = [] if _tumbles(spin, body) else [(np.linalg.norm(spin), scene.stages[0], "body.spin")]
         for stage in scene.stages:
             names = [f"r{axis}" for axis in "xyz"]
-            found += [(stride_of(scene, stage, described, name) / (stage.step or scene.time.step), stage, f"what drives {name}") for name in names]
-        rate, stage, cause = max(found, key=lambda each: each[0] * (each[1].step or scene.time.step), default=(0.0, None, ""))
+            found += [(stride_of(scene, stage, described, name) / (stage.step or scene.time.step), stage,
+                       f"what drives {name}") for name in names]
+        rate, stage, cause = max(found, key=lambda each: each[0] * (each[1].step or scene.time.step),
+                                 default=(0.0, None, ""))
         length = (stage.step or scene.time.step) if stage else 0.0
         axis = spin if cause == "body.spin" else np.eye(3)["xyz".index(cause[-1])] if cause else None
         if rate * length > ABOUT_AXIS * (1 + 1e-9) and (rate * length > DEGREES or not _round(body, axis)):
             unit = "; is it a number of degrees? rad/s expected" if rate * length > DEGREES else ""
-            yield (f"{body.name} turns by {rate * length:.3g} rad a step by {cause}, limit {ABOUT_AXIS:g} rad{unit}: contact sees its surface at the "
-                   f"ends of increments alone. Use steps of at most {ABOUT_AXIS / rate:.2g} s, or set time.accuracy = 1e-3")
+            yield (f"{body.name} turns by {rate * length:.3g} rad a step by {cause}, limit {ABOUT_AXIS:g} rad{unit}: "
+                   "contact sees its surface at the ends of increments alone. Use steps of at most "
+                   f"{ABOUT_AXIS / rate:.2g} s, or set time.accuracy = 1e-3")
 
 
 def _round(body, axis):
-    """Whether a body looks the same after a turn about an axis (3,) in its frame, such as a ball: contact sees no difference then."""
+    """Whether a body looks the same after a turn about an axis (3,) in its frame, such as a ball: contact sees no
+    difference then."""
     turned = body.outline.vertices @ rotation_from_axis_angle(axis, ABOUT_AXIS).T
     return np.abs(distances(turned, body.outline)[0]).max() < ROUND * body.radius
 

@@ -1,4 +1,5 @@
-"""Ways of bodies through the soil, as limits see them: which are driven where, with a plane face ahead or not, and what soil is there."""
+"""Ways of bodies through the soil, as limits see them: which are driven where, with a plane face ahead or not, and what
+soil is there."""
 
 from dataclasses import replace
 
@@ -11,7 +12,8 @@ from hybrid.scene.soil import of_layer
 
 EXCESS = 0.1                    # of a load, above which it is reported
 PLANE, LEADING = 0.99, 0.5      # cosine between a face and the way; share of what the body covers that such faces are
-ASIDE = 0.05                    # share of a load across its main direction, or at that share of the size beside the centre: inclined or eccentric
+# Share of a load across its main direction, or of the size that it acts beside the centre: inclined or eccentric
+ASIDE = 0.05
 STEEP = 1.5                     # cells: a lower step of the ground is a slope
 CLAY, SAND = "von-mises", {"drucker-prager", "willam-warnke"}
 
@@ -28,8 +30,8 @@ def driven(scene, model):
 
 
 def loaded(scene, model):
-    """(RigidBody, way (3,), places (V, 3) [m], whether a plane face leads, whether the load is inclined or eccentric) of each body that is free to
-    follow forces of a stage; the way is the largest component [N] of the largest force."""
+    """(RigidBody, way (3,), places (V, 3) [m], whether a plane face leads, whether the load is inclined or eccentric) of
+    each body that is free to follow forces of a stage; the way is the largest component [N] of the largest force."""
     if model.soil.held or not model.soil.law.plastic:
         return
     for described, body in zip(scene.bodies, model.bodies):
@@ -44,16 +46,22 @@ def loaded(scene, model):
         yield whole, way, place, leads(whole, place, way), aside or off
 
 
+def _largest_row(table):
+    """Row (3,) of the values of a Table that has the largest norm."""
+    return table.values[np.argmax(np.linalg.norm(table.values, axis=1))]
+
+
 def _largest_load(body):
-    """(force [N], moment [N m] about the centre) (3,) of the stage with the largest force on a body, at the rows of its tables that are largest."""
+    """(force [N], moment [N m] about the centre) (3,) of the stage with the largest force on a body, at the rows of its
+    tables that are largest."""
     found = [(np.zeros(3), np.zeros(3))]
     for stage in body.stages or ():
         force, moment = np.zeros(3), np.zeros(3)
         for load in stage.loads:
-            one = np.zeros(3) if load.force is None else load.force.values[np.argmax(np.linalg.norm(load.force.values, axis=1))]
+            one = np.zeros(3) if load.force is None else _largest_row(load.force)
             force, moment = force + one, moment + np.cross(load.point, one)
             if load.moment is not None:
-                moment = moment + load.moment.values[np.argmax(np.linalg.norm(load.moment.values, axis=1))]
+                moment = moment + _largest_row(load.moment)
         found.append((force, moment))
     return max(found, key=lambda pair: np.linalg.norm(pair[0]))
 
@@ -73,7 +81,8 @@ def leads(body, place, way):
 
 
 def facing(body, place, way):
-    """Unit normal (3,) of the plane face that is most of what a body covers in the direction of its way, across it or inclined; None of a round one."""
+    """Unit normal (3,) of the plane face that is most of what a body covers in the direction of its way, across it or
+    inclined; None of a round one."""
     normal, area = _faces(body, place)
     covered = normal @ (way / np.linalg.norm(way))
     ahead = covered > 0.0
@@ -95,7 +104,8 @@ def _faces(body, place):
 
 
 def sides(grid, place, way):
-    """(axis, width [m], places [m] of both ends) across the way; an end on a face of the grid, or beyond it, mirrors the other."""
+    """(axis, width [m], places [m] of both ends) across the way; an end on a face of the grid, or beyond it, mirrors the
+    other."""
     for axis in np.flatnonzero(~grid.collapsed & (np.abs(way) < 0.1 * np.linalg.norm(way))):
         ends, limits = np.array([place[:, axis].min(), place[:, axis].max()]), grid.extent[axis]
         inside = np.abs(ends - limits.mean()) < (0.5 - 1e-6) * np.ptp(limits)

@@ -81,9 +81,9 @@ def stick_threshold(ratio, tangential=1.0, parts=1):
         a = max(0, g (sin θ - μ cos θ))         d = a t² / 2
 
     Friction that acts only after a displacement lets the block creep: a spring k = ε_T/ε_N p_f E A oscillates over 2 m
-    g sin θ / k, which is 70 μm with p_f E = 5e8 Pa/m. At μ = tan θ exactly nothing stops a moving block, and it keeps the speed at
-    which the spring breaks loose: g sin θ / ω, ω = √(k/m), or g sin θ Δt / 2 if a step is longer than that. The error
-    is that of the displacement in 0.4 s, relative to that of a block without friction.
+    g sin θ / k, which is 70 μm with p_f E = 5e8 Pa/m. At μ = tan θ exactly nothing stops a moving block, and it keeps the
+    speed at which the spring breaks loose: g sin θ / ω, ω = √(k/m), or g sin θ Δt / 2 if a step is longer than that. The
+    error is that of the displacement in 0.4 s, relative to that of a block without friction.
     """
     slope, step, steps = np.arctan(0.5), 0.01, 40
     block = box(4.0, 4.0, 0.25, rest_on=0.0, friction=ratio * np.tan(slope), held=("y", "rx", "ry", "rz"),
@@ -115,7 +115,8 @@ def tangential_stiffness(ratio, changes=()):
     return Observation(abs(spin), texts)
 
 
-SPACING, STEP, LENGTH, PENALTY, SHALLOW = 0.1, 0.01, 0.3, 50.0, 0.002   # of corners [m], [s], of wall and edge [m], [1/m], [m]
+# Spacing of corners [m]; step [s]; length of wall and edge [m]; penalty [1/m]; depth [m]
+SPACING, STEP, LENGTH, PENALTY, SHALLOW = 0.1, 0.01, 0.3, 50.0, 0.002
 
 
 def thin_wall(ratio, **body):

@@ -1,11 +1,9 @@
 """Outcome of a run that was driven towards a failure, and the file that keeps outcomes."""
 
-import json
 import math
-from dataclasses import asdict, dataclass
-from pathlib import Path
+from dataclasses import dataclass
 
-from hybrid.output import atomic
+from hybrid.study.records import load_rows, save_rows
 
 # From best to worst. Both of the last two have failed; "reported": a message or an error of the program states it.
 KINDS = ("right", "degraded", "reported", "silent")
@@ -49,14 +47,9 @@ def classify(observation, right, wrong):
 
 def save(path, stamp, outcomes):
     """Write outcomes and the stamp of machine and versions."""
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    text = json.dumps({"stamp": stamp, "outcomes": [asdict(outcome) for outcome in outcomes]}, indent=1)
-    with atomic(path) as partial:   # an interrupted study keeps its outcomes
-        partial.write_text(text + "\n", encoding="utf-8")
+    save_rows(path, stamp, "outcomes", outcomes)
 
 
 def load(path):
     """(stamp, outcomes) of a file."""
-    written = json.loads(Path(path).read_text(encoding="utf-8"))
-    return written["stamp"], [Outcome(**{**row, "setting": tuple(row["setting"])}) for row in written["outcomes"]]
+    return load_rows(path, Outcome, "outcomes")

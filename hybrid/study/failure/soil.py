@@ -192,7 +192,8 @@ def softening(cells, scaled=False):
                         hardening=SOFTENING * (size / CHOSEN if scaled else 1.0), **CEMENTED)
     simulation = build(Scene(
         name="bed", soil=Soil(material, geostatic=False, top=length, fbar=False, ghost=0.0),
-        gravity=(0.0, 0.0, 0.0), grid=Grid(collapsed(), collapsed(), Axis(start=0.0, end=2 * length, size=size), Faces(z_min="fixed")),
+        gravity=(0.0, 0.0, 0.0),
+        grid=Grid(collapsed(), collapsed(), Axis(start=0.0, end=2 * length, size=size), Faces(z_min="fixed")),
         time=Time(duration / steps), stages=(Stage("fly", steps),), output=NO_OUTPUT))
     simulation.state.points.velocity[:, 2] = speed
     records = list(simulation.steps())

@@ -210,8 +210,8 @@ def round_off(share, **solver):
 
     F = 1 + strain resolves a strain to 2e-16, stress to K 2e-16 = 2e-9 Pa, and forces over faces of h² to 5e-10 N. A
     weight of 20 kN and a tolerance of 1e-6 leave a margin of 7 powers of ten. With less weight the tolerance is below
-    round-off; the residual is accepted as it is while it is small beside the forces. Without any, all forces vanish, and nothing may be divided by them. Exact: the mean
-    of σ_zz is -ρ g L/2 by equilibrium alone.
+    round-off; the residual is accepted as it is while it is small beside the forces. Without any, all forces vanish, and
+    nothing may be divided by them. Exact: the mean of σ_zz is -ρ g L/2 by equilibrium alone.
     """
     size, height, density, gravity = 0.5, 2.0, 1000.0, 10.0
     side = Axis(start=0.0, end=1.0, size=size)

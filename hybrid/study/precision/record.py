@@ -1,12 +1,10 @@
 """Records of the study of precision: one for each run, kept as JSON. Figures and tables are made from records only."""
 
-import json
-from dataclasses import asdict, dataclass, field
-from pathlib import Path
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from hybrid.output import atomic
+from hybrid.study.records import load_rows, save_rows
 
 
 @dataclass(frozen=True)
@@ -24,8 +22,8 @@ class Record:
     """A run and its repeats, of one `setting` of a `curve` of a `problem`.
 
     values: arguments of the problem's `solve`; errors: by name, empty if the run failed; seconds: processor
-    time of the steps of every repeat, without start-up; reason: why the run failed, else empty; source: name of another program,
-    empty for this one. AMPLE was timed on another machine; Kratos, by wall time, on the same one.
+    time of the steps of every repeat, without start-up; reason: why the run failed, else empty; source: name of another
+    program, empty for this one. AMPLE was timed on another machine; Kratos, by wall time, on the same one.
     """
 
     problem: str
@@ -66,15 +64,9 @@ class Record:
 
 def save(path, stamp, records):
     """Write records and the stamp of machine and versions."""
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    text = json.dumps({"stamp": stamp, "records": [asdict(record) for record in records]}, indent=1)
-    with atomic(path) as partial:   # an interrupted study keeps its records
-        partial.write_text(text + "\n", encoding="utf-8")
+    save_rows(path, stamp, "records", records)
 
 
 def load(path):
     """(stamp, records) of a file."""
-    written = json.loads(Path(path).read_text(encoding="utf-8"))
-    records = [Record(**{**row, "seconds": tuple(row["seconds"])}) for row in written["records"]]
-    return written["stamp"], records
+    return load_rows(path, Record, "records")

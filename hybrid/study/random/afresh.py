@@ -2,8 +2,8 @@
 
     .venv/bin/python -m hybrid.study.random.afresh [NAME ...]      # runs them and writes afresh.json beside this file
 
-Each Problem gives its closed form or published value and the error that its few cells excuse. `demos/random/README.md` has the
-table. All sizes, strengths and starts differ from those of the demos, the tests and the other studies.
+Each Problem gives its closed form or published value and the error that its few cells excuse. `demos/random/README.md`
+has the table. All sizes, strengths and starts differ from those of the demos, the tests and the other studies.
 """
 import json
 import sys
@@ -25,7 +25,8 @@ PATH = Path(__file__).with_name("afresh.json")
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a Problem gave: error: beyond low to high [-], None of a run that failed, whose reason is the last of the messages."""
+    """What a Problem gave: error: beyond low to high [-], None of a run that failed, whose reason is the last of the
+    messages."""
 
     name: str
     title: str
@@ -94,9 +95,11 @@ def measure(name):
         simulation, records, messages = simulate(problem.scene)
         found = float(problem.measure(Run(simulation, records)))
     except HybridError as failure:
-        return Outcome(name, problem.title, problem.low, problem.high, None, None, problem.allowed, (str(failure),), round(perf_counter() - begin, 1))
+        return Outcome(name, problem.title, problem.low, problem.high, None, None, problem.allowed, (str(failure),),
+                       round(perf_counter() - begin, 1))
     error = (found - np.clip(found, problem.low, problem.high)) / (problem.high or 1.0)
-    return Outcome(name, problem.title, problem.low, problem.high, found, float(error), problem.allowed, tuple(dict.fromkeys(messages)),
+    return Outcome(name, problem.title, problem.low, problem.high, found, float(error), problem.allowed,
+                   tuple(dict.fromkeys(messages)),
                    round(perf_counter() - begin, 1))
 
 
@@ -106,7 +109,8 @@ def table(rows):
     for row in rows:
         exact = f"{row['low']:.4g}" + (f" to {row['high']:.4g}" if row["high"] != row["low"] else "")
         found, error = ("stops", "-") if row["found"] is None else (f"{row['found']:.4g}", f"{100 * row['error']:+.2g} %")
-        lines.append(f"| {row['name']}: {row['title']} | {exact} | {found} | {error} | {len(row['messages']) or '-'} | {row['seconds']:.0f} s |")
+        lines.append(f"| {row['name']}: {row['title']} | {exact} | {found} | {error} | {len(row['messages']) or '-'} | "
+                     f"{row['seconds']:.0f} s |")
     return lines
 
 

@@ -8,13 +8,14 @@ the deviation (root mean square) from a cubic through the last half of the run, 
 
 Collapse: a block of the height H and the half width W, on a smooth base, under gravity that grows in 20 quasi-static steps.
 Its weight over its strength is N = γ H / s_u = 4 to 40. In plane strain clay bears σ1 - σ3 = 2 s_u. A slab of the height h
-carries itself if its thrust γ h²/2 - 2 s_u h is not above 0, so the block flows until h = 4 s_u / γ, and as it keeps its volume
+carries itself if its thrust γ h²/2 - 2 s_u h is not above 0, so the block flows until h = 4 s_u / γ, and as it keeps its
+volume
 
     half width in the end = W max(1, N / 4)
 
 The grid reaches farther than that. The width is recorded without an aim, as the shape is a slab for large N only: of 18
-blocks that finish those of N >= 14 are within 0 and +3 %, on slabs of 1 to 3 cells; for N < 10 the foot is up to 36 % farther out.
-Soil that has to flow to a slab of less than a cell stops (N of 31 and 39).
+blocks that finish those of N >= 14 are within 0 and +3 %, on slabs of 1 to 3 cells; for N < 10 the foot is up to 36 %
+farther out. Soil that has to flow to a slab of less than a cell stops (N of 31 and 39).
 """
 
 import numpy as np

@@ -1,10 +1,8 @@
 """Records of the study of random scenes: one for each seed of a family, kept as JSON."""
 
-import json
-from dataclasses import asdict, dataclass, field
-from pathlib import Path
+from dataclasses import dataclass, field
 
-from hybrid.output import atomic
+from hybrid.study.records import load_rows, save_rows
 
 # From best to worst. "missed": an error above its aim, which the program reported by a message or not ("silent").
 KINDS = ("right", "missed", "silent", "failed")
@@ -38,15 +36,9 @@ class Record:
 
 def save(path, stamp, records):
     """Write records and the stamp of machine and versions."""
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    rows = ",\n".join(json.dumps(asdict(record), ensure_ascii=False) for record in records)
-    with atomic(path) as partial:   # an interrupted study keeps its records
-        partial.write_text(f'{{"stamp": {json.dumps(stamp)},\n"records": [\n{rows}\n]}}\n', encoding="utf-8")
+    save_rows(path, stamp, "records", records)
 
 
 def load(path):
     """(stamp, records) of a file."""
-    written = json.loads(Path(path).read_text(encoding="utf-8"))
-    return written["stamp"], [Record(**{**row, "missed": tuple(row["missed"]), "messages": tuple(row["messages"])})
-                              for row in written["records"]]
+    return load_rows(path, Record, "records")

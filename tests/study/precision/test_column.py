@@ -1,10 +1,10 @@
 """The column of 50 m as a problem of a study."""
 
-import sys
 from dataclasses import replace
 
 import problem_checks
 import pytest
+from stand_in import interpreter
 
 from hybrid.bench import kratos_parts
 from hybrid.runtime.errors import HybridError
@@ -68,12 +68,7 @@ print("banner"); print("RESULT", json.dumps({"seconds": [2.0, 1.0], "newton": [3
 
 @pytest.fixture
 def peer(tmp_path):
-    """A stand-in for the peer's interpreter."""
-    (tmp_path / "fake.py").write_text(FAKE)
-    path = tmp_path / "python"
-    path.write_text(f'#!/bin/sh\nexec {sys.executable} {tmp_path}/fake.py "$@"\n')
-    path.chmod(0o755)
-    return path
+    return interpreter(tmp_path, FAKE)
 
 
 def test_a_peer_runs_beside(peer, tmp_path, monkeypatch):

@@ -159,7 +159,8 @@ class Vibration:
 def vibrate(solution, cells, steps, scheme=(), force=None, solver=TIGHT, method="default", **soil):
     """Vibration of a run in `steps` steps on cells of LENGTH / cells along the axes with motion.
 
-    scheme, solver, soil: values of the tables; method: "default" or "published"; force: instead of the solution's, for tests with a wrong one.
+    scheme, solver, soil: values of the tables; method: "default" or "published"; force: instead of the solution's, for
+    tests with a wrong one.
     """
     size, free = LENGTH / cells, bool(solution.drift)
     below = np.ceil(2 * solution.amplitude / size) * size * free

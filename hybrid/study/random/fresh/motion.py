@@ -17,11 +17,14 @@ def ride(shape, slope, mu, heading, radius, cell, steps=60, step=0.01, start=(0.
     exact = 0.5 * rate * (steps * step) ** 2
     ends = np.array([start, np.array(start) + exact * along])
     low, high = np.floor((ends.min(0) - 3 * radius) / cell) * cell, np.ceil((ends.max(0) + 3 * radius) / cell) * cell
-    grid = Grid(*(Axis(start=float(a), end=float(b), size=cell) for a, b in zip(low, high)), Axis(start=-cell, end=0.0, size=cell))
-    file, values, rotation = {"sphere": ("sphere.geo", {"radius": radius, "size": radius / 5}, None),
-                              "cylinder": ("cylinder.geo", {"radius": radius, "height": 1.5 * radius, "size": radius / 5}, (*along, 0.0, 90.0)),
-                              "block": ("box.geo", {"length": 2 * radius, "width": 2 * radius, "height": radius, "size": 9.0}, (0.0, 0.0, 1.0, heading))}[shape]
-    rider = body(file, values, density=2600.0, position=(*start, 0.0), rest_on=0.0, friction=mu,
+    grid = Grid(*(Axis(start=float(a), end=float(b), size=cell) for a, b in zip(low, high)),
+                Axis(start=-cell, end=0.0, size=cell))
+    sizes = {"sphere": {"radius": radius, "size": radius / 5},
+             "cylinder": {"radius": radius, "height": 1.5 * radius, "size": radius / 5},
+             "block": {"length": 2 * radius, "width": 2 * radius, "height": radius, "size": 9.0}}[shape]
+    file = {"sphere": "sphere.geo", "cylinder": "cylinder.geo", "block": "box.geo"}[shape]
+    rotation = {"sphere": None, "cylinder": (*along, 0.0, 90.0), "block": (0.0, 0.0, 1.0, heading)}[shape]
+    rider = body(file, sizes, density=2600.0, position=(*start, 0.0), rest_on=0.0, friction=mu,
                  rotation=None if rotation is None else tuple(map(float, rotation)))
     soil = Soil(Material(law="hencky", young=3e7, poisson=0.0, density=1800.0), held=True, geostatic=False)
     what = "slides" if slides else "sticks" if shape == "block" else "rolls"
@@ -29,14 +32,16 @@ def ride(shape, slope, mu, heading, radius, cell, steps=60, step=0.01, start=(0.
     def measure(run):
         return float((run.simulation.state.bodies[0].position - run.simulation.initial_bodies[0].position)[:2] @ along)
 
-    return Problem(f"{shape} on {slope}°, μ = {mu:g}, heading {heading}°, {what} [m]", scene("ride", grid, soil, [rider], Time(step), steps,
+    return Problem(f"{shape} on {slope}°, μ = {mu:g}, heading {heading}°, {what} [m]",
+                   scene("ride", grid, soil, [rider], Time(step), steps,
                    (*(down * along), -across)), exact, exact, measure, 0.005 if exact else 1e-3)
 
 
 def pendulum(release=140.0):
     """A bar on a hinge, let go from 140 degrees: energy at the lowest place gives its spin, sqrt(2 m g l (1 - cos) / I)."""
     length, step, steps = 0.9, 0.0025, 640
-    bar = body("box.geo", {"length": length, "width": 0.07, "height": 0.05, "size": 20.0}, density=7850.0, position=(0.0, 0.0, 2.0),
+    bar = body("box.geo", {"length": length, "width": 0.07, "height": 0.05, "size": 20.0}, density=7850.0,
+               position=(0.0, 0.0, 2.0),
                rotation=(0.0, 1.0, 0.0, 90.0 - release), friction=0.0)
     pin = Joint("pin", "hinge", ("box",), point=(-length / 2, 0.0, 0.0), axis=(0.0, 1.0, 0.0))
     grid = Grid(*(Axis(start=-0.6, end=0.6, size=0.3),) * 2, Axis(start=-0.3, end=0.0, size=0.3))
@@ -47,5 +52,6 @@ def pendulum(release=140.0):
     def measure(run):
         return max(float(np.linalg.norm(record.bodies[0].spin)) for record in run.records)
 
-    return Problem("bar on a hinge from 140°, greatest spin [1/s]", scene("pendulum", grid, soil, [bar], Time(step), steps, joints=(pin,)),
+    return Problem("bar on a hinge from 140°, greatest spin [1/s]",
+                   scene("pendulum", grid, soil, [bar], Time(step), steps, joints=(pin,)),
                    exact, exact, measure, 0.005)

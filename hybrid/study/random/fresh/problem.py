@@ -13,8 +13,8 @@ G = 9.81
 
 @dataclass(frozen=True)
 class Problem:
-    """title; the Scene; exact answer, from `low` to `high` (the same where it is one number); measure(Run): the answer found; allowed:
-    largest deviation from that range [-], of `high`, or of 1 where it is 0."""
+    """title; the Scene; exact answer, from `low` to `high` (the same where it is one number); measure(Run): the answer
+    found; allowed: largest deviation from that range [-], of `high`, or of 1 where it is 0."""
 
     title: str
     scene: Scene
@@ -25,13 +25,14 @@ class Problem:
 
 
 def body(file, values, **table):
-    """Body of 1000 kg/m³ unless `table` says otherwise."""
+    """Body of 1000 kg/m³ unless `table` has another density."""
     return Body(**{"geometry": GEOMETRY / file, "density": 1000.0, "parameters": values, "name": file[:-4]} | table)
 
 
 def scene(name, grid, soil, bodies, time, steps, gravity=(0.0, 0.0, -G), **tables):
     """Scene of one stage."""
-    return Scene(name=name, grid=grid, soil=soil, bodies=tuple(bodies), time=time, stages=(Stage("go", steps),), gravity=gravity, **tables)
+    return Scene(name=name, grid=grid, soil=soil, bodies=tuple(bodies), time=time, stages=(Stage("go", steps),),
+                 gravity=gravity, **tables)
 
 
 def clay(strength, density=1.0):

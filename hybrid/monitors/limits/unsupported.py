@@ -4,27 +4,32 @@ import numpy as np
 
 from hybrid.monitors.limits.contact import initial_vertices
 from hybrid.monitors.limits.ways import top_of
-from hybrid.monitors.load_reached import components_of
+from hybrid.monitors.load_reached import components_of, held_down
 from hybrid.runtime.comm import maximum, minimum, total
 
 
 def soil_without_support(scene, model):
     """Soil with weight that no face of the grid and no body below it holds."""
     soil, gravity = model.soil, np.asarray(scene.gravity, float)
-    if soil.held or model.scheme.inertia or not gravity[2] or any(_supports(scene, soil, axis, side) for axis in range(3) for side in (0, 1)):
+    if soil.held or model.scheme.inertia or not gravity[2]:
+        return
+    if any(_supports(scene, soil, axis, side) for axis in range(3) for side in (0, 1)):
         return
     low, cell = minimum(soil.constants.position[:, 2] - soil.constants.half_width[:, 2]), soil.grid.smallest_cell
-    if any(initial_vertices(described, body)[:, 2].min() < low - 0.5 * cell for described, body in zip(scene.bodies, model.bodies)) or scene.joints:
+    if any(initial_vertices(described, body)[:, 2].min() < low - 0.5 * cell
+           for described, body in zip(scene.bodies, model.bodies)) or scene.joints:
         return
     apart = low - soil.grid.extent[2, 0]
     where = (f'grid.faces.z_min = "{scene.grid.faces.z_min}"' if apart < 0.5 * cell else
              f"the soil ends at z = {low:.3g} m, {apart:.3g} m above the grid's lower end")
-    yield (f"Nothing supports the weight of the soil, {total(soil.constants.mass) * np.abs(gravity[2]):.3g} N, without inertia: {where}, and no face is "
-           'fixed, so that it falls and no step has an equilibrium. Set grid.faces.z_min = "fixed", with the soil down to it, or time.inertia = true')
+    yield (f"Nothing supports the weight of the soil, {total(soil.constants.mass) * np.abs(gravity[2]):.3g} N, without "
+           f"inertia: {where}, and no face is fixed, so that it falls and no step has an equilibrium. Set "
+           'grid.faces.z_min = "fixed", with the soil down to it, or time.inertia = true')
 
 
 def _supports(scene, soil, axis, side):
-    """Whether a face of the grid that the soil reaches holds it along z: the lower or upper one that is not free, or a fixed one at a side."""
+    """Whether a face of the grid that the soil reaches holds it along z: the lower or upper one that is not free, or a
+    fixed one at a side."""
     condition = getattr(scene.grid.faces, f"{'xyz'[axis]}_{('min', 'max')[side]}")
     if condition == "free" or soil.grid.collapsed[axis] or axis != 2 and condition != "fixed":
         return False
@@ -40,7 +45,7 @@ def loads_that_lift(scene, model):
         return
     for described, body in zip(scene.bodies, model.bodies):
         place = initial_vertices(described, body)
-        if place[:, 2].mean() < top_of(soil) or body.line is not None or body.interface and body.interface.tension or not body.free[2]:
+        if place[:, 2].mean() < top_of(soil) or held_down(body):
             continue
         weight = -body.mass.mass * scene.gravity[2]
         for s, stage in enumerate(body.stages or ()):
@@ -49,9 +54,10 @@ def loads_that_lift(scene, model):
                 continue
             force = forces[0][np.argmax(forces[0][:, 2])]
             if force[2] > max(0.0, weight):
-                yield (f"stage.{s}.load on {body.name}, {components_of(force)}, lifts it off the soil: that is more than its weight, {weight:.3g} N, and "
-                       "without inertia nothing balances it. z points up, so that a load that presses down is negative: change its sign, or let the soil "
-                       "hold on to the body (body.tension), or set time.inertia = true")
+                yield (f"stage.{s}.load on {body.name}, {components_of(force)}, lifts it off the soil: that is more than "
+                       f"its weight, {weight:.3g} N, and without inertia nothing balances it. z points up, so that a "
+                       "load that presses down is negative: change its sign, or let the soil hold on to the body "
+                       "(body.tension), or set time.inertia = true")
 
 
 LIMITS = (soil_without_support, loads_that_lift)
