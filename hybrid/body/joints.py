@@ -4,6 +4,7 @@
     direction  u_a · w_b = 0                                    two of a hinge, three of a weld
     distance   |d| - L = 0, or L - |d| >= 0                     d = c_a + s_a - c_b - s_b      rod, line
     angle      θ - lower >= 0, upper - θ >= 0, θ - θ_n (friction)      θ = atan2(p_a · q_b, p_a · p_b)     hinge
+               (with the multiple of 2π that brings it closest to θ_n, that before the increment)
 
 A row φ with its multiplier λ adds the forces λ ∂φ/∂q to both bodies. λ has bounds: none where φ = 0 always, λ >= 0 of a stop
 or a line, |λ| <= M of friction. With t = λ - k φ, k any stiffness,
@@ -98,7 +99,8 @@ class Joint:
             gradients.append(sign * (span / distance) @ lever)
         angles = self._angles()
         if angles:
-            theta, (by_turn, _) = self.angle(poses), self._turning(poses)
+            turned = self.angle(poses) - before
+            theta, (by_turn, _) = before + turned - 2 * np.pi * np.round(turned / (2 * np.pi)), self._turning(poses)
             for sign, at in angles:
                 values.append(sign * (theta - (before if at is None else at)))
                 gradients.append(sign * _of_turns(by_turn))

@@ -4,7 +4,8 @@
     |   -s G     -c   | | δμ |  = -  |   -s φ     |        a row that is at a bound of λ has  k δμ = -(λ - bound) k/s  instead
 
 s = k, times a length r for rows of angles, with k a stiffness of the bodies, so that all entries are in N/m. Rows that the
-others imply, such as those along components that guides hold, are left out: their λ is zero. c = CREEP k for rows of
+others imply, such as those along components that guides hold, are left out: their λ is zero, but that of friction between
+bodies that guides turn, which is at its bound. c = CREEP k for rows of
 friction, which may stick where a stop acts along them too, else 0.
 
 Multipliers are forces at the end of the increment. Newmark's scheme without damping makes them oscillate, so scenes with
@@ -27,6 +28,7 @@ from hybrid.state import JointState
 
 CREEP = 1e-9        # of sticking friction
 IMPLIED = 1e-8      # share of a row that others leave over, below which it is implied by them
+DRIVEN = 1e-12      # [rad] of a hinge in an increment, from which guides turn it
 EXACT = 1e-3        # a tolerance of 1e-4 means 1e-7 radii, or rad
 RELEASED = 1e-9     # difference of λ from its bound, relative to the largest λ
 
@@ -66,7 +68,9 @@ class JointStep:
         trial = multipliers - self.scale**2 / self.stiffness * values
         low, high = self.bounds.T
         active = (trial > low) & (trial < high) & self.kept
+        driven = _friction(self.bounds) & ~self.kept & (np.abs(values) > DRIVEN)
         bound = np.where(self.kept, np.clip(trial, low, high), 0.0)
+        bound[driven] = np.where(values > 0.0, low, high)[driven]
         return JointTerms(self, pairs, values, [gradient for _, gradient in rows], multipliers, active,
                           np.where(active, multipliers, bound))
 

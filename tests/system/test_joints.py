@@ -185,6 +185,34 @@ def test_friction_of_a_hinge_holds_or_takes_energy():
         weight * np.sin(angle) - 0.3 * weight * angle, rel=0.01)
 
 
+def rotor(steps, moment, **given):
+    """A bar that turns about its middle with friction, without gravity."""
+    pin = Joint(name="pin", kind="hinge", bodies=("rotor",), point=(0.0, 0.0, CENTRE), axis=(0.0, 1.0, 0.0), friction_moment=moment)
+    return joined([arm("rotor", LENGTHS[0], 0.0, **given)], [pin], steps, 0.02, gravity=(0.0, 0.0, 0.0))
+
+
+def test_friction_of_a_hinge_slows_a_rotor_down_in_every_turn():
+    """Also where its angle passes 180 degrees, from which it is counted on from -180."""
+    _, inertia = bar(LENGTHS[0])
+    records = list(build(rotor(100, 0.5 * inertia, spin=(0.0, 4.0, 0.0))).steps())
+    spin = np.array([record.bodies[0].spin[1] for record in records])
+    np.testing.assert_allclose(np.diff(spin)[20:], -0.5 * 0.02, rtol=1e-6)
+    assert min(np.diff([record.joints[0].angle for record in records])) < -300.0
+
+
+@pytest.mark.parametrize("rate", [0.5, -0.5])
+def test_a_driven_hinge_feels_its_friction(rate):
+    turned = rotor(10, 3.0, held=("x", "y", "z", "rx", "rz"), driven=("ry",), spin=(0.0, rate, 0.0))
+    last = list(build(turned).steps())[-1]
+    assert last.bodies[0].reaction["ry"] == pytest.approx(3.0 * np.sign(rate))
+    assert last.energies["friction"] == pytest.approx(3.0 * 0.5 * 0.2) == pytest.approx(last.energies["drive"])
+
+
+def test_friction_of_a_hinge_that_guides_hold_bears_nothing():
+    still = rotor(2, 3.0, held=("x", "y", "z", "rx", "ry", "rz"))
+    assert list(build(still).steps())[-1].joints[0].force[4] == 0.0
+
+
 # ------------------------------------------------------------------ in space
 
 
