@@ -16,6 +16,7 @@ from hybrid.runtime.comm import anywhere
 from hybrid.scheme import Scheme
 from hybrid.state import BodyState
 from hybrid.step import joint_terms, soil_terms
+from hybrid.step.rolling import rolling_rate
 from hybrid.step.search_reach import search_reach
 
 # Nothing damps errors of the moments in free flight, and rotation about the middle axis amplifies them: relative to
@@ -209,6 +210,8 @@ def begin_bodies(model, state, dt, pulling, domains, active, nodal):
     for number, body in enumerate(model.bodies):
         body = guides.during(body, state.time, dt, model.scheme.rotation == "cayley")
         body = replace(body, drive=body.drive + along[number]) if along else body
+        if not model.scheme.inertia:
+            body = replace(body, drive=body.drive + rolling_rate(body, state.bodies[number], state.contacts[number]))
         motion = rigid.begin_increment(body, state.bodies[number], model.scheme, dt)
         unknowns = slice(first, first + np.count_nonzero(body.free))
         first = unknowns.stop

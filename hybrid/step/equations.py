@@ -10,12 +10,10 @@ trial values; an Evaluation is their residual with all its terms. None of them w
 `Step.accept` makes the new one.
 """
 
-from contextlib import ExitStack
 from dataclasses import dataclass
 
 import numpy as np
 
-from hybrid.contact.reversals import NONE, reversed_slip
 from hybrid.contact.search import Domains
 from hybrid.linalg.petsc import BlockSystem
 from hybrid.linalg.stencil_pattern import Pattern
@@ -172,19 +170,6 @@ class Step:
         """Let the points bear what they did before `share_interface`."""
         for body in self.bodies:
             body.pair.restore_interface()
-
-    def reversals(self, before, after, held=None):
-        """Contact points of each body that slip the other way after an update (`hybrid.contact.reversals`), None where there are
-        none; held: those that were held in stick in the update, None for none."""
-        found = tuple(map(reversed_slip, before.contacts, after.contacts, held or [NONE] * len(self.bodies)))
-        return found if any(comm.anywhere([len(points)]) for points in found) else None
-
-    def held_in_stick(self, evaluation, points):
-        """Evaluation at the same unknowns in which `points` of each body stick, whatever their shear."""
-        with ExitStack() as held:
-            for terms, own in zip(evaluation.bodies, points):
-                held.enter_context(terms.step.pair.sticking(own))
-            return self.evaluate(evaluation.unknowns)
 
     def hold_facets(self, evaluation):
         """Hold the corners that touch to the facets that carry them at an evaluation. Returns those facets, an array for

@@ -12,7 +12,7 @@ from hybrid.runtime.data import GEOMETRY
 from hybrid.runtime.errors import StepError
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Scene, Soil, Solver, Stage, Time
 from hybrid.setup.build import build
-from hybrid.step import newton
+from hybrid.step import iteration
 from hybrid.study.scenes import NO_OUTPUT, box
 
 
@@ -49,7 +49,7 @@ def prepared(monkeypatch):
         prepare(system, at)
 
     monkeypatch.setattr(petsc.BlockSystem, "_prepare", counted)
-    monkeypatch.setattr(newton, "SLOW", np.inf)     # increments restricted to few nodes have direct factors of their own
+    monkeypatch.setattr(iteration, "SLOW", np.inf)     # increments restricted to few nodes have direct factors of their own
     return solvers
 
 
@@ -82,7 +82,7 @@ def test_a_run_that_is_continued_takes_the_same_solvers_to_the_last_bit(prepared
 
 def test_a_direct_factor_is_remembered_where_no_iterations_help(prepared, monkeypatch):
     monkeypatch.setattr(petsc, "RAISED", 1.0)       # the damped factor is then as unstable as the incomplete one
-    monkeypatch.setattr(newton, "LEFT", 0.0)        # the last iteration would do without: a tenth of the residual is enough
+    monkeypatch.setattr(iteration, "LEFT", 0.0)        # the last iteration would do without: a tenth of the residual is enough
     list(pressed(steps=4).steps())
     pauses = [len(list(group)) for solver, group in groupby(prepared) if solver == DIRECT]
     assert pauses[:2] == [SOON, 2 * SOON]

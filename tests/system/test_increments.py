@@ -16,7 +16,7 @@ from hybrid.runtime.errors import StepError
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Pull, Scene, Soil, Solver, Stage, Time
 from hybrid.setup.build import build
 from hybrid.soil.model import Refusal
-from hybrid.step import newton
+from hybrid.step import first_guess, iteration, newton
 from hybrid.step.equations import Step, begin
 from hybrid.step.increments import Control, outer_step
 from hybrid.step.workspace import Workspace
@@ -100,7 +100,7 @@ def test_accept_returns_the_complete_new_state(geometry):
 @pytest.mark.parametrize("iterations", [2, 3])
 def test_a_hard_step_is_rejected_and_halved(geometry, iterations, monkeypatch):
     """Too few iterations allowed: shorter increments need fewer, and the outer step still ends on time."""
-    monkeypatch.setattr(newton, "MOST", iterations)
+    monkeypatch.setattr(iteration, "MOST", iterations)
     monkeypatch.setattr(Step, "softened", lambda *_: False)     # no second attempt
     monkeypatch.setattr(newton, "HAIR", 1.0)
     simulation = ready(scene(geometry))
@@ -126,7 +126,7 @@ def test_increments_grow_again(geometry):
 @pytest.mark.parametrize("most, floor, start", [(1, 1, 0.0), (2, 4, 0.0025)])
 def test_the_floor_stops_the_run_with_value_limit_and_remedy(geometry, most, floor, start, monkeypatch):
     """At once, or after a part of the outer step was accepted: what was committed stays as it was."""
-    monkeypatch.setattr(newton, "MOST", most)
+    monkeypatch.setattr(iteration, "MOST", most)
     monkeypatch.setattr(Step, "softened", lambda *_: False)     # no second attempt
     monkeypatch.setattr(newton, "HAIR", 1.0)
     simulation = ready(scene(geometry))
@@ -276,9 +276,9 @@ def test_soil_that_would_open_starts_from_rest(monkeypatch):
                                    solver=replace(described.solver, tolerance=1e-5)))
         return max(record.iterations for record in simulation.steps()), simulation.state.points
 
-    monkeypatch.setattr(newton, "SLOW", np.inf)     # the first guess alone
+    monkeypatch.setattr(iteration, "SLOW", np.inf)     # the first guess alone
     most, points = fallen()
-    monkeypatch.setattr(newton, "OPENED", 2.0)
+    monkeypatch.setattr(first_guess, "OPENED", 2.0)
     without, same = fallen()
     assert most <= 4 and without >= 8
     np.testing.assert_allclose(points.position, same.position, rtol=0, atol=1e-9)   # another way to one solution
@@ -309,9 +309,9 @@ class Guess:
 def test_where_newtons_method_starts(moving, still, inertia, start):
     """Soil in free flight is open anyway and keeps its velocity."""
     step = Guess(moving, still, inertia)
-    evaluation = newton.first_evaluation(step)
+    evaluation = first_guess.first_evaluation(step)
     assert evaluation.unknowns == start and evaluation.valid and len(step.made) <= 2
 
 
 def test_there_may_be_no_start():
-    assert newton.first_evaluation(Guess(None, 0.0)) == Refusal("turns soil inside out")
+    assert first_guess.first_evaluation(Guess(None, 0.0)) == Refusal("turns soil inside out")

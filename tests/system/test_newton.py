@@ -16,7 +16,7 @@ from hybrid.scene import Axis, Faces, Grid, Material, Scene, Soil, Solver, Stage
 from hybrid.scene.file import load_scene
 from hybrid.setup.build import build
 from hybrid.simulation import Simulation
-from hybrid.step import body_terms, newton, soil_terms
+from hybrid.step import body_terms, iteration, newton, soil_terms, sticking
 from hybrid.step.equations import begin
 from hybrid.step.workspace import Workspace
 from hybrid.study.scenes import FREE, NO_OUTPUT, ROLLERS, box, driven, loaded_by_weight, soil_scene, steel
@@ -26,10 +26,10 @@ from hybrid.study.scenes import FREE, NO_OUTPUT, ROLLERS, box, driven, loaded_by
 
 def test_an_increment_is_given_up_when_the_residual_does_not_fall():
     falling = [0.2 * 0.95**n for n in range(60)]        # 0.6 after two iterations
-    assert all(newton.progressing(falling[:n]) for n in range(1, 61))
-    assert newton.progressing([1.0] * newton.PATIENCE) and not newton.progressing([1.0] * (newton.PATIENCE + 1))
-    assert not newton.progressing(falling + [falling[-1]] * newton.PATIENCE)
-    assert newton.progressing([1.0] + [2.0] * (newton.PATIENCE - 1) + [0.7])    # below the best one before
+    assert all(iteration.progressing(falling[:n]) for n in range(1, 61))
+    assert iteration.progressing([1.0] * iteration.PATIENCE) and not iteration.progressing([1.0] * (iteration.PATIENCE + 1))
+    assert not iteration.progressing(falling + [falling[-1]] * iteration.PATIENCE)
+    assert iteration.progressing([1.0] + [2.0] * (iteration.PATIENCE - 1) + [0.7])    # below the best one before
 
 
 def bank(steps):
@@ -44,8 +44,8 @@ def test_a_collapse_takes_whole_updates(monkeypatch):
     """Up to 7 iterations a step; with updates that are shortened from the start, 19, and 143 instead of 87 in all."""
     records = bank(20)
     assert sum(r.rejections for r in records) == 0
-    monkeypatch.setattr(newton, "_newton", lambda step, solver, start: newton._iterate(
-        step, solver, start, newton.Updates(newton.PATIENCE, shorten=True)))
+    monkeypatch.setattr(newton, "_newton", lambda step, solver, start: iteration.iterate(
+        step, solver, start, iteration.Updates(iteration.PATIENCE, shorten=True)))
     assert sum(r.iterations for r in bank(20)) > 1.5 * sum(r.iterations for r in records)
 
 
@@ -54,7 +54,7 @@ def test_a_long_step_needs_many_iterations_and_no_halving(monkeypatch):
     updates and four shorter ones halve, and cost more."""
     few, records = 4, bank(10)
     assert sum(r.rejections for r in records) == 0 and max(r.iterations for r in records) > few
-    monkeypatch.setattr(newton, "MOST", few)
+    monkeypatch.setattr(iteration, "MOST", few)
     counted = bank(10)
     assert sum(r.rejections for r in counted) > 0
     assert sum(r.iterations for r in counted) > sum(r.iterations for r in records)
@@ -67,22 +67,22 @@ def test_shorter_updates_start_from_the_best_iterate():
     def iterate(step, solver, start, updates):
         begun.append((start, updates))
         best = SimpleNamespace(unknowns="best", error=error)
-        return newton.Outcome(best, 6, 0, (1.0, 0.5), "" if updates.shorten else "residual", jumping=not updates.shorten)
+        return iteration.Outcome(best, 6, 0, (1.0, 0.5), "" if updates.shorten else "residual", jumping=not updates.shorten)
 
     for softened in (False, True):
         begun.clear()
         step = SimpleNamespace(evaluate=lambda unknowns: unknowns, softened=lambda evaluation: softened)
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(newton, "_iterate", iterate)
+            patch.setattr(newton, "iterate", iterate)
             outcome = newton._newton(step, Solver(), "first")
-        unsoftened = [("best", newton.Updates(newton.TRIAL, softening=False))] * softened
-        assert begun == [("first", newton.Updates(newton.TRIAL)), *unsoftened,
-                         ("best", newton.Updates(newton.PATIENCE, shorten=True))]
+        unsoftened = [("best", iteration.Updates(newton.TRIAL, softening=False))] * softened
+        assert begun == [("first", iteration.Updates(newton.TRIAL)), *unsoftened,
+                         ("best", iteration.Updates(iteration.PATIENCE, shorten=True))]
         assert outcome.converged and outcome.iterations == 6 * len(begun)
         shorter, error = len(begun), newton.HAIR * Solver().tolerance
         begun.clear()
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(newton, "_iterate", iterate)
+            patch.setattr(newton, "iterate", iterate)
             newton._newton(step, Solver(), "first")
         assert len(begun) == shorter - 1    # a hair above the tolerance is accepted as it is
         error = 1.0
@@ -99,13 +99,14 @@ def test_updates_that_go_astray_are_not_followed(monkeypatch):
     step = SimpleNamespace(
         model=SimpleNamespace(soil=SimpleNamespace(law=SimpleNamespace(plastic=True))), contrast=lambda: 0.0,
         system=SimpleNamespace(solve=lambda *system: (None, None, 1), soil_unknowns=1),
-        assemble=lambda evaluation, softening: tangents.append(softening), reversals=lambda *given: None)
+        assemble=lambda evaluation, softening: tangents.append(softening))
+    monkeypatch.setattr(sticking, "turned_round", lambda *evaluations: None)
     monkeypatch.setattr(held_facets, "switched", lambda *contacts: False)
-    for start, updates, count in ((0.01, newton.Updates(4, smooth=False), 1), (0.5, newton.Updates(4, smooth=False), 4),
-                                  (0.01, newton.Updates(4, shorten=True, smooth=False, softening=False), 4)):
-        monkeypatch.setattr(newton, "line_search", lambda *search: at(0.9))
+    for start, updates, count in ((0.01, iteration.Updates(4, smooth=False), 1), (0.5, iteration.Updates(4, smooth=False), 4),
+                                  (0.01, iteration.Updates(4, shorten=True, smooth=False, softening=False), 4)):
+        monkeypatch.setattr(iteration, "line_search", lambda *search: at(0.9))
         tangents.clear()
-        assert newton._iterate(step, Solver(), at(start), updates).iterations == count
+        assert iteration.iterate(step, Solver(), at(start), updates).iterations == count
         assert tangents == [updates.softening] * count
 
 
@@ -136,7 +137,7 @@ def _upwards(simulation):
 
 def pressed(tolerance, monkeypatch, most):
     """(Outcome, errors) of a plate that is pressed on elastic soil with at most so many iterations."""
-    monkeypatch.setattr(newton, "MOST", most)
+    monkeypatch.setattr(iteration, "MOST", most)
     plate = driven(0.4, 0.4, 0.2, velocity=(0.0, 0.0, -0.01), rest_on=0.0, position=(0.4, 0.4, 0.0), contact="corners")
     simulation = build(soil_scene([plate], time=Time(1.0, inertia=False),
                                   solver=Solver(linear="direct", tolerance=tolerance, line_search=False)))
@@ -233,14 +234,14 @@ def test_jumps_that_smoothing_takes_back_count(monkeypatch):
 
     model = SimpleNamespace(soil=SimpleNamespace(law=SimpleNamespace(plastic=True)))
     system = SimpleNamespace(solve=lambda *system: (None, None, 1), soil_unknowns=1)
-    step = SimpleNamespace(model=model, system=system, contrast=lambda: 0.0, assemble=lambda *tangent: None,
-                           reversals=lambda *given: None)
+    step = SimpleNamespace(model=model, system=system, contrast=lambda: 0.0, assemble=lambda *tangent: None)
+    monkeypatch.setattr(sticking, "turned_round", lambda *evaluations: None)
     monkeypatch.setattr(held_facets, "switched", lambda before, after, surface: before != after)
-    monkeypatch.setattr(newton, "line_search", lambda *search: at("the other one"))
-    monkeypatch.setattr(newton, "smoothed", lambda *few: at("one"))
-    assert newton._iterate(step, Solver(), at("one"), newton.Updates(newton.PATIENCE)).jumping
-    monkeypatch.setattr(newton, "line_search", lambda *search: at("one"))
-    assert not newton._iterate(step, Solver(), at("one"), newton.Updates(newton.PATIENCE)).jumping
+    monkeypatch.setattr(iteration, "line_search", lambda *search: at("the other one"))
+    monkeypatch.setattr(iteration, "smoothed", lambda *few: at("one"))
+    assert iteration.iterate(step, Solver(), at("one"), iteration.Updates(iteration.PATIENCE)).jumping
+    monkeypatch.setattr(iteration, "line_search", lambda *search: at("one"))
+    assert not iteration.iterate(step, Solver(), at("one"), iteration.Updates(iteration.PATIENCE)).jumping
 
 
 @pytest.mark.parametrize("facets, tried", [([1, 1, 1], 1), ([1, 2, 1, 1], 3), (range(newton.HOLDS), newton.HOLDS)])
@@ -248,11 +249,11 @@ def test_corners_are_not_held_twice_to_the_same_facets(monkeypatch, facets, trie
     """From the same iterate with the same facets nothing else would come out."""
     calls, facets = [], iter(facets)
     best = SimpleNamespace(unknowns=None, error=1.0)
-    failed = newton.Outcome(best, 1, 1, (1.0,), "residual", jumping=True)
+    failed = iteration.Outcome(best, 1, 1, (1.0,), "residual", jumping=True)
     step = SimpleNamespace(release_facets=lambda: None, facet_error=lambda evaluation: 0.0, evaluate=lambda unknowns: best,
                            hold_facets=lambda evaluation: [np.array([next(facets)])], within_rounding=lambda best: False)
     monkeypatch.setattr(newton, "_newton", lambda *start: failed)
-    monkeypatch.setattr(newton, "_iterate", lambda *start: calls.append(start) or failed)
+    monkeypatch.setattr(newton, "iterate", lambda *start: calls.append(start) or failed)
     assert not newton._solution(step, Solver(), best).converged and len(calls) == tried
 
 

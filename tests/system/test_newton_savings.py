@@ -8,7 +8,7 @@ from hybrid.runtime.data import GEOMETRY
 from hybrid.scene import Axis, Body, Faces, Grid, Solver, Stage
 from hybrid.setup.build import build
 from hybrid.soil.model import Refusal
-from hybrid.step import newton
+from hybrid.step import iteration
 from hybrid.study.scenes import scene
 
 EXACT = {"tangent_tolerance": 0.0, "linear_tolerance": 1e-10}
@@ -59,20 +59,20 @@ def test_a_linear_system_is_not_solved_farther_than_the_tolerance_needs():
     """Far from the solution to the tolerance of the scene, near it to a tenth of what is left to gain, never worse than
     0.1."""
     solver = Solver(tolerance=1e-4, linear_tolerance=1e-3)
-    assert newton.linear_tolerance(solver, 1e-3, 0.5) == 1e-3
-    assert newton.linear_tolerance(solver, 1e-3, 2e-4) == pytest.approx(0.05)
-    assert newton.linear_tolerance(solver, 1e-3, 1.01e-4) == pytest.approx(0.1, rel=0.02)
-    assert newton.linear_tolerance(solver, 1e-5, 2e-4) == pytest.approx(5e-4)      # stiff contact: in proportion
+    assert iteration.linear_tolerance(solver, 1e-3, 0.5) == 1e-3
+    assert iteration.linear_tolerance(solver, 1e-3, 2e-4) == pytest.approx(0.05)
+    assert iteration.linear_tolerance(solver, 1e-3, 1.01e-4) == pytest.approx(0.1, rel=0.02)
+    assert iteration.linear_tolerance(solver, 1e-5, 2e-4) == pytest.approx(5e-4)      # stiff contact: in proportion
 
 
-@pytest.mark.parametrize("left, fewer", [(newton.LEFT, True), (0.0, False)])
+@pytest.mark.parametrize("left, fewer", [(iteration.LEFT, True), (0.0, False)])
 def test_the_last_linear_system_takes_fewer_iterations(monkeypatch, left, fewer):
     whole = krylov_of(monkeypatch, 0.0)
     assert (krylov_of(monkeypatch, left) < whole) is fewer
 
 
 def krylov_of(monkeypatch, left):
-    monkeypatch.setattr(newton, "LEFT", left)
+    monkeypatch.setattr(iteration, "LEFT", left)
     return sum(record.krylov for record in pressed_simulation().steps())
 
 
@@ -91,9 +91,9 @@ def test_an_update_that_gains_little_is_shortened():
             return SimpleNamespace(error=abs(1 - 1.95 * scale), unknowns=scale)
 
     old = SimpleNamespace(error=1.0, unknowns=None)
-    assert newton.line_search(Step(), old, None, None, True).unknowns == 0.5 and tried == [1.0, 0.5]
+    assert iteration.line_search(Step(), old, None, None, True).unknowns == 0.5 and tried == [1.0, 0.5]
     tried.clear()
-    assert newton.line_search(Step(), old, None, None, False).unknowns == 1.0
+    assert iteration.line_search(Step(), old, None, None, False).unknowns == 1.0
 
 
 @pytest.mark.parametrize("error, best", [(lambda s: 1 - 0.3 * s, 1.0), (lambda s: 1 + s, 1 / 16),
@@ -111,7 +111,7 @@ def test_the_best_evaluation_is_returned_and_stays_valid(error, best):
             tried.append(SimpleNamespace(error=error(scale), unknowns=scale, valid=True))
             return tried[-1]
 
-    found = newton.line_search(Step(), SimpleNamespace(error=1.0, unknowns=None), None, None, True)
+    found = iteration.line_search(Step(), SimpleNamespace(error=1.0, unknowns=None), None, None, True)
     assert found.unknowns == best and found.valid
     assert len({one.unknowns for one in tried}) == len(tried)   # nothing is evaluated twice
 
@@ -125,4 +125,4 @@ def test_an_update_without_any_evaluation_is_refused_with_the_last_reason():
             return Refusal(f"fails at {scale:g}")
 
     old = SimpleNamespace(error=1.0, unknowns=None)
-    assert newton.line_search(Step(), old, None, None, True) == Refusal("fails at 0.0625")
+    assert iteration.line_search(Step(), old, None, None, True) == Refusal("fails at 0.0625")

@@ -6,7 +6,7 @@ from hybrid.runtime.data import GEOMETRY
 from hybrid.runtime.errors import StepError
 from hybrid.scene.file import load_scene
 from hybrid.setup.build import build
-from hybrid.step.equations import Step
+from hybrid.step import sticking
 
 PRESSED = """
 time = { step = 1.0, inertia = false }
@@ -54,7 +54,7 @@ def test_a_rough_block_is_pressed_and_slides(tmp_path):
 
 
 def test_springs_four_times_as_stiff_need_points_held_in_stick(tmp_path, monkeypatch):
-    monkeypatch.setattr(Step, "reversals", lambda *given: None)
+    monkeypatch.setattr(sticking, "turned_round", lambda *given: None)
     with pytest.raises(StepError, match="step 1 failed"):
         next(block(tmp_path, "penalty = 20e3").steps())
     monkeypatch.undo()

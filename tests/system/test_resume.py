@@ -11,7 +11,7 @@ from hybrid.output import checkpoint
 from hybrid.output.history import read_history
 from hybrid.runtime.errors import StepError
 from hybrid.setup.build import build
-from hybrid.step import newton
+from hybrid.step import iteration
 from hybrid.step.equations import Step
 
 
@@ -74,7 +74,7 @@ def test_contact_goes_on_to_the_last_bit(geometry, tmp_path, options):
 
 def test_increments_go_on_to_the_last_bit(geometry, tmp_path, monkeypatch):
     """A hard hit halves increments; the run goes on with the one that it stopped at, 7.5 ms of 10 ms."""
-    monkeypatch.setattr(newton, "MOST", 4)
+    monkeypatch.setattr(iteration, "MOST", 4)
     monkeypatch.setattr(Step, "softened", lambda *_: False)     # no second attempt
     whole, parts, _ = in_one_go_and_in_two(
         tmp_path, lambda steps: scene(geometry, steps, {"velocity": (0.4, 0.1, -3.0)}, line_search=False), 3, 4)
@@ -133,7 +133,7 @@ def test_a_checkpoint_of_another_format_is_refused(geometry, tmp_path):
 
 def test_a_failed_run_keeps_its_steps_and_names_the_remedy(geometry, tmp_path, monkeypatch):
     hybrid.run(scene(geometry, steps=3, line_search=False), out=tmp_path, quiet=True)
-    monkeypatch.setattr(newton, "MOST", 1)
+    monkeypatch.setattr(iteration, "MOST", 1)
     with pytest.raises(StepError, match="time.step") as failure:
         hybrid.run(scene(geometry, steps=6, line_search=False), out=tmp_path, resume=True, quiet=True)
     assert "All accepted steps are kept" in str(failure.value)
@@ -172,7 +172,7 @@ def test_an_observer_that_fails_at_the_end_keeps_no_other_from_it(geometry, fail
 
     described = scene(geometry, steps=1, body={"velocity": (0.4, 0.1, -3.0)})
     if fails:
-        monkeypatch.setattr(newton, "MOST", 1)
+        monkeypatch.setattr(iteration, "MOST", 1)
         described = replace(described, time=Time(step=0.01, smallest=0.01))
     simulation = build(described)
     with pytest.raises(StepError if fails else ValueError, match="step 1 failed" if fails else "no room left"):

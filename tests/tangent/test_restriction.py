@@ -9,7 +9,7 @@ from scipy.sparse import csr_matrix
 
 from hybrid.setup.build import build
 from hybrid.soil import restriction as of_soil
-from hybrid.step import newton, restriction
+from hybrid.step import iteration, restriction, sticking
 from hybrid.step.equations import Step
 from hybrid.study.precision.problems import anchor
 
@@ -60,8 +60,8 @@ def test_nodes_with_most_of_the_residual_are_solved_for(geometry, monkeypatch):
     size[step.pattern.free] = whole.soil
     assert nodes[np.argmax(np.linalg.norm(size, axis=1))] and not nodes.all()
     part = restriction.restricted(step, nodes, whole)
-    new = newton.smoothed(step, step.model.solver, whole)
-    assert part.evaluate(new.unknowns).error < newton.SMOOTH * part.evaluate(whole.unknowns).error
+    new = iteration.smoothed(step, step.model.solver, whole)
+    assert part.evaluate(new.unknowns).error < iteration.SMOOTH * part.evaluate(whole.unknowns).error
 
 
 def test_what_cannot_be_restricted_is_left(geometry, monkeypatch):
@@ -71,7 +71,7 @@ def test_what_cannot_be_restricted_is_left(geometry, monkeypatch):
     assert restriction.rough_nodes(step, whole) is not None
     assert restriction.rough_nodes(elastic, elastic.evaluate(trial)) is None
     monkeypatch.setattr(restriction, "FEW", 0.0)
-    assert restriction.rough_nodes(step, whole) is None and newton.smoothed(step, step.model.solver, whole) is whole
+    assert restriction.rough_nodes(step, whole) is None and iteration.smoothed(step, step.model.solver, whole) is whole
     monkeypatch.setattr(restriction, "FEW", 2.0)
     monkeypatch.setattr(of_soil, "can_be_restricted", lambda soil: False)
     assert restriction.rough_nodes(step, whole) is None
@@ -79,7 +79,7 @@ def test_what_cannot_be_restricted_is_left(geometry, monkeypatch):
 
 def test_sand_before_an_anchor_takes_fewer_iterations(monkeypatch):
     """And comes to the same place. Of the two remedies, this one alone: points held in stick do as much here."""
-    monkeypatch.setattr(Step, "reversals", lambda *given: None)
+    monkeypatch.setattr(sticking, "turned_round", lambda *given: None)
 
     def most():
         simulation = build(anchor.scene(h=0.4, drag=0.5))
@@ -87,7 +87,7 @@ def test_sand_before_an_anchor_takes_fewer_iterations(monkeypatch):
         return max(next(steps).iterations for _ in range(20)), simulation.state.bodies[0].position
 
     iterations, position = most()
-    monkeypatch.setattr(newton, "SLOW", np.inf)
+    monkeypatch.setattr(iteration, "SLOW", np.inf)
     without, expected = most()
     assert position == pytest.approx(expected, abs=1e-4)
     assert iterations < 0.7 * without

@@ -8,7 +8,7 @@ import pytest
 from problem_checks import check
 
 from hybrid.runtime.errors import StepError
-from hybrid.step import newton
+from hybrid.step import iteration
 from hybrid.study.precision.problems import anchor
 
 REFERENCE = json.loads(anchor.REFERENCE.read_text(encoding="utf-8"))
@@ -52,7 +52,7 @@ def test_a_wrong_course_is_found():
 
 
 def test_a_failure_is_raised(monkeypatch):
-    monkeypatch.setattr(newton, "MOST", 0)
+    monkeypatch.setattr(iteration, "MOST", 0)
     with pytest.raises(StepError):
         anchor.solve(h=0.4, solver={"tolerance": 1e-12})
 

@@ -8,7 +8,7 @@ from stand_in import interpreter
 
 from hybrid.bench import kratos_parts
 from hybrid.runtime.errors import HybridError
-from hybrid.step import newton
+from hybrid.step import iteration
 from hybrid.study.precision import report, runner
 from hybrid.study.precision.problems import column
 from hybrid.study.precision.settings import PUBLISHED
@@ -33,7 +33,7 @@ def test_a_wrong_answer_is_seen(monkeypatch):
 
 
 def test_no_iterations_fail(monkeypatch):
-    monkeypatch.setattr(newton, "MOST", 1)
+    monkeypatch.setattr(iteration, "MOST", 1)
     with pytest.raises(HybridError):
         column.solve(cells=8, solver={"tolerance": 1e-12})
 

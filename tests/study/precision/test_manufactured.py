@@ -4,7 +4,7 @@ import problem_checks
 import pytest
 
 from hybrid.runtime.errors import HybridError
-from hybrid.step import newton
+from hybrid.step import iteration
 from hybrid.study.precision.problems import manufactured
 
 
@@ -38,7 +38,7 @@ def test_the_error_distinguishes_schemes():
 
 
 def test_no_iterations_fail(monkeypatch):
-    monkeypatch.setattr(newton, "MOST", 1)
+    monkeypatch.setattr(iteration, "MOST", 1)
     with pytest.raises(HybridError):
         manufactured.solve(cells=8, steps=4, solver={"tolerance": 1e-14})
 

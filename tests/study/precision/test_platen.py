@@ -5,7 +5,7 @@ import pytest
 from problem_checks import check
 
 from hybrid.runtime.errors import StepError
-from hybrid.step import newton
+from hybrid.step import iteration
 from hybrid.study.precision.problems import platen
 
 
@@ -37,6 +37,6 @@ def test_a_wrong_ideal_is_found(monkeypatch, replayed):
 
 
 def test_a_failure_is_raised(monkeypatch):
-    monkeypatch.setattr(newton, "MOST", 1)
+    monkeypatch.setattr(iteration, "MOST", 1)
     with pytest.raises(StepError):
         platen.solve(solver={"tolerance": 1e-14})

@@ -5,7 +5,7 @@ import pytest
 from problem_checks import check
 
 from hybrid.runtime.errors import StepError
-from hybrid.step import newton
+from hybrid.step import iteration
 from hybrid.study.precision.problems import sphere
 from hybrid.study.precision.settings import PUBLISHED
 
@@ -45,6 +45,6 @@ def test_what_is_counted(quick, recorded):
 
 
 def test_a_failure_is_raised(monkeypatch):
-    monkeypatch.setattr(newton, "MOST", 1)
+    monkeypatch.setattr(iteration, "MOST", 1)
     with pytest.raises(StepError):
         sphere.solve(changes=["time.smallest=0.01"])

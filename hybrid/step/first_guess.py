@@ -1,0 +1,74 @@
+"""Where Newton's method starts from in an increment: DESIGN, "First guess of a step".
+
+    at constant velocities              where there is inertia, unless that opens the soil; else at rest
+    bodies put down on the soil         without inertia, where free bodies touch nothing
+    soil that has followed the bodies   without inertia, where they are drawn back from it and the first guess failed
+"""
+
+from contextlib import ExitStack
+
+import numpy as np
+
+from hybrid.runtime import comm
+from hybrid.runtime.errors import StepError
+from hybrid.soil.model import Refusal
+from hybrid.step.iteration import PATIENCE, Updates, iterate
+from hybrid.step.restriction import with_bodies_alone
+
+# Share of the points that touched from which on a body leaves the soil behind in the first guess of a quasi-static increment.
+PARTED = 0.1
+# Share of the soil at the apex, from which the predictor is no good start. Sand that opens everywhere has no tangent:
+# a block that its own weight throws up takes 3 iterations from rest, and 5 to 15 from the predictor if it converges at
+# all (share 0.15 to 0.92). In front of an anchor the share is 0.02; 60 steps from rest take a third more iterations.
+OPENED = 0.1
+
+
+def first_evaluation(step):
+    """Evaluation to start from, or a Refusal: at constant velocities, or at rest where those open the soil."""
+    moving = step.evaluate(step.predictor())
+    if isinstance(moving, Refusal) or not step.model.scheme.inertia:
+        return moving
+    opened = step.apex_fraction(moving)
+    if opened < OPENED:
+        return moving
+    resting = step.evaluate(step.at_rest(), keep=moving)
+    if isinstance(resting, Refusal) or step.apex_fraction(resting) >= opened - OPENED:
+        return moving
+    return resting
+
+
+def landed(step, evaluation):
+    """Evaluation with free bodies that touch nothing put down on soil that does not move: their weight, which no contact resists
+    yet, would press them into it by a part of a cell."""
+    if not any(not comm.anywhere([len(terms.contact)]) and terms.residual.any() for terms in evaluation.bodies):
+        return evaluation
+    part = with_bodies_alone(step)
+    try:
+        outcome = iterate(part, step.model.solver, part.evaluate(evaluation.unknowns), Updates(PATIENCE, smooth=False))
+    finally:
+        part.system.destroy()
+    return step.evaluate((outcome.evaluation if outcome.converged else evaluation).unknowns)
+
+
+def followed(step, unknowns):
+    """Evaluation where soil has followed bodies that are drawn back from it: an update from `unknowns` in which the points that
+    touched pull. None where hardly any of them part, or there is no such update.
+
+    With the soil still where it was, a body leaves it as soon as it moves farther than its springs are pressed, and Newton's
+    method starts from soil that nothing supports.
+    """
+    evaluation = step.evaluate(unknowns)
+    before, parted = np.sum([terms.step.pair.parted(terms.contact) for terms in evaluation.bodies] or [(0, 0)], axis=0)
+    if parted <= PARTED * before:
+        return None
+    with ExitStack() as bonds:
+        for terms in evaluation.bodies:
+            bonds.enter_context(terms.step.pair.bonded())
+        try:
+            start = step.evaluate(unknowns)
+            step.assemble(start)
+            soil, body, _ = step.system.solve(start.soil, start.body, step.model.solver.linear_tolerance)
+        except StepError:
+            return None
+    new = step.evaluate(step.moved(unknowns, soil, body))
+    return None if isinstance(new, Refusal) else new

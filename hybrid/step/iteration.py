@@ -1,0 +1,186 @@
+"""Updates of Newton's method on the equations of one increment, in one way, until they converge or make no progress.
+
+    K δ = -R      u <- u + s δ      s = 1, or 1, 1/2, ... 1/16 until |R| falls enough      while |R| > tolerance
+
+Where an update leaves most of the residual in a few nodes, these are solved for by themselves before the next one
+(`hybrid.step.restriction`). Contact points that an update carries from slip in one direction to slip in the other are held in
+stick for the next one (`hybrid.contact.reversals`). The linear systems K δ = -R are solved to FORMULATION (48). The settings
+are those of the scene, `hybrid.scene.Solver`.
+"""
+
+from dataclasses import dataclass, replace
+
+from hybrid.contact import held_facets
+from hybrid.runtime import comm
+from hybrid.runtime.errors import StepError
+from hybrid.runtime.timing import phase
+from hybrid.soil.model import Refusal
+from hybrid.step import sticking
+from hybrid.step.equations import Evaluation
+from hybrid.step.restriction import restricted, rough_nodes
+
+SHORTEST = 1 / 16  # of a Newton update, tried by the line search
+# An update that leaves less than this share of the residual is taken as it is (anchor, 60 steps: 391 iterations and 402
+# evaluations; with 0.7 they are 463 and 571, and Krylov iterations grow by a tenth).
+ENOUGH = 0.8
+# Stiff contact dominates the linear residual, so a loose Krylov tolerance leaves the soil unconverged and can open
+# contacts spuriously: the tolerance is divided by (stiffness of contact) h / (STIFF E), but not below FINEST.
+STIFF, FINEST = 80.0, 1e-12
+# Share of the tolerance that a linear system may leave of the residual: it is not solved farther than that, near the end of an
+# increment, but to COARSEST at least (anchor, 45 steps: 1 055 Krylov iterations instead of 1 257, 179 Newton's instead of 178).
+LEFT, COARSEST = 0.1, 0.1
+# An increment is given up when the smallest error of the last PATIENCE iterations is not below FALL of the smallest one
+# before; MOST is a guard only. In long steps of a collapse point after point yields, and the residual falls slowly.
+PATIENCE, FALL, MOST = 10, 0.8, 100
+# A whole update has gone astray that makes the error ASTRAY times the smallest one, and LOST or more: soil has opened that was
+# not to open, and a tangent there takes a thousand Krylov iterations.
+ASTRAY, LOST = 20.0, 0.3
+# Nodes that carry most of the residual are solved for by themselves where an update leaves more than SLOW of it, until
+# SMOOTH of theirs is left or BRIEF iterations make no progress.
+SLOW, SMOOTH, BRIEF = 0.5, 0.1, 4
+# A tangent is used again where its update leaves less than this share of the residual: GOOD_YIELDING for soil that
+# yields (anchor, 60 steps: 383 to 401 iterations with 0.15, 259 to 269 with 0.01), GOOD for elastic soil, which then
+# assembles half as often.
+GOOD, GOOD_YIELDING = 0.15, 0.01
+
+
+@dataclass(frozen=True)
+class Updates:
+    """How updates are made: until `patience` of them make no progress; shorten: with a line search, else whole; smooth: with
+    few rough nodes solved for by themselves; softening: by the tangent with the softening of contact at convex edges."""
+
+    patience: int
+    shorten: bool = False
+    smooth: bool = True
+    softening: bool = True
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """evaluation: of the smallest error, None when none exists; reason: empty when converged, else why there is no
+    solution; judged: whether it converged to a bound beyond the tolerance (`_judge`); jumping: whether corners went to
+    and fro between facets when progress ended."""
+
+    evaluation: Evaluation | None
+    iterations: int
+    krylov: int
+    errors: tuple[float, ...]
+    reason: str = ""
+    judged: bool = False
+    jumping: bool = False
+
+    @property
+    def converged(self):
+        return not self.reason
+
+    def followed_by(self, other):
+        """Outcome of two solutions of an increment, the `other` one the later."""
+        return replace(other, iterations=self.iterations + other.iterations, krylov=self.krylov + other.krylov,
+                       errors=self.errors + other.errors, judged=self.judged or other.judged)
+
+
+def iterate(step, solver, evaluation, updates):
+    """Outcome of `updates` from an evaluation."""
+    errors, krylov, current, jumps = [], 0, False, []
+    forcing = max(solver.linear_tolerance / max(1.0, step.contrast() / STIFF), FINEST)
+    good = GOOD_YIELDING if step.model.soil.law.plastic else GOOD
+    best, turned = evaluation, None
+    while True:
+        iteration = len(errors)
+        errors.append(evaluation.error)
+        best = evaluation if evaluation.error < best.error else best
+        if evaluation.error <= solver.tolerance:
+            return Outcome(evaluation, iteration, krylov, tuple(errors))
+        astray = not updates.shorten and solver.line_search and evaluation.error > max(ASTRAY * best.error, LOST)
+        if iteration == MOST or astray or not progressing(errors, updates.patience):
+            break
+        try:
+            held = sticking.held_in_stick(step, evaluation, turned) if turned else evaluation
+            if turned or not current:
+                step.assemble(held, updates.softening)
+            with phase("solve"):
+                soil, body, count = step.system.solve(held.soil, held.body, linear_tolerance(solver, forcing, held.error))
+        except StepError as failure:
+            return Outcome(best, iteration, krylov, tuple(errors), str(failure))
+        krylov += count
+        before, trial = evaluation, line_search(step, evaluation, soil, body, updates.shorten)
+        evaluation = trial
+        if isinstance(evaluation, Refusal):
+            return Outcome(best, iteration, krylov, tuple(errors), f"the update {evaluation.reason}")
+        if updates.smooth and evaluation.error > max(SLOW * errors[-1], solver.tolerance):
+            evaluation = smoothed(step, solver, evaluation, updates.softening)
+        turned = sticking.turned_round(before, evaluation, turned)
+        # corners sent to another facet by the update and back by what smooths it jump as well
+        jumps.append(jumped(before, trial) or evaluation is not trial and jumped(before, evaluation))
+        # assembling and factoring the soil block costs several solutions; the bodies' few unknowns cost nothing
+        current = bool(step.system.soil_unknowns) and evaluation.error < good * errors[-1]
+    return Outcome(best, iteration, krylov, tuple(errors),
+                   f"residual {best.error:.2e} after {iteration} iterations"
+                   f"{'' if progressing(errors, updates.patience) else f' without progress in the last {updates.patience}'}, "
+                   f"tolerance {solver.tolerance:.0e} ({_with_units(best.norms)})",
+                   jumping=sum(jumps[-updates.patience:]) > 1)
+
+
+def jumped(before, after):
+    """Whether corners have left or reached plane facets between two evaluations of a step."""
+    return any(held_facets.switched(a, b, terms.step.body.surface)
+               for terms, a, b in zip(before.bodies, before.contacts, after.contacts))
+
+
+def linear_tolerance(solver, finest, error):
+    """Relative tolerance of a linear system whose right-hand side is the residual of this `error`: `finest`, as a rule, or
+    in the same proportion what leaves LEFT of the tolerance."""
+    enough = LEFT * solver.tolerance / error
+    return max(finest, min(COARSEST, finest / solver.linear_tolerance * enough))
+
+
+def smoothed(step, solver, evaluation, softening=True):
+    """Evaluation after the few nodes that carry most of its residual, and the bodies, have been solved for by themselves
+    (`hybrid.step.restriction`); `evaluation` itself where they are not few, or have no better solution."""
+    nodes = rough_nodes(step, evaluation)
+    if nodes is None:
+        return evaluation
+    part = restricted(step, nodes, evaluation)
+    try:
+        start = part.evaluate(evaluation.unknowns)
+        aim = max(SMOOTH * start.error, solver.tolerance)
+        outcome = iterate(part, replace(solver, tolerance=aim), start, Updates(BRIEF, True, False, softening))
+    finally:
+        part.system.destroy()
+    new = step.evaluate(outcome.evaluation.unknowns)
+    return new if not isinstance(new, Refusal) else step.evaluate(evaluation.unknowns)
+
+
+def _with_units(norms):
+    """Text such as "soil 0.879 N, anchor 12 N m" from norms {"soil [N]": 0.879, "anchor [N m]": 12}."""
+    parts = ((*key.removesuffix("]").rsplit(" [", 1), value) for key, value in norms.items())
+    return ", ".join(f"{name} {value:.3g} {unit}" for name, unit, value in parts)
+
+
+def progressing(errors, patience=PATIENCE):
+    """Whether the smallest of the `errors` has fallen below FALL of itself within the last `patience` iterations."""
+    return len(errors) <= patience or min(errors[-patience:]) < FALL * min(errors[:-patience])
+
+
+def line_search(step, old, soil, body, shorten):
+    """First evaluation along the update (soil, body) that lowers the error by enough, else the best of those tried; a
+    Refusal where none exists. shorten: False takes the full update if it has an evaluation.
+
+    Where sand opens and closes, full updates overshoot the solution alternately: each lowers the error a little, half
+    of one by a lot. So an update that gains little is tried shorter.
+    """
+    scale, best, refusal = 1.0, None, Refusal("gives no finite residual")
+    while scale >= SHORTEST:
+        new = step.evaluate(step.moved(old.unknowns, soil, body, scale), keep=best)
+        if isinstance(new, Refusal):
+            refusal, error = new, float("inf")
+        elif not shorten or new.error < ENOUGH * old.error:
+            return new
+        else:
+            error = new.error
+        if best is not None and best.error < min(error, old.error):     # the minimum has been passed
+            break
+        if error < (float("inf") if best is None else best.error):
+            best = new
+        scale /= 2
+    return refusal if best is None else best
