@@ -1,5 +1,7 @@
 """Energy that a run gains, or loses in one step, without a cause in the balance of `hybrid.step.energy`."""
 
+import numpy as np
+
 from hybrid.monitors.monitor import Monitor
 
 # Share of the largest energy stored so far (kinetic, elastic, contact springs; quasi-static: with what was dissipated)
@@ -8,17 +10,21 @@ GAIN = 0.25
 START, GROWTH = 5, 1.5
 ROUND_OFF = 1e-15   # [J] of a gain that is none, as where nothing has happened yet
 LOSS = 0.5      # of the same, in one step; 0.3 is the most in 200 runs whose steps resolve contact
+LIFT = 0.01     # of a cell: energy that lifts all bodies by less is no scale, as that of springs in which they come to rest
 
 
 class EnergyBalance(Monitor):
     """Warns once of an unaccounted gain, and once of an unaccounted loss of most of the energy in one step, as happens
     where an impact falls into one step. A scheme of first order is meant to lose energy, and a quasi-static run has no
     history in time. Where a run starts from rest, the first steps store so little that a light touch of contact would
-    count: a gain is judged when the energy has a scale, and reported with the time at which it began."""
+    count: energies are compared with LIFT of a cell times the weight of the bodies at least, and a gain is judged when the energy
+    has a scale, and reported with the time at which it began."""
 
     def __init__(self, model, state):
         super().__init__(model, state)
         self._largest = self._error = 0.0   # [J], stored energy so far; error of the balance at the last step
+        self._least = LIFT * model.soil.grid.smallest_cell * np.linalg.norm(model.loads.gravity) * sum(
+            body.mass.mass for body in model.bodies)
         self._steps, self._began = 0, None  # steps so far; time [s] since which the gain is above its limit
 
     def warnings(self, view):
@@ -29,12 +35,13 @@ class EnergyBalance(Monitor):
         before, self._steps = self._largest, self._steps + 1
         spent = 0.0 if scheme.inertia else energy.get("plastic", 0.0) + energy.get("friction", 0.0)
         stored = self._largest = max(before, energy["kinetic"] + energy["elastic"] + energy["contact"] + spent)
-        above = gain > max(GAIN * stored, ROUND_OFF) and stored > 0
+        scale = max(stored, self._least)
+        above = gain > max(GAIN * scale, ROUND_OFF) and stored > 0
         self._began = (view.state.time if self._began is None else self._began) if above else None
         if above and (self._steps > START or stored <= GROWTH * before):
             yield "gain", (f"energy balance: unaccounted gain of {gain:.3g} J since t = {self._began:.4g} s "
                            f"({_share(gain, stored, GAIN)}). {_remedy(view)}")
-        if scheme.inertia and not scheme.first_order and not view.struck and loss > LOSS * stored > 0:
+        if scheme.inertia and not scheme.first_order and not view.struck and loss > LOSS * scale > 0:
             yield "loss", (f"energy balance: unaccounted loss of {loss:.3g} J in the step to t = "
                            f"{view.state.time:.4g} s ({_share(loss, max(stored, loss), LOSS)}). {_remedy(view)}")
 

@@ -9,9 +9,16 @@ from hybrid.monitors import StepView
 from hybrid.monitors.energy_balance import EnergyBalance
 
 
-def balance(errors, stored=100.0, bodies=(), inertia=True, damps=False, accuracy=None, plastic=0.0):
+def model(bodies=(), gravity=0.0):
+    """Model on cells of 0.1 m."""
+    return SimpleNamespace(bodies=bodies, loads=SimpleNamespace(gravity=np.array([0.0, 0.0, -gravity])),
+                           soil=SimpleNamespace(grid=SimpleNamespace(smallest_cell=0.1)))
+
+
+def balance(errors, stored=100.0, bodies=(), inertia=True, damps=False, accuracy=None, plastic=0.0, weight=0.0):
     """Notes of steps with these errors [J] of the balance."""
-    monitor = EnergyBalance(None, None)
+    heavy = SimpleNamespace(mass=SimpleNamespace(mass=weight / 10.0))
+    monitor = EnergyBalance(model((heavy,), 10.0), None)
     view = {"model": SimpleNamespace(bodies=bodies),
             "scheme": SimpleNamespace(inertia=inertia, damps=damps, first_order=damps),
             "report": SimpleNamespace(error=accuracy)}
@@ -36,6 +43,13 @@ def test_a_gain_while_a_motion_begins_counts_only_once_the_energy_has_a_scale():
     assert "gain of 16 J since t = 0 s" in text         # an energy that goes on doubling excuses nothing
 
 
+def test_what_lifts_the_bodies_by_less_than_a_hundredth_of_a_cell_is_no_scale():
+    """A body of 1 kN comes to rest in springs that take 0.3 J; to lift it by 1 mm takes 1 J."""
+    for errors in ([0.2] * 9, [0.0, -0.45, -0.45]):
+        assert len(balance(errors, stored=0.5)) == 1 and balance(errors, stored=0.5, weight=1e3) == []
+    assert len(balance([0.2] * 9, stored=0.5, weight=1e2)) == 1
+
+
 def test_what_quasi_static_soil_dissipates_is_part_of_the_scale():
     """Clay that flows stores hardly anything; a gain in a run with inertia is not excused by what impacts dissipate."""
     assert balance([0.0, 30.0], inertia=False, plastic=900.0) == []
@@ -55,7 +69,7 @@ def test_a_loss_is_never_more_than_all_of_the_energy():
 def test_a_first_step_that_holds_the_impact_loses_no_more_than_all():
     body = SimpleNamespace(mass=SimpleNamespace(mass=2.0, inertia=np.eye(3)))
     motion = SimpleNamespace(velocity=np.array([0.0, 0.0, -10.0]), spin=np.zeros(3), rotation=np.eye(3))
-    monitor = EnergyBalance(SimpleNamespace(bodies=(body,)), SimpleNamespace(bodies=(motion,)))
+    monitor = EnergyBalance(model((body,)), SimpleNamespace(bodies=(motion,)))
     view = StepView(SimpleNamespace(bodies=(body,)), SimpleNamespace(time=0.1),
                     SimpleNamespace(inertia=True, damps=True, first_order=False),
                     SimpleNamespace(error=None, evaluation=None),
