@@ -15,6 +15,7 @@
 | FlowingSoil      | soil that no body moves flows under its weight, without inertia         |
 | BodyOverlap      | bodies are pressed deep into one another                                |
 | GroundImpact     | bodies that hit held ground lose energy without a cause                 |
+| IdleAdhesion     | clay that touches a body has too little pressure to bear its adhesion   |
 | Untouched        | at the end of a run: a driven body has touched nothing                  |
 | JudgedIncrements | many increments end with a residual above the tolerance                 |
 
@@ -29,6 +30,7 @@ from hybrid.monitors.energy_balance import EnergyBalance
 from hybrid.monitors.flowing_soil import FlowingSoil
 from hybrid.monitors.force_oscillation import ForceOscillation
 from hybrid.monitors.ground_impact import GroundImpact
+from hybrid.monitors.idle_adhesion import IdleAdhesion
 from hybrid.monitors.judged_increments import JudgedIncrements
 from hybrid.monitors.lost_contact import LostContact
 from hybrid.monitors.lost_points import LostPoints
@@ -40,7 +42,8 @@ from hybrid.monitors.untouched import Untouched
 
 MONITORS = (
     DomainExit, LostContact, LostPoints, MissedContact, Penetration, ForceOscillation, EnergyBalance, PlasticIncrement,
-    FlowingSoil, BodyOverlap, JudgedIncrements, AbsorbedImpact, BodyImpact, GroundImpact, Untouched)
+    FlowingSoil, BodyOverlap, JudgedIncrements, AbsorbedImpact, BodyImpact, GroundImpact,
+    IdleAdhesion, Untouched)
 
 __all__ = ["MONITORS", "Monitors", "StepView", *(kind.__name__ for kind in MONITORS)]
 

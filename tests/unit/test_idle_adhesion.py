@@ -1,0 +1,36 @@
+"""The monitor of clay that touches a body and has too little pressure to bear its adhesion."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from hybrid.monitors import StepView
+from hybrid.monitors.idle_adhesion import STEPS, IdleAdhesion
+
+
+def notes(pressures, adhesion=1.0, tension=0.0):
+    """Of steps in which two contact points of 1 and 3 kN of adhesion have these pressures [N]; a third one is open."""
+    body = SimpleNamespace(name="lid", interface=SimpleNamespace(adhesion=adhesion, tension=tension))
+    model, found = SimpleNamespace(bodies=(body,)), []
+    corners = SimpleNamespace(limits=SimpleNamespace(shear=np.array([1e3, 9e9, 3e3])))
+    monitor = IdleAdhesion(model, None)
+    for time, pressure in enumerate(pressures):
+        contact = SimpleNamespace(active=np.array([0, 2]), pressure=np.array(pressure))
+        terms = SimpleNamespace(step=SimpleNamespace(pair=SimpleNamespace(corners=corners)))
+        report = SimpleNamespace(evaluation=SimpleNamespace(contacts=[contact], bodies=[terms]))
+        found += monitor.notes(StepView(model, SimpleNamespace(time=time, bodies=(None,)), None, report, {}))
+    return found
+
+
+def test_a_lid_that_nothing_presses_is_reported_once():
+    text, = notes([(1.0, -5.0)] * (STEPS + 3))
+    assert "lid touches clay whose adhesion is 4e+03 N, and bears 10 N of it at most (0%, limit 30%) at t = 2 s" in text
+    assert "gravity" in text and "body.tension" in text
+
+
+@pytest.mark.parametrize("pressures, given", [
+    ([(50.0, 100.0)] * 9, {}), (([(1.0, 1.0)] * (STEPS - 1) + [(50.0, 100.0)]) * 3, {}), ([(1.0, 1.0)] * 9, {"adhesion": None}),
+    ([(1.0, 1.0)] * 9, {"tension": 5e3})], ids=["pressed", "in between", "no adhesion", "a bond"])
+def test_others_are_not(pressures, given):
+    assert notes(pressures, **given) == []
