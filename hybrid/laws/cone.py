@@ -1,5 +1,5 @@
-"""Return mapping to a cone in principal stress, including its apex; von Mises, Drucker-Prager and Willam-Warnke are
-special cases (FORMULATION (15) to (18)).
+"""Return mapping to a cone in principal stress, including its apex; von Mises, Drucker-Prager, Mohr-Coulomb and
+Willam-Warnke are special cases (FORMULATION (15) to (18)).
 
     f = g(θ) √J2(s) + η p - k(α)        p = tr τ / 3, tension positive
     k(α) = max(k0 + h α, k_r)           linear hardening (h > 0) or softening to a residual strength
@@ -10,7 +10,12 @@ that depends on the ratio e of the extension meridian to the compression meridia
 
     g = [4 (1-e²) cos²θ + (2e-1)²] / [2 (1-e²) cosθ + (2e-1) √(4 (1-e²) cos²θ + 5e² - 4e)]      cos 3θ = 3√3/2 J3/J2^1.5
 
-from 1/e in extension (θ = 0) to 1 in compression (θ = 60°). Dilation has a section of its own, with a ratio ē. Flow is
+from 1/e in extension (θ = 0) to 1 in compression (θ = 60°). Mohr and Coulomb's is the straight line between these, with the
+foot of its normal at θ_0, and within ω of both a parabola that ends level (corners rounded off, C1):
+
+    g = cos(θ - θ_0)/(e sin60° / √((e - 1/2)² + 3/4))        tan θ_0 = (e - 1/2)/sin60°
+
+Dilation has a section of its own, with a ratio ē. Flow is
 along the deviator, so θ is that of the trial state and the return has a closed form for any section, without iteration
 (a circular cone has the potential √J2 + η̄ p):
 
@@ -45,23 +50,24 @@ NO_HISTORY = np.zeros(0)
 class Cone(Hencky):
     """Elastic constants and strength per point, scalars or (n,) arrays; `young` fixes n.
 
-    parameters: (n, 9) columns K, G, η, η̄_c, k0, e, h, k_r, ē. Raises LawError where softening is steeper than the
+    parameters: (n, 10) columns K, G, η, η̄_c, k0, e, h, k_r, ē, ω (0: the arc of Willam and Warnke). Raises LawError where softening is steeper than the
     elastic unloading, so that a point has no unique response.
     """
 
     plastic = True
 
     def __init__(self, young, poisson, eta, eta_bar, strength, ratio=1.0, hardening=0.0, residual=0.0,
-                 dilation_ratio=1.0):
+                 dilation_ratio=1.0, corner=0.0):
         super().__init__(young, poisson)
         n = len(self.parameters)
         residual = np.minimum(residual, strength)
-        columns = [np.broadcast_to(a, n) for a in (eta, eta_bar, strength, ratio, hardening, residual, dilation_ratio)]
+        columns = [np.broadcast_to(a, n) for a in (
+            eta, eta_bar, strength, ratio, hardening, residual, dilation_ratio, corner)]
         self._set(np.column_stack([self.parameters, *columns]))
 
     def _set(self, parameters):
         self.parameters = parameters
-        K, G, eta, eta_bar, _, _, slope, _, dilation_ratio = parameters.T
+        K, G, eta, eta_bar, _, _, slope, _, dilation_ratio, _ = parameters.T
         self.hardens = bool(np.any(slope != 0.0))
         steepest = slope / np.sqrt(3) + G + K * eta * eta_bar * dilation_ratio
         if np.any(steepest <= 0.0):
@@ -73,7 +79,7 @@ class Cone(Hencky):
     @property
     def symmetric(self):
         """Whether all tangents are symmetric: associated flow on a circular cone, without hardening of an apex."""
-        eta, eta_bar, _, ratio, slope, _, dilation_ratio = self.parameters[:, 2:].T
+        eta, eta_bar, _, ratio, slope, _, dilation_ratio, _ = self.parameters[:, 2:].T
         apex = eta * slope != 0.0
         return bool(np.all((eta == eta_bar) & (ratio == 1.0) & (dilation_ratio == 1.0) & ~apex))
 
@@ -96,11 +102,11 @@ class Cone(Hencky):
 
     def yield_function(self, stress, plastic_strain=0.0):
         """f (n,) [Pa] at principal stresses (n, 3) and accumulated plastic strain (n,)."""
-        eta, ratio = self.parameters.T[[2, 5]]
+        eta, ratio, corner = self.parameters.T[[2, 5, 9]]
         mean = stress.mean(axis=1)
         deviator = stress - mean[:, None]
         norm = np.sqrt(np.sum(deviator**2, axis=1))
-        g = np.array([_section(s, size, e)[0] for s, size, e in zip(deviator, norm, ratio)])
+        g = np.array([_section(*one)[0] for one in zip(deviator, norm, ratio, corner)])
         return g * norm / np.sqrt(2) + eta * mean - self.cohesion(plastic_strain)
 
 
@@ -123,7 +129,7 @@ def _rows(law, plastic):
     """Parameters of a law; an elastic law gets an unlimited strength where other points are `plastic`."""
     if law.plastic or not plastic:
         return law.parameters
-    unlimited = np.tile([0.0, 0.0, UNLIMITED, 1.0, 0.0, 0.0, 1.0], (len(law.parameters), 1))
+    unlimited = np.tile([0.0, 0.0, UNLIMITED, 1.0, 0.0, 0.0, 1.0, 0.0], (len(law.parameters), 1))
     return np.column_stack([law.parameters, unlimited])
 
 
@@ -132,26 +138,28 @@ def plane_strain_angle(parameters):
 
     The middle deviator is then s_2 = -2/3 η̄ √J2, and sin φ = √(1 - η̄²/3) / (g/η - η̄/3), with g and η̄ of its Lode angle.
     """
-    eta, compressed, ratio, dilation_ratio = np.asarray(parameters, dtype=float)[[2, 3, 5, 8]]
+    eta, compressed, ratio, dilation_ratio, corner = np.asarray(parameters, dtype=float)[[2, 3, 5, 8, 9]]
     g, eta_bar = 1.0, compressed
     for _ in range(60 if ratio < 1.0 or dilation_ratio < 1.0 else 0):
         middle = -2 / 3 * eta_bar
         radius = np.sqrt(1 - eta_bar**2 / 3)
         deviator = np.array([radius - middle / 2, middle, -radius - middle / 2])     # of √J2 = 1
-        g = _section(deviator, np.sqrt(2.0), ratio)[0]
-        eta_bar = compressed / _section(deviator, np.sqrt(2.0), dilation_ratio)[0]
+        g = _section(deviator, np.sqrt(2.0), ratio, corner)[0]
+        eta_bar = compressed / _section(deviator, np.sqrt(2.0), dilation_ratio, corner)[0]
     sine = np.sqrt(1 - eta_bar**2 / 3) / (g / eta - eta_bar / 3)
     return float(np.degrees(np.arcsin(min(sine, 1.0))))
 
 
 @njit(cache=True)
-def _section(e, norm, ratio):
-    """g and dg/dθ of a deviator `e` (3,) of length `norm`."""
+def _section(e, norm, ratio, corner):
+    """g and dg/dθ of a deviator `e` (3,) of length `norm`; corner: ω [rad], 0: the arc of Willam and Warnke."""
     if norm == 0.0:
         return 1.0, 0.0
     high, low = max(e[0], e[1], e[2]), min(e[0], e[1], e[2])
     cos = min(np.sqrt(1.5) * high / norm, 1.0)
     sin = max(-high - 2 * low, 0.0) / (np.sqrt(2.0) * norm)     # from the middle value less the lowest
+    if corner > 0.0:
+        return _line(np.arctan2(sin, cos), ratio, corner)
     a, b = 1 - ratio * ratio, 2 * ratio - 1
     root = np.sqrt(4 * a * cos * cos + 5 * ratio * ratio - 4 * ratio)
     above, below = 4 * a * cos * cos + b * b, 2 * a * cos + b * root
@@ -159,17 +167,30 @@ def _section(e, norm, ratio):
     return above / below, (d_above - above / below * d_below) / below
 
 
+@njit(cache=True)
+def _line(theta, ratio, corner):
+    """g and dg/dθ of Mohr and Coulomb's section at θ [rad], rounded off within `corner` [rad] of its ends."""
+    foot = np.arctan2(ratio - 0.5, np.sqrt(0.75))
+    height = ratio * np.sqrt(0.75) / np.hypot(ratio - 0.5, np.sqrt(0.75))
+    end = 0.0 if theta < np.pi / 6 else np.pi / 3
+    inner = end + corner if end == 0.0 else end - corner
+    if abs(theta - end) >= corner:
+        return np.cos(theta - foot) / height, -np.sin(theta - foot) / height
+    bend = -np.sin(inner - foot) / height / (2 * (inner - end))
+    return np.cos(inner - foot) / height + bend * ((theta - end)**2 - corner**2), 2 * bend * (theta - end)
+
+
 @njit(cache=True, parallel=True)
 def _return_map(strain, history, parameters, stress, elastic, tangent):
     hardens = len(history) > 0
     for p in prange(len(strain)):
-        K, G, eta, eta_bar, k, ratio, h, residual, dilation_ratio = parameters[p]
+        K, G, eta, eta_bar, k, ratio, h, residual, dilation_ratio, corner = parameters[p]
         trace = strain[p, 0] + strain[p, 1] + strain[p, 2]
         e = (strain[p, 0] - trace / 3, strain[p, 1] - trace / 3, strain[p, 2] - trace / 3)
         norm = np.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2])
         root = np.sqrt(2.0) * G * norm  # √J2 of the trial stress
         pressure = K * trace
-        g, slope = _section(e, norm, ratio) if ratio != 1.0 else (1.0, 0.0)
+        g, slope = _section(e, norm, ratio, corner) if ratio != 1.0 else (1.0, 0.0)
         if hardens:
             k += h * history[p]
             if h < 0.0 and k <= residual:
@@ -180,7 +201,7 @@ def _return_map(strain, history, parameters, stress, elastic, tangent):
             continue
         dilation_slope = 0.0  # η̄'
         if dilation_ratio != 1.0:
-            g_bar, dilation_slope = _section(e, norm, dilation_ratio)
+            g_bar, dilation_slope = _section(e, norm, dilation_ratio, corner)
             eta_bar /= g_bar
             dilation_slope *= -eta_bar / g_bar
         elastic_part = g * G + K * eta * eta_bar

@@ -38,7 +38,7 @@ class Odd:
 
 GENTLE = 20.0           # [Pa/m]: normally consolidated clays have 1000 to 2000
 WEAK = 100.0, 0.01      # tension [Pa] and share of the soil's strength, below both of which it looks like kPa
-FRICTIONAL = ("drucker-prager", "willam-warnke")
+FRICTIONAL = ("drucker-prager", "mohr-coulomb", "willam-warnke")
 SOIL = (
     Odd("relative_density", 0, 1.0001, "%", "per cent expected; is this a share, 0.38 for 38 %?"),
     Odd("friction_angle", 0, 1.6, "deg", "degrees expected; is this an angle in radians, 0.57 for 32.7 degrees?",

@@ -74,8 +74,9 @@ def _law(scene, material):
         return "drucker-prager", "the published method" if material.cone is None else "it has a cone"
     if any(_collapsed(scene)):
         return "drucker-prager", "the scene has one kind of stress state, in which a cone has Mohr-Coulomb's strength"
-    return ("willam-warnke",
-            "Mohr-Coulomb's strength in compression and in extension, near to it where soil shears in a plane")
+    if material.relative_density is not None:
+        return "willam-warnke", "sand has its friction angle in compression and in extension, and more where it shears in a plane"
+    return "mohr-coulomb", "its friction angle is that in any stress state"
 
 
 def _cone(scene, material):

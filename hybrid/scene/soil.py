@@ -6,7 +6,7 @@ from typing import Literal, get_type_hints
 
 from hybrid.scene.table import key, table
 
-Law = Literal["drucker-prager", "hencky", "user", "von-mises", "willam-warnke"]
+Law = Literal["drucker-prager", "hencky", "mohr-coulomb", "user", "von-mises", "willam-warnke"]
 
 
 @table
@@ -16,8 +16,9 @@ class Material:
     A value that the law does not use is refused.
     """
 
-    law: Law | None = key("hencky: elastic; drucker-prager: circular cone; willam-warnke: section through both meridians "
-                          "of Mohr-Coulomb; von-mises: undrained clay; user: given to `build` or `run` from Python",
+    law: Law | None = key("hencky: elastic; drucker-prager: circular cone; mohr-coulomb: pyramid with its edges rounded off; "
+                          "willam-warnke: arc through both meridians of Mohr-Coulomb; von-mises: undrained clay; user: "
+                          "given to `build` or `run` from Python",
                           default=None)
     relative_density: float | None = key("relative density of the sand whose correlations give the preset", "%",
                                          default=None, above=0, at_most=100, remedy="38 is a loose sand")
@@ -121,6 +122,7 @@ FRICTION = ("friction_angle", "dilation_angle", "cohesion", "hardening", "residu
 USES = {  # values that each law uses, apart from its name and the density
     "hencky": (*PRESET, *ELASTIC),
     "drucker-prager": (*PRESET, *ELASTIC, *FRICTION, "cone"),
+    "mohr-coulomb": (*PRESET, *ELASTIC, *FRICTION),
     "willam-warnke": (*PRESET, *ELASTIC, *FRICTION),
     "von-mises": (*ELASTIC, "strength", "strength_gradient", "hardening", "residual_strength", "cone"),
     "user": (),
@@ -130,6 +132,7 @@ USES = {  # values that each law uses, apart from its name and the density
 NEEDS = {
     "hencky": ("poisson", "density"),
     "drucker-prager": ("poisson", "density", "friction_angle", "dilation_angle", "cohesion"),
+    "mohr-coulomb": ("poisson", "density", "friction_angle", "dilation_angle", "cohesion"),
     "willam-warnke": ("poisson", "density", "friction_angle", "dilation_angle", "cohesion"),
     "von-mises": ("poisson", "density", "strength"),
     "user": ("density",),

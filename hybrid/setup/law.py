@@ -7,11 +7,14 @@ import numpy as np
 
 from hybrid.laws.drucker_prager import DruckerPrager
 from hybrid.laws.hencky import Hencky
+from hybrid.laws.mohr_coulomb import MohrCoulomb
 from hybrid.laws.sand import sand, stiffness_from_stress
 from hybrid.laws.von_mises import VonMises
 from hybrid.laws.willam_warnke import WillamWarnke
 from hybrid.runtime.errors import SceneError
 from hybrid.scene.soil import NUMBERS
+
+SECTIONS = {"mohr-coulomb": MohrCoulomb, "willam-warnke": WillamWarnke}
 
 
 def material_values(material):
@@ -51,6 +54,6 @@ def build_law(stratum, horizontal_stress, depth):
         return VonMises(young, m["poisson"], strength, m["cone"], hardening, m.get("residual_strength", 0.0))
     angles = m["friction_angle"], m["dilation_angle"], m["cohesion"]
     floor = m.get("residual_cohesion", 0.0)
-    if stratum.law == "willam-warnke":
-        return WillamWarnke(young, m["poisson"], *angles, hardening, floor)
+    if stratum.law in SECTIONS:
+        return SECTIONS[stratum.law](young, m["poisson"], *angles, hardening, floor)
     return DruckerPrager(young, m["poisson"], *angles, m["cone"], hardening, floor)

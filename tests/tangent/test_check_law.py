@@ -12,6 +12,7 @@ from hybrid.laws.drucker_prager import DruckerPrager
 from hybrid.laws.hencky import Hencky
 from hybrid.laws.user import adopt
 from hybrid.laws.von_mises import VonMises
+from hybrid.laws.mohr_coulomb import MohrCoulomb
 from hybrid.laws.willam_warnke import WillamWarnke
 from hybrid.runtime.errors import LawError
 
@@ -30,6 +31,10 @@ LAWS = {
     "drucker-prager, hardening": DruckerPrager(E, POISSON, *ANGLES, C, "extension", hardening=1e6),
     "drucker-prager, softening": DruckerPrager(E, POISSON, *ANGLES, C, **SOFT),
     "willam-warnke": WillamWarnke(E, POISSON, *ANGLES, C),
+    "mohr-coulomb": MohrCoulomb(E, POISSON, *ANGLES, C),
+    "mohr-coulomb, steep": MohrCoulomb(E, POISSON, 55.0, 0.0, C),
+    "mohr-coulomb, dilatant": MohrCoulomb(E, POISSON, 45.0, 45.0, C),
+    "mohr-coulomb, softening": MohrCoulomb(E, POISSON, *ANGLES, C, **SOFT),
     "willam-warnke, steep": WillamWarnke(E, POISSON, 55.0, 0.0, C),
     "willam-warnke, dilatant": WillamWarnke(E, POISSON, 45.0, 45.0, C),
     "willam-warnke, flat": WillamWarnke(E, POISSON, 0.0, 0.0, C),

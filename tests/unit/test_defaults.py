@@ -100,6 +100,8 @@ def test_cone_of_a_scene(collapsed, material, layers, cone):
 
 @pytest.mark.parametrize("collapsed, values, law", [
     ("", {"relative_density": 38.0}, "willam-warnke"),
+    ("", {"young": 1e7, "poisson": 0.3, "density": 1700.0, "friction_angle": 30.0, "dilation_angle": 0.0, "cohesion": 1e3},
+     "mohr-coulomb"),
     ("", {"relative_density": 38.0, "cone": "compression"}, "drucker-prager"),
     ("y", {"relative_density": 38.0}, "drucker-prager"),
     ("xy", {"relative_density": 38.0}, "drucker-prager"),

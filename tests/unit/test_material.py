@@ -42,7 +42,7 @@ def test_materials_that_build(material):
 @pytest.mark.parametrize("material, words", [
     (CLAY | {"friction_angle": 30.0}, ["friction_angle = 30: must be left out with law = 'von-mises'", "uses young"]),
     (CLAY | {"relative_density": 38.0}, ["relative_density", "left out with law = 'von-mises'"]),
-    (SAND | {"strength": 1e3}, ["strength = 1000: must be left out with law = 'willam-warnke'"]),
+    (SAND | {"strength": 1e3}, ["strength = 1000: must be left out with law = 'mohr-coulomb'"]),
     (SAND | {"law": "hencky"}, ["3 faults", "cohesion = 1000: must be left out with law = 'hencky'"]),
     (SAND | {"law": "willam-warnke", "cone": "extension"}, ["cone = extension", "left out"]),
     (SAND | {"stiffness_exponent": 0.5}, ["young and stiffness_exponent exclude each other"]),
@@ -68,7 +68,7 @@ def test_materials_that_contradict_themselves(material, words):
 @pytest.mark.parametrize("layer, words", [
     ({"top": 0.5, "bottom": 0.5}, ["soil.layer.0.bottom = 0.5: must be below its top = 0.5"]),
     ({"material": {"yuong": 1e6}}, ["soil.layer.0.material.yuong' (did you mean 'young'?)", "valid: relative_"]),
-    ({"material": {"strength": 1e3}}, ["soil.layer.0.material.strength", "left out with law = 'willam-warnke'"]),
+    ({"material": {"strength": 1e3}}, ["soil.layer.0.material.strength", "left out with law = 'mohr-coulomb'"]),
     ({"material": {"poisson": 0.5}}, ["soil.layer.0.material.poisson = 0.5: must be above -1 and below 0.5"]),
     ({"material": {"young": "stiff"}}, ["soil.layer.0.material.young = 'stiff': expected a number"]),
     ({"law": "von-mises"}, ["soil.layer.0.material: missing strength for law 'von-mises'"]),

@@ -15,7 +15,7 @@ PLANE, LEADING = 0.99, 0.5      # cosine between a face and the way; share of wh
 # Share of a load across its main direction, or of the size that it acts beside the centre: inclined or eccentric
 ASIDE = 0.05
 STEEP = 1.5                     # cells: a lower step of the ground is a slope
-CLAY, SAND = "von-mises", {"drucker-prager", "willam-warnke"}
+CLAY, SAND = "von-mises", {"drucker-prager", "mohr-coulomb", "willam-warnke"}
 
 
 def driven(scene, model):
