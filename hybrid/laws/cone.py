@@ -15,9 +15,8 @@ foot of its normal at θ_0, and within ω of both a parabola that ends level (co
 
     g = cos(θ - θ_0)/(e sin60° / √((e - 1/2)² + 3/4))        tan θ_0 = (e - 1/2)/sin60°
 
-Dilation has a section of its own, with a ratio ē. Flow is
-along the deviator, so θ is that of the trial state and the return has a closed form for any section, without iteration
-(a circular cone has the potential √J2 + η̄ p):
+Dilation has a section of its own, with a ratio ē. Flow is along the deviator, so θ is that of the trial state and the return
+has a closed form for any section, without iteration (a circular cone has the potential √J2 + η̄ p):
 
     Δγ = f_trial / (g G + K η η̄ + h/√3)      s = (1 - GΔγ/√J2_tr) s_tr      p = p_tr - K η̄ Δγ
 
@@ -50,8 +49,8 @@ NO_HISTORY = np.zeros(0)
 class Cone(Hencky):
     """Elastic constants and strength per point, scalars or (n,) arrays; `young` fixes n.
 
-    parameters: (n, 10) columns K, G, η, η̄_c, k0, e, h, k_r, ē, ω (0: the arc of Willam and Warnke). Raises LawError where softening is steeper than the
-    elastic unloading, so that a point has no unique response.
+    parameters: (n, 10) columns K, G, η, η̄_c, k0, e, h, k_r, ē, ω (0: the arc of Willam and Warnke). Raises LawError where
+    softening is steeper than the elastic unloading, so that a point has no unique response.
     """
 
     plastic = True
