@@ -2,7 +2,8 @@
 
     at constant velocities              where there is inertia, unless that opens the soil; else at rest
     bodies put down on the soil         without inertia, where free bodies touch nothing
-    soil that has followed the bodies   without inertia, where they are drawn back from it and the first guess failed
+    soil held to the bodies             without inertia, by the points that touched before: on elastic soil where bodies have
+                                        left most of these; on other soil where the first guess failed
 """
 
 from contextlib import ExitStack
@@ -21,6 +22,9 @@ PARTED = 0.1
 # a block that its own weight throws up takes 3 iterations from rest, and 5 to 15 from the predictor if it converges at
 # all (share 0.15 to 0.92). In front of an anchor the share is 0.02; 60 steps from rest take a third more iterations.
 OPENED = 0.1
+# Residual of a body relative to the forces on it, and share of the points that touched before, from which the few points that
+# touch in the first guess do not carry the body.
+ADRIFT, FEW = 0.5, 0.5
 
 
 def first_evaluation(step):
@@ -50,8 +54,34 @@ def landed(step, evaluation):
     return step.evaluate((outcome.evaluation if outcome.converged else evaluation).unknowns)
 
 
+def starts(step, evaluation, follow):
+    """Evaluations to start from in turn, until one leads to the solution: `evaluation`, the first guess, and where `follow` or
+    bodies have slid off elastic soil also one of `followed`.
+
+    Slid along by a part of a cell, a body that leans or has sunk in goes over more than its springs are pressed. It stands on one
+    or two of eighty points then, whose tangent throws it off. Those that carried it before are an active set near that of
+    the solution; soil that yields flows where it would have to pull.
+    """
+    unknowns, elastic = evaluation.unknowns, step.soil is not None and not step.model.soil.law.plastic
+    if step.model.scheme.inertia:
+        yield evaluation
+        return
+    slid = elastic and any(map(_adrift, evaluation.bodies))
+    if slid and (held := followed(step, unknowns)):
+        yield held
+    yield step.evaluate(unknowns) if slid else evaluation
+    if follow and not slid and (held := followed(step, unknowns)):
+        yield held
+
+
+def _adrift(terms):
+    """Whether a body is far from equilibrium on the few points that touch it, where more did when the step began."""
+    before, _ = terms.step.pair.parted(terms.contact)
+    return terms.residual.any() and terms.error()[1] > ADRIFT and comm.number(terms.contact) < FEW * before
+
+
 def followed(step, unknowns):
-    """Evaluation where soil has followed bodies that are drawn back from it: an update from `unknowns` in which the points that
+    """Evaluation where soil has followed bodies that have left it: an update from `unknowns` in which the points that
     touched pull. None where hardly any of them part, or there is no such update.
 
     With the soil still where it was, a body leaves it as soon as it moves farther than its springs are pressed, and Newton's

@@ -18,7 +18,7 @@ from dataclasses import replace
 from hybrid.runtime import comm
 from hybrid.soil.model import Refusal
 from hybrid.step.equations import Step
-from hybrid.step.first_guess import first_evaluation, followed, landed
+from hybrid.step.first_guess import first_evaluation, landed, starts
 from hybrid.step.iteration import PATIENCE, Outcome, Updates, iterate
 
 # Whole updates are given up sooner than PATIENCE, because shorter ones are tried then. Iterations of four collapses of clay: 3: 1014, 5: 620, 8: 593;
@@ -48,10 +48,11 @@ def solve(step: Step, follow=False):
     if not step.model.scheme.inertia:   # the first guess is then at rest
         evaluation = landed(step, evaluation)
         step = replace(step, reference=evaluation.internal)
-    start = evaluation.unknowns
-    outcome = _solution(step, solver, evaluation)
-    if follow and not outcome.converged and not step.model.scheme.inertia and (evaluation := followed(step, start)):
-        outcome = outcome.followed_by(_solution(step, solver, evaluation))
+    outcome = Outcome(None, 0, 0, ())
+    for start in starts(step, evaluation, follow):
+        outcome = outcome.followed_by(_solution(step, solver, start))
+        if outcome.converged:
+            break
     if not outcome.converged:
         return outcome
     if step.share_interface(outcome.evaluation) > SHARED:
