@@ -191,13 +191,15 @@ class BodyTerms:
                             -self.trial.load if step.body.loads else None)
 
 
-def _expected_pose(body, motion, history, gravity, scheme, dt):
-    """Pose of a body to which its contact points are predicted to move. One that touches nothing yet also falls: else a body
-    that starts in touch and slides would find friction in its first step only if its places happen to rise against it."""
+def _expected_pose(body, motion, history, gravity, scheme, dt, cell):
+    """Pose of a body to which its contact points are predicted to move. One that touches nothing yet also falls, without inertia
+    by a `cell` [m]: else a body that starts in touch and slides would find friction in its first step only if its places happen
+    to rise against it."""
     position, rotation = rigid.predicted_pose(body, motion, scheme, dt)
-    moving = motion.velocity.any() or motion.spin.any()
-    if scheme.inertia and moving and not anywhere(history.touching):
-        position = position + 0.5 * dt**2 * gravity * body.free[:3]
+    moving, weighs = motion.velocity.any() or motion.spin.any(), np.linalg.norm(gravity)
+    if moving and weighs and not anywhere(history.touching):
+        fall = 0.5 * dt**2 * gravity if scheme.inertia else cell * gravity / weighs
+        position = position + fall * body.free[:3]
     return position, rotation
 
 
@@ -224,7 +226,7 @@ def begin_bodies(model, state, dt, pulling, domains, active, nodal):
         if not model.scheme.inertia:    # nothing falls, and the time of a step means nothing
             fall = min(fall, grid.smallest_cell)
         reach = search_reach(body, motion, grid, velocity, dt, fall)
-        pose = _expected_pose(body, motion, state.contacts[number], gravity, model.scheme, dt)
+        pose = _expected_pose(body, motion, state.contacts[number], gravity, model.scheme, dt, grid.smallest_cell)
         limits = body.interface and body.interface.of_points(model.soil.law, state.points.plastic_strain)
         pair = ContactPair(body, motion, state.contacts[number], domains, grid, active, reach, (predicted, pose), limits)
         begun.append(BodyStep(number, body, motion, target, pair, reach, unknowns, line_force, gravity, model.scheme,
