@@ -4,19 +4,24 @@
                                                                              1.5 for 1.75 of round outlines
     pushed into clay, with edges on lines of the grid     Π (1 + 0.3 e/n)    over the sides, e = 0, 1, 2 of whose edges are
     the same under an inclined or eccentric load          2.7 times that excess
+    the same where s_u grows by k with the depth          1 + 0.3 (k B/s_u)^0.65 times it, plane strain, k B/s_u to 5
     upright cut under its own weight, plane strain        1 + 1.05/n         n cells in its height
 
 Nodes at the edge of a face move with it, and the clay is sheared in the cell beyond (DESIGN, "The foot of a blade drags
-on the next nodes"). Those of sand are in `sand_cells`.
+on the next nodes"). Those of sand are in `sand_cells`, of soil with cohesion and friction in `footing_cells`.
 """
 
 import numpy as np
 
-from hybrid.monitors.limits.ways import CLAY, EXCESS, STEEP, driven, law_at, leads, loaded, sides, step_of_ground, top_of
+from hybrid.monitors.limits.ways import (CLAY, EXCESS, STEEP, driven, law_at, leads, loaded, material_at, sides,
+                                         step_of_ground, top_of)
+from hybrid.runtime.comm import minimum
 
 ATTACHED, ROUND, EDGE, CUT = 1.75, 1.5, 0.3, 1.05
 # Factor on EDGE: an inclined load at V = 4 of 5.14, one at an eighth of the width beside the centre
 COMBINED = 2.7
+# Factor on EDGE 1 + GROWTH (k B/s_u)^GROWING, s_u under the base; measured up to MEASURED
+GROWTH, GROWING, MEASURED = 0.3, 0.65, 5.0
 ON_LINE = 0.15                  # cells between an edge and a line of the grid: contact sees the edge there as on it
 DEEP = 1.0                      # widths: flow of clay around a body that goes deeper closes behind it
 DEEP_PLATE = 2.0                # widths under the ground: a shallower plate lifts the clay above it
@@ -94,12 +99,13 @@ def _on_lines(scene, model, body, way, place):
     if law_at(scene, model.soil, under) != CLAY or way[2] >= 0.0 or body.interface is not None and body.interface.tension:
         return 0.0, "", ""
     grid, excess, on, narrow = model.soil.grid, 1.0, [], np.inf
+    growing = _growing(scene, model.soil, place, way)
     for axis, width, ends in sides(grid, place, way):
         if not leads(body, place, np.eye(3)[axis]):    # a round outline crosses lines of the grid everywhere
             continue
         nodes, cell = grid.lines[axis], np.diff(grid.lines[axis]).min()
         lying = sum(np.abs(nodes - end).min() < ON_LINE * cell for end in ends)
-        excess *= 1.0 + EDGE * lying * cell / width
+        excess *= 1.0 + EDGE * growing * lying * cell / width
         if lying:
             on.append("xyz"[axis])
             narrow = min(narrow, width / cell)
@@ -107,8 +113,20 @@ def _on_lines(scene, model, body, way, place):
         return 0.0, "", ""
     return (excess - 1.0,
             f"is {narrow:.2g} cells wide and has edges on lines of the grid along {', '.join(on)}, where it drives the "
-            "clay of the next cell too",
+            "clay of the next cell too" + (", more so as its strength grows with the depth" if growing > 1.0 else ""),
             "Move the lines of the grid by a quarter of a cell against it, or use smaller cells")
+
+
+def _growing(scene, soil, place, way):
+    """Factor [-] on the excess of a body with its vertices at `place`, 1 where the strength does not grow with depth."""
+    cell, bottom = soil.grid.smallest_cell, place[:, 2].min()
+    rate = material_at(scene, soil, bottom - 0.5 * cell).strength_gradient or 0.0
+    width = min((width for _, width, _ in sides(soil.grid, place, way)), default=0.0)
+    if rate <= 0.0 or not width or soil.grid.collapsed.sum() != 1:
+        return 1.0
+    height = soil.constants.position[:, 2]
+    strength = minimum(soil.law.parameters[(height < bottom) & (height > bottom - cell), 4], np.inf)
+    return 1.0 + GROWTH * min(rate * width / strength, MEASURED) ** GROWING
 
 
 LIMITS = (few_cells, flow_around, upright_cut)
