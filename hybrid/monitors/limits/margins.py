@@ -39,6 +39,25 @@ def narrow_margins(scene, model):
             yield _text(body, width, below, "below it" if by_force else "below it at the end of its way", BELOW[rough], "z")
 
 
+def covered(scene, model):
+    """Bodies pressed down that cover all of a soil that yields, up to faces of the grid that hold it."""
+    for body, way, place, *_ in [*driven(scene, model), *loaded(scene, model)]:
+        soil, cell = model.soil, model.soil.grid.smallest_cell
+        axes = np.flatnonzero(~soil.grid.collapsed[:2])
+        ends = [(_ends(soil, axis), soil.grid.extent[axis], "xy"[axis]) for axis in axes]
+        closed = all(np.abs(np.subtract(reached, limits)).max() < cell
+                     and "free" not in (getattr(scene.grid.faces, f"{name}_{side}") for side in ("min", "max"))
+                     for reached, limits, name in ends)
+        within = all(place[:, axis].min() <= reached[0] + 1e-6 * cell and place[:, axis].max() >= reached[1] - 1e-6 * cell
+                     for axis, (reached, _, _) in zip(axes, ends))
+        if len(axes) and way[2] <= -DOWN * np.linalg.norm(way) and closed and within:
+            where = " and ".join(f"{name} = {limits[0]:.3g} to {limits[1]:.3g} m" for _, limits, name in ends)
+            yield (f"{body.name} covers all of the soil, {where}, up to faces of the grid that hold it: nothing can "
+                   "flow from under it, so that it compresses the soil and finds no load at which that gives way. A footing needs a "
+                   f"grid wider than itself: move the ends of grid.{', '.join(name for *_, name in ends)} outwards, unless "
+                   "compression is meant")
+
+
 def _text(body, width, gap, where, limit, axis):
     return (f"{body.name} is {width:.3g} m wide, and the soil ends {gap:.3g} m {where}, {gap / width:.2g} widths, limit "
             f"{limit:g}: soil that should flow from under it is held there, so that the body carries more than on ground "
@@ -70,4 +89,4 @@ def _ends(soil, axis):
     return minimum(at - half), maximum(at + half)
 
 
-LIMITS = (narrow_margins,)
+LIMITS = (narrow_margins, covered)
