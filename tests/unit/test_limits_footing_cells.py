@@ -90,5 +90,34 @@ def test_a_strip_on_clay_whose_strength_grows_with_depth(gradient, words):
     assert len(found) == bool(words) and all(words in text and "as its strength grows" in text for text in found)
 
 
+@pytest.mark.parametrize("depth, angle, n, found", [
+    (1, 30, 8, 1.281), (1, 30, 16, 1.146), (2, 30, 4, 1.332), (2, 30, 8, 1.160), (2, 30, 16, 1.076), (4, 30, 8, 1.112),
+    (2, 40, 8, 1.132)])
+def test_the_law_of_plates_lifted_out_of_sand_is_what_was_measured(depth, angle, n, found):
+    """Over γ H (B + H tan φ)."""
+    assert found - 1 == pytest.approx(footing_cells.LIFTED / n / (1 + depth * np.tan(np.radians(angle))), abs=0.045)
+
+
+SAND = {"law": None, "cohesion": 0.0, "dilation_angle": 0.0, "friction_angle": 30.0}
+LIFT = {"limit": footing_cells.lifted_plates, "gravity": (0.0, 0.0, -9.81), "velocity": (0.0, 0.0, 0.001), "rest_on": -1.5,
+        "material": SAND}
+
+
+def test_a_plate_lifted_out_of_sand():
+    """Half of one 1 m wide with its top at a depth of 1 m: 3 cells of 0.125 m over 1.577 m."""
+    text, = texts(**LIFT)
+    assert "8 cells of 0.125 m wide, 1 m under the ground" in text and "about 24% too high, limit 10%" in text
+    assert "at most 0.053 m" in text
+    density = {name: None for name in ("young", "poisson", "density", *SAND)} | {"relative_density": 38.0}
+    assert "too high" in texts(**LIFT | {"material": density})[0]
+
+
+@pytest.mark.parametrize("table", [{"velocity": (0.0, 0.0, -0.001)}, {"rest_on": -0.5}, {"gravity": WEIGHTLESS},
+                                   {"material": CLAY | {"strength": 1e5}}])
+def test_other_plates(table):
+    """Pressed down, at the surface, without weight, in clay."""
+    assert not texts(**LIFT | table)
+
+
 def test_check_and_runs_ask_for_it():
-    assert footing_cells.cohesive_strips in LIMITS and np.isclose(footing_cells.strip_excess(0.0, 1), 0.41)
+    assert set(footing_cells.LIMITS) <= set(LIMITS) and np.isclose(footing_cells.strip_excess(0.0, 1), 0.41)
