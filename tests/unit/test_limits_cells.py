@@ -90,6 +90,14 @@ def test_a_footing_with_edges_on_lines_of_the_grid(half, mirrored, count):
     assert all("is 4 cells wide" in text and "along x" in text and "up to 15%" in text for text in warnings)
 
 
+@pytest.mark.parametrize("reach, count", [(0.8, 0), (0.4, 0), (1.6, 1)])
+def test_a_lid_on_a_specimen_drives_no_clay_beside_it(reach, count):
+    """Flush with it, over its sides, and a footing on clay that goes on: found right to 1 % (unconfined compression)."""
+    described = footing(0.8, True)
+    described = replace(described, soil=replace(described.soil, upper=(reach, 1.0, 0.0), top=None))
+    assert len(texts(cells.few_cells, described)) == count
+
+
 @pytest.mark.parametrize("half, load, count", [
     (1.5, {"force": ((0.0, 0.0, 0.0, 0.0), (9.0, 45e3, 0.0, -180e3))}, 1),
     (1.5, {"force": ((0.0, 0.0, 0.0, 0.0), (9.0, 0.0, 0.0, -240e3)), "point": (0.375, 0.0, 0.0)}, 1),

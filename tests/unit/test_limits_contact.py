@@ -138,6 +138,12 @@ def test_faces_narrower_than_a_cell(height, held, count):
     assert all("0.1 m wide" in text and "limit 0.2 m" in text and "cells of at most 0.1 m" in text for text in warnings)
 
 
+def test_the_sides_of_a_lid_over_all_of_the_soil_are_no_narrow_faces():
+    lid = {"rest_on": 0.0, "driven": ("z",), "velocity": (0.0, 0.0, -0.1), "held": ("x", "y")}
+    assert texts(contact.narrow_face, box(0.8, 0.8, 0.1, **lid), cell=0.25, soil={"held": False})
+    assert not texts(contact.narrow_face, box(1.2, 1.2, 0.1, **lid), cell=0.25, soil={"held": False})
+
+
 @pytest.mark.parametrize("length, count", [(0.6, 1), (1.2, 0)])
 def test_a_platen_that_covers_the_soil_has_none_above_it(length, count):
     """Pushed down by more than its own thickness of a cell; a narrower one may be flowed over."""

@@ -15,7 +15,7 @@ import numpy as np
 
 from hybrid.monitors.limits.ways import (CLAY, EXCESS, STEEP, driven, law_at, leads, loaded, material_at, sides,
                                          step_of_ground, top_of)
-from hybrid.runtime.comm import minimum
+from hybrid.runtime.comm import maximum, minimum
 
 ATTACHED, ROUND, EDGE, CUT = 1.75, 1.5, 0.3, 1.05
 # Factor on EDGE: an inclined load at V = 4 of 5.14, one at an eighth of the width beside the centre
@@ -104,7 +104,8 @@ def _on_lines(scene, model, body, way, place):
         if not leads(body, place, np.eye(3)[axis]):    # a round outline crosses lines of the grid everywhere
             continue
         nodes, cell = grid.lines[axis], np.diff(grid.lines[axis]).min()
-        lying = sum(np.abs(nodes - end).min() < ON_LINE * cell for end in ends)
+        lying = sum(np.abs(nodes - end).min() < ON_LINE * cell and _soil_beside(model.soil, place, axis, end)
+                    for end in ends)
         excess *= 1.0 + EDGE * growing * lying * cell / width
         if lying:
             on.append("xyz"[axis])
@@ -115,6 +116,14 @@ def _on_lines(scene, model, body, way, place):
             f"is {narrow:.2g} cells wide and has edges on lines of the grid along {', '.join(on)}, where it drives the "
             "clay of the next cell too" + (", more so as its strength grows with the depth" if growing > 1.0 else ""),
             "Move the lines of the grid by a quarter of a cell against it, or use smaller cells")
+
+
+def _soil_beside(soil, place, axis, end):
+    """Whether soil goes on beyond the `end` [m] of a body with its vertices at `place`, not that of a lid on a specimen."""
+    x, half, beyond = soil.constants.position[:, axis], soil.constants.half_width[:, axis], ON_LINE * soil.grid.smallest_cell
+    if end > 0.5 * (place[:, axis].min() + place[:, axis].max()):
+        return maximum(x + half) > end + beyond
+    return minimum(x - half) < end - beyond
 
 
 def _growing(scene, soil, place, way):

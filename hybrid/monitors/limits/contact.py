@@ -66,12 +66,19 @@ def narrow_body(scene, model):
 def narrow_face(scene, model):
     """Faces between sharp edges, narrower than a cell: contact sees an edge with a radius of a few centimetres there."""
     cell = model.soil.grid.smallest_cell
-    for body in model.bodies:
-        if body.narrowest < cell:
+    for described, body in zip(scene.bodies, model.bodies):
+        if body.narrowest < cell and not _lid(scene, model.soil, described, body):
             yield (f"{body.name} has a face {body.narrowest:.2g} m wide between sharp edges, limit {cell:.3g} m, one "
                    "cell: the grid does not resolve it, its load depends on where it stands in a cell, and Newton's "
                    "method may need many iterations for it. Round it off in the geometry, or use cells of at most "
                    f"{body.narrowest:.2g} m at the body")
+
+
+def _lid(scene, soil, described, body):
+    """Whether the narrow faces of a body are the sides of a lid over all of the soil, which touch none."""
+    place = initial_vertices(described, body)
+    still = not any(way_along(scene, described, name) for name in "xy")
+    return still and body.narrowest > 0.99 * np.ptp(place[:, 2]) and covers(place, soil.constants, soil.grid)
 
 
 def thin_wall(scene, model):
@@ -84,7 +91,7 @@ def thin_wall(scene, model):
     for described, body in zip(scene.bodies, model.bodies):
         if described.tension == "full" or not (body.free.any() or body.driven.any()):
             continue
-        if _covers(initial_vertices(described, body), soil, model.soil.grid):
+        if covers(initial_vertices(described, body), soil, model.soil.grid):
             continue
         thickness, share = _thickness(scene, described, body, THICKNESS * cell, top)
         if share > THIN_SHARE:
@@ -95,11 +102,11 @@ def thin_wall(scene, model):
                    f'{thickness / THICKNESS:.2g} m, or set body.tension = "full" if the soil is to stay on it')
 
 
-def _covers(vertices, soil, grid):
+def covers(vertices, soil, grid):
     """Whether a body reaches over all of the soil in plan, so that none gets above it."""
-    across = np.flatnonzero(~grid.collapsed[:2])
-    return all(vertices[:, axis].min() <= minimum((soil.position - soil.half_width)[:, axis])
-               and vertices[:, axis].max() >= maximum((soil.position + soil.half_width)[:, axis]) for axis in across)
+    across, slack = np.flatnonzero(~grid.collapsed[:2]), 1e-6 * grid.smallest_cell
+    return all(vertices[:, axis].min() <= minimum((soil.position - soil.half_width)[:, axis]) + slack
+               and vertices[:, axis].max() >= maximum((soil.position + soil.half_width)[:, axis]) - slack for axis in across)
 
 
 def _thickness(scene, described, body, limit, top):

@@ -34,6 +34,7 @@ to 60 mm, plate of 0.25 B (0.125 B: 18 and 7 % with H/B = 2):
 import numpy as np
 
 from hybrid.laws.sand import sand
+from hybrid.monitors.limits.contact import covers
 from hybrid.monitors.limits.ways import EXCESS, SAND, driven, loaded, material_at, sides, top_of
 
 COHESION, FRICTION, ORDER = 0.41, 0.0215, 0.75      # FRICTION: for each degree of φ
@@ -54,7 +55,10 @@ def cohesive_strips(scene, model):
     for body, way, place, plane in [*driven(scene, model), *(found[:4] for found in loaded(scene, model))]:
         bottom, width = place[:, 2].min(), min((width for _, width, _ in sides(soil.grid, place, way)), default=0.0)
         material = material_at(scene, soil, bottom - 0.5 * cell)
-        if not plane or way[2] >= 0.0 or bottom < top_of(soil) - SHALLOW * width or not _cohesive(scene, material, width):
+        lid = covers(place, soil.constants, soil.grid)
+        if not plane or lid or way[2] >= 0.0 or bottom < top_of(soil) - SHALLOW * width:
+            continue
+        if not _cohesive(scene, material, width):
             continue
         excess = strip_excess(material.friction_angle, width / cell) * (1.0 if body.friction else SMOOTH)
         if excess > EXCESS:

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from hybrid.monitors.limits.contact import covers
 from hybrid.monitors.limits.ways import EXCESS, SAND, STEEP, driven, facing, law_at, leads, loaded, outline, sides, step_of_ground, top_of
 from hybrid.runtime.comm import maximum, minimum
 
@@ -84,7 +85,7 @@ def footings(scene, model):
         if not plane or way[2] >= 0.0 or not width or bottom < top_of(soil) - SHALLOW * width or law_at(scene, soil, bottom - 0.5 * cell) not in SAND:
             continue
         excess = WEIGHT * (cell / width)**ORDER
-        if excess > EXCESS:
+        if excess > EXCESS and not covers(place, soil.constants, soil.grid):
             yield (f"{body.name} is pressed on sand with a base {width / cell:.2g} cells of {cell:.3g} m wide: what the sand's own weight lets it carry "
                    f"(N_γ) is about {excess:.0%} too high, more if the base is smooth, limit {EXCESS:.0%}. Extrapolate two sizes of cells to none: load of "
                    "the smaller ones less 1.9 times the difference, as the excess falls with the power 0.6 of the cells")
