@@ -96,10 +96,17 @@ def thin_wall(scene, model):
         thickness, share = _thickness(scene, described, body, THICKNESS * cell, top)
         if share > THIN_SHARE:
             yield (f"{body.name} is {thickness:.2g} m thick where the soil is on both sides of it, "
-                   f"{thickness / cell:.2g} cells of {cell:.3g} m, limit {THICKNESS:g}: soil on both sides shares nodes "
-                   "of the grid, so it does not part from the body, and the load is that of soil that sticks to it (a "
-                   "strip plate pulled out of clay, 1.5 widths deep: 3.5 times as much). Use cells of at most "
+                   f"{thickness / cell:.3g} cells of {cell:.3g} m, limit {THICKNESS:g}: soil on both sides "
+                   f"{_shares(thickness / cell)} of the grid, so it does not part from the body, and the load is that of "
+                   "soil that sticks to it (a strip plate pulled out of clay, 1.5 widths deep: up to 3.3 times as much). "
+                   "Use cells of at most "
                    f'{thickness / THICKNESS:.2g} m, or set body.tension = "full" if the soil is to stay on it')
+
+
+def _shares(cells):
+    """Words about walls so many `cells` thick: pulled plates of one cell and less stuck, those of 1.25 to 1.75 at two places
+    in a cell of three, and none of two."""
+    return "shares nodes" if cells < 1.05 else "may, by where its faces lie between lines, share nodes"
 
 
 def covers(vertices, soil, grid):
