@@ -5,6 +5,7 @@
     pushed into clay, with edges on lines of the grid     Π (1 + 0.3 e/n)    over the sides, e = 0, 1, 2 of whose edges are
     the same under an inclined or eccentric load          2.7 times that excess
     the same where s_u grows by k with the depth          1 + 0.3 (k B/s_u)^0.65 times it, plane strain, k B/s_u to 5
+    wedge of 90° pressed into it, smooth, plane strain    1 + 0.7/n          n cells in its depth under the ground
     upright cut under its own weight, plane strain        1 + 1.05/n         n cells in its height
 
 Nodes at the edge of a face move with it, and the clay is sheared in the cell beyond (DESIGN, "The foot of a blade drags
@@ -13,16 +14,17 @@ on the next nodes"). Those of sand are in `sand_cells`, of soil with cohesion an
 
 import numpy as np
 
-from hybrid.monitors.limits.ways import (CLAY, EXCESS, STEEP, driven, law_at, leads, loaded, material_at, sides,
-                                         step_of_ground, top_of)
+from hybrid.monitors.limits.ways import (CLAY, EXCESS, STEEP, driven, faces, law_at, leads, loaded, material_at,
+                                         sides, step_of_ground, top_of)
 from hybrid.runtime.comm import maximum, minimum
 
-ATTACHED, ROUND, EDGE, CUT = 1.75, 1.5, 0.3, 1.05
+ATTACHED, ROUND, EDGE, CUT, WEDGE = 1.75, 1.5, 0.3, 1.05, 0.7
 # Factor on EDGE: an inclined load at V = 4 of 5.14, one at an eighth of the width beside the centre
 COMBINED = 2.7
 # Factor on EDGE 1 + GROWTH (k B/s_u)^GROWING, s_u under the base; measured up to MEASURED
 GROWTH, GROWING, MEASURED = 0.3, 0.65, 5.0
 ON_LINE = 0.15                  # cells between an edge and a line of the grid: contact sees the edge there as on it
+SLOPES = 35.0, 55.0             # degrees from the ground of the faces of what counts as a wedge of about 90°
 DEEP = 1.0                      # widths: flow of clay around a body that goes deeper closes behind it
 DEEP_PLATE = 2.0                # widths under the ground: a shallower plate lifts the clay above it
 
@@ -58,6 +60,32 @@ def flow_around(scene, model):
                    "body in space is partly that of triaxial compression and extension, where this clay has 0.87 s_u, "
                    "and a ball carries 12 % less than in Tresca's at least. Set soil.material.cone = "
                    '"compression" if s_u is that of triaxial compression; footings are right without')
+
+
+def wedges(scene, model):
+    """Wedges driven into clay in plane strain, so few cells deep that their load is more than EXCESS too high."""
+    soil = model.soil
+    if soil.held or soil.grid.collapsed.sum() != 1:
+        return
+    cell, top = soil.grid.smallest_cell, top_of(soil)
+    for body, way, place, plane in driven(scene, model):
+        depth = top - place[:, 2].min() - way[2]
+        known = not plane and way[2] < 0.0 < depth and law_at(scene, soil, top - 0.5 * cell) == CLAY
+        excess = WEDGE * cell / depth if known and _is_wedge(body, place, way) else 0.0
+        if excess > EXCESS:
+            yield (f"{body.name} is a wedge that is pressed {depth:.3g} m into clay, {depth / cell:.2g} cells of {cell:.3g} "
+                   f"m: its load is about {excess:.0%} too high at the end of its way, and more before, limit {EXCESS:.0%}. "
+                   f"Use cells of at most {EXCESS / WEDGE * depth:.2g} m")
+
+
+def _is_wedge(body, place, way):
+    """Whether two plane faces, at 35 to 55 degrees to the ground, are all that a body covers on its way down."""
+    normal, area = faces(body, place)
+    ahead = normal @ way > 0.1 * area * np.linalg.norm(way)
+    units = normal[ahead] / area[ahead][:, None]
+    slope = np.degrees(np.arccos(np.clip(-units[:, 2], -1.0, 1.0)))
+    inclined = len(units) > 0 and ((slope > SLOPES[0]) & (slope < SLOPES[1])).all()
+    return bool(inclined and len(np.unique(units.round(1), axis=0)) == 2)
 
 
 def upright_cut(scene, model):
@@ -138,4 +166,4 @@ def _growing(scene, soil, place, way):
     return 1.0 + GROWTH * min(rate * width / strength, MEASURED) ** GROWING
 
 
-LIMITS = (few_cells, flow_around, upright_cut)
+LIMITS = (few_cells, flow_around, wedges, upright_cut)
