@@ -74,10 +74,10 @@ def released_bodies(scene, model):
     for i, (described, body) in enumerate(zip(scene.bodies, model.bodies)):
         whole, place = outline(described, body)
         for s, stage in enumerate(scene.stages):
-            staged = model.for_stage(stage.held, number=s).bodies[i]
+            staged = model.for_stage(stage.held, number=s)
             way = way_along(replace(scene, stages=scene.stages[:s]), described, "z")
-            found = _loose(scene, model.soil, staged, whole, place, way)
-            if found:
+            found = _loose(scene, model.soil, staged.bodies[i], whole, place, way)
+            if found and not staged.guides:     # of points, which hold a body too
                 yield (f"stage {stage.name!r}: {body.name} {found}, and without inertia no step has an equilibrium. Hold "
                        "what nothing supports (stage.held, body.held), or set time.inertia = true")
                 break
