@@ -96,7 +96,7 @@ def test_a_cone_that_is_too_strong_in_plane_strain_is_reported():
     arc = {"law": "willam-warnke", "relative_density": None, "young": 1e6, "poisson": 0.3, "density": 1800.0,
            "friction_angle": 33.0, "dilation_angle": 0.0, "cohesion": 0.0}
     (text,) = of(True, **arc)
-    assert re.search("friction angle of 35.. degrees in plane strain, the 33 given.*Leave soil.material.law out", text)
+    assert re.search("friction angle of 36.4 degrees in plane strain, the 33 given.*Leave soil.material.law out", text)
     assert not of(False, **arc) and not of(True, **arc | {"law": "mohr-coulomb"})
     clay = {"law": "von-mises", "relative_density": None, "young": 1e6, "poisson": 0.3, "density": 1800.0, "strength": 1e4}
     assert len(of(True, **clay, cone="compression")) == 1 and not of(True, **clay)
