@@ -116,3 +116,13 @@ def test_what_nothing_resists_is_named():
     pushed = replace(scene, stages=(replace(scene.stages[0], loads=(Load(force=(20.0, 0.0, 0.0)),)),))
     with pytest.raises(StepError, match=r"\(time.smallest\)\. Nothing resists body along the soil, as it has no friction: .*body\.held.*\. Last"):
         records(pushed)
+
+
+def test_a_block_on_held_ground_is_pushed_from_its_first_step_on():
+    """Weight and force grow together while its points only just touch."""
+    scene = block_in_space(friction=0.4)
+    held = replace(scene, soil=replace(scene.soil, held=True), stages=(replace(scene.stages[0], loads=(
+        Load(force=((0.0, 0.0, 0.0, 0.0), (3.0, 170.0, 0.0, 0.0))),)),))
+    found = records(held)
+    assert sum(record.iterations for record in found) <= 15
+    assert found[-1].bodies[0].contact_force == pytest.approx((-170.0, 0.0, 470.88), rel=1e-3, abs=0.5)
