@@ -235,7 +235,7 @@ def contact_law(corners, points, coulomb, tree, out):
                 energy[n] += 0.5 * limit * limit / eps_t
                 for i in range(3):
                     anchor[n, i] = y[n, i] - s[i] * (limit / eps_t)
-            elif limit > 0.0:
+            elif limit > 0.0 or p >= 0.0:       # one that only just touches would stick
                 _stick(eps_t, g_t, M, t, K)
                 energy[n] += 0.5 * eps_t * size * size
             else:

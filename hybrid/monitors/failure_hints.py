@@ -6,7 +6,7 @@ The limits are those at which runs of the failure study fail: modes cuts, domain
 import numpy as np
 
 from hybrid.monitors.load_reached import lifted, overloads
-from hybrid.runtime.comm import anywhere, largest, maximum, minimum
+from hybrid.runtime.comm import anywhere, largest, maximum, minimum, total
 from hybrid.scene.defaults import GHOST, SLIDING
 from hybrid.soil.domains import cells_wide
 
@@ -17,6 +17,7 @@ LOOSEST = 1e-3      # tolerance that is ever advised: errors of the column's str
 # Adhesion from which clay may yield beside a body where it slips along it, and the factor on body.penalty with which such
 # a step has a solution: DESIGN, "Clay that slips and yields has no stiffness".
 ROUGH, SOFTER = 0.7, 0.1
+ALONG = 0.05        # share of a force that counts as along a surface; and normal to it, that does not
 DAMPING = "the default time.scheme, which damps"
 
 
@@ -25,6 +26,8 @@ def advice(step, outcome, settings):
 
     outcome: of Newton's method (`reason`, `errors`, `evaluation` or None); settings: with its `tolerance`.
     """
+    if not step.model.scheme.inertia and outcome.evaluation and (sliding := _slides_freely(outcome.evaluation)):
+        return ". ".join(sliding)
     lost = _lost(step, outcome.evaluation)
     overload = overloads(step, outcome.reason, lost)
     changes = remedies(step.model, outcome.reason, outcome.errors, settings.tolerance)
@@ -135,6 +138,22 @@ def _slips_at_its_strength(model, evaluation):
     return [f"Clay slips along {body.name} at almost its own strength (body.adhesion) and yields there as well, which "
             f"leaves it without stiffness: set body.penalty = {SOFTER * body.penalty:.3g} /m, a tenth of what it is, or "
             "larger cells; shorter steps do not help" for body, contact in rough if anywhere(contact.slip)]
+
+
+def _slides_freely(evaluation):
+    """Texts about bodies without friction that forces push along the soil which they rest on."""
+    texts = []
+    for terms in evaluation.bodies:
+        body, force, normal = terms.step.body, np.where(terms.step.free, terms.total, 0.0)[:3], terms.contact.normal
+        mean = total(normal)
+        if body.friction or body.interface or not mean.any():
+            continue
+        along = force - force @ mean / (mean @ mean) * mean
+        size = np.linalg.norm(along)
+        if size > ALONG * np.linalg.norm(force) and largest(np.abs(normal @ along)) < ALONG * size:
+            texts.append(f"Nothing resists {body.name} along the soil, as it has no friction: give body.friction, or hold or "
+                         "drive that component (body.held, body.driven)")
+    return texts
 
 
 def overstretched_domains(model, points):

@@ -12,7 +12,7 @@ from hybrid.body.rigid import BodyTrial, RigidBody
 from hybrid.contact.contact_pair import ContactPair
 from hybrid.contact.search import Reach
 from hybrid.contact.soil_to_body import CornerContact
-from hybrid.runtime.comm import anywhere
+from hybrid.runtime.comm import anywhere, largest
 from hybrid.scheme import Scheme
 from hybrid.state import BodyState
 from hybrid.step import joint_terms, soil_terms
@@ -167,12 +167,14 @@ class BodyTerms:
         """Add contact, inertia and line to the block system; softening: whether with that of contact at convex edges.
 
         stiffness: [N/m] of a cell of the soil. A body that touches nothing has no stiffness without inertia; that of a
-        cell leads it back to the soil under its weight.
+        cell leads it back to the soil under its weight. One that only just touches is not yet held by friction.
         """
         own, free = self.step.unknowns, self.step.free
         ww = self.step.pair.add_tangent(self.contact, pattern, system.values, system.uw[:, own], system.wu[own], softening)
-        if not self.step.scheme.inertia and not anywhere([len(self.contact)]):
-            if self.beside:
+        if not self.step.scheme.inertia and not (self.step.body.friction and largest(self.contact.pressure)):
+            if anywhere([len(self.contact)]):
+                stiffness = REST * self.springs
+            elif self.beside:
                 stiffness = self._pace() or stiffness
             ww = ww + stiffness * np.diag([1.0, 1.0, 1.0, *[self.step.body.radius**2] * 3])
         system.ww[own, own] += (ww + self.trial.tangent)[np.ix_(free, free)]

@@ -7,7 +7,7 @@ import pytest
 from put_on_soil import CLAY, put_on_soil
 
 from hybrid.runtime.errors import StepError
-from hybrid.scene import Faces, Layer, Material
+from hybrid.scene import Faces, Layer, Load, Material
 from hybrid.setup.build import build
 from hybrid.step import first_guess, increments, newton
 from hybrid.study.scenes import box
@@ -88,3 +88,41 @@ def test_a_block_dragged_over_elastic_soil_starts_on_the_points_that_carried_it(
     monkeypatch.setattr(first_guess, "_adrift", lambda terms: False)
     without = records(DRAGGED)
     assert sum(record.iterations for record in without) > 3 * sum(record.iterations for record in found)
+
+
+def block_in_space(**values):
+    """Scene of a block with weight put on elastic soil in space, where friction alone holds it against turning about z."""
+    return put_on_soil(
+        box(0.4, 0.3, 0.2, size=20.0, density=2000.0, position=(0.0, 0.0, 0.0), rest_on=0.0, **values),
+        size=0.1, x=(-0.4, 0.6), y=(-0.4, 0.4), z=(-0.4, 0.2), material=DRAGGED.soil.material, steps=3)
+
+
+@pytest.mark.parametrize("values", [{"friction": 0.4}, {"friction": 0.4, "driven": ("x", "y"), "velocity": (6e-3, 4e-3, 0.0)},
+                                    {"friction": 0.0}])
+def test_a_block_is_put_down_in_space(values):
+    """At first it only just touches, so that friction has no limit but zero; nothing else resists some of its components."""
+    weight = 0.4 * 0.3 * 0.2 * 2000 * 9.81
+    found = records(block_in_space(**values))
+    assert sum(record.iterations for record in found) <= 45
+    for record in found:
+        force = record.bodies[0].contact_force
+        assert force[2] == pytest.approx(weight, rel=1e-3)
+        assert np.hypot(*force[:2]) == pytest.approx(0.4 * weight if "driven" in values else 0.0, abs=0.03 * weight)
+
+
+def test_what_nothing_resists_is_named():
+    """A force along the soil on a block without friction."""
+    scene = block_in_space(friction=0.0)
+    pushed = replace(scene, stages=(replace(scene.stages[0], loads=(Load(force=(20.0, 0.0, 0.0)),)),))
+    with pytest.raises(StepError, match=r"\(time.smallest\)\. Nothing resists body along the soil, as it has no friction: .*body\.held.*\. Last"):
+        records(pushed)
+
+
+def test_a_block_on_held_ground_is_pushed_from_its_first_step_on():
+    """Weight and force grow together while its points only just touch."""
+    scene = block_in_space(friction=0.4)
+    held = replace(scene, soil=replace(scene.soil, held=True), stages=(replace(scene.stages[0], loads=(
+        Load(force=((0.0, 0.0, 0.0, 0.0), (3.0, 170.0, 0.0, 0.0))),)),))
+    found = records(held)
+    assert sum(record.iterations for record in found) <= 15
+    assert found[-1].bodies[0].contact_force == pytest.approx((-170.0, 0.0, 470.88), rel=1e-3, abs=0.5)

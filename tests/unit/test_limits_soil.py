@@ -93,22 +93,10 @@ def test_a_cone_that_is_too_strong_in_plane_strain_is_reported():
     (text,) = of(True, cone="compression")
     assert re.search("50.6 degrees in plane strain.*Leave soil.material.cone out", text)
     assert not of(False, cone="compression") and not of(True) and not of(True, law="willam-warnke")
+    arc = {"law": "willam-warnke", "relative_density": None, "young": 1e6, "poisson": 0.3, "density": 1800.0,
+           "friction_angle": 33.0, "dilation_angle": 0.0, "cohesion": 0.0}
+    (text,) = of(True, **arc)
+    assert re.search("friction angle of 36.4 degrees in plane strain, the 33 given.*Leave soil.material.law out", text)
+    assert not of(False, **arc) and not of(True, **arc | {"law": "mohr-coulomb"})
     clay = {"law": "von-mises", "relative_density": None, "young": 1e6, "poisson": 0.3, "density": 1800.0, "strength": 1e4}
     assert len(of(True, **clay, cone="compression")) == 1 and not of(True, **clay)
-
-
-def test_the_arc_in_plane_strain_is_told_with_its_angle_there():
-    """Only a user's choice brings it there: neither the default nor Mohr-Coulomb's pyramid, nor space."""
-    side, flat = Axis(start=0.0, end=2.0, size=1.0), Axis(start=0.0, end=1.0, collapsed=True)
-
-    def of(law, angle=30.0, y=flat, layers=()):
-        m = Material(law=law, young=1e7, poisson=0.3, density=1800.0, friction_angle=angle, dilation_angle=0.0, cohesion=1e3)
-        scene = Scene(name="block", grid=Grid(side, y, side), soil=Soil(m, geostatic=False, layers=layers),
-                      time=Time(step=0.1), stages=(Stage("go", 1),))
-        return list(soil.strong_arc(scene, build(scene).model))
-
-    text, = of("willam-warnke")
-    assert "33.3 degrees where 30 are given" in text and "limit 1 more" in text and "passive pressure is 15% larger" in text
-    assert not of("willam-warnke", angle=5.0) and not of("willam-warnke", y=side)
-    assert not of(None) and not of("drucker-prager") and not of("mohr-coulomb")
-    assert "33.3" in of("mohr-coulomb", layers=(Layer("sand", top=1.0, law="willam-warnke"),))[0]

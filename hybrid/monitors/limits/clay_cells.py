@@ -1,4 +1,5 @@
-"""Active pressure of clay that few cells make too low, measured on smooth walls that are drawn back (demos/random/README.md, "By cells").
+"""Active pressure of clay that few cells make too low, measured on smooth walls that are drawn back (demos/random/README.md, "By cells"),
+and clay that stays attached to a body which slides over it.
 
     P(H) = γ H²/2 - 2 s_u H          clay that cannot stand by itself, γ H > 4 s_u, slides down after the wall on a plane of 45°
     P(H - 1.4 h) instead of P(H)     found with cells of h
@@ -11,10 +12,12 @@ As in sand (`sand_cells`) nodes at the foot stay behind, and the wedge is as muc
 import numpy as np
 
 from hybrid.monitors.limits.sand_cells import PASSIVE, beside, depths, free_walls
-from hybrid.monitors.limits.ways import CLAY, EXCESS, STEEP, driven
+from hybrid.monitors.limits.ways import CLAY, EXCESS, STEEP, driven, law_at, top_of
 from hybrid.runtime.comm import anywhere, total
 
 LOWER = 1.4         # cells that the wedge is lower than the wall
+ALONG = 0.1         # sine of the angle between a way and the ground
+SUNK = 0.25         # of its length: a body that has its base deeper in the clay does not slide over it
 
 
 def drawn_walls(scene, model):
@@ -31,6 +34,18 @@ def clay_walls(scene, model):
     """Bodies that no guide holds, with clay on one side of them and hardly any on the other."""
     for body, place, way, depth in free_walls(scene, model, {CLAY}):
         yield from _active(scene, model.soil, body, place, way, depth.behind, "retains", "where it gives way, the pressure of the clay is")
+
+
+def attached_slides(scene, model):
+    """Bodies driven along the top of clay that never breaks away from them."""
+    for body, way, place, _ in driven(scene, model):
+        across, bottom = np.ptp(place @ way) / np.linalg.norm(way), place[:, 2].min()
+        attached = body.interface is not None and np.isinf(body.interface.tension)
+        along = abs(way[2]) < ALONG * np.linalg.norm(way) and bottom > top_of(model.soil) - SUNK * across
+        if attached and along and law_at(scene, model.soil, bottom - 0.5 * model.soil.grid.smallest_cell) == CLAY:
+            yield (f'{body.name} is driven along the top of clay with body.tension = "full": what its rear edge leaves stays on it and '
+                   "holds it back, a strip on 10 and 20 cells by 35 and 18 % of α s_u B with α = 1, by 150 and 90 % with 0.5, limit "
+                   f"{EXCESS:.0%}. Leave body.tension out, or give the tension [Pa] that the clay bears")
 
 
 def _active(scene, soil, body, place, way, height, does, load):
@@ -64,4 +79,4 @@ def _critical_height(scene, soil, place, way):
     return 4.0 * strength / (mass * -scene.gravity[2]) if volume else None
 
 
-LIMITS = (drawn_walls, clay_walls)
+LIMITS = (drawn_walls, clay_walls, attached_slides)

@@ -7,8 +7,6 @@ from hybrid.runtime.comm import anywhere, joined, maximum, minimum
 from hybrid.scene.defaults import POISSON
 from hybrid.scene.soil import of_layer
 
-STRONGER = 1.0      # degrees of friction in plane strain over those given: 4 % of Rankine's passive pressure
-
 
 def cell_crossing(scene, model):
     """Standard shape functions: the force jumps when a point crosses a face of its cell."""
@@ -68,7 +66,8 @@ def softening(scene, model):
 
 
 def strong_cone(scene, model):
-    """A cone through the compression corners of Mohr-Coulomb's pyramid, or of Tresca's prism, in plane strain."""
+    """A cone through the compression corners of Mohr-Coulomb's pyramid, or of Tresca's prism, in plane strain; and Willam and
+    Warnke's arc through these, which sand of a relative density has because its angle is that of triaxial compression."""
     law = model.soil.law
     if model.soil.held or not (model.soil.grid.collapsed.sum() == 1 and law.plastic and hasattr(law, "parameters")):
         return
@@ -77,38 +76,14 @@ def strong_cone(scene, model):
         angle = maximum([plane_strain_angle(row) for row in np.unique(law.parameters[law.parameters[:, 2] > 0], axis=0)])
         yield (f'soil.material.cone = "compression": this cone has a friction angle of {angle:.3g} degrees in plane '
                'strain, far more than the one given, its limit. Leave soil.material.cone out')
+    arcs = [m.friction_angle for m in materials(scene.soil) if m.law == "willam-warnke" and m.relative_density is None]
+    if arcs and any(arcs):
+        angle = maximum([plane_strain_angle(row) for row in np.unique(law.parameters[law.parameters[:, 5] < 1.0], axis=0)])
+        yield (f'soil.material.law = "willam-warnke": this law has a friction angle of {angle:.3g} degrees in plane strain, the '
+               f"{max(arcs):.3g} given in triaxial compression. Leave soil.material.law out if the angle given is that of plane strain")
     if "von-mises" in laws:
         yield ('soil.material.cone = "compression": in plane strain this cone carries 2/√3 = 1.15 of the strength given, '
                'limit 1. Leave soil.material.cone out')
-
-
-def strong_arc(scene, model):
-    """Willam and Warnke's law, which only a user's choice brings into plane strain: stronger there than the angle given."""
-    law = model.soil.law
-    if model.soil.held or model.soil.grid.collapsed.sum() != 1 or not (law.plastic and hasattr(law, "parameters")):
-        return
-    if "willam-warnke" not in {m.law for m in materials(scene.soil)}:
-        return
-    arc = (law.parameters[:, 5] < 1.0) & (law.parameters[:, 9] == 0.0)
-    rows = np.unique(joined(np.unique(law.parameters[arc], axis=0)), axis=0)
-    given, there = max(((_of_compression(row), plane_strain_angle(row)) for row in rows), default=(0.0, 0.0),
-                       key=lambda angles: angles[1] - angles[0])
-    if there > given + STRONGER:
-        yield (f'soil.material.law = "willam-warnke": in plane strain its friction angle is {there:.3g} degrees where '
-               f"{given:.3g} are given for compression, limit {STRONGER:g} more: Rankine's passive pressure is "
-               f"{_passive(there) / _passive(given) - 1:.0%} larger. Leave soil.material.law out, or set "
-               '"mohr-coulomb", if the angle given is that of plane strain')
-
-
-def _of_compression(row):
-    """Friction angle [deg] in triaxial compression of a row of parameters of a cone through that meridian."""
-    eta = np.sqrt(3.0) * row[2]
-    return float(np.degrees(np.arcsin(3.0 * eta / (6.0 + eta))))
-
-
-def _passive(angle):
-    """Rankine's K_p [-] of a friction angle [deg]."""
-    return np.tan(np.radians(45.0 + 0.5 * angle)) ** 2
 
 
 def materials(soil):
@@ -125,5 +100,4 @@ def _poisson(law):
     return maximum((3 * bulk - 2 * shear) / (6 * bulk + 2 * shear))
 
 
-LIMITS = (cell_crossing, domain_update, volumetric_locking, plastic_locking, softening, strong_cone,
-          strong_arc)
+LIMITS = (cell_crossing, domain_update, volumetric_locking, plastic_locking, softening, strong_cone)

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from hybrid.body.rigid import FREEDOMS
 from hybrid.monitors.limits.contact import initial_vertices, way_along
 from hybrid.monitors.limits.ways import leads, outline, top_of
 from hybrid.monitors.load_reached import components_of, held_down
@@ -68,7 +67,7 @@ def loads_that_lift(scene, model):
 
 def released_bodies(scene, model):
     """Bodies with components that a stage leaves free and nothing supports: along z of one that is above the soil, along
-    the ground of one that lies on it with a plane base and without friction."""
+    the ground of one that is pushed there and lies on it with a plane base and without friction."""
     if model.scheme.inertia or scene.joints or len(model.bodies) > 1:     # a body may rest on another
         return
     for i, (described, body) in enumerate(zip(scene.bodies, model.bodies)):
@@ -90,11 +89,17 @@ def _loose(scene, soil, body, whole, place, way):
         return ""
     if gap > FLUSH * cell and body.free[2] and (scene.gravity[2] or body.loads):
         return f"is free along z, {gap:.3g} m above the soil, where nothing supports it"
-    free = [name for name, one in zip(FREEDOMS, body.free) if one and name in ("x", "y", "rz")]
+    free = [name for axis, name in enumerate("xy") if body.free[axis] and _pushed(scene, body, axis)]
     lies = abs(gap) < 0.5 * cell and scene.soil.ground is None and leads(whole, place, np.array([0.0, 0.0, -1.0]))
     if free and lies and not body.friction:
-        return f"is free along {', '.join(free)} on its plane base, without friction (body.friction = 0) that holds it there"
+        return f"is pushed along {', '.join(free)} on its plane base, without friction (body.friction = 0) that holds it"
     return ""
+
+
+def _pushed(scene, body, axis):
+    """Whether its weight, or a load of the stage, acts on a body along an axis."""
+    loads = any(load.force is not None and load.force.values[:, axis].any() for load in body.loads)
+    return bool(scene.gravity[axis] or loads)
 
 
 LIMITS = (soil_without_support, loads_that_lift, released_bodies)
