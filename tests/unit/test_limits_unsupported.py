@@ -80,7 +80,8 @@ def staged(*stages, **table):
     ((LIFT, Stage("go", 1)), {}, "stage 'go': body is free along z, 0.1 m above the soil"),
     ((Stage("hold", 1, held=ALL), Stage("go", 1, motions=(Motion(free=("z",)),))), {"rest_on": 0.05, "held": ALL},
      "stage 'go': body is free along z"),
-    ((Stage("rest", 1), Stage("go", 1, loads=(PUSH,))), {"friction": 0.0}, "stage 'go': body is pushed along x on its plane")])
+    ((Stage("rest", 1), Stage("go", 1, loads=(PUSH,))), {"friction": 0.0},
+     "stage 'go': body is pushed along x on its plane")])
 def test_components_that_a_stage_releases_and_nothing_supports(stages, table, words):
     """Found by runs, which fail in the stage that is named."""
     text, = staged(*stages, **table)
