@@ -22,6 +22,24 @@ def test_the_law_of_rough_strips_is_what_was_measured(angle, cells, found):
     assert found / PRANDTL[angle] - 1 == pytest.approx(footing_cells.strip_excess(angle, cells), abs=0.008)
 
 
+@pytest.mark.parametrize("angle, dilation, n, reached, found", [
+    (10, 10, 8, 33.7, 1.179), (10, 10, 16, 33.7, 1.104), (20, 20, 8, 13.5, 1.209), (20, 20, 8, 33.7, 1.249),
+    (20, 20, 16, 33.7, 1.158), (20, 20, 32, 33.7, 1.107), (30, 30, 8, 19.9, 1.309), (30, 30, 8, 33.2, 1.346),
+    (30, 30, 16, 33.2, 1.237), (20, 10, 8, 33.7, 1.201), (20, 10, 16, 33.7, 1.115), (20, 5, 8, 33.7, 1.161),
+    (20, 0, 8, 6.7, 1.036), (20, 0, 8, 33.7, 1.044), (20, 0, 16, 33.7, 1.0), (10, 0, 8, 33.7, 1.082),
+    (10, 5, 8, 16.8, 1.134)])
+def test_it_rises_with_the_way_and_is_less_with_less_dilation(angle, dilation, n, reached, found):
+    """Loads over Prandtl's; w E/(B c N_c) = reached."""
+    over = found * PRANDTL[angle] / footing_cells.prandtl(footing_cells._reduced(angle, dilation)) - 1
+    assert over == pytest.approx(footing_cells.strip_excess(angle, n, dilation / angle, reached), abs=0.04)
+
+
+def test_the_reduced_angle_is_that_of_soil_which_dilates_as_it_slides():
+    assert footing_cells._reduced(20.0, 20.0) == pytest.approx(20.0)
+    assert np.tan(np.radians(footing_cells._reduced(30.0, 0.0))) == pytest.approx(0.5)
+    assert footing_cells.prandtl(20.0) == pytest.approx(PRANDTL[20], abs=0.001)
+
+
 @pytest.mark.parametrize("angle, found", [(20, 15.868), (30, 32.714)])
 def test_that_of_smooth_ones_is_less(angle, found):
     law = footing_cells.SMOOTH * footing_cells.strip_excess(angle, 16)
@@ -57,6 +75,16 @@ def test_a_strip_on_soil_with_cohesion_and_friction():
     enough = float(re.search(r"at most ([\d.]+) m", text)[1])
     assert footing_cells.strip_excess(20.0, 1.0 / enough) == pytest.approx(0.1, abs=0.004)
     assert "about 11%" in texts(friction=0.0)[0] and len(texts(half=0.46)) == 1
+
+
+def test_one_on_soil_that_dilates_less_and_one_that_goes_far():
+    """5 mm of 1 m, E/c = 10⁴, and ten times as stiff: 34 B c N_c/E."""
+    text, = texts(material={"dilation_angle": 0.0})
+    assert "(N_c of 18.9 degrees, as its dilation is below its friction) is about 12% too high, limit" in text
+    stiffer = {"young": None, "reference_young": 1e9, "stiffness_exponent": 0.5}     # with its stress, not one number
+    assert "end of its way" not in texts(material=stiffer, gravity=(0.0, 0.0, -9.81))[0]
+    text, = texts(material={"young": 1e9})
+    assert "(N_c) is about 27% too high at the end of its way, with which that rises, limit 10%" in text
 
 
 def test_one_that_a_stage_loads_and_one_on_soil_with_weight():

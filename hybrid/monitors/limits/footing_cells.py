@@ -16,6 +16,20 @@ Excess [%] over Prandtl's N_c = (e^(π tan φ) tan²(45° + φ/2) - 1) cot φ:
 | 20°, smooth |       | 7.0  |     |
 | 30°, smooth |       | 8.5  |     |
 
+These are loads after w = 8 B c N_c/E. Where the soil dilates they go on rising (clay: from 8.5 to 9.4 %): the excess is
+as (w E/(8 B c N_c))^0.3, found up to 35. At φ = 20°, n = 8 and 16: 17, 11 % after 7 B c N_c/E, 25, 16 % after 34; at 30°
+35, 24 % after 33. With E = 500 c the largest loads are 18, 10 % too high at 20°, 18 % at 30° with n = 8.
+
+Soil that dilates by less than its friction angle has N_c of tan φ* = sin φ cos ψ/(1 - sin φ sin ψ) (Davis 1968), and the
+excess over that is (2 + ψ/φ)/3 of the one above, without a rise where ψ = 0. Found [%] after 7 and 34 B c N_c/E:
+
+| φ, ψ       | n = 8      | 16         |
+|------------|------------|------------|
+| 20°, 10°   | 15, 22     | 10, 14     |
+| 20°, 0     | 12, 12     | 7, 7       |
+| 30°, 15°   | 23, 33     |            |
+| 10°, 0     | 9, 9       |            |
+
 Unlike on clay (`cells`) it does not matter whether the edges lie on lines of the grid: moved by a quarter of a cell, 12.2
 and 15.7 % with 15.5 cells, φ = 20 and 30°. What the weight of sand carries is in `sand_cells`.
 
@@ -38,6 +52,7 @@ from hybrid.monitors.limits.contact import covers
 from hybrid.monitors.limits.ways import EXCESS, SAND, driven, loaded, material_at, sides, top_of
 
 COHESION, FRICTION, ORDER = 0.41, 0.0215, 0.75      # FRICTION: for each degree of φ
+REACHED, RISING, FARTHEST = 8.0, 0.3, 35.0          # w E/(B c N_c) of those, power of the rise, largest that was measured
 LIFTED = 3.0            # cells that a plate lifted out of sand seems wider
 DEEPEST = 4.0           # widths: deeper plates let sand flow around them
 SMOOTH = 0.65           # of the excess, where the base is smooth
@@ -52,21 +67,33 @@ def cohesive_strips(scene, model):
     if soil.held or soil.grid.collapsed.sum() != 1:
         return
     cell = soil.grid.smallest_cell
-    for body, way, place, plane in [*driven(scene, model), *(found[:4] for found in loaded(scene, model))]:
+    pushed = [(*found, found[1]) for found in driven(scene, model)]
+    pushed += [(*found[:4], np.zeros(3)) for found in loaded(scene, model)]     # how far these go is not known
+    for body, way, place, plane, moved in pushed:
         bottom, width = place[:, 2].min(), min((width for _, width, _ in sides(soil.grid, place, way)), default=0.0)
         material = material_at(scene, soil, bottom - 0.5 * cell)
         lid = covers(place, soil.constants, soil.grid)
         if not plane or lid or way[2] >= 0.0 or bottom < top_of(soil) - SHALLOW * width:
             continue
-        if not _cohesive(scene, material, width):
-            continue
-        excess = strip_excess(material.friction_angle, width / cell) * (1.0 if body.friction else SMOOTH)
-        if excess > EXCESS:
-            enough = cell * (EXCESS / excess) ** (1 / ORDER)
-            yield (f"{body.name} is pressed on soil with cohesion and friction with a base {width / cell:.2g} cells of "
-                   f"{cell:.3g} m wide: what cohesion lets it carry (N_c) is about {excess:.0%} too high, limit "
-                   f"{EXCESS:.0%}, as it drives the next cell too. Use cells of at most {enough:.2g} m under it, or "
-                   "extrapolate to none: load with cells half as large less 1.5 times the difference of both")
+        if _cohesive(scene, material, width):
+            yield from _strip(body, width, cell, material, -moved[2])
+
+
+def _strip(body, width, cell, material, way):
+    """Text, if any, about a strip of a `width` [m] that is driven by a `way` [m] into soil of a Material."""
+    angle, dilation = material.friction_angle, material.dilation_angle or 0.0
+    reduced = _reduced(angle, dilation)
+    stiffness = material.young or 0.0       # with `reference_young` it is not one number: no rise is told
+    reached = way / width * stiffness / (material.cohesion * prandtl(reduced))
+    excess = strip_excess(angle, width / cell, dilation / angle, reached) * (1.0 if body.friction else SMOOTH)
+    if excess > EXCESS:
+        over = f"N_c of {reduced:.3g} degrees, as its dilation is below its friction" if dilation < angle else "N_c"
+        when = " at the end of its way, with which that rises" if dilation and reached > REACHED else ""
+        enough = cell * (EXCESS / excess) ** (1 / ORDER)
+        yield (f"{body.name} is pressed on soil with cohesion and friction with a base {width / cell:.2g} cells of "
+               f"{cell:.3g} m wide: what cohesion lets it carry ({over}) is about {excess:.0%} too high{when}, limit "
+               f"{EXCESS:.0%}, as it drives the next cell too. Use cells of at most {enough:.2g} m under it, or "
+               "extrapolate to none: load with cells half as large less 1.5 times the difference of both")
 
 
 def lifted_plates(scene, model):
@@ -99,9 +126,25 @@ def _friction_angle(material):
     return sand(material.relative_density, material.buoyant)["friction_angle"]
 
 
-def strip_excess(friction_angle, cells):
-    """Excess [-] of the load of a rough strip that is so many `cells` wide; friction_angle: [deg]."""
-    return (COHESION + FRICTION * friction_angle) / cells**ORDER
+def strip_excess(friction_angle, cells, dilation=1.0, reached=REACHED):
+    """Excess [-] of the load of a rough strip that is so many `cells` wide over N_c of the angle that `_reduced` gives.
+
+    friction_angle: [deg]; dilation: ψ/φ; reached: way over B c N_c/E.
+    """
+    rise = (np.clip(reached, REACHED, FARTHEST) / REACHED) ** RISING if dilation else 1.0
+    return (2.0 + dilation) / 3.0 * rise * (COHESION + FRICTION * friction_angle) / cells**ORDER
+
+
+def prandtl(angle):
+    """N_c [-] of a weightless strip on soil with a friction angle [deg] (Prandtl 1921)."""
+    slope = np.tan(np.radians(angle))
+    return (np.exp(np.pi * slope) * np.tan(np.radians(45.0 + 0.5 * angle)) ** 2 - 1.0) / slope
+
+
+def _reduced(angle, dilation):
+    """Friction angle [deg] of soil with the dilation angle of its friction that carries as much (Davis 1968); [deg]."""
+    friction, dilation = np.radians([angle, dilation])
+    return float(np.degrees(np.arctan2(np.sin(friction) * np.cos(dilation), 1.0 - np.sin(friction) * np.sin(dilation))))
 
 
 def _cohesive(scene, material, width):
