@@ -33,16 +33,21 @@ excess over that is (2 + ψ/φ)/3 of the one above, without a rise where ψ = 0.
 Unlike on clay (`cells`) it does not matter whether the edges lie on lines of the grid: moved by a quarter of a cell, 12.2
 and 15.7 % with 15.5 cells, φ = 20 and 30°. What the weight of sand carries is in `sand_cells`.
 
-Plates lifted out of sand drive the next cells too: the load is that of one three cells wider, γ H (B + 3h + H tan φ),
-H the depth of its top, over γ H (B + H tan φ), which is 1 + 3/(n (1 + H/B tan φ)). Found [%], ψ = φ, B = 1 m, after 10
-to 60 mm, plate of 0.25 B (0.125 B: 18 and 7 % with H/B = 2):
+Plates lifted out of sand drive the next cells too: the load is that of one three cells wider, γ H (B + 3h + s H), H the
+depth of its top, over γ H (B + s H), which is 1 + 3/(n (1 + s H/B)). Sand follows on slopes of ψ (White, Cheuk & Bolton
+2008), s = tan ψ + (tan φ - tan ψ) ((1 + K0)/2 - (1 - K0)/2 cos 2ψ), where ψ = φ tan φ. K0 = 1 - sin φ: what began with
+K0 = 1 and ψ = 0 falls as the plate rises. Found [%], B = 1 m, after 10 to 60 mm, plate of 0.25 B (0.125 B: 18 and 7 % with
+H/B = 2):
 
-| H/B, φ  | n = 4 | 8  | 16 |
-|---------|-------|----|----|
-| 1, 30°  |       | 28 | 15 |
-| 2, 30°  | 33    | 16 | 8  |
-| 4, 30°  |       | 11 |    |
-| 2, 40°  |       | 13 |    |
+| H/B, φ, ψ   | n = 4 | 8  | 16 |
+|-------------|-------|----|----|
+| 1, 30°, 30° |       | 28 | 15 |
+| 2, 30°, 30° | 33    | 16 | 8  |
+| 4, 30°, 30° |       | 11 |    |
+| 2, 40°, 40° |       | 13 |    |
+| 2, 30°, 15° |       | 23 |    |
+| 2, 30°, 0   | 49    | 18 | 14 |
+| 1, 30°, 0   |       | 21 |    |
 """
 
 import numpy as np
@@ -110,20 +115,29 @@ def lifted_plates(scene, model):
             continue
         if material.law not in SAND:
             continue
-        wedge = 1.0 + depth / width * np.tan(np.radians(_friction_angle(material)))
+        slope = _slope(*_angles(material))
+        wedge = 1.0 + slope * depth / width
         excess = LIFTED * cell / width / wedge
         if excess > EXCESS:
             yield (f"{body.name} is lifted out of sand and is {width / cell:.2g} cells of {cell:.3g} m wide, {depth:.3g} m "
-                   f"under the ground: its load is about {excess:.0%} too high, limit {EXCESS:.0%}, that of a plate "
-                   f"{LIFTED:g} cells wider. Use cells of at most {EXCESS / LIFTED * width * wedge:.2g} m at it, or "
-                   "extrapolate two sizes of cells to none")
+                   f"under the ground: its load is about {excess:.0%} too high, limit {EXCESS:.0%}, over "
+                   f"γ H (B + {slope:.2g} H), that of a plate {LIFTED:g} cells wider. Use cells of at most "
+                   f"{EXCESS / LIFTED * width * wedge:.2g} m at it, or extrapolate two sizes of cells to none")
 
 
-def _friction_angle(material):
-    """Friction angle [deg] of a Material, its own or that of its relative density."""
-    if material.friction_angle is not None or material.relative_density is None:
-        return material.friction_angle or 0.0
-    return sand(material.relative_density, material.buoyant)["friction_angle"]
+def _angles(material):
+    """(Friction angle, dilation angle) [deg] of a Material, its own or those of its relative density."""
+    known = {} if material.relative_density is None else sand(material.relative_density, material.buoyant)
+    return tuple((known.get(name) if own is None else own) or 0.0 for name, own in
+                 (("friction_angle", material.friction_angle), ("dilation_angle", material.dilation_angle)))
+
+
+def _slope(friction, dilation):
+    """s [-] in γ H (B + s H), what the sand over a lifted plate and beside it weighs and resists; angles: [deg]."""
+    friction, dilation = np.radians([friction, dilation])
+    rest = 1.0 - np.sin(friction)
+    normal = 0.5 * (1.0 + rest) - 0.5 * (1.0 - rest) * np.cos(2.0 * dilation)
+    return float(np.tan(dilation) + (np.tan(friction) - np.tan(dilation)) * normal)
 
 
 def strip_excess(friction_angle, cells, dilation=1.0, reached=REACHED):
