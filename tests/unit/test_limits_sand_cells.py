@@ -144,6 +144,13 @@ LOADED = {"held": ("x", "y", "rx", "ry", "rz"), "loads": (Load(force=((0.0, 0.0,
 def test_a_footing_on_sand_with_weight(table):
     text, = texts(sand_cells.footings, strip(**table))
     assert "8 cells of 0.25 m wide" in text and "(N_γ) is about 89% too high" in text and "less 1.9 times the difference" in text
+    assert "rising with the way as the sand dilates" in text
+
+
+def test_a_footing_on_sand_that_does_not_dilate_is_not_said_to_rise():
+    described = strip(**PRESSED)
+    text, = texts(sand_cells.footings, replace(described, soil=replace(described.soil, material=replace(described.soil.material, dilation_angle=0.0))))
+    assert "(N_γ) is about 89% too high" in text and "rising" not in text
 
 
 def test_footings_on_clay_on_weightless_sand_or_that_only_rest_are_not_judged():
