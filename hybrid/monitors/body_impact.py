@@ -66,7 +66,7 @@ class BodyImpact(ImpactLoss):
         if found and not on_soil:
             yield "impact", self.text(view, loss, "impact of bodies",
                                       ", whose time `check` shows. Use a smaller time.step, a tenth of that keeps 96 %")
-        if on_soil or found or self._quiet >= QUIET and not _near(view):
+        if on_soil or found or self._quiet >= QUIET and not near(view):
             self.forget()
 
 
@@ -74,7 +74,7 @@ def _accuracy(view):
     return "time.accuracy = 1e-4" if view.report.error is None else "a smaller time.accuracy"
 
 
-def _near(view):
+def near(view):
     """Whether bodies were in reach of one another in the last increment of the step."""
     pairs = view.report.evaluation.pairs
     return pairs is not None and len(pairs.contacts) > 0

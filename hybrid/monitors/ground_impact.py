@@ -1,23 +1,26 @@
 """Energy that bodies lose when they hit held ground, in steps too long for their contact.
 
 A ball of 47 kg that falls 0.5 m keeps half of its energy at each bounce in steps of 2 ms, and nearly all of it in steps
-of 0.2 ms.
+of 0.2 ms. Where bodies were near one another in the impact, one of them was hit: the text says so, as the ground may have no
+part in it.
 """
 
 import numpy as np
 
-from hybrid.monitors.body_impact import QUIET, ImpactLoss
+from hybrid.monitors.body_impact import QUIET, ImpactLoss, near
 from hybrid.runtime.comm import anywhere
 
 SMALL = 0.01    # of the energy of a fall from the radius of the bodies: what has less settles on its contact springs
 
 
 class GroundImpact(ImpactLoss):
-    """Warns once that impacts of bodies on held ground have cost more than LOST of their kinetic energy."""
+    """Warns once that impacts on held ground, and once that impacts of bodies there, have cost more than LOST of the kinetic
+    energy."""
 
     def __init__(self, model, state):
         super().__init__(model, state)
-        self._touched = False   # whether a body has touched the ground since something happens
+        self._touched = False   # whether a body has touched the ground since something happens,
+        self._hit = False       # and whether bodies were near one another
 
     def warnings(self, view):
         """Energy, time, share, limit and remedy."""
@@ -25,12 +28,21 @@ class GroundImpact(ImpactLoss):
             return
         loss, found = self.follow(view, view.struck)
         self._touched |= anywhere([len(contact) for contact in view.contacts])
+        self._hit |= view.struck or near(view)
         if found and self._touched and self._largest > _least(view.model):
-            yield "ground", self.text(view, loss, "impact on held ground",
-                                      ". Use a smaller time.step, ten in the time for which they touch keep 96 %")
+            yield self._told(view, loss)
+        self._hit = self._quiet < QUIET and self._hit
         if view.struck or self._quiet >= QUIET:     # by one another: `BodyImpact`
             self._touched = False
             self.forget()
+
+    def _told(self, view, loss):
+        """(key, text) about an impact that cost `loss` [J]."""
+        if self._hit:
+            return "bodies", self.text(view, loss, "impact of bodies with one another on held ground",
+                                       ", whose time `check` shows. Use a smaller time.step, a tenth of that keeps 96 %")
+        return "ground", self.text(view, loss, "impact on held ground",
+                                   ". Use a smaller time.step, ten in the time for which they touch keep 96 %")
 
 
 def _least(model):

@@ -60,13 +60,14 @@ def test_impacts_that_are_reported_add_up_at_the_end():
     assert "180 J of the 180 J" in monitor.later()[given] and "(100%" in monitor.later()[given]
 
 
-def on_ground(errors, touching=(), held=True, radius=0.5, gravity=9.81, struck=(), **scheme):
+def on_ground(errors, touching=(), held=True, radius=0.5, gravity=9.81, struck=(), near=(),
+              **scheme):
     """The same of the monitor of held ground, for a body that touches it at the steps `touching`."""
     body = SimpleNamespace(mass=SimpleNamespace(mass=2.0, inertia=np.eye(3)), radius=radius)
     motion = SimpleNamespace(velocity=np.array([10.0, 0.0, 0.0]), spin=np.zeros(3), rotation=np.eye(3))
     monitor, found = GroundImpact(None, None), []
     for step, error in enumerate(errors):
-        pairs = SimpleNamespace(energy=1.0 * (step in struck), contacts=())
+        pairs = SimpleNamespace(energy=1.0 * (step in struck), contacts=(None,) * (step in near))
         report = SimpleNamespace(error=None, evaluation=SimpleNamespace(contacts=(range(step in touching),), pairs=pairs))
         model = SimpleNamespace(bodies=(body,), pairs=(), soil=SimpleNamespace(held=held),
                                 gravity=np.array([0.0, 0.0, -gravity]))
@@ -82,6 +83,15 @@ def test_an_impact_on_held_ground_is_reported_with_all_that_follow():
     assert text.startswith("impact on held ground: 44 J of the 100 J") and "(44%, limit 12%)" in text
     assert "smaller time.step" in text
     assert "66 J of the 100 J" in later[text] and "time.accuracy = 1e-4" in text
+
+
+@pytest.mark.parametrize("where", [{"struck": (1,)}, {"near": (2,)}])
+def test_a_body_on_held_ground_that_another_hits_is_told_as_that(where):
+    """A ball hit by a driven one in steps of 2 ms lost 15 % in this way; one that falls afterwards hits the ground."""
+    text, = on_ground([0.0, 0.0, -40.0, *[-44.0] * 8], touching=range(12), **where)[0]
+    assert text.startswith("impact of bodies with one another on held ground: 44 J") and "time `check` shows" in text
+    first, then = on_ground([0.0, 0.0, *[-44.0] * 8, *[-88.0] * 8], touching=range(20), **where)[0]
+    assert first.startswith("impact of bodies") and then.startswith("impact on held ground")
 
 
 @pytest.mark.parametrize("other", [{"touching": ()}, {"held": False}, {"first_order": True}, {"inertia": False},

@@ -90,6 +90,14 @@ def test_a_footing_with_edges_on_lines_of_the_grid(half, mirrored, count):
     assert all("is 4 cells wide" in text and "along x" in text and "up to 15%" in text for text in warnings)
 
 
+@pytest.mark.parametrize("reach, count", [(0.8, 0), (0.4, 0), (1.6, 1)])
+def test_a_lid_on_a_specimen_drives_no_clay_beside_it(reach, count):
+    """Flush with it, over its sides, and a footing on clay that goes on: found right to 1 % (unconfined compression)."""
+    described = footing(0.8, True)
+    described = replace(described, soil=replace(described.soil, upper=(reach, 1.0, 0.0), top=None))
+    assert len(texts(cells.few_cells, described)) == count
+
+
 @pytest.mark.parametrize("half, load, count", [
     (1.5, {"force": ((0.0, 0.0, 0.0, 0.0), (9.0, 45e3, 0.0, -180e3))}, 1),
     (1.5, {"force": ((0.0, 0.0, 0.0, 0.0), (9.0, 0.0, 0.0, -240e3)), "point": (0.375, 0.0, 0.0)}, 1),
@@ -162,3 +170,22 @@ def test_an_upright_cut_in_clay(size, ground, law, count):
     assert len(warnings) == count
     assert all("4 m high, 8 cells of 0.5 m" in text and "about 13% too high" in text and "at most 0.38 m" in text
                for text in warnings)
+
+
+@pytest.mark.parametrize("depth, low, high", [(4, 1.12, 1.17), (6, 1.10, 1.13), (8, 1.07, 1.11), (12, 1.047, 1.05)])
+def test_the_law_of_wedges_is_what_was_measured(depth, low, high):
+    """Smooth, 90 degrees, E = 500 and 2000 s_u, over 8.94 s_u times the depth (Hill, Lee & Tupper 1947)."""
+    assert low - 0.03 < 1 + cells.WEDGE / depth < high + 0.025
+
+
+@pytest.mark.parametrize("turn, depth, count", [
+    (45.0, 2.0, 1), (45.0, 3.2, 0), (0.0, 2.0, 0), (20.0, 2.0, 0), (45.0, -2.0, 0)])
+def test_a_wedge_pressed_into_clay(turn, depth, count):
+    """A box on its edge, five and eight cells deep at the end; on its face, on a lower edge, lifted."""
+    wedge = footing(
+        2.0, rotation=(0.0, 1.0, 0.0, turn), parameters={"length": 4.0, "width": 1.0, "height": 4.0, "size": 8.0},
+        velocity=(0.0, 0.0, -depth))
+    found = texts(cells.wedges, wedge)
+    assert len(found) == count
+    assert all("pressed 2 m into clay, 5 cells of 0.4 m" in text and "about 14% too high" in text and "0.29 m" in text
+               for text in found)

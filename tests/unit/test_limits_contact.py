@@ -138,8 +138,24 @@ def test_faces_narrower_than_a_cell(height, held, count):
     assert all("0.1 m wide" in text and "limit 0.2 m" in text and "cells of at most 0.1 m" in text for text in warnings)
 
 
+def test_the_sides_of_a_lid_over_all_of_the_soil_are_no_narrow_faces():
+    lid = {"rest_on": 0.0, "driven": ("z",), "velocity": (0.0, 0.0, -0.1), "held": ("x", "y")}
+    assert texts(contact.narrow_face, box(0.8, 0.8, 0.1, **lid), cell=0.25, soil={"held": False})
+    assert not texts(contact.narrow_face, box(1.2, 1.2, 0.1, **lid), cell=0.25, soil={"held": False})
+
+
 @pytest.mark.parametrize("length, count", [(0.6, 1), (1.2, 0)])
 def test_a_platen_that_covers_the_soil_has_none_above_it(length, count):
     """Pushed down by more than its own thickness of a cell; a narrower one may be flowed over."""
     platen = box(length, length, 0.2, rest_on=0.0, driven=("z",), velocity=(0.0, 0.0, -2.5), held=("x", "y"))
     assert len(texts(contact.thin_wall, platen, cell=0.25, step=0.01, soil={"held": False})) == count
+
+
+@pytest.mark.parametrize("cells, words", [
+    (0.98, "limit 2: soil on both sides shares nodes"), (1.97, "limit 2: soil on both sides may, by where"), (2.0, "")])
+def test_a_thin_plate_in_the_soil_is_told_whether_it_sticks_for_certain(cells, words):
+    """Pulled strip plates of 0.5 and 1 cell stuck, those of 1.25 to 1.75 at two of three places in a cell, not one of 2."""
+    plate = box(1.0, 1.0, 0.25 * cells, rest_on=-0.6, driven=("z",), velocity=(0.0, 0.0, 0.1), held=("x", "y"))
+    found = texts(contact.thin_wall, plate, cells=(10, 10), soil={"held": False})
+    assert len(found) == bool(words) and all(words in text and "up to 3.3 times" in text for text in found)
+    assert not any(" 2 cells" in text for text in found)

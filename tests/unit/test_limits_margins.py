@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from hybrid.monitors.limits.margins import narrow_margins
+from hybrid.monitors.limits.margins import covered, narrow_margins
 from hybrid.scene import Axis, Faces, Load, Material, Stage
 from hybrid.setup.build import build
 from hybrid.study.scenes import box, collapsed, soil_scene
@@ -14,7 +14,8 @@ CLAY = Material(law="von-mises", young=1e6, poisson=0.3, density=1800.0, strengt
 DOWN = {"driven": ("z",), "velocity": (0.0, 0.0, -0.1)}
 
 
-def texts(x=(-1.0, 1.0), depth=0.4, size=0.05, load=None, material=CLAY, faces=(), **body):
+def texts(x=(-1.0, 1.0), depth=0.4, size=0.05, load=None, material=CLAY, faces=(),
+          limit=narrow_margins, **body):
     """Texts about half of a strip 0.4 m wide on soil in plane strain, whose middle is at x = 0."""
     strip = box(0.4, 0.2, 0.2, name="strip", **{"position": (0.0, 0.1, 0.0), "rest_on": 0.0} | ({} if load else DOWN) | body)
     scene = soil_scene([strip], x=Axis(*x, size), y=collapsed(0.2), z=Axis(-depth, 6 * size, size),
@@ -22,7 +23,7 @@ def texts(x=(-1.0, 1.0), depth=0.4, size=0.05, load=None, material=CLAY, faces=(
     scene = replace(scene, soil=replace(scene.soil, material=material),
                     stages=(Stage("go", 2, loads=(load,) if load else ()),))
     simulation = build(scene)
-    return list(narrow_margins(simulation.scene, simulation.model))
+    return list(limit(simulation.scene, simulation.model))
 
 
 def test_a_side_near_the_body_is_told_with_its_distance_in_widths():
@@ -55,3 +56,13 @@ def test_the_mechanism_under_a_rough_body_reaches_farther():
 def test_other_bodies_are_not(values):
     """Far from the ends, on a slope's crest, as wide as the soil, along it, out of it, free, or on elastic soil."""
     assert not texts(**values)
+
+
+def test_a_footing_wider_than_the_grid_is_told_that_soil_cannot_flow_from_under_it():
+    """Not one on soil that can, beside it or through a free face, nor a platen on elastic soil."""
+    text, = texts(x=(-0.15, 0.15), limit=covered)
+    assert "strip covers all of the soil, x = -0.15 to 0.15 m" in text and "grid.x outwards, unless compression" in text
+    assert len(texts(x=(0.0, 0.2), limit=covered)) == 1 and not texts(x=(-0.15, 0.25), limit=covered)
+    assert not texts(x=(-0.15, 0.15), limit=covered, faces={"x_max": "free"}) and not texts(x=(-0.15, 0.15), limit=covered,
+                                                                                              velocity=(0.0, 0.0, 0.1))
+    assert not texts(x=(-0.15, 0.15), limit=covered, material=replace(CLAY, law="hencky", strength=None))

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from hybrid.monitors.limits import LIMITS, unsupported
-from hybrid.scene import Faces, Load, Time
+from hybrid.scene import Faces, Load, Motion, Stage, Time
 from hybrid.setup.build import build
 from hybrid.study.scenes import box, soil_scene
 
@@ -64,5 +64,39 @@ def test_loads_that_lift_nothing():
                       held=("z",)) and not loaded((0.0, 0.0, 200e3), position=(0.4, 0.4, -0.3), rest_on=None)
 
 
+ALL = ("x", "y", "z", "rx", "ry", "rz")
+PUSH = Load(force=(10.0, 0.0, 0.0))
+LIFT = Stage("lift", 1, motions=(Motion(component="z", velocity=0.1),))
+
+
+def staged(*stages, **table):
+    """Texts about the plate, 0.5 of friction, in stages."""
+    plate = box(0.2, 0.2, 0.2, **PLATE | {"rest_on": 0.0, "friction": 0.5} | table)
+    return notes(unsupported.released_bodies, replace(soil([plate], time=QUASI_STATIC), stages=stages))
+
+
+@pytest.mark.parametrize("stages, table, words", [
+    ((Stage("hold", 1, held=ALL), Stage("go", 1)), {"rest_on": 0.05}, "stage 'go': body is free along z, 0.05 m above"),
+    ((LIFT, Stage("go", 1)), {}, "stage 'go': body is free along z, 0.1 m above the soil"),
+    ((Stage("hold", 1, held=ALL), Stage("go", 1, motions=(Motion(free=("z",)),))), {"rest_on": 0.05, "held": ALL},
+     "stage 'go': body is free along z"),
+    ((Stage("rest", 1), Stage("go", 1, loads=(PUSH,))), {"friction": 0.0},
+     "stage 'go': body is pushed along x on its plane")])
+def test_components_that_a_stage_releases_and_nothing_supports(stages, table, words):
+    """Found by runs, which fail in the stage that is named."""
+    text, = staged(*stages, **table)
+    assert words in text and "stage.held, body.held" in text
+
+
+@pytest.mark.parametrize("stages, table", [
+    ((Stage("go", 1),), {}), ((Stage("go", 1),), {"rest_on": 0.02}), ((LIFT, Stage("on", 1, held=("z",))), {}),
+    ((Stage("go", 1),), {"friction": 0.0}), ((Stage("go", 1, loads=(PUSH,)),), {"friction": 0.0, "held": ("x",)}),
+    ((Stage("go", 1, loads=(PUSH,)),), {}),
+    ((Stage("go", 1, loads=(PUSH,)),), {"friction": 0.0, "position": (0.4, 0.4, -0.3), "rest_on": None})])
+def test_bodies_that_soil_or_guides_support(stages, table):
+    """On the soil or a tenth of a cell above it, held, not pushed, with friction, or in the soil."""
+    assert not staged(*stages, **table)
+
+
 def test_check_and_runs_ask_for_them():
-    assert {unsupported.soil_without_support, unsupported.loads_that_lift} <= set(LIMITS)
+    assert set(unsupported.LIMITS) <= set(LIMITS) and len(unsupported.LIMITS) == 3

@@ -1,17 +1,17 @@
 """Limits of the methods: `hybrid check`, and the first step of a run, warn of a scene that exceeds one.
 
 Each limit is a generator of texts (none or one, or one for each body) over (scene, model). The failure study
-(`hybrid.study.failure`), or problems set up afresh (`cells`, `clay_cells`, `sand_cells`, `turning`), measure what happens
-beyond its number, and tests hold the two together. A text names the value, the limit and the remedy. Numbers that are
-merely unlikely come first (`hybrid.scene.check_sense`, `place`).
+(`hybrid.study.failure`), or problems set up afresh (`cells`, `clay_cells`, `sand_cells`, `footing_cells`, `elastic_cells`,
+`turning`), measure what happens beyond its number, and tests hold the two together. A text names the value, the limit and
+the remedy. Numbers that are merely unlikely come first (`hybrid.scene.check_sense`, `place`).
 """
 
-from hybrid.monitors.limits import (base, cells, clay_cells, contact, guided, margins, place, rolling, sand_cells, soil,
-                                    stages, stepping, turning, unsupported)
+from hybrid.monitors.limits import (base, cells, clay_cells, contact, elastic_cells, footing_cells, guided, margins, place,
+                                    rolling, sand_cells, soil, stages, stepping, turning, unsupported)
 from hybrid.scene.check_sense import sense_notes
 
-MODULES = (place, unsupported, soil, contact, base, rolling, cells, clay_cells, sand_cells, turning, guided, margins, stages,
-           stepping)
+MODULES = (place, unsupported, soil, contact, base, rolling, cells, clay_cells, sand_cells, footing_cells, elastic_cells,
+           turning, guided, margins, stages, stepping)
 LIMITS = tuple(limit for module in MODULES for limit in module.LIMITS)
 
 

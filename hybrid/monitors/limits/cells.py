@@ -4,20 +4,27 @@
                                                                              1.5 for 1.75 of round outlines
     pushed into clay, with edges on lines of the grid     Π (1 + 0.3 e/n)    over the sides, e = 0, 1, 2 of whose edges are
     the same under an inclined or eccentric load          2.7 times that excess
+    the same where s_u grows by k with the depth          1 + 0.3 (k B/s_u)^0.65 times it, plane strain, k B/s_u to 5
+    wedge of 90° pressed into it, smooth, plane strain    1 + 0.7/n          n cells in its depth under the ground
     upright cut under its own weight, plane strain        1 + 1.05/n         n cells in its height
 
 Nodes at the edge of a face move with it, and the clay is sheared in the cell beyond (DESIGN, "The foot of a blade drags
-on the next nodes"). Those of sand are in `sand_cells`.
+on the next nodes"). Those of sand are in `sand_cells`, of soil with cohesion and friction in `footing_cells`.
 """
 
 import numpy as np
 
-from hybrid.monitors.limits.ways import CLAY, EXCESS, STEEP, driven, law_at, leads, loaded, sides, step_of_ground, top_of
+from hybrid.monitors.limits.ways import (CLAY, EXCESS, STEEP, driven, faces, law_at, leads, loaded, material_at,
+                                         sides, step_of_ground, top_of)
+from hybrid.runtime.comm import maximum, minimum
 
-ATTACHED, ROUND, EDGE, CUT = 1.75, 1.5, 0.3, 1.05
+ATTACHED, ROUND, EDGE, CUT, WEDGE = 1.75, 1.5, 0.3, 1.05, 0.7
 # Factor on EDGE: an inclined load at V = 4 of 5.14, one at an eighth of the width beside the centre
 COMBINED = 2.7
+# Factor on EDGE 1 + GROWTH (k B/s_u)^GROWING, s_u under the base; measured up to MEASURED
+GROWTH, GROWING, MEASURED = 0.3, 0.65, 5.0
 ON_LINE = 0.15                  # cells between an edge and a line of the grid: contact sees the edge there as on it
+SLOPES = 35.0, 55.0             # degrees from the ground of the faces of what counts as a wedge of about 90°
 DEEP = 1.0                      # widths: flow of clay around a body that goes deeper closes behind it
 DEEP_PLATE = 2.0                # widths under the ground: a shallower plate lifts the clay above it
 
@@ -53,6 +60,32 @@ def flow_around(scene, model):
                    "body in space is partly that of triaxial compression and extension, where this clay has 0.87 s_u, "
                    "and a ball carries 12 % less than in Tresca's at least. Set soil.material.cone = "
                    '"compression" if s_u is that of triaxial compression; footings are right without')
+
+
+def wedges(scene, model):
+    """Wedges driven into clay in plane strain, so few cells deep that their load is more than EXCESS too high."""
+    soil = model.soil
+    if soil.held or soil.grid.collapsed.sum() != 1:
+        return
+    cell, top = soil.grid.smallest_cell, top_of(soil)
+    for body, way, place, plane in driven(scene, model):
+        depth = top - place[:, 2].min() - way[2]
+        known = not plane and way[2] < 0.0 < depth and law_at(scene, soil, top - 0.5 * cell) == CLAY
+        excess = WEDGE * cell / depth if known and _is_wedge(body, place, way) else 0.0
+        if excess > EXCESS:
+            yield (f"{body.name} is a wedge that is pressed {depth:.3g} m into clay, {depth / cell:.2g} cells of {cell:.3g} "
+                   f"m: its load is about {excess:.0%} too high at the end of its way, and more before, limit {EXCESS:.0%}. "
+                   f"Use cells of at most {EXCESS / WEDGE * depth:.2g} m")
+
+
+def _is_wedge(body, place, way):
+    """Whether two plane faces, at 35 to 55 degrees to the ground, are all that a body covers on its way down."""
+    normal, area = faces(body, place)
+    ahead = normal @ way > 0.1 * area * np.linalg.norm(way)
+    units = normal[ahead] / area[ahead][:, None]
+    slope = np.degrees(np.arccos(np.clip(-units[:, 2], -1.0, 1.0)))
+    inclined = len(units) > 0 and ((slope > SLOPES[0]) & (slope < SLOPES[1])).all()
+    return bool(inclined and len(np.unique(units.round(1), axis=0)) == 2)
 
 
 def upright_cut(scene, model):
@@ -94,12 +127,14 @@ def _on_lines(scene, model, body, way, place):
     if law_at(scene, model.soil, under) != CLAY or way[2] >= 0.0 or body.interface is not None and body.interface.tension:
         return 0.0, "", ""
     grid, excess, on, narrow = model.soil.grid, 1.0, [], np.inf
+    growing = _growing(scene, model.soil, place, way)
     for axis, width, ends in sides(grid, place, way):
         if not leads(body, place, np.eye(3)[axis]):    # a round outline crosses lines of the grid everywhere
             continue
         nodes, cell = grid.lines[axis], np.diff(grid.lines[axis]).min()
-        lying = sum(np.abs(nodes - end).min() < ON_LINE * cell for end in ends)
-        excess *= 1.0 + EDGE * lying * cell / width
+        lying = sum(np.abs(nodes - end).min() < ON_LINE * cell and _soil_beside(model.soil, place, axis, end)
+                    for end in ends)
+        excess *= 1.0 + EDGE * growing * lying * cell / width
         if lying:
             on.append("xyz"[axis])
             narrow = min(narrow, width / cell)
@@ -107,8 +142,28 @@ def _on_lines(scene, model, body, way, place):
         return 0.0, "", ""
     return (excess - 1.0,
             f"is {narrow:.2g} cells wide and has edges on lines of the grid along {', '.join(on)}, where it drives the "
-            "clay of the next cell too",
+            "clay of the next cell too" + (", more so as its strength grows with the depth" if growing > 1.0 else ""),
             "Move the lines of the grid by a quarter of a cell against it, or use smaller cells")
 
 
-LIMITS = (few_cells, flow_around, upright_cut)
+def _soil_beside(soil, place, axis, end):
+    """Whether soil goes on beyond the `end` [m] of a body with its vertices at `place`, not that of a lid on a specimen."""
+    x, half, beyond = soil.constants.position[:, axis], soil.constants.half_width[:, axis], ON_LINE * soil.grid.smallest_cell
+    if end > 0.5 * (place[:, axis].min() + place[:, axis].max()):
+        return maximum(x + half) > end + beyond
+    return minimum(x - half) < end - beyond
+
+
+def _growing(scene, soil, place, way):
+    """Factor [-] on the excess of a body with its vertices at `place`, 1 where the strength does not grow with depth."""
+    cell, bottom = soil.grid.smallest_cell, place[:, 2].min()
+    rate = material_at(scene, soil, bottom - 0.5 * cell).strength_gradient or 0.0
+    width = min((width for _, width, _ in sides(soil.grid, place, way)), default=0.0)
+    if rate <= 0.0 or not width or soil.grid.collapsed.sum() != 1:
+        return 1.0
+    height = soil.constants.position[:, 2]
+    strength = minimum(soil.law.parameters[(height < bottom) & (height > bottom - cell), 4], np.inf)
+    return 1.0 + GROWTH * min(rate * width / strength, MEASURED) ** GROWING
+
+
+LIMITS = (few_cells, flow_around, wedges, upright_cut)

@@ -12,6 +12,7 @@ The limits are those where it is a tenth too high; in sand mechanisms reach fart
 
 import numpy as np
 
+from hybrid.monitors.limits.contact import covers
 from hybrid.monitors.limits.ways import driven, loaded
 from hybrid.runtime.comm import maximum, minimum
 
@@ -37,6 +38,23 @@ def narrow_margins(scene, model):
         ends_there = not scene.grid.z.moves and scene.grid.faces.z_min != "free"
         if np.isfinite(width) and -0.1 * width < below < BELOW[rough] * width and ends_there:
             yield _text(body, width, below, "below it" if by_force else "below it at the end of its way", BELOW[rough], "z")
+
+
+def covered(scene, model):
+    """Bodies pressed down that cover all of a soil that yields, up to faces of the grid that hold it."""
+    for body, way, place, *_ in [*driven(scene, model), *loaded(scene, model)]:
+        soil = model.soil
+        axes = np.flatnonzero(~soil.grid.collapsed[:2])
+        ends = [(_ends(soil, axis), soil.grid.extent[axis], "xy"[axis]) for axis in axes]
+        closed = all(np.abs(np.subtract(reached, limits)).max() < soil.grid.smallest_cell
+                     and "free" not in (getattr(scene.grid.faces, f"{name}_{side}") for side in ("min", "max"))
+                     for reached, limits, name in ends)
+        if len(axes) and way[2] <= -DOWN * np.linalg.norm(way) and closed and covers(place, soil.constants, soil.grid):
+            where = " and ".join(f"{name} = {limits[0]:.3g} to {limits[1]:.3g} m" for _, limits, name in ends)
+            yield (f"{body.name} covers all of the soil, {where}, up to faces of the grid that hold it: nothing can "
+                   "flow from under it, so that it compresses the soil and finds no load at which that gives way. A footing "
+                   f"needs a grid wider than itself: move the ends of grid.{', '.join(name for *_, name in ends)} outwards, "
+                   "unless compression is meant")
 
 
 def _text(body, width, gap, where, limit, axis):
@@ -70,4 +88,4 @@ def _ends(soil, axis):
     return minimum(at - half), maximum(at + half)
 
 
-LIMITS = (narrow_margins,)
+LIMITS = (narrow_margins, covered)

@@ -4,7 +4,6 @@
     the same with a face that leans back                                 over 1 + 7/n at 75°, 1 + 14/n at 60°
     wall that sand behind it follows, on rock or in the sand, the same   (1 - 1.65/n)²            n cells in the height of the sand
     footing pressed on sand that has weight, plane strain                N_γ (1 + 3.1/n^0.6)         n cells in its width
-    footing pressed on soil with cohesion and friction, the same         N_c (1 + 0.6/n^0.77)        up to 20°, 0.9 for 0.6 at 30°
     column of sand let go in space                                       run-out (1 - 1.6/n)      n cells in its height
 
 A foot holds the next nodes back. Sand that a wall pushes takes them along, and the wedge is a cell deeper than the wall; sand that follows a wall
@@ -15,15 +14,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hybrid.monitors.limits.ways import (
-    EXCESS, SAND, STEEP, driven, facing, law_at, leads, loaded, material_at, outline, sides, step_of_ground, top_of)
+from hybrid.monitors.limits.contact import covers
+from hybrid.monitors.limits.ways import EXCESS, SAND, STEEP, driven, facing, law_at, leads, loaded, outline, sides, step_of_ground, top_of
 from hybrid.runtime.comm import maximum, minimum
 
 FOOT, ACTIVE, FRONT = 2.3, 1.65, 1.6
 INCLINED, LEANING = 45.0, 85.0  # degrees from the ground of a face that is judged as a wall, and below which what inclined ones measured is told
 WEIGHT, ORDER = 3.1, 0.6         # of the part of a footing's load that the sand's weight carries
-# The same of the part that its cohesion carries; and what is added to the first for each degree of friction beyond the third
-COHESIVE, POWER, STEEPER, FLAT = 0.6, 0.77, 0.03, 20.0
 SHALLOW = 1.0                   # widths under the ground: what goes deeper is no footing
 PASSIVE = 3.0                   # depths: sand that presses a wall from behind counts where it is so much deeper, K_p/K_a = 11 times the pressure
 
@@ -79,42 +76,19 @@ def free_walls(scene, model, laws):
 
 def footings(scene, model):
     """Footings with a plane base that are pressed on sand with weight in plane strain: the part N_γ of their load."""
-    if scene.gravity[2] >= 0.0:
-        return
-    for body, cells, cell, _ in _footings(scene, model):
-        excess = WEIGHT / cells**ORDER
-        if excess > EXCESS:
-            yield (f"{body.name} is pressed on sand with a base {cells:.2g} cells of {cell:.3g} m wide: what the sand's own weight lets it carry "
-                   f"(N_γ) is about {excess:.0%} too high, more if the base is smooth, limit {EXCESS:.0%}. Extrapolate two sizes of cells to none: load of "
-                   "the smaller ones less 1.9 times the difference, as the excess falls with the power 0.6 of the cells")
-
-
-def cohesive_footings(scene, model):
-    """The same on soil that has cohesion: the part N_c."""
-    for body, cells, cell, material in _footings(scene, model):
-        if not material.cohesion:
-            continue
-        factor = COHESIVE + STEEPER * max(material.friction_angle - FLAT, 0.0)
-        excess = factor / cells**POWER
-        if excess > EXCESS:
-            yield (f"{body.name} is pressed on soil of {material.friction_angle:.3g} degrees with a base {cells:.2g} cells of "
-                   f"{cell:.3g} m wide: what its cohesion lets it carry (N_c) is about {excess:.0%} too high, limit {EXCESS:.0%}. "
-                   f"Use cells of at most {cells * cell * (EXCESS / factor)**(1 / POWER):.2g} m")
-
-
-def _footings(scene, model):
-    """(RigidBody, cells in its width, their size [m], Material under it) of footings on sand in plane strain."""
     soil = model.soil
-    if soil.held or soil.grid.collapsed.sum() != 1:
+    if soil.held or scene.gravity[2] >= 0.0 or soil.grid.collapsed.sum() != 1:
         return
     cell = soil.grid.smallest_cell
     for body, way, place, plane in [*driven(scene, model), *(found[:4] for found in loaded(scene, model))]:
         bottom, width = place[:, 2].min(), min((width for _, width, _ in sides(soil.grid, place, way)), default=0.0)
-        if not plane or way[2] >= 0.0 or not width or bottom < top_of(soil) - SHALLOW * width:
+        if not plane or way[2] >= 0.0 or not width or bottom < top_of(soil) - SHALLOW * width or law_at(scene, soil, bottom - 0.5 * cell) not in SAND:
             continue
-        material = material_at(scene, soil, bottom - 0.5 * cell)
-        if material.law in SAND:
-            yield body, width / cell, cell, material
+        excess = WEIGHT * (cell / width)**ORDER
+        if excess > EXCESS and not covers(place, soil.constants, soil.grid):
+            yield (f"{body.name} is pressed on sand with a base {width / cell:.2g} cells of {cell:.3g} m wide: what the sand's own weight lets it carry "
+                   f"(N_γ) is about {excess:.0%} too high, more if the base is smooth, limit {EXCESS:.0%}. Extrapolate two sizes of cells to none: load of "
+                   "the smaller ones less 1.9 times the difference, as the excess falls with the power 0.6 of the cells")
 
 
 def _wedge(body, depth, cell, angle):
@@ -184,4 +158,4 @@ def _drop(scene, soil):
     return high[2] - low[2] if inside else step_of_ground(scene, soil)
 
 
-LIMITS = (footings, cohesive_footings, pushed_walls, retaining_walls, thin_front)
+LIMITS = (footings, pushed_walls, retaining_walls, thin_front)

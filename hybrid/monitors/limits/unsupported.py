@@ -1,11 +1,16 @@
-"""Scenes without inertia in which nothing balances a weight or a load: no step of them has an equilibrium."""
+"""Scenes without inertia in which nothing balances a weight or a load, or holds a body: no step of them has an
+equilibrium."""
+
+from dataclasses import replace
 
 import numpy as np
 
-from hybrid.monitors.limits.contact import initial_vertices
-from hybrid.monitors.limits.ways import top_of
+from hybrid.monitors.limits.contact import initial_vertices, way_along
+from hybrid.monitors.limits.ways import leads, outline, top_of
 from hybrid.monitors.load_reached import components_of, held_down
 from hybrid.runtime.comm import maximum, minimum, total
+
+FLUSH = 0.15    # cells between a body and the soil from which on a step does not find its contact
 
 
 def soil_without_support(scene, model):
@@ -60,4 +65,41 @@ def loads_that_lift(scene, model):
                        "(body.tension), or set time.inertia = true")
 
 
-LIMITS = (soil_without_support, loads_that_lift)
+def released_bodies(scene, model):
+    """Bodies with components that a stage leaves free and nothing supports: along z of one that is above the soil, along
+    the ground of one that is pushed there and lies on it with a plane base and without friction."""
+    if model.scheme.inertia or scene.joints or len(model.bodies) > 1:     # a body may rest on another
+        return
+    for i, (described, body) in enumerate(zip(scene.bodies, model.bodies)):
+        whole, place = outline(described, body)
+        for s, stage in enumerate(scene.stages):
+            staged = model.for_stage(stage.held, number=s)
+            way = way_along(replace(scene, stages=scene.stages[:s]), described, "z")
+            found = _loose(scene, model.soil, staged.bodies[i], whole, place, way)
+            if found and not staged.guides:     # of points, which hold a body too
+                yield (f"stage {stage.name!r}: {body.name} {found}, and without inertia no step has an equilibrium. Hold "
+                       "what nothing supports (stage.held, body.held), or set time.inertia = true")
+                break
+
+
+def _loose(scene, soil, body, whole, place, way):
+    """Text about components of a body, moved by a `way` [m] along z from its `place`, that nothing supports; else ""."""
+    cell, gap = soil.grid.smallest_cell, place[:, 2].min() + way - top_of(soil)
+    if body.line is not None or body.interface and (body.interface.tension or body.interface.adhesion):
+        return ""
+    if gap > FLUSH * cell and body.free[2] and (scene.gravity[2] or body.loads):
+        return f"is free along z, {gap:.3g} m above the soil, where nothing supports it"
+    free = [name for axis, name in enumerate("xy") if body.free[axis] and _pushed(scene, body, axis)]
+    lies = abs(gap) < 0.5 * cell and scene.soil.ground is None and leads(whole, place, np.array([0.0, 0.0, -1.0]))
+    if free and lies and not body.friction:
+        return f"is pushed along {', '.join(free)} on its plane base, without friction (body.friction = 0) that holds it"
+    return ""
+
+
+def _pushed(scene, body, axis):
+    """Whether its weight, or a load of the stage, acts on a body along an axis."""
+    loads = any(load.force is not None and load.force.values[:, axis].any() for load in body.loads)
+    return bool(scene.gravity[axis] or loads)
+
+
+LIMITS = (soil_without_support, loads_that_lift, released_bodies)

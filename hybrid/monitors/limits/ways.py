@@ -82,7 +82,7 @@ def outline(described, body):
 
 def leads(body, place, way):
     """Whether faces across the way are most of what a body covers in its direction."""
-    normal, area = _faces(body, place)
+    normal, area = faces(body, place)
     covered = normal @ (way / np.linalg.norm(way))
     ahead = covered > 0.0
     return covered[covered > PLANE * area].sum() > LEADING * covered[ahead].sum() > 0.0
@@ -91,7 +91,7 @@ def leads(body, place, way):
 def facing(body, place, way):
     """Unit normal (3,) of the plane face that is most of what a body covers in the direction of its way, across it or
     inclined; None of a round one."""
-    normal, area = _faces(body, place)
+    normal, area = faces(body, place)
     covered = normal @ (way / np.linalg.norm(way))
     ahead = covered > 0.0
     normal, area, covered = normal[ahead], area[ahead], covered[ahead]
@@ -104,7 +104,7 @@ def facing(body, place, way):
     return None
 
 
-def _faces(body, place):
+def faces(body, place):
     """Outward normals (T, 3) of the triangles of a body, as long as their areas (T,) [m²]."""
     corners = place[body.surface.triangles]
     normal = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

@@ -1,0 +1,75 @@
+"""Spheres pressed into elastic soil whose cells do not resolve the contact: the force is above Hertz's.
+
+Excess [%] of the force of a smooth sphere pressed into a block 40 contact radii wide and deep by δ = a²/R, a up to 0.1 R,
+ν = 0.3, over 4/3 E/(1 - ν²) √(R δ³), at three places of its axis between a node and the middle of a cell; 3.6 % of them
+are the block's and those of strains that are not small:
+
+| a/h        | 0.75 | 1.06 | 1.3 | 1.5 |  2 | 3 |
+|------------|------|------|-----|-----|----|---|
+| node       | 33   | 29   | 22  | 14  | 10 | 6 |
+| between    | 47   | 25   | 17  | 14  |    |   |
+| mid cell   | 62   | 17   | 15  | 16  |    |   |
+
+a is the radius of contact, h the cell. A sphere that carries a given load sinks in by less, as δ goes with the power 2/3
+of the force. A flat disc of 3 to 6 cells in its radius has no such excess: 3 to 4 % pressed, -7 to -3 % rocked.
+"""
+
+import numpy as np
+
+from hybrid.monitors.limits.contact import way_along
+from hybrid.monitors.limits.rolling import ROUND, contact_radius
+from hybrid.monitors.limits.ways import EXCESS, material_at, outline, top_of
+
+HIGHEST = ((0.75, 0.58), (1.06, 0.26), (1.3, 0.18), (1.6, 0.1))     # (a/h, excess [-] at the worst place in a cell)
+COARSE, RESOLVED = HIGHEST[0][0], HIGHEST[-1][0]                    # a/h
+
+
+def unresolved_contact(scene, model):
+    """Spheres driven into elastic soil, or loaded on it, with so few cells in the radius of contact that the force is too
+    high by up to EXCESS, or the way too short."""
+    soil = model.soil
+    if soil.held or soil.grid.collapsed.any():
+        return
+    material, cell = material_at(scene, soil, top_of(soil)), soil.grid.smallest_cell
+    if material.law != "hencky" or scene.soil.ground is not None:
+        return
+    for described, body in zip(scene.bodies, model.bodies):
+        whole, place = outline(described, body)
+        distance = np.linalg.norm(place - 0.5 * (place.min(axis=0) + place.max(axis=0)), axis=1)
+        if distance.max() > ROUND * distance.min():
+            continue
+        radius, way = distance.mean(), way_along(scene, described, "z")
+        driven = way < 0.0 and not body.free[2]
+        a = _driven(soil, place, way, radius) if driven else _loaded(scene, model, body, radius, material)
+        if 0.0 < a < RESOLVED * cell * (1 - 1e-6):
+            yield _text(body, a, cell, driven)
+
+
+def _driven(soil, place, way, radius):
+    """Radius of contact [m] of a sphere with its vertices at `place` at the end of its `way` [m]."""
+    depth = top_of(soil) - place[:, 2].min() - way
+    return np.sqrt(np.clip(depth, 0.0, radius) * radius)
+
+
+def _loaded(scene, model, body, radius, material):
+    """That of one that is free to follow a load, or without inertia its weight; 0 of others."""
+    if not body.free[2]:
+        return 0.0
+    loads = [-load.force.values[:, 2].min() for stage in body.stages or () for load in stage.loads if load.force is not None]
+    force = max(loads, default=0.0)
+    force += 0.0 if model.scheme.inertia and not force else body.mass.mass * -scene.gravity[2]
+    return contact_radius(force, radius, material, model.soil) if force > 0.0 else 0.0
+
+
+def _text(body, a, cell, driven):
+    """Text about a contact with a radius `a` [m] on cells of `cell` [m]."""
+    excess = np.interp(a / cell, *np.transpose(HIGHEST))
+    words = f"up to {excess:.0%} above Hertz's" if a >= COARSE * cell else f"{excess:.0%} above Hertz's, or more"
+    effect = (f"its force is {words}" if driven else
+              f"the force at a depth is {words}, so that it sinks in by up to {1 - (1 + excess)**(-2 / 3):.0%} too little")
+    return (f"{body.name} is pressed into elastic soil on a contact with a radius of {a:.2g} m, {a / cell:.2g} cells of "
+            f"{cell:.3g} m, limit {RESOLVED:g}: {effect}, limit {EXCESS:.0%}, by where it stands in a cell. Use cells of at "
+            f"most {a / RESOLVED:.2g} m under it")
+
+
+LIMITS = (unresolved_contact,)

@@ -1,0 +1,123 @@
+"""Limits of strips on few cells: laws are what was measured (demos/random/README.md), and only such strips have the note."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hybrid.monitors.limits import LIMITS, cells, footing_cells
+from hybrid.scene import Axis, Grid, Load, Material, Soil, Time
+from hybrid.setup.build import build
+from hybrid.study.random.fresh.problem import PUSHED, WEIGHTLESS, body, scene, slice_
+
+PRANDTL = {10: 8.345, 20: 14.835, 30: 30.140}
+CLAY = {"law": "von-mises", "friction_angle": None, "dilation_angle": None, "cohesion": None, "strength": 1e4}
+
+
+@pytest.mark.parametrize("angle, cells, found", [
+    (10, 8, 9.459), (10, 16, 8.994), (10, 32, 8.724), (20, 8, 17.490), (20, 16, 16.407), (20, 32, 15.754), (30, 8, 36.696),
+    (30, 16, 34.160), (30, 32, 32.668)])
+def test_the_law_of_rough_strips_is_what_was_measured(angle, cells, found):
+    assert found / PRANDTL[angle] - 1 == pytest.approx(footing_cells.strip_excess(angle, cells), abs=0.008)
+
+
+@pytest.mark.parametrize("angle, found", [(20, 15.868), (30, 32.714)])
+def test_that_of_smooth_ones_is_less(angle, found):
+    law = footing_cells.SMOOTH * footing_cells.strip_excess(angle, 16)
+    assert found / PRANDTL[angle] - 1 == pytest.approx(law, abs=0.006)
+
+
+@pytest.mark.parametrize("angle", PRANDTL)
+def test_extrapolating_as_the_note_says(angle):
+    coarse, fine = {10: (8.994, 8.724), 20: (16.407, 15.754), 30: (34.160, 32.668)}[angle]
+    assert fine - 1.5 * (coarse - fine) == pytest.approx(PRANDTL[angle], rel=0.02)
+
+
+def strip(size=0.125, half=0.5, gravity=WEIGHTLESS, material=(), loads=(), **table):
+    """Half a strip of 1 m with 8 cells in its width, on soil with c = 10 kPa and φ = 20°."""
+    values = {"law": "mohr-coulomb", "young": 1e8, "poisson": 0.3, "density": 1600.0, "friction_angle": 20.0,
+              "dilation_angle": 20.0, "cohesion": 1e4} | dict(material)
+    foot = body("box.geo", {"length": 2 * half, "width": 1.0, "height": 0.5, "size": 5.0}, position=(0.0, 0.5, 0.0),
+                **{"rest_on": 0.0, "friction": 0.5, "velocity": (0.0, 0.0, -0.001)} | PUSHED | table)
+    grid = Grid(Axis(start=0.0, end=24 * size, size=size), slice_(), Axis(start=-16 * size, end=2 * size, size=size))
+    soil = Soil(Material(**values), top=0.0, geostatic=bool(gravity[2]))
+    described = scene("strip", grid, soil, [foot], Time(1.0, inertia=False), 5, gravity)
+    return replace(described, stages=(replace(described.stages[0], loads=loads),))
+
+
+def texts(limit=footing_cells.cohesive_strips, **table):
+    simulation = build(strip(**table))
+    return list(limit(simulation.scene, simulation.model))
+
+
+def test_a_strip_on_soil_with_cohesion_and_friction():
+    text, = texts()
+    assert "base 8 cells of 0.125 m wide" in text and "(N_c) is about 18% too high, limit 10%" in text
+    enough = float(re.search(r"at most ([\d.]+) m", text)[1])
+    assert footing_cells.strip_excess(20.0, 1.0 / enough) == pytest.approx(0.1, abs=0.004)
+    assert "about 11%" in texts(friction=0.0)[0] and len(texts(half=0.46)) == 1
+
+
+def test_one_that_a_stage_loads_and_one_on_soil_with_weight():
+    force = Load(force=((0.0, 0.0, 0.0, 0.0), (5.0, 0.0, 0.0, -1e5)))
+    assert len(texts(driven=(), held=("x", "y", "rx", "ry", "rz"), velocity=(0.0, 0.0, 0.0), loads=(force,))) == 1
+    assert len(texts(gravity=(0.0, 0.0, -9.81))) == 1
+
+
+@pytest.mark.parametrize("table", [
+    {"half": 1.2}, {"velocity": (0.0, 0.0, 0.001)}, {"rest_on": -1.5},
+    {"gravity": (0.0, 0.0, -9.81), "material": {"cohesion": 100.0}},
+    {"material": CLAY}])
+def test_other_strips(table):
+    """On cells small enough, lifted, deep in the soil, on sand with hardly any cohesion, on clay."""
+    assert not texts(**table)
+
+
+@pytest.mark.parametrize("growth, n, found", [
+    (0, 8, 7.1), (0, 16, 3.7), (0, 32, 2.0), (1, 8, 9.3), (1, 16, 5.0), (1, 32, 2.7), (2, 8, 10.4), (2, 16, 5.6),
+    (2, 32, 3.1), (5, 8, 13.7), (5, 16, 6.9), (5, 32, 3.9)])
+def test_the_law_of_clay_whose_strength_grows_is_what_was_measured(growth, n, found):
+    """Smooth strips, k B/s_u = growth, n cells in the width, excess [%] over slip lines."""
+    law = 2 * cells.EDGE / n * (1.0 + cells.GROWTH * growth**cells.GROWING)
+    assert found == pytest.approx(100 * law, abs=0.7)
+
+
+@pytest.mark.parametrize("gradient, words", [(0.0, ""), (2e4, "up to 11% too high"), (2e6, "up to 14% too high")])
+def test_a_strip_on_clay_whose_strength_grows_with_depth(gradient, words):
+    """No note for uniform clay, 7.5 %; more than measured counts as what was measured."""
+    found = texts(cells.few_cells, material=CLAY | {"strength_gradient": gradient})
+    assert len(found) == bool(words) and all(words in text and "as its strength grows" in text for text in found)
+
+
+@pytest.mark.parametrize("depth, angle, n, found", [
+    (1, 30, 8, 1.281), (1, 30, 16, 1.146), (2, 30, 4, 1.332), (2, 30, 8, 1.160), (2, 30, 16, 1.076), (4, 30, 8, 1.112),
+    (2, 40, 8, 1.132)])
+def test_the_law_of_plates_lifted_out_of_sand_is_what_was_measured(depth, angle, n, found):
+    """Over γ H (B + H tan φ)."""
+    assert found - 1 == pytest.approx(footing_cells.LIFTED / n / (1 + depth * np.tan(np.radians(angle))), abs=0.045)
+
+
+SAND = {"law": None, "cohesion": 0.0, "dilation_angle": 0.0, "friction_angle": 30.0}
+LIFT = {"limit": footing_cells.lifted_plates, "gravity": (0.0, 0.0, -9.81), "velocity": (0.0, 0.0, 0.001), "rest_on": -1.5,
+        "material": SAND}
+
+
+def test_a_plate_lifted_out_of_sand():
+    """Half of one 1 m wide with its top at a depth of 1 m: 3 cells of 0.125 m over 1.577 m."""
+    text, = texts(**LIFT)
+    assert "8 cells of 0.125 m wide, 1 m under the ground" in text and "about 24% too high, limit 10%" in text
+    assert "at most 0.053 m" in text
+    density = {name: None for name in ("young", "poisson", "density", *SAND)} | {"relative_density": 38.0}
+    assert "too high" in texts(**LIFT | {"material": density})[0]
+
+
+@pytest.mark.parametrize("table", [{"velocity": (0.0, 0.0, -0.001)}, {"rest_on": -0.5}, {"gravity": WEIGHTLESS},
+                                   {"material": CLAY | {"strength": 1e5}}])
+def test_other_plates(table):
+    """Pressed down, at the surface, without weight, in clay."""
+    assert not texts(**LIFT | table)
+
+
+def test_check_and_runs_ask_for_it():
+    assert set(footing_cells.LIMITS) <= set(LIMITS) and np.isclose(footing_cells.strip_excess(0.0, 1), 0.41)
