@@ -6,7 +6,7 @@ from pathlib import Path
 
 from hybrid import output
 from hybrid.output import checkpoint
-from hybrid.output.first import StopTogether
+from hybrid.output.first import StopAfterStep
 from hybrid.output.run_folder import RunFolder
 from hybrid.runtime import ranks
 from hybrid.runtime.stop_signals import stop_signals
@@ -43,8 +43,7 @@ def run(scene, out=None, overrides=(), resume=False, quiet=False, body_force=Non
         with output.output_errors(folder):
             ranks.in_first(lambda: place.begin())
         observers = output.standard(folder, progress=not quiet, run=ranks.same(place and place.run))
-        if ranks.started() > 1:
-            observers.append(StopTogether(signals.note()))
+        observers.append(StopAfterStep(signals.note() if ranks.started() > 1 else signals))
         simulation.run(observers)
     return simulation
 

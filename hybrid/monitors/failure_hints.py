@@ -26,12 +26,13 @@ def advice(step, outcome, settings):
 
     outcome: of Newton's method (`reason`, `errors`, `evaluation` or None); settings: with its `tolerance`.
     """
-    if not step.model.scheme.inertia and outcome.evaluation and (sliding := _slides_freely(outcome.evaluation)):
-        return ". ".join(sliding)
     lost = _lost(step, outcome.evaluation)
     overload = overloads(step, outcome.reason, lost)
     changes = remedies(step.model, outcome.reason, outcome.errors, settings.tolerance)
     sudden = any(at_once for _, at_once in overload)
+    stands = overload and not sudden        # what it carried is known
+    if not (stands or step.model.scheme.inertia or outcome.evaluation is None) and (free := _slides_freely(outcome.evaluation)):
+        return ". ".join(free)
     if sudden:      # shorter increments of a load that is there at once change nothing
         changes = [change for change in changes if "a smaller time.step" not in change]
     texts, causes = [text for text, _ in overload], probable_causes(step, outcome.evaluation, sudden)

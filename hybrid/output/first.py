@@ -42,8 +42,9 @@ class First:
             getattr(self._observer, name)(*given, simulation)
 
 
-class StopTogether:
-    """Observer that stops all processes after a step in which a signal has come to any of them."""
+class StopAfterStep:
+    """Observer that stops all processes after a step in which a signal has come to any of them and has not stopped it already:
+    one process has lost the exception if it came in a callback of a library, such as that of a kernel's compiler."""
 
     def __init__(self, signals):
         self._signals = signals
@@ -53,7 +54,7 @@ class StopTogether:
 
     def accepted(self, record, simulation):
         if number := int(comm.largest([self._signals.noted])):
-            raise Stopped(number, of_all=True)
+            raise Stopped(number, of_all=ranks.started() > 1)
 
     def finish(self, summary, simulation):
         """Nothing to do."""

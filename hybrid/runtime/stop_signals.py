@@ -38,7 +38,7 @@ def stop_signals():
 
 
 class Signals:
-    """The handlers of the stopping signals. noted: number of the one that has come since `note`, 0 of none."""
+    """The handlers of the stopping signals. noted: number of the one that has come, 0 of none."""
 
     noted = 0
 
@@ -69,6 +69,5 @@ class Signals:
             signal.signal(number, signal.SIG_DFL if handler is None else handler)
 
     def _stop(self, number, _):
-        for each in self._before:
-            signal.signal(each, signal.SIG_DFL)
+        self._note(number, _)
         raise Stopped(number)

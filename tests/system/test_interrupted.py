@@ -1,5 +1,6 @@
 """Runs that are killed, stopped, or run out of disk: they go on to the end of a run in one go, bit for bit."""
 
+import ctypes
 import errno
 import json
 import os
@@ -14,6 +15,7 @@ from interrupted_runs import STEPS, different, start, wait_for_step, write_scene
 
 import hybrid
 from hybrid.output import checkpoint, checkpoint_file, history, run_folder
+from hybrid.output.first import StopAfterStep
 from hybrid.runtime.errors import OutputError
 from hybrid.runtime.stop_signals import Stopped, stop_signals
 
@@ -118,6 +120,18 @@ def test_a_second_signal_ends_the_process_at_once():
             "    try:\n        os.kill(os.getpid(), signal.SIGTERM)\n        time.sleep(9)\n"
             "    finally:\n        os.kill(os.getpid(), signal.SIGINT)\n        time.sleep(9)")
     assert subprocess.run([sys.executable, "-c", code]).returncode == -signal.SIGINT
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+def test_a_signal_lost_in_a_callback_stops_the_run_after_its_step():
+    """ctypes prints what is raised in a callback, such as that of a kernel's compiler, and goes on."""
+    with stop_signals() as signals:
+        after = StopAfterStep(signals)
+        after.accepted(None, None)
+        ctypes.CFUNCTYPE(None)(lambda: signal.raise_signal(signal.SIGTERM))()
+        with pytest.raises(Stopped) as stop:
+            after.accepted(None, None)
+        assert stop.value.exit_code == 143
 
 
 def test_signals_are_given_back_and_those_ignored_stay_so():

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from hybrid.monitors.limits import cells
-from hybrid.scene import Axis, Faces, Grid, Load, Soil
+from hybrid.scene import Axis, Faces, Grid, Load, Motion, Soil
 from hybrid.setup.build import build
 from hybrid.study.random import afresh
 from hybrid.study.random.fresh import clay
@@ -111,6 +111,15 @@ def test_a_footing_that_a_stage_loads(half, load, count):
     warnings = texts(cells.few_cells, described)
     assert len(warnings) == count
     assert all(("inclined or eccentric load" in text and "up to 16%" in text) == (half == 1.5) for text in warnings)
+
+
+@pytest.mark.parametrize("x, half, velocity, count", [(0.375, 1.5, -0.002, 1), (0.0, 1.5, -0.002, 0), (0.375, 1.5, 0.002, 0)])
+def test_a_footing_that_a_point_drives(x, half, velocity, count):
+    """Down, beside its centre: as one under an eccentric load."""
+    described = footing(half, False, size=0.3, driven=(), held=("x",), velocity=(0.0, 0.0, 0.0))
+    down = Motion(component="z", point=(x, 0.0, 0.0), velocity=velocity)
+    warnings = texts(cells.few_cells, replace(described, stages=(replace(described.stages[0], motions=(down,)),)))
+    assert len(warnings) == count and all("inclined or eccentric load" in text for text in warnings)
 
 
 @pytest.mark.parametrize("across, inclined, eccentric",

@@ -31,7 +31,7 @@ def driven(scene, model):
 
 def loaded(scene, model):
     """(RigidBody, way (3,), places (V, 3) [m], whether a plane face leads, whether the load is inclined or eccentric) of
-    each body that is free to follow forces of a stage; the way is the largest component [N] of the largest force."""
+    each body that is free to follow forces of a stage, or that a point of it drives; the way is the largest component [N] of the largest force."""
     if model.soil.held or not model.soil.law.plastic:
         return
     for described, body in zip(scene.bodies, model.bodies):
@@ -51,12 +51,20 @@ def _largest_row(table):
     return table.values[np.argmax(np.linalg.norm(table.values, axis=1))]
 
 
+def _change(guide):
+    """What is largest in the table of a Guide's rate, or by how much that of its displacement changes, with its sign."""
+    return _largest_row(guide.table)[0] if guide.is_rate else guide.table.values[-1, 0] - guide.table.values[0, 0]
+
+
 def _largest_load(body):
     """(force [N], moment [N m] about the centre) (3,) of the stage with the largest force on a body, at the rows of its
-    tables that are largest."""
+    tables that are largest. A stage that drives points of it has the forces of 1 N along their ways."""
     found = [(np.zeros(3), np.zeros(3))]
     for stage in body.stages or ():
         force, moment = np.zeros(3), np.zeros(3)
+        for driven_point in stage.points:
+            one = np.where(np.arange(3) == driven_point.guide.component, np.sign(_change(driven_point.guide)), 0.0)
+            force, moment = force + one, moment + np.cross(driven_point.point, one)
         for load in stage.loads:
             one = np.zeros(3) if load.force is None else _largest_row(load.force)
             force, moment = force + one, moment + np.cross(load.point, one)
