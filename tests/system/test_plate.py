@@ -28,7 +28,7 @@ def test_clay_does_not_part_from_a_plate_thinner_than_a_cell_and_the_limit_says_
     its way if it is 1.5 cells thick, but of two cells never."""
     simulation = build(load_scene(DEMO, [*COARSE, "body.plate.parameters.height=0.05"]))
     note, = (text for text in simulation.warned if "thick" in text)
-    assert "plate is 0.05 m thick where the soil is on both sides of it, 0.5 cells of 0.1 m, limit 2" in note
+    assert "plate is 0.05 m thick where the soil is on both sides of it, 0.503 cells of 0.1 m, limit 2" in note
     force = [-record.bodies[0].contact_force[2] for record in simulation.steps()]
     assert max(force) / (HALF * SLICE * STRENGTH) > 9.0
 
