@@ -5,18 +5,18 @@ measurement.
             + n (fixed + exchanges (m α + B_f/β) + R_n ρ_n)       each of n Newton iterations
             + k g(N) (calls + 3 m α + (B_p + B_s)/β + R_k ρ_k)    each of k GMRES iterations
 
-| symbol     | meaning                                                              | from                                   |
-|------------|----------------------------------------------------------------------|----------------------------------------|
-| w          | share of factor and solution: times 1 + overlap / own unknowns        | blocks as cut by `hybrid.grid.blocks`  |
-| m          | neighbours of a block                                                | the same                               |
-| B_f        | bytes of fields a Newton iteration, in proportion to a nodal vector    | the same, case `exchange`              |
-| B_p, B_s   | bytes of a product, of a preconditioner: overlap of one layer of nodes | the same                               |
-| R_n, R_k   | reductions a Newton, a GMRES iteration                               | case `exchange`, most of 2 to 8 ranks   |
-| g          | growth of iterations, N^p                                            | case `exchange`, sand                  |
-| fixed      | a Newton iteration without soil                                      | case `sphere`, without its contact     |
-| α, β       | latency [s] and bandwidth [B/s] of a message                          | NETWORK                                |
-| ρ_k        | latency of a reduction, α log2 N                                      | NETWORK                                |
-| ρ_n        | the same and N COMBINED, as every process combines N numbers in Python | measured                               |
+| symbol   | meaning                                                                | from                                  |
+|----------|------------------------------------------------------------------------|---------------------------------------|
+| w        | share of factor and solution: times 1 + overlap / own unknowns         | blocks as cut by `hybrid.grid.blocks` |
+| m        | neighbours of a block                                                  | the same                              |
+| B_f      | bytes of fields a Newton iteration, in proportion to a nodal vector    | the same, case `exchange`             |
+| B_p, B_s | bytes of a product, of a preconditioner: overlap of one layer of nodes | the same                              |
+| R_n, R_k | reductions a Newton, a GMRES iteration                                 | case `exchange`, most of 2 to 8 ranks |
+| g        | growth of iterations, N^p                                              | case `exchange`, sand                 |
+| fixed    | a Newton iteration without soil                                        | case `sphere`, without its contact    |
+| α, β     | latency [s] and bandwidth [B/s] of a message                           | NETWORK                               |
+| ρ_k      | latency of a reduction, α log2 N                                       | NETWORK                               |
+| ρ_n      | the same and N COMBINED, as every process combines N numbers in Python | measured                              |
 
 Every process has a core of the record's kind for itself, and its memory. Work of contact is not divided. Files are left out:
 each process writes its own points.

@@ -6,9 +6,10 @@ Such a point is therefore held in stick for the next update: it has the shear an
 
     f_t = ε_T g_t        where it slipped before and after an update, and f_t before · f_t after < 0
 
-Then it is judged anew: within the range it sticks, beyond it slips. That is the choice of an active set by the multiplier, and
-not by the displacement (Alart and Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991) 353-375; Hüeber, Stadler and Wohlmuth,
-SIAM J. Sci. Comput. 30 (2008) 572-596). The residual that has to vanish stays that of the law. FORMULATION (42b).
+Then it is judged anew: within the range it sticks, beyond it slips. That is the choice of an active set by the
+multiplier, and not by the displacement (Alart and Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991) 353-375; Hüeber,
+Stadler and Wohlmuth, SIAM J. Sci. Comput. 30 (2008) 572-596). The residual that has to vanish stays that of the law.
+FORMULATION (42b).
 """
 
 import numpy as np
@@ -17,7 +18,8 @@ NONE = np.zeros(0, int)
 
 
 def reversed_slip(before, after, held=NONE):
-    """Index of the contact points that slip in two CornerContacts of a step, `before` and `after` an update, against one another.
+    """Index of the contact points that slip in two CornerContacts of a step, `before` and `after` an update, against
+    one another.
 
     held: index of those that were held in stick in that update: they have been given their way.
     """

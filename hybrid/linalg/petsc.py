@@ -128,7 +128,8 @@ class BlockSystem:
         return (self._matrix, self._matrix) if solver == DIRECT else (self._applied, self._preconditioner)
 
     def destroy(self):
-        """Release the memory of matrices and factors now, not when Python's garbage collector runs. A second call does nothing."""
+        """Release the memory of matrices and factors now, not when Python's garbage collector runs. A second call does
+        nothing."""
         ALIVE.discard(self)
         if self._blocks:
             for ksp, _ in self._solvers.values():

@@ -31,7 +31,8 @@ def advice(step, outcome, settings):
     changes = remedies(step.model, outcome.reason, outcome.errors, settings.tolerance)
     sudden = any(at_once for _, at_once in overload)
     stands = overload and not sudden        # what it carried is known
-    if not (stands or step.model.scheme.inertia or outcome.evaluation is None) and (free := _slides_freely(outcome.evaluation)):
+    at_rest = not (stands or step.model.scheme.inertia or outcome.evaluation is None)
+    if at_rest and (free := _slides_freely(outcome.evaluation)):
         return ". ".join(free)
     if sudden:      # shorter increments of a load that is there at once change nothing
         changes = [change for change in changes if "a smaller time.step" not in change]
@@ -152,8 +153,8 @@ def _slides_freely(evaluation):
         along = force - force @ mean / (mean @ mean) * mean
         size = np.linalg.norm(along)
         if size > ALONG * np.linalg.norm(force) and largest(np.abs(normal @ along)) < ALONG * size:
-            texts.append(f"Nothing resists {body.name} along the soil, as it has no friction: give body.friction, or hold or "
-                         "drive that component (body.held, body.driven)")
+            texts.append(f"Nothing resists {body.name} along the soil, as it has no friction: give body.friction, or "
+                         "hold or drive that component (body.held, body.driven)")
     return texts
 
 

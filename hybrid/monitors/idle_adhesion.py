@@ -1,7 +1,8 @@
 """Clay that touches a body and bears little of its adhesion, because hardly any pressure is there.
 
-The shear of a contact point without a bond is at most RAMP times its pressure (`hybrid.contact.interface`), so that it does not
-jump where the point opens. In soil without weight nothing presses a lid that just touches, or the shaft of a pile.
+The shear of a contact point without a bond is at most RAMP times its pressure (`hybrid.contact.interface`), so that it
+does not jump where the point opens. In soil without weight nothing presses a lid that just touches, or the shaft of a
+pile.
 """
 
 from hybrid.contact.interface import RAMP
@@ -25,11 +26,13 @@ class IdleAdhesion(Monitor):
             if not (body.interface and body.interface.adhesion) or body.interface.tension:
                 continue
             limit = view.report.evaluation.bodies[number].step.pair.corners.limits.shear[contact.active]
-            borne, adhesion = (float(total(force)) for force in (limit.clip(max=RAMP * contact.pressure.clip(min=0.0)), limit))
+            mobilised = limit.clip(max=RAMP * contact.pressure.clip(min=0.0))
+            borne, adhesion = (float(total(force)) for force in (mobilised, limit))
             self._steps[number] = self._steps[number] + 1 if borne < LIMIT * adhesion else 0
             if self._steps[number] == STEPS:
                 yield number, (
                     f"{body.name} touches clay whose adhesion is {adhesion:.3g} N, and bears {borne:.3g} N of it at most "
                     f"({borne / adhesion:.0%}, limit {LIMIT:.0%}) at t = {view.state.time:.4g} s: where nothing holds clay "
-                    f"to a body its shear is at most {RAMP:g} times the pressure. Give the soil its weight (gravity), press the "
-                    'body on, or let clay bear tension on it (body.tension, "full" for clay that never breaks away)')
+                    f"to a body its shear is at most {RAMP:g} times the pressure. Give the soil its weight (gravity), "
+                    'press the body on, or let clay bear tension on it (body.tension, "full" for clay that never '
+                    "breaks away)")

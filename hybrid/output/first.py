@@ -43,8 +43,9 @@ class First:
 
 
 class StopAfterStep:
-    """Observer that stops all processes after a step in which a signal has come to any of them and has not stopped it already:
-    one process has lost the exception if it came in a callback of a library, such as that of a kernel's compiler."""
+    """Observer that stops all processes after a step in which a signal has come to any of them and has not stopped it
+    already: one process has lost the exception if it came in a callback of a library, such as that of a kernel's
+    compiler."""
 
     def __init__(self, signals):
         self._signals = signals

@@ -75,7 +75,8 @@ def _law(scene, material):
     if any(_collapsed(scene)):
         return "drucker-prager", "the scene has one kind of stress state, in which a cone has Mohr-Coulomb's strength"
     if material.relative_density is not None:
-        return "willam-warnke", "sand has its friction angle in compression and in extension, and more where it shears in a plane"
+        return ("willam-warnke",
+                "sand has its friction angle in compression and in extension, and more where it shears in a plane")
     return "mohr-coulomb", "its friction angle is that in any stress state"
 
 

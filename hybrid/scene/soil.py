@@ -16,8 +16,8 @@ class Material:
     A value that the law does not use is refused.
     """
 
-    law: Law | None = key("hencky: elastic; drucker-prager: circular cone; mohr-coulomb: pyramid with its edges rounded off; "
-                          "willam-warnke: arc through both meridians of Mohr-Coulomb; von-mises: undrained clay; user: "
+    law: Law | None = key("hencky: elastic; drucker-prager: circular cone; mohr-coulomb: pyramid with its edges rounded "
+                          "off; willam-warnke: arc through both meridians of Mohr-Coulomb; von-mises: undrained clay; user: "
                           "given to `build` or `run` from Python",
                           default=None)
     relative_density: float | None = key("relative density of the sand whose correlations give the preset", "%",

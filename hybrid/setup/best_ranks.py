@@ -1,6 +1,6 @@
 """The number of processes of a run where the user leaves it open: decided from the scene, before anything is built.
 
-    N = min(cores, points / PER_PROCESS, (memory left - memory of the soil) / LIBRARIES)    rounded down; one where N < FEWEST
+    N = min(cores, points / PER_PROCESS, (memory left - memory of the soil) / LIBRARIES), rounded down; one where N < FEWEST
 
 Each process makes its own block of the initial state. On two cores two processes take 1.05 of the time of
 two threads for a block of 256 000 points and 1.08 for the anchor (demos/speed/README.md), and start 6 s later. So two are

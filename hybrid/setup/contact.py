@@ -36,7 +36,7 @@ from hybrid.runtime.errors import SceneError
 FEWEST, MOST = 4, 32                # places along a face
 CURVATURE, REST_CURVATURE = 16, 32  # spacings in a radius of curvature; of bodies that rest on soil of given shape
 STIFFNESS = {False: 500.0, True: 20.0}  # p_f h, by whether the soil yields
-PRESSED = 2000.0                    # the same of planes driven into elastic soil, whose force is wanted and whose cells follow
+PRESSED = 2000.0                    # the same of planes driven into elastic soil: their force is wanted, and cells follow
 PATCH = 2.0                         # spacings in the radius of a contact patch on held soil
 PUBLISHED = 50.0                    # [1/m] p_f
 SHARP = 0.1                         # of the area: fillets and tips, which cells do not resolve either

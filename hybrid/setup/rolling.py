@@ -2,8 +2,8 @@
 leaves these open.
 
 A body rolls on curved faces that are not upright. One that stands on plane faces sticks at some contact points and slips at
-others, and with springs stiffer than those along the normal Newton's method takes longer to find which: a block of 1 m with μ = 0.3
-pressed on elastic soil (E = 10 MPa, cells of 0.1 m, plane strain) takes, in its first three steps,
+others, and with springs stiffer than those along the normal Newton's method takes longer to find which: a block of 1 m
+with μ = 0.3 pressed on elastic soil (E = 10 MPa, cells of 0.1 m, plane strain) takes, in its first three steps,
 
 | ε_T / ε_N | iterations |
 |---|---|

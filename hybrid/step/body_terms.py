@@ -1,6 +1,6 @@
 """A body in one increment, and its terms in the equations: FORMULATION (33), (37) and its contact.
 
-    R_w = inertia - weight + line + Σ contact - loads - joints - other bodies - support       on the body's free unknowns        [N, N m]
+    R_w = inertia - weight + line + Σ contact - loads - joints - other bodies - support    [N, N m]    on free components
 """
 
 from dataclasses import dataclass, replace
@@ -194,9 +194,9 @@ class BodyTerms:
 
 
 def _expected_pose(body, motion, history, gravity, scheme, dt, cell):
-    """Pose of a body to which its contact points are predicted to move. One that touches nothing yet also falls, without inertia
-    by a `cell` [m]: else a body that starts in touch and slides would find friction in its first step only if its places happen
-    to rise against it."""
+    """Pose of a body to which its contact points are predicted to move. One that touches nothing yet also falls,
+    without inertia by a `cell` [m]: else a body that starts in touch and slides would find friction in its first step
+    only if its places happen to rise against it."""
     position, rotation = rigid.predicted_pose(body, motion, scheme, dt)
     moving, weighs = motion.velocity.any() or motion.spin.any(), np.linalg.norm(gravity)
     if moving and weighs and not anywhere(history.touching):

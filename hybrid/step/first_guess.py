@@ -16,14 +16,15 @@ from hybrid.soil.model import Refusal
 from hybrid.step.iteration import PATIENCE, Updates, iterate
 from hybrid.step.restriction import with_bodies_alone
 
-# Share of the points that touched from which on a body leaves the soil behind in the first guess of a quasi-static increment.
+# Share of the points that touched from which on a body leaves the soil behind in the first guess of a quasi-static
+# increment.
 PARTED = 0.1
 # Share of the soil at the apex, from which the predictor is no good start. Sand that opens everywhere has no tangent:
 # a block that its own weight throws up takes 3 iterations from rest, and 5 to 15 from the predictor if it converges at
 # all (share 0.15 to 0.92). In front of an anchor the share is 0.02; 60 steps from rest take a third more iterations.
 OPENED = 0.1
-# Residual of a body relative to the forces on it, and share of the points that touched before, from which the few points that
-# touch in the first guess do not carry the body.
+# Residual of a body relative to the forces on it, and share of the points that touched before, from which the few
+# points that touch in the first guess do not carry the body.
 ADRIFT, FEW = 0.5, 0.5
 
 
@@ -42,8 +43,8 @@ def first_evaluation(step):
 
 
 def landed(step, evaluation):
-    """Evaluation with free bodies that touch nothing put down on soil that does not move: their weight, which no contact resists
-    yet, would press them into it by a part of a cell."""
+    """Evaluation with free bodies that touch nothing put down on soil that does not move: their weight, which no
+    contact resists yet, would press them into it by a part of a cell."""
     if not any(not comm.anywhere([len(terms.contact)]) and terms.residual.any() for terms in evaluation.bodies):
         return evaluation
     part = with_bodies_alone(step)
@@ -55,12 +56,12 @@ def landed(step, evaluation):
 
 
 def starts(step, evaluation, follow):
-    """Evaluations to start from in turn, until one leads to the solution: `evaluation`, the first guess, and where `follow` or
-    bodies have slid off elastic soil also one of `followed`.
+    """Evaluations to start from in turn, until one leads to the solution: `evaluation`, the first guess, and where
+    `follow` or bodies have slid off elastic soil also one of `followed`.
 
-    Slid along by a part of a cell, a body that leans or has sunk in goes over more than its springs are pressed. It stands on one
-    or two of eighty points then, whose tangent throws it off. Those that carried it before are an active set near that of
-    the solution; soil that yields flows where it would have to pull.
+    Slid along by a part of a cell, a body that leans or has sunk in goes over more than its springs are pressed. It
+    stands on one or two of eighty points then, whose tangent throws it off. Those that carried it before are an active
+    set near that of the solution; soil that yields flows where it would have to pull.
     """
     unknowns, elastic = evaluation.unknowns, step.soil is not None and not step.model.soil.law.plastic
     if step.model.scheme.inertia:

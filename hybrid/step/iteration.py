@@ -3,9 +3,9 @@
     K δ = -R      u <- u + s δ      s = 1, or 1, 1/2, ... 1/16 until |R| falls enough      while |R| > tolerance
 
 Where an update leaves most of the residual in a few nodes, these are solved for by themselves before the next one
-(`hybrid.step.restriction`). Contact points that an update carries from slip in one direction to slip in the other are held in
-stick for the next one (`hybrid.contact.reversals`). The linear systems K δ = -R are solved to FORMULATION (48). The settings
-are those of the scene, `hybrid.scene.Solver`.
+(`hybrid.step.restriction`). Contact points that an update carries from slip in one direction to slip in the other are
+held in stick for the next one (`hybrid.contact.reversals`). The linear systems K δ = -R are solved to FORMULATION (48).
+The settings are those of the scene, `hybrid.scene.Solver`.
 """
 
 from dataclasses import dataclass, replace
@@ -26,14 +26,15 @@ ENOUGH = 0.8
 # Stiff contact dominates the linear residual, so a loose Krylov tolerance leaves the soil unconverged and can open
 # contacts spuriously: the tolerance is divided by (stiffness of contact) h / (STIFF E), but not below FINEST.
 STIFF, FINEST = 80.0, 1e-12
-# Share of the tolerance that a linear system may leave of the residual: it is not solved farther than that, near the end of an
-# increment, but to COARSEST at least (anchor, 45 steps: 1 055 Krylov iterations instead of 1 257, 179 Newton's instead of 178).
+# Share of the tolerance that a linear system may leave of the residual: it is not solved farther than that, near the
+# end of an increment, but to COARSEST at least (anchor, 45 steps: 1 055 Krylov iterations instead of 1 257, 179
+# Newton's instead of 178).
 LEFT, COARSEST = 0.1, 0.1
 # An increment is given up when the smallest error of the last PATIENCE iterations is not below FALL of the smallest one
 # before; MOST is a guard only. In long steps of a collapse point after point yields, and the residual falls slowly.
 PATIENCE, FALL, MOST = 10, 0.8, 100
-# A whole update has gone astray that makes the error ASTRAY times the smallest one, and LOST or more: soil has opened that was
-# not to open, and a tangent there takes a thousand Krylov iterations.
+# A whole update has gone astray that makes the error ASTRAY times the smallest one, and LOST or more: soil has opened
+# that was not to open, and a tangent there takes a thousand Krylov iterations.
 ASTRAY, LOST = 20.0, 0.3
 # Nodes that carry most of the residual are solved for by themselves where an update leaves more than SLOW of it, until
 # SMOOTH of theirs is left or BRIEF iterations make no progress.
@@ -114,9 +115,9 @@ def iterate(step, solver, evaluation, updates):
         jumps.append(jumped(before, trial) or evaluation is not trial and jumped(before, evaluation))
         # assembling and factoring the soil block costs several solutions; the bodies' few unknowns cost nothing
         current = bool(step.system.soil_unknowns) and evaluation.error < good * errors[-1]
+    stuck = "" if progressing(errors, updates.patience) else f" without progress in the last {updates.patience}"
     return Outcome(best, iteration, krylov, tuple(errors),
-                   f"residual {best.error:.2e} after {iteration} iterations"
-                   f"{'' if progressing(errors, updates.patience) else f' without progress in the last {updates.patience}'}, "
+                   f"residual {best.error:.2e} after {iteration} iterations{stuck}, "
                    f"tolerance {solver.tolerance:.0e} ({_with_units(best.norms)})",
                    jumping=sum(jumps[-updates.patience:]) > 1)
 

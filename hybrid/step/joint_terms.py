@@ -1,7 +1,7 @@
 """Joints in one increment: their rows and multipliers in the bodies' block of the equations.
 
     | K_ww - C  -Gᵀ s | | δw |       | R_w - Gᵀ λ |        λ = s μ      C = ∂(Gᵀ λ)/∂w
-    |   -s G     -c   | | δμ |  = -  |   -s φ     |        a row that is at a bound of λ has  k δμ = -(λ - bound) k/s  instead
+    |   -s G     -c   | | δμ |  = -  |   -s φ     |        a row at a bound of λ has  k δμ = -(λ - bound) k/s  instead
 
 s = k, times a length r for rows of angles, with k a stiffness of the bodies, so that all entries are in N/m. Rows that the
 others imply, such as those along components that guides hold, are left out: their λ is zero, but that of friction between

@@ -21,22 +21,23 @@ from hybrid.step.equations import Step
 from hybrid.step.first_guess import first_evaluation, landed, starts
 from hybrid.step.iteration import PATIENCE, Outcome, Updates, iterate
 
-# Whole updates are given up sooner than PATIENCE, because shorter ones are tried then. Iterations of four collapses of clay: 3: 1014, 5: 620, 8: 593;
-# of pipes pushed into clay, a fifth more with 5 than with shorter updates from the start.
+# Whole updates are given up sooner than PATIENCE, because shorter ones are tried then. Iterations of four collapses of
+# clay: 3: 1014, 5: 620, 8: 593; of pipes pushed into clay, a fifth more with 5 than with shorter updates from the
+# start.
 TRIAL = 5
 # Errors that are accepted when progress has ended: HAIR times the tolerance, or ROUGH where the residual is round-off.
 HAIR, ROUGH = 3.0, 1e-3
 # A corner may be carried by a facet whose overlap differs from that with the nearest one by this share (1e-5 to 1e-2 in
 # spheres that roll over rows of corners); it is tried with HOLDS sets of facets.
 AMBIGUOUS, HOLDS = 0.05, 5
-# Where points of clay come into contact or part in an increment, and the adhesion that those in contact bear changes by more than
-# SHARED of it, it is shared among them anew and solved for again, once.
+# Where points of clay come into contact or part in an increment, and the adhesion that those in contact bear changes by
+# more than SHARED of it, it is shared among them anew and solved for again, once.
 SHARED = 0.05
 
 
 def solve(step: Step, follow=False):
-    """Outcome of Newton's method on `step`. Never raises for lack of convergence. follow: whether to try soil that has followed
-    bodies (`followed`) where the first guess fails."""
+    """Outcome of Newton's method on `step`. Never raises for lack of convergence. follow: whether to try soil that has
+    followed bodies (`followed`) where the first guess fails."""
     solver = step.model.solver
     if reason := step.rotation_too_large():
         return Outcome(None, 0, 0, (), reason)
@@ -108,7 +109,7 @@ def _newton(step, solver, evaluation):
     for updates in (Updates(whole, softening=False), Updates(PATIENCE, shorten=True)):
         if outcome.converged:
             break
-        near = outcome.evaluation.error <= HAIR * solver.tolerance      # accepted as it is; shorter updates gain nothing there
+        near = outcome.evaluation.error <= HAIR * solver.tolerance      # accepted as it is, shorter updates gain nothing
         useful = solver.line_search and not near if updates.shorten else step.softened(outcome.evaluation)
         if useful:
             best = step.evaluate(outcome.evaluation.unknowns)

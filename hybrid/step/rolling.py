@@ -1,8 +1,8 @@
 """Rate at which a round body rolls in the first guess of an increment without inertia.
 
-A body that is drawn along keeps no spin there. Displaced without turning, all of its contact points slip, and those that close
-are expected to have slid: their tangential springs then resist the rolling. So it is turned by the smallest rotation with which
-the points that touch it stand still in the mean,
+A body that is drawn along keeps no spin there. Displaced without turning, all of its contact points slip, and those
+that close are expected to have slid: their tangential springs then resist the rolling. So it is turned by the smallest
+rotation with which the points that touch it stand still in the mean,
 
     φ = argmin |Δ + φ × r|        r their mean arm, Δ the displacement that guides give the body in the increment
 

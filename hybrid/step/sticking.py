@@ -1,4 +1,5 @@
-"""Contact points that are held in stick for an update of Newton's method: `hybrid.contact.reversals`, for all bodies of a step."""
+"""Contact points that are held in stick for an update of Newton's method: `hybrid.contact.reversals`, for all bodies of
+a step."""
 
 from contextlib import ExitStack
 
@@ -7,8 +8,8 @@ from hybrid.runtime import comm
 
 
 def turned_round(before, after, held=None):
-    """Contact points of each body whose slip an update between two Evaluations turns round, None where there are none; held: those
-    that were held in stick in it, None for none."""
+    """Contact points of each body whose slip an update between two Evaluations turns round, None where there are none;
+    held: those that were held in stick in it, None for none."""
     points = tuple(map(reversed_slip, before.contacts, after.contacts, held or [NONE] * len(after.contacts)))
     return points if any(comm.anywhere([len(own)]) for own in points) else None
 

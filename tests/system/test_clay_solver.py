@@ -82,7 +82,8 @@ def test_a_run_that_is_continued_takes_the_same_solvers_to_the_last_bit(prepared
 
 def test_a_direct_factor_is_remembered_where_no_iterations_help(prepared, monkeypatch):
     monkeypatch.setattr(petsc, "RAISED", 1.0)       # the damped factor is then as unstable as the incomplete one
-    monkeypatch.setattr(iteration, "LEFT", 0.0)        # the last iteration would do without: a tenth of the residual is enough
+    # the last iteration would do without: a tenth of the residual is enough
+    monkeypatch.setattr(iteration, "LEFT", 0.0)
     list(pressed(steps=4).steps())
     pauses = [len(list(group)) for solver, group in groupby(prepared) if solver == DIRECT]
     assert pauses[:2] == [SOON, 2 * SOON]

@@ -1,4 +1,5 @@
-"""First guess of an increment without inertia: bodies that touch nothing yet, soil that just touches, bodies drawn back or along."""
+"""First guess of an increment without inertia: bodies that touch nothing yet, soil that just touches, bodies drawn back
+or along."""
 
 from dataclasses import replace
 
@@ -79,8 +80,8 @@ def test_increments_are_far_shorter_without_it(monkeypatch):
 
 
 def test_a_block_dragged_over_elastic_soil_starts_on_the_points_that_carried_it(monkeypatch):
-    """By a tenth of a cell a step: 28 iterations, and 327 where it starts on the one or two points that its way leaves. It slides from
-    its first step on, in which it touches the soil with its weight."""
+    """By a tenth of a cell a step: 28 iterations, and 327 where it starts on the one or two points that its way leaves.
+    It slides from its first step on, in which it touches the soil with its weight."""
     found = records(DRAGGED)
     for record in found:
         force = record.bodies[0].contact_force
@@ -97,7 +98,8 @@ def block_in_space(**values):
         size=0.1, x=(-0.4, 0.6), y=(-0.4, 0.4), z=(-0.4, 0.2), material=DRAGGED.soil.material, steps=3)
 
 
-@pytest.mark.parametrize("values", [{"friction": 0.4}, {"friction": 0.4, "driven": ("x", "y"), "velocity": (6e-3, 4e-3, 0.0)},
+@pytest.mark.parametrize("values", [{"friction": 0.4},
+                                    {"friction": 0.4, "driven": ("x", "y"), "velocity": (6e-3, 4e-3, 0.0)},
                                     {"friction": 0.0}])
 def test_a_block_is_put_down_in_space(values):
     """At first it only just touches, so that friction has no limit but zero; nothing else resists some of its components."""
@@ -114,7 +116,8 @@ def test_what_nothing_resists_is_named():
     """A force along the soil on a block without friction."""
     scene = block_in_space(friction=0.0)
     pushed = replace(scene, stages=(replace(scene.stages[0], loads=(Load(force=(20.0, 0.0, 0.0)),)),))
-    with pytest.raises(StepError, match=r"\(time.smallest\)\. Nothing resists body along the soil, as it has no friction: .*body\.held.*\. Last"):
+    hint = r"\(time.smallest\)\. Nothing resists body along the soil, as it has no friction: .*body\.held.*\. Last"
+    with pytest.raises(StepError, match=hint):
         records(pushed)
 
 

@@ -187,7 +187,8 @@ def test_friction_of_a_hinge_holds_or_takes_energy():
 
 def rotor(steps, moment, **given):
     """A bar that turns about its middle with friction, without gravity."""
-    pin = Joint(name="pin", kind="hinge", bodies=("rotor",), point=(0.0, 0.0, CENTRE), axis=(0.0, 1.0, 0.0), friction_moment=moment)
+    pin = Joint(name="pin", kind="hinge", bodies=("rotor",), point=(0.0, 0.0, CENTRE), axis=(0.0, 1.0, 0.0),
+                friction_moment=moment)
     return joined([arm("rotor", LENGTHS[0], 0.0, **given)], [pin], steps, 0.02, gravity=(0.0, 0.0, 0.0))
 
 

@@ -102,7 +102,8 @@ def test_updates_that_go_astray_are_not_followed(monkeypatch):
         assemble=lambda evaluation, softening: tangents.append(softening))
     monkeypatch.setattr(sticking, "turned_round", lambda *evaluations: None)
     monkeypatch.setattr(held_facets, "switched", lambda *contacts: False)
-    for start, updates, count in ((0.01, iteration.Updates(4, smooth=False), 1), (0.5, iteration.Updates(4, smooth=False), 4),
+    for start, updates, count in ((0.01, iteration.Updates(4, smooth=False), 1),
+                                  (0.5, iteration.Updates(4, smooth=False), 4),
                                   (0.01, iteration.Updates(4, shorten=True, smooth=False, softening=False), 4)):
         monkeypatch.setattr(iteration, "line_search", lambda *search: at(0.9))
         tangents.clear()

@@ -79,7 +79,8 @@ def test_pyramid_has_the_strength_of_mohr_coulomb_in_a_plane(psi):
 
 def test_rounded_edges_of_the_pyramid_lose_hardly_any_strength():
     """1 % of √J2 in compression, 0.2 % in extension."""
-    compressed, extended = (excess(drive(LAWS["mohr-coulomb"](), ISOTROPIC, (None, None, end)).stress[-1]) for end in (-0.1, 0.1))
+    compressed, extended = (excess(drive(LAWS["mohr-coulomb"](), ISOTROPIC, (None, None, end)).stress[-1])
+                            for end in (-0.1, 0.1))
     assert -0.02 < compressed < 0.0 and -0.005 < extended < 0.0
 
 

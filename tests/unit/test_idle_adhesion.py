@@ -30,7 +30,8 @@ def test_a_lid_that_nothing_presses_is_reported_once():
 
 
 @pytest.mark.parametrize("pressures, given", [
-    ([(50.0, 100.0)] * 9, {}), (([(1.0, 1.0)] * (STEPS - 1) + [(50.0, 100.0)]) * 3, {}), ([(1.0, 1.0)] * 9, {"adhesion": None}),
+    ([(50.0, 100.0)] * 9, {}), (([(1.0, 1.0)] * (STEPS - 1) + [(50.0, 100.0)]) * 3, {}),
+    ([(1.0, 1.0)] * 9, {"adhesion": None}),
     ([(1.0, 1.0)] * 9, {"tension": 5e3})], ids=["pressed", "in between", "no adhesion", "a bond"])
 def test_others_are_not(pressures, given):
     assert notes(pressures, **given) == []

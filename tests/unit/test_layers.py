@@ -1,4 +1,4 @@
-"""The import rules of pyproject.toml hold for the package, and would be seen to fail if broken."""
+"""The import rules of pyproject.toml hold for the package, and would be seen to fail if broken; lines fit a screen."""
 
 import shutil
 import subprocess
@@ -10,6 +10,7 @@ import pytest
 pytest.importorskip("importlinter")
 
 ROOT = Path(__file__).resolve().parents[2]
+WIDTH = 125      # characters of a line of code
 LINT = """
 import sys
 from importlinter.cli import lint_imports
@@ -45,3 +46,10 @@ def test_a_broken_rule_is_seen(tmp_path, module, line, contract):
     status, report = lint(tmp_path)
     assert status != 0 and f"{contract} BROKEN" in report, report
     assert "hybrid." + module.removesuffix(".py").replace("/", ".") in report, report
+
+
+@pytest.mark.parametrize("folder", ["hybrid", "tests", "demos"])
+def test_lines_fit_a_screen(folder):
+    for path in sorted((ROOT / folder).rglob("*.py")):
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+            assert len(line) <= WIDTH, f"{path.relative_to(ROOT)}:{number}"

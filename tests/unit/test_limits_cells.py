@@ -113,7 +113,8 @@ def test_a_footing_that_a_stage_loads(half, load, count):
     assert all(("inclined or eccentric load" in text and "up to 16%" in text) == (half == 1.5) for text in warnings)
 
 
-@pytest.mark.parametrize("x, half, velocity, count", [(0.375, 1.5, -0.002, 1), (0.0, 1.5, -0.002, 0), (0.375, 1.5, 0.002, 0)])
+@pytest.mark.parametrize("x, half, velocity, count",
+                         [(0.375, 1.5, -0.002, 1), (0.0, 1.5, -0.002, 0), (0.375, 1.5, 0.002, 0)])
 def test_a_footing_that_a_point_drives(x, half, velocity, count):
     """Down, beside its centre: as one under an eccentric load."""
     described = footing(half, False, size=0.3, driven=(), held=("x",), velocity=(0.0, 0.0, 0.0))

@@ -16,11 +16,15 @@ ROCK = Layer("rock", top=-HEIGHT, material={"strength": 200e3, "young": 50e6})
 STEP = ((0.0, -HEIGHT), (0.001, 0.0))
 
 
-def texts(number=6.4, cells=20, ground=STEP, layers=(ROCK,), limit=clay_cells.drawn_walls, gravity=-9.81, material=None, **table):
+def texts(number=6.4, cells=20, ground=STEP, layers=(ROCK,), limit=clay_cells.drawn_walls, gravity=-9.81, material=None,
+          **table):
     """Warnings about a wall 3 m high on rock, at x < 0, with clay of γ H / s_u = number beside it."""
-    size, values = HEIGHT / cells, {"law": "von-mises", "poisson": 0.49, "strength": WEIGHT * HEIGHT / number, **(material or {})}
-    wall = body("box.geo", {"length": 0.53, "width": 1.0, "height": 3.2, "size": 20.0}, position=(-0.265, 0.5, -1.4), **(table or AWAY))
-    grid = Grid(Axis(start=-12 * size, end=6.0, size=size), slice_(), Axis(start=-HEIGHT - 6 * size, end=2 * size, size=size))
+    size, values = HEIGHT / cells, {"law": "von-mises", "poisson": 0.49, "strength": WEIGHT * HEIGHT / number,
+                                    **(material or {})}
+    wall = body("box.geo", {"length": 0.53, "width": 1.0, "height": 3.2, "size": 20.0}, position=(-0.265, 0.5, -1.4),
+                **(table or AWAY))
+    grid = Grid(Axis(start=-12 * size, end=6.0, size=size), slice_(),
+                Axis(start=-HEIGHT - 6 * size, end=2 * size, size=size))
     soil = Soil(Material(young=5e6, density=1700.0, **values), top=0.0, ground=ground, layers=layers, geostatic=False)
     simulation = build(scene("wall", grid, soil, [wall], Time(1.0, inertia=False), 10, (0.0, 0.0, gravity)))
     return list(limit(simulation.scene, simulation.model))
@@ -32,7 +36,8 @@ def missing(found):
 
 
 @pytest.mark.parametrize("number, cells, found", [
-    (6.375, 5, 0.167), (6.375, 10, 0.507), (6.375, 20, 0.741), (6.375, 40, 0.869), (10, 10, 0.691), (10, 20, 0.825), (16, 10, 0.766), (16, 20, 0.884)])
+    (6.375, 5, 0.167), (6.375, 10, 0.507), (6.375, 20, 0.741), (6.375, 40, 0.869), (10, 10, 0.691), (10, 20, 0.825),
+    (16, 10, 0.766), (16, 20, 0.884)])
 def test_the_law_is_what_was_measured(number, cells, found):
     """Over γ H²/2 - 2 s_u H (demos/random/README.md)."""
     assert 1.0 - missing(texts(number, cells)) == pytest.approx(found, abs=0.07)
@@ -51,17 +56,20 @@ def test_other_walls():
     """Clay that stands by itself, is pushed against, has no weight, or stands on both sides; sand."""
     assert texts(number=3.9) == [] and texts(**AGAINST) == [] and texts(gravity=0.0) == []
     assert texts(ground=((0.0, 0.0), (1.0, 0.0))) == []
-    sand = {"law": "drucker-prager", "friction_angle": 30.0, "dilation_angle": 0.0, "cohesion": 1e3, "poisson": 0.3, "strength": None}
+    sand = {"law": "drucker-prager", "friction_angle": 30.0, "dilation_angle": 0.0, "cohesion": 1e3, "poisson": 0.3,
+            "strength": None}
     assert texts(material=sand, layers=()) == []
 
 
 def test_the_mean_of_all_clay_behind_the_wall_counts():
-    """Clay as strong in its upper half as is needed to stand; a strength that grows with depth; sand on clay, of which nothing is known."""
+    """Clay as strong in its upper half as is needed to stand; a strength that grows with depth; sand on clay, of which
+    nothing is known."""
     upper = Layer("upper", bottom=-0.5 * HEIGHT, material={"strength": 3 * WEIGHT * HEIGHT / 6.4})
     assert texts(layers=(upper, ROCK)) == []
     su = WEIGHT * HEIGHT / 6.4
     assert "up to 1.87 m only" in texts(material={"strength": 0.5 * su, "strength_gradient": su / HEIGHT})[0]
-    sand = Layer("sand", bottom=-0.5 * HEIGHT, law="drucker-prager", material={"friction_angle": 30.0, "dilation_angle": 0.0, "cohesion": 1e3})
+    sand = Layer("sand", bottom=-0.5 * HEIGHT, law="drucker-prager",
+                 material={"friction_angle": 30.0, "dilation_angle": 0.0, "cohesion": 1e3})
     assert texts(layers=(sand, ROCK)) == []
 
 
@@ -89,5 +97,6 @@ def test_a_strip_that_slides_over_clay_which_stays_attached():
     """Not one that is lifted, lies deep in the clay, or from which clay parts."""
     text, = slides(adhesion=0.5, tension="full")
     assert 'body.tension = "full"' in text and "Leave body.tension out" in text
-    assert not slides(adhesion=0.5) and not slides(adhesion=0.5, tension=1e4) and not slides((0.0, 0.0, 0.001), tension="full")
+    assert not slides(adhesion=0.5) and not slides(adhesion=0.5, tension=1e4)
+    assert not slides((0.0, 0.0, 0.001), tension="full")
     assert not slides(adhesion=0.5, tension="full", base=-1.2)

@@ -1,4 +1,5 @@
-"""Limits of few cells in sand: each warns with the error that the record of problems set up afresh has, and not beside it."""
+"""Limits of few cells in sand: each warns with the error that the record of problems set up afresh has, and not beside
+it."""
 
 from dataclasses import replace
 
@@ -40,16 +41,20 @@ def blade(rake, size=0.1, law="drucker-prager", speed=0.005):
     """A smooth blade 1 m deep in sand of 30 degrees, in place from the start."""
     values = {"young": 2e7, "poisson": 0.3, "density": 1700.0}
     values |= {"strength": 2e4} if law == "von-mises" else {"friction_angle": 30.0, "dilation_angle": 30.0, "cohesion": 0.0}
-    made = body("plough.geo", {"width": 0.5, "height": 1.5, "thickness": 0.4, "rake": rake, "size": 0.4}, position=(0.0, 0.25, -1.0), driven=("x",),
+    made = body("plough.geo", {"width": 0.5, "height": 1.5, "thickness": 0.4, "rake": rake, "size": 0.4},
+                position=(0.0, 0.25, -1.0), driven=("x",),
                 held=("z", "ry"), velocity=(speed, 0.0, 0.0))
-    grid = Grid(Axis(start=-3.0, end=3.0, size=size), Axis(start=0.0, end=0.5, collapsed=True), Axis(start=-2.0, end=1.0, size=size), Faces(z_min="fixed"))
-    return scene("blade", grid, Soil(Material(law=law, **values), top=0.0, geostatic=False), [made], clay.Time(1.0, inertia=False), 20)
+    grid = Grid(Axis(start=-3.0, end=3.0, size=size), Axis(start=0.0, end=0.5, collapsed=True),
+                Axis(start=-2.0, end=1.0, size=size), Faces(z_min="fixed"))
+    return scene("blade", grid, Soil(Material(law=law, **values), top=0.0, geostatic=False), [made],
+                 clay.Time(1.0, inertia=False), 20)
 
 
 @pytest.mark.parametrize("rake", [75, 60, 50])
 def test_an_inclined_blade_is_told_that_more_than_the_law_of_upright_ones_is_missing(rake):
     text, = texts(sand_cells.pushed_walls, blade(rake))
-    assert "ends 1 m deep in sand, 10 cells" in text and "at least 23%" in text and f"at {rake} degrees" in text and "70 to 195 %" in text
+    assert "ends 1 m deep in sand, 10 cells" in text and "at least 23%" in text
+    assert f"at {rake} degrees" in text and "70 to 195 %" in text
     assert "cells of at most" not in text       # of the upright law, not fine enough here
 
 
@@ -59,7 +64,8 @@ def test_an_upright_blade_is_told_of_its_own_and_flat_ones_and_those_in_clay_of_
     assert not texts(sand_cells.pushed_walls, blade(40)) and not texts(sand_cells.pushed_walls, blade(60, law="von-mises"))
 
 
-@pytest.mark.parametrize("rake, across, coulomb, low, high", [(90, 10, 12.51, 19.2, 24.8), (75, 10, 9.60, 16.7, 23.7), (60, 10, 7.78, 19.6, 22.9),
+@pytest.mark.parametrize("rake, across, coulomb, low, high",
+                         [(90, 10, 12.51, 19.2, 24.8), (75, 10, 9.60, 16.7, 23.7), (60, 10, 7.78, 19.6, 22.9),
                                                               (60, 20, 7.78, 13.2, 14.5)])
 def test_the_law_of_walls_is_a_lower_bound_of_what_blades_measured(rake, across, coulomb, low, high):
     """Loads [kN] over ways of 25 to 100 mm; of inclined ones 70 to 195 % too high, as the note says."""
@@ -80,9 +86,11 @@ def retaining(law="drucker-prager", ground=((0.0, 0.0), (0.001, 2.0)), size=0.4,
     """A wall 2 m high on rock, in front of as much sand."""
     values = {"young": 2e7, "poisson": 0.3, "density": 1600.0}
     values |= {"strength": 2e4} if law == "von-mises" else {"friction_angle": 33.0, "dilation_angle": 0.0, "cohesion": 0.0}
-    wall = body("box.geo", {"length": 1.2, "width": 1.0, "height": 2.0, "size": 5.0}, position=(-0.6, 0.5, 0.0), rest_on=0.0, **table)
+    wall = body("box.geo", {"length": 1.2, "width": 1.0, "height": 2.0, "size": 5.0}, position=(-0.6, 0.5, 0.0),
+                rest_on=0.0, **table)
     grid = Grid(Axis(start=-3.2, end=4.8, size=size), slice_(), Axis(start=-0.8, end=2.4, size=size))
-    return scene("wall", grid, Soil(Material(law=law, **values), top=2.0, ground=ground, geostatic=False, layers=(ROCK,)), [wall], clay.Time(0.01), 100)
+    return scene("wall", grid, Soil(Material(law=law, **values), top=2.0, ground=ground, geostatic=False, layers=(ROCK,)),
+                 [wall], clay.Time(0.01), 100)
 
 
 AWAY, AGAINST = ({"driven": ("x",), "held": ("y", "z", "rx", "ry", "rz"), "velocity": (v, 0.0, 0.0)} for v in (-0.02, 0.02))
@@ -91,7 +99,8 @@ AWAY, AGAINST = ({"driven": ("x",), "held": ("y", "z", "rx", "ry", "rz"), "veloc
 def test_a_wall_that_moves_away_from_sand_is_told_that_its_load_is_too_low():
     """The opposite of one that moves against it; clay, and sand on both sides, are other problems."""
     text, = texts(sand_cells.pushed_walls, retaining(**AWAY))
-    assert "moves away from 2 m of sand, 5 cells" in text and "about 55% too low" in text and "unsafe" in text and "0.062 m" in text
+    assert "moves away from 2 m of sand, 5 cells" in text and "about 55% too low" in text
+    assert "unsafe" in text and "0.062 m" in text
     text, = texts(sand_cells.pushed_walls, retaining(**AGAINST))
     assert "at least 46% too high" in text and "too low" not in text
     assert not texts(sand_cells.pushed_walls, retaining("von-mises", **AWAY))
@@ -101,8 +110,10 @@ def test_the_law_of_the_layer_at_the_foot_counts():
     """Sand described as a layer above rock, where soil.material is the rock; and clay on sand."""
     described = retaining(**AWAY)
     rock = replace(described.soil.material, law="hencky", friction_angle=None, dilation_angle=None, cohesion=None)
-    upper = Layer("sand", bottom=0.0, law="drucker-prager", material={"friction_angle": 33.0, "dilation_angle": 0.0, "cohesion": 0.0})
-    assert len(texts(sand_cells.pushed_walls, replace(described, soil=replace(described.soil, material=rock, layers=(upper,))))) == 1
+    upper = Layer("sand", bottom=0.0, law="drucker-prager",
+                  material={"friction_angle": 33.0, "dilation_angle": 0.0, "cohesion": 0.0})
+    assert len(texts(sand_cells.pushed_walls,
+                     replace(described, soil=replace(described.soil, material=rock, layers=(upper,))))) == 1
     upper = Layer("clay", bottom=0.0, law="von-mises", material={"strength": 2e4})
     assert not texts(sand_cells.pushed_walls, replace(described, soil=replace(described.soil, layers=(upper,))))
 
@@ -110,7 +121,8 @@ def test_the_law_of_the_layer_at_the_foot_counts():
 def test_a_free_wall_beside_a_step_of_the_ground():
     text, = texts(sand_cells.retaining_walls, retaining())
     assert "retains 2 m of sand" in text and "pressure of the sand is about 55% too low" in text
-    assert not texts(sand_cells.retaining_walls, retaining(**AWAY)) and not texts(sand_cells.retaining_walls, retaining("von-mises"))
+    assert not texts(sand_cells.retaining_walls, retaining(**AWAY))
+    assert not texts(sand_cells.retaining_walls, retaining("von-mises"))
     assert not texts(sand_cells.retaining_walls, retaining(ground=((0.0, 0.0), (4.0, 0.0))))     # on level ground
 
 
@@ -130,9 +142,11 @@ def strip(law="drucker-prager", gravity=(0.0, 0.0, -9.81), loads=(), **table):
     """Half a strip of 2 m on soil, with 8 cells in its width."""
     values = {"young": 5e7, "poisson": 0.3, "density": 1600.0}
     values |= {"strength": 2e4} if law == "von-mises" else {"friction_angle": 30.0, "dilation_angle": 30.0, "cohesion": 0.0}
-    foot = body("box.geo", {"length": 2.0, "width": 1.0, "height": 0.5, "size": 5.0}, position=(0.0, 0.5, 0.0), rest_on=0.0, friction=0.6, **table)
+    foot = body("box.geo", {"length": 2.0, "width": 1.0, "height": 0.5, "size": 5.0}, position=(0.0, 0.5, 0.0),
+                rest_on=0.0, friction=0.6, **table)
     grid = Grid(Axis(start=0.0, end=4.0, size=0.25), slice_(), Axis(start=-2.0, end=1.0, size=0.25))
-    described = scene("foot", grid, Soil(Material(law=law, **values), top=0.0, geostatic=gravity[2] < 0.0), [foot], clay.Time(1.0, inertia=False), 10, gravity)
+    described = scene("foot", grid, Soil(Material(law=law, **values), top=0.0, geostatic=gravity[2] < 0.0), [foot],
+                      clay.Time(1.0, inertia=False), 10, gravity)
     return replace(described, stages=(replace(described.stages[0], loads=loads),))
 
 
@@ -143,33 +157,41 @@ LOADED = {"held": ("x", "y", "rx", "ry", "rz"), "loads": (Load(force=((0.0, 0.0,
 @pytest.mark.parametrize("table", [PRESSED, LOADED])
 def test_a_footing_on_sand_with_weight(table):
     text, = texts(sand_cells.footings, strip(**table))
-    assert "8 cells of 0.25 m wide" in text and "(N_γ) is about 89% too high" in text and "less 1.9 times the difference" in text
+    assert "8 cells of 0.25 m wide" in text and "(N_γ) is about 89% too high" in text
+    assert "less 1.9 times the difference" in text
     assert "rising with the way as the sand dilates" in text
 
 
 def test_a_footing_on_sand_that_does_not_dilate_is_not_said_to_rise():
     described = strip(**PRESSED)
-    text, = texts(sand_cells.footings, replace(described, soil=replace(described.soil, material=replace(described.soil.material, dilation_angle=0.0))))
+    stiff = replace(described.soil, material=replace(described.soil.material, dilation_angle=0.0))
+    text, = texts(sand_cells.footings, replace(described, soil=stiff))
     assert "(N_γ) is about 89% too high" in text and "rising" not in text
 
 
 def test_footings_on_clay_on_weightless_sand_or_that_only_rest_are_not_judged():
-    assert not texts(sand_cells.footings, strip("von-mises", **PRESSED)) and not texts(sand_cells.footings, strip(gravity=(0.0, 0.0, 0.0), **PRESSED))
+    assert not texts(sand_cells.footings, strip("von-mises", **PRESSED))
+    assert not texts(sand_cells.footings, strip(gravity=(0.0, 0.0, 0.0), **PRESSED))
     assert not texts(sand_cells.footings, strip())
 
 
 @pytest.mark.parametrize("size, soil, law, count", [
-    (0.1, {"upper": (0.6, 0.6, 0.6)}, {}, 1), (0.1, {"upper": (1.2, 1.2, 0.6)}, {}, 0), (0.1, {"upper": (0.6, 0.6, 0.1)}, {}, 0),
-    (0.1, {"upper": (0.6, 0.6, 0.6)}, {"law": "hencky", "friction_angle": None, "dilation_angle": None, "cohesion": None}, 0)])
+    (0.1, {"upper": (0.6, 0.6, 0.6)}, {}, 1), (0.1, {"upper": (1.2, 1.2, 0.6)}, {}, 0),
+    (0.1, {"upper": (0.6, 0.6, 0.1)}, {}, 0),
+    (0.1, {"upper": (0.6, 0.6, 0.6)},
+     {"law": "hencky", "friction_angle": None, "dilation_angle": None, "cohesion": None}, 0)])
 def test_a_column_of_sand_on_few_cells(size, soil, law, count):
     """Six cells high; sand up to the ends of the grid, a single layer and elastic soil do not run out."""
     side = Axis(start=0.0, end=1.2, size=size)
-    values = {"young": 5e6, "poisson": 0.3, "density": 1600.0, "friction_angle": 30.0, "dilation_angle": 0.0, "cohesion": 0.0} | law
-    described = scene("column", Grid(side, side, Axis(start=0.0, end=0.7, size=size)), Soil(Material(**values), geostatic=False, **soil), [],
+    values = {"young": 5e6, "poisson": 0.3, "density": 1600.0, "friction_angle": 30.0, "dilation_angle": 0.0,
+              "cohesion": 0.0} | law
+    described = scene("column", Grid(side, side, Axis(start=0.0, end=0.7, size=size)),
+                      Soil(Material(**values), geostatic=False, **soil), [],
                       clay.Time(0.01), 1)
     warnings = texts(sand_cells.thin_front, described)
     assert len(warnings) == count
-    assert all("0.6 m high, 6 cells, limit 16" in text and "27% too little" in text and "at most 0.037 m" in text for text in warnings)
+    told = "0.6 m high, 6 cells, limit 16", "27% too little", "at most 0.037 m"
+    assert all(part in text for text in warnings for part in told)
 
 
 def test_a_cylinder_of_sand_given_as_ground():

@@ -1,12 +1,13 @@
-"""Active pressure of clay that few cells make too low, measured on smooth walls that are drawn back (demos/random/README.md, "By cells"),
-and clay that stays attached to a body which slides over it.
+"""Active pressure of clay that few cells make too low, measured on smooth walls that are drawn back
+(demos/random/README.md, "By cells"), and clay that stays attached to a body which slides over it.
 
-    P(H) = γ H²/2 - 2 s_u H          clay that cannot stand by itself, γ H > 4 s_u, slides down after the wall on a plane of 45°
-    P(H - 1.4 h) instead of P(H)     found with cells of h
+    P(H) = γ H²/2 - 2 s_u H         clay that cannot stand by itself, γ H > 4 s_u, slides after the wall on a plane of 45°
+    P(H - 1.4 h) instead of P(H)    found with cells of h
 
-A wedge that moves with the wall bounds the force from below whether clay hangs on the wall or parts from it where Rankine's stress γ z - 2 s_u
-is tension. No other mechanism gives more than 2 % of γ H²/2 above it (linear programme of limit analysis at γ H / s_u = 5, 6.4 and 10).
-As in sand (`sand_cells`) nodes at the foot stay behind, and the wedge is as much lower.
+A wedge that moves with the wall bounds the force from below whether clay hangs on the wall or parts from it where
+Rankine's stress γ z - 2 s_u is tension. No other mechanism gives more than 2 % of γ H²/2 above it (linear programme of
+limit analysis at γ H / s_u = 5, 6.4 and 10). As in sand (`sand_cells`) nodes at the foot stay behind, and the wedge is
+as much lower.
 """
 
 import numpy as np
@@ -33,7 +34,8 @@ def drawn_walls(scene, model):
 def clay_walls(scene, model):
     """Bodies that no guide holds, with clay on one side of them and hardly any on the other."""
     for body, place, way, depth in free_walls(scene, model, {CLAY}):
-        yield from _active(scene, model.soil, body, place, way, depth.behind, "retains", "where it gives way, the pressure of the clay is")
+        yield from _active(scene, model.soil, body, place, way, depth.behind, "retains",
+                           "where it gives way, the pressure of the clay is")
 
 
 def attached_slides(scene, model):
@@ -43,23 +45,26 @@ def attached_slides(scene, model):
         attached = body.interface is not None and np.isinf(body.interface.tension)
         along = abs(way[2]) < ALONG * np.linalg.norm(way) and bottom > top_of(model.soil) - SUNK * across
         if attached and along and law_at(scene, model.soil, bottom - 0.5 * model.soil.grid.smallest_cell) == CLAY:
-            yield (f'{body.name} is driven along the top of clay with body.tension = "full": what its rear edge leaves stays on it and '
-                   "holds it back, a strip on 10 and 20 cells by 35 and 18 % of α s_u B with α = 1, by 150 and 90 % with 0.5, limit "
-                   f"{EXCESS:.0%}. Leave body.tension out, or give the tension [Pa] that the clay bears")
+            yield (f'{body.name} is driven along the top of clay with body.tension = "full": what its rear edge '
+                   "leaves stays on it and holds it back, a strip on 10 and 20 cells by 35 and 18 % of α s_u B with "
+                   f"α = 1, by 150 and 90 % with 0.5, limit {EXCESS:.0%}. Leave body.tension out, or give the tension "
+                   "[Pa] that the clay bears")
 
 
 def _active(scene, soil, body, place, way, height, does, load):
     """Text, if any, about a wall that clay of a `height` [m] behind it follows."""
     cell = soil.grid.smallest_cell
     critical = _critical_height(scene, soil, place, way)
-    if critical is None or height <= critical or height < STEEP * cell or body.interface is not None and body.interface.tension:
+    attached = body.interface is not None and body.interface.tension
+    if critical is None or height <= max(critical, STEEP * cell) or attached:
         return
     missing = 1.0 - _pressure(max(height - LOWER * cell, critical), critical) / _pressure(height, critical)
     if missing > EXCESS:
         remaining = 0.5 * critical + np.sqrt(0.25 * critical**2 + (1.0 - EXCESS) * _pressure(height, critical))
-        yield (f"{body.name} {does} {height:.3g} m of clay that stands by itself up to {critical:.3g} m only, {height / cell:.2g} cells of {cell:.3g} m, "
-               f"whose lowest cells stay behind at its foot: {load} about {missing:.0%} too low, limit {EXCESS:.0%}, which is unsafe for a retaining "
-               f"wall. Use cells of at most {(height - remaining) / LOWER:.2g} m, or extrapolate two sizes of cells to none")
+        yield (f"{body.name} {does} {height:.3g} m of clay that stands by itself up to {critical:.3g} m only, "
+               f"{height / cell:.2g} cells of {cell:.3g} m, whose lowest cells stay behind at its foot: {load} about "
+               f"{missing:.0%} too low, limit {EXCESS:.0%}, which is unsafe for a retaining wall. Use cells of at "
+               f"most {(height - remaining) / LOWER:.2g} m, or extrapolate two sizes of cells to none")
 
 
 def _pressure(height, critical):
@@ -68,14 +73,16 @@ def _pressure(height, critical):
 
 
 def _critical_height(scene, soil, place, way):
-    """4 s_u / γ [m] by the means of all clay above the foot of a wall in two cells behind it; None where soil other than clay is there."""
+    """4 s_u / γ [m] by the means of all clay above the foot of a wall in two cells behind it; None where soil other
+    than clay is there."""
     axis = int(np.argmax(np.abs(way)))
     low, high = beside(soil, place[:, axis], axis)
     points, parameters = soil.constants, soil.law.parameters
     behind = (low if way[axis] > 0.0 else high) & (points.position[:, 2] > place[:, 2].min())
     if anywhere(parameters[behind, 2] > 0.0):
         return None
-    volume, mass, strength = (float(total(values[behind])) for values in (points.volume, points.mass, points.volume * parameters[:, 4]))
+    fields = points.volume, points.mass, points.volume * parameters[:, 4]
+    volume, mass, strength = (float(total(values[behind])) for values in fields)
     return 4.0 * strength / (mass * -scene.gravity[2]) if volume else None
 
 

@@ -1,13 +1,15 @@
-"""Loads and run-outs of sand that few cells make wrong, by how much, measured on problems set up afresh (demos/random/README.md, "By cells").
+"""Loads and run-outs of sand that few cells make wrong, by how much, measured on problems set up afresh
+(demos/random/README.md, "By cells").
 
     wall that ends in sand and is pushed against it, plane strain        1 + 2.3/n to 1 + 4.2/n   n cells in its depth
     the same with a face that leans back                                 over 1 + 7/n at 75°, 1 + 14/n at 60°
-    wall that sand behind it follows, on rock or in the sand, the same   (1 - 1.65/n)²            n cells in the height of the sand
+    wall that sand behind it follows, on rock or in the sand, the same   (1 - 1.65/n)²            n cells in its height
     footing pressed on sand that has weight, plane strain                N_γ (1 + 3.1/n^0.6)         n cells in its width
     column of sand let go in space                                       run-out (1 - 1.6/n)      n cells in its height
 
-A foot holds the next nodes back. Sand that a wall pushes takes them along, and the wedge is a cell deeper than the wall; sand that follows a wall
-stays on them, and the wedge is as much lower. The front of a column is thinner than a cell, and its base is fixed.
+A foot holds the next nodes back. Sand that a wall pushes takes them along, and the wedge is a cell deeper than the
+wall; sand that follows a wall stays on them, and the wedge is as much lower. The front of a column is thinner than a
+cell, and its base is fixed.
 """
 
 from typing import NamedTuple
@@ -20,10 +22,12 @@ from hybrid.monitors.limits.ways import (
 from hybrid.runtime.comm import maximum, minimum
 
 FOOT, ACTIVE, FRONT = 2.3, 1.65, 1.6
-INCLINED, LEANING = 45.0, 85.0  # degrees from the ground of a face that is judged as a wall, and below which what inclined ones measured is told
+# Degrees from the ground of a face that is judged as a wall, and below which what inclined ones measured is told.
+INCLINED, LEANING = 45.0, 85.0
 WEIGHT, ORDER = 3.1, 0.6         # of the part of a footing's load that the sand's weight carries
 SHALLOW = 1.0                   # widths under the ground: what goes deeper is no footing
-PASSIVE = 3.0                   # depths: sand that presses a wall from behind counts where it is so much deeper, K_p/K_a = 11 times the pressure
+# Depths: sand that presses a wall from behind counts where it is so much deeper, K_p/K_a = 11 times the pressure.
+PASSIVE = 3.0
 
 
 class Sides(NamedTuple):
@@ -47,7 +51,8 @@ def pushed_walls(scene, model):
 
 
 def _angle(body, place, way):
-    """Degrees between the ground and the face with which a body leads, 90 of an upright one and over 90 of one that leans forward; None of a round one."""
+    """Degrees between the ground and the face with which a body leads, 90 of an upright one and over 90 of one that
+    leans forward; None of a round one."""
     normal = facing(body, place, way)
     return None if normal is None else float(np.degrees(np.arctan2(normal @ way / np.linalg.norm(way), normal[2])))
 
@@ -55,12 +60,13 @@ def _angle(body, place, way):
 def retaining_walls(scene, model):
     """Bodies that no guide holds, with sand on one side of them and hardly any on the other."""
     for body, _, _, depth in free_walls(scene, model, SAND):
-        yield from _retained(body, depth.behind, model.soil.grid.smallest_cell, "retains", "where it gives way, the pressure of the sand is")
+        yield from _retained(body, depth.behind, model.soil.grid.smallest_cell, "retains",
+                             "where it gives way, the pressure of the sand is")
 
 
 def free_walls(scene, model, laws):
-    """(RigidBody, places (V, 3) [m] of its vertices, way (3,) away from the soil, Sides) of each body that no guide holds, with soil of one of the
-    `laws` on one side of it and hardly any on the other."""
+    """(RigidBody, places (V, 3) [m] of its vertices, way (3,) away from the soil, Sides) of each body that no guide
+    holds, with soil of one of the `laws` on one side of it and hardly any on the other."""
     soil = model.soil
     if soil.held or not soil.law.plastic or scene.gravity[2] >= 0.0 or soil.grid.collapsed.sum() != 1:
         return
@@ -88,13 +94,16 @@ def footings(scene, model):
             continue
         excess = WEIGHT * (cell / width)**ORDER
         if excess > EXCESS and not covers(place, soil.constants, soil.grid):
-            yield (f"{body.name} is pressed on sand with a base {width / cell:.2g} cells of {cell:.3g} m wide: what the sand's own weight lets it carry "
-                   f"(N_γ) is about {excess:.0%} too high, more if the base is smooth{_rising(material)}, limit {EXCESS:.0%}. Extrapolate two sizes of "
-                   "cells to none: load of the smaller ones less 1.9 times the difference, as the excess falls with the power 0.6 of the cells")
+            yield (f"{body.name} is pressed on sand with a base {width / cell:.2g} cells of {cell:.3g} m wide: what "
+                   f"the sand's own weight lets it carry (N_γ) is about {excess:.0%} too high, more if the base is "
+                   f"smooth{_rising(material)}, limit {EXCESS:.0%}. Extrapolate two sizes of cells to none: load of "
+                   "the smaller ones less 1.9 times the difference, as the excess falls with the power 0.6 of the "
+                   "cells")
 
 
 def _rising(material):
-    """What is told of sand that dilates: φ = ψ = 30°, 8 cells in 2 m, E = 500 MPa: 28, 38, 46 of 14.75 after 6, 30, 60 mm."""
+    """What is told of sand that dilates: φ = ψ = 30°, 8 cells in 2 m, E = 500 MPa: 28, 38, 46 of 14.75 after 6, 30, 60
+    mm."""
     return " and rising with the way as the sand dilates" if material.dilation_angle else ""
 
 
@@ -104,13 +113,14 @@ def _wedge(body, depth, cell, angle):
     if depth < cell or excess <= EXCESS:
         return
     if angle < LEANING:
-        remedy = (f"Its face is at {angle:.0f} degrees to the ground, limit {LEANING:.0f}, and drags more: smooth faces at 75 and 60 degrees measured 70 "
-                  "to 195 % over Coulomb's wedge with 10 to 20 cells, rising as the sand heaps up. Extrapolate two sizes of cells to none")
+        remedy = (f"Its face is at {angle:.0f} degrees to the ground, limit {LEANING:.0f}, and drags more: smooth "
+                  "faces at 75 and 60 degrees measured 70 to 195 % over Coulomb's wedge with 10 to 20 cells, rising "
+                  "as the sand heaps up. Extrapolate two sizes of cells to none")
     else:
-        remedy = (f"Use cells of at most {EXCESS / FOOT * depth:.2g} m, or extrapolate two sizes of cells to none. One on a foot 0.4 of its depth thick "
-                  "measured 98 % with 10 cells, 52 % on its face alone")
-    yield (f"{body.name} ends {depth:.3g} m deep in sand, {depth / cell:.2g} cells of {cell:.3g} m, and drags the next cell along: its load is "
-           f"at least {excess:.0%} too high, limit {EXCESS:.0%}. {remedy}")
+        remedy = (f"Use cells of at most {EXCESS / FOOT * depth:.2g} m, or extrapolate two sizes of cells to none. "
+                  "One on a foot 0.4 of its depth thick measured 98 % with 10 cells, 52 % on its face alone")
+    yield (f"{body.name} ends {depth:.3g} m deep in sand, {depth / cell:.2g} cells of {cell:.3g} m, and drags the "
+           f"next cell along: its load is at least {excess:.0%} too high, limit {EXCESS:.0%}. {remedy}")
 
 
 def _retained(body, depth, cell, does, load):
@@ -118,17 +128,19 @@ def _retained(body, depth, cell, does, load):
     missing = 1.0 - max(1.0 - ACTIVE * cell / depth, 0.0) ** 2 if depth > 0 else 0.0
     if depth >= STEEP * cell and missing > EXCESS:
         enough = (1.0 - np.sqrt(1.0 - EXCESS)) / ACTIVE * depth
-        yield (f"{body.name} {does} {depth:.3g} m of sand, {depth / cell:.2g} cells of {cell:.3g} m, whose lowest cells stay behind at its foot: "
-               f"{load} about {missing:.0%} too low, limit {EXCESS:.0%}, which is unsafe for a retaining wall. Use cells of at most {enough:.2g} m, or "
-               "extrapolate two sizes of cells to none")
+        yield (f"{body.name} {does} {depth:.3g} m of sand, {depth / cell:.2g} cells of {cell:.3g} m, whose lowest "
+               f"cells stay behind at its foot: {load} about {missing:.0%} too low, limit {EXCESS:.0%}, which is "
+               f"unsafe for a retaining wall. Use cells of at most {enough:.2g} m, or extrapolate two sizes of cells "
+               "to none")
 
 
 def depths(scene, soil, place, way, laws):
-    """Sides of an upright wall with its vertices at `place`, moved along a `way`, in plane strain, whose foot is in soil of one of the `laws`; None of
-    what is none, goes up or down, or ends on a smooth base."""
+    """Sides of an upright wall with its vertices at `place`, moved along a `way`, in plane strain, whose foot is in
+    soil of one of the `laws`; None of what is none, goes up or down, or ends on a smooth base."""
     axis, bottom, cell = int(np.argmax(np.abs(way))), place[:, 2].min(), soil.grid.smallest_cell
     base = minimum(soil.constants.position[:, 2] - soil.constants.half_width[:, 2])
-    if soil.grid.collapsed.sum() != 1 or way[2] or soil.grid.collapsed[2] or bottom < base + cell or law_at(scene, soil, bottom + 0.5 * cell) not in laws:
+    in_plane_strain = soil.grid.collapsed.sum() == 1 and not soil.grid.collapsed[2]
+    if not in_plane_strain or way[2] or bottom < base + cell or law_at(scene, soil, bottom + 0.5 * cell) not in laws:
         return None
     top = soil.constants.position[:, 2] + soil.constants.half_width[:, 2]
     before = [maximum(top[inside], -np.inf) - bottom for inside in beside(soil, place[:, axis], axis)]
@@ -147,21 +159,24 @@ def beside(soil, reach, axis):
 def thin_front(scene, model):
     """Columns of sand let go in space, so few cells high that the front, thinner than one, stays behind."""
     soil = model.soil
-    if soil.held or not model.scheme.inertia or soil.grid.collapsed.any() or scene.soil.material.law not in SAND or scene.bodies:
+    let_go = model.scheme.inertia and not soil.held and not scene.bodies and scene.soil.material.law in SAND
+    if not let_go or soil.grid.collapsed.any():
         return
     drop, cell = _drop(scene, soil), soil.grid.smallest_cell
     cells = drop / cell
     if cells > STEEP and FRONT / cells > EXCESS:
-        yield (f"the soil has a free side {drop:.3g} m high, {cells:.2g} cells, limit {FRONT / EXCESS:.2g}: let go in space it runs out about "
-               f"{min(FRONT / cells, 1):.0%} too little, because the front becomes thinner than a cell. Use cells of at most "
-               f"{EXCESS * drop / FRONT:.2g} m, or the plane strain of a wide column")
+        yield (f"the soil has a free side {drop:.3g} m high, {cells:.2g} cells, limit {FRONT / EXCESS:.2g}: let go in "
+               f"space it runs out about {min(FRONT / cells, 1):.0%} too little, because the front becomes thinner "
+               f"than a cell. Use cells of at most {EXCESS * drop / FRONT:.2g} m, or the plane strain of a wide column")
 
 
 def _drop(scene, soil):
-    """Height [m] of the highest free side of the soil as described: of its box inside of the grid, or of a step of soil.ground."""
+    """Height [m] of the highest free side of the soil as described: of its box inside of the grid, or of a step of
+    soil.ground."""
     position, half, cell = soil.constants.position, soil.constants.half_width, soil.grid.smallest_cell
-    low, high = ([extreme(side[:, axis]) for axis in range(3)] for extreme, side in ((minimum, position - half), (maximum, position + half)))
-    inside = any(high[axis] < soil.grid.extent[axis, 1] - cell or low[axis] > soil.grid.extent[axis, 0] + cell for axis in (0, 1))
+    low, high = ([extreme(x) for x in ends.T] for extreme, ends in ((minimum, position - half), (maximum, position + half)))
+    ends = soil.grid.extent
+    inside = any(high[axis] < ends[axis, 1] - cell or low[axis] > ends[axis, 0] + cell for axis in (0, 1))
     return high[2] - low[2] if inside else step_of_ground(scene, soil)
 
 

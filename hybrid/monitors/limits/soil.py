@@ -67,7 +67,8 @@ def softening(scene, model):
 
 def strong_cone(scene, model):
     """A cone through the compression corners of Mohr-Coulomb's pyramid, or of Tresca's prism, in plane strain; and Willam
-    and Warnke's arc through these, which sand of a relative density has because its angle is that of triaxial compression."""
+    and Warnke's arc through these, which sand of a relative density has because its angle is that of triaxial
+    compression."""
     law = model.soil.law
     if model.soil.held or not (model.soil.grid.collapsed.sum() == 1 and law.plastic and hasattr(law, "parameters")):
         return
@@ -79,9 +80,9 @@ def strong_cone(scene, model):
     arcs = [m.friction_angle for m in materials(scene.soil) if m.law == "willam-warnke" and m.relative_density is None]
     if arcs and any(arcs):
         angle = maximum([plane_strain_angle(row) for row in np.unique(law.parameters[law.parameters[:, 5] < 1.0], axis=0)])
-        yield (f'soil.material.law = "willam-warnke": this law has a friction angle of {angle:.3g} degrees in plane strain, '
-               f"the {max(arcs):.3g} given in triaxial compression. Leave soil.material.law out if the angle given is that of "
-               "plane strain")
+        yield (f'soil.material.law = "willam-warnke": this law has a friction angle of {angle:.3g} degrees in plane '
+               f"strain, the {max(arcs):.3g} given in triaxial compression. Leave soil.material.law out if the angle "
+               "given is that of plane strain")
     if "von-mises" in laws:
         yield ('soil.material.cone = "compression": in plane strain this cone carries 2/√3 = 1.15 of the strength given, '
                'limit 1. Leave soil.material.cone out')
