@@ -74,6 +74,7 @@ def sense_notes(scene):
     for i, body in enumerate(scene.bodies):
         yield from _body(f"body.{i}", body, heavy or scene.time.inertia)
         yield from _tension(f"body.{i}", body, scene.soil)
+        yield from _drive(f"body.{i}", body, scene.stages)
     size = hypot(*scene.gravity)
     if size > STRONGEST:
         yield f"gravity = {shown(scene.gravity)} m/s² looks wrong: 9.81 m/s² expected; is this a number of mm/s²?"
@@ -113,6 +114,15 @@ def _tension(path, body, soil):
                     for m in (soil.material, *(of_layer(soil.material, layer) for layer in soil.layers))), default=0.0)
     if not soil.held and isinstance(body.tension, (int, float)) and 0.0 < body.tension < min(WEAK[0], WEAK[1] * strength):
         yield (f"{path}.tension = {body.tension:g} Pa beside strength = {strength:g} Pa looks wrong: {KILOPASCAL}")
+
+
+def _drive(path, body, stages):
+    """Drive of a body that starts at rest and that no stage moves."""
+    moved = any(motion.body in (None, body.name) for stage in stages for motion in stage.motions)
+    if body.driven and not any(body.velocity) and not any(body.spin) and not moved:
+        yield (f"{path}.driven = {shown(body.driven)} with velocity = [0, 0, 0] and spin = [0, 0, 0] looks wrong: driven "
+               "components keep the velocity of the start, so that the body stands still. Give body.velocity or "
+               "stage.motion; what is to stand still is held (body.held)")
 
 
 def _ends(scene):

@@ -42,7 +42,7 @@ def outer_step(model, workspace, state, length, pulling, control):
         model, state = processes.settle(model, state, workspace)
         step = begin(model, state, dt, pulling, workspace)
         step = support.under(step) if support else step
-        outcome = newton.solve(step, follow=dt <= FOLLOW * length)
+        outcome = newton.solve(step, dt <= FOLLOW * length, control.shorten)
         accepted, error = control.judge(step, outcome)
         report.count(outcome, accepted)
         if not accepted and not support and state.time == start.time:
@@ -64,11 +64,13 @@ class Control:
     dt        [s] that the next increment tries
     smallest  [s] increment below which a step fails
     accuracy  [m] error of positions that an outer step may add, None where convergence alone decides
+    shorten   whether the last increment needed shorter updates of Newton's method, so that the next one begins with them
     """
 
     dt: float
     smallest: float
     accuracy: float | None = None
+    shorten: bool = False
     _length: float = 0.0        # [s] of the outer step
     _rejected: bool = False     # the last trial
 
@@ -86,6 +88,7 @@ class Control:
 
         Raises StepError where a trial is rejected and the next one would be too short.
         """
+        self.shorten = outcome.shortened
         if not outcome.converged:
             self._reject(step.dt / 2)
             if self.dt < self.smallest:

@@ -60,7 +60,7 @@ class Updates:
 class Outcome:
     """evaluation: of the smallest error, None when none exists; reason: empty when converged, else why there is no
     solution; judged: whether it converged to a bound beyond the tolerance (`_judge`); jumping: whether corners went to
-    and fro between facets when progress ended."""
+    and fro between facets when progress ended; shortened: whether updates had to be shortened."""
 
     evaluation: Evaluation | None
     iterations: int
@@ -69,6 +69,7 @@ class Outcome:
     reason: str = ""
     judged: bool = False
     jumping: bool = False
+    shortened: bool = False
 
     @property
     def converged(self):
@@ -82,7 +83,7 @@ class Outcome:
 
 def iterate(step, solver, evaluation, updates):
     """Outcome of `updates` from an evaluation."""
-    errors, krylov, current, jumps = [], 0, False, []
+    errors, krylov, current, jumps, shortened = [], 0, False, [], False
     forcing = max(solver.linear_tolerance / max(1.0, step.contrast() / STIFF), FINEST)
     good = GOOD_YIELDING if step.model.soil.law.plastic else GOOD
     best, turned = evaluation, None
@@ -91,11 +92,12 @@ def iterate(step, solver, evaluation, updates):
         errors.append(evaluation.error)
         best = evaluation if evaluation.error < best.error else best
         if evaluation.error <= solver.tolerance:
-            return Outcome(evaluation, iteration, krylov, tuple(errors))
+            return Outcome(evaluation, iteration, krylov, tuple(errors), shortened=shortened)
         astray = not updates.shorten and solver.line_search and evaluation.error > max(ASTRAY * best.error, LOST)
         if iteration == MOST or astray or not progressing(errors, updates.patience):
             break
         try:
+            turned = turned or sticking.drifting(step, evaluation)
             held = sticking.held_in_stick(step, evaluation, turned) if turned else evaluation
             if turned or not current:
                 step.assemble(held, updates.softening)
@@ -104,8 +106,9 @@ def iterate(step, solver, evaluation, updates):
         except StepError as failure:
             return Outcome(best, iteration, krylov, tuple(errors), str(failure))
         krylov += count
-        before, trial = evaluation, line_search(step, evaluation, soil, body, updates.shorten)
-        evaluation = trial
+        before = evaluation
+        evaluation, scale = line_search(step, before, soil, body, updates.shorten)
+        trial, shortened = evaluation, shortened or scale < 1.0
         if isinstance(evaluation, Refusal):
             return Outcome(best, iteration, krylov, tuple(errors), f"the update {evaluation.reason}")
         if updates.smooth and evaluation.error > max(SLOW * errors[-1], solver.tolerance):
@@ -119,7 +122,7 @@ def iterate(step, solver, evaluation, updates):
     return Outcome(best, iteration, krylov, tuple(errors),
                    f"residual {best.error:.2e} after {iteration} iterations{stuck}, "
                    f"tolerance {solver.tolerance:.0e} ({_with_units(best.norms)})",
-                   jumping=sum(jumps[-updates.patience:]) > 1)
+                   jumping=sum(jumps[-updates.patience:]) > 1, shortened=shortened)
 
 
 def jumped(before, after):
@@ -131,7 +134,7 @@ def jumped(before, after):
 def linear_tolerance(solver, finest, error):
     """Relative tolerance of a linear system whose right-hand side is the residual of this `error`: `finest`, as a rule, or
     in the same proportion what leaves LEFT of the tolerance."""
-    enough = LEFT * solver.tolerance / error
+    enough = LEFT * solver.tolerance / max(error, solver.tolerance)     # in stick it may be none
     return max(finest, min(COARSEST, finest / solver.linear_tolerance * enough))
 
 
@@ -165,23 +168,24 @@ def progressing(errors, patience=PATIENCE):
 
 def line_search(step, old, soil, body, shorten):
     """First evaluation along the update (soil, body) that lowers the error by enough, else the best of those tried; a
-    Refusal where none exists. shorten: False takes the full update if it has an evaluation.
+    Refusal where none exists; and the share of the update that it took. shorten: False takes the full update if it has an
+    evaluation.
 
     Where sand opens and closes, full updates overshoot the solution alternately: each lowers the error a little, half
     of one by a lot. So an update that gains little is tried shorter.
     """
-    scale, best, refusal = 1.0, None, Refusal("gives no finite residual")
+    scale, best, taken, refusal = 1.0, None, 1.0, Refusal("gives no finite residual")
     while scale >= SHORTEST:
         new = step.evaluate(step.moved(old.unknowns, soil, body, scale), keep=best)
         if isinstance(new, Refusal):
             refusal, error = new, float("inf")
         elif not shorten or new.error < ENOUGH * old.error:
-            return new
+            return new, scale
         else:
             error = new.error
         if best is not None and best.error < min(error, old.error):     # the minimum has been passed
             break
         if error < (float("inf") if best is None else best.error):
-            best = new
+            best, taken = new, scale
         scale /= 2
-    return refusal if best is None else best
+    return (refusal if best is None else best), taken

@@ -7,10 +7,11 @@
     judged, or rejected                               what ends above the tolerance, and what a step must not accept
 
 The residual of soil that rotates or yields rises or hardly falls before it falls: a line search from the start takes up
-to four times the iterations. So whole updates, s = 1, are taken as long as they make progress, and shorter ones from the
-best iterate after that (a watchdog: Chamberlain et al., Math. Program. Study 16 (1982) 1-17). In between, where a body has
-convex edges, whole updates with a tangent that does not soften (`hybrid.contact.assembly.without_softening`): soil that
-slides off an edge has no equilibrium on the way.
+to four times the iterations. So whole updates, s = 1, are taken as long as they make progress, and shorter ones from
+the best iterate after that (a watchdog: Chamberlain et al., Math. Program. Study 16 (1982) 1-17). In between, where a
+body has convex edges, whole updates with a tangent that does not soften (`hybrid.contact.assembly.without_softening`):
+soil that slides off an edge has no equilibrium on the way. Clay that flows around a pipe needs shorter updates in every
+increment: after one that did, the next begins with them.
 """
 
 from dataclasses import replace
@@ -35,9 +36,9 @@ AMBIGUOUS, HOLDS = 0.05, 5
 SHARED = 0.05
 
 
-def solve(step: Step, follow=False):
+def solve(step: Step, follow=False, shorten=False):
     """Outcome of Newton's method on `step`. Never raises for lack of convergence. follow: whether to try soil that has
-    followed bodies (`followed`) where the first guess fails."""
+    followed bodies (`followed`) where the first guess fails; shorten: whether to begin with shorter updates."""
     solver = step.model.solver
     if reason := step.rotation_too_large():
         return Outcome(None, 0, 0, (), reason)
@@ -51,7 +52,7 @@ def solve(step: Step, follow=False):
         step = replace(step, reference=evaluation.internal)
     outcome = Outcome(None, 0, 0, ())
     for start in starts(step, evaluation, follow):
-        outcome = outcome.followed_by(_solution(step, solver, start))
+        outcome = outcome.followed_by(_solution(step, solver, start, shorten))
         if outcome.converged:
             break
     if not outcome.converged:
@@ -70,10 +71,10 @@ def _shared(step, solver, outcome):
     return again.followed_by(replace(outcome, evaluation=step.evaluate(outcome.evaluation.unknowns)))
 
 
-def _solution(step, solver, evaluation):
+def _solution(step, solver, evaluation, shorten=False):
     """Outcome from an evaluation. Where corners jump between facets they are held (`hybrid.contact.held_facets`)."""
     step.release_facets()
-    outcome, held = _newton(step, solver, evaluation), None
+    outcome, held = _newton(step, solver, evaluation, shorten), None
     for _ in range(HOLDS):
         if outcome.converged and step.facet_error(outcome.evaluation) <= AMBIGUOUS or not (
                 outcome.converged or outcome.jumping):
@@ -101,10 +102,15 @@ def _judge(step, solver, outcome):
     return outcome
 
 
-def _newton(step, solver, evaluation):
+def _newton(step, solver, evaluation, shorten=False):
     """Outcome with whole updates; where they make no progress, from the best iterate with those of a tangent that does not
-    soften where convex edges press the soil; and then with shorter ones."""
+    soften where convex edges press the soil; and then with shorter ones. shorten: whether to try these first."""
     whole = TRIAL if solver.line_search else PATIENCE
+    if shorten and solver.line_search:
+        outcome = iterate(step, solver, evaluation, Updates(PATIENCE, shorten=True))
+        if outcome.converged:
+            return outcome
+        return outcome.followed_by(iterate(step, solver, step.evaluate(evaluation.unknowns), Updates(whole)))
     outcome = iterate(step, solver, evaluation, Updates(whole))
     for updates in (Updates(whole, softening=False), Updates(PATIENCE, shorten=True)):
         if outcome.converged:

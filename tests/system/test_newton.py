@@ -44,7 +44,7 @@ def test_a_collapse_takes_whole_updates(monkeypatch):
     """Up to 7 iterations a step; with updates that are shortened from the start, 19, and 143 instead of 87 in all."""
     records = bank(20)
     assert sum(r.rejections for r in records) == 0
-    monkeypatch.setattr(newton, "_newton", lambda step, solver, start: iteration.iterate(
+    monkeypatch.setattr(newton, "_newton", lambda step, solver, start, shorten: iteration.iterate(
         step, solver, start, iteration.Updates(iteration.PATIENCE, shorten=True)))
     assert sum(r.iterations for r in bank(20)) > 1.5 * sum(r.iterations for r in records)
 
@@ -88,6 +88,30 @@ def test_shorter_updates_start_from_the_best_iterate():
         error = 1.0
 
 
+def test_shorter_updates_come_first_after_an_increment_that_needed_them(monkeypatch):
+    """And whole ones again where they fail, from the first guess; without a line search there are none."""
+    begun, fails = [], False
+
+    def iterate(step, solver, start, updates):
+        begun.append((start, updates.shorten))
+        best = SimpleNamespace(unknowns="best", error=1.0)
+        return iteration.Outcome(best, 3, 0, (1.0,), "residual" if fails and len(begun) == 1 else "",
+                                 shortened=updates.shorten)
+
+    monkeypatch.setattr(newton, "iterate", iterate)
+    step, start = SimpleNamespace(evaluate=lambda unknowns: unknowns), SimpleNamespace(unknowns="first")
+    assert newton._newton(step, Solver(), start, shorten=True).shortened and begun == [(start, True)]
+    fails = True
+    begun.clear()
+    outcome = newton._newton(step, Solver(), start, shorten=True)
+    assert outcome.converged and outcome.iterations == 6 and not outcome.shortened
+    assert begun == [(start, True), ("first", False)]
+    fails = False
+    begun.clear()
+    newton._newton(step, Solver(line_search=False), start, shorten=True)
+    assert begun == [(start, False)]
+
+
 def test_updates_that_go_astray_are_not_followed(monkeypatch):
     """After an error of 0.01, one of 0.9; shortened updates are followed, and so are errors that were as large before."""
     terms = SimpleNamespace(step=SimpleNamespace(body=SimpleNamespace(surface=None)))
@@ -101,11 +125,12 @@ def test_updates_that_go_astray_are_not_followed(monkeypatch):
         system=SimpleNamespace(solve=lambda *system: (None, None, 1), soil_unknowns=1),
         assemble=lambda evaluation, softening: tangents.append(softening))
     monkeypatch.setattr(sticking, "turned_round", lambda *evaluations: None)
+    monkeypatch.setattr(sticking, "drifting", lambda *evaluations: None)
     monkeypatch.setattr(held_facets, "switched", lambda *contacts: False)
     for start, updates, count in ((0.01, iteration.Updates(4, smooth=False), 1),
                                   (0.5, iteration.Updates(4, smooth=False), 4),
                                   (0.01, iteration.Updates(4, shorten=True, smooth=False, softening=False), 4)):
-        monkeypatch.setattr(iteration, "line_search", lambda *search: at(0.9))
+        monkeypatch.setattr(iteration, "line_search", lambda *search: (at(0.9), 1.0))
         tangents.clear()
         assert iteration.iterate(step, Solver(), at(start), updates).iterations == count
         assert tangents == [updates.softening] * count
@@ -237,11 +262,12 @@ def test_jumps_that_smoothing_takes_back_count(monkeypatch):
     system = SimpleNamespace(solve=lambda *system: (None, None, 1), soil_unknowns=1)
     step = SimpleNamespace(model=model, system=system, contrast=lambda: 0.0, assemble=lambda *tangent: None)
     monkeypatch.setattr(sticking, "turned_round", lambda *evaluations: None)
+    monkeypatch.setattr(sticking, "drifting", lambda *evaluations: None)
     monkeypatch.setattr(held_facets, "switched", lambda before, after, surface: before != after)
-    monkeypatch.setattr(iteration, "line_search", lambda *search: at("the other one"))
+    monkeypatch.setattr(iteration, "line_search", lambda *search: (at("the other one"), 1.0))
     monkeypatch.setattr(iteration, "smoothed", lambda *few: at("one"))
     assert iteration.iterate(step, Solver(), at("one"), iteration.Updates(iteration.PATIENCE)).jumping
-    monkeypatch.setattr(iteration, "line_search", lambda *search: at("one"))
+    monkeypatch.setattr(iteration, "line_search", lambda *search: (at("one"), 1.0))
     assert not iteration.iterate(step, Solver(), at("one"), iteration.Updates(iteration.PATIENCE)).jumping
 
 

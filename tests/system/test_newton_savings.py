@@ -91,9 +91,11 @@ def test_an_update_that_gains_little_is_shortened():
             return SimpleNamespace(error=abs(1 - 1.95 * scale), unknowns=scale)
 
     old = SimpleNamespace(error=1.0, unknowns=None)
-    assert iteration.line_search(Step(), old, None, None, True).unknowns == 0.5 and tried == [1.0, 0.5]
+    found, share = iteration.line_search(Step(), old, None, None, True)
+    assert found.unknowns == share == 0.5 and tried == [1.0, 0.5]
     tried.clear()
-    assert iteration.line_search(Step(), old, None, None, False).unknowns == 1.0
+    found, share = iteration.line_search(Step(), old, None, None, False)
+    assert found.unknowns == share == 1.0
 
 
 @pytest.mark.parametrize("error, best", [(lambda s: 1 - 0.3 * s, 1.0), (lambda s: 1 + s, 1 / 16),
@@ -111,8 +113,8 @@ def test_the_best_evaluation_is_returned_and_stays_valid(error, best):
             tried.append(SimpleNamespace(error=error(scale), unknowns=scale, valid=True))
             return tried[-1]
 
-    found = iteration.line_search(Step(), SimpleNamespace(error=1.0, unknowns=None), None, None, True)
-    assert found.unknowns == best and found.valid
+    found, share = iteration.line_search(Step(), SimpleNamespace(error=1.0, unknowns=None), None, None, True)
+    assert found.unknowns == share == best and found.valid
     assert len({one.unknowns for one in tried}) == len(tried)   # nothing is evaluated twice
 
 
@@ -125,4 +127,4 @@ def test_an_update_without_any_evaluation_is_refused_with_the_last_reason():
             return Refusal(f"fails at {scale:g}")
 
     old = SimpleNamespace(error=1.0, unknowns=None)
-    assert iteration.line_search(Step(), old, None, None, True) == Refusal("fails at 0.0625")
+    assert iteration.line_search(Step(), old, None, None, True)[0] == Refusal("fails at 0.0625")

@@ -3,7 +3,6 @@
 import pytest
 
 from hybrid.runtime.data import GEOMETRY
-from hybrid.runtime.errors import StepError
 from hybrid.scene.file import load_scene
 from hybrid.setup.build import build
 from hybrid.step import sticking
@@ -56,11 +55,13 @@ def test_a_rough_block_is_pressed_and_slides(tmp_path):
 def test_stiffer_springs_need_points_held_in_stick(tmp_path, monkeypatch):
     """Four times along the normal, and ten times as stiff along the surface beside these."""
     keys = "penalty = 20e3\ntangential = 3.0"
-    monkeypatch.setattr(sticking, "turned_round", lambda *given: None)
-    with pytest.raises(StepError, match="step 1 failed"):
-        next(block(tmp_path, keys).steps())
+    for which in ("turned_round", "drifting"):
+        monkeypatch.setattr(sticking, which, lambda *given: None)
+    without = next(block(tmp_path, keys).steps()).iterations
     monkeypatch.undo()
-    assert next(block(tmp_path, keys).steps()).iterations <= 30
+    iterations = next(block(tmp_path, keys).steps()).iterations
+    print(iterations, without)
+    assert iterations <= 30 and without > 2 * iterations
 
 
 def test_soft_tangential_springs_need_fewer_iterations(tmp_path):

@@ -24,10 +24,10 @@ def test_no_tiny_increment_is_left_at_the_end():
     assert even(2.0, 1.0) == 1.0
 
 
-def judged(control, dt, iterations=EASY, converged=True):
+def judged(control, dt, iterations=EASY, converged=True, shortened=False):
     """Whether a trial of `dt` is accepted."""
     return control.judge(SimpleNamespace(dt=dt, pairs=None), SimpleNamespace(
-        converged=converged, iterations=iterations, evaluation=None, judged=False))[0]
+        converged=converged, iterations=iterations, evaluation=None, judged=False, shortened=shortened))[0]
 
 
 def test_convergence_halves_and_doubles():
@@ -36,6 +36,15 @@ def test_convergence_halves_and_doubles():
     assert not judged(control, 1.0, converged=False) and control.dt == control.increment(1.0) == 0.5
     assert judged(control, 0.5, EASY + 1) and control.dt == 0.5
     assert judged(control, 0.5) and judged(control, 1.0) and control.dt == LENGTH      # no longer than the outer step
+
+
+def test_shorter_updates_are_remembered_until_an_increment_does_without():
+    control = Control(LENGTH, 0.01)
+    control.begin(LENGTH)
+    for shortened in (False, True, False):
+        for converged in (False, True):
+            judged(control, 0.5, converged=converged, shortened=shortened)
+            assert control.shorten == shortened
 
 
 def test_accuracy_sets_the_next_increment_and_a_rejected_trial_stops_its_growth(monkeypatch):
