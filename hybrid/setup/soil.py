@@ -164,12 +164,13 @@ def soil_box(described, grid):
 def _require_grid_line(key, x, axis, nodes):
     if len(nodes) == 1:     # a collapsed axis has no lines
         return
-    nearest = nodes[np.argmin(np.abs(nodes - x))]
-    if abs(nearest - x) > 1e-6 * np.diff(nodes).min():
+    nearest, sizes = nodes[np.argmin(np.abs(nodes - x))], np.diff(nodes)
+    if abs(nearest - x) > 1e-6 * sizes.min():
         name = "xyz"[axis]
+        graded = "" if sizes.max() < 1.01 * sizes.min() else f", with whole cells between the ends of grid.{name}.fine"
         raise SceneError(f"{key} = {x:g}: must be on a grid line, because points fill whole cells, and the nearest "
                          f"line along {name} is at {nearest:.6g} m; set {key} to that, or choose grid.{name}.start and "
-                         f"grid.{name}.size so that a line lies at {x:g} m")
+                         f"grid.{name}.size so that a line lies at {x:g} m{graded}")
 
 
 def occupied_layers(described, heights, top):

@@ -71,6 +71,11 @@ def test_soil_ends_on_grid_lines(soil, words):
         build(scene(soil=Soil(ELASTIC, **soil)))
 
 
+def test_fine_cells_of_a_graded_axis_do_not_end_on_the_surface():
+    with pytest.raises(SceneError, match=r"a line lies at 0 m, with whole cells between the ends of grid\.z\.fine"):
+        build(scene(z=Axis(-2.0, 1.0, 0.2, fine=(-0.5, 1.0), growth=1.3)))
+
+
 def test_the_box_of_soil_is_cut_by_the_grid():
     grid = SimpleNamespace(extent=np.array([[0.0, 1.0], [0.0, 1.0], [-1.0, 1.0]]),
                            lines=(np.array([0.5]), np.linspace(0, 1, 3), np.linspace(-1, 1, 5)))
