@@ -88,7 +88,7 @@ class Control:
 
         Raises StepError where a trial is rejected and the next one would be too short.
         """
-        self.shorten = outcome.shortened
+        self.shorten = outcome.converged and outcome.shortened
         if not outcome.converged:
             self._reject(step.dt / 2)
             if self.dt < self.smallest:

@@ -122,7 +122,7 @@ def iterate(step, solver, evaluation, updates):
     return Outcome(best, iteration, krylov, tuple(errors),
                    f"residual {best.error:.2e} after {iteration} iterations{stuck}, "
                    f"tolerance {solver.tolerance:.0e} ({_with_units(best.norms)})",
-                   jumping=sum(jumps[-updates.patience:]) > 1, shortened=shortened)
+                   jumping=sum(jumps[-updates.patience:]) > 1)
 
 
 def jumped(before, after):

@@ -110,7 +110,7 @@ def _newton(step, solver, evaluation, shorten=False):
         outcome = iterate(step, solver, evaluation, Updates(PATIENCE, shorten=True))
         if outcome.converged:
             return outcome
-        return outcome.followed_by(iterate(step, solver, step.evaluate(evaluation.unknowns), Updates(whole)))
+        return outcome.followed_by(_newton(step, solver, step.evaluate(evaluation.unknowns)))
     outcome = iterate(step, solver, evaluation, Updates(whole))
     for updates in (Updates(whole, softening=False), Updates(PATIENCE, shorten=True)):
         if outcome.converged:

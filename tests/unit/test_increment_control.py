@@ -44,7 +44,7 @@ def test_shorter_updates_are_remembered_until_an_increment_does_without():
     for shortened in (False, True, False):
         for converged in (False, True):
             judged(control, 0.5, converged=converged, shortened=shortened)
-            assert control.shorten == shortened
+            assert control.shorten == (converged and shortened)     # where these fail, too, all ways are tried again
 
 
 def test_accuracy_sets_the_next_increment_and_a_rejected_trial_stops_its_growth(monkeypatch):
