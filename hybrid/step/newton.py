@@ -31,6 +31,9 @@ HAIR, ROUGH = 3.0, 1e-3
 # A corner may be carried by a facet whose overlap differs from that with the nearest one by this share (1e-5 to 1e-2 in
 # spheres that roll over rows of corners); it is tried with HOLDS sets of facets.
 AMBIGUOUS, HOLDS = 0.05, 5
+# The same in increments as short as those that start again (`follow`), which count as judged: a corner between two facets,
+# each of which hands it to the other, has no other solution at any length, and is one of hundreds (the anchor, step 124).
+BETWEEN = 1.0
 # Where points of clay come into contact or part in an increment, and the adhesion that those in contact bear changes by
 # more than SHARED of it, it is shared among them anew and solved for again, once.
 SHARED = 0.05
@@ -52,7 +55,7 @@ def solve(step: Step, follow=False, shorten=False):
         step = replace(step, reference=evaluation.internal)
     outcome = Outcome(None, 0, 0, ())
     for start in starts(step, evaluation, follow):
-        outcome = outcome.followed_by(_solution(step, solver, start, shorten))
+        outcome = outcome.followed_by(_solution(step, solver, start, shorten, BETWEEN if follow else AMBIGUOUS))
         if outcome.converged:
             break
     if not outcome.converged:
@@ -71,12 +74,13 @@ def _shared(step, solver, outcome):
     return again.followed_by(replace(outcome, evaluation=step.evaluate(outcome.evaluation.unknowns)))
 
 
-def _solution(step, solver, evaluation, shorten=False):
-    """Outcome from an evaluation. Where corners jump between facets they are held (`hybrid.contact.held_facets`)."""
+def _solution(step, solver, evaluation, shorten=False, ambiguous=AMBIGUOUS):
+    """Outcome from an evaluation. Where corners jump between facets they are held (`hybrid.contact.held_facets`), and may be
+    carried by one whose overlap differs from that with the nearest one by a share of `ambiguous`."""
     step.release_facets()
     outcome, held = _newton(step, solver, evaluation, shorten), None
     for _ in range(HOLDS):
-        if outcome.converged and step.facet_error(outcome.evaluation) <= AMBIGUOUS or not (
+        if outcome.converged and step.facet_error(outcome.evaluation) <= ambiguous or not (
                 outcome.converged or outcome.jumping):
             break
         step.release_facets()
@@ -86,9 +90,11 @@ def _solution(step, solver, evaluation, shorten=False):
         start = step.evaluate(outcome.evaluation.unknowns)
         outcome = outcome.followed_by(iterate(step, solver, start, Updates(PATIENCE, solver.line_search)))
     else:
-        if outcome.converged and step.facet_error(outcome.evaluation) > AMBIGUOUS:
+        if outcome.converged and step.facet_error(outcome.evaluation) > ambiguous:
             return replace(outcome, reason=f"corners of the soil jump between facets of a body, {HOLDS} times")
-    return outcome if outcome.converged or outcome.evaluation is None else _judge(step, solver, outcome)
+    if outcome.converged:
+        return replace(outcome, judged=outcome.judged or step.facet_error(outcome.evaluation) > AMBIGUOUS)
+    return outcome if outcome.evaluation is None else _judge(step, solver, outcome)
 
 
 def _judge(step, solver, outcome):

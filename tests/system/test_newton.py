@@ -284,6 +284,20 @@ def test_corners_are_not_held_twice_to_the_same_facets(monkeypatch, facets, trie
     assert not newton._solution(step, Solver(), best).converged and len(calls) == tried
 
 
+def test_a_corner_between_two_facets_is_carried_by_either_in_a_short_increment(monkeypatch):
+    """Held to one, its overlap with the other is smaller by three quarters; at full length that is refused."""
+    best, held = SimpleNamespace(unknowns=None, error=0.0), []
+    step = SimpleNamespace(release_facets=lambda: None, facet_error=lambda evaluation: 0.75 if held else 0.0,
+                           evaluate=lambda unknowns: best, hold_facets=lambda evaluation: held.append(0) or [np.zeros(1)])
+    monkeypatch.setattr(newton, "_newton", lambda *start: iteration.Outcome(best, 9, 9, (1.0,), "residual", jumping=True))
+    monkeypatch.setattr(newton, "iterate", lambda *start: iteration.Outcome(best, 2, 2, (1.0,)))
+    refused = newton._solution(step, Solver(), best)
+    assert "jump between facets" in refused.reason and len(held) == newton.HOLDS
+    held.clear()
+    outcome = newton._solution(step, Solver(), best, False, newton.BETWEEN)
+    assert outcome.converged and outcome.judged and outcome.iterations == 11 and len(held) == 1
+
+
 def test_corners_are_held_only_where_the_facet_is_as_near_as_any(monkeypatch):
     """Where no share of the overlap is allowed, the increments are refused."""
     monkeypatch.setattr(newton, "AMBIGUOUS", 0.0)
