@@ -42,7 +42,7 @@ def outer_step(model, workspace, state, length, pulling, control):
         model, state = processes.settle(model, state, workspace)
         step = begin(model, state, dt, pulling, workspace)
         step = support.under(step) if support else step
-        outcome = newton.solve(step, dt <= FOLLOW * length, control.shorten)
+        outcome = newton.solve(step, dt <= FOLLOW * length, control.shorten and model.soil.law.plastic)
         accepted, error = control.judge(step, outcome)
         report.count(outcome, accepted)
         if not accepted and not support and state.time == start.time:
