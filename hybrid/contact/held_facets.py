@@ -11,7 +11,8 @@ Only plane facets are held: the normal of a curved patch is continuous.
 
 It is accepted where the facet held is the nearest one but for a small share of the overlap
 (`hybrid.step.newton.AMBIGUOUS`): at a bisector either facet is as near. Otherwise the corners are held to the facets
-that are nearest then, and in short increments they stay with those that were held (`BETWEEN`). After the step every corner finds its facet again.
+that are nearest then, and in short increments they stay with those that were held (`BETWEEN`). After the step every
+corner finds its facet again.
 """
 
 import numpy as np

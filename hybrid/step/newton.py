@@ -11,7 +11,7 @@ to four times the iterations. So whole updates, s = 1, are taken as long as they
 the best iterate after that (a watchdog: Chamberlain et al., Math. Program. Study 16 (1982) 1-17). In between, where a
 body has convex edges, whole updates with a tangent that does not soften (`hybrid.contact.assembly.without_softening`):
 soil that slides off an edge has no equilibrium on the way. Clay that flows around a pipe needs shorter updates in every
-increment: after one that did, the next begins with them.
+increment: where soil yields, an increment that comes after such a one begins with them.
 """
 
 from dataclasses import replace
@@ -31,8 +31,8 @@ HAIR, ROUGH = 3.0, 1e-3
 # A corner may be carried by a facet whose overlap differs from that with the nearest one by this share (1e-5 to 1e-2 in
 # spheres that roll over rows of corners); it is tried with HOLDS sets of facets.
 AMBIGUOUS, HOLDS = 0.05, 5
-# The same in increments as short as those that start again (`follow`), which count as judged: a corner between two facets,
-# each of which hands it to the other, has no other solution at any length, and is one of hundreds (the anchor, step 124).
+# The same share in short increments (`follow`), which then count as judged. A corner between two facets, of which the one
+# that carries it is never the nearest, has no other solution at any length; it is one of hundreds (the anchor, step 124).
 BETWEEN = 1.0
 # Where points of clay come into contact or part in an increment, and the adhesion that those in contact bear changes by
 # more than SHARED of it, it is shared among them anew and solved for again, once.
