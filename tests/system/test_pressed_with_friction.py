@@ -3,6 +3,7 @@
 import pytest
 
 from hybrid.runtime.data import GEOMETRY
+from hybrid.runtime.errors import StepError
 from hybrid.scene.file import load_scene
 from hybrid.setup.build import build
 from hybrid.step import sticking
@@ -57,11 +58,10 @@ def test_stiffer_springs_need_points_held_in_stick(tmp_path, monkeypatch):
     keys = "penalty = 20e3\ntangential = 3.0"
     for which in ("turned_round", "drifting"):
         monkeypatch.setattr(sticking, which, lambda *given: None)
-    without = next(block(tmp_path, keys).steps()).iterations
+    with pytest.raises(StepError, match="step 1 failed"):
+        next(block(tmp_path, keys).steps())
     monkeypatch.undo()
-    iterations = next(block(tmp_path, keys).steps()).iterations
-    print(iterations, without)
-    assert iterations <= 30 and without > 2 * iterations
+    assert next(block(tmp_path, keys).steps()).iterations <= 30
 
 
 def test_soft_tangential_springs_need_fewer_iterations(tmp_path):
