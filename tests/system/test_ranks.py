@@ -213,10 +213,10 @@ import sys
 from hybrid.runtime import ranks
 from hybrid.step import newton
 solve = newton.solve
-def broken(step, **how):
+def broken(step, *how):
     if step.state.step == 2 and ranks.rank() == 1:
         raise ArithmeticError("made for the test")
-    return solve(step, **how)
+    return solve(step, *how)
 newton.solve = broken
 """
 
@@ -236,10 +236,10 @@ from hybrid.step import newton
 solve = newton.solve
 with open(f"{sys.argv.pop()}/{ranks.rank()}.pid", "w") as file:
     file.write(str(os.getpid()))
-def killed(step, **how):
+def killed(step, *how):
     if step.state.step == 3 and ranks.rank() == 1:
         os.kill(os.getpid(), 9)
-    return solve(step, **how)
+    return solve(step, *how)
 newton.solve = killed
 """
 

@@ -80,10 +80,10 @@ checkpoint_file._write = full
 import signal
 from hybrid.step import newton
 solve = newton.solve
-def stopped(step, **how):
+def stopped(step, *how):
     if step.state.step == 2 and ranks.rank() == 1:
         os.kill(os.getpid(), signal.SIGTERM)
-    return solve(step, **how)
+    return solve(step, *how)
 newton.solve = stopped
 """,
     "a picture": """
