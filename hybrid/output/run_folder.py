@@ -38,6 +38,7 @@ NAME = "run.json"
 LOCK = ".run.lock"
 STARTING = ".run.starting"
 NO_LOCKS = errno.ENOLCK, errno.ENOTSUP, errno.ENOSYS    # of file systems without locks
+ENDING = 2.0        # [s] that a run which has been killed may take to let go of its folder
 CHEAP = 600.0       # [s] of computing, up to which a completed run is replaced by the same one
 RESULTS = re.compile(r"run\.json|history\.csv|summary\.json|checkpoint(_\d{6,}_r\d+)?\.npz"
                      r"|(soil|body_.+)(_\d{6,}(\.vtu|_r\d+\.vtu|\.pvtu)|\.pvd)|soil_step_\d{3,}\.png|trajectory\.png"
@@ -159,12 +160,16 @@ class RunFolder:
         """Lock the folder until this process ends. The system frees the lock of a process that is killed."""
         self._made = not self.path.exists()
         self.path.mkdir(parents=True, exist_ok=True)
-        path = self.path / LOCK
+        path, patience = self.path / LOCK, time.monotonic() + ENDING
         while True:
             self._file = open(path, "a+", encoding="utf-8")
             try:
                 fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
+                if time.monotonic() < patience:
+                    self._file.close()
+                    time.sleep(0.1)
+                    continue
                 self._file.seek(0)
                 holder = self._file.read().strip() or "unknown"
                 self._file.close()

@@ -7,11 +7,14 @@ import os
 import shutil
 import subprocess
 import sys
+from contextlib import redirect_stderr
+from io import StringIO
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from hybrid.cli import main
 from hybrid.output import checkpoint
 from hybrid.runtime.ranks import launch
 
@@ -114,7 +117,13 @@ def _done(command, environment):
 
 def hybrid(*arguments, code=0):
     """stderr of the command in the environment of a user, which ends with a code; by --ranks it becomes several
-    processes."""
+    processes. On one rank it runs in this process, whose kernels are loaded, if it is to succeed."""
+    ranks = arguments[arguments.index("--ranks") + 1] if "--ranks" in arguments else 1
+    if ranks == 1 and code == 0:
+        alone = arguments if "--ranks" in arguments else (*arguments, "--ranks", 1)
+        with redirect_stderr(StringIO()) as text:
+            assert main([str(argument) for argument in alone]) == 0, text.getvalue()
+        return text.getvalue()
     done = _done([sys.executable, "-m", "hybrid", *map(str, arguments)], os.environ)
     assert done.returncode == code, done.stderr
     return done.stderr

@@ -27,9 +27,9 @@ def test_masses_and_inertias_are_near_the_published_ones(name):
 
 
 def test_the_hinge_holds_and_the_fluke_turns_downwards():
-    """Over the first 0.4 m of drag, in cells of 0.4 m: those of the demo turn it to its stop at 35 degrees, after 1.9 m."""
+    """Over the first 0.2 m of drag, in cells of 0.4 m: those of the demo turn it to its stop at 35 degrees, after 1.9 m."""
     coarse = [f"grid.{axis}.{key}" for axis in "xyz" for key in ("size=0.4", "doublings=2")]
-    simulation = build(load_scene(DEMOS / "ac14.toml", [*coarse, "stage.drag.steps=20", "output.pictures=[]"]))
+    simulation = build(load_scene(DEMOS / "ac14.toml", [*coarse, "stage.drag.steps=10", "output.pictures=[]"]))
     records = list(simulation.steps())
     poses = dict(zip(simulation.body_names, simulation.state.bodies))
     at = [poses[name].position + poses[name].rotation @ (HINGE - mass.centre) * (1, 0, 1)
@@ -37,9 +37,9 @@ def test_the_hinge_holds_and_the_fluke_turns_downwards():
     np.testing.assert_allclose(at[0][[0, 2]], at[1][[0, 2]], atol=1e-6)
     angle = np.array([record.joints[0].angle for record in records])
     assert angle[24] == pytest.approx(11.5, abs=1.0)
-    assert angle[-1] == pytest.approx(15.3, abs=1.5) and angle.max() < 35.0
+    assert angle[-1] == pytest.approx(14.3, abs=1.0) and angle.max() < 35.0
     tension = np.array([record.bodies[0].line_tension for record in records])
-    assert tension[-20:].mean() == pytest.approx(22e3, rel=0.2)
+    assert tension[-10:].mean() == pytest.approx(25.7e3, rel=0.2)
     assert sum(record.rejections for record in records) <= 1
 
 

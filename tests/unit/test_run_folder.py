@@ -165,13 +165,15 @@ def test_resume_and_overwrite_exclude_each_other(folder, scene):
 
 
 @pytest.mark.parametrize("options", [{}, {"overwrite": True}, {"resume": True}])
-def test_two_runs_at_once_are_refused(folder, scene, options):
+def test_two_runs_at_once_are_refused(folder, scene, options, monkeypatch):
+    monkeypatch.setattr(run_folder, "ENDING", 0.0)
     with RunFolder(folder, scene), pytest.raises(RunFolderError, match=rf"another run computes .*process {os.getpid()} on "):
         started(folder, scene, **options)
     assert not folder.exists()      # neither has written anything
 
 
-def test_the_lock_of_a_killed_run_is_free(folder, scene):
+def test_the_lock_of_a_killed_run_is_free(folder, scene, monkeypatch):
+    monkeypatch.setattr(run_folder, "ENDING", 0.0)
     code = ("import fcntl, os, sys\nfile = open(sys.argv[1], 'a')\nfcntl.flock(file, fcntl.LOCK_EX)\n"
             "print('locked', flush=True)\nsys.stdin.read()")
     folder.mkdir()
@@ -182,6 +184,16 @@ def test_the_lock_of_a_killed_run_is_free(folder, scene):
         other.kill()
         other.wait()
     assert started(folder, scene) == ["run.json"]
+
+
+def test_a_run_that_is_just_ending_is_waited_for(folder, scene):
+    """A process that is killed, or whose other ranks are, frees its lock only once it is gone."""
+    code = ("import fcntl, sys, time\nfile = open(sys.argv[1], 'a')\nfcntl.flock(file, fcntl.LOCK_EX)\n"
+            "print('locked', flush=True)\ntime.sleep(0.5)")
+    folder.mkdir()
+    with subprocess.Popen([sys.executable, "-c", code, folder / run_folder.LOCK], stdout=-1) as other:
+        assert other.stdout.readline() == b"locked\n"
+        assert started(folder, scene) == ["run.json"]
 
 
 @pytest.mark.parametrize("there", ["file", "folder below a file"])

@@ -9,7 +9,7 @@ from hybrid.study.precision.problems import cantilever
 
 def test_without_the_ghost_penalty_it_fails():
     for size in (1.0, 0.5):
-        with pytest.raises(StepError, match=r"step \d+ failed"):
+        with pytest.raises(StepError, match=r"step \d+ failed|would leave the grid"):
             cantilever.solve(size, soil={"ghost": 0.0})
 
 
