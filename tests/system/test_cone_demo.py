@@ -28,7 +28,8 @@ def last(steps, *keys):
 
 def resistance(q, steps, mean_of):
     """N over theory, from the mean of the last `mean_of` steps."""
-    middle = DEPTH + 0.025 * (steps - 0.5 * mean_of + 0.5) - 2 / 3 * R / np.tan(np.pi / 6)  # of the face, over its projection
+    way = 0.025 * (steps - 0.5 * mean_of + 0.5)
+    middle = DEPTH + way - 2 / 3 * R / np.tan(np.pi / 6)    # of the face, over its projection
     theory = 4 / 3 * (1 + np.log(RIGIDITY)) * (1.25 + RIGIDITY / 2000) + 2.2 * ADHESION
     return (q - WEIGHT * middle) / STRENGTH / theory
 
