@@ -1,15 +1,19 @@
 """F-bar: the volume change of a point is that of the cells around it, so that linear elements do not lock.
 
 The volume ratio J = det ΔF of a point is replaced by det ΔF_0, where ΔF_0 is the mean, over the cells that the point's
-domain overlaps, of the gradients at the centres of these cells:
+domain overlaps, of the gradients at the middle of the soil in these cells:
 
     ΔF_0 = I + Σ_v Δu_v ⊗ ∇_n M_v         ∂M_v/∂x = dS_v/dx · m_v(y) m_v(z)   and so on
     ΔF̄ = s ΔF along the axes that deform, of which there are n,      s = (det ΔF_0 / det ΔF)^(1/n)
 
-with m_v = Σ_K ½ |domain ∩ K| / |domain| over the cells K at node v. The nodes are those of the point's basis; a linear
-displacement gives ΔF_0 = ΔF; and the weight of a cell that a point enters grows continuously from zero. The internal
-force is the derivative of the stored energy of F̄, so energy and both momenta are conserved as without F-bar, and the
-elastic tangent is symmetric:
+with m_v = Σ_K N_v(x_K) |domain ∩ K| / |domain| over the cells K at node v. x_K is the centre of a full cell, where the
+hat functions N_v are ½, and the centre of the soil in one that it fills by less than 1 - CUT, with a blend between
+(`hybrid.soil.filled_cells`). At the centre of a cell that a body cuts the gradient is partly that of the body's side, so
+the soil in it lost volume at no cost: a cylinder of 6 cells, moved through clay under a pressure of 20 s_u, left 14 % of
+the soil in its way nowhere, and under 60 s_u all of it. The nodes are those of the point's basis; a linear displacement
+gives ΔF_0 = ΔF; and the weight of a cell that a point enters grows continuously from zero. The internal force is the
+derivative of the stored energy of F̄, so energy and both momenta are conserved as without F-bar, and the elastic tangent
+is symmetric:
 
     f_v = Σ_p V0 [τ g_v + q H_v]        g_v = ΔF^-T ∇_n S_v,  h_v = ΔF_0^-T ∇_n M_v,  H_v = h_v - g_v,  q = P:τ / n
     K_vw = Σ_p V0 [g_v A g_w + (c g_v) H_w + H_v (e g_w) + κ H_v H_w + q (w-transposed g_v g_w - h_v h_w)]
@@ -40,35 +44,41 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit, prange
 
-from hybrid.soil.basis import Basis, support
+from hybrid.soil.basis import Basis
 from hybrid.soil.boxes import STRIDE
 from hybrid.soil.tangent import combine
 
+CUT = 0.1       # share of a cell that is empty, from which on it counts as cut
 COUNT = 110                                         # numbers that the tangent of a point follows from
 C_AT, E_AT, INVERSE_AT, SCALARS_AT = 81, 90, 99, 108        # where ĉ, ê, ΔF_0^-1, and κ and q begin among them
 
 
-def mean_basis(position, half, axes, basis):
-    """Basis with the values m_v and the gradients of `basis`: evaluated as `basis` for ∇_n S_v, it gives ∇_n M_v."""
-    value = np.zeros_like(basis.value)
-    for axis, nodes in enumerate(axes):
-        _mean_values(position[:, axis], half[:, axis], nodes, axis, value)
+def mean_basis(basis, cells):
+    """Basis with the values m_v and the gradients of `basis`: evaluated as `basis` for ∇_n S_v, it gives ∇_n M_v. cells:
+    FilledCells of the same points."""
+    value, cut = np.zeros_like(basis.value), np.clip((1.0 - cells.share) / CUT, 0.0, 1.0)
+    _mean_values(cells.first, basis.count, cells.parts, 0.5 + cut * (cells.centre - 0.5), value)
     return Basis(basis.first, basis.count, value, basis.gradient)
 
 
 @njit(cache=True, parallel=True)
-def _mean_values(x, half, nodes, axis, value):
-    for p in prange(len(x)):
-        if len(nodes) == 1:
-            value[p, axis, 0] = 1.0
-            continue
-        first, last, low, high = support(x[p], half[p], nodes)
-        for a in range(last - first):
-            share = 1.0
-            if last - first > 1:
-                share = (min(high, nodes[first + a + 1]) - max(low, nodes[first + a])) / (high - low)
-            value[p, axis, a] += 0.5 * share
-            value[p, axis, a + 1] += 0.5 * share
+def _mean_values(first, count, parts, middle, value):
+    """Fill m_v (n, 3, 3), with the middle of the soil along an axis as its mean over the cells across it."""
+    for p in prange(len(first)):
+        for a in range(2):
+            for b in range(2):
+                for c in range(2):
+                    part = parts[p, 0, a] * parts[p, 1, b] * parts[p, 2, c]
+                    if part == 0.0:
+                        continue
+                    i, j, k = first[p, 0] + a, first[p, 1] + b, first[p, 2] + c
+                    for axis in range(3):
+                        if count[p, axis] == 1:     # of a collapsed axis
+                            value[p, axis, 0] += part
+                            continue
+                        node = a if axis == 0 else b if axis == 1 else c
+                        value[p, axis, node] += part * (1.0 - middle[axis, i, j, k])
+                        value[p, axis, node + 1] += part * middle[axis, i, j, k]
 
 
 class MeanDilatation(NamedTuple):

@@ -42,16 +42,12 @@ class Ghost:
     modulus: np.ndarray
 
 
-def find_faces(mean, grid, modulus, volume):
+def find_faces(cells, grid, factor):
     """Ghost of the cells that points fill in part.
 
-    mean: mean basis of the points (`hybrid.soil.fbar.mean_basis`); modulus: (n,) [Pa], γ where a cell is empty;
-    volume: (n,) [m³] of the points.
+    cells: FilledCells; factor: [-] on the modulus of the soil (γ where a cell is empty).
     """
-    filled, stiff = np.zeros((2, *(max(1, n - 1) for n in grid.shape)))
-    _fill(mean.first, mean.count, mean.value, volume, modulus, filled, stiff)
-    filled, stiff = grid.summed_cells(filled), grid.summed_cells(stiff)
-    share = filled / _cell_volumes(grid)
+    share, filled, stiff = cells.share, cells.volume, factor * cells.stiffness
     empty = np.where(filled > 0, np.maximum(1 - share, 0) ** 2, 0)
     fullest = grid.cells_from_owners(_fullest_neighbour(share))
     own = np.broadcast_to(grid.owned_cells, share.shape)
@@ -60,8 +56,8 @@ def find_faces(mean, grid, modulus, volume):
         (a, b), (best_a, best_b), (empty_a, empty_b) = (_pairs(values, axis) for values in (share, fullest, empty))
         weight = np.maximum(empty_a * (b >= ALIKE * best_a), empty_b * (a >= ALIKE * best_b))
         chosen = (weight > NEGLIGIBLE) & (a > 0) & (b > 0) & _pairs(own, axis)[0]
-        cells = np.argwhere(chosen)
-        faces.append(np.column_stack([cells, np.full(len(cells), axis)]))
+        lower = np.argwhere(chosen)
+        faces.append(np.column_stack([lower, np.full(len(lower), axis)]))
         moduli.append((weight * sum(_pairs(stiff, axis)))[chosen] / sum(_pairs(filled, axis))[chosen])
     return Ghost(np.concatenate(faces), np.concatenate(moduli))
 
@@ -82,33 +78,6 @@ def _pairs(cells, axis):
     above = list(below)
     below[axis], above[axis] = slice(None, -1), slice(1, None)
     return cells[tuple(below)], cells[tuple(above)]
-
-
-def _cell_volumes(grid):
-    x, y, z = (np.diff(nodes) if len(nodes) > 1 else np.array([thickness])
-               for nodes, thickness in zip(grid.axes, _thickness(grid)))
-    return x[:, None, None] * y[:, None] * z
-
-
-@njit(cache=True)
-def _fill(first, count, value, volume, modulus, filled, stiff):
-    """Fill the volume of points in each cell [m³], and the sum of their volumes times their moduli [N m]."""
-    for p in range(len(first)):
-        for a in range(max(1, count[p, 0] - 1)):
-            for b in range(max(1, count[p, 1] - 1)):
-                for c in range(max(1, count[p, 2] - 1)):
-                    part = (volume[p] * _share(count, value, p, 0, a) * _share(count, value, p, 1, b)
-                            * _share(count, value, p, 2, c))
-                    i, j, k = first[p, 0] + a, first[p, 1] + b, first[p, 2] + c
-                    filled[i, j, k] += part
-                    stiff[i, j, k] += part * modulus[p]
-
-
-@njit(cache=True)
-def _share(count, value, p, axis, a):
-    """Share of the domain of point p in its cell number a, of at most two along an axis: twice the m_v of the outer
-    node."""
-    return 2 * value[p, axis, 2 * a] if count[p, axis] == 3 else 1.0
 
 
 def add_force(ghost, grid, displacement, force):

@@ -23,6 +23,7 @@ from hybrid.scene import Soil as SoilScene
 from hybrid.soil import fbar, ghost, lost_points, transfer
 from hybrid.soil.basis import Basis, evaluate_basis
 from hybrid.soil.domains import updated_half
+from hybrid.soil.filled_cells import fill_cells
 from hybrid.soil.forces import internal_force
 from hybrid.soil.ghost import Ghost
 from hybrid.soil.kinematics import TrialStrain, logarithmic, update_strains
@@ -141,14 +142,13 @@ class Soil:
         for values in nodal:
             values[self.grid.fixed] = 0.0
         velocity, acceleration, *algorithmic = nodal
-        mean, volume = None, _active_only(points, self.constants.volume)
         if self.fbar or self.ghost_factor:
-            mean = fbar.mean_basis(points.position, half, self.grid.axes, basis)
+            cells = fill_cells(basis, points.position, half, _active_only(points, self.constants.volume), self.law.young,
+                               self.grid)
         return SoilStep(
             points, basis, slabs, mass, velocity, acceleration, mass[:, None] * load, *algorithmic,
-            mean=mean if self.fbar else None,
-            cuts=(ghost.find_faces(mean, self.grid, self.ghost_factor * self.law.young, volume)
-                  if self.ghost_factor else None),
+            mean=fbar.mean_basis(basis, cells) if self.fbar else None,
+            cuts=ghost.find_faces(cells, self.grid, self.ghost_factor) if self.ghost_factor else None,
             workspace=workspace or SoilWorkspace(self))
 
     def small_support(self, step):

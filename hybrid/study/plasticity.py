@@ -92,7 +92,7 @@ def deep_factor(adhesion):
     return np.pi + 2 * turn + 2 * np.cos(turn) + 4 * (np.cos(turn / 2) + np.sin(turn / 2))
 
 
-def buried(across, friction=0.0, adhesion=None, way=0.1, rigidity=500.0, steps=80, around=6.0, fine=1.25):
+def buried(across, friction=0.0, adhesion=None, way=0.1, rigidity=500.0, steps=40, around=6.0, fine=1.25):
     """Scene of a cylinder of 1 m diameter that lies in the soil with its axis at z = 0.
 
     across: cells in a diameter; rigidity: E / s_u; way [m], along x, in `steps`; around [m]: half-width of the soil.

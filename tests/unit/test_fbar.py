@@ -9,7 +9,8 @@ from hybrid.laws.hencky import Hencky
 from hybrid.scene import Axis, Faces, Grid, Material, Scene, Soil, Solver, Stage, Time
 from hybrid.setup.build import build
 from hybrid.soil.basis import evaluate_basis
-from hybrid.soil.fbar import mean_basis
+from hybrid.soil import fbar
+from hybrid.soil.filled_cells import fill_cells
 from hybrid.soil.kinematics import Kinematics, invert
 from hybrid.soil.model import Soil as SoilModel
 from hybrid.soil.points import at_rest, tile
@@ -21,6 +22,14 @@ def bases(name, standard=False):
     half = 0 * half if standard else half
     basis = evaluate_basis(position, half, axes)
     return axes, basis, mean_basis(position, half, axes, basis)
+
+
+def mean_basis(position, half, axes, basis, volume=None):
+    """Mean basis of points with a `volume` (n,) [m³], else that of their domains."""
+    extent = np.array([(a[0], a[-1]) if len(a) > 1 else (0.0, 1.0) for a in axes])
+    grid = make_grid(axes, extent, dict.fromkeys(FACES, "free"))
+    volume = 8 * half.prod(axis=1) if volume is None else volume
+    return fbar.mean_basis(basis, fill_cells(basis, position, half, volume, np.ones(len(position)), grid))
 
 
 def gradients(basis, shape, displacement):
@@ -40,18 +49,31 @@ def test_mean_gradient_of_a_linear_field_is_its_gradient(name, standard):
     np.testing.assert_allclose(found, np.broadcast_to(linear, found.shape), atol=1e-9)
 
 
-def test_mean_gradient_is_that_of_cell_centres():
+def test_mean_gradient_is_that_of_the_centres_of_full_cells():
     """A domain inside one cell takes that cell's, one that overlaps two a mean by volume."""
     axes = (np.array([0.0, 1.0, 3.0]),) * 3
     place = np.array([[0.5, 0.5, 0.5], [1.0, 0.5, 0.5], [0.9, 0.4, 1.6]])
     half = np.array([[0.3] * 3, [0.2] * 3, [0.2] * 3])
     basis = evaluate_basis(place, half, axes)
-    mean = mean_basis(place, half, axes, basis)
+    mean = mean_basis(place, half, axes, basis, np.full(3, 100.0))
     displacement = 0.1 * np.random.default_rng(3).standard_normal((27, 3))
     centres = np.array([[0.5, 0.5, 0.5], [2.0, 0.5, 0.5], [0.5, 0.5, 2.0], [2.0, 0.5, 2.0]])
     a, b, c, d = gradients(evaluate_basis(centres, np.zeros((4, 3)), axes), (3, 3, 3), displacement)
     wanted = [a, 0.5 * (a + b), 0.75 * c + 0.25 * d]
     np.testing.assert_allclose(gradients(mean, (3, 3, 3), displacement), wanted, atol=1e-12)
+
+
+def test_mean_gradient_is_that_of_the_middle_of_the_soil_in_a_cut_cell():
+    """Two points of unequal volume in a cell of which a tenth is filled; halfway to the centre where 1 - CUT / 2 is."""
+    axes = (np.array([0.0, 1.0, 3.0]),) * 3
+    place, half = np.array([[0.2, 0.3, 0.6], [0.5, 0.3, 0.2]]), np.full((2, 3), 0.05)
+    basis, volume = evaluate_basis(place, half, axes), np.array([0.025, 0.075])
+    displacement = 0.1 * np.random.default_rng(3).standard_normal((27, 3))
+    middle, centre = np.array([0.425, 0.3, 0.3]), np.full(3, 0.5)
+    for scale, at in ((1.0, middle), (10.0 * (1.0 - 0.5 * fbar.CUT), 0.5 * (middle + centre))):
+        mean = mean_basis(place, half, axes, basis, scale * volume)
+        wanted = gradients(evaluate_basis(at[None], np.zeros((1, 3)), axes), (3, 3, 3), displacement)
+        np.testing.assert_allclose(gradients(mean, (3, 3, 3), displacement), np.repeat(wanted, 2, axis=0), atol=1e-12)
 
 
 def test_only_axes_that_deform_are_scaled():

@@ -8,7 +8,7 @@ from hybrid.grid.axes import FACES, graded_nodes, make_grid
 from hybrid.laws.hencky import Hencky
 from hybrid.linalg.stencil_pattern import make_pattern
 from hybrid.soil.basis import evaluate_basis
-from hybrid.soil.fbar import mean_basis
+from hybrid.soil.filled_cells import fill_cells
 from hybrid.soil.ghost import find_faces
 from hybrid.soil.model import Soil
 from hybrid.soil.points import at_rest, tile
@@ -79,9 +79,9 @@ def test_soil_up_to_the_end_of_the_grid_is_not_cut_there():
     grid = make_grid(axes, np.array([(a[0], a[-1]) for a in axes]), FREE)
     constants = tile(grid, np.zeros(3), np.array([3.0, 3.0, 3.0]), (1, 1, 1), 1.0)
     position = constants.position + [0.5, 0.0, 0.0]
-    mean = mean_basis(position, constants.half_width, grid.axes,
-                      evaluate_basis(position, constants.half_width, grid.axes))
-    faces = find_faces(mean, grid, np.full(27, 8.0), constants.volume)
+    cells = fill_cells(evaluate_basis(position, constants.half_width, grid.axes), position, constants.half_width,
+                       constants.volume, np.full(27, 8.0), grid)
+    faces = find_faces(cells, grid, 1.0)
     assert {tuple(f) for f in faces.faces} == {(i, j, k, 0) for i in (0, 2) for j in range(3) for k in range(3)}
     np.testing.assert_allclose(faces.modulus, 8.0 * 0.25)
 
