@@ -19,6 +19,7 @@ def test_contract():
     check(sphere.PROBLEM, sphere.rides)
 
 
+@pytest.mark.slow
 def test_errors_fall_with_the_spacing_of_corners(recorded):
     """Measured against a smooth sphere: orders 3.1 of the distance and 1.2 of the spin."""
     assert all(rate > 1.0 for rate in rates(recorded(sphere, PUBLISHED)).values())
