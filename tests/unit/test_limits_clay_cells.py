@@ -7,6 +7,7 @@ import pytest
 from hybrid.monitors.limits import clay_cells
 from hybrid.scene import Axis, Grid, Layer, Material, Soil, Time
 from hybrid.setup.build import build
+from hybrid.study import plasticity
 from hybrid.study.random.fresh.problem import body, scene, slice_
 
 WEIGHT, HEIGHT = 1700 * 9.81, 3.0
@@ -100,3 +101,19 @@ def test_a_strip_that_slides_over_clay_which_stays_attached():
     assert not slides(adhesion=0.5) and not slides(adhesion=0.5, tension=1e4)
     assert not slides((0.0, 0.0, 0.001), tension="full")
     assert not slides(adhesion=0.5, tension="full", base=-1.2)
+
+
+@pytest.mark.parametrize("across, adhesion, said", [
+    (4, None, "about 19%"), (6, None, None), (3, 1.0, "about 17%"), (4, 1.0, None)])
+def test_a_cylinder_deep_in_clay_on_few_cells(across, adhesion, said):
+    simulation = build(plasticity.buried(across, adhesion=adhesion))
+    found = list(clay_cells.flow_around(simulation.scene, simulation.model))
+    assert len(found) == (said is not None)
+    assert all(said in text and f"{across} cells of" in text and "limit 10%" in text for text in found)
+
+
+@pytest.mark.parametrize("factor, measured", [(clay_cells.AROUND, {4: 0.183, 6: 0.085, 8: 0.051, 12: 0.029, 16: 0.018}),
+                                              (clay_cells.ROUGH, {4: 0.094, 6: 0.049, 8: 0.033, 12: 0.016})])
+def test_the_law_of_flow_around_a_cylinder_is_what_was_measured(factor, measured):
+    for across, excess in measured.items():
+        assert factor / across**2 == pytest.approx(excess, abs=0.01)

@@ -1,5 +1,7 @@
 """Active pressure of clay that few cells make too low, measured on smooth walls that are drawn back
-(demos/random/README.md, "By cells"), and clay that stays attached to a body which slides over it.
+(demos/random/README.md, "By cells"), clay that stays attached to a body which slides over it, and clay that flows around
+a round body deep in it, in plane strain: with n cells across the load is too large by 3/n² of it where the body is
+smooth, by half of that where it is rough.
 
     P(H) = γ H²/2 - 2 s_u H         clay that cannot stand by itself, γ H > 4 s_u, slides after the wall on a plane of 45°
     P(H - 1.4 h) instead of P(H)    found with cells of h
@@ -13,11 +15,13 @@ as much lower.
 import numpy as np
 
 from hybrid.monitors.limits.sand_cells import PASSIVE, beside, depths, free_walls
-from hybrid.monitors.limits.ways import CLAY, EXCESS, STEEP, driven, law_at, top_of
+from hybrid.monitors.limits.ways import CLAY, EXCESS, STEEP, driven, facing, law_at, sides, top_of
 from hybrid.runtime.comm import anywhere, total
 
 LOWER = 1.4         # cells that the wedge is lower than the wall
 ALONG = 0.1         # sine of the angle between a way and the ground
+AROUND, ROUGH = 3.0, 1.5    # 18, 8.5, 5.1, 2.9 % with 4, 6, 8, 12 cells; 9.4, 4.9, 3.3 % (demos/random/README.md)
+COVERED = 1.0       # widths of clay above a body that all of the clay flows around
 SUNK = 0.25         # of its length: a body that has its base deeper in the clay does not slide over it
 
 
@@ -49,6 +53,25 @@ def attached_slides(scene, model):
                    "leaves stays on it and holds it back, a strip on 10 and 20 cells by 35 and 18 % of α s_u B with "
                    f"α = 1, by 150 and 90 % with 0.5, limit {EXCESS:.0%}. Leave body.tension out, or give the tension "
                    "[Pa] that the clay bears")
+
+
+def flow_around(scene, model):
+    """Round bodies driven through clay that covers them, in plane strain, so few cells wide that their load is more than
+    EXCESS too high."""
+    soil = model.soil
+    if soil.held or soil.grid.collapsed.sum() != 1:
+        return
+    for body, way, place, plane in driven(scene, model):
+        width = min((width for _, width, _ in sides(soil.grid, place, way)), default=0.0)
+        above = top_of(soil) - place[:, 2].max()
+        if plane or not width or above < COVERED * width or facing(body, place, way) is not None or law_at(
+                scene, soil, place[:, 2].mean()) != CLAY:
+            continue
+        factor, cells = AROUND if body.interface is None else ROUGH, width / soil.grid.smallest_cell
+        if factor / cells**2 > EXCESS:
+            yield (f"{body.name} is round and {cells:.2g} cells of {soil.grid.smallest_cell:.3g} m wide, deep in the clay "
+                   f"that it moves through: its load is about {factor / cells**2:.0%} too high, limit {EXCESS:.0%}. Use "
+                   f"cells of at most {width * np.sqrt(EXCESS / factor):.2g} m")
 
 
 def _active(scene, soil, body, place, way, height, does, load):
@@ -86,4 +109,4 @@ def _critical_height(scene, soil, place, way):
     return 4.0 * strength / (mass * -scene.gravity[2]) if volume else None
 
 
-LIMITS = (drawn_walls, clay_walls, attached_slides)
+LIMITS = (drawn_walls, clay_walls, attached_slides, flow_around)
