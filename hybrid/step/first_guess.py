@@ -2,8 +2,7 @@
 
     at constant velocities              where there is inertia, unless that opens the soil; else at rest
     bodies put down on the soil         without inertia, where free bodies touch nothing
-    soil held to the bodies             without inertia, by the points that touched before: on elastic soil where bodies have
-                                        left most of these; on other soil where the first guess failed
+    soil that follows the bodies        without inertia, where these leave points that touched before
 """
 
 from contextlib import ExitStack
@@ -23,9 +22,6 @@ PARTED = 0.1
 # a block that its own weight throws up takes 3 iterations from rest, and 5 to 15 from the predictor if it converges at
 # all (share 0.15 to 0.92). In front of an anchor the share is 0.02; 60 steps from rest take a third more iterations.
 OPENED = 0.1
-# Residual of a body relative to the forces on it, and share of the points that touched before, from which the few
-# points that touch in the first guess do not carry the body.
-ADRIFT, FEW = 0.5, 0.5
 
 
 def first_evaluation(step):
@@ -55,38 +51,24 @@ def landed(step, evaluation):
     return step.evaluate((outcome.evaluation if outcome.converged else evaluation).unknowns)
 
 
-def starts(step, evaluation, follow):
-    """Evaluations to start from in turn, until one leads to the solution: `evaluation`, the first guess, and where
-    `follow` or bodies have slid off elastic soil also one of `followed`.
-
-    Slid along by a part of a cell, a body that leans or has sunk in goes over more than its springs are pressed. It
-    stands on one or two of eighty points then, whose tangent throws it off. Those that carried it before are an active
-    set near that of the solution; soil that yields flows where it would have to pull.
-    """
-    unknowns, elastic = evaluation.unknowns, step.soil is not None and not step.model.soil.law.plastic
-    if step.model.scheme.inertia:
-        yield evaluation
-        return
-    slid = elastic and any(map(_adrift, evaluation.bodies))
-    if slid and (held := followed(step, unknowns)):
-        yield held
-    yield step.evaluate(unknowns) if slid else evaluation
-    if follow and not slid and (held := followed(step, unknowns)):
-        yield held
-
-
-def _adrift(terms):
-    """Whether a body is far from equilibrium on the few points that touch it, where more did when the step began."""
-    before, _ = terms.step.pair.parted(terms.contact)
-    return terms.residual.any() and terms.error()[1] > ADRIFT and comm.number(terms.contact) < FEW * before
+def starts(step, evaluation):
+    """Evaluations to start from in turn, until one leads to the solution: without inertia one in which soil has followed
+    the bodies that leave it, where there is one, and `evaluation`, the first guess."""
+    unknowns = evaluation.unknowns
+    if not step.model.scheme.inertia and step.soil is not None:
+        if held := followed(step, unknowns):
+            yield held
+        evaluation = step.evaluate(unknowns)
+    yield evaluation
 
 
 def followed(step, unknowns):
-    """Evaluation where soil has followed bodies that have left it: an update from `unknowns` in which the points that
-    touched pull. None where hardly any of them part, or there is no such update.
+    """Evaluation where soil has followed bodies that leave it: an update from `unknowns` in which the points that touched
+    pull. None where hardly any of them part, or there is no such update.
 
-    With the soil still where it was, a body leaves it as soon as it moves farther than its springs are pressed, and Newton's
-    method starts from soil that nothing supports.
+    With the soil still where it was, a body leaves it as soon as it moves farther than its springs are pressed: Newton's
+    method would start from soil that nothing supports, or from a body on one or two of eighty points, whose tangent
+    throws it off. The points that carried it before are an active set near that of the solution.
     """
     evaluation = step.evaluate(unknowns)
     before, parted = np.sum([terms.step.pair.parted(terms.contact) for terms in evaluation.bodies] or [(0, 0)], axis=0)

@@ -22,9 +22,7 @@ from hybrid.step.pair_terms import struck
 from hybrid.step.support import Support
 
 EASY = 6            # Newton iterations up to which the next increment may be twice as long
-# Share of an outer step from which on a quasi-static increment that fails is tried with soil that has followed the
-# bodies: in longer ones it would give more force than two halves do (5 % on a cylinder in deep clay).
-FOLLOW = 1 / 8
+SHORT = 1 / 8       # share of an outer step up to which an increment is short (`hybrid.step.newton.BETWEEN`)
 ROUND_OFF = 1e-9    # of an outer step: a rest as short as this is none
 
 
@@ -42,7 +40,7 @@ def outer_step(model, workspace, state, length, pulling, control):
         model, state = processes.settle(model, state, workspace)
         step = begin(model, state, dt, pulling, workspace)
         step = support.under(step) if support else step
-        outcome = newton.solve(step, dt <= FOLLOW * length, control.shorten and model.soil.law.plastic)
+        outcome = newton.solve(step, dt <= SHORT * length, control.shorten and model.soil.law.plastic)
         accepted, error = control.judge(step, outcome)
         report.count(outcome, accepted)
         if not accepted and not support and state.time == start.time:

@@ -31,7 +31,7 @@ HAIR, ROUGH = 3.0, 1e-3
 # A corner may be carried by a facet whose overlap differs from that with the nearest one by this share (1e-5 to 1e-2 in
 # spheres that roll over rows of corners); it is tried with HOLDS sets of facets.
 AMBIGUOUS, HOLDS = 0.05, 5
-# The same share in short increments (`follow`), which then count as judged. A corner between two facets, of which the one
+# The same share in short increments, which then count as judged. A corner between two facets, of which the one
 # that carries it is never the nearest, has no other solution at any length; it is one of hundreds (the anchor, step 124).
 BETWEEN = 1.0
 # Where points of clay come into contact or part in an increment, and the adhesion that those in contact bear changes by
@@ -39,9 +39,9 @@ BETWEEN = 1.0
 SHARED = 0.05
 
 
-def solve(step: Step, follow=False, shorten=False):
-    """Outcome of Newton's method on `step`. Never raises for lack of convergence. follow: whether to try soil that has
-    followed bodies (`followed`) where the first guess fails; shorten: whether to begin with shorter updates."""
+def solve(step: Step, short=False, shorten=False):
+    """Outcome of Newton's method on `step`. Never raises for lack of convergence. short: whether the increment is so short
+    that a corner may be carried BETWEEN facets; shorten: whether to begin with shorter updates."""
     solver = step.model.solver
     if reason := step.rotation_too_large():
         return Outcome(None, 0, 0, (), reason)
@@ -54,8 +54,8 @@ def solve(step: Step, follow=False, shorten=False):
         evaluation = landed(step, evaluation)
         step = replace(step, reference=evaluation.internal)
     outcome = Outcome(None, 0, 0, ())
-    for start in starts(step, evaluation, follow):
-        outcome = outcome.followed_by(_solution(step, solver, start, shorten, BETWEEN if follow else AMBIGUOUS))
+    for start in starts(step, evaluation):
+        outcome = outcome.followed_by(_solution(step, solver, start, shorten, BETWEEN if short else AMBIGUOUS))
         if outcome.converged:
             break
     if not outcome.converged:

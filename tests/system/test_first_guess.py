@@ -58,25 +58,19 @@ def test_a_wall_that_just_touches_sand_holds_it_at_rest():
 
 
 def drawn_back():
-    """Newton iterations and force [N] of the first step of DRAWN."""
+    """Record of the first step of DRAWN, and its force [N]."""
     record, = records(DRAWN)
-    return record.iterations, -record.bodies[0].contact_force[0]
+    return record, -record.bodies[0].contact_force[0]
 
 
-def test_soil_follows_a_wall_that_is_drawn_back():
-    """Its springs are pressed by less than it moves, so that it would leave the soil behind, which cannot stand by
-    itself."""
-    iterations, force = drawn_back()
-    assert iterations < 350 and 50e3 < force < 65e3
-
-
-@pytest.mark.slow
-def test_increments_are_far_shorter_without_it(monkeypatch):
-    """888 iterations in 64 increments instead of 185 in 8."""
-    iterations, force = drawn_back()
+def test_soil_follows_a_wall_that_is_drawn_back(monkeypatch):
+    """Its springs are pressed by less than it moves: with the soil where it was it would leave clay behind that cannot
+    stand by itself (116 iterations in 6 increments instead of 3 in one)."""
+    record, force = drawn_back()
+    assert record.iterations <= 10 and record.rejections == 0
     monkeypatch.setattr(first_guess, "followed", lambda step, unknowns: None)
     without, same = drawn_back()
-    assert without > 2 * iterations and same == pytest.approx(force, rel=0.03)
+    assert without.iterations > 5 * record.iterations and same == pytest.approx(force, rel=0.03)
 
 
 def test_a_block_dragged_over_elastic_soil_starts_on_the_points_that_carried_it(monkeypatch):
@@ -86,7 +80,7 @@ def test_a_block_dragged_over_elastic_soil_starts_on_the_points_that_carried_it(
     for record in found:
         force = record.bodies[0].contact_force
         assert -force[0] == pytest.approx(0.3 * force[2], rel=0.02)
-    monkeypatch.setattr(first_guess, "_adrift", lambda terms: False)
+    monkeypatch.setattr(first_guess, "followed", lambda step, unknowns: None)
     without = records(DRAGGED)
     assert sum(record.iterations for record in without) > 3 * sum(record.iterations for record in found)
 
