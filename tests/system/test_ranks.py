@@ -159,7 +159,7 @@ system_cache.COPIED = 0
 
 
 def test_few_unknowns_that_each_rank_solves_for_are_those_of_a_divided_factor(tmp_path):
-    scene = coarse_anchor("stage.0.steps=5", "stage.1.steps=3")
+    scene = coarse_anchor("stage.0.steps=3", "stage.1.steps=2")
     program(patched(tmp_path / "divided.py", DIVIDED), "run", *scene, "--out", tmp_path / "divided", ranks=2)
     hybrid("run", *scene, "--out", tmp_path / "copied", "--ranks", 2)
     divided, copied = (read_history(tmp_path / folder) for folder in ("divided", "copied"))
