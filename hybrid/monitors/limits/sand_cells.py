@@ -1,15 +1,13 @@
-"""Loads and run-outs of sand that few cells make wrong, by how much, measured on problems set up afresh
+"""Loads of sand that few cells make wrong, by how much, measured on problems set up afresh
 (demos/random/README.md, "By cells").
 
     wall that ends in sand and is pushed against it, plane strain        1 + 2.3/n to 1 + 4.2/n   n cells in its depth
     the same with a face that leans back                                 over 1 + 7/n at 75°, 1 + 14/n at 60°
     wall that sand behind it follows, on rock or in the sand, the same   (1 - 1.65/n)²            n cells in its height
     footing pressed on sand that has weight, plane strain                N_γ (1 + 3.1/n^0.6)         n cells in its width
-    column of sand let go in space                                       run-out (1 - 1.6/n)      n cells in its height
 
 A foot holds the next nodes back. Sand that a wall pushes takes them along, and the wedge is a cell deeper than the
-wall; sand that follows a wall stays on them, and the wedge is as much lower. The front of a column is thinner than a
-cell, and its base is fixed.
+wall; sand that follows a wall stays on them, and the wedge is as much lower.
 """
 
 from typing import NamedTuple
@@ -18,10 +16,10 @@ import numpy as np
 
 from hybrid.monitors.limits.contact import covers
 from hybrid.monitors.limits.ways import (
-    EXCESS, SAND, STEEP, driven, facing, law_at, leads, loaded, material_at, outline, sides, step_of_ground, top_of)
+    EXCESS, SAND, STEEP, driven, facing, law_at, leads, loaded, material_at, outline, sides, top_of)
 from hybrid.runtime.comm import maximum, minimum
 
-FOOT, ACTIVE, FRONT = 2.3, 1.65, 1.6
+FOOT, ACTIVE = 2.3, 1.65
 # Degrees from the ground of a face that is judged as a wall, and below which what inclined ones measured is told.
 INCLINED, LEANING = 45.0, 85.0
 WEIGHT, ORDER = 3.1, 0.6         # of the part of a footing's load that the sand's weight carries
@@ -156,28 +154,4 @@ def beside(soil, reach, axis):
     return (x > low - 2 * cell) & (x < low), (x > high) & (x < high + 2 * cell)
 
 
-def thin_front(scene, model):
-    """Columns of sand let go in space, so few cells high that the front, thinner than one, stays behind."""
-    soil = model.soil
-    let_go = model.scheme.inertia and not soil.held and not scene.bodies and scene.soil.material.law in SAND
-    if not let_go or soil.grid.collapsed.any():
-        return
-    drop, cell = _drop(scene, soil), soil.grid.smallest_cell
-    cells = drop / cell
-    if cells > STEEP and FRONT / cells > EXCESS:
-        yield (f"the soil has a free side {drop:.3g} m high, {cells:.2g} cells, limit {FRONT / EXCESS:.2g}: let go in "
-               f"space it runs out about {min(FRONT / cells, 1):.0%} too little, because the front becomes thinner "
-               f"than a cell. Use cells of at most {EXCESS * drop / FRONT:.2g} m, or the plane strain of a wide column")
-
-
-def _drop(scene, soil):
-    """Height [m] of the highest free side of the soil as described: of its box inside of the grid, or of a step of
-    soil.ground."""
-    position, half, cell = soil.constants.position, soil.constants.half_width, soil.grid.smallest_cell
-    low, high = ([extreme(x) for x in ends.T] for extreme, ends in ((minimum, position - half), (maximum, position + half)))
-    ends = soil.grid.extent
-    inside = any(high[axis] < ends[axis, 1] - cell or low[axis] > ends[axis, 0] + cell for axis in (0, 1))
-    return high[2] - low[2] if inside else step_of_ground(scene, soil)
-
-
-LIMITS = (footings, pushed_walls, retaining_walls, thin_front)
+LIMITS = (footings, pushed_walls, retaining_walls)
