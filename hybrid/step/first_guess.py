@@ -55,25 +55,28 @@ def starts(step, evaluation):
     """Evaluations to start from in turn, until one leads to the solution: without inertia one in which soil has followed
     the bodies that leave it, where there is one, and `evaluation`, the first guess."""
     unknowns = evaluation.unknowns
-    if not step.model.scheme.inertia and step.soil is not None:
-        if held := followed(step, unknowns):
+    if not step.model.scheme.inertia and step.soil is not None and _parts(evaluation):
+        if held := followed(step, evaluation):
             yield held
         evaluation = step.evaluate(unknowns)
     yield evaluation
 
 
-def followed(step, unknowns):
-    """Evaluation where soil has followed bodies that leave it: an update from `unknowns` in which the points that touched
-    pull. None where hardly any of them part, or there is no such update.
+def _parts(evaluation):
+    """Whether bodies leave PARTED of the points that touched before, or more."""
+    before, parted = np.sum([terms.step.pair.parted(terms.contact) for terms in evaluation.bodies] or [(0, 0)], axis=0)
+    return parted > PARTED * before
+
+
+def followed(step, evaluation):
+    """Evaluation where soil has followed bodies that leave it: an update from `evaluation` in which the points that touched
+    pull. None where there is no such update.
 
     With the soil still where it was, a body leaves it as soon as it moves farther than its springs are pressed: Newton's
     method would start from soil that nothing supports, or from a body on one or two of eighty points, whose tangent
     throws it off. The points that carried it before are an active set near that of the solution.
     """
-    evaluation = step.evaluate(unknowns)
-    before, parted = np.sum([terms.step.pair.parted(terms.contact) for terms in evaluation.bodies] or [(0, 0)], axis=0)
-    if parted <= PARTED * before:
-        return None
+    unknowns = evaluation.unknowns
     with ExitStack() as bonds:
         for terms in evaluation.bodies:
             bonds.enter_context(terms.step.pair.bonded())

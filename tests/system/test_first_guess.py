@@ -68,7 +68,7 @@ def test_soil_follows_a_wall_that_is_drawn_back(monkeypatch):
     stand by itself (116 iterations in 6 increments instead of 3 in one)."""
     record, force = drawn_back()
     assert record.iterations <= 10 and record.rejections == 0
-    monkeypatch.setattr(first_guess, "followed", lambda step, unknowns: None)
+    monkeypatch.setattr(first_guess, "followed", lambda step, evaluation: None)
     without, same = drawn_back()
     assert without.iterations > 5 * record.iterations and same == pytest.approx(force, rel=0.03)
 
@@ -80,7 +80,7 @@ def test_a_block_dragged_over_elastic_soil_starts_on_the_points_that_carried_it(
     for record in found:
         force = record.bodies[0].contact_force
         assert -force[0] == pytest.approx(0.3 * force[2], rel=0.02)
-    monkeypatch.setattr(first_guess, "followed", lambda step, unknowns: None)
+    monkeypatch.setattr(first_guess, "followed", lambda step, evaluation: None)
     without = records(DRAGGED)
     assert sum(record.iterations for record in without) > 3 * sum(record.iterations for record in found)
 
