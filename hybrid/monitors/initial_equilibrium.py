@@ -23,6 +23,9 @@ from hybrid.runtime.comm import anywhere, joined, maximum, minimum, total
 TOLERANCE = 1e-6  # share of the weight from which a run warns; round-off is below 1e-12
 SETTLED = 0.02      # the same of soil that has settled (`hybrid.setup.settle`)
 RESOLVED = 0.1    # largest step over the period of the swing
+_UNSETTLED = ("Settling at the start, without inertia, did not bring the soil to rest: its ground is too steep or its load too "
+              "large for its strength, and it slides from the start on. If it should stand, flatten soil.ground or raise "
+              "the strength.")
 
 
 @dataclass(frozen=True)
@@ -47,8 +50,9 @@ class InitialImbalance:
         limit = SETTLED if settled else TOLERANCE
         if self.share <= limit:
             return ()
-        return (f"initial imbalance: {self}, is not balanced at the start, limit {100 * limit:g} %. {self._cause()} "
-                f"{_remedy(stage, scheme, self.stressed)}{self._too_long(length) if scheme.inertia else ''}",)
+        about = _UNSETTLED if settled else f"{self._cause()} {_remedy(stage, scheme, self.stressed)}"
+        return (f"initial imbalance: {self}, is not balanced at the start, limit {100 * limit:g} %. {about}"
+                f"{self._too_long(length) if scheme.inertia else ''}",)
 
     def _too_long(self, length):
         """About steps of `length` [s] that do not resolve the swing, so that plastic flow depends on them."""

@@ -1,5 +1,6 @@
 """Ground that is not level: points cut to it, the start in equilibrium, bodies on it."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +14,7 @@ from hybrid.scene.file import validate
 from hybrid.scene.ground import heights, heights_at, mean_heights
 from hybrid.setup.build import build
 from hybrid.setup.soil import lay_out
+from hybrid.study.random.fresh.sand import bank
 
 SAND = Material(law="drucker-prager", cone="plane strain", young=2e7, poisson=0.3, density=1700.0, friction_angle=35.0,
                 dilation_angle=5.0, cohesion=1e3)
@@ -102,6 +104,16 @@ def test_a_slope_too_steep_for_its_strength_is_refused():
                                          "than the law can carry"):
         build(replace(scene(((0.0, 2.0), (4.0, 2.0), (4.5, -2.0), (10.0, -2.0)), weak),
                       soil=replace(scene(((0.0, 2.0), (4.0, 2.0), (4.5, -2.0), (10.0, -2.0)), weak).soil)))
+
+
+def test_a_bank_steeper_than_its_friction_angle_slides_and_a_note_says_so():
+    """Sand of 34 degrees built at 44, 26 and 55: it has slid in the settling, stands, and finds no start."""
+    notes = next(build(bank(44.0).scene).steps()).notes
+    assert re.search(r"initial imbalance: [3-9]\.\d % .* limit 2 %\. Settling at the start, .* slides from the start on\. If it "
+                     r"should stand, flatten soil\.ground", " ".join(notes))
+    assert "initial imbalance" not in " ".join(next(build(bank(26.0).scene).steps()).notes)
+    with pytest.raises(SceneError, match="finds no equilibrium at the start.* flatten soil.ground or raise the strength"):
+        build(bank(55.0).scene)
 
 
 @pytest.mark.parametrize("ground, height", [(SLOPE, None), (None, 2.0 + 0.25)])

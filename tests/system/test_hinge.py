@@ -1,0 +1,96 @@
+"""Hinges with stops and with friction."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from hybrid.scene import Joint, Load, Stage
+from hybrid.setup.build import build
+from tests.helpers.joined import CENTRE, G, LENGTHS, arm, bar, joined, pendulum
+
+
+def test_a_pendulum_stops_at_its_limit_without_rebound():
+    """It falls by 60 degrees, loses all its energy at the stop, and rests there on the moment m g l cos 60."""
+    simulation = build(pendulum(120, 0.005, limits=(-10.0, 60.0)))
+    records = list(simulation.steps())
+    mass, _ = bar(LENGTHS[0])
+    angle = np.array([record.joints[0].angle for record in records])
+    fallen = mass * G * 0.3 * np.sin(np.pi / 3)
+    stopped = np.argmax(angle > 59.999)
+    assert records[-1].energies["stop"] == pytest.approx(fallen, rel=0.01)
+    np.testing.assert_allclose(angle[stopped:], 60.0, atol=1e-5)
+    assert angle.max() < 60.0 + 1e-5
+    np.testing.assert_allclose(simulation.state.bodies[0].spin, 0.0, atol=1e-6)
+    moment = records[-1].joints[0].force[4]
+    assert moment == pytest.approx(-mass * G * 0.3 * np.cos(np.pi / 3), rel=1e-5)
+    inertia = mass * (0.6**2 + 0.08**2) / 12 + mass * 0.3**2
+
+    def swing(t, y):
+        return [y[1], mass * G * 0.3 * np.cos(y[0]) / inertia]
+
+    def reach(t, y):
+        return y[0] - np.pi / 3
+
+    reach.terminal = True
+    time = solve_ivp(swing, (0.0, 2.0), [0.0, 0.0], events=reach, rtol=1e-10).t[-1]
+    assert records[stopped].time == pytest.approx(time, abs=0.01)
+    assert sum(record.rejections for record in records) == 0
+
+
+def test_a_pendulum_that_swings_away_from_its_stop_is_free_again():
+    """Pushed against the stop by a moment, then let go."""
+    push = Load(moment=(0.0, -100.0, 0.0))
+    scene = replace(pendulum(1, 0.005, limits=(0.0, 170.0)), stages=(Stage("push", 10, loads=(push,)), Stage("fall", 20)))
+    simulation = build(scene)
+    records = list(simulation.steps())
+    angle = np.array([record.joints[0].angle for record in records])
+    np.testing.assert_allclose(angle[:10], 0.0, atol=1e-5)
+    mass, _ = bar(LENGTHS[0])
+    inertia = mass * (0.6**2 + 0.08**2) / 12 + mass * 0.3**2
+    assert np.radians(angle[-1]) == pytest.approx(0.5 * mass * G * 0.3 / inertia * 0.1**2, rel=0.1)
+
+
+def test_friction_of_a_hinge_holds_or_takes_energy():
+    mass, _ = bar(LENGTHS[0])
+    weight = mass * G * 0.3
+    held = list(build(pendulum(20, 0.01, friction_moment=1.1 * weight)).steps())
+    assert all(record.iterations < 4 for record in held)
+    assert max(abs(record.joints[0].angle) for record in held) < 1e-4
+    assert held[-1].joints[0].force[4] == pytest.approx(-weight, rel=1e-3)
+    slipped = list(build(pendulum(40, 0.005, friction_moment=0.3 * weight)).steps())
+    angle = np.radians(slipped[-1].joints[0].angle)
+    assert angle > 0.3
+    assert slipped[-1].energies["friction"] == pytest.approx(0.3 * weight * angle, rel=1e-3)
+    assert slipped[-1].energies["kinetic"] == pytest.approx(
+        weight * np.sin(angle) - 0.3 * weight * angle, rel=0.01)
+
+
+def rotor(steps, moment, **given):
+    """A bar that turns about its middle with friction, without gravity."""
+    pin = Joint(name="pin", kind="hinge", bodies=("rotor",), point=(0.0, 0.0, CENTRE), axis=(0.0, 1.0, 0.0),
+                friction_moment=moment)
+    return joined([arm("rotor", LENGTHS[0], 0.0, **given)], [pin], steps, 0.02, gravity=(0.0, 0.0, 0.0))
+
+
+def test_friction_of_a_hinge_slows_a_rotor_down_in_every_turn():
+    """Also where its angle passes 180 degrees, from which it is counted on from -180."""
+    _, inertia = bar(LENGTHS[0])
+    records = list(build(rotor(100, 0.5 * inertia, spin=(0.0, 4.0, 0.0))).steps())
+    spin = np.array([record.bodies[0].spin[1] for record in records])
+    np.testing.assert_allclose(np.diff(spin)[20:], -0.5 * 0.02, rtol=1e-6)
+    assert min(np.diff([record.joints[0].angle for record in records])) < -300.0
+
+
+@pytest.mark.parametrize("rate", [0.5, -0.5])
+def test_a_driven_hinge_feels_its_friction(rate):
+    turned = rotor(10, 3.0, held=("x", "y", "z", "rx", "rz"), driven=("ry",), spin=(0.0, rate, 0.0))
+    last = list(build(turned).steps())[-1]
+    assert last.bodies[0].reaction["ry"] == pytest.approx(3.0 * np.sign(rate))
+    assert last.energies["friction"] == pytest.approx(3.0 * 0.5 * 0.2)
+
+
+def test_friction_of_a_hinge_that_guides_hold_bears_nothing():
+    still = rotor(2, 3.0, held=("x", "y", "z", "rx", "ry", "rz"))
+    assert list(build(still).steps())[-1].joints[0].force[4] == 0.0
