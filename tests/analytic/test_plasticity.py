@@ -64,9 +64,9 @@ def test_the_circle_carries_its_load(across, monkeypatch):
 
 
 def test_the_cylinder_converges_at_second_order():
-    """Errors of 19.8 and 5.5 % in 20 steps; its force hardly depends on their number."""
-    errors = [np.mean(plasticity.sideways(across, steps=20).factor[-5:]) / plasticity.DEEP - 1 for across in (4, 8)]
-    assert np.log2(errors[0] / errors[1]) == pytest.approx(1.85, abs=0.2) and 0 < errors[1] < 0.065
+    """Errors of 19.8, 9.7 and 5.5 % with 4, 6, 8 cells in 20 steps; its force hardly depends on their number."""
+    errors = [np.mean(plasticity.sideways(across, steps=20).factor[-5:]) / plasticity.DEEP - 1 for across in (4, 6)]
+    assert np.log(errors[0] / errors[1]) / np.log(1.5) == pytest.approx(1.8, abs=0.25) and 0 < errors[1] < 0.11
 
 
 @pytest.mark.slow

@@ -14,13 +14,14 @@ from hybrid.step.workspace import Workspace
 from hybrid.study.scenes import sphere
 
 DENSITY, RADIUS = 4000.0, 0.45
+SMALLEST = 0.1      # [s]: shortest increment, with which the ball finds its place
 BALL = put_on_soil(
     sphere(RADIUS, size=0.1, growth=0.0, density=DENSITY, rest_on=0.0, held=("x", "y", "rx", "ry", "rz")),
     size=0.15, x=(0.0, 1.2), y=(0.0, 1.2), z=(-1.2, 0.6), material=replace(CLAY, density=1600.0))
 
 
 def test_a_ball_put_on_clay_sinks_in_until_it_is_borne():
-    record, = build(BALL).steps()
+    record, = build(replace(BALL, time=replace(BALL.time, smallest=SMALLEST))).steps()
     one = record.bodies[0]
     assert one.contact_force[2] == pytest.approx(DENSITY * 9.81 * np.pi * RADIUS**3 / 3, rel=0.02)     # of a quarter
     assert 0.05 < RADIUS - one.position[2] < 0.2
@@ -31,7 +32,7 @@ def test_a_ball_put_on_clay_sinks_in_until_it_is_borne():
 def test_it_has_no_solution_without_support(monkeypatch):
     monkeypatch.setattr(increments.Support, "at_start", lambda step, length: None)
     with pytest.raises(StepError, match="step 1 failed"):
-        list(build(BALL).steps())
+        list(build(replace(BALL, time=replace(BALL.time, smallest=SMALLEST))).steps())
 
 
 def test_a_support_fades_to_nothing_and_does_the_work_of_its_mean():
