@@ -23,10 +23,13 @@ from hybrid.step.search_reach import search_reach
 # all of the moments of inertia, a tolerance of 1e-6 makes the period of a plate wrong by 4e-5, where the scheme is wrong by
 # 1e-6. With the default tolerance, 1e-4, rates are solved to 1e-10.
 FLIGHT = 1e-6
-# Without inertia a body that rests on others may have no stiffness, or that of a corner: it moves by at most this share
+# Without inertia a body may have no stiffness, or that of a corner of another: it moves by at most this share
 # of its size in an iteration, and REST of the stiffness of its contact is added against motions that nothing resists, as
 # the rolling of a ball.
 PACE, REST = 0.01, 1e-6
+# Share of what is out of balance that contact of a body bears at most where the body counts as one that touches nothing: a
+# cylinder may stand on two points beside one another, about which nothing keeps it from turning.
+LIGHT = 0.01
 
 
 @dataclass(frozen=True)
@@ -143,6 +146,11 @@ class BodyTerms:
         """(6,) [N, N m] of the guides of its held and driven components."""
         return np.where(self.step.free, 0.0, self.total)
 
+    @property
+    def loose(self):
+        """Whether contact with the soil bears nothing yet, or hardly anything of what is out of balance."""
+        return np.linalg.norm(self.terms[3, :3]) <= LIGHT * np.linalg.norm(np.where(self.step.free, self.total, 0.0)[:3])
+
     def error(self):
         """Norms of the residual {name: value}, and the larger of force and moment relative to the largest terms.
 
@@ -166,18 +174,21 @@ class BodyTerms:
     def add_tangent(self, pattern, system, stiffness, softening=True):
         """Add contact, inertia and line to the block system; softening: whether with that of contact at convex edges.
 
-        stiffness: [N/m] of a cell of the soil. A body that touches nothing has no stiffness without inertia; that of a
-        cell leads it back to the soil under its weight. One that only just touches is not yet held by friction.
+        stiffness: [N/m] of a cell of the soil.
         """
         own, free = self.step.unknowns, self.step.free
         ww = self.step.pair.add_tangent(self.contact, pattern, system.values, system.uw[:, own], system.wu[own], softening)
-        if not self.step.scheme.inertia and not (self.step.body.friction and largest(self.contact.pressure)):
-            if anywhere([len(self.contact)]):
-                stiffness = REST * self.springs
-            elif self.beside:
-                stiffness = self._pace() or stiffness
-            ww = ww + stiffness * np.diag([1.0, 1.0, 1.0, *[self.step.body.radius**2] * 3])
-        system.ww[own, own] += (ww + self.trial.tangent)[np.ix_(free, free)]
+        unresisted = self._against_nothing(stiffness) * np.diag([1.0, 1.0, 1.0, *[self.step.body.radius**2] * 3])
+        system.ww[own, own] += (ww + unresisted + self.trial.tangent)[np.ix_(free, free)]
+
+    def _against_nothing(self, cell):
+        """[N/m] added against motions that nothing resists. Without inertia a loose body has no stiffness: that of a `cell`
+        leads it back to the soil under its weight. One that only just touches is not yet held by friction."""
+        if self.step.scheme.inertia:
+            return 0.0
+        if self.loose:
+            return self.beside and self._pace() or cell
+        return 0.0 if self.step.body.friction and largest(self.contact.pressure) else self._pace()
 
     def _pace(self):
         """[N/m] with which the residual moves the body by PACE of its size; it vanishes with the residual."""

@@ -1,7 +1,7 @@
 """Where Newton's method starts from in an increment: DESIGN, "First guess of a step".
 
     at constant velocities              where there is inertia, unless that opens the soil; else at rest
-    bodies put down on the soil         without inertia, where free bodies touch nothing
+    bodies put down on the soil         without inertia, where free bodies touch nothing, or hardly
     soil that follows the bodies        without inertia, where these leave points that touched before
 """
 
@@ -39,9 +39,9 @@ def first_evaluation(step):
 
 
 def landed(step, evaluation):
-    """Evaluation with free bodies that touch nothing put down on soil that does not move: their weight, which no
-    contact resists yet, would press them into it by a part of a cell."""
-    if not any(not comm.anywhere([len(terms.contact)]) and terms.residual.any() for terms in evaluation.bodies):
+    """Evaluation with free bodies that touch nothing, or hardly, put down on soil that does not move: their weight, which
+    no contact resists yet, would press them into it by a part of a cell."""
+    if not any(terms.loose and terms.residual.any() for terms in evaluation.bodies):
         return evaluation
     part = with_bodies_alone(step)
     try:

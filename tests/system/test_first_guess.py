@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from put_on_soil import CLAY, put_on_soil
 
+from hybrid.runtime.data import GEOMETRY
 from hybrid.runtime.errors import StepError
-from hybrid.scene import Faces, Layer, Load, Material
+from hybrid.scene import Body, Faces, Layer, Load, Material
 from hybrid.setup.build import build
-from hybrid.step import first_guess, increments, newton
+from hybrid.step import body_terms, first_guess, increments, newton
 from hybrid.study.scenes import box
 
 MAT = put_on_soil(
@@ -34,6 +35,12 @@ DRAGGED = put_on_soil(
     size=0.1, x=(-1.5, 2.0), z=(-1.5, 0.3), material=Material(law="hencky", young=1e7, poisson=0.3, density=1800.0), steps=6)
 
 
+ROLL = put_on_soil(      # three cells of clay around a cylinder of 0.5 m that lies along y
+    Body(GEOMETRY / "cylinder.geo", 2000.0, parameters={"radius": 0.25, "height": 1.0, "size": 0.0625}, name="cylinder",
+         rest_on=0.0, rotation=(1.0, 0.0, 0.0, 90.0), held=("x", "y", "ry", "rz")),
+    size=0.125, x=(-0.75, 0.75), y=(-0.75, 0.75), z=(-0.75, 0.75), material=replace(CLAY, young=2.5e6, strength=5e3))
+
+
 def records(described):
     """Records of all steps of a scene."""
     return list(build(described).steps())
@@ -48,6 +55,18 @@ def test_a_mat_is_put_down_by_its_weight(monkeypatch):
     monkeypatch.setattr(increments.Support, "at_start", lambda step, length: None)
     with pytest.raises(StepError):
         records(MAT)
+
+
+def test_a_cylinder_that_stands_on_two_points_is_put_down(monkeypatch):
+    """They bear a two-thousandth of its weight, side by side: as nothing keeps it from turning about them, the first
+    update turned it by 2 257 rad."""
+    weight, (record,) = 2000.0 * np.pi * 0.25**2 * 9.81, records(ROLL)
+    assert record.iterations <= 10 and record.rejections == 0
+    assert record.bodies[0].contact_force[2] == pytest.approx(weight, rel=1e-3)
+    monkeypatch.setattr(body_terms, "LIGHT", 0.0)
+    monkeypatch.setattr(body_terms, "PACE", np.inf)
+    with pytest.raises(StepError):
+        records(replace(ROLL, time=replace(ROLL.time, smallest=1.0)))
 
 
 def test_a_wall_that_just_touches_sand_holds_it_at_rest():

@@ -7,7 +7,7 @@ import pytest
 from hybrid.monitors.limits import LIMITS, unsupported
 from hybrid.scene import Faces, Load, Motion, Stage, Time
 from hybrid.setup.build import build
-from hybrid.study.scenes import box, soil_scene
+from hybrid.study.scenes import box, soil_scene, sphere
 
 QUASI_STATIC = Time(1.0, inertia=False)
 PLATE = {"density": 8000.0, "position": (0.4, 0.4, 0.0)}
@@ -86,6 +86,19 @@ def test_components_that_a_stage_releases_and_nothing_supports(stages, table, wo
     """Found by runs, which fail in the stage that is named."""
     text, = staged(*stages, **table)
     assert words in text and "stage.held, body.held" in text
+
+
+def ball(**table):
+    """Texts about a ball on level ground, smooth unless said otherwise."""
+    body = sphere(0.1, size=0.05, **PLATE | {"rest_on": 0.0} | table)
+    return notes(unsupported.released_bodies, soil([body]))
+
+
+def test_a_smooth_round_body_on_level_ground():
+    text, = ball()
+    assert "free along x, y, where only the unevenness of cells" in text and "a step may have no equilibrium" in text
+    assert "free along y, where" in ball(held=("x",))[0]
+    assert not ball(friction=0.1) and not ball(held=("x", "y")) and not ball(position=(0.4, 0.4, -0.3), rest_on=None)
 
 
 @pytest.mark.parametrize("stages, table", [

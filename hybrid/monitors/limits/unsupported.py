@@ -67,7 +67,7 @@ def loads_that_lift(scene, model):
 
 def released_bodies(scene, model):
     """Bodies with components that a stage leaves free and nothing supports: along z of one that is above the soil, along
-    the ground of one that is pushed there and lies on it with a plane base and without friction."""
+    the ground of one that lies on it without friction, if it is pushed there or has no plane base."""
     if model.scheme.inertia or scene.joints or len(model.bodies) > 1:     # a body may rest on another
         return
     for i, (described, body) in enumerate(zip(scene.bodies, model.bodies)):
@@ -77,8 +77,8 @@ def released_bodies(scene, model):
             way = way_along(replace(scene, stages=scene.stages[:s]), described, "z")
             found = _loose(scene, model.soil, staged.bodies[i], whole, place, way)
             if found and not staged.guides:     # of points, which hold a body too
-                yield (f"stage {stage.name!r}: {body.name} {found}, and without inertia no step has an equilibrium. Hold "
-                       "what nothing supports (stage.held, body.held), or set time.inertia = true")
+                yield (f"stage {stage.name!r}: {body.name} {found}, and without inertia a step may have no equilibrium. "
+                       "Hold what nothing supports (stage.held, body.held), or set time.inertia = true")
                 break
 
 
@@ -89,11 +89,14 @@ def _loose(scene, soil, body, whole, place, way):
         return ""
     if gap > FLUSH * cell and body.free[2] and (scene.gravity[2] or body.loads):
         return f"is free along z, {gap:.3g} m above the soil, where nothing supports it"
-    free = [name for axis, name in enumerate("xy") if body.free[axis] and _pushed(scene, body, axis)]
-    lies = abs(gap) < 0.5 * cell and scene.soil.ground is None and leads(whole, place, np.array([0.0, 0.0, -1.0]))
-    if free and lies and not body.friction:
-        return f"is pushed along {', '.join(free)} on its plane base, without friction (body.friction = 0) that holds it"
-    return ""
+    free = [axis for axis in (0, 1) if body.free[axis] and not soil.grid.collapsed[axis]]
+    if body.friction or abs(gap) > 0.5 * cell or scene.soil.ground is not None or not free:
+        return ""
+    pushed = ", ".join("xy"[axis] for axis in free if _pushed(scene, body, axis))
+    if not leads(whole, place, np.array([0.0, 0.0, -1.0])):
+        return (f"lies on level ground without a plane base and without friction (body.friction = 0), free along "
+                f"{', '.join('xy'[axis] for axis in free)}, where only the unevenness of cells that it presses holds it")
+    return pushed and f"is pushed along {pushed} on its plane base, without friction (body.friction = 0) that holds it"
 
 
 def _pushed(scene, body, axis):
