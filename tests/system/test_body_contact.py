@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from put_on_soil import put_on_soil
 
 from hybrid.output.checkpoint import load, save
 from hybrid.runtime.errors import SceneError
@@ -326,3 +327,15 @@ def test_a_step_longer_than_the_contact_of_two_balls_is_reported(share, count):
     _, records = run(replace(scene(balls, steps, step), gravity=(0.0, 0.0, 0.0)))
     found = [note for record in records for note in record.notes if note.startswith("impact of bodies")]
     assert len(found) == count
+
+
+@pytest.mark.parametrize("upper", [0.4, 0.5])
+def test_a_box_of_a_round_size_rests_on_another_without_inertia(upper):
+    """Its edge would lie exactly over a row of places of the lower one, 0.6 m wide, all of which come and go."""
+    low = put_on_soil(box(0.6, 0.6, 0.3, name="low", density=2000.0, rest_on=0.0, friction=0.3),
+                      size=0.125, x=(-1.0, 1.0), y=(-1.0, 1.0), z=(-0.75, 0.75), steps=2)
+    high = box(upper, 0.4, 0.3, name="high", density=2000.0, rest_on=0.3, friction=0.3)
+    records = list(build(replace(low, bodies=(*low.bodies, high))).steps())
+    assert sum(record.iterations for record in records) <= 10
+    weight = 2000.0 * 9.81 * (0.6 * 0.6 + upper * 0.4) * 0.3
+    assert records[-1].bodies[0].contact_force[2] == pytest.approx(weight, rel=1e-4)

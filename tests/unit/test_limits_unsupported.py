@@ -101,6 +101,19 @@ def test_a_smooth_round_body_on_level_ground():
     assert not ball(friction=0.1) and not ball(held=("x", "y")) and not ball(position=(0.4, 0.4, -0.3), rest_on=None)
 
 
+def tilted(angle=20.0, **table):
+    """Texts about a bar 0.4 m long and 0.2 m high with friction, turned by `angle` [°] about y."""
+    body = box(0.4, 0.2, 0.2, **PLATE | {"rest_on": 0.0, "friction": 0.5, "rotation": (0.0, 1.0, 0.0, angle)} | table)
+    return notes(unsupported.released_bodies, soil([body]))
+
+
+def test_a_body_that_stands_on_an_edge():
+    """0.2 cos 20° - 0.1 sin 20° beside its centre; upright, turned by a few degrees, or held it does not topple."""
+    text, = tilted()
+    assert "body stands on an edge or a point 0.154 m beside its centre of mass, about which it topples, and" in text
+    assert not tilted(90.0) and not tilted(5.0) and not tilted(held=("ry",)) and not tilted(held=("z",))
+
+
 @pytest.mark.parametrize("stages, table", [
     ((Stage("go", 1),), {}), ((Stage("go", 1),), {"rest_on": 0.02}), ((LIFT, Stage("on", 1, held=("z",))), {}),
     ((Stage("go", 1),), {"friction": 0.0}), ((Stage("go", 1, loads=(PUSH,)),), {"friction": 0.0, "held": ("x",)}),

@@ -209,13 +209,19 @@ def _width(place):
 
 def initial_vertices(described, body):
     """Vertices (V, 3) [m] of a body's surface at its initial pose."""
+    centre, rotation = initial_pose(described, body)
+    return centre + body.surface.vertices @ rotation.T
+
+
+def initial_pose(described, body):
+    """(centre of mass (3,) [m], rotation (3, 3)) of a body at the start."""
     rotation = np.eye(3)
     if described.rotation:
         rotation = rotation_from_axis_angle(described.rotation[:3], np.radians(described.rotation[3]))
     centre = np.array(described.position or (0.0, 0.0, 0.0)) + rotation @ body.mass.centre
     if described.rest_on is not None:
         centre[2] = described.rest_on + body.surface.extent(-rotation[2])
-    return centre + body.surface.vertices @ rotation.T
+    return centre, rotation
 
 
 LIMITS = (low_penalty, low_tangential_stiffness, narrow_body, narrow_face, thin_wall, light_body, driven_past_grid_end)

@@ -5,12 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from hybrid.monitors.limits.contact import initial_vertices, way_along
+from hybrid.monitors.limits.contact import initial_pose, initial_vertices, way_along
 from hybrid.monitors.limits.ways import leads, outline, top_of
 from hybrid.monitors.load_reached import components_of, held_down
 from hybrid.runtime.comm import maximum, minimum, total
 
 FLUSH = 0.15    # cells between a body and the soil from which on a step does not find its contact
+SUNK = 0.25     # cells above its lowest point up to which the surface of a body laid on the soil supports it
+BESIDE = 0.25   # cells from that support to the centre of mass from which on the body topples
 
 
 def soil_without_support(scene, model):
@@ -66,8 +68,9 @@ def loads_that_lift(scene, model):
 
 
 def released_bodies(scene, model):
-    """Bodies with components that a stage leaves free and nothing supports: along z of one that is above the soil, along
-    the ground of one that lies on it without friction, if it is pushed there or has no plane base."""
+    """Bodies with components that a stage leaves free and nothing supports: along z of one that is above the soil, about
+    the edge on which it stands, along the ground of one that lies on it without friction, if it is pushed there or has no
+    plane base."""
     if model.scheme.inertia or scene.joints or len(model.bodies) > 1:     # a body may rest on another
         return
     for i, (described, body) in enumerate(zip(scene.bodies, model.bodies)):
@@ -76,6 +79,8 @@ def released_bodies(scene, model):
             staged = model.for_stage(stage.held, number=s)
             way = way_along(replace(scene, stages=scene.stages[:s]), described, "z")
             found = _loose(scene, model.soil, staged.bodies[i], whole, place, way)
+            found = found or not s and _toppling(scene, model.soil, staged.bodies[i], whole, place,
+                                               initial_pose(described, whole)[0])
             if found and not staged.guides:     # of points, which hold a body too
                 yield (f"stage {stage.name!r}: {body.name} {found}, and without inertia a step may have no equilibrium. "
                        "Hold what nothing supports (stage.held, body.held), or set time.inertia = true")
@@ -97,6 +102,26 @@ def _loose(scene, soil, body, whole, place, way):
         return (f"lies on level ground without a plane base and without friction (body.friction = 0), free along "
                 f"{', '.join('xy'[axis] for axis in free)}, where only the unevenness of cells that it presses holds it")
     return pushed and f"is pushed along {pushed} on its plane base, without friction (body.friction = 0) that holds it"
+
+
+def _toppling(scene, soil, body, whole, place, centre):
+    """Text about a body with plane faces and vertices at `place` (V, 3) [m] that lies on level ground with its `centre`
+    (3,) of mass beside all that supports it; else ""."""
+    cell, low = soil.grid.smallest_cell, place[:, 2].min()
+    held = body.line is not None or body.interface and body.interface.tension or whole.surface.curved.any()
+    weighs = scene.gravity[2] < 0.0 and body.free[2]
+    if held or not weighs or abs(low - top_of(soil)) > SUNK * cell or scene.soil.ground is not None:
+        return ""
+    angles = np.linspace(0.0, 2 * np.pi, 72, endpoint=False)
+    ways = np.column_stack([np.cos(angles), np.sin(angles)])
+    about = np.where(soil.grid.collapsed[[1, 0]], False, body.free[[4, 3]])     # ry topples along x, rx along y
+    ways = ways[(np.abs(ways) < 1e-9)[:, ~about].all(axis=1)]
+    if not about.any():
+        return ""
+    support = place[place[:, 2] < low + SUNK * cell, :2] - centre[:2]
+    beside = -(support @ ways.T).max(axis=0).min()
+    return beside > BESIDE * cell and (f"stands on an edge or a point {beside:.3g} m beside its centre of mass, about which "
+                                       "it topples")
 
 
 def _pushed(scene, body, axis):
