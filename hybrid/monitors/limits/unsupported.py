@@ -78,9 +78,9 @@ def released_bodies(scene, model):
         for s, stage in enumerate(scene.stages):
             staged = model.for_stage(stage.held, number=s)
             way = way_along(replace(scene, stages=scene.stages[:s]), described, "z")
-            found = _loose(scene, model.soil, staged.bodies[i], whole, place, way)
-            found = found or not s and _toppling(scene, model.soil, staged.bodies[i], whole, place,
-                                               initial_pose(described, whole)[0])
+            centre = initial_pose(described, whole)[0]
+            found = not s and _toppling(scene, model.soil, staged.bodies[i], whole, place, centre)
+            found = found or _loose(scene, model.soil, staged.bodies[i], whole, place, way)
             if found and not staged.guides:     # of points, which hold a body too
                 yield (f"stage {stage.name!r}: {body.name} {found}, and without inertia a step may have no equilibrium. "
                        "Hold what nothing supports (stage.held, body.held), or set time.inertia = true")
@@ -105,23 +105,30 @@ def _loose(scene, soil, body, whole, place, way):
 
 
 def _toppling(scene, soil, body, whole, place, centre):
-    """Text about a body with plane faces and vertices at `place` (V, 3) [m] that lies on level ground with its `centre`
-    (3,) of mass beside all that supports it; else ""."""
+    """Text about a body with vertices at `place` (V, 3) [m] that lies on level ground with its `centre` (3,) of mass beside
+    all that supports it; else ""."""
     cell, low = soil.grid.smallest_cell, place[:, 2].min()
-    held = body.line is not None or body.interface and body.interface.tension or whole.surface.curved.any()
+    held = body.line is not None or body.interface and body.interface.tension
     weighs = scene.gravity[2] < 0.0 and body.free[2]
     if held or not weighs or abs(low - top_of(soil)) > SUNK * cell or scene.soil.ground is not None:
         return ""
     angles = np.linspace(0.0, 2 * np.pi, 72, endpoint=False)
     ways = np.column_stack([np.cos(angles), np.sin(angles)])
     about = np.where(soil.grid.collapsed[[1, 0]], False, body.free[[4, 3]])     # ry topples along x, rx along y
-    ways = ways[(np.abs(ways) < 1e-9)[:, ~about].all(axis=1)]
     if not about.any():
         return ""
-    support = place[place[:, 2] < low + SUNK * cell, :2] - centre[:2]
-    beside = -(support @ ways.T).max(axis=0).min()
-    return beside > BESIDE * cell and (f"stands on an edge or a point {beside:.3g} m beside its centre of mass, about which "
-                                       "it topples")
+    ways = ways[(np.abs(ways) < 1e-9)[:, ~about].all(axis=1)]
+    bears = place[:, 2] < low + SUNK * cell
+    beside = -((place[bears, :2] - centre[:2]) @ ways.T).max(axis=0).min()
+    if beside <= BESIDE * cell + _between_vertices(whole.surface, bears, place):
+        return ""
+    return f"stands on an edge or a point {beside:.3g} m beside its centre of mass, about which it topples"
+
+
+def _between_vertices(surface, bears, place):
+    """Longest edge [m] of curved triangles at the vertices that bear (V,) bool, between which a round body may stand."""
+    own = surface.triangles[surface.curved & bears[surface.triangles].any(axis=1)]
+    return np.linalg.norm(place[own] - place[np.roll(own, 1, axis=1)], axis=2).max(initial=0.0)
 
 
 def _pushed(scene, body, axis):
