@@ -1,8 +1,9 @@
 """Places on the surface of a body at which its contact with another body is evaluated.
 
 Each triangle is cut into 4^n equal ones, whose centroids, on the curved patch where there is one, are the places, but for
-a thousandth of their size: the midpoint rule of ∫ k g dA. Only triangles near the other body are cut, and of them only what is near it, so that the
-number of places does not grow with the size of a body. A place keeps its number, which names triangle and part.
+a thousandth of their size: the midpoint rule of ∫ k g dA. Only triangles near the other body are cut, and of them only
+what is near it, so that the number of places does not grow with the size of a body. A place keeps its number, which names
+triangle and part.
 
 A sharp edge or corner that meets a face of the other body lies between places of that face. So edges carry places as
 well, and count with an area of their length times a width; corners count with an area of their own
@@ -24,7 +25,7 @@ FINEST = 12     # times that a triangle may be cut into four
 SPREAD = 1.5    # spacings in the longest edge of a part of a triangle
 # Shares of a part's sides by which its place lies beside the centroid, to one side in parts the one way round, to the other
 # in those the other way. Bodies have round sizes, so that the edge of one would lie exactly over a row of centroids of the
-# other, which all enter and leave contact as it moves to and fro by 1e-6 of its size: without inertia stacks had no solution.
+# other one, all of which come and go as it moves by 1e-6 of its size: without inertia stacks had no solution.
 ASIDE = 1.3e-3, 0.7e-3
 BEND = np.radians(20.0)     # between the faces at a sharp edge, as in `hybrid.body.sharp_edges`
 
@@ -179,7 +180,8 @@ def _near(pieces, flat, turn, way, tree, reach, found):
             top -= 1
             v, w, h, n, path = stack_v[top], stack_w[top], stack_h[top], stack_n[top], stack_path[top]
             last = n == pieces.cuts[t]
-            x, N, jacobian = _at(pieces, t, v + h * (1.0 / 3.0 + last * ASIDE[0]), w + h * (1.0 / 3.0 + last * ASIDE[1]), flat)
+            aside = last * ASIDE[0], last * ASIDE[1]
+            x, N, jacobian = _at(pieces, t, v + h * (1.0 / 3.0 + aside[0]), w + h * (1.0 / 3.0 + aside[1]), flat)
             y = (turn[0, 0] * x[0] + turn[0, 1] * x[1] + turn[0, 2] * x[2] + way[0],
                  turn[1, 0] * x[0] + turn[1, 1] * x[1] + turn[1, 2] * x[2] + way[1],
                  turn[2, 0] * x[0] + turn[2, 1] * x[1] + turn[2, 2] * x[2] + way[2])

@@ -23,9 +23,9 @@ from hybrid.runtime.comm import anywhere, joined, maximum, minimum, total
 TOLERANCE = 1e-6  # share of the weight from which a run warns; round-off is below 1e-12
 SETTLED = 0.02      # the same of soil that has settled (`hybrid.setup.settle`)
 RESOLVED = 0.1    # largest step over the period of the swing
-_UNSETTLED = ("Settling at the start, without inertia, did not bring the soil to rest: its ground is too steep or its load too "
-              "large for its strength, and it slides from the start on. If it should stand, flatten soil.ground or raise "
-              "the strength.")
+_UNSETTLED = ("Settling at the start, without inertia, did not bring the soil to rest: its ground is too steep, or its load "
+              "too large, for its strength, and it slides from the start on. If it should stand, flatten soil.ground or "
+              "raise the strength.")
 
 
 @dataclass(frozen=True)

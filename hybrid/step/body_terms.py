@@ -23,9 +23,9 @@ from hybrid.step.search_reach import search_reach
 # all of the moments of inertia, a tolerance of 1e-6 makes the period of a plate wrong by 4e-5, where the scheme is wrong by
 # 1e-6. With the default tolerance, 1e-4, rates are solved to 1e-10.
 FLIGHT = 1e-6
-# Without inertia a body may have no stiffness, or that of a corner of another: it moves by at most this share
-# of its size in an iteration, and REST of the stiffness of its contact is added against motions that nothing resists, as
-# the rolling of a ball.
+# Without inertia a body may have no stiffness, or that of a corner of another one: what is out of balance moves it by at
+# most PACE of its size in an iteration, and REST of the stiffness of its contact is added against motions that nothing
+# resists, as the rolling of a ball.
 PACE, REST = 0.01, 1e-6
 # Share of what is out of balance that contact of a body bears at most where the body counts as one that touches nothing: a
 # cylinder may stand on two points beside one another, about which nothing keeps it from turning.
@@ -186,9 +186,10 @@ class BodyTerms:
         leads it back to the soil under its weight. One that only just touches is not yet held by friction."""
         if self.step.scheme.inertia:
             return 0.0
-        if self.loose:
-            return self.beside and self._pace() or cell
-        return 0.0 if self.step.body.friction and largest(self.contact.pressure) else self._pace()
+        if self.loose and not self.beside:
+            return cell
+        held = not self.loose and self.step.body.friction and largest(self.contact.pressure)
+        return 0.0 if held else self._pace() or cell
 
     def _pace(self):
         """[N/m] with which the residual moves the body by PACE of its size; it vanishes with the residual."""

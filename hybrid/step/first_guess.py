@@ -9,7 +9,6 @@ from contextlib import ExitStack
 
 import numpy as np
 
-from hybrid.runtime import comm
 from hybrid.runtime.errors import StepError
 from hybrid.soil.model import Refusal
 from hybrid.step.iteration import PATIENCE, Updates, iterate

@@ -109,8 +109,8 @@ def test_a_slope_too_steep_for_its_strength_is_refused():
 def test_a_bank_steeper_than_its_friction_angle_slides_and_a_note_says_so():
     """Sand of 34 degrees built at 44, 26 and 55: it has slid in the settling, stands, and finds no start."""
     notes = next(build(bank(44.0).scene).steps()).notes
-    assert re.search(r"initial imbalance: [3-9]\.\d % .* limit 2 %\. Settling at the start, .* slides from the start on\. If it "
-                     r"should stand, flatten soil\.ground", " ".join(notes))
+    assert re.search(r"initial imbalance: [3-9]\.\d % .* limit 2 %\. Settling at the start, .* slides from the start on\. "
+                     r"If it should stand, flatten soil\.ground", " ".join(notes))
     assert "initial imbalance" not in " ".join(next(build(bank(26.0).scene).steps()).notes)
     with pytest.raises(SceneError, match="finds no equilibrium at the start.* flatten soil.ground or raise the strength"):
         build(bank(55.0).scene)
