@@ -24,9 +24,10 @@ from hybrid.step.search_reach import search_reach
 # 1e-6. With the default tolerance, 1e-4, rates are solved to 1e-10.
 FLIGHT = 1e-6
 # Without inertia a body may have no stiffness, or that of a corner of another one: what is out of balance moves it by at
-# most PACE of its size in an iteration, and REST of the stiffness of its contact is added against motions that nothing
-# resists, as the rolling of a ball.
-PACE, REST = 0.01, 1e-6
+# most PACE of its size in an iteration, less where others are beside it, and REST of the stiffness of its contact is added
+# against motions that nothing resists, as the rolling of a ball. Of 18 smooth balls and pipes on clay and elastic ground, at
+# random places, 13 find a solution with 0.01, 17 with 0.03, and all with 0.1, in more iterations; a stack needs 0.01.
+PACE, REST = {True: 0.01, False: 0.03}, 1e-6
 # Share of what is out of balance that contact of a body bears at most where the body counts as one that touches nothing: a
 # cylinder may stand on two points beside one another, about which nothing keeps it from turning.
 LIGHT = 0.01
@@ -195,7 +196,7 @@ class BodyTerms:
         """[N/m] with which the residual moves the body by PACE of its size; it vanishes with the residual."""
         radius, free = self.step.body.radius, np.where(self.step.free, self.total, 0.0)
         force = np.linalg.norm(free[:3]) + np.linalg.norm(free[3:]) / radius
-        return force / (PACE * 2 * radius) + REST * self.springs
+        return force / (PACE[self.beside] * 2 * radius) + REST * self.springs
 
     def accept(self):
         """New BodyState."""
