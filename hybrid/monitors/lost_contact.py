@@ -1,7 +1,8 @@
 """Bodies that fall beside or through the soil: what follows is free fall, which no result depends on.
 
 Such a body moves down, nothing touches it, all of it is below the surface of the soil, and there is no soil under or
-over it, or its centre lies in a point's domain. A body above the soil, in a pit, or lifted out of it is none.
+over it, or its centre lies in a point's domain. A body above the soil or another body, in a pit, or lifted out of the
+soil is none.
 """
 
 import numpy as np
@@ -16,13 +17,14 @@ class LostContact(Monitor):
 
     def stops(self, view):
         """Body, time, place and remedy."""
-        soil, points = view.model.soil, view.state.points
-        for _, body, motion, contact in view.bodies:
+        collapsed, points, active = view.model.soil.grid.collapsed, view.state.points, _active(view.state.points)
+        boxes = np.array([rigid.bounding_box(body, motion) for _, body, motion, _ in view.bodies])
+        for b, body, motion, contact in view.bodies:
             if anywhere([len(contact)]) or not body.free[2] or motion.velocity[2] >= 0.0:
                 continue
-            box, active = rigid.bounding_box(body, motion), _active(points)
             surface = view.surface()
-            if box[1, 2] < surface and _lost(points, active, box, motion.position, soil.grid.collapsed):
+            if (boxes[b, 1, 2] < surface and not _caught(boxes, b, collapsed)
+                    and _lost(points, active, boxes[b], motion.position, collapsed)):
                 yield (f"{body.name} falls free at z = {motion.position[2]:.4g} m, below the surface of the soil at "
                        f"{surface:.4g} m, and nothing touches it: at t = {view.state.time:.4g} s it is beside the soil "
                        "or has gone through it. Start it above the soil (body.position), widen the grid, or use a "
@@ -31,6 +33,14 @@ class LostContact(Monitor):
 
 def _active(points):
     return np.ones(len(points), bool) if points.inactive is None else ~points.inactive
+
+
+def _caught(boxes, b, collapsed):
+    """Whether another body is under body b, so that it lies or will land there. boxes: (nb, 2, 3) [m]."""
+    box, others = boxes[b], np.delete(boxes, b, axis=0)
+    level = np.array([not collapsed[0], not collapsed[1], False])
+    over = ((others[:, 1] > box[0]) & (others[:, 0] < box[1]) | ~level).all(axis=1)
+    return bool((over & (others[:, 0, 2] < box[0, 2])).any())
 
 
 def _lost(points, active, box, centre, collapsed):
