@@ -15,6 +15,7 @@ import functools
 
 import pytest
 
+from hybrid.runtime.errors import StepError
 from hybrid.study.precision.problems import footing as ladder
 
 CURED, PLAIN = {}, ladder.PLAIN      # options of the soil
@@ -63,12 +64,17 @@ def test_without_a_cure_clay_locks():
 
 
 def test_the_ghost_penalty_steadies_it():
-    """Soil that heaves beside the footing fills a small part of the cells above: in wide and deep blocks of soil some
-    runs stop there without it (four cells at φ = 0, step 14 of 20)."""
+    """Soil that heaves beside the footing fills a small part of the cells above, where runs stop without it or take more
+    iterations: round-off decides (two cells at φ = 30° finish with PETSc 3.18 and stop in step 6 with PETSc 3.22)."""
     found = press(0, 2, width=6.0, depth=3.0, **CURED)
     assert found.iterations < 110 and abs(found.factor[-1] / ladder.prandtl(0) - 1) < 0.03
-    tied, bare = press(30, 2), press(30, 2, ghost=0.0)
-    assert tied.iterations < bare.iterations and tied.factor[-1] == pytest.approx(bare.factor[-1], rel=0.02)
+    tied = press(30, 2)
+    try:
+        bare = press(30, 2, ghost=0.0)
+    except StepError as failure:
+        assert "nearly empty cell" in str(failure)
+    else:
+        assert tied.iterations < bare.iterations and tied.factor[-1] == pytest.approx(bare.factor[-1], rel=0.02)
 
 
 def test_the_factor_of_the_ghost_penalty_does_not_matter():

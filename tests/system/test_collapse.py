@@ -43,7 +43,8 @@ def test_survives_only_with_the_ghost_penalty(soil):
     bare, reason = min((collapse(YIELD * (1 + nudge), **{"fbar": False, "ghost": 0.0, **soil})
                         for nudge in (0.0, 1e-8, 2e-8)),
                        key=lambda run: run[0].state.step)
-    assert 5 <= bare.state.step <= 15 and ("inside out" in reason or "residual" in reason)
+    assert 5 <= bare.state.step <= 15
+    assert any(text in reason for text in ("inside out", "residual", "would leave the grid"))
     tied, reason = collapse(**soil)
     assert not reason and tied.state.step == 20
     points, volume = tied.state.points, tied.model.soil.constants.volume
