@@ -20,8 +20,8 @@ been tried counts as PRIOR, one that has failed as infinite. The solver in use i
 MARGIN of it. A solver that takes MARGIN times what the next one would cost is stopped, at the earliest after LEAST
 iterations, and the next one goes on; so a tangent takes at most a few times the cost of the best solver. After RETRY
 tangents all is forgotten, as the soil may have changed. Where all have failed but the direct factor, it is forgotten
-after SOON tangents, twice as many the next time: one iterate that went astray must not give the whole run to a factor.
-The counts are part of a checkpoint.
+once factors have cost SOON iterations, twice as many the next time, up to LATE: one iterate that went astray must not
+give the whole run to a factor, the less the more a factor costs. The counts are part of a checkpoint.
 """
 
 import math
@@ -39,8 +39,10 @@ PRIOR = (0.0, 10.0, 20.0)       # iterations a decade of the first, second and t
 DECADES = 3.0                   # of a tangent, before any is known
 MARGIN = 1.5
 LEAST, MOST = 60, 1000          # iterations before the next solver is tried; where no other solver is left
-# Tangents. A trial of all solvers before the direct factor costs about 400 iterations.
-RETRY, SOON = 50, 4
+RETRY = 50      # tangents
+# [iterations] A trial of all solvers before the direct factor costs about 400: two fifths of what factors have cost at
+# first, a twentieth in the end.
+SOON, LATE = 1000.0, 8000.0
 FITS = 0.8      # of the memory that is left; the estimate is that of a block, and the step needs some memory too
 ASKED = 10      # tangents after which the system is asked again how much memory is left, which takes it 2 ms
 
@@ -55,7 +57,8 @@ class SolverChoice:
         self.linear, self.plane, self.factors, self.direct = linear, plane, 0, False
         self._rates = np.full(3, np.nan)    # iterations a decade; nan: not tried, inf: failed
         self._decades, self._pending, self._tangents, self._last = DECADES, 0.0, 0, -1
-        self._until, self._soon = RETRY, SOON   # tangents until all is forgotten, and from the next time that all fail
+        self._until, self._soon = RETRY, SOON   # tangents until all is forgotten; cost until then, the next time all fail
+        self._factor = 0.0      # [iterations] cost of a direct factor of the last tangent
         self._fits = self._fits_for = None      # whether a direct factor fits, and of how many unknowns
 
     def memory(self):
@@ -65,7 +68,8 @@ class SolverChoice:
     def restore(self, memory):
         """Go on from the `memory` (9,) of another SolverChoice."""
         self._rates, (self._decades, self._pending) = np.array(memory[:3], float), map(float, memory[3:5])
-        self._tangents, self._last, self._until, self._soon = map(int, memory[5:])
+        self._tangents, self._last, self._until = map(int, memory[5:8])
+        self._soon = float(memory[8])
 
     def begin(self, unknowns, bodies=0, symmetric=False):
         """Order of the solvers for the next tangent, [(solver, most iterations), ...], the cheapest first.
@@ -84,6 +88,7 @@ class SolverChoice:
             self._fits, self._fits_for = not self.refusal(unknowns), unknowns
         fits = self._fits
         costs = self._costs(unknowns, bodies, symmetric)
+        self._factor = costs[DIRECT]
         ranked = sorted(costs, key=lambda solver: costs[solver] / (MARGIN if solver == self._last else 1.0))
         order = [solver for solver in ranked if math.isfinite(costs[solver]) and (solver != DIRECT or fits)]
         limits = [_limit(costs[after]) for after in order[1:]] + [MOST]
@@ -112,7 +117,8 @@ class SolverChoice:
         if solver != DIRECT:
             self._rates[solver] = np.inf
             if np.isinf(self._rates).all():
-                self._tangents, self._until, self._soon = 1, self._soon, min(2 * self._soon, RETRY)
+                self._tangents, self._until = 1, min(math.ceil(self._soon / self._factor), RETRY)
+                self._soon = min(2 * self._soon, LATE)
 
     def refusal(self, unknowns):
         """Why a direct factor of so many unknowns is not taken; empty if its estimated memory fits."""

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hybrid.linalg import petsc, solver_choice
-from hybrid.linalg.solver_choice import DAMPED, DIRECT, INCOMPLETE, LEAST, SOON, SWEEPS
+from hybrid.linalg.solver_choice import DAMPED, DIRECT, INCOMPLETE, LEAST, SWEEPS
 from hybrid.runtime.data import GEOMETRY
 from hybrid.runtime.errors import StepError
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Scene, Soil, Solver, Stage, Time
@@ -84,9 +84,9 @@ def test_a_direct_factor_is_remembered_where_no_iterations_help(prepared, monkey
     monkeypatch.setattr(petsc, "RAISED", 1.0)       # the damped factor is then as unstable as the incomplete one
     # the last iteration would do without: a tenth of the residual is enough
     monkeypatch.setattr(iteration, "LEFT", 0.0)
-    list(pressed(steps=4).steps())
+    list(pressed(steps=6).steps())
     pauses = [len(list(group)) for solver, group in groupby(prepared) if solver == DIRECT]
-    assert pauses[:2] == [SOON, 2 * SOON]
+    assert 2 * pauses[0] - 1 <= pauses[1] <= 2 * pauses[0] <= 12
 
 
 def test_a_factor_without_memory_is_refused(monkeypatch):
