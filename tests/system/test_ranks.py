@@ -110,7 +110,7 @@ def coarse_anchor(*more):
 def test_few_nodes_of_all_ranks_are_solved_for_by_themselves(tmp_path):
     """Nonlinear elimination: as few iterations a step as on one rank (4 at most, 8 without), to the same place."""
     for folder, ranks in (("one", 1), ("two", 2)):
-        hybrid("run", *coarse_anchor("stage.0.steps=10", "stage.1.steps=15"), "--out", tmp_path / folder, "--ranks", ranks)
+        hybrid("run", *coarse_anchor("stage.0.steps=6", "stage.1.steps=8"), "--out", tmp_path / folder, "--ranks", ranks)
     one, two = (read_history(tmp_path / folder) for folder in ("one", "two"))
     assert two["iterations"].max() <= 5 and two["iterations"].sum() <= 1.05 * one["iterations"].sum()
     assert two["anchor_z_m"] == pytest.approx(one["anchor_z_m"], abs=1e-5)
@@ -159,7 +159,7 @@ system_cache.COPIED = 0
 
 
 def test_few_unknowns_that_each_rank_solves_for_are_those_of_a_divided_factor(tmp_path):
-    scene = coarse_anchor("stage.0.steps=3", "stage.1.steps=2")
+    scene = coarse_anchor("stage.0.steps=2", "stage.1.steps=1")
     program(patched(tmp_path / "divided.py", DIVIDED), "run", *scene, "--out", tmp_path / "divided", ranks=2)
     hybrid("run", *scene, "--out", tmp_path / "copied", "--ranks", 2)
     divided, copied = (read_history(tmp_path / folder) for folder in ("divided", "copied"))

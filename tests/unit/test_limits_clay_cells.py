@@ -5,7 +5,7 @@ import re
 import pytest
 
 from hybrid.monitors.limits import clay_cells
-from hybrid.scene import Axis, Grid, Layer, Material, Soil, Time
+from hybrid.scene import Axis, Faces, Grid, Layer, Material, Soil, Time
 from hybrid.setup.build import build
 from hybrid.study import plasticity
 from hybrid.study.random.fresh.problem import body, scene, slice_
@@ -117,3 +117,39 @@ def test_a_cylinder_deep_in_clay_on_few_cells(across, adhesion, said):
 def test_the_law_of_flow_around_a_cylinder_is_what_was_measured(factor, measured):
     for across, excess in measured.items():
         assert factor / across**2 == pytest.approx(excess, abs=0.01)
+
+
+def penetrators(cells, way=2.0, **motion):
+    """Warnings about a quarter of a cone on clay, 1 m and so many cells wide, that is driven down by `way` [m] if its motion
+    is not given."""
+    size = 1.0 / cells
+    motion = motion or {"driven": ("z",), "velocity": (0.0, 0.0, -0.1 * way)}
+    cone = body("cone.geo", {"radius": 0.5, "angle": 60.0, "shaft": 2.0, "size": 0.25}, rest_on=0.0, **motion)
+    across = Axis(start=0.0, end=6 * size, size=size)
+    grid = Grid(across, across, Axis(start=-6 * size, end=size, size=size), Faces(z_min="fixed"))
+    clay = Soil(Material(law="von-mises", young=2e6, poisson=0.49, density=1600.0, strength=5e3), top=0.0)
+    simulation = build(scene("cone", grid, clay, [cone], Time(1.0, inertia="driven" not in motion), 10, (0.0, 0.0, -9.81)))
+    return list(clay_cells.penetrators(simulation.scene, simulation.model))
+
+
+@pytest.mark.parametrize("cells, said", [(2, "about 110%"), (3, "about 56%"), (4, None)])
+def test_a_penetrometer_on_few_cells(cells, said):
+    found = penetrators(cells)
+    assert len(found) == (said is not None)
+    assert all(said in text and f"{cells} cells of" in text and "at most 0.25 m" in text for text in found)
+
+
+def test_a_penetrometer_that_stays_at_the_surface_is_not_judged():
+    assert not penetrators(3, way=0.5) and not penetrators(3, driven=("z",), velocity=(0.0, 0.0, 0.1))
+
+
+def test_a_body_that_falls_into_clay_is_judged_by_its_speed():
+    """Its energy is used up by ten times the strength after 2.6 and 0.3 widths."""
+    assert len(penetrators(3, velocity=(0.0, 0.0, -12.0))) == 1 and not penetrators(3, velocity=(0.0, 0.0, -4.0))
+
+
+def test_the_law_of_penetrometers_is_what_was_measured():
+    """The mean of a cone and of a rod with a round tip."""
+    for cells, cone, rod in ((2, 1.0, 1.1), (2.5, 0.85, 1.1), (3, 0.43, 0.7), (3.5, 0.18, 0.2), (4, 0.03, 0.07)):
+        law = clay_cells.PENETRATED * (clay_cells.RESOLVED - cells)
+        assert law == pytest.approx(0.5 * (cone + rod), abs=0.16)

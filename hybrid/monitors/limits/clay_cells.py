@@ -1,7 +1,7 @@
 """Active pressure of clay that few cells make too low, measured on smooth walls that are drawn back
 (demos/random/README.md, "By cells"), clay that stays attached to a body which slides over it, and clay that flows around
 a round body deep in it, in plane strain: with n cells across the load is too large by 3/n² of it where the body is
-smooth, by half of that where it is rough.
+smooth, by half of that where it is rough; in space, where a round shaft follows the tip, by 0.55 (4 - n).
 
     P(H) = γ H²/2 - 2 s_u H         clay that cannot stand by itself, γ H > 4 s_u, slides after the wall on a plane of 45°
     P(H - 1.4 h) instead of P(H)    found with cells of h
@@ -14,13 +14,17 @@ as much lower.
 
 import numpy as np
 
+from hybrid.body.symmetry import copies
 from hybrid.monitors.limits.sand_cells import PASSIVE, beside, depths, free_walls
-from hybrid.monitors.limits.ways import CLAY, EXCESS, STEEP, driven, facing, law_at, sides, top_of
+from hybrid.monitors.limits.ways import CLAY, EXCESS, STEEP, driven, facing, law_at, material_at, outline, sides, top_of
 from hybrid.runtime.comm import anywhere, total
 
 LOWER = 1.4         # cells that the wedge is lower than the wall
 ALONG = 0.1         # sine of the angle between a way and the ground
 AROUND, ROUGH = 3.0, 1.5    # 18, 8.5, 5.1, 2.9 % with 4, 6, 8, 12 cells; 9.4, 4.9, 3.3 % (demos/random/README.md)
+PENETRATED, RESOLVED = 0.55, 4.0    # 1.05, 0.95, 0.55, 0.2, 0.05 with 2, 2.5, 3, 3.5, 4 cells (demos/random/README.md)
+SHAFT, DEEP = 1.5, 1.0      # widths: length of a body, and depth of its tip in the end, from which on a shaft follows it
+BEARING = 10.0      # of s_u, what stops a body that falls into clay
 COVERED = 1.0       # widths of clay above a body that all of the clay flows around
 SUNK = 0.25         # of its length: a body that has its base deeper in the clay does not slide over it
 
@@ -74,6 +78,41 @@ def flow_around(scene, model):
                    f"cells of at most {width * np.sqrt(EXCESS / factor):.2g} m")
 
 
+def penetrators(scene, model):
+    """Round bodies with a shaft that go down into clay in space, so few cells wide that their load is more than EXCESS too
+    high."""
+    soil = model.soil
+    if soil.held or soil.grid.collapsed.any():
+        return
+    for body, way, place in [*(found[:3] for found in driven(scene, model)), *_falling(scene, model)]:
+        width, depth = min((width for _, width, _ in sides(soil.grid, place, way)), default=0.0), top_of(soil)
+        depth -= place[:, 2].min() + way[2]
+        down = way[2] < 0.0 and -way[2] > np.abs(way[:2]).max() and np.ptp(place[:, 2]) > SHAFT * width > 0.0
+        if not down or depth < DEEP * width or facing(body, place, way) is not None or law_at(
+                scene, soil, top_of(soil) - 0.5 * depth) != CLAY:
+            continue
+        cells = width / soil.grid.smallest_cell
+        excess = PENETRATED * (RESOLVED - cells)
+        if excess > EXCESS:
+            yield (f"{body.name} is round and {cells:.2g} cells of {soil.grid.smallest_cell:.3g} m wide, and goes "
+                   f"{depth / width:.2g} of its widths deep into clay: its load is about {excess:.0%} too high, limit "
+                   f"{EXCESS:.0%}. Use cells of at most {width / RESOLVED:.2g} m")
+
+
+def _falling(scene, model):
+    """(RigidBody, way (3,) [m] in which clay stops it, places (V, 3) [m] of its vertices) of each body that starts with a
+    speed downwards."""
+    for described, body in zip(scene.bodies, model.bodies):
+        speed = described.velocity[2]
+        if speed >= 0.0 or not body.free[2]:
+            continue
+        whole, place = outline(described, body)
+        strength = material_at(scene, model.soil, top_of(model.soil)).strength
+        energy, area = 0.5 * copies(body.mirrors) * body.mass.mass * speed**2, np.ptp(place[:, :2], axis=0).min()**2
+        if strength:
+            yield whole, np.array([0.0, 0.0, -energy / (BEARING * strength * area)]), place
+
+
 def _active(scene, soil, body, place, way, height, does, load):
     """Text, if any, about a wall that clay of a `height` [m] behind it follows."""
     cell = soil.grid.smallest_cell
@@ -109,4 +148,4 @@ def _critical_height(scene, soil, place, way):
     return 4.0 * strength / (mass * -scene.gravity[2]) if volume else None
 
 
-LIMITS = (drawn_walls, clay_walls, attached_slides, flow_around)
+LIMITS = (drawn_walls, clay_walls, attached_slides, flow_around, penetrators)
