@@ -128,7 +128,8 @@ def penetrators(cells, way=2.0, **motion):
     across = Axis(start=0.0, end=6 * size, size=size)
     grid = Grid(across, across, Axis(start=-6 * size, end=size, size=size), Faces(z_min="fixed"))
     clay = Soil(Material(law="von-mises", young=2e6, poisson=0.49, density=1600.0, strength=5e3), top=0.0)
-    simulation = build(scene("cone", grid, clay, [cone], Time(1.0, inertia="driven" not in motion), 10, (0.0, 0.0, -9.81)))
+    time = Time(1.0, inertia=False) if "driven" in motion else Time(0.001)
+    simulation = build(scene("cone", grid, clay, [cone], time, 10, (0.0, 0.0, -9.81)))
     return list(clay_cells.penetrators(simulation.scene, simulation.model))
 
 
