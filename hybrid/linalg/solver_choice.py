@@ -21,7 +21,7 @@ MARGIN of it. A solver that takes MARGIN times what the next one would cost is s
 iterations, and the next one goes on; so a tangent takes at most a few times the cost of the best solver. After RETRY
 tangents all is forgotten, as the soil may have changed. Where all have failed but the direct factor, it is forgotten
 once factors have cost SOON iterations, twice as many the next time, up to LATE: one iterate that went astray must not
-give the whole run to a factor, the less the more a factor costs. The counts are part of a checkpoint.
+give the whole run to a factor. The more a factor costs, the fewer are computed. The counts are part of a checkpoint.
 """
 
 import math

@@ -85,8 +85,8 @@ def penetrators(scene, model):
     if soil.held or soil.grid.collapsed.any():
         return
     for body, way, place in [*(found[:3] for found in driven(scene, model)), *_falling(scene, model)]:
-        width, depth = min((width for _, width, _ in sides(soil.grid, place, way)), default=0.0), top_of(soil)
-        depth -= place[:, 2].min() + way[2]
+        width = min((width for _, width, _ in sides(soil.grid, place, way)), default=0.0)
+        depth = top_of(soil) - place[:, 2].min() - way[2]
         down = way[2] < 0.0 and -way[2] > np.abs(way[:2]).max() and np.ptp(place[:, 2]) > SHAFT * width > 0.0
         if not down or depth < DEEP * width or facing(body, place, way) is not None or law_at(
                 scene, soil, top_of(soil) - 0.5 * depth) != CLAY:
