@@ -1,8 +1,8 @@
 """Bodies that fall beside or through the soil: what follows is free fall, which no result depends on.
 
-Such a body moves down, nothing touches it, all of it is below the surface of the soil, and there is no soil under or
-over it, or its centre lies in a point's domain. A body above the soil or another body, in a pit, or lifted out of the
-soil is none.
+Such a body moves down, nothing touches it, all of it is below the surface of the soil, and there is neither soil under or
+over it nor another body under it, or its centre lies in a point's domain. A body above the soil or another body, in a pit,
+or lifted out of the soil is none.
 """
 
 import numpy as np
@@ -23,8 +23,7 @@ class LostContact(Monitor):
             if anywhere([len(contact)]) or not body.free[2] or motion.velocity[2] >= 0.0:
                 continue
             surface = view.surface()
-            if (boxes[b, 1, 2] < surface and not _caught(boxes, b, collapsed)
-                    and _lost(points, active, boxes[b], motion.position, collapsed)):
+            if boxes[b, 1, 2] < surface and _lost(points, active, boxes, b, motion.position, collapsed):
                 yield (f"{body.name} falls free at z = {motion.position[2]:.4g} m, below the surface of the soil at "
                        f"{surface:.4g} m, and nothing touches it: at t = {view.state.time:.4g} s it is beside the soil "
                        "or has gone through it. Start it above the soil (body.position), widen the grid, or use a "
@@ -35,18 +34,18 @@ def _active(points):
     return np.ones(len(points), bool) if points.inactive is None else ~points.inactive
 
 
-def _caught(boxes, b, collapsed):
-    """Whether another body is under body b, so that it lies or will land there. boxes: (nb, 2, 3) [m]."""
-    box, others = boxes[b], np.delete(boxes, b, axis=0)
-    level = np.array([not collapsed[0], not collapsed[1], False])
-    over = ((others[:, 1] > box[0]) & (others[:, 0] < box[1]) | ~level).all(axis=1)
-    return bool((over & (others[:, 0, 2] < box[0, 2])).any())
-
-
-def _lost(points, active, box, centre, collapsed):
-    """Whether no point (n,) is under or over a `box` (2, 3) [m], or one has the `centre` (3,) [m] in its domain."""
+def _lost(points, active, boxes, b, centre, collapsed):
+    """Whether neither a point (n,) is under or over body b nor another body under it, or a point has its `centre` (3,) [m] in its
+    domain. boxes: (nb, 2, 3) [m] of the bodies."""
     x, half = points.position, points.half_width
     level = np.array([not collapsed[0], not collapsed[1], False])
-    over = ((x + half > box[0]) & (x - half < box[1]) | ~level).all(axis=1) & active
+    over = ((x + half > boxes[b, 0]) & (x - half < boxes[b, 1]) | ~level).all(axis=1) & active
     inside = ((np.abs(x - centre) < half) | collapsed).all(axis=1) & active
-    return not anywhere(over) or anywhere(inside)
+    return anywhere(inside) or not (anywhere(over) or _will_land(boxes, b, level))
+
+
+def _will_land(boxes, b, level):
+    """Whether another body is under body b; level: (3,) bool, axes along which bodies can lie beside one another."""
+    box, others = boxes[b], np.delete(boxes, b, axis=0)
+    over = ((others[:, 1] > box[0]) & (others[:, 0] < box[1]) | ~level).all(axis=1)
+    return bool((over & (others[:, 0, 2] < box[0, 2])).any())

@@ -161,17 +161,20 @@ def test_a_body_in_a_pit_is_not_lost(simulation):
     assert not list(monitor.stops(view(simulation, state, [[]])))
 
 
-@pytest.mark.parametrize("x, z, lost", [
-    (1.0, -0.4, False),     # a table under it: it will land there
-    (1.3, -0.4, True),      # beside it
-    (1.0, 0.3, True),       # above it
+@pytest.mark.parametrize("start, x, z, lost", [
+    (1.0, 1.0, -0.4, False),    # a table under it: it will land there
+    (1.0, 1.3, -0.4, True),     # beside it
+    (1.0, 1.0, 0.3, True),      # above it
+    (0.4, 1.3, -0.4, True),     # the cube is inside the soil,
+    (0.4, 0.4, -0.4, True),     # also with the table under it
 ])
-def test_a_body_that_falls_on_another_is_not_lost(x, z, lost):
-    cube = [steel(0.2, 0.2, 0.2, name=name, position=place) for name, place in
-            (("cube", (1.0, 0.4, -0.15)), ("table", (x, 0.4, z)))]
-    simulation = build(soil_scene(cube))
-    falling = replace(simulation.state.bodies[0], velocity=np.array([0.0, 0.0, -1.0]))
-    state = replace(simulation.state, bodies=[falling, simulation.state.bodies[1]])
+def test_a_body_that_falls_on_another_is_not_lost(start, x, z, lost):
+    bodies = [steel(0.2, 0.2, 0.2, name=name, position=place) for name, place in
+              (("cube", (1.0, 0.4, -0.15)), ("table", (1.6, 0.4, z)))]
+    simulation = build(soil_scene(bodies))
+    cube, table = simulation.state.bodies
+    falling = replace(cube, position=np.array([start, 0.4, -0.15]), velocity=np.array([0.0, 0.0, -1.0]))
+    state = replace(simulation.state, bodies=[falling, replace(table, position=np.array([x, 0.4, z]))])
     monitor = LostContact(simulation.model, simulation.state)
     assert len(list(monitor.stops(view(simulation, state, [[], []])))) == lost
 
