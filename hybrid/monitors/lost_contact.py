@@ -35,8 +35,8 @@ def _active(points):
 
 
 def _lost(points, active, boxes, b, centre, collapsed):
-    """Whether neither a point (n,) is under or over body b nor another body under it, or a point has its `centre` (3,) [m] in its
-    domain. boxes: (nb, 2, 3) [m] of the bodies."""
+    """Whether neither a point (n,) is under or over body b nor another body under it, or a point has the body's `centre`
+    (3,) [m] in its domain. boxes: (nb, 2, 3) [m] of the bodies."""
     x, half = points.position, points.half_width
     level = np.array([not collapsed[0], not collapsed[1], False])
     over = ((x + half > boxes[b, 0]) & (x - half < boxes[b, 1]) | ~level).all(axis=1) & active
