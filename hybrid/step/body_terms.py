@@ -75,6 +75,11 @@ class BodyStep:
         """Pose at the end of the step if it keeps its rates."""
         return rigid.predicted_pose(self.body, self.state, self.scheme, self.dt)
 
+    def moved_on_pose(self):
+        """Pose at the end of a quasi-static step if its centre also moves on as in the last one."""
+        position, rotation = self.predicted_pose()
+        return position + self.dt * self.state.velocity * self.free[:3], rotation
+
     def committed_pose(self):
         """Pose before the step."""
         return self.state.position, self.state.rotation

@@ -2,7 +2,10 @@
 
     at constant velocities              where there is inertia, unless that opens the soil; else at rest
     bodies put down on the soil         without inertia, where free bodies touch nothing, or hardly
-    soil that follows the bodies        without inertia, where these leave points that touched before
+    the best of these                   without inertia, if it leaves less of the residual than soil at rest
+        soil that follows the bodies        where these leave points that touched before
+        soil that flows on                  as in the last increment, where it yields
+        both
 """
 
 from contextlib import ExitStack
@@ -21,6 +24,9 @@ PARTED = 0.1
 # a block that its own weight throws up takes 3 iterations from rest, and 5 to 15 from the predictor if it converges at
 # all (share 0.15 to 0.92). In front of an anchor the share is 0.02; 60 steps from rest take a third more iterations.
 OPENED = 0.1
+# Share of the error of soil at rest below which another start is better (0.8 to 0.95 take as many iterations, within
+# what they scatter by), and error from which on it is looked for.
+LESS, NEAR = 0.9, 0.05
 
 
 def first_evaluation(step):
@@ -51,14 +57,33 @@ def landed(step, evaluation):
 
 
 def starts(step, evaluation):
-    """Evaluations to start from in turn, until one leads to the solution: without inertia one in which soil has followed
-    the bodies that leave it, where there is one, and `evaluation`, the first guess."""
-    unknowns = evaluation.unknowns
-    if not step.model.scheme.inertia and step.soil is not None and _parts(evaluation):
-        if held := followed(step, evaluation):
-            yield held
+    """Evaluations to start from in turn, until one leads to the solution: without inertia the best of the `candidates`,
+    where soil yields if it leaves less than LESS of the error, and `evaluation`, the first guess."""
+    unknowns, error, yields = evaluation.unknowns, evaluation.error, step.model.soil.law.plastic
+    resting = not step.model.scheme.inertia and step.soil is not None
+    leave, far = resting and _parts(evaluation), resting and yields and error > NEAR
+    if leave or far:
+        left, best = min(candidates(step, evaluation, leave, far), key=lambda found: found[0], default=(np.inf, None))
+        if best and (left < LESS * error or not yields):
+            yield step.evaluate(best)
         evaluation = step.evaluate(unknowns)
     yield evaluation
+
+
+def candidates(step, evaluation, leave, far):
+    """(error, Unknowns) of states that may be nearer to the solution than `evaluation`, whose soil is at rest. leave:
+    whether bodies leave points that touched; far: whether soil yields, and is far from the solution.
+
+    Soil that yields is elastic at rest for the tangent, until an update has strained it too far; moved on as in the last
+    increment, it flows from the first tangent on.
+    """
+    if leave and (found := followed(step, evaluation)):
+        yield found.error, found.unknowns
+    moved = step.evaluate(step.moved_on()) if far else None
+    if far and not isinstance(moved, Refusal):
+        yield moved.error, moved.unknowns
+        if found := followed(step, moved):
+            yield found.error, found.unknowns
 
 
 def _parts(evaluation):

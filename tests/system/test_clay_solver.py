@@ -55,7 +55,7 @@ def prepared(monkeypatch):
 
 def test_the_damped_factor_solves_clay_and_is_remembered(prepared):
     """Where sweeps and the incomplete factor fail, without a direct factor."""
-    list(pressed().steps())
+    list(pressed(steps=4).steps())
     first = prepared.index(DAMPED)
     assert set(prepared[:first]) == {SWEEPS, INCOMPLETE} and set(prepared[first:]) == {DAMPED} and len(prepared) > first + 5
 
@@ -84,7 +84,7 @@ def test_a_direct_factor_is_remembered_where_no_iterations_help(prepared, monkey
     monkeypatch.setattr(petsc, "RAISED", 1.0)       # the damped factor is then as unstable as the incomplete one
     # the last iteration would do without: a tenth of the residual is enough
     monkeypatch.setattr(iteration, "LEFT", 0.0)
-    list(pressed(steps=6).steps())
+    list(pressed(steps=9).steps())
     pauses = [len(list(group)) for solver, group in groupby(prepared) if solver == DIRECT]
     assert 2 * pauses[0] - 1 <= pauses[1] <= 2 * pauses[0] <= 12
 

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from put_on_soil import CLAY, put_on_soil
 
-from hybrid.runtime.data import GEOMETRY
+from hybrid.runtime.data import DEMOS, GEOMETRY
 from hybrid.runtime.errors import StepError
-from hybrid.scene import Body, Faces, Layer, Load, Material
+from hybrid.scene import Body, Faces, Layer, Load, Material, Motion, Stage
+from hybrid.scene.file import load_scene
 from hybrid.setup.build import build
 from hybrid.step import body_terms, first_guess, increments, newton
 from hybrid.study.scenes import box
@@ -34,6 +35,10 @@ DRAGGED = put_on_soil(
         velocity=(0.01, 0.0, 0.0)),
     size=0.1, x=(-1.5, 2.0), z=(-1.5, 0.3), material=Material(law="hencky", young=1e7, poisson=0.3, density=1800.0), steps=6)
 
+
+PRESSED = put_on_soil(
+    box(1.0, 1.0, 0.5, size=20.0, density=2000.0, position=(0.0, 0.5, 0.0), rest_on=0.0, friction=0.4, held=("x", "ry")),
+    size=0.1, x=(0.0, 2.5), z=(-1.5, 0.3))
 
 ROLL = put_on_soil(      # three cells of clay around a cylinder of 0.5 m that lies along y
     Body(GEOMETRY / "cylinder.geo", 2000.0, parameters={"radius": 0.25, "height": 1.0, "size": 0.0625}, name="cylinder",
@@ -102,6 +107,27 @@ def test_a_block_dragged_over_elastic_soil_starts_on_the_points_that_carried_it(
     monkeypatch.setattr(first_guess, "followed", lambda step, evaluation: None)
     without = records(DRAGGED)
     assert sum(record.iterations for record in without) > 3 * sum(record.iterations for record in found)
+
+
+@pytest.mark.parametrize("demo, keys", [("slope", ()), ("first", ("stage.press.steps=8",))])
+def test_soil_that_yields_flows_on_as_in_the_last_increment(demo, keys, monkeypatch):
+    """A bank whose weight grows (17 iterations and 37), a footing that is pressed down (22 and 37)."""
+    scene = load_scene(DEMOS / f"{demo}.toml", keys)
+    found = records(scene)
+    monkeypatch.setattr(first_guess, "NEAR", np.inf)
+    without = records(scene)
+    assert sum(record.iterations for record in found) < 0.75 * sum(record.iterations for record in without)
+    assert [body.contact_force for body in found[-1].bodies] == [
+        pytest.approx(body.contact_force, rel=1e-3, abs=1.0) for body in without[-1].bodies]
+
+
+def test_soil_that_turns_back_does_not_flow_on():
+    """A strip that is pressed into clay and drawn back: moved on as before it would be worse off than at rest."""
+    there_and_back = ((0.0, 0.0), (5.0, -0.025), (8.0, -0.01))
+    scene = replace(PRESSED, stages=(Stage("press", 8, motions=(Motion(component="z", displacement=there_and_back),)),))
+    found = records(scene)
+    assert sum(record.iterations for record in found[5:]) <= 15 and not any(record.rejections for record in found)
+    assert found[4].bodies[0].contact_force[2] > 2e4 and found[-1].bodies[0].contact_force[2] == pytest.approx(0.0, abs=1.0)
 
 
 def block_in_space(**values):
