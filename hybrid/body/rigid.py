@@ -93,6 +93,11 @@ class RigidBody:
         return np.any([self.drive != 0.0, *(control.driven for control in self.stages)], axis=0)
 
     @property
+    def guided(self):
+        """(6,) bool, components that are not free, or that guides drive in a stage."""
+        return ~self.free | self.driven
+
+    @property
     def radius(self):
         """Radius [m] of a ball about the centre around the surface."""
         return self.surface.radius

@@ -55,6 +55,6 @@ def test_terminal_and_summary_carry_the_note(geometry, tmp_path):
     simulation = build(soil_scene([flying(geometry, (8.0, 0.0, 0.0), name="cube")], held=True, steps=5))
     simulation.run([Summary(tmp_path), Progress(stream)])
     before, note, untouched = json.loads((tmp_path / "summary.json").read_text())["notes"]
-    assert before.startswith("cube will be at x = 0.9 m") and note.startswith("cube leaves the grid")
+    assert before.startswith("cube gets to x = 0.9 m") and note.startswith("cube leaves the grid")
     assert "touched neither" in untouched
     assert [line for line in stream.getvalue().splitlines() if line.startswith("cube")] == [before, note, untouched]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hybrid.monitors.limits import LIMITS, cells, footing_cells
-from hybrid.scene import Axis, Grid, Load, Material, Soil, Time
+from hybrid.scene import Axis, Grid, Load, Material, Motion, Soil, Time
 from hybrid.setup.build import build
 from hybrid.study.random.fresh.problem import PUSHED, WEIGHTLESS, body, scene, slice_
 
@@ -93,6 +93,16 @@ def test_one_that_a_stage_loads_and_one_on_soil_with_weight():
     assert len(texts(gravity=(0.0, 0.0, -9.81))) == 1
 
 
+@pytest.mark.parametrize("motion", [{"velocity": -0.001}, {"displacement": ((0.0, 0.0), (2.0, -0.005), (5.0, 0.0))}])
+def test_one_that_a_stage_drives(motion):
+    """All the way, or there and back."""
+    described = strip(driven=(), held=("x", "y", "rx", "ry", "rz"), velocity=(0.0, 0.0, 0.0))
+    motions = (Motion(component="z", **motion),)
+    simulation = build(replace(described, stages=(replace(described.stages[0], motions=motions),)))
+    text, = footing_cells.cohesive_strips(simulation.scene, simulation.model)
+    assert text == texts()[0]
+
+
 @pytest.mark.parametrize("table", [
     {"half": 1.2}, {"velocity": (0.0, 0.0, 0.001)}, {"rest_on": -1.5},
     {"gravity": (0.0, 0.0, -9.81), "material": {"cohesion": 100.0}},
@@ -138,7 +148,7 @@ def test_and_of_those_in_sand_that_dilates_less(depth, dilation, n, found):
 
 
 SAND = {"law": None, "cohesion": 0.0, "dilation_angle": 0.0, "friction_angle": 30.0}
-LIFT = {"limit": footing_cells.lifted_plates, "gravity": (0.0, 0.0, -9.81), "velocity": (0.0, 0.0, 0.001), "rest_on": -1.5,
+LIFT = {"limit": footing_cells.lifted, "gravity": (0.0, 0.0, -9.81), "velocity": (0.0, 0.0, 0.001), "rest_on": -1.5,
         "material": SAND}
 
 
@@ -150,6 +160,28 @@ def test_a_plate_lifted_out_of_sand():
     assert "at most 0.043 m" in text
     density = {name: None for name in ("young", "poisson", "density", *SAND)} | {"relative_density": 38.0}
     assert "too high" in texts(**LIFT | {"material": density})[0]
+
+
+@pytest.mark.parametrize("deep, n, found", [(1.75, 8, (1.19, 1.26)), (1.75, 16, (1.12, 1.16)), (1.0, 8, (1.16, 1.25)),
+                                            (2.5, 8, (1.14, 1.27)), (1.25, 12, (1.14, 1.15))])
+def test_the_law_of_pipes_lifted_out_of_sand_is_what_was_measured(deep, n, found):
+    """Over γ (H D + s H² - π D²/8), φ = 36°, ψ = 6°, friction 0.4, `deep` = H/D."""
+    law = 1 + footing_cells.PIPE / n * deep / (deep + footing_cells._slope(36.0, 6.0) * deep**2 - np.pi / 8)
+    assert found[0] - 0.04 < law < found[1] + 0.04
+
+
+@pytest.mark.parametrize("speed, told", [(0.001, True), (-0.001, False)])
+def test_a_pipe_lifted_out_of_sand(speed, told):
+    """Half of one 1 m wide with its axis 1.25 m deep, ψ = 0: 2 cells of 0.125 m times 1.25 m over 1.309 m². Pressed down."""
+    pipe = body("cylinder.geo", {"radius": 0.5, "height": 1.0, "size": 0.1}, position=(0.0, 0.5, -1.25),
+                rotation=(1.0, 0.0, 0.0, 90.0), **PUSHED | {"velocity": (0.0, 0.0, speed)})
+    described = replace(strip(gravity=LIFT["gravity"], material=SAND), bodies=(pipe,))
+    simulation = build(described)
+    found = list(footing_cells.lifted(simulation.scene, simulation.model))
+    assert len(found) == told
+    for text in found:
+        assert "8 cells of 0.125 m wide, 1.25 m under the ground" in text and "that of a pipe 2 cells wider" in text
+        assert "about 24% too high, limit 10%, over γ (H (D + 0.29 H) - π D²/8)" in text and "at most 0.052 m" in text
 
 
 @pytest.mark.parametrize("table", [{"velocity": (0.0, 0.0, -0.001)}, {"rest_on": -0.5}, {"gravity": WEIGHTLESS},

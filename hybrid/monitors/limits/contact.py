@@ -125,7 +125,7 @@ def _thickness(scene, described, body, limit, top):
     area = 0.5 * np.linalg.norm(normal, axis=1)
     way = np.array([way_along(scene, described, name) for name in "xyz"])
     across = np.ones(len(area), bool)
-    if way.any() and not body.free[:3].any():
+    if way.any() and body.guided[:3].all():
         across = np.abs(normal @ way) > ACROSS * 2 * area * np.linalg.norm(way)
     inward = (surface.vertices[surface.triangles].mean(axis=1)[:, None]
               - limit * np.linspace(0.0, 1.0, SAMPLES + 1)[1:, None] * surface.normals[:, None])
@@ -167,37 +167,44 @@ def driven_past_grid_end(scene, model):
             if not passes or grid.collapsed or (name == "z" and travel > 0):
                 continue
             cheap = "" if grid.window else f" (with grid.{name}.window a long grid costs no more than a short one)"
-            yield (f"{body.name} will be at {name} = {front + travel:.3g} m when the stages end, limit {name} = "
+            yield (f"{body.name} gets to {name} = {front + travel:.3g} m in the stages, limit {name} = "
                    f"{end:g} m, where the grid ends: there is no soil beyond. Move grid.{name}.{side} outwards{cheap}, "
                    "or use fewer stage.steps")
 
 
 def way_along(scene, described, name):
-    """Distance [m] by which a body is driven, or its line pulled, along an axis in all stages."""
-    axis, travel = "xyz".index(name), 0.0
+    """Farthest displacement [m] from its start to which a body is driven, or its line pulled, along an axis."""
+    return max(path_along(scene, described, name), key=abs)
+
+
+def path_along(scene, described, name):
+    """[m] displacements of that body at the start, and in each stage at rows of the table that drives it and at the end."""
+    path, axis = [0.0], "xyz".index(name)
     for stage in scene.stages:
-        length = stage.steps * (stage.step or scene.time.step)
+        length, travel = stage.steps * (stage.step or scene.time.step), path[-1]
         own = [motion for motion in stage.motions if motion.body in (None, described.name) and name in components(motion)]
         if own and name not in own[0].free:
-            travel += driven_by(own[0], length)
+            path += [travel + moved for moved in driven_by(own[0], length)]
         elif own and described.pull and stage.pull:
-            travel += described.pull.velocity[axis] * length
+            path.append(travel + described.pull.velocity[axis] * length)
         elif own:
             continue
         elif name in described.driven and name not in stage.held:
-            travel += described.velocity[axis] * length
+            path.append(travel + described.velocity[axis] * length)
         elif described.pull and stage.pull and name not in {*stage.held, *described.held, *described.driven}:
-            travel += described.pull.velocity[axis] * length
-    return travel
+            path.append(travel + described.pull.velocity[axis] * length)
+    return path
 
 
 def driven_by(motion, length):
-    """Distance [m] by which a Motion drives its component in a stage of `length` [s], 0 of one that holds."""
+    """[m] displacements by which a Motion drives its component in a stage of `length` [s], at rows of its table and at the
+    end; none of one that holds."""
     if motion.component is None:
-        return 0.0
+        return []
     rate = motion.velocity is not None
     table = Table.of(table_rows(motion.velocity if rate else motion.displacement, 2, "motion"), 0.0)
-    return float((table.integral(0.0, length) if rate else table.at(length) - table.at(0.0))[0])
+    times = [*table.times[(table.times > 0.0) & (table.times < length)], length]
+    return [float((table.integral(0.0, time) if rate else table.at(time) - table.at(0.0))[0]) for time in times]
 
 
 def _width(place):

@@ -39,7 +39,7 @@ def unresolved_contact(scene, model):
         if distance.max() > ROUND * distance.min():
             continue
         radius, way = distance.mean(), way_along(scene, described, "z")
-        driven = way < 0.0 and not body.free[2]
+        driven = way < 0.0 and body.guided[2]
         a = _driven(soil, place, way, radius) if driven else _loaded(scene, model, body, radius, material)
         if 0.0 < a < RESOLVED * cell * (1 - 1e-6):
             yield _text(body, a, cell, driven)

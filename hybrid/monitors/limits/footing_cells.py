@@ -1,4 +1,4 @@
-"""Strips on soil with cohesion and friction, and plates lifted out of sand, that few cells make too strong, measured in
+"""Strips on soil with cohesion and friction, and plates and pipes lifted out of sand, that few cells make too strong, in
 plane strain (demos/random/README.md, "By cells").
 
 Strips pushed straight down, weightless, ψ = φ, E = 10⁵ c:
@@ -48,17 +48,21 @@ H/B = 2):
 | 2, 30°, 15° |       | 23 |    |
 | 2, 30°, 0   | 49    | 18 | 14 |
 | 1, 30°, 0   |       | 21 |    |
+
+Pipes seem two cells wider likewise, H the depth of their axis: over γ (H D + s H² - π D²/8), after 4 to 30 mm, as much
+smooth as with friction. φ = 36°, ψ = 6°: H/D = 1.75 with n = 8, 16: 19 to 26, 12 to 16; 1: 16 to 25; 2.5: 14 to 27; 1.25,
+n = 12: 15; φ = 30°, ψ = 0, H/D = 1.75, n = 8: 10 to 20.
 """
 
 import numpy as np
 
 from hybrid.laws.sand import sand
 from hybrid.monitors.limits.contact import covers
-from hybrid.monitors.limits.ways import EXCESS, SAND, driven, loaded, material_at, sides, top_of
+from hybrid.monitors.limits.ways import EXCESS, SAND, driven, facing, loaded, material_at, sides, top_of
 
 COHESION, FRICTION, ORDER = 0.41, 0.0215, 0.75      # FRICTION: for each degree of φ
 REACHED, RISING, FARTHEST = 8.0, 0.3, 35.0          # w E/(B c N_c) of those, power of the rise, largest that was measured
-LIFTED = 3.0            # cells that a plate lifted out of sand seems wider
+LIFTED, PIPE = 3.0, 2.0     # cells that a plate, or a pipe, lifted out of sand seems wider
 DEEPEST = 4.0           # widths: deeper plates let sand flow around them
 SMOOTH = 0.65           # of the excess, where the base is smooth
 SHALLOW = 1.0           # widths under the ground: what goes deeper is no footing
@@ -101,28 +105,33 @@ def _strip(body, width, cell, material, way):
                "extrapolate to none: load with cells half as large less 1.5 times the difference of both")
 
 
-def lifted_plates(scene, model):
-    """Plates driven up, or that forces of a stage lift, out of sand in plane strain, so few cells wide that their load is
-    too high by EXCESS."""
+def lifted(scene, model):
+    """Plates and pipes driven up, or that forces of a stage lift, out of sand in plane strain, so few cells wide that
+    their load is too high by EXCESS."""
     soil = model.soil
     if soil.held or soil.grid.collapsed.sum() != 1 or scene.gravity[2] >= 0.0:
         return
     cell = soil.grid.smallest_cell
     for body, way, place, plane in [*driven(scene, model), *(found[:4] for found in loaded(scene, model))]:
         top, width = place[:, 2].max(), min((width for _, width, _ in sides(soil.grid, place, way)), default=0.0)
-        depth, material = top_of(soil) - top, material_at(scene, soil, top + 0.5 * cell)
-        if not plane or way[2] <= 0.0 or not width or not cell < depth <= DEEPEST * width * (1 + 1e-6):
+        if way[2] <= 0.0 or not width or top_of(soil) - top <= cell or not plane and facing(body, place, way) is not None:
             continue
-        if material.law not in SAND:
-            continue
-        slope = _slope(*_angles(material))
-        wedge = 1.0 + slope * depth / width
-        excess = LIFTED * cell / width / wedge
-        if excess > EXCESS:
-            yield (f"{body.name} is lifted out of sand and is {width / cell:.2g} cells of {cell:.3g} m wide, {depth:.3g} m "
-                   f"under the ground: its load is about {excess:.0%} too high, limit {EXCESS:.0%}, over "
-                   f"γ H (B + {slope:.2g} H), that of a plate {LIFTED:g} cells wider. Use cells of at most "
-                   f"{EXCESS / LIFTED * width * wedge:.2g} m at it, or extrapolate two sizes of cells to none")
+        material, depth = material_at(scene, soil, top + 0.5 * cell), top_of(soil) - top + (not plane) * 0.5 * width
+        if material.law in SAND and depth <= DEEPEST * width * (1 + 1e-6):
+            yield from _lifted(body, width, depth, cell, material, plane)
+
+
+def _lifted(body, width, depth, cell, material, plane):
+    """Text, if any, about a plate, or a pipe, of a `width` [m] whose top, or axis, is at a `depth` [m] in a Material."""
+    slope, wider, hollow = _slope(*_angles(material)), LIFTED if plane else PIPE, 0.0 if plane else np.pi * width**2 / 8
+    resting = depth * (width + slope * depth) - hollow
+    excess = wider * cell * depth / resting
+    if excess > EXCESS:
+        what, over = ("plate", f"γ H (B + {slope:.2g} H)") if plane else ("pipe", f"γ (H (D + {slope:.2g} H) - π D²/8)")
+        yield (f"{body.name} is lifted out of sand and is {width / cell:.2g} cells of {cell:.3g} m wide, {depth:.3g} m "
+               f"under the ground: its load is about {excess:.0%} too high, limit {EXCESS:.0%}, over {over}, that of a "
+               f"{what} {wider:g} cells wider. Use cells of at most {EXCESS / excess * cell:.2g} m at it, or "
+               "extrapolate two sizes of cells to none")
 
 
 def _angles(material):
@@ -168,4 +177,4 @@ def _cohesive(scene, material, width):
     return material.cohesion > COHESIVE * material.density * -min(scene.gravity[2], 0.0) * width
 
 
-LIMITS = (cohesive_strips, lifted_plates)
+LIMITS = (cohesive_strips, lifted)

@@ -38,7 +38,7 @@ def turned(scene, model):
 
 def _turns(scene, described, body, axis):
     """Whether a body is driven about an axis, or free to follow a moment of a stage about it."""
-    if body.free[3 + axis]:
+    if not body.guided[3 + axis]:
         return any(load.moment is not None and np.any(load.moment.values[:, axis]) for stage in body.stages or ()
                    for load in stage.loads)
     return any(stride_of(scene, stage, described, f"r{'xyz'[axis]}") > 0.0 for stage in scene.stages)

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from hybrid.monitors.limits.contact import initial_pose, initial_vertices, way_along
+from hybrid.monitors.limits.contact import initial_pose, initial_vertices, path_along
 from hybrid.monitors.limits.ways import leads, outline, top_of
 from hybrid.monitors.load_reached import components_of, held_down
 from hybrid.runtime.comm import maximum, minimum, total
@@ -77,7 +77,7 @@ def released_bodies(scene, model):
         whole, place = outline(described, body)
         for s, stage in enumerate(scene.stages):
             staged = model.for_stage(stage.held, number=s)
-            way = way_along(replace(scene, stages=scene.stages[:s]), described, "z")
+            way = path_along(replace(scene, stages=scene.stages[:s]), described, "z")[-1]
             centre = initial_pose(described, whole)[0]
             found = not s and _toppling(scene, model.soil, staged.bodies[i], whole, place, centre)
             found = found or _loose(scene, model.soil, staged.bodies[i], whole, place, way)

@@ -24,7 +24,7 @@ def driven(scene, model):
         return
     for described, body in zip(scene.bodies, model.bodies):
         way = np.array([way_along(scene, described, name) for name in "xyz"]) * ~model.soil.grid.collapsed
-        if way.any() and not body.free[:3][way != 0.0].any():
+        if way.any() and body.guided[:3][way != 0.0].all():
             whole, place = outline(described, body)
             yield whole, way, place, leads(whole, place, way)
 
