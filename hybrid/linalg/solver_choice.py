@@ -21,7 +21,8 @@ MARGIN of it. A solver that takes MARGIN times what the next one would cost is s
 iterations, and the next one goes on; so a tangent takes at most a few times the cost of the best solver. After RETRY
 tangents all is forgotten, as the soil may have changed. Where all have failed but the direct factor, it is forgotten
 once factors have cost SOON iterations, twice as many the next time, up to LATE: one iterate that went astray must not
-give the whole run to a factor. The more a factor costs, the fewer are computed. The counts are part of a checkpoint.
+give the whole run to a factor. The more a factor costs, the fewer are computed. Where it finds a pivot of zero, those
+that failed are tried again. The counts are part of a checkpoint.
 """
 
 import math
@@ -39,6 +40,9 @@ PRIOR = (0.0, 10.0, 20.0)       # iterations a decade of the first, second and t
 DECADES = 3.0                   # of a tangent, before any is known
 MARGIN = 1.5
 LEAST, MOST = 60, 1000          # iterations before the next solver is tried; where no other solver is left
+# Iterations of a solver that has failed before, where the direct factor finds a pivot of zero: nodes without stiffness,
+# such as those of sand that has opened, make the matrix singular, and a Krylov method leaves them where they are.
+LAST = 200
 RETRY = 50      # tangents
 # [iterations] A trial of all solvers before the direct factor costs about 400: two fifths of what factors have cost at
 # first, a twentieth in the end.
@@ -92,7 +96,10 @@ class SolverChoice:
         ranked = sorted(costs, key=lambda solver: costs[solver] / (MARGIN if solver == self._last else 1.0))
         order = [solver for solver in ranked if math.isfinite(costs[solver]) and (solver != DIRECT or fits)]
         limits = [_limit(costs[after]) for after in order[1:]] + [MOST]
-        return [*zip(order, limits[:len(order)], strict=True)] + ([] if fits else [(SWEEPS, MOST)])
+        known = [*zip(order, limits[:len(order)], strict=True)]
+        if not fits:
+            return known + [(SWEEPS, MOST)]
+        return known + [(solver, LAST) for solver in ranked if math.isinf(costs[solver])]
 
     def _costs(self, unknowns, bodies, symmetric):
         """{solver: iterations that the next tangent is expected to cost}."""

@@ -350,3 +350,21 @@ def test_a_process_ends_well_with_systems_that_nobody_has_destroyed(how):
     """PETSc ends after Python has, and must have no matrix by then that calls Python."""
     ended = subprocess.run([sys.executable, "-c", DROPPED.format(how)], capture_output=True, text=True)
     assert ended.returncode == 0, ended.stderr
+
+
+def test_where_the_direct_factor_finds_a_pivot_of_zero_solvers_that_failed_are_tried_again():
+    """Unknowns of sand that has opened have no stiffness, and no residual: a Krylov method leaves them where they are."""
+    choice = SolverChoice("auto")
+    choice.begin(200)
+    for solver in (SWEEPS, INCOMPLETE, DAMPED):
+        choice.failed(solver)
+    _, K = filled(200, 0, "auto")
+    K[:, 7] = K[7] = 0.0
+    pattern = csr_matrix(K + np.eye(200))
+    system = BlockSystem(pattern.indptr, pattern.indices, 0, "auto", 1e-10, choice=choice)
+    system.values[:] = K[np.repeat(np.arange(200), np.diff(pattern.indptr)), pattern.indices]
+    residual = np.where(np.arange(200) == 7, 0.0, 1.0)
+    system.factor()
+    found, _, _ = system.solve(residual, np.zeros(0))
+    assert choice.factors == 1 and not choice.direct and found[7] == 0.0
+    assert K @ found == pytest.approx(-residual, abs=1e-8)

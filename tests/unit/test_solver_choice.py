@@ -46,7 +46,7 @@ def test_a_solver_that_failed_is_left_out_until_all_are_tried_again():
     choice.failed(INCOMPLETE)
     for _ in range(RETRY - 1):
         choice.solved(DAMPED, 150, 1e-3)
-        assert order(choice) == [DAMPED, DIRECT]
+        assert order(choice) == [DAMPED, DIRECT, SWEEPS, INCOMPLETE]     # the last two if that finds the matrix singular
     assert order(choice) == [SWEEPS, INCOMPLETE, DAMPED, DIRECT]
 
 
@@ -61,7 +61,7 @@ def test_all_solvers_that_failed_are_tried_again_soon_and_then_ever_later(plane,
             choice.failed(solver)
         choice.solved(DIRECT, 1, 1e-3)
         count = 1
-        while order(choice) == [DIRECT]:
+        while order(choice)[0] == DIRECT:
             choice.solved(DIRECT, 1, 1e-3)
             count += 1
         return count
