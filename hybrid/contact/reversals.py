@@ -2,7 +2,8 @@
 
 The shear of a point that slips does not depend on how far. An update from there cannot see that the point would stick on
 its way back, in a range μp/ε_T narrow beside any other length, and carries it past that range; the next one carries it back.
-Such a point is therefore held in stick for the next update: it has the shear and the tangent of stick, whatever their size,
+Such a point is therefore held in stick for the next update, if the residual has not fallen by half: it has the shear
+and the tangent of stick, whatever their size,
 
     f_t = ε_T g_t        where it slipped before and after an update, and f_t before · f_t after < 0
 

@@ -3,8 +3,8 @@
     K δ = -R      u <- u + s δ      s = 1, or 1, 1/2, ... 1/16 until |R| falls enough      while |R| > tolerance
 
 Where an update leaves most of the residual in a few nodes, these are solved for by themselves before the next one
-(`hybrid.step.restriction`). Contact points that an update carries from slip in one direction to slip in the other are
-held in stick for the next one (`hybrid.contact.reversals`). The linear systems K δ = -R are solved to FORMULATION (48).
+(`hybrid.step.restriction`). Contact points that such an update carries from slip in one direction to slip in the other
+are held in stick for the next one (`hybrid.contact.reversals`). The linear systems K δ = -R are solved to FORMULATION (48).
 The settings are those of the scene, `hybrid.scene.Solver`.
 """
 
@@ -113,7 +113,8 @@ def iterate(step, solver, evaluation, updates):
             return Outcome(best, iteration, krylov, tuple(errors), f"the update {evaluation.reason}")
         if updates.smooth and evaluation.error > max(SLOW * errors[-1], solver.tolerance):
             evaluation = smoothed(step, solver, evaluation, updates.softening)
-        turned = sticking.turned_round(before, evaluation, turned)
+        poor = evaluation.error > SLOW * before.error       # near the solution slip turns round without harm
+        turned = sticking.turned_round(before, evaluation, turned) if poor else None
         # corners sent to another facet by the update and back by what smooths it jump as well
         jumps.append(jumped(before, trial) or evaluation is not trial and jumped(before, evaluation))
         # assembling and factoring the soil block costs several solutions; the bodies' few unknowns cost nothing
