@@ -75,8 +75,8 @@ class BodyStep:
         """Pose at the end of the step if it keeps its rates."""
         return rigid.predicted_pose(self.body, self.state, self.scheme, self.dt)
 
-    def moved_on_pose(self):
-        """Pose at the end of a quasi-static step if its centre also moves on as in the last one."""
+    def extrapolated_pose(self):
+        """Pose at the end of a quasi-static step if its centre also keeps the mean rate of the last one."""
         position, rotation = self.predicted_pose()
         return position + self.dt * self.state.velocity * self.free[:3], rotation
 

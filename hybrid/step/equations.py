@@ -98,10 +98,10 @@ class Step:
         return Unknowns(_predicted(self.model, self.soil, self.dt), tuple(b.predicted_pose() for b in self.bodies),
                         self.joints and self.state.joints.multipliers)
 
-    def moved_on(self):
-        """Unknowns where soil and free bodies move on as in the last increment, without inertia."""
+    def extrapolated(self):
+        """Unknowns where soil and free bodies keep the mean rates of the last increment, without inertia."""
         return Unknowns(np.where(self.pattern.free, self.dt * self.soil.velocity, 0.0),
-                        tuple(b.moved_on_pose() for b in self.bodies), self.joints and self.state.joints.multipliers)
+                        tuple(b.extrapolated_pose() for b in self.bodies), self.joints and self.state.joints.multipliers)
 
     def at_rest(self):
         """Unknowns where nothing moves."""

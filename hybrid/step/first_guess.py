@@ -4,7 +4,7 @@
     bodies put down on the soil         without inertia, where free bodies touch nothing, or hardly
     the best of these                   without inertia, if it leaves less of the residual than soil at rest
         soil that follows the bodies        where these leave points that touched before
-        soil that flows on                  as in the last increment, where it yields
+        soil that flows on                  extrapolated from the last increment, where it yields
         both
 """
 
@@ -79,10 +79,10 @@ def candidates(step, evaluation, leave, far):
     """
     if leave and (found := followed(step, evaluation)):
         yield found.error, found.unknowns
-    moved = step.evaluate(step.moved_on()) if far else None
-    if far and not isinstance(moved, Refusal):
-        yield moved.error, moved.unknowns
-        if found := followed(step, moved):
+    extrapolated = step.evaluate(step.extrapolated()) if far else None
+    if far and not isinstance(extrapolated, Refusal):
+        yield extrapolated.error, extrapolated.unknowns
+        if found := followed(step, extrapolated):
             yield found.error, found.unknowns
 
 
