@@ -8,11 +8,11 @@ Symbols, features and sources as in `hybrid.body.surface`.
 
 import math
 
-from numba import njit
 
 from hybrid.body.closest_on_patches import FIXED, closest_on_patches
 from hybrid.body.facet_tree import ALL, NO_SIDE, OPPOSITE, SAME, SECOND, search, signed_distance
 from hybrid.body.patches import SMOOTH, dot, edge_curve, geometry
+from hybrid.runtime.jit import njit
 
 
 @njit(cache=True)

@@ -11,10 +11,10 @@ none.
 
 import math
 
-from numba import njit
 
 from hybrid.body.facet_tree import ALL, SECOND, box_distance, signed_distance, to_triangle
 from hybrid.body.patches import FAILED, INSIDE, SMOOTH, along_edge, dot, geometry, neighbour, point, project, project_on_edge
+from hybrid.runtime.jit import njit
 
 FIXED = 7   # feature: a place on a patch that is not projected
 

@@ -7,9 +7,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from hybrid.body.patches import Patches, dot
+from hybrid.runtime.jit import njit
 
 NO_SIDE = (0.0, 0.0, 0.0)
 OPPOSITE = -0.5  # cosine: a triangle more than 120 degrees from the side in contact belongs to the opposite side

@@ -23,7 +23,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+
+from hybrid.runtime.jit import njit
 
 HOPS = 12             # triangles that a projection may pass through
 ITERATIONS = 15       # of Newton's method on one triangle

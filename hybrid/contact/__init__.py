@@ -15,5 +15,3 @@ samples.py, body_to_body.py: places on the surfaces of two bodies, and their con
 (`hybrid.step.pair_terms`);
 bodies.py: overlap of two bodies, refused at the start.
 """
-
-import hybrid.runtime.kernel_copies  # noqa: F401 (before a kernel of this folder is compiled)

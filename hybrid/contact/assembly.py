@@ -10,10 +10,10 @@ body get opposite forces: the columns of B cancel, so force and moment vanish in
 """
 
 import numpy as np
-from numba import njit
 
 from hybrid.linalg.stencil import CELL, Blocks, entry, relative_place
 from hybrid.runtime.comm import total
+from hybrid.runtime.jit import njit
 
 
 def add_residual(contact, corners, force):

@@ -20,7 +20,6 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit, prange
 
 from hybrid.body.attitude import log_so3
 from hybrid.body.closest import closest_facing
@@ -31,6 +30,7 @@ from hybrid.contact.assembly import skew
 from hybrid.contact.interface import NONE
 from hybrid.contact.samples import Places, Samples
 from hybrid.contact.tunnelling import pierced
+from hybrid.runtime.jit import njit, prange
 
 FACING = 0.1    # cosine between a place's normal and that of the other body, reversed, above which it presses
 HALVINGS = 14   # bisections of the path to the first contact

@@ -3,10 +3,10 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit, prange
 
 from hybrid.body.closest import closest
 from hybrid.body.facet_tree import LANES, joined, outside_bounds
+from hybrid.runtime.jit import njit, prange
 
 CLOSED = 1e-12      # gap over the body's radius up to which a point is in contact: one that just touches has its stiffness
 

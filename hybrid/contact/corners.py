@@ -23,12 +23,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numba import njit
 
 from hybrid.contact.first_contact import predicted_contact_points
 from hybrid.contact.interface import ATTACHED, EVERYWHERE, NONE, PlaceLimits, lie_before, place_limits
 from hybrid.contact.search import gaps_in_space, new_points
 from hybrid.runtime.comm import anywhere
+from hybrid.runtime.jit import njit
 from hybrid.soil.basis import find_cell, hat
 
 

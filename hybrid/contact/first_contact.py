@@ -20,11 +20,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit, prange
 
 from hybrid.body.attitude import log_so3
 from hybrid.body.closest import closest
 from hybrid.body.facet_tree import LANES, NO_SIDE, joined, outside_bounds
+from hybrid.runtime.jit import njit, prange
 
 HALVINGS = 12      # bisections of the path: 10 μm of 40 mm
 ON_SURFACE = 1e-9  # of the body's radius: a corner within this depth at the start, by round-off, counts as outside

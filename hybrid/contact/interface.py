@@ -26,7 +26,6 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from scipy.sparse import coo_matrix
 from scipy.spatial import cKDTree
 
@@ -36,6 +35,7 @@ from hybrid.body.surface import ContactSurface
 from hybrid.contact.cover import Cover
 from hybrid.contact.search import distances
 from hybrid.runtime.comm import joined, offset
+from hybrid.runtime.jit import njit
 
 ATTACHED = 0.1  # half-widths of a domain from the surface, within which a contact point is bonded at the start
 BEFORE = 0.5    # half-widths before a face, where the domain of a point that covers it lies

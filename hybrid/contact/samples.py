@@ -14,12 +14,12 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from hybrid.body.closest import closest
 from hybrid.body.patches import point, unit_normal
 from hybrid.body.smooth import shared_edges
 from hybrid.contact.search import distances
+from hybrid.runtime.jit import njit
 
 FINEST = 12     # times that a triangle may be cut into four
 SPREAD = 1.5    # spacings in the longest edge of a part of a triangle

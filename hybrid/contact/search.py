@@ -9,13 +9,13 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit, prange
 
 from hybrid.body.closest import closest
 from hybrid.body.facet_tree import LANES, NO_SIDE, joined
 from hybrid.contact import places
 from hybrid.contact.held_ground import HeldGround
 from hybrid.runtime.comm import largest, total
+from hybrid.runtime.jit import njit, prange
 
 
 class Reach(NamedTuple):

@@ -40,12 +40,12 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from hybrid.body.closest import gap_geometry
 from hybrid.contact.closest_points import CLOSED, closest_points
 from hybrid.contact.interface import PlaceLimits, shear_limit, work_to_break
 from hybrid.runtime.comm import maximum, total
+from hybrid.runtime.jit import njit
 from hybrid.state import ContactHistory
 
 NOWHERE = np.zeros(0, bool)

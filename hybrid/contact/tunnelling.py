@@ -17,12 +17,12 @@ The path is walked in steps as long as the distance to the surface, so no facet 
 import math
 
 import numpy as np
-from numba import njit, prange
 
 from hybrid.body.closest import closest
 from hybrid.body.facet_tree import LANES, NO_SIDE, OPPOSITE, joined
 from hybrid.contact.closest_points import gaps
 from hybrid.runtime.comm import total
+from hybrid.runtime.jit import njit, prange
 
 ALONG = 0.5            # smallest cosine between the path of a corner and a normal that pushes it on
 FINEST = 0.02          # of `depth`: shortest step of the walk, and the distance that counts as on the surface

@@ -1,6 +1,6 @@
 """Numbers of the nodes of a grid of `shape` = (nx, ny, nz) nodes: v = (i ny + j) nz + k."""
 
-from numba import njit
+from hybrid.runtime.jit import njit
 
 
 @njit(cache=True)

@@ -31,8 +31,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-import hybrid.runtime.kernel_copies  # noqa: F401 (before a kernel of this folder is compiled)
-
 
 @dataclass(frozen=True)
 class Response:

@@ -36,11 +36,11 @@ Equations: FORMULATION (15) to (18).
 """
 
 import numpy as np
-from numba import njit, prange
 
 from hybrid.laws import Response
 from hybrid.laws.hencky import Hencky, stored
 from hybrid.runtime.errors import LawError
+from hybrid.runtime.jit import njit, prange
 
 UNLIMITED = 1e300  # [Pa] strength of points that never yield
 NO_HISTORY = np.zeros(0)

@@ -8,9 +8,9 @@ Equations: FORMULATION (14).
 import copy
 
 import numpy as np
-from numba import njit, prange
 
 from hybrid.laws import Response
+from hybrid.runtime.jit import njit, prange
 
 
 class Hencky:

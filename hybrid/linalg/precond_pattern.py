@@ -26,10 +26,10 @@ Keeping the rows of these nodes instead is equally effective. Iterations without
 """
 
 import numpy as np
-from numba import njit, prange
 
 from hybrid.grid.numbering import node_number
 from hybrid.linalg.stencil import PLACES, offset_of_place
+from hybrid.runtime.jit import njit, prange
 
 
 def reduced_entries(pattern, shape, small_support):

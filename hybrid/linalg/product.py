@@ -5,7 +5,8 @@ million entries in ms on one thread: PETSc 0.71 and 10.3, with four sums side by
 """
 
 import numpy as np
-from numba import njit, prange
+
+from hybrid.runtime.jit import njit, prange
 
 ROWS = 64   # that a thread takes at a time
 

@@ -14,7 +14,8 @@ and begin at `entry(sparsity, v, i, s)`. This is the only module that depends on
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+
+from hybrid.runtime.jit import njit
 
 REACH = 2                   # nodes along each axis: a domain overlaps at most two cells
 SPAN = 2 * REACH + 1

@@ -2,5 +2,3 @@
 
 No other package reads a scene, apart from what observers print.
 """
-
-import hybrid.runtime.kernel_copies  # noqa: F401 (before a kernel of this folder is compiled)

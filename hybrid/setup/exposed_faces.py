@@ -9,12 +9,12 @@ Equations: FORMULATION (54).
 """
 
 import numpy as np
-from numba import njit
 
 from hybrid.body.closest import NO_SIDE, closest
 from hybrid.contact.search import distances
 from hybrid.grid.blocks import cells_of
 from hybrid.runtime.comm import joined, largest
+from hybrid.runtime.jit import njit
 from hybrid.setup.cut_boxes import Boxes, chunks, in_frame
 from hybrid.state import ContactHistory
 

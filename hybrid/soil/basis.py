@@ -20,9 +20,9 @@ The second index is the axis, the third the node counted from `first`. Fixed dur
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit, prange
 
 from hybrid.runtime.errors import StepError
+from hybrid.runtime.jit import njit, prange
 
 SNAP = 1e-8  # [-] of a cell: a domain end closer to a node is moved to the node, so that overlaps are never thinner
 

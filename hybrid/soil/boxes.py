@@ -15,10 +15,10 @@ point does not reach hold zeros.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from hybrid.grid.numbering import node_number
 from hybrid.linalg.stencil import local_number, relative_place
+from hybrid.runtime.jit import njit
 
 NODES = 27
 STRIDE = 88         # columns of a box, 3 x 28, and as many more as make whole vectors

@@ -16,8 +16,8 @@ Equations: FORMULATION (4).
 """
 
 import numpy as np
-from numba import njit, prange
 
+from hybrid.runtime.jit import njit, prange
 from hybrid.soil.basis import find_cell
 from hybrid.soil.kinematics import determinant
 from hybrid.soil.principal import principal

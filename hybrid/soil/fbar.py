@@ -42,8 +42,8 @@ Equations: FORMULATION (22) to (24).
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit, prange
 
+from hybrid.runtime.jit import njit, prange
 from hybrid.soil.basis import Basis
 from hybrid.soil.boxes import STRIDE
 from hybrid.soil.tangent import combine

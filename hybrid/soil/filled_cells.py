@@ -8,8 +8,8 @@ with x_pK the centre of domain ∩ K. Fixed during a step. Cells on a cut betwee
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit, prange
 
+from hybrid.runtime.jit import njit, prange
 from hybrid.soil.basis import support
 
 

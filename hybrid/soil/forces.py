@@ -9,9 +9,9 @@ q = P:τ / n, in the same pass over the points. Its derivative is in `hybrid.soi
 """
 
 import numpy as np
-from numba import njit, prange
 
 from hybrid.grid.numbering import node_number
+from hybrid.runtime.jit import njit, prange
 
 
 def internal_force(basis, slabs, shape, trial, stress, volume, dilatation=None):

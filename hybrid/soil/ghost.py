@@ -24,10 +24,10 @@ Equations: FORMULATION (25).
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from hybrid.grid.numbering import node_number
 from hybrid.linalg.stencil import entry, local_number, relative_place
+from hybrid.runtime.jit import njit
 
 ALIKE = 0.99        # share of the fullest neighbour's filling from which another one counts as equally full
 NEGLIGIBLE = 1e-12  # square of the empty share of a cell that is round-off

@@ -8,9 +8,9 @@ With F-bar (`hybrid.soil.fbar`) ΔF is scaled to det ΔF = det ΔF_0 before b_tr
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit, prange
 
 from hybrid.grid.numbering import node_number
+from hybrid.runtime.jit import njit, prange
 from hybrid.soil.basis import with_margin
 from hybrid.soil.principal import compose, principal, put_principal
 

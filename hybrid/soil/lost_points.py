@@ -13,11 +13,11 @@
 import dataclasses
 
 import numpy as np
-from numba import njit, prange
 from scipy import ndimage
 
 from hybrid.runtime.comm import anywhere, joined, offset, total
 from hybrid.runtime.errors import StepError
+from hybrid.runtime.jit import njit, prange
 from hybrid.soil.kinematics import determinant
 
 TOUCH = np.ones((3, 3, 3))   # cells are neighbours if they share a corner

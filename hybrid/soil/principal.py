@@ -6,7 +6,8 @@ registers; sweeps are repeated until the slowest matrix has converged, nearly al
 """
 
 import numpy as np
-from numba import njit, prange
+
+from hybrid.runtime.jit import njit, prange
 
 LANES = 32
 SWEEPS = 30

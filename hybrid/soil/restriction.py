@@ -3,11 +3,11 @@
 from dataclasses import replace
 
 import numpy as np
-from numba import njit
 
 from hybrid.grid.colouring import make_slabs
 from hybrid.grid.numbering import node_number
 from hybrid.laws.user import is_of_user
+from hybrid.runtime.jit import njit
 from hybrid.soil.basis import Basis
 from hybrid.soil.split_merge import select
 from hybrid.soil.workspace import SoilWorkspace

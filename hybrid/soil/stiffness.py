@@ -19,8 +19,8 @@ from typing import NamedTuple
 from weakref import ref
 
 import numpy as np
-from numba import njit, prange
 
+from hybrid.runtime.jit import njit, prange
 from hybrid.soil import ghost
 from hybrid.soil.boxes import (
     NODES, STRIDE, add_box, add_point, box_widths, columns_reached, contract, empty_box, enter, is_in, move)

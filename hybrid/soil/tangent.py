@@ -16,7 +16,8 @@ Equations: FORMULATION (12), (13).
 """
 
 import numpy as np
-from numba import njit
+
+from hybrid.runtime.jit import njit
 
 # Unsigned indices: numba tests at every access whether a signed one is negative, which costs more than the sum.
 ONE, TWO, THREE, FOUR, FIVE, SIX, SEVEN, EIGHT, NINE = (np.uintp(i) for i in range(1, 10))

@@ -26,9 +26,9 @@ Equations: FORMULATION (5) to (7).
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit, prange
 
 from hybrid.grid.numbering import node_number
+from hybrid.runtime.jit import njit, prange
 from hybrid.soil.basis import with_margin
 
 
