@@ -107,11 +107,18 @@ def coarse_anchor(*more):
     return [DEMOS / "anchor.toml", *settings(*keys)]
 
 
-def test_few_nodes_of_all_ranks_are_solved_for_by_themselves(tmp_path):
+@pytest.fixture(scope="module")
+def two(tmp_path_factory):
+    """History of the coarse anchor on two ranks."""
+    folder = tmp_path_factory.mktemp("anchor")
+    hybrid("run", *coarse_anchor("stage.0.steps=6", "stage.1.steps=8"), "--out", folder, "--ranks", 2)
+    return read_history(folder)
+
+
+def test_few_nodes_of_all_ranks_are_solved_for_by_themselves(two, tmp_path):
     """Nonlinear elimination: as few iterations a step as on one rank (4 at most, 8 without), to the same place."""
-    for folder, ranks in (("one", 1), ("two", 2)):
-        hybrid("run", *coarse_anchor("stage.0.steps=6", "stage.1.steps=8"), "--out", tmp_path / folder, "--ranks", ranks)
-    one, two = (read_history(tmp_path / folder) for folder in ("one", "two"))
+    hybrid("run", *coarse_anchor("stage.0.steps=6", "stage.1.steps=8"), "--out", tmp_path, "--ranks", 1)
+    one = read_history(tmp_path)
     assert two["iterations"].max() <= 5 and two["iterations"].sum() <= 1.05 * one["iterations"].sum()
     assert two["anchor_z_m"] == pytest.approx(one["anchor_z_m"], abs=1e-5)
     assert two["anchor_tension_N"][-1] == pytest.approx(one["anchor_tension_N"][-1], rel=1e-4)
@@ -158,13 +165,14 @@ system_cache.COPIED = 0
 """
 
 
-def test_few_unknowns_that_each_rank_solves_for_are_those_of_a_divided_factor(tmp_path):
-    scene = coarse_anchor("stage.0.steps=2", "stage.1.steps=1")
-    program(patched(tmp_path / "divided.py", DIVIDED), "run", *scene, "--out", tmp_path / "divided", ranks=2)
-    hybrid("run", *scene, "--out", tmp_path / "copied", "--ranks", 2)
-    divided, copied = (read_history(tmp_path / folder) for folder in ("divided", "copied"))
-    assert list(copied["iterations"]) == list(divided["iterations"])
-    assert copied["anchor_z_m"] == pytest.approx(divided["anchor_z_m"], abs=1e-8)
+def test_few_unknowns_that_each_rank_solves_for_are_those_of_a_divided_factor(two, tmp_path):
+    """Over the first steps: later ones may differ by an iteration, as rounding grows."""
+    scene = coarse_anchor("stage.0.steps=6", "stage.1.steps=1")
+    program(patched(tmp_path / "divided.py", DIVIDED), "run", *scene, "--out", tmp_path / "out", ranks=2)
+    divided = read_history(tmp_path / "out")
+    first = len(divided["iterations"])
+    assert list(two["iterations"][:first]) == list(divided["iterations"])
+    assert two["anchor_z_m"][:first] == pytest.approx(divided["anchor_z_m"], abs=1e-8)
 
 
 def test_sphere_on_held_ground(tmp_path):

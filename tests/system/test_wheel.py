@@ -56,7 +56,7 @@ def test_files_of_the_wheel(wheel):
 
 
 def test_commands_outside_the_checkout(wheel, installed, tmp_path):
-    """From another folder and with the installed package alone: a shipped scene is copied and checked, a geometry
+    """From another folder and with the installed package alone: a shipped scene is copied and read, a geometry
     meshed, and the shipped files are the wheel's own."""
     def hybrid(*arguments):
         return executed("-m", "hybrid", *arguments, cwd=tmp_path, PYTHONPATH=str(installed))
@@ -66,11 +66,14 @@ def test_commands_outside_the_checkout(wheel, installed, tmp_path):
     assert all(Path(each).is_relative_to(installed) for each in places)
     assert hybrid("--version") == f"hybrid {wheel.name.split('-')[1]}\n"
     assert hybrid("demos", "rolling_sphere").split() == ["hybrid", "run", "demos/rolling_sphere.toml"]
-    assert "material points" in hybrid("check", "--no-cost", "demos/rolling_sphere.toml")
+    read = "import hybrid; print(hybrid.load_scene('demos/rolling_sphere.toml').bodies[0].geometry)"
+    geometry = Path(executed("-c", read, cwd=tmp_path, PYTHONPATH=str(installed)).strip())
+    assert geometry.is_file() and geometry.is_relative_to(tmp_path)
     assert "watertight" in hybrid("mesh", "geometry/sphere.geo")
 
 
 @pytest.mark.slow   # compiles all kernels
-def test_a_bench_and_a_study_outside_the_checkout(installed, tmp_path):
-    for arguments in (("bench", "sphere", "anchor", "--quick"), ("study", "precision", "platen", "--quick")):
+def test_a_check_a_bench_and_a_study_outside_the_checkout(installed, tmp_path):
+    executed("-m", "hybrid", "demos", "rolling_sphere", cwd=tmp_path, PYTHONPATH=str(installed))
+    for arguments in (("check", "demos/rolling_sphere.toml"), ("bench", "sphere", "anchor", "--quick"), ("study", "precision", "platen", "--quick")):
         executed("-m", "hybrid", *arguments, cwd=tmp_path, PYTHONPATH=str(installed))
