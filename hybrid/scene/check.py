@@ -131,6 +131,8 @@ def _ground(key, soil, grid, top):
     except SceneError as error:
         yield str(error)
         return
+    yield from need(y is not None or not grid.x.collapsed, key, "a profile along x", "along an axis that is modelled; "
+                    "grid.x.collapsed is true", "let y be the collapsed axis, or give heights at x and y in a file")
     low, high = grid.z.start, top
     yield from need(low < z.min() and z.max() <= high + 1e-9 * (high - low), key, f"{z.min():g} to {z.max():g} m",
                     f"above {low:g} m, the end of the grid, and at most soil.top = {high:g} m",

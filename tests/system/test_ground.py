@@ -98,6 +98,15 @@ def test_ground_that_is_none_is_refused(ground, message):
         validate(scene(ground))
 
 
+def test_a_profile_along_an_axis_that_is_left_out_is_refused():
+    """It would be level in the slice; heights at x and y may be given."""
+    along_x = scene(SLOPE)
+    along_y = replace(along_x, grid=replace(along_x.grid, x=along_x.grid.y, y=along_x.grid.x))
+    validate(along_x)
+    with pytest.raises(SceneError, match="soil.ground = a profile along x: must be along an axis that is modelled"):
+        validate(along_y)
+
+
 def test_a_slope_too_steep_for_its_strength_is_refused():
     weak = replace(SAND, friction_angle=10.0, dilation_angle=0.0, cohesion=100.0)
     with pytest.raises(SceneError, match="no equilibrium at the start.* flatten soil.ground or raise the strength|more "

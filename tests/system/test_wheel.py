@@ -75,5 +75,6 @@ def test_commands_outside_the_checkout(wheel, installed, tmp_path):
 @pytest.mark.slow   # compiles all kernels
 def test_a_check_a_bench_and_a_study_outside_the_checkout(installed, tmp_path):
     executed("-m", "hybrid", "demos", "rolling_sphere", cwd=tmp_path, PYTHONPATH=str(installed))
-    for arguments in (("check", "demos/rolling_sphere.toml"), ("bench", "sphere", "anchor", "--quick"), ("study", "precision", "platen", "--quick")):
+    for arguments in (("check", "demos/rolling_sphere.toml"), ("bench", "sphere", "anchor", "--quick"),
+                      ("study", "precision", "platen", "--quick")):
         executed("-m", "hybrid", *arguments, cwd=tmp_path, PYTHONPATH=str(installed))
