@@ -62,6 +62,24 @@ def test_other_walls():
     assert texts(material=sand, layers=()) == []
 
 
+def test_a_wall_that_is_pushed_against_clay():
+    """As in sand, by a law of its own; not one that moves away, and not in front of sand."""
+    text, = texts(cells=10, limit=clay_cells.pushed_walls, **AGAINST)
+    assert "box ends 3 m deep in clay, 10 cells of 0.3 m" in text and "at least 15% too high" in text
+    finest = float(re.search(r"cells of at most ([\d.]+) m", text)[1])
+    assert texts(cells=round(1.1 * HEIGHT / finest), limit=clay_cells.pushed_walls, **AGAINST) == []
+    assert texts(cells=10, limit=clay_cells.pushed_walls) == []
+    sand = {"law": "drucker-prager", "friction_angle": 30.0, "dilation_angle": 0.0, "cohesion": 1e3, "poisson": 0.3,
+            "strength": None}
+    assert texts(cells=10, limit=clay_cells.pushed_walls, material=sand, layers=(), **AGAINST) == []
+
+
+@pytest.mark.parametrize("cells, least, most", [(4, 1.366, 1.501), (8, 1.197, 1.277), (16, 1.107, 1.157)])
+def test_the_law_of_a_pushed_wall_is_a_lower_bound_of_what_was_measured(cells, least, most):
+    """Over 2 s_u d, after ways of 1 and 5 % of the depth (demos/random/README.md)."""
+    assert 1.0 + clay_cells.IN_CLAY.foot / cells < 1.02 * least and most < 1.0 + 2.6 / cells
+
+
 def test_the_mean_of_all_clay_behind_the_wall_counts():
     """Clay as strong in its upper half as is needed to stand; a strength that grows with depth; sand on clay, of which
     nothing is known."""

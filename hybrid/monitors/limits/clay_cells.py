@@ -1,10 +1,11 @@
-"""Active pressure of clay that few cells make too low, measured on smooth walls that are drawn back
-(demos/random/README.md, "By cells"), clay that stays attached to a body which slides over it, and clay that flows around
-a round body deep in it, in plane strain: with n cells across the load is too large by 3/n² of it where the body is
-smooth, by half of that where it is rough; in space, where a round shaft follows the tip, by 0.55 (4 - n).
+"""Pressure of clay on walls that few cells make too low (active) or too high (passive), measured on smooth walls that are
+drawn back and pushed (demos/random/README.md, "By cells"), clay that stays attached to a body which slides over it, and clay
+that flows around a round body deep in it, in plane strain: with n cells across the load is too large by 3/n² of it where
+the body is smooth, by half of that where it is rough; in space, where a round shaft follows the tip, by 0.55 (4 - n).
 
     P(H) = γ H²/2 - 2 s_u H         clay that cannot stand by itself, γ H > 4 s_u, slides after the wall on a plane of 45°
     P(H - 1.4 h) instead of P(H)    found with cells of h
+    P(H) = γ H²/2 + 2 s_u H         clay that a wall pushes: 1 + 1.5/n to 1 + 2.2/n of it with n cells in its depth
 
 A wedge that moves with the wall bounds the force from below whether clay hangs on the wall or parts from it where
 Rankine's stress γ z - 2 s_u is tension. No other mechanism gives more than 2 % of γ H²/2 above it (linear programme of
@@ -15,11 +16,12 @@ as much lower.
 import numpy as np
 
 from hybrid.body.symmetry import copies
-from hybrid.monitors.limits.sand_cells import PASSIVE, beside, depths, free_walls
+from hybrid.monitors.limits.sand_cells import PASSIVE, Wedge, beside, depths, free_walls, pushed
 from hybrid.monitors.limits.ways import CLAY, EXCESS, STEEP, driven, facing, law_at, material_at, outline, sides, top_of
 from hybrid.runtime.comm import anywhere, total
 
 LOWER = 1.4         # cells that the wedge is lower than the wall
+IN_CLAY = Wedge("clay", 1.5, "30 to 72 % over the wedge's load with 10 cells, 15 to 43 % with 20")
 ALONG = 0.1         # sine of the angle between a way and the ground
 AROUND, ROUGH = 3.0, 1.5    # 18, 8.5, 5.1, 2.9 % with 4, 6, 8, 12 cells; 9.4, 4.9, 3.3 % (demos/random/README.md)
 PENETRATED, RESOLVED = 0.55, 4.0    # 1.05, 0.95, 0.55, 0.2, 0.05 with 2, 2.5, 3, 3.5, 4 cells (demos/random/README.md)
@@ -37,6 +39,11 @@ def drawn_walls(scene, model):
         depth = depths(scene, model.soil, place, way, {CLAY}) if plane else None
         if depth is not None and depth.behind > PASSIVE * depth.ahead:
             yield from _active(scene, model.soil, body, place, way, depth.behind, "moves away from", "its load is")
+
+
+def pushed_walls(scene, model):
+    """Walls, upright or inclined, that are driven against clay in plane strain."""
+    yield from pushed(scene, model, {CLAY}, IN_CLAY)
 
 
 def clay_walls(scene, model):
@@ -148,4 +155,4 @@ def _critical_height(scene, soil, place, way):
     return 4.0 * strength / (mass * -scene.gravity[2]) if volume else None
 
 
-LIMITS = (drawn_walls, clay_walls, attached_slides, flow_around, penetrators)
+LIMITS = (drawn_walls, pushed_walls, clay_walls, attached_slides, flow_around, penetrators)

@@ -28,6 +28,20 @@ SHALLOW = 1.0                   # widths under the ground: what goes deeper is n
 PASSIVE = 3.0
 
 
+class Wedge(NamedTuple):
+    """What is told of a wall that ends in soil and is pushed against it: the name of the soil; by how many cells over its
+    depth the load is too high at least; what inclined faces measured; what else is told of upright ones."""
+
+    soil: str
+    foot: float
+    inclined: str
+    upright: str = ""
+
+
+IN_SAND = Wedge("sand", FOOT, "70 to 195 % over Coulomb's wedge with 10 to 20 cells, rising as the sand heaps up",
+                ". One on a foot 0.4 of its depth thick measured 98 % with 10 cells, 52 % on its face alone")
+
+
 class Sides(NamedTuple):
     """Depths [m] of the foot of a wall in sand ahead of it and behind it, 0 where there is none."""
 
@@ -37,15 +51,20 @@ class Sides(NamedTuple):
 
 def pushed_walls(scene, model):
     """Walls, upright or inclined, that are driven against sand in plane strain, and upright ones that move away from it."""
+    yield from pushed(scene, model, SAND, IN_SAND)
     for body, way, place, plane in driven(scene, model):
-        depth = depths(scene, model.soil, place, way, SAND)
-        angle = None if depth is None else _angle(body, place, way)
-        if angle is None or angle < INCLINED:
-            continue
-        if depth.behind <= PASSIVE * depth.ahead:
-            yield from _wedge(body, depth.ahead, model.soil.grid.smallest_cell, angle)
-        elif plane:
+        depth = depths(scene, model.soil, place, way, SAND) if plane else None
+        if depth is not None and depth.behind > PASSIVE * depth.ahead:
             yield from _retained(body, depth.behind, model.soil.grid.smallest_cell, "moves away from", "its load is")
+
+
+def pushed(scene, model, laws, told):
+    """Texts of a Wedge about walls that end in soil of one of the `laws` and are driven against it in plane strain."""
+    for body, way, place, _ in driven(scene, model):
+        depth = depths(scene, model.soil, place, way, laws)
+        angle = None if depth is None else _angle(body, place, way)
+        if angle is not None and angle >= INCLINED and depth.behind <= PASSIVE * depth.ahead:
+            yield from _wedge(told, body, depth.ahead, model.soil.grid.smallest_cell, angle)
 
 
 def _angle(body, place, way):
@@ -105,19 +124,18 @@ def _rising(material):
     return " and rising with the way as the sand dilates" if material.dilation_angle else ""
 
 
-def _wedge(body, depth, cell, angle):
-    """Text, if any, about a wall at an `angle` [deg] to the ground that pushes sand as deep as `depth` [m]."""
-    excess = FOOT * cell / max(depth, cell)
+def _wedge(told, body, depth, cell, angle):
+    """Text, if any, about a wall at an `angle` [deg] to the ground that pushes soil as deep as `depth` [m]."""
+    excess = told.foot * cell / max(depth, cell)
     if depth < cell or excess <= EXCESS:
         return
     if angle < LEANING:
         remedy = (f"Its face is at {angle:.0f} degrees to the ground, limit {LEANING:.0f}, and drags more: smooth "
-                  "faces at 75 and 60 degrees measured 70 to 195 % over Coulomb's wedge with 10 to 20 cells, rising "
-                  "as the sand heaps up. Extrapolate two sizes of cells to none")
+                  f"faces at 75 and 60 degrees measured {told.inclined}. Extrapolate two sizes of cells to none")
     else:
-        remedy = (f"Use cells of at most {EXCESS / FOOT * depth:.2g} m, or extrapolate two sizes of cells to none. "
-                  "One on a foot 0.4 of its depth thick measured 98 % with 10 cells, 52 % on its face alone")
-    yield (f"{body.name} ends {depth:.3g} m deep in sand, {depth / cell:.2g} cells of {cell:.3g} m, and drags the "
+        remedy = (f"Use cells of at most {EXCESS / told.foot * depth:.2g} m, or extrapolate two sizes of cells to "
+                  f"none{told.upright}")
+    yield (f"{body.name} ends {depth:.3g} m deep in {told.soil}, {depth / cell:.2g} cells of {cell:.3g} m, and drags the "
            f"next cell along: its load is at least {excess:.0%} too high, limit {EXCESS:.0%}. {remedy}")
 
 
