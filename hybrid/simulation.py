@@ -56,7 +56,7 @@ class Simulation:
         self.scene, self.model, self.state, self.meshes = scene, model, state, meshes
         self.moving_grid, self.level, self.decisions, self.start = moving_grid, level, decisions, start or {}
         self.initial_bodies = list(state.bodies)
-        self.evaluation, self.increment, self.solver_memory = None, None, None
+        self.evaluation, self.increment, self.shorten, self.solver_memory = None, None, None, None
         self._initial_position = None
         workspace = Workspace(model)
         start = begin(model, state, scene.time.step, False, workspace)
@@ -95,14 +95,14 @@ class Simulation:
         """(n, 3) [m] of the points."""
         return self._initial_position if self._initial_position is not None else self.model.soil.constants.position
 
-    def resume(self, state, increment=None, solver_memory=None, number=None):
-        """Continue from `state`, with an increment of `increment` [s] first, and with what the choice of the linear solver
-        remembers, `solver_memory` (9,).
+    def resume(self, state, increment=None, shorten=None, solver_memory=None, number=None):
+        """Continue from `state`, with an increment of `increment` [s] first, with shorter updates of Newton's method first
+        where `shorten`, and with what the choice of the linear solver remembers, `solver_memory` (9,).
 
         Of several processes each is given what it `keeps`, with the numbers (n,) of its points, increasing
         (`hybrid.output.checkpoint_parts.share`)."""
         self.warned     # found now, where the scene starts: the grid has moved on since
-        self.increment, self.solver_memory = increment, solver_memory
+        self.increment, self.shorten, self.solver_memory = increment, bool(shorten), solver_memory
         if self.moving_grid:
             self.model = self.moving_grid.model_with(self.model, state.ground)
         if ranks.started() > 1:
@@ -236,7 +236,7 @@ class Simulation:
             except StepError as failure:
                 self._add_hints(failure)
                 raise
-            self.evaluation, self.increment = report.evaluation, control.dt
+            self.evaluation, self.increment, self.shorten = report.evaluation, control.dt, control.shorten
             self.solver_memory = workspace.systems.choice.memory()
             # points have gone to other processes
             if self.model.soil.grid.nodes is not None and report.soil is not self.model.soil:
@@ -261,11 +261,11 @@ class Simulation:
         return self.model.for_stage(stage.held, stage.beta, stage.gamma, loads, number, starts)
 
     def _control(self, length, begun):
-        """Increment control of a stage with outer steps of `length` [s]; one that has `begun` continues with its last
-        increment."""
+        """Increment control of a stage with outer steps of `length` [s]; one that has `begun` continues as its last
+        increment ended."""
         time, cell = self.scene.time, self.model.soil.grid.smallest_cell
         return Control(begun and self.increment or length, time.smallest or length / (4096 if time.accuracy else 64),
-                       time.accuracy and time.accuracy * cell)
+                       time.accuracy and time.accuracy * cell, bool(begun and self.shorten))
 
     def _record(self, stage, stage_step, report, scheme):
         """(Record of a step, why the run cannot go on or "")."""

@@ -33,7 +33,7 @@ from hybrid.output.scene_keys import differences, fingerprint, settings
 from hybrid.runtime import comm, ranks
 
 NAME = "checkpoint.npz"
-CONTINUED = ("increment", "solver_memory")    # attributes of a Simulation that its next step continues with
+CONTINUED = ("increment", "shorten", "solver_memory")    # attributes of a Simulation that its next step continues with
 LONGEST = 600.0     # [s] of computing between two checkpoints
 
 

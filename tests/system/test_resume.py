@@ -11,7 +11,7 @@ from hybrid.output import checkpoint
 from hybrid.output.history import read_history
 from hybrid.runtime.errors import StepError
 from hybrid.setup.build import build
-from hybrid.step import iteration
+from hybrid.step import iteration, newton
 from hybrid.step.equations import Step
 
 
@@ -92,6 +92,26 @@ def test_increments_by_accuracy_go_on_to_the_last_bit(geometry, tmp_path):
     history = read_history(tmp_path / "parts")
     assert history["increments"].min() > 2 and 0 < history["time_error_m"].max() < 1e-4 * 0.2
     assert [name for name in whole if whole[name] != parts[name]] == []
+
+
+def test_newtons_method_goes_on_with_shorter_updates(geometry, tmp_path, monkeypatch):
+    """In soil that yields, where the increment before the stop needed them; not in the first increment of a run."""
+    begins, solve = [], newton.solve
+
+    def watched(step, short, shorten):
+        begins.append(shorten)
+        return replace(solve(step, short, shorten), shortened=True)
+
+    def described(steps):
+        soil = scene(geometry).soil
+        clay = replace(soil.material, law="von-mises", strength=1e5)
+        return replace(scene(geometry, steps), soil=replace(soil, material=clay))
+
+    monkeypatch.setattr(newton, "solve", watched)
+    hybrid.run(described(2), out=tmp_path, quiet=True)
+    first = len(begins)
+    hybrid.run(described(3), out=tmp_path, resume=True, quiet=True)
+    assert begins[:2] == [False, True] and begins[first] is True
 
 
 @pytest.fixture(scope="module")
