@@ -4,7 +4,7 @@
     bodies put down on the soil         without inertia, where free bodies touch nothing, or hardly
     the best of these                   without inertia, if it leaves less of the residual than soil at rest
         soil that follows the bodies        where these leave points that touched before
-        soil that flows on                  extrapolated from the last increment, where it yields
+        the last increment extrapolated     where soil yields
         both
 """
 

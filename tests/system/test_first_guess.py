@@ -110,7 +110,7 @@ def test_a_block_dragged_over_elastic_soil_starts_on_the_points_that_carried_it(
 
 
 @pytest.mark.parametrize("demo, keys", [("slope", ()), ("first", ("stage.press.steps=8",))])
-def test_soil_that_yields_flows_on_as_in_the_last_increment(demo, keys, monkeypatch):
+def test_soil_that_yields_is_extrapolated_from_the_last_increment(demo, keys, monkeypatch):
     """A bank whose weight grows (17 iterations and 37), a footing that is pressed down (22 and 37)."""
     scene = load_scene(DEMOS / f"{demo}.toml", keys)
     found = records(scene)
@@ -121,7 +121,7 @@ def test_soil_that_yields_flows_on_as_in_the_last_increment(demo, keys, monkeypa
         pytest.approx(body.contact_force, rel=1e-3, abs=1.0) for body in without[-1].bodies]
 
 
-def test_soil_that_turns_back_does_not_flow_on():
+def test_soil_that_turns_back_is_not_extrapolated():
     """A strip that is pressed into clay and drawn back: moved on as before it would be worse off than at rest."""
     there_and_back = ((0.0, 0.0), (5.0, -0.025), (8.0, -0.01))
     scene = replace(PRESSED, stages=(Stage("press", 8, motions=(Motion(component="z", displacement=there_and_back),)),))
