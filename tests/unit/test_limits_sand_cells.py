@@ -5,8 +5,10 @@ from dataclasses import replace
 
 import pytest
 
-from hybrid.monitors.limits import sand_cells
+from hybrid.monitors.limits import clay_cells, sand_cells
+from hybrid.runtime.data import DEMOS
 from hybrid.scene import Axis, Faces, Grid, Layer, Load, Material, Soil
+from hybrid.scene.file import load_scene
 from hybrid.setup.build import build
 from hybrid.study.random import afresh
 from hybrid.study.random.fresh import clay, sand
@@ -57,6 +59,19 @@ def test_an_upright_blade_is_told_of_its_own_and_flat_ones_and_those_in_clay_of_
     text, = texts(sand_cells.pushed_walls, blade(90))
     assert "at least 23%" in text and "98 %" in text and "degrees to the ground" not in text
     assert not texts(sand_cells.pushed_walls, blade(40)) and not texts(sand_cells.pushed_walls, blade(60, law="von-mises"))
+
+
+def test_a_blade_in_space_is_told_as_well_and_one_in_clay_is_not():
+    """Draft of demos/plough.toml over McKyes and Ali's: (1 + 1/n)^2.6 with n cells in its depth (test_plough)."""
+    coarse = load_scene(DEMOS / "plough.toml", [f"grid.{axis}.size=0.2" for axis in "xyz"])
+    text, = texts(sand_cells.pushed_walls, coarse)
+    assert "ends 0.6 m deep in sand, 3 cells" in text and "without friction would be at least 77%" in text
+    smooth = replace(coarse, bodies=tuple(replace(body, friction=0.0) for body in coarse.bodies))
+    assert "its load is at least 77%" in texts(sand_cells.pushed_walls, smooth)[0] and "110 and 50 %" in text
+    for cells, measured in ((3, 1.1), (6, 0.5)):
+        assert sand_cells.FOOT / cells < measured == pytest.approx((1 + 1 / cells) ** 2.6 - 1, abs=0.02)
+    material = Material(law="von-mises", young=5e6, poisson=0.49, density=1700.0, strength=1e4)
+    assert not texts(clay_cells.pushed_walls, replace(coarse, soil=replace(coarse.soil, material=material)))
 
 
 @pytest.mark.parametrize("rake, across, coulomb, low, high",
