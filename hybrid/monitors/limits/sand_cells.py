@@ -43,8 +43,8 @@ class Wedge(NamedTuple):
 
 IN_SAND = Wedge("sand", FOOT, "70 to 195 % over Coulomb's wedge with 10 to 20 cells, rising as the sand heaps up",
                 ". One on a foot 0.4 of its depth thick measured 98 % with 10 cells, 52 % on its face alone",
-                ". A blade 0.8 m wide and 0.6 m deep measured 110 and 50 % without friction with 3 and 6 cells; with 0.3 44 and "
-                "32 kN, where the wedge of McKyes and Ali has 35 to 44 kN")
+                ". A blade 0.8 m wide and 0.6 m deep measured 110 and 50 % without friction with 3 and 6 cells; with 0.3 44 "
+                "and 32 kN, where the wedge of McKyes and Ali has 35 to 44 kN")
 
 
 class Sides(NamedTuple):
@@ -66,12 +66,11 @@ def pushed_walls(scene, model):
 def pushed(scene, model, laws, told):
     """Texts of a Wedge about walls that end in soil of one of the `laws` and are driven against it."""
     spaces = (1,) if told.in_space is None else (0, 1)
-    more = told.upright if model.soil.grid.collapsed.any() else told.in_space
     for body, way, place, _ in driven(scene, model):
         depth = depths(scene, model.soil, place, way, laws, spaces)
         angle = None if depth is None else _angle(body, place, way)
         if angle is not None and angle >= INCLINED and depth.behind <= PASSIVE * depth.ahead:
-            yield from _wedge(told, body, depth.ahead, model.soil.grid.smallest_cell, angle, more)
+            yield from _wedge(told, body, depth.ahead, model.soil.grid, angle)
 
 
 def _angle(body, place, way):
@@ -131,19 +130,20 @@ def _rising(material):
     return " and rising with the way as the sand dilates" if material.dilation_angle else ""
 
 
-def _wedge(told, body, depth, cell, angle, more):
-    """Text, if any, about a wall at an `angle` [deg] to the ground that pushes soil as deep as `depth` [m]; more: what
-    else is told of an upright one. In space the law is known without friction."""
+def _wedge(told, body, depth, grid, angle):
+    """Text, if any, about a wall at an `angle` [deg] to the ground that pushes soil as deep as `depth` [m]. In space the
+    law is known without friction only."""
+    cell, in_plane_strain = grid.smallest_cell, grid.collapsed.any()
     excess = told.foot * cell / max(depth, cell)
     if depth < cell or excess <= EXCESS:
         return
-    is_ = "is" if more is told.upright or not body.friction else "without friction would be"
+    is_ = "is" if in_plane_strain or not body.friction else "without friction would be"
     if angle < LEANING:
         remedy = (f"Its face is at {angle:.0f} degrees to the ground, limit {LEANING:.0f}, and drags more: smooth "
                   f"faces at 75 and 60 degrees measured {told.inclined}. Extrapolate two sizes of cells to none")
     else:
         remedy = (f"Use cells of at most {EXCESS / told.foot * depth:.2g} m, or extrapolate two sizes of cells to "
-                  f"none{more}")
+                  f"none{told.upright if in_plane_strain else told.in_space}")
     yield (f"{body.name} ends {depth:.3g} m deep in {told.soil}, {depth / cell:.2g} cells of {cell:.3g} m, and drags the "
            f"next cell along: its load {is_} at least {excess:.0%} too high, limit {EXCESS:.0%}. {remedy}")
 
