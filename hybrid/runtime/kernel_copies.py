@@ -4,6 +4,9 @@ The code of a kernel contains copies of the functions that it calls. Each copy i
 a sum may be fused in one (fastmath={"contract"}) and not in another. Numba marks the copies as exchangeable: a process
 that has compiled a function by itself too runs that copy, one that has read the kernel from disk the copy in the
 kernel. Here the copies become private to their kernel. Import this before the first kernel is compiled.
+
+Numba compiles a whole-number power once in a process, with the flags of the first kernel that has one, and puts it in all
+later ones. So x ** 2 is fused with a sum or not by what else has been compiled: kernels with fastmath write x * x.
 """
 
 from numba.core.codegen import CPUCodeLibrary

@@ -66,7 +66,8 @@ def _moments(initial_half, deformation, deforms, count, out):
         for i in range(3):
             square = 0.0
             for j in range(3):
-                square += (F[i, j] * initial_half[p, j]) ** 2
+                reach = F[i, j] * initial_half[p, j]
+                square += reach * reach     # not **: see `hybrid.runtime.kernel_copies`
             out[p, i] = np.sqrt(square)
             if deforms[i]:
                 ratio *= out[p, i] / initial_half[p, i]
