@@ -137,7 +137,7 @@ def _wedge(told, body, depth, grid, angle):
     excess = told.foot * cell / max(depth, cell)
     if depth < cell or excess <= EXCESS:
         return
-    is_ = "is" if in_plane_strain or not body.friction else "without friction would be"
+    verb = "is" if in_plane_strain or not body.friction else "without friction would be"
     if angle < LEANING:
         remedy = (f"Its face is at {angle:.0f} degrees to the ground, limit {LEANING:.0f}, and drags more: smooth "
                   f"faces at 75 and 60 degrees measured {told.inclined}. Extrapolate two sizes of cells to none")
@@ -145,7 +145,7 @@ def _wedge(told, body, depth, grid, angle):
         remedy = (f"Use cells of at most {EXCESS / told.foot * depth:.2g} m, or extrapolate two sizes of cells to "
                   f"none{told.upright if in_plane_strain else told.in_space}")
     yield (f"{body.name} ends {depth:.3g} m deep in {told.soil}, {depth / cell:.2g} cells of {cell:.3g} m, and drags the "
-           f"next cell along: its load {is_} at least {excess:.0%} too high, limit {EXCESS:.0%}. {remedy}")
+           f"next cell along: its load {verb} at least {excess:.0%} too high, limit {EXCESS:.0%}. {remedy}")
 
 
 def _retained(body, depth, cell, does, load):
