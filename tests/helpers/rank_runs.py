@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import rank_pool
 
 from hybrid.cli import main
 from hybrid.output import checkpoint
@@ -116,14 +117,23 @@ def _done(command, environment):
 
 
 def hybrid(*arguments, code=0):
-    """stderr of the command in the environment of a user, which ends with a code; by --ranks it becomes several
-    processes. On one rank it runs in this process, whose kernels are loaded, if it is to succeed."""
+    """stderr of the command, which ends with a code. If it is to succeed it runs in this process, whose kernels are loaded,
+    or in processes that stay (`rank_pool`); else in the environment of a user, where --ranks starts processes."""
+    if code:
+        return launched(*arguments, code=code)
     ranks = arguments[arguments.index("--ranks") + 1] if "--ranks" in arguments else 1
-    if ranks == 1 and code == 0:
-        alone = arguments if "--ranks" in arguments else (*arguments, "--ranks", 1)
-        with redirect_stderr(StringIO()) as text:
-            assert main([str(argument) for argument in alone]) == 0, text.getvalue()
-        return text.getvalue()
+    if ranks > 1:
+        answers = rank_pool.call(ranks, "hybrid.cli.main", list(map(str, arguments)))
+        assert not any(code for code, _ in answers), answers
+        return "".join(text for _, text in answers)
+    alone = arguments if "--ranks" in arguments else (*arguments, "--ranks", 1)
+    with redirect_stderr(StringIO()) as text:
+        assert main([str(argument) for argument in alone]) == 0, text.getvalue()
+    return text.getvalue()
+
+
+def launched(*arguments, code=0):
+    """stderr of the command in the environment of a user, which ends with a code; --ranks starts processes."""
     done = _done([sys.executable, "-m", "hybrid", *map(str, arguments)], os.environ)
     assert done.returncode == code, done.stderr
     return done.stderr

@@ -249,7 +249,8 @@ def test_bodies_in_plane_strain_carry_a_metre_of_slice_each():
 # ------------------------------------------------------------------ thin bodies
 
 
-@pytest.mark.parametrize("speed, step, held", [(30.0, 0.001, True), (30.0, 0.001, False), (100.0, 0.02, True)])
+@pytest.mark.parametrize("speed, step, held", [
+    (30.0, 0.001, True), (30.0, 0.001, False), pytest.param(100.0, 0.02, True, marks=pytest.mark.slow)])
 def test_a_ball_does_not_pass_through_a_thin_shank(speed, step, held):
     """A shank of 20 x 40 mm and a ball of 0.2 m, which moves by up to 2 m in a step; a light shank is thrown ahead of it."""
     shank = box(0.02, 1.0, 0.04, name="shank", position=(0.0, 0.0, 2.0), density=7850.0, held=HELD if held else (),
@@ -315,7 +316,7 @@ def test_the_sheet_lists_pairs():
     assert "a slow touch takes" in sheet[0] and "time.step = " in sheet[0]
 
 
-@pytest.mark.parametrize("share, count", [(2.0, 1), (0.05, 0)])
+@pytest.mark.parametrize("share, count", [(2.0, 1), pytest.param(0.05, 0, marks=pytest.mark.slow)])
 def test_a_step_longer_than_the_contact_of_two_balls_is_reported(share, count):
     """By the contact time of the sheet: two balls of 0.2 m meet with 2 m/s."""
     balls = [sphere(0.1, 0.04, name=name, position=(x, 0.0, 2.0), velocity=(v, 0.0, 0.0))

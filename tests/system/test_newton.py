@@ -285,7 +285,7 @@ def tumbling(dt, gravity=0.0, scheme="newmark", **body):
 WEIGHT = {"gravity": 9.81, "held": ("x", "y", "z")}
 
 
-@pytest.mark.parametrize("acting", [{}, WEIGHT], ids=["no force", "weight"])
+@pytest.mark.parametrize("acting", [pytest.param({}, marks=pytest.mark.slow), WEIGHT], ids=["no force", "weight"])
 def test_a_free_plate_tumbles_to_the_order_of_the_scheme(acting):
     """Errors of 2.8e-4, 6.9e-5 and 1.7e-5 with steps of 0.2, 0.1 and 0.05 s."""
     errors = [abs(period / exact - 1) for period, exact in (tumbling(dt, **acting) for dt in (0.2, 0.1, 0.05))]

@@ -101,8 +101,11 @@ pictures.Drawing = Drawing
 @pytest.fixture
 def run(tmp_path):
     def started(folder, *arguments, ranks=1, patch=None, fails=False):
-        """stderr of a run of the scene into a folder, on so many processes, in a program that is patched."""
-        script, scene = patched(tmp_path / "script.py", IMPORTS + PATCHES.get(patch, "")), scene_file(tmp_path, SCENE)
+        """stderr of a run of the scene into a folder, on so many processes, in a program if it is patched."""
+        scene = scene_file(tmp_path, SCENE)
+        if patch is None:
+            return hybrid("run", scene, "--out", tmp_path / folder, "--ranks", ranks, *arguments)
+        script = patched(tmp_path / "script.py", IMPORTS + PATCHES[patch])
         return program(script, "run", scene, "--out", tmp_path / folder, *arguments, ranks=ranks, fails=fails)
     return started
 

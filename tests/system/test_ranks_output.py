@@ -8,7 +8,7 @@ import sys
 
 import numpy as np
 import pytest
-from rank_runs import COLUMN, needs_mpirun, patched, program, scene_file
+from rank_runs import COLUMN, hybrid, needs_mpirun, patched, program, scene_file
 
 from hybrid.output.vtk import read_pvd
 
@@ -20,6 +20,8 @@ EACH_STEP = COLUMN.replace("every = 2, checkpoint = 2", "every = 1, checkpoint =
 
 def run(folder, *arguments, ranks=1, patch="", fails=False):
     """stderr of a run of the column into a folder, with frames and checkpoints of each of its 3 steps."""
+    if not patch:
+        return hybrid("run", scene_file(folder.parent, EACH_STEP), "--out", folder, "--ranks", ranks, *arguments)
     script = patched(folder.parent / "script.py", patch)
     return program(script, "run", scene_file(folder.parent, EACH_STEP), "--out", folder, *arguments, ranks=ranks,
                    fails=fails)

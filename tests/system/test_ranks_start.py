@@ -5,7 +5,9 @@ import json
 
 import numpy as np
 import pytest
-from rank_runs import FOLLOWED_BOX, needs_mpirun, python, scene_file
+import rank_pool
+from counted_points import largest_share
+from rank_runs import FOLLOWED_BOX, needs_mpirun, scene_file
 
 from hybrid.output import checkpoint
 
@@ -67,33 +69,15 @@ held = ["x", "y", "z", "rx", "ry", "rz"]
 GO = 'steps = 8, motion = [{ component = "x", velocity = 6.0 }]'
 MOVING = HEAD.format(time="", steps=8).replace("steps = 8", GO) + FOLLOWED_BOX
 SCENES = {"graded": GRADED, "slope": SLOPE, "in place": IN_PLACE, "moving": MOVING}
-# The largest number of points that any process has had at a time, of all that there are
-COUNTED = """
-import sys
-from hybrid import state
-held = [0]
-for kind in (state.PointConstants, state.Points):
-    def counted(self, *given, make=kind.__init__, **named):
-        make(self, *given, **named)
-        held.append(len(self.position))
-    kind.__init__ = counted
-import hybrid
-from hybrid.runtime import comm, ranks
-simulation = hybrid.run(sys.argv[1], out=sys.argv[2], quiet=True)
-most, every = comm.largest([max(held)]), comm.number(simulation.state.points)
-if ranks.rank() == 0:
-    print(most / every)
-"""
 
 
-def run(tmp_path, name, ranks):
+def run(tmp_path, name, number):
     """(Largest share of all points that a process has had, folder) of a scene on so many processes."""
-    scene = scene_file(tmp_path, SCENES[name].replace("SAND", SAND))
-    script, out = tmp_path / "script.py", tmp_path / str(ranks)
-    script.write_text(COUNTED)
-    done = python(ranks, *(["-m", "mpi4py"] * (ranks > 1)), script, scene, out)
-    assert done.returncode == 0, done.stderr
-    return float(done.stdout.split()[-1]), out
+    scene, out = scene_file(tmp_path, SCENES[name].replace("SAND", SAND)), tmp_path / str(number)
+    if number == 1:
+        return largest_share(scene, out), out
+    (share, _), *_ = rank_pool.call(number, "counted_points.largest_share", scene, out)
+    return share, out
 
 
 def order(state):

@@ -80,6 +80,7 @@ def test_faces_at_the_paper_s_resolution(mu):
     assert found.errors[0] < DEMO.FACES[0] and found.errors[1] < DEMO.FACES[1]
 
 
+@pytest.mark.slow   # of the published method; that of faces is the random study's
 def test_where_the_ride_starts_within_the_lattice_matters_on_corners():
     """It changes the outcome by percents; on faces hardly."""
     def spread(faces):

@@ -65,7 +65,7 @@ def pushed(steps=2, **body):
                  stages=(Stage("push", steps),))
 
 
-@pytest.mark.parametrize("friction", [0.3, 0.5])
+@pytest.mark.parametrize("friction", [0.3, pytest.param(0.5, marks=pytest.mark.slow)])
 def test_the_mesh_of_its_tip_changes_neither_force_nor_iterations(friction):
     """With edges of one length the mesh has four facets around the tip, which cut through the cone: closest points jump
     there."""
