@@ -36,10 +36,16 @@ def _layer_values(key, layer, material):
     if layer.law is not None and "user" in (layer.law, material.law):
         yield f"{key}.law = {layer.law!r}: must be left out: law = 'user' of soil.material is one law for all points"
         return
-    unknown = [name for name in layer.material if name not in NUMBERS]
-    for name in unknown:
-        yield f"unknown key '{key}.material.{name}'{did_you_mean(name, NUMBERS)}; valid: {', '.join(NUMBERS)}"
-    if not unknown:
+    wrong = [name for name, value in layer.material.items() if name not in NUMBERS or isinstance(value, str)]
+    for name in wrong:
+        given = f"{key}.material.{name} = {layer.material[name]!r}"
+        if name == "law":
+            yield f"{given}: a layer has its law beside its material: write {key}.law"
+        elif name in NUMBERS:
+            yield f"{given}: expected a number"
+        else:
+            yield f"unknown key '{key}.material.{name}'{did_you_mean(name, NUMBERS)}; valid: {', '.join(NUMBERS)}"
+    if not wrong:
         for name, value in layer.material.items():
             if described(KEYS[name]).range:
                 yield from range_fault(value, described(KEYS[name]), f"{key}.material.{name}")

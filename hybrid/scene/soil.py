@@ -62,7 +62,7 @@ class Layer:
     top: float | None = key("z of its upper end; left out: that of the soil", "m", default=None)
     bottom: float | None = key("z of its lower end; left out: that of the soil", "m", default=None)
     law: Law | None = key("law of the layer; left out: that of soil.material", default=None)
-    material: dict[str, float] = key(
+    material: dict[str, float | str] = key(       # words too, for what is said about a law among them
         "values of soil.material that are different here, by name; relative_density replaces all of them",
         default_factory=dict)
     k0: float | None = key(

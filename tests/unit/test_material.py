@@ -71,6 +71,7 @@ def test_materials_that_contradict_themselves(material, words):
     ({"material": {"strength": 1e3}}, ["soil.layer.0.material.strength", "left out with law = 'mohr-coulomb'"]),
     ({"material": {"poisson": 0.5}}, ["soil.layer.0.material.poisson = 0.5: must be above -1 and below 0.5"]),
     ({"material": {"young": "stiff"}}, ["soil.layer.0.material.young = 'stiff': expected a number"]),
+    ({"material": {"law": "von-mises"}}, ["soil.layer.0.material.law = 'von-mises'", "write soil.layer.0.law"]),
     ({"law": "von-mises"}, ["soil.layer.0.material: missing strength for law 'von-mises'"]),
     ({"law": "user"}, ["soil.layer.0.law = 'user': must be left out"]),
     ({"k0": 0.0}, ["soil.layer.0.k0 = 0: must be positive"]),
