@@ -12,7 +12,7 @@ from hybrid.body.rigid import BodyTrial, RigidBody
 from hybrid.contact.contact_pair import ContactPair
 from hybrid.contact.search import Reach
 from hybrid.contact.soil_to_body import CornerContact
-from hybrid.runtime.comm import anywhere, largest
+from hybrid.runtime.comm import anywhere
 from hybrid.scheme import Scheme
 from hybrid.state import BodyState
 from hybrid.step import joint_terms, soil_terms
@@ -188,14 +188,14 @@ class BodyTerms:
         system.ww[own, own] += (ww + unresisted + self.trial.tangent)[np.ix_(free, free)]
 
     def _against_nothing(self, cell):
-        """[N/m] added against motions that nothing resists. Without inertia a loose body has no stiffness: that of a `cell`
-        leads it back to the soil under its weight. One that only just touches is not yet held by friction."""
+        """[N/m] added against motions that nothing resists, or less than nothing: a pipe on a single point rolls off it, and
+        the tangent alone leads back onto it. Without inertia a loose body has no stiffness: that of a `cell` leads it back
+        to the soil under its weight."""
         if self.step.scheme.inertia:
             return 0.0
         if self.loose and not self.beside:
             return cell
-        held = not self.loose and self.step.body.friction and largest(self.contact.pressure)
-        return 0.0 if held else self._pace() or cell
+        return self._pace() or cell
 
     def _pace(self):
         """[N/m] with which the residual moves the body by PACE of its size; it vanishes with the residual."""

@@ -9,17 +9,19 @@
 """
 
 from contextlib import ExitStack
+from dataclasses import replace
 
 import numpy as np
+from scipy.optimize import brentq
 
 from hybrid.runtime.errors import StepError
 from hybrid.soil.model import Refusal
-from hybrid.step.iteration import PATIENCE, Updates, iterate
-from hybrid.step.restriction import with_bodies_alone
 
 # Share of the points that touched from which on a body leaves the soil behind in the first guess of a quasi-static
 # increment.
 PARTED = 0.1
+# A body is put down to FINE cells; its contact is looked for at PACES of a cell.
+FINE, PACES = 1e-12, 16
 # Share of the soil at the apex, from which the predictor is no good start. Sand that opens everywhere has no tangent:
 # a block that its own weight throws up takes 3 iterations from rest, and 5 to 15 from the predictor if it converges at
 # all (share 0.15 to 0.92). In front of an anchor the share is 0.02; 60 steps from rest take a third more iterations.
@@ -46,14 +48,44 @@ def first_evaluation(step):
 def landed(step, evaluation):
     """Evaluation with free bodies that touch nothing, or hardly, put down on soil that does not move: their weight, which
     no contact resists yet, would press them into it by a part of a cell."""
-    if not any(terms.loose and terms.residual.any() for terms in evaluation.bodies):
+    loose = [number for number, terms in enumerate(evaluation.bodies) if terms.loose and terms.residual.any()]
+    if not loose:
         return evaluation
-    part = with_bodies_alone(step)
-    try:
-        outcome = iterate(part, step.model.solver, part.evaluate(evaluation.unknowns), Updates(PATIENCE, smooth=False))
-    finally:
-        part.system.destroy()
-    return step.evaluate((outcome.evaluation if outcome.converged else evaluation).unknowns)
+    unknowns = evaluation.unknowns
+    for number in loose:
+        unknowns = _put_down(step, unknowns, number)
+    return step.evaluate(unknowns)
+
+
+def _put_down(step, unknowns, number):
+    """Unknowns after a body has gone the way that what is out of balance pushes it, by a cell at most, until contact bears
+    that; as they are where nothing does."""
+    free, nodes = step.bodies[number].free[:3], unknowns.displacement
+
+    def moved(way):
+        poses = list(unknowns.poses)
+        poses[number] = poses[number][0] + way, poses[number][1]
+        return replace(unknowns, poses=tuple(poses))
+
+    def unborne(way):
+        at = moved(way)
+        joints = step.joints and step.joints.evaluate(at.poses, at.multipliers)
+        pairs = step.pairs and step.pairs.evaluate(at.poses)
+        terms = step.bodies[number].evaluate(at, None if nodes is None else np.zeros_like(nodes), joints, pairs)
+        return -np.where(free, terms.total[:3], 0.0)
+
+    push, cell = unborne(np.zeros(3)), step.model.soil.grid.smallest_cell
+    if not push.any():
+        return unknowns
+    push /= np.linalg.norm(push)
+
+    def along(way):
+        return unborne(way * push) @ push
+
+    for way in np.linspace(0.0, cell, PACES + 1)[1:]:     # farther on, contact with its back may push it on
+        if along(way) <= 0.0:
+            return moved(brentq(along, way - cell / PACES, way, xtol=FINE * cell, rtol=FINE) * push)
+    return unknowns
 
 
 def starts(step, evaluation):

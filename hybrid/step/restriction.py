@@ -51,12 +51,3 @@ def restricted(step, nodes, evaluation):
     begun = tuple(replace(terms.step, pair=terms.step.pair.near(nodes, terms.contact)) for terms in evaluation.bodies)
     return replace(step, model=replace(model, soil=part, bodies=bodies), soil=soil, pattern=pattern, system=system,
                    bodies=begun)
-
-
-def with_bodies_alone(step):
-    """Step whose unknowns are those of the bodies: the soil stays where a trial has it. Its system is to be destroyed
-    after use."""
-    grid, solver = step.model.soil.grid, step.model.solver
-    pattern = make_pattern(np.zeros(grid.node_count, bool), grid.fixed, grid.shape)
-    return replace(step, pattern=pattern, system=direct_system(pattern, step.model.soil, step.system.body_unknowns,
-                                                              solver.linear_tolerance))

@@ -18,6 +18,7 @@ from hybrid.study.scenes import box
 MAT = put_on_soil(
     box(1.6, 1.0, 0.5, size=20.0, density=2400.0, position=(0.0, 0.5, 0.0), rest_on=0.001, held=("x", "ry")),
     size=0.1, x=(0.0, 4.0), z=(-3.0, 0.4), steps=2)
+ELASTIC = Material(law="hencky", young=5e6, poisson=0.3, density=1800.0)
 SAND = Material(law="drucker-prager", young=2e7, poisson=0.3, density=1700.0, friction_angle=33.0, dilation_angle=3.0,
                 cohesion=0.0)
 WALL = put_on_soil(
@@ -62,6 +63,42 @@ def test_a_mat_is_put_down_by_its_weight(monkeypatch):
         records(MAT)
 
 
+@pytest.mark.parametrize("cells", [0.05, 0.5])
+def test_a_body_above_the_soil_is_put_down_however_light_it_is(cells, monkeypatch):
+    """A box on elastic soil, up to half a cell above it. Led down by its weight over the stiffness of a cell, 2 mm an
+    iteration, it does not arrive."""
+    above = put_on_soil(
+        box(0.5, 0.5, 0.25, size=20.0, density=2500.0, rest_on=0.125 * cells), size=0.125, x=(-0.75, 0.75),
+        y=(-0.75, 0.75), z=(-0.75, 0.5), material=ELASTIC)
+    (record,) = records(above)
+    assert record.iterations <= 8 and record.rejections == 0
+    assert record.bodies[0].contact_force[2] == pytest.approx(2500.0 * 0.25 * 0.5**2 * 9.81, rel=1e-3)
+    if cells == 0.5:
+        monkeypatch.setattr(first_guess, "_put_down", lambda step, unknowns, number: unknowns)
+        with pytest.raises(StepError, match="No corner of the soil touches body"):
+            records(above)
+
+
+def laid(place):
+    """Record of a pipe of eight cells laid on elastic soil at x = `place` [m], free to roll."""
+    pipe = Body(GEOMETRY / "cylinder.geo", 2500.0, name="pipe", parameters={"radius": 0.25, "height": 1.0, "size": 0.0625},
+                position=(place, 0.5, 0.0), rotation=(1.0, 0.0, 0.0, 90.0), rest_on=0.0, friction=0.3)
+    (record,) = records(put_on_soil(pipe, size=0.0625, x=(-1.5, 1.5), z=(-1.25, 0.75), material=ELASTIC))
+    return record
+
+
+def test_a_pipe_on_a_single_point_rolls_off_it(monkeypatch):
+    """Its patch is narrower than a cell. Where it stands on one point, the tangent leads it back onto that, from where it
+    falls again: without a stiffness against that it goes to and fro."""
+    place, record = 0.0, laid(0.0)
+    assert record.iterations <= 25 and record.rejections == 0
+    assert record.bodies[0].contact_force[2] == pytest.approx(2500.0 * np.pi * 0.25**2 * 9.81, rel=1e-3)
+    assert abs(record.bodies[0].position[0] - place) < 0.0625
+    monkeypatch.setattr(body_terms, "PACE", {True: np.inf, False: np.inf})
+    with pytest.raises(StepError):
+        laid(place)
+
+
 def test_a_cylinder_that_stands_on_two_points_is_put_down(monkeypatch):
     """They bear a two-thousandth of its weight, side by side: as nothing keeps it from turning about them, the first
     update turned it by 2 257 rad."""
@@ -99,7 +136,7 @@ def test_soil_follows_a_wall_that_is_drawn_back(monkeypatch):
 
 
 def test_a_block_dragged_over_elastic_soil_starts_on_the_points_that_carried_it(monkeypatch):
-    """By a tenth of a cell a step: 28 iterations, and 327 where it starts on the one or two points that its way leaves.
+    """By a tenth of a cell a step: 31 iterations, and 78 where it starts on the one or two points that its way leaves.
     It slides from its first step on, in which it touches the soil with its weight."""
     found = records(DRAGGED)
     for record in found:
@@ -107,7 +144,7 @@ def test_a_block_dragged_over_elastic_soil_starts_on_the_points_that_carried_it(
         assert -force[0] == pytest.approx(0.3 * force[2], rel=0.02)
     monkeypatch.setattr(first_guess, "followed", lambda step, evaluation: None)
     without = records(DRAGGED)
-    assert sum(record.iterations for record in without) > 3 * sum(record.iterations for record in found)
+    assert sum(record.iterations for record in without) > 1.5 * sum(record.iterations for record in found)
 
 
 @pytest.mark.parametrize("demo, keys", [("slope", ()), ("first", ("stage.press.steps=8",))])

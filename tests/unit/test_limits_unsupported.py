@@ -66,7 +66,7 @@ def test_loads_that_lift_nothing():
 
 ALL = ("x", "y", "z", "rx", "ry", "rz")
 PUSH = Load(force=(10.0, 0.0, 0.0))
-LIFT = Stage("lift", 1, motions=(Motion(component="z", velocity=0.1),))
+LIFT = Stage("lift", 1, motions=(Motion(component="z", velocity=0.15),))
 
 
 def staged(*stages, **table):
@@ -76,9 +76,9 @@ def staged(*stages, **table):
 
 
 @pytest.mark.parametrize("stages, table, words", [
-    ((Stage("hold", 1, held=ALL), Stage("go", 1)), {"rest_on": 0.05}, "stage 'go': body is free along z, 0.05 m above"),
-    ((LIFT, Stage("go", 1)), {}, "stage 'go': body is free along z, 0.1 m above the soil"),
-    ((Stage("hold", 1, held=ALL), Stage("go", 1, motions=(Motion(free=("z",)),))), {"rest_on": 0.05, "held": ALL},
+    ((Stage("hold", 1, held=ALL), Stage("go", 1)), {"rest_on": 0.15}, "stage 'go': body is free along z, 0.15 m above"),
+    ((LIFT, Stage("go", 1)), {}, "stage 'go': body is free along z, 0.15 m above the soil"),
+    ((Stage("hold", 1, held=ALL), Stage("go", 1, motions=(Motion(free=("z",)),))), {"rest_on": 0.15, "held": ALL},
      "stage 'go': body is free along z"),
     ((Stage("rest", 1), Stage("go", 1, loads=(PUSH,))), {"friction": 0.0},
      "stage 'go': body is pushed along x on its plane")])

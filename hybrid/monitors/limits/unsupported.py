@@ -10,7 +10,7 @@ from hybrid.monitors.limits.ways import leads, outline, top_of
 from hybrid.monitors.load_reached import components_of, held_down
 from hybrid.runtime.comm import maximum, minimum, total
 
-FLUSH = 0.15    # cells between a body and the soil from which on a step does not find its contact
+FLUSH = 0.5     # cells between a body and the soil from which on a step does not find its contact
 SUNK = 0.25     # cells above its lowest point up to which the surface of a body laid on the soil supports it
 BESIDE = 0.25   # cells from that support to the centre of mass from which on the body topples
 
