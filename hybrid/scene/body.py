@@ -42,41 +42,45 @@ class Body:
     """A rigid body meshed from a file of gmsh or CAD."""
 
     geometry: Path = key("path of the geometry (.geo), or of a solid, triangles or a mesh (.step, .iges, .brep, .stl, "
-                         ".msh); in a scene file relative to that file")
+                         ".msh); in a scene file relative to that file",
+                         also=("file", "mesh", "stl", "path", "shape"))
     density: float | dict[str, float] = key(
         "density of the body, or of each of its physical volumes by name, such as { shank = 7850.0, fluke = 7200.0 }",
-        "kg/m³", above=0, remedy="7850 is steel")
+        "kg/m³", above=0, remedy="7850 is steel", also=("rho", "mass", "weight"))
     name: str = key("label of the body and of its files in the output", default="body")
     parameters: dict[str, float] = key("values of the geometry's named parameters, in the units that the .geo states",
-                                       default_factory=dict)
+                                       default_factory=dict,
+                                       also=("dimensions", "size", "radius", "diameter", "length", "width", "height"))
     scale: float = key("metres in a unit of the geometry's coordinates, 0.001 for triangles in millimetres; .step and "
                        ".iges are read in metres whatever their unit", "-", default=1.0, above=0,
                        remedy="0.001 is for millimetres, 1 for metres")
     symmetry: Literal["x", "y"] | None = key(
         "the file has the whole body, and the half of it at positive x or y of the geometry is modelled; a .geo file cuts "
         "by itself", default=None)
-    position: Vector | None = key("place of the geometry's origin; left out: (0, 0, 0)", "m", default=None)
+    position: Vector | None = key("place of the geometry's origin; left out: (0, 0, 0)", "m", default=None,
+                                  also=("center", "centre", "origin", "location"))
     rotation: tuple[float, float, float, float] | None = key(
         "(ax, ay, az, angle): axis and angle of a rotation about the geometry's origin; left out: none", "-, deg",
-        default=None)
+        default=None, also=("orientation", "rotate", "angle", "attitude"))
     rest_on: float | Literal["ground"] | None = key(
         "height z of the lowest contact vertex, instead of position z; ground: as low as soil.ground, or soil.top, lets it; "
         "left out: as positioned", "m", default=None)
     velocity: Vector = key("velocity of the centre of mass at the start", "m/s", default=(0.0, 0.0, 0.0))
-    spin: Vector = key("angular velocity at the start, about the axes of the body", "rad/s", default=(0.0, 0.0, 0.0))
+    spin: Vector = key("angular velocity at the start, about the axes of the body", "rad/s", default=(0.0, 0.0, 0.0),
+                       also=("omega", "angular_velocity"))
     held: tuple[Freedom, ...] = key("translations and rotations (about the axes of space) that do not change",
-                                    default=())
+                                    default=(), also=("fixed", "constraints", "locked"))
     driven: tuple[Freedom, ...] = key(
         "translations and rotations that keep the velocity and spin of the start, whatever force that needs",
-        default=())
+        default=(), also=("motion", "prescribed"))
     friction: float | None = key("Coulomb coefficient μ against the soil: shear is at most μ times the pressure; left "
                                  "out: 0, or no such limit with `adhesion`", "-", default=None, at_least=0,
-                                 remedy="0.45 is steel on sand")
+                                 remedy="0.45 is steel on sand", also=("mu", "friction_coefficient"))
     adhesion: float | None = key("adhesion factor α against clay (von-mises): shear is at most α times the s_u of the "
                                  "touching soil, softened where that softens; with `friction` the smaller limit holds, "
                                  "without `tension` 10 times the pressure too; left out: 1 with friction, in soil that "
                                  "is clay throughout", "-", default=None, at_least=0, at_most=1,
-                                 remedy="0.3 to 0.5 is usual of steel in soft clay")
+                                 remedy="0.3 to 0.5 is usual of steel in soft clay", also=("alpha", "roughness"))
     tension: float | Literal["full"] | None = key(
         "tension that soil on the body bears before it breaks away there, once and for all; full: it never breaks away; "
         "left out: none", "Pa", default=None, above=0, remedy="leave it out for soil that comes off freely")

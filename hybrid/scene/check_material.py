@@ -1,6 +1,6 @@
 """The material and layers of a scene: values that the law needs, refuses or limits, and layers that overlap."""
 
-from hybrid.scene.read import did_you_mean
+from hybrid.scene.read import unknown
 from hybrid.scene.soil import KEYS, NEEDS, NUMBERS, USES, Material, laws, of_layer, span
 from hybrid.scene.table import described, range_fault, shown
 
@@ -44,7 +44,7 @@ def _layer_values(key, layer, material):
         elif name in NUMBERS:
             yield f"{given}: expected a number"
         else:
-            yield f"unknown key '{key}.material.{name}'{did_you_mean(name, NUMBERS)}; valid: {', '.join(NUMBERS)}"
+            yield unknown(Material, f"{key}.material.{name}", name, "a layer", NUMBERS)
     if not wrong:
         for name, value in layer.material.items():
             if described(KEYS[name]).range:
@@ -77,7 +77,8 @@ def _missing(key, m):
         preset = ", or relative_density [%] for the sand preset" if "relative_density" in USES[m.law] else ""
         elastic_or_clay = "; law = 'hencky' is elastic soil, strength [Pa] that of undrained clay"
         others = elastic_or_clay if "friction_angle" in absent else ""
-        yield f"{key}: missing {', '.join(absent)} for law {m.law!r}; give them{preset}{others}"
+        them = "it" if len(absent) == 1 else "them"
+        yield f"{key}: missing {', '.join(absent)} for law {m.law!r}; give {them}{preset}{others}"
 
 
 def _values(key, m, given, also=()):

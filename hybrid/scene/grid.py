@@ -19,7 +19,8 @@ class Axis:
     start: float | None = key("lower end; left out: the first of `nodes`", "m", default=None)
     end: float | None = key("upper end; left out: the last of `nodes`", "m", default=None)
     size: float | None = key("largest size of the cells, which are equal and fill the axis; with `fine`, of those "
-                             "inside", "m", default=None, above=0, remedy="choose a size that resolves the body")
+                             "inside", "m", default=None, above=0, remedy="choose a size that resolves the body",
+                             also=("cell_size", "cells", "spacing", "dx", "h"))
     fine: tuple[float, float] | None = key("(low, high): cells of `size` in between, growing away from it", "m",
                                            default=None)
     growth: float = key("largest ratio of neighbouring cells outside `fine` or `around`", "-", default=1.3, above=1,

@@ -42,7 +42,7 @@ def build_table(cls, given, path, base):
         raise _wrong(path, given, cls)
     known = {file_name(f): f for f in fields(cls)}
     where = f"[{path}]" if path else "the top level"
-    found = [_unknown(cls, _join(path, name), name, where) for name in given if name not in known]
+    found = [unknown(cls, _join(path, name), name, where) for name in given if name not in known]
     missing = [name for name, f in known.items()
                if name not in given and f.default is MISSING and f.default_factory is MISSING]
     if missing:
@@ -53,11 +53,14 @@ def build_table(cls, given, path, base):
     return cls(**values)
 
 
-def _unknown(cls, path, name, where):
+def unknown(cls, path, name, where, known=None):
+    """Message about a key that table `cls` does not have: what it is called here, or the nearest of those `known`, which
+    are all of `cls` if not given. where: the table in words."""
+    known = [file_name(f) for f in fields(cls)] if known is None else known
     for f in fields(cls):
-        if name in described(f).formerly:
-            return f"{path}: this key is now called {file_name(f)!r}; {described(f).meaning}"
-    known = [file_name(f) for f in fields(cls)]
+        if str(name).lower() in described(f).also and file_name(f) in known:
+            unit = f" [{described(f).unit}]" if described(f).unit else ""
+            return f"unknown key {clipped(path)}: write {file_name(f)!r}, {described(f).meaning}{unit}"
     return f"unknown key {clipped(path)}{did_you_mean(name, known)}; valid in {where}: {', '.join(known)}"
 
 

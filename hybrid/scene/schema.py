@@ -26,7 +26,8 @@ __all__ = ["Axis", "Body", "Condition", "Contact", "Faces", "Freedom", "Grid", "
 class Time:
     """The outer step and the scheme of time integration."""
 
-    step: float = key("duration of an outer step", "s", above=0, remedy="for example 0.04")
+    step: float = key("duration of an outer step", "s", above=0, remedy="for example 0.04",
+                      also=("dt", "time_step", "timestep"))
     scheme: Literal["newmark", "generalised-alpha", "energy-momentum"] | None = key(
         "Newmark's; generalised alpha, of second order with damping of high frequencies; or Newmark's (1/4, 1/2) with "
         "rotations that conserve energy and angular momentum", default=None)

@@ -19,20 +19,27 @@ class Material:
     law: Law | None = key("hencky: elastic; drucker-prager: circular cone; mohr-coulomb: pyramid with its edges rounded "
                           "off; willam-warnke: arc through both meridians of Mohr-Coulomb; von-mises: undrained clay; user: "
                           "given to `build` or `run` from Python",
-                          default=None)
+                          default=None, also=("model", "type"))
     relative_density: float | None = key("relative density of the sand whose correlations give the preset", "%",
-                                         default=None, above=0, at_most=100, remedy="38 is a loose sand")
-    young: float | None = key("constant Young's modulus", "Pa", default=None, above=0, remedy="20e6 is 20 MPa")
+                                         default=None, above=0, at_most=100, remedy="38 is a loose sand",
+                                         also=("dr", "d_r", "id"))
+    young: float | None = key("constant Young's modulus", "Pa", default=None, above=0, remedy="20e6 is 20 MPa",
+                              also=("e", "youngs_modulus", "young_modulus", "elastic_modulus", "modulus", "stiffness"))
     poisson: float | None = key("Poisson's ratio", "-", default=None, above=-1, below=0.5,
-                                remedy="0.49 is nearly incompressible")
-    density: float | None = key("bulk density", "kg/m³", default=None, above=0, remedy="1600 is a dry sand")
+                                remedy="0.49 is nearly incompressible", also=("nu", "poissons_ratio", "poisson_ratio"))
+    density: float | None = key("bulk density", "kg/m³", default=None, above=0, remedy="1600 is a dry sand",
+                                also=("rho", "unit_weight", "gamma", "mass_density"))
     friction_angle: float | None = key("friction angle φ", "deg", default=None, at_least=0, below=90,
-                                       remedy="32.75 is a loose sand")
+                                       remedy="32.75 is a loose sand", also=("phi", "friction"))
     dilation_angle: float | None = key("dilation angle ψ, at most φ; ψ = φ: associated flow on a circular cone", "deg",
-                                       default=None, at_least=0, below=90, remedy="0 keeps the volume")
-    cohesion: float | None = key("cohesion", "Pa", default=None, at_least=0, remedy="300 is nearly cohesionless")
+                                       default=None, at_least=0, below=90, remedy="0 keeps the volume",
+                                       also=("psi", "dilation", "dilatancy", "dilatancy_angle"))
+    cohesion: float | None = key("cohesion", "Pa", default=None, at_least=0, remedy="300 is nearly cohesionless",
+                                 also=("c",))
     strength: float | None = key("undrained shear strength s_u of von-mises, at the top of the soil or the layer", "Pa",
-                                 default=None, at_least=0, remedy="20e3 is a soft clay")
+                                 default=None, at_least=0, remedy="20e3 is a soft clay",
+                                 also=("su", "s_u", "cu", "c_u", "undrained_strength", "shear_strength",
+                                       "undrained_shear_strength"))
     strength_gradient: float | None = key("increase of s_u with the depth below the top of the soil or the layer",
                                           "Pa/m", default=None)
     hardening: float | None = key("change of cohesion or s_u per equivalent plastic strain; negative: softening", "Pa",

@@ -50,7 +50,7 @@ class Load:
     force: Vector | Rows | Path | None = key(
         "three numbers, a list of [time, x, y, z], or the path of a CSV file with these columns; times count from the start "
         "of the stage", "N", default=None)
-    moment: Vector | Rows | Path | None = key("the same for a moment", "N m", default=None)
+    moment: Vector | Rows | Path | None = key("the same for a moment", "N m", default=None, also=("torque",))
 
 
 @table
@@ -58,7 +58,8 @@ class Stage:
     """A period of time."""
 
     name: str = key("label of the stage in the output")
-    steps: int = key("outer steps", "-", at_least=1, remedy="remove the stage to leave it out")
+    steps: int = key("outer steps", "-", at_least=1, remedy="remove the stage to leave it out",
+                     also=("duration", "time"))
     step: float | None = key("duration of each outer step; left out: time.step", "s", default=None, above=0,
                              remedy="leave it out for time.step")
     pull: bool = key("whether pull lines act", default=True)

@@ -57,7 +57,7 @@ class Key:
     range         of the value, or of each number in a list
     remedy        end of the message about a value out of range
     name          in a scene file, where it is not that of the field
-    formerly      names that the key had; a scene file with one of them is refused with the new name
+    also          other words for it, in small letters: a scene file with one of them is refused with the key's name
     in_file       False: may be left out of a file although the class requires it
     """
 
@@ -66,14 +66,14 @@ class Key:
     range: Range = Range()
     remedy: str = ""
     name: str | None = None
-    formerly: tuple[str, ...] = ()
+    also: tuple[str, ...] = ()
     in_file: bool = True
 
 
 def key(meaning, unit="", *, default=MISSING, default_factory=MISSING, above=None, at_least=None, below=None,
-        at_most=None, remedy="", name=None, formerly=(), in_file=True):
+        at_most=None, remedy="", name=None, also=(), in_file=True):
     """Dataclass field that a Key declares."""
-    described = Key(meaning, unit, Range(above, at_least, below, at_most), remedy, name, formerly, in_file)
+    described = Key(meaning, unit, Range(above, at_least, below, at_most), remedy, name, also, in_file)
     assert bool(described.range) == bool(remedy), f"{meaning}: a range needs a remedy and a remedy a range"
     return field(default=default, default_factory=default_factory, metadata={"key": described})
 

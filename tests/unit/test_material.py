@@ -67,7 +67,7 @@ def test_materials_that_contradict_themselves(material, words):
 
 @pytest.mark.parametrize("layer, words", [
     ({"top": 0.5, "bottom": 0.5}, ["soil.layer.0.bottom = 0.5: must be below its top = 0.5"]),
-    ({"material": {"yuong": 1e6}}, ["soil.layer.0.material.yuong' (did you mean 'young'?)", "valid: relative_"]),
+    ({"material": {"yuong": 1e6}}, ["soil.layer.0.material.yuong' (did you mean 'young'?)", "valid in a layer: relative_"]),
     ({"material": {"strength": 1e3}}, ["soil.layer.0.material.strength", "left out with law = 'mohr-coulomb'"]),
     ({"material": {"poisson": 0.5}}, ["soil.layer.0.material.poisson = 0.5: must be above -1 and below 0.5"]),
     ({"material": {"young": "stiff"}}, ["soil.layer.0.material.young = 'stiff': expected a number"]),

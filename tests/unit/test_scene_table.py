@@ -1,4 +1,4 @@
-"""Declared keys: ranges, docstrings, old names, and the texts of numbers out of range."""
+"""Declared keys: ranges, docstrings, other words for them, and the texts of numbers out of range."""
 
 import dataclasses
 from pathlib import Path
@@ -7,6 +7,8 @@ import pytest
 
 from hybrid.runtime.errors import SceneError
 from hybrid.scene.read import build_table
+from hybrid.scene.reference import tables
+from hybrid.scene.soil import Material
 from hybrid.scene.table import Range, described, file_name, key, need, range_faults, required_in_file, shown, table
 
 
@@ -71,16 +73,32 @@ def test_values_are_shown_as_in_a_file(value, text):
     assert need(False, "a.b", value, "other", "change it") == [f"a.b = {text}: must be other; change it"]
 
 
-def test_an_old_name_of_a_key_is_refused_with_the_new_one():
+def test_another_word_for_a_key_is_refused_with_its_name():
     @table
     class Sample:
         """A table."""
 
-        stiffness: float = key("of the spring", "N/m", formerly=("spring", "hardness"))
+        stiffness: float = key("of the spring", "N/m", also=("spring", "hardness"))
 
     assert build_table(Sample, {"stiffness": 2}, "body.0", Path()) == Sample(2.0)
-    with pytest.raises(SceneError, match="body.0.hardness: this key is now called 'stiffness'; of the spring"):
-        build_table(Sample, {"hardness": 2.0, "stiffness": 2.0}, "body.0", Path())
+    with pytest.raises(SceneError, match="unknown key 'body.0.Hardness': write 'stiffness', of the spring .N/m."):
+        build_table(Sample, {"Hardness": 2.0, "stiffness": 2.0}, "body.0", Path())
+
+
+@pytest.mark.parametrize("heading, cls", list(tables()))
+def test_other_words_stand_for_one_key_and_are_none_themselves(heading, cls):
+    words = [word for f in dataclasses.fields(cls) for word in described(f).also]
+    assert len(words) == len(set(words)) and words == [word.lower() for word in words]
+    assert not set(words) & {file_name(f) for f in dataclasses.fields(cls)}
+
+
+def test_words_of_the_field_lead_to_the_keys():
+    with pytest.raises(SceneError) as error:
+        build_table(Material, {"law": "von-mises", "E": 1e7, "undrained_strength": 2e4, "unit_weight": 17e3},
+                    "soil.material", Path())
+    for words in ("'soil.material.E': write 'young', constant Young's modulus [Pa]", "write 'strength', undrained shear",
+                  "write 'density', bulk density [kg/m³]"):
+        assert words in str(error.value)
 
 
 @pytest.mark.parametrize("given, words, inside, outside", [
