@@ -19,26 +19,37 @@ def parser():
     top.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
     commands = top.add_subparsers(metavar="COMMAND", required=True)
 
+    for command in (_run, _check, _demos, _bench, _study, _schema, _mesh):
+        command(commands)
+    return top
+
+
+def _run(commands):
     sub = _command(commands, "run", "run a scene and write its results to a folder")
     _scene_arguments(sub)
     sub.add_argument("--out", type=folder, metavar="DIR", help="folder of results (default: out/<scene name>)")
     sub.add_argument("--resume", action="store_true", help="continue from the last checkpoint in that folder")
     sub.add_argument("--overwrite", action="store_true", help="replace the results in that folder")
+    sub.add_argument("--ranks", type=int, metavar="N",
+                     help="number of processes that share the work, started by mpirun (default: one; with 4 cores or more "
+                          "and 400000 points or more, one for each 100000 points)")
 
-    sub.add_argument("--ranks", type=int, metavar="N", help="number of processes that share the work, started by mpirun "
-                                                            "(default: one; with 4 cores or more and 400000 points or more, "
-                                                            "one for each 100000 points)")
 
+def _check(commands):
     sub = _command(commands, "check", "validate a scene; print the size of its model, warnings and the "
                                       "predicted cost of a run")
     _scene_arguments(sub)
     sub.add_argument("--no-cost", action="store_true",
                      help="do not predict the cost, which takes the time of a few steps")
 
+
+def _demos(commands):
     sub = _command(commands, "demos", "list the shipped scenes, or copy some")
     sub.add_argument("names", nargs="*", metavar="NAME", default=[], help="scenes to copy (default: list all)")
     sub.add_argument("--to", type=folder, metavar="DIR", default=Path(), help="folder to copy to (default: this one)")
 
+
+def _bench(commands):
     sub = _command(commands, "bench", "measure the speed of the benchmark cases on this machine")
     sub.add_argument("cases", nargs="*", metavar="CASE", default=[], help=", ".join(CASES) + " (default: all)")
     sub.add_argument("--quick", action="store_true", help="the smallest size of each case")
@@ -47,6 +58,8 @@ def parser():
     sub.add_argument("--page", action="store_true",
                      help="write the tables of demos/speed/README.md from demos/speed/bench.json, measure nothing")
 
+
+def _study(commands):
     sub = _command(commands, "study", "chart speed against accuracy, where methods fail, or random problems")
     sub.add_argument("study", choices=["precision", "failure", "random"], metavar="STUDY",
                      help="precision: error against cost; failure: known failure modes, with plain method and remedies; "
@@ -61,10 +74,14 @@ def parser():
     sub.add_argument("--draw", action="store_true", help="draw the figures from the folder's records, run nothing")
     sub.add_argument("--list", action="store_true", help="list the names of them, run nothing")
 
+
+def _schema(commands):
     sub = _command(commands, "schema", "print the JSON Schema of scene files, for completion in an editor")
     sub.add_argument("--page", action="store_true", help="print all keys as a page in Markdown instead")
     sub.add_argument("--out", type=Path, metavar="FILE", help="write to a file instead")
 
+
+def _mesh(commands):
     sub = _command(commands, "mesh", "mesh a geometry; print the size of the mesh and the mass of the body")
     sub.add_argument("geometry", type=Path, metavar="FILE", help="geometry (.geo), solid, triangles or mesh (.step, "
                                                                  ".iges, .brep, .stl, .msh)")
@@ -76,7 +93,6 @@ def parser():
     sub.add_argument("--symmetry", choices=["x", "y"], help="cut the body in half: keep what lies at positive x or y")
     _set_argument(sub, "name=value", "set a parameter of the geometry, such as size=0.1")
     sub.add_argument("--out", type=Path, metavar="FILE.vtu", help="write the mesh as VTK XML, for ParaView")
-    return top
 
 
 def _command(commands, name, text):

@@ -157,6 +157,35 @@ def _bow(surface, t, k):
 
 
 @njit(cache=True)
+def _size(corners):
+    """Largest distance of the corners of a triangle from its centroid."""
+    size = 0.0
+    for k in range(3):
+        square = 0.0
+        for i in range(3):
+            middle = (corners[0, i] + corners[1, i] + corners[2, i]) / 3.0
+            square += (corners[k, i] - middle) ** 2
+        size = max(size, np.sqrt(square))
+    return size
+
+
+@njit(cache=True)
+def _moved(x, turn, way):
+    return (turn[0, 0] * x[0] + turn[0, 1] * x[1] + turn[0, 2] * x[2] + way[0],
+            turn[1, 0] * x[0] + turn[1, 1] * x[1] + turn[1, 2] * x[2] + way[1],
+            turn[2, 0] * x[0] + turn[2, 1] * x[1] + turn[2, 2] * x[2] + way[2])
+
+
+@njit(cache=True)
+def _in_box(x, box, margin):
+    """Whether a point lies in a box, its lower corner and then its upper one, or at most `margin` outside."""
+    inside = True
+    for i in range(3):
+        inside = inside and box[i] - margin <= x[i] <= box[3 + i] + margin
+    return inside
+
+
+@njit(cache=True)
 def _near(pieces, flat, turn, way, tree, reach, found):
     """Fill `found`, the arrays of Places, and return the number of places, which may be more than fit.
 
@@ -168,13 +197,7 @@ def _near(pieces, flat, turn, way, tree, reach, found):
     stack_v, stack_w, stack_h = np.empty(64), np.empty(64), np.empty(64)
     stack_n, stack_path = np.empty(64, np.int64), np.empty(64, np.int64)
     for t in range(len(pieces.cuts)):
-        size = 0.0
-        for k in range(3):
-            square = 0.0
-            for i in range(3):
-                middle = (pieces.corners[t, 0, i] + pieces.corners[t, 1, i] + pieces.corners[t, 2, i]) / 3.0
-                square += (pieces.corners[t, k, i] - middle) ** 2
-            size = max(size, np.sqrt(square))
+        size = _size(pieces.corners[t])
         stack_v[0], stack_w[0], stack_h[0], stack_n[0], stack_path[0], top = 0.0, 0.0, 1.0, 0, 0, 1
         while top > 0:
             top -= 1
@@ -182,15 +205,9 @@ def _near(pieces, flat, turn, way, tree, reach, found):
             last = n == pieces.cuts[t]
             aside = last * ASIDE[0], last * ASIDE[1]
             x, N, jacobian = _at(pieces, t, v + h * (1.0 / 3.0 + aside[0]), w + h * (1.0 / 3.0 + aside[1]), flat)
-            y = (turn[0, 0] * x[0] + turn[0, 1] * x[1] + turn[0, 2] * x[2] + way[0],
-                 turn[1, 0] * x[0] + turn[1, 1] * x[1] + turn[1, 2] * x[2] + way[1],
-                 turn[2, 0] * x[0] + turn[2, 1] * x[1] + turn[2, 2] * x[2] + way[2])
+            y = _moved(x, turn, way)
             around = 0.0 if last else abs(h) * size + 2.0 * pieces.bulge
-            outside = tree.patches.bulge + reach + around
-            inside = True
-            for i in range(3):
-                inside = inside and tree.boxes[1, i] - outside <= y[i] <= tree.boxes[1, 3 + i] + outside
-            if not inside:
+            if not _in_box(y, tree.boxes[1], tree.patches.bulge + reach + around):
                 continue
             triangle, _, _, _, gap = closest(y, tree.patches.steepness * (reach + around), tree)
             if triangle < 0:
