@@ -47,10 +47,10 @@ def test_a_bar_lifted_at_one_end_turns_about_the_other(soil):
 
 
 def test_else_updates_carry_it_away(monkeypatch):
-    """By up to 80 m, and it takes 160 iterations a step."""
+    """And led back: it takes 182 iterations instead of 15, and on elastic soil ends 47 mm away after 1 982."""
     monkeypatch.setattr(sticking, "drifting", lambda *given: None)
-    iterations, _, _ = lift(steps=3, **HELD)
-    assert iterations > 100
+    iterations, _, _ = lift(**HELD)
+    assert iterations > 60
 
 
 def terms(slip, shear, normal=(0.0, 0.0, 1.0), free=(True,) * 6, drive=0.0, line=None, beside=False):

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from hybrid.runtime.data import GEOMETRY
-from hybrid.runtime.errors import StepError
 from hybrid.scene.file import load_scene
 from hybrid.setup.build import build
 from hybrid.step import body_terms
@@ -45,16 +44,23 @@ def drawn(tmp_path):
     return list(build(load_scene(path)).steps())
 
 
+def turned(records):
+    """Angle [rad] about y."""
+    w, x, y, z = records[-1].bodies[0].quaternion
+    return np.arcsin(2 * (w * y - x * z))
+
+
 def test_a_drum_drawn_along_rolls(tmp_path):
     records = drawn(tmp_path)
     drum = records[-1].bodies[0]
-    w, x, y, z = drum.quaternion
-    assert np.arcsin(2 * (w * y - x * z)) == pytest.approx(0.03 / 0.5, rel=0.02)
+    assert turned(records) == pytest.approx(0.03 / 0.5, rel=0.02)
     assert abs(drum.contact_force[0]) < 0.03 * drum.contact_force[2]
     assert max(record.iterations for record in records) <= 8
 
 
-def test_it_does_not_from_a_first_guess_that_slides(tmp_path, monkeypatch):
+def test_it_rolls_late_from_a_first_guess_that_slides(tmp_path, monkeypatch):
+    """In 18 to 22 iterations a step instead of 3, and turns by three quarters of the way."""
     monkeypatch.setattr(body_terms, "rolling_rate", lambda body, *given: np.zeros(6))
-    with pytest.raises(StepError, match="step 3 failed"):
-        drawn(tmp_path)
+    records = drawn(tmp_path)
+    assert max(record.iterations for record in records) > 12
+    assert turned(records) < 0.9 * 0.03 / 0.5
