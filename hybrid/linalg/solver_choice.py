@@ -10,10 +10,12 @@ tangent (with all its right-hand sides):
 | SWEEPS      | 0                | iterations counted           |
 | INCOMPLETE  | 5                | iterations counted           |
 | DAMPED      | 5                | iterations counted           |
-| DIRECT      | c √n + 15 m      | 15 for a reduction by 1000   |
+| DIRECT      | f + 15 m         | 15 for a reduction by 1000   |
 
-c is 5 in space, 1 with a collapsed axis: a factor of 4 800, 17 600, 52 600 unknowns in space takes as long as 355, 590,
-1 210 iterations, of 3 600 and 25 600 in a plane 100 and 160 (von Mises, F-bar, MUMPS, one thread).
+f is √n with a collapsed axis: a factor of 3 600 and 25 600 unknowns takes as long as 100 and 160 iterations. In space it is
+n / 52, at least 300 or 5 √n: a factor of 4 300, 6 900, 19 100, 22 500, 52 200 unknowns takes as long as 280, 320, 370, 375,
+1 010 iterations. The work of a factor goes with n², that of an iteration with n, but as long as a matrix fits in the
+processor's cache an iteration takes less (von Mises, F-bar, MUMPS, iterations on two threads).
 
 A tangent goes to the cheapest. Iterations are kept by decade of the last solution with each solver; one that has not
 been tried counts as PRIOR, one that has failed as infinite. The solver in use is left for one that costs less than 1 /
@@ -34,7 +36,6 @@ from hybrid.runtime.memory import available_memory, direct_factor_memory
 
 SWEEPS, INCOMPLETE, DAMPED, DIRECT = range(4)
 SET_UP = 5.0                    # [iterations] of an incomplete factor
-FACTOR_IN_SPACE, FACTOR_IN_PLANE = 5.0, 1.0     # [iterations] of a direct factor, times √n
 DIRECT_SOLUTION = 15.0          # [iterations] of a solution with a direct factor
 PRIOR = (0.0, 10.0, 20.0)       # iterations a decade of the first, second and third solver, as long as it is not tried
 DECADES = 3.0                   # of a tangent, before any is known
@@ -108,8 +109,7 @@ class SolverChoice:
         for solver, prior in zip(usual, PRIOR, strict=True):
             rate = self._rates[solver]
             costs[solver] = (solver != SWEEPS) * SET_UP + self._decades * (prior if np.isnan(rate) else rate)
-        factor = (FACTOR_IN_PLANE if self.plane else FACTOR_IN_SPACE) * math.sqrt(unknowns)
-        costs[DIRECT] = factor + DIRECT_SOLUTION * (bodies + self._decades / DECADES)
+        costs[DIRECT] = _factor_cost(unknowns, self.plane) + DIRECT_SOLUTION * (bodies + self._decades / DECADES)
         return costs
 
     def solved(self, solver, iterations, tolerance):
@@ -145,6 +145,12 @@ class Single(SolverChoice):
 
     def begin(self, *_):
         return self._order
+
+
+def _factor_cost(unknowns, plane):
+    """[iterations] of a direct factor of so many soil unknowns."""
+    root = math.sqrt(unknowns)
+    return root if plane else max(min(5.0 * root, 300.0), unknowns / 52.0)
 
 
 def _limit(cost):
