@@ -80,6 +80,12 @@ class BodyStep:
         position, rotation = self.predicted_pose()
         return position + self.dt * self.state.velocity * self.free[:3], rotation
 
+    def driven_pose(self):
+        """Pose at the end of the step if it moves only as it is driven."""
+        position, rotation = self.predicted_pose()
+        return (np.where(self.free[:3], self.state.position, position),
+                self.state.rotation if self.free[3:].all() else rotation)
+
     def committed_pose(self):
         """Pose before the step."""
         return self.state.position, self.state.rotation

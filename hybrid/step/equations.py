@@ -10,7 +10,7 @@ trial values; an Evaluation is their residual with all its terms. None of them w
 `Step.accept` makes the new one.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -107,6 +107,10 @@ class Step:
         """Unknowns where nothing moves."""
         return Unknowns(None if self.soil is None else np.zeros_like(self.soil.velocity),
                         tuple(b.committed_pose() for b in self.bodies), self.joints and self.state.joints.multipliers)
+
+    def driven(self):
+        """Unknowns where nothing moves but the driven components of bodies."""
+        return replace(self.at_rest(), poses=tuple(b.driven_pose() for b in self.bodies))
 
     def moved(self, unknowns, soil, body, scale=1.0):
         """Unknowns after `scale` times the increments soil (n,), body (m,)."""

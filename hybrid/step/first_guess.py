@@ -1,6 +1,7 @@
 """Where Newton's method starts from in an increment: DESIGN, "First guess of a step".
 
-    at constant velocities              where there is inertia, unless that opens the soil; else at rest
+    at constant velocities              where there is inertia, unless that opens the soil; else soil at rest
+    soil at rest                        with inertia, where that leads nowhere and soil yields
     bodies put down on the soil         without inertia, where free bodies touch nothing, or hardly
     the best of these                   without inertia, if it leaves less of the residual than soil at rest
         soil that follows the bodies        where these leave points that touched before
@@ -32,14 +33,14 @@ LESS, NEAR = 0.9, 0.05
 
 
 def first_evaluation(step):
-    """Evaluation to start from, or a Refusal: at constant velocities, or at rest where those open the soil."""
+    """Evaluation to start from, or a Refusal: at constant velocities, or with soil at rest where those open it."""
     moving = step.evaluate(step.predictor())
     if isinstance(moving, Refusal) or not step.model.scheme.inertia:
         return moving
     opened = step.apex_fraction(moving)
     if opened < OPENED:
         return moving
-    resting = step.evaluate(step.at_rest(), keep=moving)
+    resting = step.evaluate(step.driven(), keep=moving)
     if isinstance(resting, Refusal) or step.apex_fraction(resting) >= opened - OPENED:
         return moving
     return resting
@@ -90,7 +91,8 @@ def _put_down(step, unknowns, number):
 
 def starts(step, evaluation):
     """Evaluations to start from in turn, until one leads to the solution: without inertia the best of the `candidates`,
-    where soil yields if it leaves less than LESS of the error, and `evaluation`, the first guess."""
+    where soil yields if it leaves less than LESS of the error; `evaluation`, the first guess; and with inertia soil at rest,
+    where it yields: in a long step soil that flows on is no guess."""
     unknowns, error, yields = evaluation.unknowns, evaluation.error, step.model.soil.law.plastic
     resting = not step.model.scheme.inertia and step.soil is not None
     leave, far = resting and _parts(evaluation), resting and yields and error > NEAR
@@ -100,6 +102,10 @@ def starts(step, evaluation):
             yield step.evaluate(best)
         evaluation = step.evaluate(unknowns)
     yield evaluation
+    if step.model.scheme.inertia and step.soil is not None and yields:
+        slow = step.evaluate(step.driven())
+        if not isinstance(slow, Refusal):
+            yield slow
 
 
 def candidates(step, evaluation, leave, far):

@@ -1,5 +1,5 @@
-"""First guess of an increment without inertia: bodies that touch nothing yet, soil that just touches, bodies drawn back
-or along."""
+"""First guess of an increment, above all without inertia: bodies that touch nothing yet, soil that just touches, bodies
+drawn back or along."""
 
 from dataclasses import replace
 
@@ -9,7 +9,7 @@ from put_on_soil import CLAY, put_on_soil
 
 from hybrid.runtime.data import DEMOS, GEOMETRY
 from hybrid.runtime.errors import StepError
-from hybrid.scene import Body, Faces, Layer, Load, Material, Motion, Stage
+from hybrid.scene import Body, Faces, Layer, Load, Material, Motion, Stage, Time
 from hybrid.scene.file import load_scene
 from hybrid.setup.build import build
 from hybrid.step import body_terms, first_guess, increments, newton
@@ -206,3 +206,30 @@ def test_a_block_on_held_ground_is_pushed_from_its_first_step_on():
     found = records(held)
     assert sum(record.iterations for record in found) <= 15
     assert found[-1].bodies[0].contact_force == pytest.approx((-170.0, 0.0, 470.88), rel=1e-3, abs=0.5)
+
+
+def pressed(material, step, width=None):
+    """Simulation of a box driven into soil with inertia, two steps of 25 mm in `step` s; plane strain without `width`."""
+    body = box(1.0, 1.0, 0.5, size=20.0, density=2000.0, position=(0.0, 0.0 if width else 0.5, 0.0), rest_on=0.0,
+               friction=0.5, held=("x", "y", "rx", "ry", "rz"), driven=("z",), velocity=(0.0, 0.0, -0.025 / step))
+    scene = put_on_soil(body, size=0.25, x=(0.0, 2.0), y=width, z=(-2.0, 0.5), material=material, steps=2)
+    return build(replace(scene, time=Time(step)))
+
+
+def test_a_driven_body_moves_in_a_step_that_starts_from_soil_at_rest(monkeypatch):
+    found = []
+    for opened in (first_guess.OPENED, -1.0):
+        monkeypatch.setattr(first_guess, "OPENED", opened)
+        found.append([record.bodies[0] for record in pressed(SAND, 0.1).steps()])
+    for usual, resting in zip(*found):
+        assert resting.position[2] == pytest.approx(usual.position[2], abs=1e-12) and resting.position[2] < 0.24
+        assert resting.contact_force[2] == pytest.approx(usual.contact_force[2], rel=1e-3)
+
+
+def test_a_long_step_with_inertia_starts_from_soil_at_rest_where_soil_that_flows_on_leads_nowhere(monkeypatch):
+    """A quarter of a box pressed into clay: 28 iterations in two steps and no halving; without that start 45 and two."""
+    clay = Material(law="von-mises", young=1e7, poisson=0.49, density=1700.0, strength=2e4)
+    records = list(pressed(clay, 0.5, (0.0, 2.0)).steps())
+    assert not any(record.rejections for record in records)
+    monkeypatch.setattr(newton, "starts", lambda step, evaluation: iter((evaluation,)))
+    assert any(record.rejections for record in pressed(clay, 0.5, (0.0, 2.0)).steps())
