@@ -15,6 +15,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import brentq
 
+from hybrid.runtime.comm import anywhere
 from hybrid.runtime.errors import StepError
 from hybrid.soil.model import Refusal
 
@@ -102,7 +103,7 @@ def starts(step, evaluation):
             yield step.evaluate(best)
         evaluation = step.evaluate(unknowns)
     yield evaluation
-    if step.model.scheme.inertia and step.soil is not None and yields:
+    if step.model.scheme.inertia and step.soil is not None and yields and anywhere(unknowns.displacement):
         slow = step.evaluate(step.driven())
         if not isinstance(slow, Refusal):
             yield slow
