@@ -72,7 +72,7 @@ def test_jumps_that_smoothing_takes_back_count(monkeypatch):
     def at(facet):
         return SimpleNamespace(error=1.0, bodies=[terms], contacts=[facet], soil=None, body=None, unknowns=facet, norms={})
 
-    model = SimpleNamespace(soil=SimpleNamespace(law=SimpleNamespace(plastic=True)))
+    model = SimpleNamespace(soil=SimpleNamespace(law=SimpleNamespace(plastic=True)), scheme=SimpleNamespace(inertia=True))
     system = SimpleNamespace(solve=lambda *system: (None, None, 1), soil_unknowns=1)
     step = SimpleNamespace(model=model, system=system, contrast=lambda: 0.0, assemble=lambda *tangent: None)
     monkeypatch.setattr(sticking, "turned_round", lambda *evaluations: None)
