@@ -10,7 +10,8 @@ The residual of soil that rotates or yields rises or hardly falls before it fall
 to four times the iterations. So whole updates, s = 1, are taken as long as they make progress, and shorter ones from
 the best iterate after that (a watchdog: Chamberlain et al., Math. Program. Study 16 (1982) 1-17). In between, where a
 body has convex edges, whole updates with a tangent that does not soften (`hybrid.contact.assembly.without_softening`):
-soil that slides off an edge has no equilibrium on the way. Clay that flows around a pipe needs shorter updates in every
+soil that slides off an edge has no equilibrium on the way. Without inertia all updates far from the solution are made with
+that tangent (`hybrid.step.iteration.FAR`). Clay that flows around a pipe needs shorter updates in every
 increment: where soil yields, an increment that comes after such a one begins with them.
 """
 
