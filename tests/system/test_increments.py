@@ -290,7 +290,7 @@ class Guess:
     def __init__(self, moving, still, inertia=True):
         self.made, self.model = [], SimpleNamespace(scheme=SimpleNamespace(inertia=inertia))
         self._share = {"moving": moving, "still": still}
-        self.predictor, self.at_rest = lambda: "moving", lambda: "still"
+        self.predictor, self.driven = lambda: "moving", lambda: "still"
         self.apex_fraction = lambda evaluation: self._share[evaluation.unknowns]
 
     def evaluate(self, unknowns, keep=None):
