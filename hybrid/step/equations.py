@@ -206,6 +206,12 @@ class Step:
         cell = self.model.soil.law.young / self.model.soil.grid.smallest_cell
         return max((comm.largest(b.contact_pressure / cell) for b in self.model.bodies), default=0.0)
 
+    def cells_crossed(self):
+        """Number of cells [-] that a wave of speed √(E/ρ) crosses in the step, at the least."""
+        soil = self.model.soil
+        speed = np.sqrt(soil.law.young * soil.constants.volume / soil.constants.mass)
+        return comm.minimum(speed) * self.dt / soil.grid.smallest_cell
+
     def apex_fraction(self, evaluation):
         """Share [-] of the soil that has no stiffness at an evaluation."""
         return 0.0 if self.soil is None else self.model.soil.apex_fraction(evaluation.soil_trial)

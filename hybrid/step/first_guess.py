@@ -1,7 +1,7 @@
 """Where Newton's method starts from in an increment: DESIGN, "First guess of a step".
 
     at constant velocities              where there is inertia, unless that opens the soil; else soil at rest
-    soil at rest                        with inertia, where that leads nowhere and soil yields
+    soil at rest                        with inertia, in long steps where that leads nowhere and soil yields
     bodies put down on the soil         without inertia, where free bodies touch nothing, or hardly
     the best of these                   without inertia, if it leaves less of the residual than soil at rest
         soil that follows the bodies        where these leave points that touched before
@@ -31,6 +31,8 @@ OPENED = 0.1
 # Share of the error of soil at rest below which another start is better (0.8 to 0.95 take as many iterations, within
 # what they scatter by), and error from which on it is looked for.
 LESS, NEAR = 0.9, 0.05
+# Cells that a wave crosses in a step in which inertia hardly counts: that of a cell is a two-thousandth of its stiffness.
+LONG = 50.0
 
 
 def first_evaluation(step):
@@ -93,7 +95,7 @@ def _put_down(step, unknowns, number):
 def starts(step, evaluation):
     """Evaluations to start from in turn, until one leads to the solution: without inertia the best of the `candidates`,
     where soil yields if it leaves less than LESS of the error; `evaluation`, the first guess; and with inertia soil at rest,
-    where it yields: in a long step soil that flows on is no guess."""
+    where it yields, in a LONG step: soil that flows on is no guess there."""
     unknowns, error, yields = evaluation.unknowns, evaluation.error, step.model.soil.law.plastic
     resting = not step.model.scheme.inertia and step.soil is not None
     leave, far = resting and _parts(evaluation), resting and yields and error > NEAR
@@ -103,7 +105,8 @@ def starts(step, evaluation):
             yield step.evaluate(best)
         evaluation = step.evaluate(unknowns)
     yield evaluation
-    if step.model.scheme.inertia and step.soil is not None and yields and anywhere(unknowns.displacement):
+    if step.model.scheme.inertia and step.soil is not None and yields and step.cells_crossed() > LONG and (
+            anywhere(unknowns.displacement)):
         slow = step.evaluate(step.driven())
         if not isinstance(slow, Refusal):
             yield slow
