@@ -47,9 +47,13 @@ def build_table(cls, given, path, base):
                if name not in given and f.default is MISSING and f.default_factory is MISSING]
     if missing:
         found.append(f"missing in {where}: {', '.join(missing)}")
-    hints = get_type_hints(cls)
-    values = _convert_all([(f.name, given[name], hints[f.name], _join(path, name)) for name, f in known.items()
-                           if name in given], base, found)
+    hints, items = get_type_hints(cls), []
+    for name, f in known.items():
+        if name in given and (meant := _meant(f, given[name])):
+            found.append(f"{_join(path, name)} = {clipped(given[name])}: write {meant!r}; {described(f).meaning}")
+        elif name in given:
+            items.append((f.name, given[name], hints[f.name], _join(path, name)))
+    values = _convert_all(items, base, found)
     return cls(**values)
 
 
@@ -62,6 +66,11 @@ def unknown(cls, path, name, where, known=None):
             unit = f" [{described(f).unit}]" if described(f).unit else ""
             return f"unknown key {clipped(path)}: write {file_name(f)!r}, {described(f).meaning}{unit}"
     return f"unknown key {clipped(path)}{did_you_mean(name, known)}; valid in {where}: {', '.join(known)}"
+
+
+def _meant(f, value):
+    """The value of a field for which `value` is another word, None where it is none."""
+    return described(f).words.get(value.lower()) if isinstance(value, str) else None
 
 
 def _convert_all(items, base, found=()):

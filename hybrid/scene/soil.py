@@ -7,6 +7,14 @@ from typing import Literal, get_type_hints
 from hybrid.scene.table import key, table
 
 Law = Literal["drucker-prager", "hencky", "mohr-coulomb", "user", "von-mises", "willam-warnke"]
+# other words for them
+LAW_WORDS = {
+    **dict.fromkeys(("clay", "undrained", "tresca", "mises", "von mises", "vonmises", "von_mises", "j2"), "von-mises"),
+    **dict.fromkeys(("sand", "mohr coulomb", "mohrcoulomb", "mohr_coulomb", "mc", "coulomb", "frictional"), "mohr-coulomb"),
+    **dict.fromkeys(("drucker prager", "druckerprager", "drucker_prager", "dp"), "drucker-prager"),
+    **dict.fromkeys(("elastic", "linear", "linear-elastic", "hooke", "neo-hookean", "hyperelastic"), "hencky"),
+    **dict.fromkeys(("willam warnke", "willam_warnke", "matsuoka-nakai", "lade-duncan"), "willam-warnke"),
+}
 
 
 @table
@@ -19,7 +27,7 @@ class Material:
     law: Law | None = key("hencky: elastic; drucker-prager: circular cone; mohr-coulomb: pyramid with its edges rounded "
                           "off; willam-warnke: arc through both meridians of Mohr-Coulomb; von-mises: undrained clay; user: "
                           "given to `build` or `run` from Python",
-                          default=None, also=("model", "type"))
+                          default=None, also=("model", "type"), words=LAW_WORDS)
     relative_density: float | None = key("relative density of the sand whose correlations give the preset", "%",
                                          default=None, above=0, at_most=100, remedy="38 is a loose sand",
                                          also=("dr", "d_r", "id"))
@@ -68,7 +76,7 @@ class Layer:
     name: str = key("label on the model sheet")
     top: float | None = key("z of its upper end; left out: that of the soil", "m", default=None)
     bottom: float | None = key("z of its lower end; left out: that of the soil", "m", default=None)
-    law: Law | None = key("law of the layer; left out: that of soil.material", default=None)
+    law: Law | None = key("law of the layer; left out: that of soil.material", default=None, words=LAW_WORDS)
     material: dict[str, float | str] = key(       # words too, for what is said about a law among them
         "values of soil.material that are different here, by name; relative_density replaces all of them",
         default_factory=dict)

@@ -58,6 +58,7 @@ class Key:
     remedy        end of the message about a value out of range
     name          in a scene file, where it is not that of the field
     also          other words for it, in small letters: a scene file with one of them is refused with the key's name
+    words         the same for values that are words: {other word: value}
     in_file       False: may be left out of a file although the class requires it
     """
 
@@ -67,13 +68,14 @@ class Key:
     remedy: str = ""
     name: str | None = None
     also: tuple[str, ...] = ()
+    words: dict[str, str] = field(default_factory=dict)
     in_file: bool = True
 
 
 def key(meaning, unit="", *, default=MISSING, default_factory=MISSING, above=None, at_least=None, below=None,
-        at_most=None, remedy="", name=None, also=(), in_file=True):
+        at_most=None, remedy="", name=None, also=(), words=None, in_file=True):
     """Dataclass field that a Key declares."""
-    described = Key(meaning, unit, Range(above, at_least, below, at_most), remedy, name, also, in_file)
+    described = Key(meaning, unit, Range(above, at_least, below, at_most), remedy, name, also, words or {}, in_file)
     assert bool(described.range) == bool(remedy), f"{meaning}: a range needs a remedy and a remedy a range"
     return field(default=default, default_factory=default_factory, metadata={"key": described})
 

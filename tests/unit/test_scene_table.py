@@ -2,6 +2,7 @@
 
 import dataclasses
 from pathlib import Path
+from typing import get_args, get_type_hints
 
 import pytest
 
@@ -110,3 +111,18 @@ def test_ranges(given, words, inside, outside):
     assert str(Range(**given)) == words and inside in Range(**given)
     assert outside is None or outside not in Range(**given)
     assert bool(Range(**given)) == bool(given) and float("nan") not in Range(above=0)
+
+
+@pytest.mark.parametrize("heading, cls", list(tables()))
+def test_other_words_for_values_stand_for_valid_ones(heading, cls):
+    hints = get_type_hints(cls)
+    for f in dataclasses.fields(cls):
+        valid = [value for option in get_args(hints[f.name]) for value in get_args(option) or [option]]
+        for word, value in described(f).words.items():
+            assert value in valid and word not in valid and word == word.lower()
+
+
+def test_words_for_a_kind_of_soil_lead_to_its_law():
+    for word, law in (("clay", "von-mises"), ("Sand", "mohr-coulomb"), ("Linear-Elastic", "hencky")):
+        with pytest.raises(SceneError, match=f"soil.material.law = '{word}': write '{law}'; hencky: elastic; drucker"):
+            build_table(Material, {"law": word, "density": 1.0}, "soil.material", Path())
