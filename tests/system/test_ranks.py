@@ -199,6 +199,45 @@ def test_clay_that_sticks_to_a_pipe_and_breaks_away(tmp_path):
     assert opened.any() and not opened.all()
 
 
+# A box above clay of four cells across it: put down by its weight, or driven in steps in which a wave crosses a hundred cells
+ABOVE = """
+name = "above"
+time = { step = 0.5INERTIA }
+output = { pictures = [], every = 0, checkpoint = 0 }
+solver = { tolerance = 1e-7, linear_tolerance = 1e-5 }
+grid.x = { start = -2.0, end = 2.0, size = 0.25 }
+grid.y = { start = 0.0, end = 1.0, collapsed = true }
+grid.z = { start = -1.5, end = 0.75, size = 0.25 }
+grid.faces = { z_min = "fixed" }
+soil.top = 0.0
+soil.material = { law = "von-mises", young = 5e6, poisson = 0.49, density = 1700.0, strength = 1e4 }
+stage = [{ name = "down", steps = 2 }]
+[[body]]
+name = "box"
+geometry = "GEOMETRY/box.geo"
+parameters = { length = 1.0, width = 1.0, height = 0.5, size = 20.0 }
+density = 3000.0
+"""
+LAID = ABOVE.replace("INERTIA", ", inertia = false") + "position = [0.1, 0.5, 0.35]"
+PRESSED = ABOVE.replace("INERTIA", "") + """position = [0.1, 0.5, 0.25]
+held = ["x", "ry"]
+driven = ["z"]
+velocity = [0.0, 0.0, -0.02]
+"""
+
+
+@pytest.mark.parametrize("text", [LAID, PRESSED], ids=["put down", "long steps"])
+def test_starts_of_an_increment_are_those_of_all_ranks(text, tmp_path):
+    """The search for the place where contact bears a body; soil at rest, tried where its last velocities lead nowhere."""
+    path = scene_file(tmp_path, text)
+    for ranks in (1, 2):
+        hybrid("run", path, "--out", tmp_path / str(ranks), "--ranks", ranks)
+    one, two = (read_history(tmp_path / str(ranks)) for ranks in (1, 2))
+    assert two["box_z_m"] == pytest.approx(one["box_z_m"], abs=1e-6)
+    assert two["box_contact_fz_N"] == pytest.approx(one["box_contact_fz_N"], rel=1e-3)
+    assert abs(two["iterations"].sum() - one["iterations"].sum()) <= 0.2 * one["iterations"].sum()
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("ranks", [4, 8])
 def test_more_ranks_than_cores(tmp_path, ranks):
