@@ -237,14 +237,8 @@ class BlockSystem:
             failures[solver] = failure
             self._choice.failed(solver)
             if self._at + 1 == len(self._order):
-                raise StepError(f"linear solver: {self._describe(failures)}")
+                raise StepError(f"linear solver: {self._choice.describe(failures, self.soil_unknowns)}")
             self._prepare(self._at + 1)
-
-    def _describe(self, failures):
-        """Text from {solver: reason}: the last iterative solver, then the direct factor, or why there was none."""
-        iterative = [text for solver, text in failures.items() if solver != DIRECT][-1:]
-        direct = failures.get(DIRECT) or self._choice.refusal(self.soil_unknowns)
-        return ", and ".join(iterative + [direct] * bool(direct))
 
     def _attempt(self, solver, tolerance):
         """(Reason of failure, "" if there is none; number of Krylov iterations)."""

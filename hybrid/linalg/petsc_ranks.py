@@ -257,8 +257,7 @@ class DistributedSystem:
             failures[solver] = failure
             self._choice.failed(solver)
             if self._at + 1 == len(self._order):
-                reasons = ", and ".join([*failures.values(), self._choice.refusal(self.soil_unknowns)]).strip(", and ")
-                raise StepError(f"linear solver: {reasons}")
+                raise StepError(f"linear solver: {self._choice.describe(failures, self.soil_unknowns)}")
             self._prepare(self._at + 1)
 
     def _attempt(self, tolerance):

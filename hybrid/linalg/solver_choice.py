@@ -127,6 +127,13 @@ class SolverChoice:
                 self._tangents, self._until = 1, min(math.ceil(self._soon / self._factor), RETRY)
                 self._soon = min(2 * self._soon, LATE)
 
+    def describe(self, failures, unknowns):
+        """Text from {solver: reason of its failure}: the last iterative solver, then the direct factor, or why there was
+        none for so many unknowns."""
+        iterative = [text for solver, text in failures.items() if solver != DIRECT][-1:]
+        direct = failures.get(DIRECT) or self.refusal(unknowns)
+        return ", and ".join(iterative + [direct] * bool(direct))
+
     def refusal(self, unknowns):
         """Why a direct factor of so many unknowns is not taken; empty if its estimated memory fits."""
         need, left = direct_factor_memory(unknowns, self.plane), comm.minimum([FITS * available_memory()])

@@ -23,8 +23,6 @@ from hybrid.state import PairHistory
 IMPACT = 5e-3   # of the size of the smaller body: overlap by an impact
 # Share of the size of the smaller body: reach beyond twice the predicted path, with and without inertia
 MARGIN = {True: 0.02, False: 0.1}
-# Share of the speed of the fastest body: velocity that an impulse has yet to give, above which increments do not grow
-LEFT = 0.02
 STRIDE = 0.5    # of the same: longest predicted path of bodies that may meet in an increment
 PASSED = 0.01   # of the same: depth of places on their way that counts as having passed through
 
@@ -200,18 +198,6 @@ def begin_pairs(model, state, bodies, dt):
     for body in bodies:
         columns[body.number, body.free] = np.arange(body.unknowns.start, body.unknowns.stop)
     return PairsStep(poses, model.pairs, tuple(near), columns, hasty)
-
-
-def struck(step, evaluation):
-    """Whether the increment to an Evaluation leaves a body with an impulse that the scheme has not handed on yet, so that
-    the next one must not be longer: generalised alpha moves bodies by the acceleration of earlier increments, and an
-    impulse is a force times the length of its own one."""
-    if step.pairs is None or not step.model.scheme.auxiliary:
-        return False
-    states = [terms.accept() for terms in evaluation.bodies]
-    left = max(np.linalg.norm(new.algorithmic[:3] - new.acceleration) for new in states)
-    fastest = max(np.linalg.norm(new.velocity) for new in states) + np.linalg.norm(step.model.gravity) * step.dt
-    return bool(0.5 * step.dt * left > LEFT * fastest)
 
 
 def _begin_pair(index, pair, history, bodies, poses, predicted, reach, dt):

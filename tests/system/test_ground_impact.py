@@ -4,12 +4,14 @@ hardly any in short ones."""
 import io
 import json
 
+import numpy as np
 import pytest
 
 from hybrid.output.progress import Progress
 from hybrid.output.summary import Summary
 from hybrid.setup.build import build
-from hybrid.study.scenes import plane, sphere
+from hybrid.step import increments
+from hybrid.study.scenes import box, plane, sphere
 
 
 def dropped(step, steps):
@@ -34,3 +36,22 @@ def test_bounces_in_short_steps_are_not():
                for record in simulation.steps() if not record.notes]
     assert len(kinetic) == 625 and not simulation.later_notes
     assert kinetic[-1] < max(kinetic) and max(kinetic) == pytest.approx(simulation.masses[0].mass * 9.81 * 0.05, rel=0.02)
+
+
+def leaves(start, long=10.0):
+    """Speed with which a box of 720 kg bounces off held ground that it reaches with 1 m/s, a share `start` of a step after
+    the start, in steps `long` times the time of contact."""
+    step = long * np.pi * np.sqrt(720.0 / (1e6 * 1.2**2))
+    thrown = box(1.2, 1.2, 0.5, rest_on=start * step, velocity=(0.0, 0.0, -1.0), penalty=1.0)
+    simulation = build(plane(thrown, 7, step, stiffness=1e6, cells=(4, 4)))
+    *_, last = simulation.steps()
+    return last.bodies[0].velocity[2]
+
+
+@pytest.mark.parametrize("start", [0.1, 0.5, 0.9])
+def test_no_body_leaves_the_ground_faster_than_it_came(start, monkeypatch):
+    """In steps longer than the contact, of which that of the impact is halved: the impulse is given over some increments,
+    which must not be longer than that of the impact."""
+    assert 0.5 < leaves(start) <= 1.0
+    monkeypatch.setattr(increments, "impulse_pending", lambda step, evaluation: False)
+    assert leaves(start) > 1.5

@@ -199,7 +199,7 @@ def test_clay_that_sticks_to_a_pipe_and_breaks_away(tmp_path):
     assert opened.any() and not opened.all()
 
 
-# A box above clay of four cells across it: put down by its weight, or driven in steps in which a wave crosses a hundred cells
+# A box above clay, four cells wide: put down by its weight, or driven in steps in which a wave crosses a hundred cells
 ABOVE = """
 name = "above"
 time = { step = 0.5INERTIA }

@@ -148,3 +148,11 @@ def test_memory_is_asked_for_now_and_then_and_always_where_a_factor_did_not_fit(
     assert order(choice, unknowns=12_000)[-1] == SWEEPS
     left = 2**40
     assert order(choice, unknowns=12_000)[-1] == DIRECT
+
+
+def test_a_failure_is_told_by_the_last_iterative_solver_and_the_direct_factor(monkeypatch):
+    choice, failures = SolverChoice("auto"), {INCOMPLETE: "a diagonal block is singular", DAMPED: "no convergence"}
+    assert choice.describe(failures, 100) == "no convergence"
+    assert choice.describe({**failures, DIRECT: "it is singular"}, 100) == "no convergence, and it is singular"
+    monkeypatch.setattr(solver_choice, "available_memory", lambda: 0)
+    assert choice.describe(failures, 100).startswith("no convergence, and a direct factor does not fit")

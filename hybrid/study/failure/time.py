@@ -194,7 +194,7 @@ def plastic_step(steps, share=1, smallest=None):
     clay = Material(law="von-mises", young=100 * strength, poisson=0.45, density=density, strength=strength)
     grid = Grid(Axis(start=0.0, end=2 * length, size=size), collapsed(), Axis(start=0.0, end=length + size, size=size),
                 Faces("roller", "free", z_min="fixed"))
-    soil = Soil(clay, geostatic=False, lower=(0.0, 0.0, 0.0), upper=(length, 1.0, length))
+    soil = Soil(clay, geostatic=False, lower=(0.0, 0.0, 0.0), upper=(length, 1.0, length), fbar=False, ghost=0.0)
     simulation, _, texts = simulate(loaded_by_weight(
         "bank", grid, soil, share * steps, -gravity, time=Time(1.0, inertia=False, smallest=smallest)))
     displacement = (simulation.state.points.position - simulation.initial_position)[:, 0].mean()
