@@ -96,7 +96,7 @@ class Simulation:
         return self._initial_position if self._initial_position is not None else self.model.soil.constants.position
 
     def resume(self, state, increment=None, shorten=None, solver_memory=None, number=None):
-        """Continue from `state`, with an increment of `increment` [s] first, with shorter updates of Newton's method first
+        """Continue from `state`, with an increment of `increment` [s] first, with backtracking in Newton's method first
         where `shorten`, and with what the choice of the linear solver remembers, `solver_memory` (9,).
 
         Of several processes each is given what it `keeps`, with the numbers (n,) of its points, increasing

@@ -58,7 +58,7 @@ def run(options):
         seconds = _median(work)
         rows.append({"part": name, "ms": 1e3 * seconds, "ns a point": 1e9 * seconds / size["points"],
                      "ns an entry": 1e9 * seconds / size["entries"], **size,
-                     "corners": sum(len(c) for c in found.contacts), "flowing": int(flowing.sum())})
+                     "contact points": sum(len(c) for c in found.contacts), "flowing": int(flowing.sum())})
     return rows
 
 

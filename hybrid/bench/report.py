@@ -60,7 +60,7 @@ def _median(rows, program, key):
 
 def _kernels(case):
     first, keys = case["rows"][0], ["part", "ms", "ns a point", "ns an entry"]
-    return (paragraph(f"{_sizes(first)}; {number(first['corners'])} corners in contact, {number(first['flowing'])} "
+    return (paragraph(f"{_sizes(first)}; {number(first['contact points'])} points in contact, {number(first['flowing'])} "
                       "points that yield.")
             + "\n" + markdown(keys, [[row[key] for key in keys] for row in case["rows"]]))
 

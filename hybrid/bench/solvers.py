@@ -79,7 +79,7 @@ def _solved(name, solver, model, state):
     step.system.factor()
     factored = perf_counter()
     row = {"tangent": name, "solver": solver, "unknowns": step.pattern.size + len(found.body),
-           "entries": len(step.system.values), "corners": sum(len(c) for c in found.contacts)}
+           "entries": len(step.system.values), "contact points": sum(len(c) for c in found.contacts)}
     try:
         soil, body, iterations = step.system.solve(found.soil, found.body)
         left, failed = _residual(step, found, soil, body), ""

@@ -39,7 +39,7 @@ class SurfaceParts:
         return np.array([np.maximum(0.0, own @ direction).sum() for own in self.elements])
 
     def forces(self, contact):
-        """{name: force (3,) [N]} of the soil on each part, in a CornerContact."""
+        """{name: force (3,) [N]} of the soil on each part, in a PointContact."""
         part = self.part[contact.triangle]
         return {name: total(contact.force[part == k]) for k, name in enumerate(self.names)}
 

@@ -1,11 +1,11 @@
 """Forces and tangent of the first pass of contact into the residual and the block system.
 
-With F the force of the penalty on a corner (as a residual), r = x_c - c, B = [I, -I, r̃] acting on (δx_c, δc, δφ),
+With F the force of the penalty on a contact point (as a residual), r = x_c - c, B = [I, -I, r̃] acting on (δx_c, δc, δφ),
 δφ spatial, and D = ∂F/∂x_c at fixed attitude,
 
     residual B^T F          K = B^T D B - B^T F̃ E_φ + E_φ^T F̃ [I, -I, 0]
 
-(FORMULATION (42)). δx_c = Σ_v N_v δu_v distributes the first block over the nodes of the corner's cell. Corner and
+(FORMULATION (42)). δx_c = Σ_v N_v δu_v distributes the first block over the nodes of the point's cell. Point and
 body get opposite forces: the columns of B cancel, so force and moment vanish in sum to round-off.
 """
 
@@ -16,24 +16,24 @@ from hybrid.runtime.comm import total
 from hybrid.runtime.jit import njit
 
 
-def add_residual(contact, corners, force):
+def add_residual(contact, points, force):
     """Add contact to nodal residuals (N, 3) [N], None when the soil is held; returns the body's residual (6,)
     [N, N m about its centre]."""
     if force is not None:
-        _scatter(contact.active, corners.node, corners.weight, contact.force, force)
+        _scatter(contact.active, points.node, points.weight, contact.force, force)
     return -np.concatenate([total(contact.force), total(np.cross(contact.arm, contact.force))])
 
 
 def without_softening(contact):
     """∂F/∂x_c (m, 3, 3) [N/m] without the negative eigenvalues of its turning part, FORMULATION (42a): a convex edge pushes
-    a corner aside with a stiffness of -p/r, and Newton's method may go to and fro there (hybrid/step/newton.py)."""
+    a contact point aside with a stiffness of -p/r, and Newton's method may go to and fro there (hybrid/step/newton.py)."""
     turning = 0.5 * (contact.turning + contact.turning.transpose(0, 2, 1))
     values, vectors = np.linalg.eigh(turning)
     return contact.tangent - (vectors * np.minimum(values, 0.0)[:, None]) @ vectors.transpose(0, 2, 1)
 
 
 def body_tangent(contact, D=None):
-    """K_ww (6, 6) of contact and Q (m, 3, 6) = ∂F/∂(δc, δφ) of every corner. D: (m, 3, 3) [N/m] ∂F/∂x_c, that of the
+    """K_ww (6, 6) of contact and Q (m, 3, 6) = ∂F/∂(δc, δφ) of every contact point. D: (m, 3, 3) [N/m] ∂F/∂x_c, that of the
     `contact` unless given."""
     F, arm, D = skew(contact.force), skew(contact.arm), contact.tangent if D is None else D
     Q = np.concatenate([-D, D @ arm - F], axis=2)
@@ -44,12 +44,12 @@ def body_tangent(contact, D=None):
     return tangent, Q
 
 
-def add_tangent(contact, corners, D, Q, pattern, values, free, uw, wu):
+def add_tangent(contact, points, D, Q, pattern, values, free, uw, wu):
     """Add K_uu to `values`, K_uw and K_wu to dense blocks (n, m) and (m, n) over the soil unknowns and the m
     components of the body that are `free` (6,); D, Q: as in `body_tangent`."""
     arm = skew(contact.arm)
     rows = np.concatenate([-D, skew(contact.force) - arm @ D], axis=1)  # ∂(body residual)/∂x_c, (m, 6, 3)
-    _add_tangent(contact.active, corners.node, corners.weight, D,
+    _add_tangent(contact.active, points.node, points.weight, D,
                  np.ascontiguousarray(Q[:, :, free]), np.ascontiguousarray(rows[:, free]),
                  pattern.sparsity, Blocks(values, uw, wu))
 
@@ -63,7 +63,7 @@ def skew(v):
 
 @njit(cache=True)
 def _scatter(active, node, weight, contact_force, force):
-    """Add the forces (m, 3) of corners `active` to those of their nodes, (N, 3)."""
+    """Add the forces (m, 3) of points `active` to those of their nodes, (N, 3)."""
     for n in range(len(active)):
         c = active[n]
         for a in range(8):

@@ -139,7 +139,7 @@ class SideStep:
         active = np.flatnonzero(self.stiffness * (self.rest - points.gap) > 0.0)
         points = points.select(active)
         origin = np.where(self.touching[active, None], self.anchor[active], self.start[active])
-        closed = soil_to_body.ClosedCorners(
+        closed = soil_to_body.ClosedPoints(
             y[active], self.anchor[active], origin, self.stiffness[active], self.rest[active], NONE)
         found = soil_to_body.Response.empty(len(active))
         soil_to_body.contact_law(closed, points, self.law, surface.tree, found)

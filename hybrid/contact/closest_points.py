@@ -11,9 +11,9 @@ from hybrid.runtime.jit import njit, prange
 CLOSED = 1e-12      # gap over the body's radius up to which a point is in contact: one that just touches has its stiffness
 
 
-class CornerStart(NamedTuple):
-    """Corners at the start of the step, which decides whether they have to be projected: y (m, 3) [m] body frame, and
-    clearance (m,) [m], side (m, 3) as in corners.Corners."""
+class PointStart(NamedTuple):
+    """Contact points at the start of the step, which decides whether they have to be projected: y (m, 3) [m] body frame, and
+    clearance (m,) [m], side (m, 3) as in ContactPoints."""
 
     y: np.ndarray
     clearance: np.ndarray
@@ -21,7 +21,7 @@ class CornerStart(NamedTuple):
 
 
 class ClosestPoints(NamedTuple):
-    """Closest points of the surface: gap (m,) [m], inf where the corner cannot touch (the rest is then not set);
+    """Closest points of the surface: gap (m,) [m], inf where the point cannot touch (the rest is then not set);
     triangle, feature (m,); foot (m, 3) [m], body frame; weights (m, 3) of the triangle's vertices."""
 
     gap: np.ndarray
@@ -38,37 +38,37 @@ class ClosestPoints(NamedTuple):
         return ClosestPoints(*(values[index] for values in self))
 
 
-def closest_points(y, corners, surface):
-    """ClosestPoints of corners at y (m, 3) [m] in the body frame."""
-    points = ClosestPoints.empty(len(y))
-    start = CornerStart(corners.start, corners.clearance, corners.side)
-    _project(y, start, surface.radius, *surface.tree.parts, points)
-    return points
+def closest_points(y, points, surface):
+    """ClosestPoints of contact points at y (m, 3) [m] in the body frame."""
+    closest = ClosestPoints.empty(len(y))
+    start = PointStart(points.start, points.clearance, points.side)
+    _project(y, start, surface.radius, *surface.tree.parts, closest)
+    return closest
 
 
 def gaps(y, surface, side=None):
     """Signed gaps (m,) [m] of places (m, 3) in the body frame, inf outside the body's bounds; side: (m, 3), as in
-    corners.Corners."""
-    zero, points = np.zeros(len(y)), ClosestPoints.empty(len(y))
-    start = CornerStart(y, zero, np.zeros_like(y) if side is None else side)
-    _project(y, start, surface.radius, *surface.tree.parts, points)
-    return points.gap
+    ContactPoints."""
+    zero, found = np.zeros(len(y)), ClosestPoints.empty(len(y))
+    start = PointStart(y, zero, np.zeros_like(y) if side is None else side)
+    _project(y, start, surface.radius, *surface.tree.parts, found)
+    return found.gap
 
 
 def nearest(y, side, surface):
     """Triangle (m,) of the surface nearest to places y (m, 3) [m] that touch its `side` (m, 3), and weights (m, 3) of its
     vertices there; all in the body frame."""
-    points = ClosestPoints.empty(len(y))
-    _project(y, CornerStart(y, np.zeros(len(y)), side), surface.radius, *surface.tree.parts, points)
-    return points.triangle, points.weights
+    closest = ClosestPoints.empty(len(y))
+    _project(y, PointStart(y, np.zeros(len(y)), side), surface.radius, *surface.tree.parts, closest)
+    return closest.triangle, closest.weights
 
 
 @njit(cache=True, parallel=True)
-def _project(y, start, radius, arrays, patches, points):
-    """Fill `points` for corners now at y (m, 3). A corner that remembers its side of the body is
+def _project(y, start, radius, arrays, patches, out):
+    """Fill `out` for contact points now at y (m, 3). One that remembers its side of the body is
     projected wherever it is; any other one is skipped within its clearance or outside the body's bounds."""
     y_start, clearance, sides = start       # once, because each access in the loop would count references
-    gap, triangle, feature, foot, weights = points
+    gap, triangle, feature, foot, weights = out
     for lane in prange(LANES):
         tree = joined(arrays, patches)
         for n in range(lane, len(y), LANES):

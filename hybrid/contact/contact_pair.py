@@ -1,6 +1,6 @@
 """Contact of one rigid body with the soil during a step: points on the soil's surface against the body's surface.
 
-    ∫ p_f E g dA  over the soil's surface, by the contact points near the body        `hybrid.contact.corners`
+    ∫ p_f E g dA  over the soil's surface, by the contact points near the body        `hybrid.contact.contact_points`
     law of penalty and friction at each of them                                      `hybrid.contact.soil_to_body`
     their forces and tangent in the block system                                     `hybrid.contact.assembly`
 """
@@ -12,44 +12,45 @@ from dataclasses import replace
 import numpy as np
 
 from hybrid.contact import assembly, held_facets, soil_to_body, tunnelling
-from hybrid.contact.corners import find_corners
+from hybrid.contact.contact_points import find_contact_points
 from hybrid.runtime.comm import count, total
 
 TINY = 1e-300       # [N]
 
 
 class ContactPair:
-    """A body and the contact points near it, frozen during a step."""
+    """A body and the contact points near it: frozen during a step but for what Newton's method decides about them: the
+    facets that hold them, those that stick, bonds of the first guess, and the shares of an interface."""
 
     def __init__(self, body, state, history, domains, grid, active, reach, expected, limits=None):
         """body: RigidBody; state: BodyState; history: ContactHistory; domains: Domains of the soil's points; active,
-        reach, expected, limits: as in corners.find_corners."""
-        self.body = body
-        self.corners = find_corners(domains, body.contact_pressure, body.places, grid, active, state, body.surface,
-                                    reach, history, expected, limits)
+        reach, expected, limits: as in find_contact_points."""
+        self.body, self._limits = body, None     # of the interface before `share_interface`
+        self.points = find_contact_points(domains, body.contact_pressure, body.places, grid, active, state, body.surface,
+                                          reach, history, expected, limits)
 
     def near(self, nodes, contact):
         """The pair with the contact points alone that touch in `contact` or move with any of `nodes` (N,) bool."""
-        chosen = (nodes[self.corners.node] & (self.corners.weight > 0.0)).any(axis=1)
+        chosen = (nodes[self.points.node] & (self.points.weight > 0.0)).any(axis=1)
         chosen[contact.active] = True
         pair = copy(self)
-        pair.corners = self.corners.select(chosen)
+        pair.points = self.points.select(chosen)
         return pair
 
     def evaluate(self, displacement, pose):
-        """CornerContact at nodal increments (N, 3) [m] (None: held soil) and a pose."""
+        """PointContact at nodal increments (N, 3) [m] (None: held soil) and a pose."""
         body = self.body
-        return soil_to_body.evaluate(self.corners, self.corners.moved(displacement), *pose, body.surface, body.friction,
+        return soil_to_body.evaluate(self.points, self.points.moved(displacement), *pose, body.surface, body.friction,
                                      body.tangential)
 
     def springs(self, contact):
         """Root of the sum of squares [N/m] of the stiffnesses of all springs in contact."""
-        return float(np.sqrt(total(self.corners.stiffness[contact.active] ** 2)))
+        return float(np.sqrt(total(self.points.stiffness[contact.active] ** 2)))
 
     def add_residual(self, contact, force):
         """Add contact to nodal residuals (N, 3) [N], None when the soil is held; returns the body's residual (6,)
         [N, N m about its centre]."""
-        return assembly.add_residual(contact, self.corners, force)
+        return assembly.add_residual(contact, self.points, force)
 
     def add_tangent(self, contact, pattern, values, uw, wu, softening=True):
         """Add the tangent to the soil block `values` and to its coupling with the body's m free components, uw (n, m)
@@ -57,36 +58,36 @@ class ContactPair:
         D = contact.tangent if softening else assembly.without_softening(contact)
         ww, Q = assembly.body_tangent(contact, D)
         if pattern.size:
-            assembly.add_tangent(contact, self.corners, D, Q, pattern, values, self.body.free, uw, wu)
+            assembly.add_tangent(contact, self.points, D, Q, pattern, values, self.body.free, uw, wu)
         return ww
 
     def tunnelled(self, contact, displacement, pose, depth):
         """Number of contact points that the step carried through the body, or deeper than `depth` [m] into it on their
         way."""
         return tunnelling.count_tunnelled(
-            self.corners, contact, self.corners.moved(displacement), *pose, self.body.surface, depth)
+            self.points, contact, self.points.moved(displacement), *pose, self.body.surface, depth)
 
     def share_interface(self, contact):
         """Let the points that touch in `contact` bear the adhesion of the clay around them, in proportion to their
         pressure, in place of those that touched before. Returns the share of it by which their sum changes."""
-        corners, limits = self.corners, self.corners.limits
-        if corners.shared is None:
+        points, limits = self.points, self.points.limits
+        if points.shared is None:
             return 0.0
-        touching, pressed = np.zeros(len(corners), bool), np.zeros(len(corners))
+        touching, pressed = np.zeros(len(points), bool), np.zeros(len(points))
         touching[contact.active], pressed[contact.active] = True, contact.pressure
-        shear = corners.shared(touching, pressed)
+        shear = points.shared(touching, pressed)
         before, after = (float(total(values[contact.active])) for values in (limits.shear, shear))
-        self._limits, self.corners = limits, replace(corners, limits=limits._replace(shear=shear))
+        self._limits, self.points = limits, replace(points, limits=limits._replace(shear=shear))
         return abs(after - before) / max(after, before, TINY)
 
     def restore_interface(self):
         """Let the points bear what they did before `share_interface`."""
-        if self.corners.shared is not None:
-            self.corners = replace(self.corners, limits=self._limits)
+        if self.points.shared is not None:
+            self.points = replace(self.points, limits=self._limits)
 
     def parted(self, contact):
         """Numbers of the points that touched when the step began, and of those of them that do not in `contact`."""
-        touching = self.corners.touching.copy()
+        touching = self.points.touching.copy()
         before = count(touching)
         touching[contact.active] = False
         return before, count(touching)
@@ -94,42 +95,42 @@ class ContactPair:
     @contextmanager
     def bonded(self):
         """Context in which the points that touched when the step began pull too."""
-        corners, m = self.corners, len(self.corners)
-        tension = np.where(corners.touching & (corners.stiffness > 0.0), np.inf, 0.0)
-        self.corners = replace(corners, limits=corners.limits._replace(tension=tension, opened=np.zeros(m, bool)))
+        points, m = self.points, len(self.points)
+        tension = np.where(points.touching & (points.stiffness > 0.0), np.inf, 0.0)
+        self.points = replace(points, limits=points.limits._replace(tension=tension, opened=np.zeros(m, bool)))
         try:
             yield
         finally:
-            self.corners = corners
+            self.points = points
 
     @contextmanager
-    def sticking(self, points):
-        """Context in which the shear of `points`, an index of contact points, has no limit."""
-        corners, mask = self.corners, np.zeros(len(self.corners), bool)
-        mask[points] = True
-        self.corners = replace(corners, sticking=mask)
+    def sticking(self, chosen):
+        """Context in which the shear of `chosen`, an index of contact points, has no limit."""
+        points, mask = self.points, np.zeros(len(self.points), bool)
+        mask[chosen] = True
+        self.points = replace(points, sticking=mask)
         try:
             yield
         finally:
-            self.corners = corners
+            self.points = points
 
     def hold_facets(self, contact):
-        """Hold the corners that touch to the facets that carry them in `contact`. Returns those facets (m,)."""
-        facet = held_facets.facets(self.corners, contact, self.body.surface)
-        self.corners = replace(self.corners, facet=facet)
+        """Hold the points that touch to the facets that carry them in `contact`. Returns those facets (m,)."""
+        facet = held_facets.facets(self.points, contact, self.body.surface)
+        self.points = replace(self.points, facet=facet)
         return facet
 
     def release_facets(self):
-        """Let every corner find its facet again."""
-        self.corners = replace(self.corners, facet=None)
+        """Let every point find its facet again."""
+        self.points = replace(self.points, facet=None)
 
     def facet_error(self, contact, displacement, pose):
         """Largest difference [-] between the overlaps with the held facets and with the surface, 0 without any held."""
-        if self.corners.facet is None:
+        if self.points.facet is None:
             return 0.0
         return held_facets.facet_error(
-            self.corners, contact, self.corners.moved(displacement), *pose, self.body.surface)
+            self.points, contact, self.points.moved(displacement), *pose, self.body.surface)
 
     def commit(self, contact, displacement):
         """ContactHistory after acceptance."""
-        return soil_to_body.commit(self.corners, self.corners.moved(displacement), contact)
+        return soil_to_body.commit(self.points, self.points.moved(displacement), contact)

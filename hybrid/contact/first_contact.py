@@ -1,12 +1,12 @@
-"""Predicted first-contact point of each open corner: the anchor of its tangential spring if it closes in this step.
+"""Predicted first-contact point of each open contact point: the anchor of its tangential spring if it closes in this step.
 
     y(s) = R(s)^T (x_c + s Δx_c - c - s Δc),   R(s) = exp(s φ~) R_n,   0 <= s <= 1
     anchor = y(s)  where the gap vanishes first, else y(1)
 
 along the predicted motion of the step (everything keeps its velocity, and a body that touches nothing falls). In the
-frame of a rolling body the corner comes down a curved path: before it touches it moves a³/(3r²) along the surface of a
+frame of a rolling body the point comes down a curved path: before it touches it moves a³/(3r²) along the surface of a
 sphere of radius r, a being its distance from the point of rest. At a = 50 mm and r = 0.25 m that is 0.7 mm, more than a
-stiff tangential spring needs to slip: with the anchor at the place of the corner at the start of the step, a rolling
+stiff tangential spring needs to slip: with the anchor at the place of the point at the start of the step, a rolling
 sphere creeps by 1-2 %. With the anchor at the end of the step, the friction of the step in which the contact closes would
 be lost. The predicted motion is constant in a step, so the anchor adds nothing to the tangent. Without motion the anchor
 is the place at the start.
@@ -27,11 +27,11 @@ from hybrid.body.facet_tree import LANES, NO_SIDE, joined, outside_bounds
 from hybrid.runtime.jit import njit, prange
 
 HALVINGS = 12      # bisections of the path: 10 μm of 40 mm
-ON_SURFACE = 1e-9  # of the body's radius: a corner within this depth at the start, by round-off, counts as outside
+ON_SURFACE = 1e-9  # of the body's radius: a contact point within this depth at the start, by round-off, counts as outside
 
 
 class PredictedMotion(NamedTuple):
-    """Motion of m corners relative to a body in one step: arm (m, 3) [m] from the body's centre at the start,
+    """Motion of m contact points relative to a body in one step: arm (m, 3) [m] from the body's centre at the start,
     displacement (m, 3) [m] less that of the centre; the body turns by `angle` [rad] about `axis` (3,) from `rotation`
     (3, 3)."""
 
@@ -45,8 +45,8 @@ class PredictedMotion(NamedTuple):
 def predicted_contact_points(start, end, body, pose, surface, clearance):
     """First-contact points (m, 3) [m] and outward normals there (m, 3), 0 without contact, in the body frame.
 
-    Corners are predicted to move from `start` to `end` (m, 3) [m] in space, and the body from `body` (a BodyState) to
-    `pose` (position, rotation). clearance: (m,) [m] as in corners.Corners.
+    They are predicted to move from `start` to `end` (m, 3) [m] in space, and the body from `body` (a BodyState) to
+    `pose` (position, rotation). clearance: (m,) [m] as in ContactPoints.
     """
     point = (start - body.position) @ body.rotation
     turn, side = log_so3(pose[1] @ body.rotation.T), np.zeros_like(point)
@@ -77,7 +77,7 @@ def _find(motion, clearance, radius, arrays, patches, point, side):
 
 @njit(cache=True)
 def _entry(n, motion, tree):
-    """Place (3,) where the path of corner n, open at the start and inside at the end, enters the body."""
+    """Place (3,) where the path of point n, open at the start and inside at the end, enters the body."""
     outside, inside = 0.0, 1.0
     for _ in range(HALVINGS):
         middle = 0.5 * (outside + inside)
@@ -95,7 +95,7 @@ def _gap(y, tree):
 
 @njit(cache=True)
 def _position(n, motion, fraction):
-    """Place (3,) of corner n in the body frame at a `fraction` of the step; Rodrigues' formula turns it back."""
+    """Place (3,) of point n in the body frame at a `fraction` of the step; Rodrigues' formula turns it back."""
     arm, displacement, axis, rotation = motion.arm, motion.displacement, motion.axis, motion.rotation
     x0, x1 = arm[n, 0] + fraction * displacement[n, 0], arm[n, 1] + fraction * displacement[n, 1]
     x2 = arm[n, 2] + fraction * displacement[n, 2]

@@ -95,7 +95,7 @@ NONE = PlaceLimits(np.zeros(0), np.zeros(0), np.zeros(0, bool))
 
 def place_limits(limits, found, area, domains, places, body, surface, extent=EVERYWHERE):
     """(PlaceLimits, function) of contact points `found` {name: (m, ...)}: position, normal, point, place, clearance,
-    touching and opened as in corners.Corners and ContactHistory, and rest. limits: PointLimits, None for none; area: (m,)
+    touching and opened as in ContactPoints and ContactHistory, and rest. limits: PointLimits, None for none; area: (m,)
     [m²]; domains: Domains of the soil's points; places: Places on them; body: BodyState; surface: that the points are in
     contact with; extent: (3, 2) [m] of the soil's grid.
 

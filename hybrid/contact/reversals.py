@@ -19,7 +19,7 @@ NONE = np.zeros(0, int)
 
 
 def reversed_slip(before, after, held=NONE):
-    """Index of the contact points that slip in two CornerContacts of a step, `before` and `after` an update, against
+    """Index of the contact points that slip in two PointContacts of a step, `before` and `after` an update, against
     one another.
 
     held: index of those that were held in stick in that update: they have been given their way.

@@ -6,7 +6,7 @@
     slip   otherwise        :  f = -p N + μ p s,  s = g_t/|g_t|
 
 (FORMULATION (38) to (41); the seed paper's eqs 3-6), all in the body frame. f is the residual of the penalty, minus the
-force on the corner. The normal turns with y on a curved face, at an edge and at a vertex; with G = ∂N/∂y,
+force on the contact point. The normal turns with y on a curved face, at an edge and at a vertex; with G = ∂N/∂y,
 
     M = ∂g_t/∂y = P - (N·z) G - N (G^T z)^T
     normal ∂f/∂y = ε_N N (∂g/∂y)^T - p G
@@ -18,21 +18,20 @@ force on the corner. The normal turns with y on a curved face, at an edge and at
 | N, ∂g/∂y   | outward normal and gradient of the gap              | N, dgap of `body.closest`           | -    |
 | G          | ∂N/∂y                                               | G of `body.closest.gap_geometry`    | 1/m  |
 | p          | pressure                                            | p                                   | N    |
-| ε_N, ε_T   | normal and tangential penalty                       | ClosedCorners.stiffness, eps_t      | N/m  |
+| ε_N, ε_T   | normal and tangential penalty                       | ClosedPoints.stiffness, eps_t       | N/m  |
 | μ          | coefficient of friction                             | Coulomb.mu                          | -    |
-| y_anchor   | where the tangential spring has no force            | ClosedCorners.anchor                | m    |
+| y_anchor   | where the tangential spring has no force            | ClosedPoints.anchor                 | m    |
 | g_t, s     | tangential gap and its direction                    | g_t, s                              | m, - |
 
 With an interface of clay (contact/interface.py, FORMULATION (40a)) the limit of the shear is L = min(μ p, α s_u a), and
 bonded points pull, p >= -T; where p = -T or L = α s_u a the derivatives of p and L vanish.
 
-On a plane face G = 0. The anchor is history in the body frame: it is objective, and it
-does not change when a corner passes from one triangle to the next. The anchor of a corner that closes in this step is
-its predicted first-contact point (contact/first_contact.py). Without friction (μ = 0) neither anchor nor tangential law
-is evaluated.
+On a plane face G = 0. The anchor is history in the body frame: it is objective, and it does not change when a contact
+point passes from one triangle to the next. The anchor of a point that closes in this step is its predicted
+first-contact point (contact/first_contact.py). Without friction (μ = 0) neither anchor nor tangential law is evaluated.
 
-The force of a step acts over the whole step, also on a corner that closes in the course of it. The friction work of a
-slipping corner therefore counts its path from the start of the step.
+The force of a step acts over the whole step, also on a contact point that closes in the course of it. The friction work of a
+slipping point therefore counts its path from the start of the step.
 """
 
 import math
@@ -52,17 +51,17 @@ NOWHERE = np.zeros(0, bool)
 
 
 @dataclass(frozen=True)
-class CornerContact:
-    """Corners in contact at a trial state; m of them; vectors in the axes of space unless stated otherwise.
+class PointContact:
+    """Points in contact at a trial state; m of them; vectors in the axes of space unless stated otherwise.
 
-    active: (m,) indices into Corners; gap: (m,) [m], negative; normal: (m, 3) outward from the body
-    force: (m, 3) [N], minus the force on the corner
+    active: (m,) indices into ContactPoints; gap: (m,) [m], negative; normal: (m, 3) outward from the body
+    force: (m, 3) [N], minus the force on the contact point
     tangent: (m, 3, 3) [N/m] ∂force/∂x_c at fixed attitude; turning: (m, 3, 3) [N/m] of it -p G, by which the pressure
     turns with the surface; arm: (m, 3) [m] from the body's centre; slip: (m,) bool
     anchor: (m, 3) [m] body frame, the anchor of the history once the state is accepted; side: (m, 3) N, body frame
     pressure: (m,) p [N]; triangle: (m,) of the closest point, weights: (m, 3) of its vertices there
     energy: stored in the springs [J]; dissipated: friction work of the step [J]
-    rest: of all Corners, as in Corners, once the state is accepted; opened: (m,) bool, whether the bond breaks in the step
+    rest: of all ContactPoints, as there, once the state is accepted; opened: (m,) bool, whether the bond breaks in the step
     """
 
     active: np.ndarray
@@ -102,10 +101,10 @@ class CornerContact:
         return maximum(-self.gap)
 
 
-class ClosedCorners(NamedTuple):
-    """Corners that the law is evaluated at, body frame: y, anchor (m, 3) [m]; origin (m, 3) [m], where the path begins
+class ClosedPoints(NamedTuple):
+    """Points that the law is evaluated at, body frame: y, anchor (m, 3) [m]; origin (m, 3) [m], where the path begins
     along which friction does work in this step; stiffness (m,) ε_N [N/m]; rest (m,) [m] gap without force; limits:
-    PlaceLimits; sticking (m,) bool as in Corners, empty for none."""
+    PlaceLimits; sticking (m,) bool as in ContactPoints, empty for none."""
 
     y: np.ndarray
     anchor: np.ndarray
@@ -143,69 +142,69 @@ class Response(NamedTuple):
                    np.empty((m, 3)), np.zeros(m), np.zeros(m), np.zeros(m, np.bool_))
 
 
-def evaluate(corners, position, centre, rotation, surface, friction, tangential):
-    """CornerContact of `corners` at `position` (m, 3) [m] with a body at `centre` (3,) [m], `rotation` (3, 3).
+def evaluate(points, position, centre, rotation, surface, friction, tangential):
+    """PointContact of `points` at `position` (m, 3) [m] with a body at `centre` (3,) [m], `rotation` (3, 3).
 
     surface: ContactSurface; friction: μ; tangential: ε_T/ε_N.
     """
     y = (position - centre) @ rotation
-    points = closest_points(y, corners, surface)
-    if corners.facet is not None:
-        _hold(points, y, corners.facet, surface)
-    rest = np.minimum(np.maximum(corners.rest, points.gap), 0.0)    # a point that comes out will press as any other
-    active = np.flatnonzero(np.isfinite(points.gap))
-    just = np.where(corners.rest[active] == 0.0, CLOSED * surface.radius, 0.0)
-    pressed = corners.stiffness[active] * ((points.gap - corners.rest)[active] - just) < 0.0
-    limits = corners.limits
+    closest = closest_points(y, points, surface)
+    if points.facet is not None:
+        _hold(closest, y, points.facet, surface)
+    rest = np.minimum(np.maximum(points.rest, closest.gap), 0.0)    # a point that comes out will press as any other
+    active = np.flatnonzero(np.isfinite(closest.gap))
+    just = np.where(points.rest[active] == 0.0, CLOSED * surface.radius, 0.0)
+    pressed = points.stiffness[active] * ((closest.gap - points.rest)[active] - just) < 0.0
+    limits = points.limits
     if len(limits.tension):
         bonded = limits.tension > 0.0
         pressed |= bonded[active]
-        rest[bonded] = corners.rest[bonded]
+        rest[bonded] = points.rest[bonded]
     active = active[pressed]
-    points = points.select(active)
-    origin = np.where(corners.touching[active, None], corners.anchor[active], corners.start[active])
-    closed = ClosedCorners(y[active], corners.anchor[active], origin, corners.stiffness[active],
-                           corners.rest[active], limits.select(active),
-                           NOWHERE if corners.sticking is None else corners.sticking[active])
+    closest = closest.select(active)
+    origin = np.where(points.touching[active, None], points.anchor[active], points.start[active])
+    closed = ClosedPoints(y[active], points.anchor[active], origin, points.stiffness[active],
+                          points.rest[active], limits.select(active),
+                          NOWHERE if points.sticking is None else points.sticking[active])
     found = Response.empty(len(active))
-    contact_law(closed, points, Coulomb(friction, tangential), surface.tree, found)
+    contact_law(closed, closest, Coulomb(friction, tangential), surface.tree, found)
     most = closed.limits.tension if len(limits.tension) else 0.0
-    pressure = np.maximum(closed.stiffness * (closed.rest - points.gap), -most)
-    return CornerContact(
-        active, points.gap, found.side @ rotation.T, found.force @ rotation.T, rotation @ found.tangent @ rotation.T,
+    pressure = np.maximum(closed.stiffness * (closed.rest - closest.gap), -most)
+    return PointContact(
+        active, closest.gap, found.side @ rotation.T, found.force @ rotation.T, rotation @ found.tangent @ rotation.T,
         rotation @ found.turning @ rotation.T, position[active] - centre, found.slip, found.anchor, found.side,
-        pressure, points.triangle, points.weights,
+        pressure, closest.triangle, closest.weights,
         float(total(found.energy)), float(total(found.dissipated)), rest, found.opened)
 
 
-def _hold(points, y, facet, surface):
-    """Put the closest points of held corners on the planes of their facets (contact/held_facets.py)."""
+def _hold(closest, y, facet, surface):
+    """Put the closest points of held points on the planes of their facets (contact/held_facets.py)."""
     held = np.flatnonzero(facet >= 0)
     normal = surface.tree.normals[facet[held], 0]
     gap = np.einsum("ci,ci->c", y[held] - surface.vertices[surface.triangles[facet[held], 0]], normal)
-    points.gap[held], points.triangle[held], points.feature[held] = gap, facet[held], 0
-    points.foot[held] = y[held] - gap[:, None] * normal
+    closest.gap[held], closest.triangle[held], closest.feature[held] = gap, facet[held], 0
+    closest.foot[held] = y[held] - gap[:, None] * normal
 
 
-def commit(corners, position, contact):
-    """ContactHistory after acceptance: every followed corner at its `position` (m, 3) [m]."""
-    touching = np.zeros(len(corners), bool)
-    anchor, side = np.zeros((len(corners), 3)), np.zeros((len(corners), 3))
+def commit(points, position, contact):
+    """ContactHistory after acceptance: every followed point at its `position` (m, 3) [m]."""
+    touching = np.zeros(len(points), bool)
+    anchor, side = np.zeros((len(points), 3)), np.zeros((len(points), 3))
     touching[contact.active] = True
     anchor[contact.active], side[contact.active] = contact.anchor, contact.side
     opened = None
-    if len(corners.limits.opened):
-        opened = corners.limits.opened.copy()
+    if len(points.limits.opened):
+        opened = points.limits.opened.copy()
         opened[contact.active[contact.opened]] = True
-    return ContactHistory(corners.point, corners.place, position, touching, anchor, side, contact.rest, opened)
+    return ContactHistory(points.point, points.place, position, touching, anchor, side, contact.rest, opened)
 
 
 @njit(cache=True)
-def contact_law(corners, points, coulomb, tree, out):
-    """The law of the module's head at every closed corner."""
+def contact_law(points, closest, coulomb, tree, out):
+    """The law of the module's head at every closed point."""
     # unpacked once, because each access in the loop would count references
-    y, y_anchor, origin, stiffness, rest, limits, sticking = corners
-    gap, triangle, feature, foot, weights = points
+    y, y_anchor, origin, stiffness, rest, limits, sticking = points
+    gap, triangle, feature, foot, weights = closest
     shear, tension, _ = limits
     force, tangent, turning, slip, anchor, side, energy, dissipated, opened = out
     M, g_t, t, K, bonds = np.empty((3, 3)), np.empty(3), np.empty(3), np.empty((3, 3)), len(tension) > 0

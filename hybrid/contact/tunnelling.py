@@ -1,6 +1,6 @@
-"""Corners that a step would carry through a body: the step is too long for the body's thickness and must be rejected.
+"""Contact points that a step would carry through a body: the step is too long for the body's thickness and must be rejected.
 
-Only corners that were outside at the start of the step are checked. In the body frame they move straight from `start`
+Only points that were outside at the start of the step are checked. In the body frame they move straight from `start`
 to `end`, and have tunnelled if they are
 
     pierced     outside at the end, having entered by one side and left by the opposite one, or having been deeper than
@@ -24,32 +24,32 @@ from hybrid.contact.closest_points import gaps
 from hybrid.runtime.comm import total
 from hybrid.runtime.jit import njit, prange
 
-ALONG = 0.5            # smallest cosine between the path of a corner and a normal that pushes it on
+ALONG = 0.5            # smallest cosine between the path of a point and a normal that pushes it on
 FINEST = 0.02          # of `depth`: shortest step of the walk, and the distance that counts as on the surface
 FRACTIONS = 0.25, 0.5, 0.75  # of the path, where its depth is checked
 
 
-def count_tunnelled(corners, contact, position, centre, rotation, surface, depth):
-    """Number of `corners` that tunnelled, at `position` (m, 3) [m] at the end of the step.
+def count_tunnelled(points, contact, position, centre, rotation, surface, depth):
+    """Number of `points` that tunnelled, at `position` (m, 3) [m] at the end of the step.
 
-    contact: their CornerContact there; centre (3,) [m], rotation (3, 3): pose of the body there; depth: [m].
+    contact: their PointContact there; centre (3,) [m], rotation (3, 3): pose of the body there; depth: [m].
     """
     end = (position - centre) @ rotation
-    path = end - corners.start
-    beyond_clearance = np.einsum("ci,ci->c", path, path) >= corners.clearance**2   # the others cannot have touched
-    checked = ~corners.touching & (corners.clearance >= 0.0) & beyond_clearance
+    path = end - points.start
+    beyond_clearance = np.einsum("ci,ci->c", path, path) >= points.clearance**2   # the others cannot have touched
+    checked = ~points.touching & (points.clearance >= 0.0) & beyond_clearance
     if not checked.any():
-        return int(total(checked))      # 0 here, but another process may have corners to check
-    end_gap = np.full(len(corners), np.inf)
-    end_gap[checked] = gaps(end[checked], surface, corners.side[checked])
+        return int(total(checked))      # 0 here, but another process may have points to check
+    end_gap = np.full(len(points), np.inf)
+    end_gap[checked] = gaps(end[checked], surface, points.side[checked])
     outward = np.einsum("ci,ci->c", path[contact.active], contact.side)
     pushed_on = contact.active[outward > ALONG * np.linalg.norm(path[contact.active], axis=1)]
     walked = checked & (end_gap >= 0.0)
     walked[pushed_on] = checked[pushed_on]
-    tunnelled = np.zeros(len(corners), bool)
-    tunnelled[walked] = pierced(corners.start[walked], path[walked], FINEST * depth, surface.tree)
+    tunnelled = np.zeros(len(points), bool)
+    tunnelled[walked] = pierced(points.start[walked], path[walked], FINEST * depth, surface.tree)
     for fraction in FRACTIONS:
-        tunnelled[walked] |= gaps(corners.start[walked] + fraction * path[walked], surface) < -depth
+        tunnelled[walked] |= gaps(points.start[walked] + fraction * path[walked], surface) < -depth
     return int(total(checked & tunnelled))
 
 

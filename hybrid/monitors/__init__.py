@@ -5,7 +5,7 @@
 | DomainExit       | a body leaves the grid; stops the run where nothing drives it there     |
 | LostContact      | nothing; stops a run in which a body falls beside or through the soil   |
 | LostPoints       | points are inactive, detached from the soil, or distorted               |
-| MissedContact    | a body is inside the soil, between the corners, and has no contact      |
+| MissedContact    | a body is inside the soil, between contact points, and has no contact   |
 | Penetration      | a body overlaps the soil by more than a point domain                    |
 | ForceOscillation | the contact force oscillates because the scheme does not damp           |
 | EnergyBalance    | energy is gained, or lost in one step, that the balance cannot explain  |

@@ -118,18 +118,18 @@ def _lost(step, evaluation):
 
 
 def _without_contact(step, sudden):
-    """Texts about bodies that no corner of the soil touches: pulled off, held beside soil that leans on them, or moving
+    """Texts about bodies that no point of the soil touches: pulled off, held beside soil that leans on them, or moving
     freely."""
     bodies, cell = step.model.bodies, step.model.soil.grid.smallest_cell
     if texts := [text for body in bodies if (text := lifted(step, body))]:
         return texts
     names = ", ".join(body.name for body in bodies)
     if not any(body.free.any() for body in bodies):
-        return [f"No corner of the soil touches {names}, held or driven, so that soil that leans on it has no support "
+        return [f"No point of the soil touches {names}, held or driven, so that soil that leans on it has no support "
                 "and without inertia nothing balances its stress: let the body reach into the soil by a hundredth of a "
                 f"cell, {0.01 * cell:.2g} m (body.position), or set time.inertia = true"]
     shorter = "" if sudden else "use shorter increments (a smaller time.step with more stage.steps), "
-    return [f"No corner of the soil touches {names} any more, so that without inertia no force balances the "
+    return [f"No point of the soil touches {names} any more, so that without inertia no force balances the "
             f"load: start the body in contact with the soil (body.rest_on), {shorter}or set time.inertia = true"]
 
 

@@ -25,7 +25,7 @@ class IdleAdhesion(Monitor):
         for number, body, _, contact in view.bodies:
             if not (body.interface and body.interface.adhesion) or body.interface.tension:
                 continue
-            limit = view.report.evaluation.bodies[number].step.pair.corners.limits.shear[contact.active]
+            limit = view.report.evaluation.bodies[number].step.pair.points.limits.shear[contact.active]
             mobilised = limit.clip(max=RAMP * contact.pressure.clip(min=0.0))
             borne, adhesion = (float(total(force)) for force in (mobilised, limit))
             self._steps[number] = self._steps[number] + 1 if borne < LIMIT * adhesion else 0

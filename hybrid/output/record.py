@@ -135,7 +135,7 @@ class Record:
                     residual a hair above the tolerance, or within round-off of the soil's stiffness
     iterations      of Newton's method in all increments; krylov: of the linear solver in them
     residual        [-] last relative residual
-    contacts        number of corners and samples in contact
+    contacts        number of points and samples in contact
     seconds         {phase: wall time [s]}, columns of history.csv
     energies        {name: [J]} of the balance, columns of history.csv
     bodies          [BodyRecord]; joints: [JointRecord]; pairs: [PairRecord] of bodies that may touch one another

@@ -1,1 +1,15 @@
-"""Soil as material points on a background grid: grid, basis, points, transfer, kinematics, forces."""
+"""Soil as material points on a background grid.
+
+1 points.py         points whose domains tile the cells, and their geostatic stress; domains.py: how domains deform
+2 basis.py          GIMP basis; transfer.py: from points to nodes and back
+3 model.py          the soil in one increment: begun, evaluated at trial displacements, accepted
+    kinematics.py, principal.py      deformation of the points; principal values of symmetric matrices
+    forces.py                        internal force
+    tangent.py, stiffness.py         tangent of one point; of all, added into the soil block, by boxes.py
+    fbar.py                          volume change shared by the cells around a point, against locking
+    ghost.py, filled_cells.py        stiffness for cells that are hardly filled; which cells those are
+    restriction.py, workspace.py     the soil that a few nodes feel; memory that evaluations share
+4 lost_points.py    points that leave the soil
+    refinement.py, split_merge.py    points split and merged where cells change
+    size.py, parcels.py              memory of a run before it begins; points of several processes put together
+"""

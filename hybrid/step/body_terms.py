@@ -11,7 +11,7 @@ from hybrid.body import guides, rigid
 from hybrid.body.rigid import BodyTrial, RigidBody
 from hybrid.contact.contact_pair import ContactPair
 from hybrid.contact.search import Reach
-from hybrid.contact.soil_to_body import CornerContact
+from hybrid.contact.soil_to_body import PointContact
 from hybrid.runtime.comm import anywhere
 from hybrid.scheme import Scheme
 from hybrid.state import BodyState
@@ -138,7 +138,7 @@ class BodyTerms:
     step: BodyStep
     pose: tuple
     trial: BodyTrial
-    contact: CornerContact
+    contact: PointContact
     terms: np.ndarray
     springs: float
     beside: bool = False

@@ -5,7 +5,7 @@
     | K_uu  K_uw | | du |       | R_u |
     | K_wu  K_ww | | dw |  =  - | R_w |
 
-`begin` freezes what the committed state provides in a Step: basis, nodal mass, corners near the bodies. Unknowns are
+`begin` freezes what the committed state provides in a Step: basis, nodal mass, contact points near the bodies. Unknowns are
 trial values; an Evaluation is their residual with all its terms. None of them writes into the State they came from;
 `Step.accept` makes the new one.
 """
@@ -74,7 +74,7 @@ class Evaluation:
 
 @dataclass(frozen=True)
 class Step:
-    """One increment of `dt` [s] from the committed `state`, frozen except for held facets.
+    """One increment of `dt` [s] from the committed `state`, frozen but for the points of contact (`ContactPair`).
 
     soil: None where it is held; reference: norm [N] of internal forces that the errors of the soil are relative to if
     all forces of a trial are smaller (`hybrid.step.newton` sets it)
@@ -181,12 +181,12 @@ class Step:
             body.pair.restore_interface()
 
     def hold_facets(self, evaluation):
-        """Hold the corners that touch to the facets that carry them at an evaluation. Returns those facets, an array for
-        each body."""
+        """Hold the contact points that touch to the facets that carry them at an evaluation. Returns those facets, an array
+        for each body."""
         return [terms.step.pair.hold_facets(terms.contact) for terms in evaluation.bodies]
 
     def release_facets(self):
-        """Let all corners find their facets again."""
+        """Let all contact points find their facets again."""
         for body in self.bodies:
             body.pair.release_facets()
 
@@ -195,11 +195,11 @@ class Step:
         return max((terms.step.pair.facet_error(terms.contact, evaluation.unknowns.displacement, terms.pose)
                     for terms in evaluation.bodies), default=0.0)
 
-    def softened(self, evaluation):
+    def has_convex_contact(self, evaluation):
         """Whether convex edges or curved faces of bodies press the soil at an evaluation."""
         return any(comm.anywhere(contact.turning) for contact in evaluation.contacts)
 
-    def contrast(self):
+    def contact_stiffness_ratio(self):
         """Stiffness of contact on the face of a cell over that of the cell [-]; 0 without contact or soil."""
         if self.soil is None:
             return 0.0
@@ -243,7 +243,7 @@ class Step:
                                  self.state.points, moved) for b in self.bodies), default=0.0)
 
     def tunnelled(self, evaluation):
-        """Number of corners that passed through a body in the step, deeper than a twentieth of a cell."""
+        """Number of contact points that passed through a body in the step, deeper than a twentieth of a cell."""
         depth, displacement = 0.05 * self.model.soil.grid.smallest_cell, evaluation.unknowns.displacement
         return sum(terms.step.pair.tunnelled(terms.contact, displacement, terms.pose, depth)
                    for terms in evaluation.bodies)

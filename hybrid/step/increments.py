@@ -79,7 +79,7 @@ class Control:
     dt        [s] that the next increment tries
     smallest  [s] increment below which a step fails
     accuracy  [m] error of positions that an outer step may add, None where convergence alone decides
-    shorten   whether the last increment needed shorter updates of Newton's method, so that the next one begins with them
+    shorten   whether the last increment needed backtracking in Newton's method, so that the next one begins with it
     """
 
     dt: float
@@ -103,7 +103,7 @@ class Control:
 
         Raises StepError where a trial is rejected and the next one would be too short.
         """
-        self.shorten = outcome.converged and outcome.shortened
+        self.shorten = outcome.converged and outcome.backtracked
         if not outcome.converged:
             self._reject(step.dt / 2)
             if self.dt < self.smallest:

@@ -1,6 +1,6 @@
 """Updates of Newton's method on the equations of one increment, in one way, until they converge or make no progress.
 
-    K δ = -R      u <- u + s δ      s = 1, or 1, 1/2, ... 1/16 until |R| falls enough      while |R| > tolerance
+    K δ = -R      u <- u + s δ      s = 1, or by backtracking 1, 1/2, ... 1/16 until |R| falls enough
 
 Where an update leaves most of the residual in a few nodes, these are solved for by themselves before the next one
 (`hybrid.step.restriction`). Contact points that such an update carries from slip in one direction to slip in the other
@@ -33,9 +33,9 @@ LEFT, COARSEST = 0.1, 0.1
 # An increment is given up when the smallest error of the last PATIENCE iterations is not below FALL of the smallest one
 # before; MOST is a guard only. In long steps of a collapse point after point yields, and the residual falls slowly.
 PATIENCE, FALL, MOST = 10, 0.8, 100
-# A whole update has gone astray that makes the error ASTRAY times the smallest one, and LOST or more: soil has opened
+# Full updates have diverged where the error is DIVERGED times the smallest one, and LOST or more: soil has opened
 # that was not to open, and a tangent there takes a thousand Krylov iterations.
-ASTRAY, LOST = 20.0, 0.3
+DIVERGED, LOST = 20.0, 0.3
 # Nodes that carry most of the residual are solved for by themselves where an update leaves more than SLOW of it, until
 # SMOOTH of theirs is left or BRIEF iterations make no progress.
 SLOW, SMOOTH, BRIEF = 0.5, 0.1, 4
@@ -49,12 +49,12 @@ GOOD, GOOD_YIELDING = 0.15, 0.01
 
 @dataclass(frozen=True)
 class Updates:
-    """How updates are made: until `patience` of them make no progress; shorten: with a line search, else whole; smooth: with
-    few rough nodes solved for by themselves; softening: by the tangent with the softening of contact at convex edges, where
-    it is of use (FAR)."""
+    """How updates are made: until `patience` of them make no progress; backtrack: with a line search, else in full; smooth:
+    with few rough nodes solved for by themselves; softening: by the tangent with the softening of contact at convex edges,
+    where it is of use (FAR)."""
 
     patience: int
-    shorten: bool = False
+    backtrack: bool = False
     smooth: bool = True
     softening: bool = True
 
@@ -62,8 +62,8 @@ class Updates:
 @dataclass(frozen=True)
 class Outcome:
     """evaluation: of the smallest error, None when none exists; reason: empty when converged, else why there is no
-    solution; judged: whether it converged to a bound beyond the tolerance (`_judge`); jumping: whether corners went to
-    and fro between facets when progress ended; shortened: whether updates had to be shortened."""
+    solution; judged: whether it converged to a bound beyond the tolerance (`_judge`); jumping: whether contact points jumped
+    back and forth between facets when progress ended; backtracked: whether the line search took less than a full update."""
 
     evaluation: Evaluation | None
     iterations: int
@@ -72,7 +72,7 @@ class Outcome:
     reason: str = ""
     judged: bool = False
     jumping: bool = False
-    shortened: bool = False
+    backtracked: bool = False
 
     @property
     def converged(self):
@@ -86,52 +86,72 @@ class Outcome:
 
 def iterate(step, solver, evaluation, updates):
     """Outcome of `updates` from an evaluation."""
-    errors, krylov, current, jumps, shortened = [], 0, False, [], False
-    forcing = max(solver.linear_tolerance / max(1.0, step.contrast() / STIFF), FINEST)
-    good = GOOD_YIELDING if step.model.soil.law.plastic else GOOD
-    best, turned = evaluation, None
+    best, stick, reuse = evaluation, None, False        # stick: contact points held in stick; reuse: of the tangent
+    errors, krylov, jumps, backtracked = [], 0, [], False
+    finest = max(solver.linear_tolerance / max(1.0, step.contact_stiffness_ratio() / STIFF), FINEST)
+
+    def ended(evaluation, reason, **how):
+        return Outcome(evaluation, len(errors) - 1, krylov, tuple(errors), reason, **how)
+
     while True:
-        iteration = len(errors)
         errors.append(evaluation.error)
         best = evaluation if evaluation.error < best.error else best
         if evaluation.error <= solver.tolerance:
-            return Outcome(evaluation, iteration, krylov, tuple(errors), shortened=shortened)
-        astray = not updates.shorten and solver.line_search and evaluation.error > max(ASTRAY * best.error, LOST)
-        if iteration == MOST or astray or not progressing(errors, updates.patience):
-            break
+            return ended(evaluation, "", backtracked=backtracked)
+        if len(errors) > MOST or not progressing(errors, updates.patience) or _diverged(evaluation, best, solver, updates):
+            return ended(best, _no_progress(best, errors, solver, updates), jumping=sum(jumps[-updates.patience:]) > 1)
         try:
-            turned = turned or sticking.drifting(step, evaluation)
-            held = sticking.held_in_stick(step, evaluation, turned) if turned else evaluation
-            if turned or not current:
-                near = step.model.scheme.inertia or held.error <= FAR
-                step.assemble(held, updates.softening and near)
-            with phase("solve"):
-                soil, body, count = step.system.solve(held.soil, held.body, linear_tolerance(solver, forcing, held.error))
+            stick = stick or sticking.drifting(step, evaluation)
+            soil, body, count = _update(step, solver, evaluation, updates.softening, finest, stick, reuse)
         except StepError as failure:
-            return Outcome(best, iteration, krylov, tuple(errors), str(failure))
+            return ended(best, str(failure))
         krylov += count
-        before = evaluation
-        evaluation, scale = line_search(step, before, soil, body, updates.shorten)
-        trial, shortened = evaluation, shortened or scale < 1.0
-        if isinstance(evaluation, Refusal):
-            return Outcome(best, iteration, krylov, tuple(errors), f"the update {evaluation.reason}")
-        if updates.smooth and evaluation.error > max(SLOW * errors[-1], solver.tolerance):
-            evaluation = smoothed(step, solver, evaluation, updates.softening)
+        before, (trial, scale) = evaluation, line_search(step, evaluation, soil, body, updates.backtrack)
+        if isinstance(trial, Refusal):
+            return ended(best, f"the update {trial.reason}")
+        evaluation, backtracked = trial, backtracked or scale < 1.0
+        if updates.smooth and trial.error > max(SLOW * before.error, solver.tolerance):
+            evaluation = smoothed(step, solver, trial, updates.softening)
         poor = evaluation.error > SLOW * before.error       # near the solution slip turns round without harm
-        turned = sticking.turned_round(before, evaluation, turned) if poor else None
-        # corners sent to another facet by the update and back by what smooths it jump as well
+        stick = sticking.turned_round(before, evaluation, stick) if poor else None
+        # points sent to another facet by the update and back by what smooths it jump as well
         jumps.append(jumped(before, trial) or evaluation is not trial and jumped(before, evaluation))
-        # assembling and factoring the soil block costs several solutions; the bodies' few unknowns cost nothing
-        current = bool(step.system.soil_unknowns) and evaluation.error < good * errors[-1]
+        reuse = _tangent_serves(step, before, evaluation)
+
+
+def _update(step, solver, evaluation, softening, finest, stick, reuse):
+    """Update of soil (n,) and bodies (m,) by the linear equations at an evaluation, and its Krylov iterations. stick:
+    contact points that are held in stick, None for none; reuse: whether the last tangent is used again, unless points are
+    held. Raises StepError."""
+    held = sticking.held_in_stick(step, evaluation, stick) if stick else evaluation
+    if stick or not reuse:
+        near = step.model.scheme.inertia or held.error <= FAR
+        step.assemble(held, softening and near)
+    with phase("solve"):
+        return step.system.solve(held.soil, held.body, linear_tolerance(solver, finest, held.error))
+
+
+def _tangent_serves(step, before, after):
+    """Whether the tangent of the update between two evaluations is used for the next one. Assembling and factoring the soil
+    block costs several solutions; the bodies' few unknowns cost nothing."""
+    good = GOOD_YIELDING if step.model.soil.law.plastic else GOOD
+    return bool(step.system.soil_unknowns) and after.error < good * before.error
+
+
+def _diverged(evaluation, best, solver, updates):
+    """Whether full updates have led away from the `best` evaluation, where backtracking can be tried from."""
+    return not updates.backtrack and solver.line_search and evaluation.error > max(DIVERGED * best.error, LOST)
+
+
+def _no_progress(best, errors, solver, updates):
+    """Why updates with these `errors` were given up."""
     stuck = "" if progressing(errors, updates.patience) else f" without progress in the last {updates.patience}"
-    return Outcome(best, iteration, krylov, tuple(errors),
-                   f"residual {best.error:.2e} after {iteration} iterations{stuck}, "
-                   f"tolerance {solver.tolerance:.0e} ({_with_units(best.norms)})",
-                   jumping=sum(jumps[-updates.patience:]) > 1)
+    return (f"residual {best.error:.2e} after {len(errors) - 1} iterations{stuck}, "
+            f"tolerance {solver.tolerance:.0e} ({_with_units(best.norms)})")
 
 
 def jumped(before, after):
-    """Whether corners have left or reached plane facets between two evaluations of a step."""
+    """Whether contact points have left or reached plane facets between two evaluations of a step."""
     return any(held_facets.switched(a, b, terms.step.body.surface)
                for terms, a, b in zip(before.bodies, before.contacts, after.contacts))
 
@@ -171,20 +191,20 @@ def progressing(errors, patience=PATIENCE):
     return len(errors) <= patience or min(errors[-patience:]) < FALL * min(errors[:-patience])
 
 
-def line_search(step, old, soil, body, shorten):
+def line_search(step, old, soil, body, backtrack):
     """First evaluation along the update (soil, body) that lowers the error by enough, else the best of those tried; a
-    Refusal where none exists; and the share of the update that it took. shorten: False takes the full update if it has an
-    evaluation.
+    Refusal where none exists; and the share of the update that it took. backtrack: False takes the full update if it has
+    an evaluation.
 
     Where sand opens and closes, full updates overshoot the solution alternately: each lowers the error a little, half
-    of one by a lot. So an update that gains little is tried shorter.
+    of one by a lot.
     """
     scale, best, taken, refusal = 1.0, None, 1.0, Refusal("gives no finite residual")
     while scale >= SHORTEST:
         new = step.evaluate(step.moved(old.unknowns, soil, body, scale), keep=best)
         if isinstance(new, Refusal):
             refusal, error = new, float("inf")
-        elif not shorten or new.error < ENOUGH * old.error:
+        elif not backtrack or new.error < ENOUGH * old.error:
             return new, scale
         else:
             error = new.error

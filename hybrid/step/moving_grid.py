@@ -11,7 +11,7 @@ The grid carries no state, so between two outer steps it may be replaced (`hybri
 On several processes the halves of a point may lie in different blocks, so 3 is done where their initial place is, and the
 new grid is cut into new blocks (`hybrid.step.processes`).
 
-Points with a corner that contact follows are neither split nor merged. At an end of the window inside the axis, soil
+Points with a contact point that is followed are neither split nor merged. At an end of the window inside the axis, soil
 is held at least along that axis. The energy of soil left behind in 1 and the energy lost in 3 are work "left".
 """
 

@@ -61,7 +61,7 @@ def travel_ratio(body, state, pose, predicted, margin, grid, points, moved):
 
 def _distance_of_cells(grid, box):
     """Distance (N,) [m], along the axis where it is largest, from a box (2, 3) [m] to the cells around each node. The
-    outermost cells of the whole grid extend beyond it, as corners outside move with their nodes."""
+    outermost cells of the whole grid extend beyond it, as contact points outside move with their nodes."""
     apart = []
     for nodes, (first, last), lower, upper in zip(grid.axes, grid.extent, *box):
         before, after = np.append(nodes[0], nodes[:-1]), np.append(nodes[1:], nodes[-1])

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from hybrid.bench.timed_steps import newton_iterations
-from hybrid.contact.corners import find_corners
+from hybrid.contact.contact_points import find_contact_points
 from hybrid.step import iteration
 from hybrid.study.precision.problems import platen
 from hybrid.study.precision.problems.platen import AREA, IDEAL, YOUNG, in_series
@@ -88,11 +88,11 @@ def test_a_quarter_of_a_point_per_corner_presses_evenly(monkeypatch):
     assert np.ptp(press(50.0).gaps) < 1e-12
 
     def by_site(*found):
-        corners = find_corners(*found)
+        corners = find_contact_points(*found)
         _, site, count = np.unique(np.round(corners.position, 6), axis=0, return_inverse=True, return_counts=True)
         return replace(corners, stiffness=4 * corners.stiffness / count[site.reshape(-1)])
 
-    monkeypatch.setattr("hybrid.contact.contact_pair.find_corners", by_site)
+    monkeypatch.setattr("hybrid.contact.contact_pair.find_contact_points", by_site)
     gaps = -Press(50.0).gaps
     assert gaps.max() > 3 * gaps.min()
 

@@ -8,7 +8,7 @@ from hybrid.body.attitude import exp_so3
 from hybrid.body.surface import build_surface
 from hybrid.contact import places as rules
 from hybrid.contact import soil_to_body
-from hybrid.contact.corners import Corners, find_corners
+from hybrid.contact.contact_points import ContactPoints, find_contact_points
 from hybrid.contact.search import Domains, Reach
 from hybrid.grid.axes import FACES, make_grid, uniform_nodes
 from hybrid.state import ContactHistory
@@ -64,7 +64,7 @@ def corners_in(surface, y, anchor, pose=(np.zeros(3), np.eye(3)), touching=True)
     """Corners at places y (m, 3) of the body frame."""
     y = np.atleast_2d(np.array(y, float))
     m = len(y)
-    return Corners(
+    return ContactPoints(
         np.arange(m), np.zeros(m, np.int64), pose[0] + y @ pose[1].T, y, np.zeros((m, 8), np.int64), np.full((m, 8), 0.125),
         np.full(m, 2e4), np.full(m, touching), np.array(np.broadcast_to(anchor, (m, 3)), float),
         np.zeros((m, 3)), np.zeros(m), np.zeros(m))
@@ -94,7 +94,7 @@ def found_in_bed(surface, body, history=None, active=None, reach=0.08, seed=1, p
     active = np.ones(grid.node_count, bool) if active is None else active
     history = history or ContactHistory.empty()
     expected = displacement, pose or (body.position, body.rotation)
-    return grid, find_corners(
+    return grid, find_contact_points(
         domains_of(position, half, included), np.full(len(position), PRESSURE), places, grid, active, body, surface,
         Reach(reach, 0.0), history, expected)
 

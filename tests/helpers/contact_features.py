@@ -13,7 +13,7 @@ from smooth_shapes import revolved, torus
 from hybrid.body.attitude import exp_so3
 from hybrid.body.surface import build_surface
 from hybrid.contact import assembly
-from hybrid.contact.corners import Corners
+from hybrid.contact.contact_points import ContactPoints
 
 SHIFT = np.array([0.2, 0.1, -0.3])  # of the notch from the body's centre
 INSIDE = {  # places from the notch whose closest feature is that of the name
@@ -67,7 +67,7 @@ def corners_at(feature, seed=4, places=None):
     m, rng = len(y), np.random.default_rng(seed)
     anchor = y + 0.004 * rng.standard_normal((m, 3))
     place = CENTRE + y @ ROTATION.T
-    return Corners(np.arange(m), np.zeros(m, np.int64), place, y, np.zeros((m, 8), np.int64), np.full((m, 8), 0.125),
+    return ContactPoints(np.arange(m), np.zeros(m, np.int64), place, y, np.zeros((m, 8), np.int64), np.full((m, 8), 0.125),
                    1e5 * (1 + np.arange(m)), np.ones(m, bool), anchor, np.zeros((m, 3)), np.zeros(m),
                    np.zeros(m))
 

@@ -36,13 +36,13 @@ def lift(body, steps=1, **scene):
 @pytest.fixture
 def forgetful(monkeypatch):
     """Corners that do not remember from which side they came."""
-    remembering = contact_pair.find_corners
+    remembering = contact_pair.find_contact_points
 
-    def find_corners(*given):
+    def find_contact_points(*given):
         corners = remembering(*given)
         return replace(corners, side=np.zeros_like(corners.side))
 
-    monkeypatch.setattr(contact_pair, "find_corners", find_corners)
+    monkeypatch.setattr(contact_pair, "find_contact_points", find_contact_points)
 
 
 # ------------------------------------------------------------------ thin plates

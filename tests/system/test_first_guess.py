@@ -75,7 +75,7 @@ def test_a_body_above_the_soil_is_put_down_however_light_it_is(cells, monkeypatc
     assert record.bodies[0].contact_force[2] == pytest.approx(2500.0 * 0.25 * 0.5**2 * 9.81, rel=1e-3)
     if cells == 0.5:
         monkeypatch.setattr(first_guess, "_put_down", lambda step, unknowns, number: unknowns)
-        with pytest.raises(StepError, match="No corner of the soil touches body"):
+        with pytest.raises(StepError, match="No point of the soil touches body"):
             records(above)
 
 

@@ -68,7 +68,7 @@ def test_contact_gives_the_soil_what_it_takes_from_the_body(geometry):
     origin = np.array([0.7, -1.3, 0.4])
     moments, sliding, sticking = 0, 0, 0
     for step, evaluation, _ in steps(simulation, 1e-9):
-        corners, touch = step.bodies[0].pair.corners, evaluation.contacts[0]
+        corners, touch = step.bodies[0].pair.points, evaluation.contacts[0]
         soil = np.zeros_like(nodes)
         body = assembly.add_residual(touch, corners, soil)
         size = np.abs(touch.force).sum()

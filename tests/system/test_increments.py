@@ -101,7 +101,7 @@ def test_accept_returns_the_complete_new_state(geometry):
 def test_a_hard_step_is_rejected_and_halved(geometry, iterations, monkeypatch):
     """Too few iterations allowed: shorter increments need fewer, and the outer step still ends on time."""
     monkeypatch.setattr(iteration, "MOST", iterations)
-    monkeypatch.setattr(Step, "softened", lambda *_: False)     # no second attempt
+    monkeypatch.setattr(Step, "has_convex_contact", lambda *_: False)     # no second attempt
     monkeypatch.setattr(newton, "HAIR", 1.0)
     simulation = ready(scene(geometry))
     before = deepcopy(simulation.state)
@@ -127,7 +127,7 @@ def test_increments_grow_again(geometry):
 def test_the_floor_stops_the_run_with_value_limit_and_remedy(geometry, most, floor, start, monkeypatch):
     """At once, or after a part of the outer step was accepted: what was committed stays as it was."""
     monkeypatch.setattr(iteration, "MOST", most)
-    monkeypatch.setattr(Step, "softened", lambda *_: False)     # no second attempt
+    monkeypatch.setattr(Step, "has_convex_contact", lambda *_: False)     # no second attempt
     monkeypatch.setattr(newton, "HAIR", 1.0)
     simulation = ready(scene(geometry))
     before = deepcopy(simulation.state)

@@ -40,11 +40,11 @@ def bank(steps):
 
 
 def test_a_collapse_takes_whole_updates(monkeypatch):
-    """Up to 7 iterations a step; with updates that are shortened from the start, 19, and 143 instead of 87 in all."""
+    """Up to 7 iterations a step; with backtracking from the start, 19, and 143 instead of 87 in all."""
     records = bank(20)
     assert sum(r.rejections for r in records) == 0
     monkeypatch.setattr(newton, "_newton", lambda step, solver, start, shorten: iteration.iterate(
-        step, solver, start, iteration.Updates(iteration.PATIENCE, shorten=True)))
+        step, solver, start, iteration.Updates(iteration.PATIENCE, backtrack=True)))
     assert sum(r.iterations for r in bank(20)) > 1.5 * sum(r.iterations for r in records)
 
 
@@ -66,17 +66,18 @@ def test_shorter_updates_start_from_the_best_iterate():
     def iterate(step, solver, start, updates):
         begun.append((start, updates))
         best = SimpleNamespace(unknowns="best", error=error)
-        return iteration.Outcome(best, 6, 0, (1.0, 0.5), "" if updates.shorten else "residual", jumping=not updates.shorten)
+        reason = "" if updates.backtrack else "residual"
+        return iteration.Outcome(best, 6, 0, (1.0, 0.5), reason, jumping=not updates.backtrack)
 
     for softened in (False, True):
         begun.clear()
-        step = SimpleNamespace(evaluate=lambda unknowns: unknowns, softened=lambda evaluation: softened)
+        step = SimpleNamespace(evaluate=lambda unknowns: unknowns, has_convex_contact=lambda evaluation: softened)
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(newton, "iterate", iterate)
             outcome = newton._newton(step, Solver(), "first")
         unsoftened = [("best", iteration.Updates(newton.TRIAL, softening=False))] * softened
         assert begun == [("first", iteration.Updates(newton.TRIAL)), *unsoftened,
-                         ("best", iteration.Updates(iteration.PATIENCE, shorten=True))]
+                         ("best", iteration.Updates(iteration.PATIENCE, backtrack=True))]
         assert outcome.converged and outcome.iterations == 6 * len(begun)
         shorter, error = len(begun), newton.HAIR * Solver().tolerance
         begun.clear()
@@ -92,27 +93,27 @@ def test_shorter_updates_come_first_after_an_increment_that_needed_them(monkeypa
     begun, fails = [], False
 
     def iterate(step, solver, start, updates):
-        begun.append((start, updates.shorten))
+        begun.append((start, updates.backtrack))
         best = SimpleNamespace(unknowns="best", error=1.0)
         return iteration.Outcome(best, 3, 0, (1.0,), "residual" if fails and len(begun) == 1 else "",
-                                 shortened=updates.shorten)
+                                 backtracked=updates.backtrack)
 
     monkeypatch.setattr(newton, "iterate", iterate)
     step, start = SimpleNamespace(evaluate=lambda unknowns: unknowns), SimpleNamespace(unknowns="first")
-    assert newton._newton(step, Solver(), start, shorten=True).shortened and begun == [(start, True)]
+    assert newton._newton(step, Solver(), start, backtrack=True).backtracked and begun == [(start, True)]
     fails = True
     begun.clear()
-    outcome = newton._newton(step, Solver(), start, shorten=True)
-    assert outcome.converged and outcome.iterations == 6 and not outcome.shortened
+    outcome = newton._newton(step, Solver(), start, backtrack=True)
+    assert outcome.converged and outcome.iterations == 6 and not outcome.backtracked
     assert begun == [(start, True), ("first", False)]
     fails = False
     begun.clear()
-    newton._newton(step, Solver(line_search=False), start, shorten=True)
+    newton._newton(step, Solver(line_search=False), start, backtrack=True)
     assert begun == [(start, False)]
 
 
 def test_updates_that_go_astray_are_not_followed(monkeypatch):
-    """After an error of 0.01, one of 0.9; shortened updates are followed, and so are errors that were as large before."""
+    """After an error of 0.01, one of 0.9; backtracking goes on, and so do updates with errors as large as before."""
     terms = SimpleNamespace(step=SimpleNamespace(body=SimpleNamespace(surface=None)))
     tangents = []
 
@@ -121,7 +122,7 @@ def test_updates_that_go_astray_are_not_followed(monkeypatch):
 
     step = SimpleNamespace(
         model=SimpleNamespace(soil=SimpleNamespace(law=SimpleNamespace(plastic=True)), scheme=SimpleNamespace(inertia=True)),
-        contrast=lambda: 0.0,
+        contact_stiffness_ratio=lambda: 0.0,
         system=SimpleNamespace(solve=lambda *system: (None, None, 1), soil_unknowns=1),
         assemble=lambda evaluation, softening: tangents.append(softening))
     monkeypatch.setattr(sticking, "turned_round", lambda *evaluations: None)
@@ -129,7 +130,7 @@ def test_updates_that_go_astray_are_not_followed(monkeypatch):
     monkeypatch.setattr(held_facets, "switched", lambda *contacts: False)
     for start, updates, count in ((0.01, iteration.Updates(4, smooth=False), 1),
                                   (0.5, iteration.Updates(4, smooth=False), 4),
-                                  (0.01, iteration.Updates(4, shorten=True, smooth=False, softening=False), 4)):
+                                  (0.01, iteration.Updates(4, backtrack=True, smooth=False, softening=False), 4)):
         monkeypatch.setattr(iteration, "line_search", lambda *search: (at(0.9), 1.0))
         tangents.clear()
         assert iteration.iterate(step, Solver(), at(start), updates).iterations == count
@@ -162,7 +163,7 @@ def test_a_tangent_without_softening_is_stiffer():
     for softening in (True, False):
         step.assemble(evaluation, softening)
         tangents.append(step.system.ww[:3, :3].copy())
-    assert len(evaluation.contacts[0]) > 3 and step.softened(evaluation)
+    assert len(evaluation.contacts[0]) > 3 and step.has_convex_contact(evaluation)
     added = np.linalg.eigvalsh(tangents[1] - tangents[0])
     assert added.min() > -1e-9 * added.max() and added.max() > 1e-4 * np.abs(tangents[0]).max()
     workspace.destroy()

@@ -75,7 +75,7 @@ def test_contact_goes_on_to_the_last_bit(geometry, tmp_path, options):
 def test_increments_go_on_to_the_last_bit(geometry, tmp_path, monkeypatch):
     """A hard hit halves increments; the run goes on with the one that it stopped at, 7.5 ms of 10 ms."""
     monkeypatch.setattr(iteration, "MOST", 4)
-    monkeypatch.setattr(Step, "softened", lambda *_: False)     # no second attempt
+    monkeypatch.setattr(Step, "has_convex_contact", lambda *_: False)     # no second attempt
     whole, parts, _ = in_one_go_and_in_two(
         tmp_path, lambda steps: scene(geometry, steps, {"velocity": (0.4, 0.1, -3.0)}, line_search=False), 3, 4)
     history = read_history(tmp_path / "parts")
@@ -100,7 +100,7 @@ def test_newtons_method_goes_on_with_shorter_updates(geometry, tmp_path, monkeyp
 
     def watched(step, short, shorten):
         begins.append(shorten)
-        return replace(solve(step, short, shorten), shortened=True)
+        return replace(solve(step, short, shorten), backtracked=True)
 
     def described(steps):
         soil = scene(geometry).soil

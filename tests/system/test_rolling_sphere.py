@@ -110,7 +110,7 @@ def test_errors_fall_with_each_refinement():
 def test_anchor_at_the_start_of_the_step_makes_the_sphere_creep(monkeypatch):
     """The broken variant of contact/first_contact.py."""
     whole = ride(4, 0.4)
-    monkeypatch.setattr("hybrid.contact.corners.predicted_contact_points",
+    monkeypatch.setattr("hybrid.contact.contact_points.predicted_contact_points",
                         lambda start, end, body, pose, surface, clearance: (
                             (start - body.position) @ body.rotation, np.zeros_like(start)))
     assert Ride(built(4), 0.4, 0.0).errors[1] > 2 * whole.errors[1]

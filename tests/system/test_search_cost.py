@@ -70,7 +70,7 @@ def few_and_many_points(counted, geometry, contact):
     """Counts with 2 048 and with 16 384 points; corners near the body and in contact are the same."""
     (few, one, small), (many, other, large) = (
         counted(ball(geometry, contact, cells=cells), cells) for cells in (8, 16))
-    assert len(few.corners) == len(many.corners) > 200
+    assert len(few.points) == len(many.points) > 200
     assert len(one) == len(other) > 10
     return small, large
 
@@ -94,7 +94,7 @@ def coarse_and_fine(counted, geometry, contact):
     """Counts with few and with 14 times as many triangles; the corners near the body are nearly the same."""
     (coarse, _, few), (fine, _, many) = (counted(ball(geometry, contact, size)) for size in (0.06, 0.015))
     assert len(fine.body.surface.triangles) > 14 * len(coarse.body.surface.triangles)
-    assert len(fine.corners) == pytest.approx(len(coarse.corners), rel=0.05)
+    assert len(fine.points) == pytest.approx(len(coarse.points), rel=0.05)
     return few, many
 
 
@@ -123,8 +123,8 @@ def small_and_large_plate(counted, contact):
     plates = [steel(edge, edge, 0.1, position=(1.0, 1.0, 0.0), rest_on=0.0, friction=0.3, contact=contact)
               for edge in (0.5, 1.5)]
     (small, _, few), (large, _, many) = (counted(plate, 20) for plate in plates)
-    assert len(large.corners) > 4 * len(small.corners)
-    return few["distances"] / len(small.corners), many["distances"] / len(large.corners)
+    assert len(large.points) > 4 * len(small.points)
+    return few["distances"] / len(small.points), many["distances"] / len(large.points)
 
 
 @pytest.mark.parametrize("contact, limit", LIMITS.items())

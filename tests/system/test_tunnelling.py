@@ -68,5 +68,5 @@ def test_looking_at_a_few_places_of_the_way_skips_a_foil(geometry, monkeypatch):
 
 
 def test_a_step_that_may_not_be_halved_is_refused_with_advice(geometry):
-    with pytest.raises(StepError, match=r"corners of the soil passed through a body.*Use a smaller time.step"):
+    with pytest.raises(StepError, match=r"contact points of the soil passed through a body.*Use a smaller time.step"):
         list(thrown(geometry, 0.005, "faces", smallest=0.03).steps())

@@ -31,7 +31,7 @@ def test_residual_and_tangent_are_those_of_the_whole(geometry, fbar):
     whole = step.evaluate(trial)
     part = restriction.restricted(step, nodes, whole)
     few = part.evaluate(trial)
-    assert len(part.bodies[0].pair.corners) < len(step.bodies[0].pair.corners)
+    assert len(part.bodies[0].pair.points) < len(step.bodies[0].pair.points)
     mine = step.pattern.dof[part.pattern.free]
     assert 0 < part.pattern.size < step.pattern.size and len(part.soil.points) < len(step.soil.points)
     assert few.soil == pytest.approx(whole.soil[mine], **CLOSE) and few.body == pytest.approx(whole.body, **CLOSE)

@@ -51,7 +51,7 @@ def test_counts_of_the_kernels(measured):
     found = rows(measured, "kernels")
     for row in found:
         assert (row["points"], row["unknowns"]) == (8 * 6 * 6 * 4, unknowns((6, 6, 4)) + 6)
-        assert row["corners"] > 100 and 0.1 * row["points"] < row["flowing"] < row["points"] and row["ns a point"] > 0
+        assert row["contact points"] > 100 and 0.1 * row["points"] < row["flowing"] < row["points"] and row["ns a point"] > 0
     assert len({row["part"] for row in found}) == len(found) == 10
 
 
@@ -87,7 +87,7 @@ def test_counts_of_the_solvers(measured):
     assert found["elastic, dynamic", "sweeps"]["unknowns"] == unknowns((6, 6, 4))
     assert found["contact, smaller cells", "sweeps"]["unknowns"] == unknowns((12, 12, 8)) + 6
     assert found["top cells filled to 0.01, ghost 0", "sweeps"]["unknowns"] == unknowns((6, 6, 5))
-    assert found["contact, penalty x 1", "sweeps"]["corners"] > 10
+    assert found["contact, penalty x 1", "sweeps"]["contact points"] > 10
 
 
 def test_counts_of_the_block(measured):

@@ -100,7 +100,7 @@ ARRAYS = set("""half half_width deformation b_elastic stress plastic_strain affi
     slip contact_pressure touching clearance active parameters strength""".split())
 LOCAL = {   # module: why a process may do it by itself
     "soil/lost_points.py": "nothing to change among its own points",
-    "contact/corners.py": "whether points have domains at all",
+    "contact/contact_points.py": "whether points have domains at all",
     "contact/interface.py": "several processes refuse clay that sticks",
     "step/joint_terms.py": "rows of joints, which every process has",
     "step/joint_rates.py": "the same",

@@ -49,7 +49,7 @@ def test_forces_and_moments_on_soil_and_body_cancel(places):
     moment = np.cross(nodes + displacement - pose[0], nodal).sum(axis=0) + residual[3:]
     np.testing.assert_allclose(moment, 0.0, atol=1e-12 * scale)
     assert found.largest_overlap == -found.gap.min() > 0.01
-    assert pair.springs(found) == pytest.approx(np.linalg.norm(pair.corners.stiffness[found.active]), rel=1e-12)
+    assert pair.springs(found) == pytest.approx(np.linalg.norm(pair.points.stiffness[found.active]), rel=1e-12)
 
 
 def test_without_contact_nothing_acts():
@@ -96,15 +96,15 @@ def test_history_contains_what_is_in_contact():
     displacement, pose = moved(grid)
     found = pair.evaluate(displacement, pose)
     history = pair.commit(found, displacement)
-    np.testing.assert_array_equal(id_of(history), id_of(pair.corners))
-    np.testing.assert_array_equal(history.position, pair.corners.moved(displacement))
+    np.testing.assert_array_equal(id_of(history), id_of(pair.points))
+    np.testing.assert_array_equal(history.position, pair.points.moved(displacement))
     assert history.touching.sum() == len(found)
     _, following = pair_of(history=history)
     again = following.evaluate(np.zeros((grid.node_count, 3)), POSE)
-    common = np.isin(id_of(following.corners), id_of(history))
-    np.testing.assert_array_equal(following.corners.position[common],
-                                  history.position[np.isin(id_of(history), id_of(following.corners))])
-    assert history.touching[np.isin(id_of(history), id_of(following.corners))].sum() == history.touching.sum()
+    common = np.isin(id_of(following.points), id_of(history))
+    np.testing.assert_array_equal(following.points.position[common],
+                                  history.position[np.isin(id_of(history), id_of(following.points))])
+    assert history.touching[np.isin(id_of(history), id_of(following.points))].sum() == history.touching.sum()
     assert again.dissipated <= found.energy
 
 
@@ -115,7 +115,7 @@ def following(change, **values):
     found = pair.evaluate(*still)
     _, after = pair_of(history=change(pair.commit(found, still[0])), **values)
     again = after.evaluate(*still)
-    return (dict(zip(id_of(p.corners)[f.active].tolist(), f.pressure)) for p, f in ((pair, found), (after, again)))
+    return (dict(zip(id_of(p.points)[f.active].tolist(), f.pressure)) for p, f in ((pair, found), (after, again)))
 
 
 def test_contact_points_that_are_found_inside_a_body_start_without_force():
@@ -128,25 +128,25 @@ def test_contact_points_that_are_found_inside_a_body_start_without_force():
     assert len(after.evaluate(still, POSE)) <= 1
     deeper = after.evaluate(still, (POSE[0] - (0.0, 0.0, 1e-3), POSE[1]))
     new = deeper.active > 0
-    assert new.any() and (deeper.pressure[new] < 1.1e-3 * after.corners.stiffness[deeper.active[new]]).all()
+    assert new.any() and (deeper.pressure[new] < 1.1e-3 * after.points.stiffness[deeper.active[new]]).all()
     out = after.evaluate(still, (POSE[0] + (0.0, 0.0, 1.0), POSE[1]))
-    assert (after.corners.rest[1:] < 0.0).any() and (out.rest == 0.0).all()
+    assert (after.points.rest[1:] < 0.0).any() and (out.rest == 0.0).all()
 
 
 def test_points_left_out_have_no_contact_points():
     _, pair = pair_of()
     stays = np.ones(len(bed()[1]), bool)
-    stays[pair.corners.point[0]] = False
+    stays[pair.points.point[0]] = False
     _, without = pair_of(included=stays)
-    np.testing.assert_array_equal(id_of(without.corners), id_of(pair.corners)[stays[pair.corners.point]])
+    np.testing.assert_array_equal(id_of(without.points), id_of(pair.points)[stays[pair.points.point]])
 
 
 @pytest.mark.parametrize("places", PLACES)
 def test_contact_points_that_pass_through_are_counted(places):
     """The ball's mean plane is carried below the surface of the bed and beyond: its points come out above it."""
     grid, pair = pair_of(places)
-    pair.corners = replace(pair.corners, touching=np.zeros(len(pair.corners), bool))
-    above = pair.corners.clearance > 0.0
+    pair.points = replace(pair.points, touching=np.zeros(len(pair.points), bool))
+    above = pair.points.clearance > 0.0
     displacement = np.zeros((grid.node_count, 3))
     near, far = POSE, (POSE[0] - (0.0, 0.0, 0.6), POSE[1])
     counts = [pair.tunnelled(pair.evaluate(displacement, pose), displacement, pose, 0.005) for pose in (near, far)]

@@ -119,7 +119,7 @@ def test_lost_contact_is_named_as_the_cause():
     """Without inertia, and only where no body has contact; round-off of the stiffness is then no cause."""
     step, evaluation, workspace = started(rest_on=0.1)
     causes = probable_causes(step, evaluation)
-    assert causes[0].startswith("No corner of the soil touches body any more") and "body.rest_on" in causes[0]
+    assert causes[0].startswith("No point of the soil touches body any more") and "body.rest_on" in causes[0]
     assert "time.inertia = true" in causes[0] and not any("round-off" in cause for cause in causes)
     outcome = SimpleNamespace(evaluation=evaluation, reason="residual 1.00e+00 after 15 iterations", errors=(1.0, 1.0))
     text = advice(step, outcome, Solver())
@@ -244,7 +244,7 @@ def test_a_body_that_a_sudden_load_throws_off_is_told_to_let_it_grow_first():
     """As a singular matrix it is no sign of a load that the soil cannot carry where that grows."""
     singular = "linear solver: the direct factor finds the matrix singular"
     text = loaded((30e3, 0.0, -180e3), reason=singular, rest_on=0.1)
-    assert text.startswith("The load on body") and "No corner of the soil touches" in text
+    assert text.startswith("The load on body") and "No point of the soil touches" in text
     assert "shorter increments" not in text
     assert "a smaller time.step" not in text
     assert "had reached" not in loaded(GROWING, reason=singular)

@@ -24,10 +24,10 @@ def test_no_tiny_increment_is_left_at_the_end():
     assert even(2.0, 1.0) == 1.0
 
 
-def judged(control, dt, iterations=EASY, converged=True, shortened=False):
+def judged(control, dt, iterations=EASY, converged=True, backtracked=False):
     """Whether a trial of `dt` is accepted."""
-    return control.judge(SimpleNamespace(dt=dt, pairs=None), SimpleNamespace(
-        converged=converged, iterations=iterations, evaluation=None, judged=False, shortened=shortened))[0]
+    return control.judge(SimpleNamespace(dt=dt, bodies=()), SimpleNamespace(
+        converged=converged, iterations=iterations, evaluation=None, judged=False, backtracked=backtracked))[0]
 
 
 def test_convergence_halves_and_doubles():
@@ -41,10 +41,10 @@ def test_convergence_halves_and_doubles():
 def test_shorter_updates_are_remembered_until_an_increment_does_without():
     control = Control(LENGTH, 0.01)
     control.begin(LENGTH)
-    for shortened in (False, True, False):
+    for backtracked in (False, True, False):
         for converged in (False, True):
-            judged(control, 0.5, converged=converged, shortened=shortened)
-            assert control.shorten == (converged and shortened)     # where these fail, too, all ways are tried again
+            judged(control, 0.5, converged=converged, backtracked=backtracked)
+            assert control.shorten == (converged and backtracked)     # where these fail, too, all ways are tried again
 
 
 def test_accuracy_sets_the_next_increment_and_a_rejected_trial_stops_its_growth(monkeypatch):

@@ -54,7 +54,7 @@ STIFF = PRESSURE * 0.16                 # [N/m]
 def test_the_area_of_flat_contact_is_that_of_the_body():
     grid, pair = pair_of(PLATE, 0.099)
     found = pair.evaluate(np.zeros((grid.node_count, 3)), (np.array([0.4, 0.4, 0.099]), np.eye(3)))
-    assert pair.corners.limits.shear[found.active].sum() == pytest.approx(SHEAR * 0.16, rel=1e-9)
+    assert pair.points.limits.shear[found.active].sum() == pytest.approx(SHEAR * 0.16, rel=1e-9)
 
 
 @pytest.mark.parametrize("measured, least, most", [(True, 0.159, 0.161), (False, 0.0, 0.15)])
@@ -65,7 +65,7 @@ def test_a_face_has_its_whole_area_although_its_edges_are_rounded_off(measured, 
     _, first = pair_of(rounded, 0.099, sharp=sharp)
     found = first.evaluate(still, (np.array([0.4, 0.4, 0.099]), np.eye(3)))
     _, after = pair_of(rounded, 0.099, first.commit(found, still), sharp=sharp)
-    assert least < after.corners.limits.shear[after.corners.touching].sum() / SHEAR < most
+    assert least < after.points.limits.shear[after.points.touching].sum() / SHEAR < most
 
 
 def test_the_thickness_of_a_slice_is_no_width_of_a_domain():
@@ -148,8 +148,8 @@ def test_contact_points_that_touch_bear_the_steps_around_them():
     """The interface of all of the cap."""
     radius, height = 0.25, 0.1
     after = ball_in_a_bed(radius, height)
-    touching = after.corners.touching
-    area, own = after.corners.limits.shear[touching].sum() / SHEAR, after.corners.stiffness[touching].sum() / PRESSURE
+    touching = after.points.touching
+    area, own = after.points.limits.shear[touching].sum() / SHEAR, after.points.stiffness[touching].sum() / PRESSURE
     cap = 2 * np.pi * radius * (radius - height)
     assert area == pytest.approx(cap, rel=0.2) and own < 0.5 * cap      # of soil up to a domain away, so rather larger
 
@@ -158,7 +158,7 @@ def test_contact_points_that_touch_bear_the_steps_around_them():
 def test_points_that_are_hardly_pressed_bear_little_of_the_interface(tension, least, most):
     """They part from the body first, and would take with them what they bear: 27 % of all on those with less than a tenth of
     the mean force, where the nearest one bears. So it is with a bond, which holds whatever presses."""
-    corners = ball_in_a_bed(0.25, 0.1, tension).corners
+    corners = ball_in_a_bed(0.25, 0.1, tension).points
     touching = corners.touching
     force = (corners.stiffness * (corners.rest - corners.clearance))[touching]
     shear = corners.limits.shear[touching]
@@ -208,8 +208,8 @@ def test_what_has_opened_is_followed_however_far_the_body_goes():
 @pytest.mark.parametrize("overlap", [0.0, 1e-12, -1e-12, 1e-4])
 def test_soil_that_begins_at_the_body_is_bonded_whatever_the_round_off(overlap):
     grid, pair = pair_of(PLATE, 0.1 - overlap, tension=np.inf)
-    assert (pair.corners.limits.tension > 0.0).sum() * 0.05**2 / 16 == pytest.approx(0.16)
-    assert pair.corners.rest[pair.corners.touching].max() == pytest.approx(max(0.0, -overlap), abs=1e-15)
+    assert (pair.points.limits.tension > 0.0).sum() * 0.05**2 / 16 == pytest.approx(0.16)
+    assert pair.points.rest[pair.points.touching].max() == pytest.approx(max(0.0, -overlap), abs=1e-15)
 
 
 def test_soil_that_begins_on_the_body_is_bonded_where_it_is():

@@ -53,3 +53,12 @@ def test_lines_fit_a_screen(folder):
     for path in sorted((ROOT / folder).rglob("*.py")):
         for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
             assert len(line) <= WIDTH, f"{path.relative_to(ROOT)}:{number}"
+
+
+@pytest.mark.parametrize("package", ["contact", "linalg", "soil", "step"])
+def test_a_package_lists_its_modules(package):
+    """So that a reader finds what a step consists of without opening each."""
+    folder = ROOT / "hybrid" / package
+    listed = (folder / "__init__.py").read_text(encoding="utf-8")
+    missing = [path.name for path in folder.glob("*.py") if path.name != "__init__.py" and path.name not in listed]
+    assert missing == []

@@ -18,7 +18,7 @@ def corners():
 
 
 def at(corners, share):
-    """CornerContact where the points are `share` (3,) of their ways from their anchors."""
+    """PointContact where the points are `share` (3,) of their ways from their anchors."""
     return contact_of(corners, box(), place=Y + (np.array(share) - 1)[:, None] * WAY)
 
 

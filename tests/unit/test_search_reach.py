@@ -143,7 +143,7 @@ def test_a_fast_node_far_away_does_not_add_corners():
         velocity = np.where(points.position[:, :1] > end, [0.0, 20.0, 0.0], 0.0)
         state = replace(simulation.state, points=replace(points, velocity=velocity))
         step = begin(model, state, DT, False, Workspace(model))
-        return step.bodies[0].reach, len(step.bodies[0].pair.corners)
+        return step.bodies[0].reach, len(step.bodies[0].pair.points)
 
     still, far, near = followed(2.0), followed(1.8), followed(0.6)
     assert far == still and still[0].margin == pytest.approx(

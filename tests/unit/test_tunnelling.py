@@ -1,4 +1,4 @@
-"""Which corners of the soil a step carried through a body, and which ones only flow round an edge of it."""
+"""Which contact points a step carried through a body, and which ones only flow round an edge of it."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Newton's method where corners of the soil jump between facets of a body: they are held to one of them."""
+"""Newton's method where contact points jump between facets of a body: they are held to one of them."""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -74,7 +74,7 @@ def test_jumps_that_smoothing_takes_back_count(monkeypatch):
 
     model = SimpleNamespace(soil=SimpleNamespace(law=SimpleNamespace(plastic=True)), scheme=SimpleNamespace(inertia=True))
     system = SimpleNamespace(solve=lambda *system: (None, None, 1), soil_unknowns=1)
-    step = SimpleNamespace(model=model, system=system, contrast=lambda: 0.0, assemble=lambda *tangent: None)
+    step = SimpleNamespace(model=model, system=system, contact_stiffness_ratio=lambda: 0.0, assemble=lambda *tangent: None)
     monkeypatch.setattr(sticking, "turned_round", lambda *evaluations: None)
     monkeypatch.setattr(sticking, "drifting", lambda *evaluations: None)
     monkeypatch.setattr(held_facets, "switched", lambda before, after, surface: before != after)
@@ -135,7 +135,7 @@ def test_held_corners_are_on_the_planes_of_their_facets():
     resting = step.evaluate(step.at_rest())
     step.hold_facets(resting)
     assert step.facet_error(resting) == 0.0
-    assert (body.pair.corners.facet >= 0).sum() == (resting.contacts[0].gap < -1e-6).sum()
+    assert (body.pair.points.facet >= 0).sum() == (resting.contacts[0].gap < -1e-6).sum()
     # 18 cm to the side some corners are nearer to the flank than to the bottom, but still held to it
     position, rotation = body.committed_pose()
     pose = position + (0.198, 0.0, 0.0), rotation
@@ -146,5 +146,5 @@ def test_held_corners_are_on_the_planes_of_their_facets():
     step.release_facets()
     free = body.pair.evaluate(step.at_rest().displacement, pose)
     assert not np.allclose(free.normal, (0.0, 0.0, -1.0)) and held_facets.switched(free, held, body.body.surface)
-    assert isinstance(free, soil_to_body.CornerContact) and not held_facets.switched(held, held, body.body.surface)
+    assert isinstance(free, soil_to_body.PointContact) and not held_facets.switched(held, held, body.body.surface)
     workspace.destroy()

@@ -33,7 +33,7 @@ from hybrid.soil.basis import find_cell, hat
 
 
 @dataclass(frozen=True)
-class Corners:
+class ContactPoints:
     """Contact points near one body, frozen during a step; m of them.
 
     point, place: (m,) increasing, the soil point and the number of the place on its domain
@@ -74,8 +74,9 @@ class Corners:
     def select(self, chosen):
         """The contact points of a mask (m,) bool."""
         values = {field.name: getattr(self, field.name) for field in fields(self)} | {"shared": None}
-        return Corners(**{name: value if value is None else value.select(chosen) if name == "limits" else value[chosen]
-                          for name, value in values.items()})
+        return ContactPoints(**{
+            name: value if value is None else value.select(chosen) if name == "limits" else value[chosen]
+            for name, value in values.items()})
 
     def moved(self, displacement):
         """Positions (m, 3) [m] after nodal increments (N, 3) [m]."""
@@ -86,7 +87,7 @@ class Corners:
         return position
 
 
-def find_corners(domains, pressure, places, grid, active, body, surface, reach, history, expected, limits=None):
+def find_contact_points(domains, pressure, places, grid, active, body, surface, reach, history, expected, limits=None):
     """Contact points within `reach` (Reach) of the surface of `body` (a BodyState).
 
     domains: Domains; pressure: (n,) p_f E [N/m³] of its contact with each; places: Places; active: (N,) bool, nodes that
@@ -111,12 +112,12 @@ def find_corners(domains, pressure, places, grid, active, body, surface, reach, 
     extent = np.where(grid.collapsed[:, None], EVERYWHERE, grid.extent)
     found["limits"], found["shared"] = place_limits(limits, found, area, domains, places, body, surface, extent)
     del found["normal"], found["opened"]
-    corners = Corners(start=start, node=node[use], weight=weight[use], stiffness=pressure[point] * area, **found)
-    is_open = ~corners.touching
-    corners.anchor[is_open], corners.side[is_open] = predicted_contact_points(
-        corners.position[is_open], corners.moved(expected[0])[is_open], body, expected[1], surface,
-        corners.clearance[is_open])
-    return corners
+    points = ContactPoints(start=start, node=node[use], weight=weight[use], stiffness=pressure[point] * area, **found)
+    is_open = ~points.touching
+    points.anchor[is_open], points.side[is_open] = predicted_contact_points(
+        points.position[is_open], points.moved(expected[0])[is_open], body, expected[1], surface,
+        points.clearance[is_open])
+    return points
 
 
 def _within_reach(domains, places, collapsed, body, surface, reach, history):
@@ -158,7 +159,7 @@ def _bond(found, domains, body, surface):
 def _interpolation(place, axes, active):
     """Nodes and hat functions (m, 8) at places (m, 3) [m].
 
-    The weight of nodes without mass is distributed over the others in proportion, so that no force is lost; a corner
+    The weight of nodes without mass is distributed over the others in proportion, so that no force is lost; a point
     all of whose nodes are without mass has zero weights.
     """
     node, weight = np.zeros((len(place), 8), np.int64), np.zeros((len(place), 8))
