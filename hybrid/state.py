@@ -163,6 +163,11 @@ class BodyState:
     algorithmic: np.ndarray | None = None
     load: np.ndarray | None = None
 
+    @property
+    def pose(self):
+        """(position, rotation)."""
+        return self.position, self.rotation
+
 
 @dataclass
 class JointState:

@@ -39,6 +39,13 @@ def skew(v):
     return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
 
 
+def skews(v):
+    """The same of many: matrices (m, 3, 3) of v (m, 3)."""
+    out = np.zeros((len(v), 3, 3))
+    out[:, 0, 1], out[:, 0, 2], out[:, 1, 2] = -v[:, 2], v[:, 1], -v[:, 0]
+    return out - out.transpose(0, 2, 1)
+
+
 def _coefficients(angle):
     """sinθ/θ, (1 - cosθ)/θ² and (θ - sinθ)/θ³, accurate for any θ >= 0 including zero."""
     half, s = _sinc(0.5 * angle), angle * angle

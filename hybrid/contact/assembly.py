@@ -11,6 +11,7 @@ body get opposite forces: the columns of B cancel, so force and moment vanish in
 
 import numpy as np
 
+from hybrid.body.attitude import skews
 from hybrid.linalg.stencil import CELL, Blocks, entry, relative_place
 from hybrid.runtime.comm import total
 from hybrid.runtime.jit import njit
@@ -35,7 +36,7 @@ def without_softening(contact):
 def body_tangent(contact, D=None):
     """K_ww (6, 6) of contact and Q (m, 3, 6) = ∂F/∂(δc, δφ) of every contact point. D: (m, 3, 3) [N/m] ∂F/∂x_c, that of the
     `contact` unless given."""
-    F, arm, D = skew(contact.force), skew(contact.arm), contact.tangent if D is None else D
+    F, arm, D = skews(contact.force), skews(contact.arm), contact.tangent if D is None else D
     Q = np.concatenate([-D, D @ arm - F], axis=2)
     tangent = np.empty((6, 6))
     tangent[:3] = -total(Q)
@@ -47,18 +48,11 @@ def body_tangent(contact, D=None):
 def add_tangent(contact, points, D, Q, pattern, values, free, uw, wu):
     """Add K_uu to `values`, K_uw and K_wu to dense blocks (n, m) and (m, n) over the soil unknowns and the m
     components of the body that are `free` (6,); D, Q: as in `body_tangent`."""
-    arm = skew(contact.arm)
-    rows = np.concatenate([-D, skew(contact.force) - arm @ D], axis=1)  # ∂(body residual)/∂x_c, (m, 6, 3)
+    arm = skews(contact.arm)
+    rows = np.concatenate([-D, skews(contact.force) - arm @ D], axis=1)  # ∂(body residual)/∂x_c, (m, 6, 3)
     _add_tangent(contact.active, points.node, points.weight, D,
                  np.ascontiguousarray(Q[:, :, free]), np.ascontiguousarray(rows[:, free]),
                  pattern.sparsity, Blocks(values, uw, wu))
-
-
-def skew(v):
-    """Matrices (m, 3, 3) with skew(v) @ a = v × a, for v (m, 3)."""
-    out = np.zeros((len(v), 3, 3))
-    out[:, 0, 1], out[:, 0, 2], out[:, 1, 2] = -v[:, 2], v[:, 1], -v[:, 0]
-    return out - out.transpose(0, 2, 1)
 
 
 @njit(cache=True)

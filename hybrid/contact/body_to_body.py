@@ -21,12 +21,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hybrid.body.attitude import log_so3
+from hybrid.body.attitude import log_so3, skews
 from hybrid.body.closest import closest_facing
 from hybrid.body.facet_tree import LANES, joined, outside_bounds
 from hybrid.body.surface import ContactSurface
 from hybrid.contact import closest_points, soil_to_body
-from hybrid.contact.assembly import skew
 from hybrid.contact.interface import NONE
 from hybrid.contact.samples import Places, Samples
 from hybrid.contact.tunnelling import pierced
@@ -88,7 +87,7 @@ class PairContact(NamedTuple):
 
     def stiffness(self):
         """K (12, 12) of the residual by (δc_a, δφ_a, δc_b, δφ_b)."""
-        D, F, a, b = self.tangent, skew(self.force), skew(self.arm_a), skew(self.arm_b)
+        D, F, a, b = self.tangent, skews(self.force), skews(self.arm_a), skews(self.arm_b)
         Q = np.concatenate([D, -D @ a, -D, D @ b - F], axis=2)
         out = np.empty((12, 12))
         out[:3] = Q.sum(axis=0)
@@ -166,10 +165,10 @@ class SideStep:
         if not len(checked):
             return 0
         start, path, surface = self.start[checked], path[checked], self.side.surface
-        outside = closest_points.gaps(start + path, surface) >= 0.0
+        outside = closest_points.gaps_within_bounds(start + path, surface) >= 0.0
         passed = pierced(start, path, FINEST * depth, surface.tree) & outside
         for fraction in (0.25, 0.5, 0.75):
-            passed |= (closest_points.gaps(start + fraction * path, surface) < -depth) & outside
+            passed |= (closest_points.gaps_within_bounds(start + fraction * path, surface) < -depth) & outside
         return int(np.count_nonzero(passed))
 
 

@@ -46,7 +46,7 @@ def closest_points(y, points, surface):
     return closest
 
 
-def gaps(y, surface, side=None):
+def gaps_within_bounds(y, surface, side=None):
     """Signed gaps (m,) [m] of places (m, 3) in the body frame, inf outside the body's bounds; side: (m, 3), as in
     ContactPoints."""
     zero, found = np.zeros(len(y)), ClosestPoints.empty(len(y))

@@ -17,7 +17,7 @@ point finds its facet again.
 
 import numpy as np
 
-from hybrid.contact.closest_points import gaps
+from hybrid.contact.closest_points import gaps_within_bounds
 from hybrid.runtime.comm import anywhere, largest
 
 ON_FACE = 1e-9  # 1 - cosine between the normal of a contact point and that of its triangle, up to which it is on the face
@@ -40,7 +40,7 @@ def facet_error(points, contact, position, centre, rotation, surface):
     held = (points.facet[contact.active] >= 0) & (contact.pressure > 0.0)
     index = contact.active[held]
     y = np.ascontiguousarray((position[index] - centre) @ rotation)
-    difference = np.abs(gaps(y, surface, points.side[index]) - contact.gap[held])
+    difference = np.abs(gaps_within_bounds(y, surface, points.side[index]) - contact.gap[held])
     return largest(difference * points.stiffness[index] / contact.pressure[held])
 
 

@@ -110,7 +110,7 @@ def place_limits(limits, found, area, domains, places, body, surface, extent=EVE
         found, own, before_body = _before_sharp(found, area, domains, places, body, limits.sharp or surface)
     bonds, layers = limits.tension > 0.0, None
     if limits.cover is not None:
-        layers = partial(limits.cover.layers, pose=(body.position, body.rotation), extent=extent)
+        layers = partial(limits.cover.layers, pose=body.pose, extent=extent)
     found = found | {"area": own}
     borne = _borne_by_each(found, before_body & (own > 0.0), domains, places, 1 if bonds else BEARERS, layers)
     if limits.shear is not None:

@@ -71,11 +71,11 @@ class Domains:
 def distances(y, surface, reach=np.inf):
     """Signed distances (m,) [m] of positions y (m, 3) in the body frame from the surface, inf beyond `reach` [m]; outside
     lower bounds of what a point has to move to touch it. And the outward normals there (m, 3)."""
-    out, normal = gaps(y, surface, reach)
+    out, normal = gaps_and_normals(y, surface, reach)
     return np.where(out > 0.0, out / surface.tree.patches.steepness, out), normal
 
 
-def gaps(y, surface, reach=np.inf):
+def gaps_and_normals(y, surface, reach=np.inf):
     """Gaps (m,) [m] between positions y (m, 3) in the body frame and the surface as contact sees them, inf beyond `reach`
     [m], and the outward normals there (m, 3)."""
     out, normal = np.empty(len(y)), np.zeros((len(y), 3))

@@ -20,7 +20,7 @@ import numpy as np
 
 from hybrid.body.closest import closest
 from hybrid.body.facet_tree import LANES, NO_SIDE, OPPOSITE, joined
-from hybrid.contact.closest_points import gaps
+from hybrid.contact.closest_points import gaps_within_bounds
 from hybrid.runtime.comm import total
 from hybrid.runtime.jit import njit, prange
 
@@ -41,7 +41,7 @@ def count_tunnelled(points, contact, position, centre, rotation, surface, depth)
     if not checked.any():
         return int(total(checked))      # 0 here, but another process may have points to check
     end_gap = np.full(len(points), np.inf)
-    end_gap[checked] = gaps(end[checked], surface, points.side[checked])
+    end_gap[checked] = gaps_within_bounds(end[checked], surface, points.side[checked])
     outward = np.einsum("ci,ci->c", path[contact.active], contact.side)
     pushed_on = contact.active[outward > ALONG * np.linalg.norm(path[contact.active], axis=1)]
     walked = checked & (end_gap >= 0.0)
@@ -49,7 +49,7 @@ def count_tunnelled(points, contact, position, centre, rotation, surface, depth)
     tunnelled = np.zeros(len(points), bool)
     tunnelled[walked] = pierced(points.start[walked], path[walked], FINEST * depth, surface.tree)
     for fraction in FRACTIONS:
-        tunnelled[walked] |= gaps(points.start[walked] + fraction * path[walked], surface) < -depth
+        tunnelled[walked] |= gaps_within_bounds(points.start[walked] + fraction * path[walked], surface) < -depth
     return int(total(checked & tunnelled))
 
 

@@ -62,33 +62,9 @@ def relative_place(v, w):
 
 
 @njit(cache=True)
-def place_of_offset(i, j, k):
-    """Place of the node at an offset (i, j, k), each at most REACH."""
-    return local_number(i, j, k) + CENTRE
-
-
-@njit(cache=True)
 def offset_of_place(s):
     """Offset (i, j, k) of the node at place s."""
     return OFFSETS[s, 0], OFFSETS[s, 1], OFFSETS[s, 2]
-
-
-@njit(cache=True)
-def in_stencil(i, j, k):
-    """Whether two nodes at an offset (i, j, k) are coupled by entries of the matrix."""
-    return abs(i) <= REACH and abs(j) <= REACH and abs(k) <= REACH
-
-
-@njit(cache=True)
-def offset_in_row(sparsity, v, s):
-    """Number of entries before those for the node at place s, the same in all rows of node v."""
-    return sparsity.slot[sparsity.row[v], s]
-
-
-@njit(cache=True)
-def row_start(sparsity, v, i):
-    """Index among the values of the first entry of row (v, i), a free component of v."""
-    return sparsity.indptr[sparsity.dof[v, i]]
 
 
 @njit(cache=True)

@@ -16,11 +16,10 @@ from math import prod
 import numpy as np
 
 from hybrid.grid.numbering import node_indices, node_number
-from hybrid.linalg.stencil import PLACES, Sparsity, offset_of_place
+from hybrid.linalg.stencil import PLACES, REACH, Sparsity, offset_of_place
 from hybrid.runtime.errors import SceneError
 from hybrid.runtime.jit import njit, prange
 
-REACH = 2       # nodes along an axis that are coupled
 LIMIT = np.iinfo(np.int32).max      # largest number of unknowns and of entries: indices have 32 bits
 
 

@@ -118,7 +118,7 @@ def _radius(surface, motion, collapsed):
 
 def _history(pair, motions):
     """PairHistory at the start, whose places inside the other body have no force."""
-    poses, empty, parts = [(motion.position, motion.rotation) for motion in motions], PairHistory.empty(), []
+    poses, empty, parts = [motion.pose for motion in motions], PairHistory.empty(), []
     for i, side in enumerate(pair.sides):
         begun = body_to_body.begin(side, poses, poses, TOUCH * pair.size, empty.side(i), pair.stiffness, pair.law,
                                    pair.collapsed)

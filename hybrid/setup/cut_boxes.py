@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hybrid.contact.held_ground import SLIVER
-from hybrid.contact.search import distances, gaps
+from hybrid.contact.search import distances, gaps_and_normals
 
 SAMPLES = {True: 16, False: 6}      # along each axis of a domain, in a slice and in space
 UNCUT = 1e-3        # of a domain: less than that is not cut out
@@ -112,7 +112,7 @@ def soil_shares(boxes, surface, motion, collapsed):
     for ids in chunks(np.flatnonzero(~inside), len(offset)):
         place = boxes.position[ids, None] + offset * boxes.half[ids, None]
         # near a tip bounds of it are far smaller
-        d, normal = gaps(in_frame(place.reshape(-1, 3), motion, collapsed), surface)
+        d, normal = gaps_and_normals(in_frame(place.reshape(-1, 3), motion, collapsed), surface)
         width = np.repeat(2 * across[ids] / count, len(offset), axis=0)
         width = np.einsum("si,si->s", np.abs(normal @ motion.rotation.T), width)
         soil = np.clip(0.5 + d / np.maximum(width, TINY), 0.0, 1.0).reshape(len(ids), len(offset))

@@ -20,7 +20,7 @@ import numpy as np
 from hybrid.runtime.jit import njit
 
 # Unsigned indices: numba tests at every access whether a signed one is negative, which costs more than the sum.
-ONE, TWO, THREE, FOUR, FIVE, SIX, SEVEN, EIGHT, NINE = (np.uintp(i) for i in range(1, 10))
+ONE, TWO, THREE, FOUR, FIVE, SIX, SEVEN, EIGHT = (np.uintp(i) for i in range(1, 9))
 
 
 @njit(cache=True, fastmath={"contract"})

@@ -232,21 +232,19 @@ def _expected_pose(body, motion, history, gravity, scheme, dt, cell):
 def begin_bodies(model, state, dt, pulling, domains, active, nodal):
     """Tuple of BodyStep. nodal: (velocity, predicted increments) of the nodes, (None, None) for held soil; domains:
     Domains of the soil's points; active: (N,) bool, nodes that carry mass."""
-    gravity, grid, first, begun = model.loads.on_bodies(state.time + dt), model.soil.grid, 0, []
+    gravity, grid, begun = model.loads.on_bodies(state.time + dt), model.soil.grid, []
     velocity, predicted = nodal
     along = joint_terms.rates_of_guides(model, state, dt)
-    for number, body in enumerate(model.bodies):
+    for number, (body, unknowns) in enumerate(zip(model.bodies, model.body_slices)):
         body = guides.during(body, state.time, dt, model.scheme.rotation == "cayley")
         body = replace(body, drive=body.drive + along[number]) if along else body
         if not model.scheme.inertia:
             body = replace(body, drive=body.drive + rolling_rate(body, state.bodies[number], state.contacts[number]))
         motion = rigid.begin_increment(body, state.bodies[number], model.scheme, dt)
-        unknowns = slice(first, first + np.count_nonzero(body.free))
-        first = unknowns.stop
         target, line_force = None, np.zeros(3)
         if pulling and body.line:
             target = motion.target + dt * body.line.velocity
-            line_force = rigid.evaluate(body, motion, (motion.position, motion.rotation), motion.target, gravity,
+            line_force = rigid.evaluate(body, motion, motion.pose, motion.target, gravity,
                                         model.scheme, dt).line[:3]
         fall = np.linalg.norm(gravity) * dt**2
         if not model.scheme.inertia:    # nothing falls, and the time of a step means nothing

@@ -108,6 +108,6 @@ def following(dt, ratio, grows):
     return dt * min(SAFETY * max(ratio, 1e-12) ** -0.5, GROW if grows else 1.0)
 
 
-def even(dt, rest):
-    """The longest increment [s] up to `dt` that divides `rest` [s], so that no tiny increment is left at the end."""
-    return rest / max(1, ceil(rest / dt - 1e-9))
+def even(dt, remaining):
+    """The longest increment [s] up to `dt` that divides `remaining` [s], so that no tiny increment is left at the end."""
+    return remaining / max(1, ceil(remaining / dt - 1e-9))

@@ -20,11 +20,10 @@ from hybrid.soil.model import Soil
 from hybrid.step import failure_message, newton, processes
 from hybrid.step.equations import Evaluation, begin
 from hybrid.step.error_estimate import even, following, local_error, shorter
-from hybrid.step.support import Support
+from hybrid.step.support import ROUND_OFF, Support
 
 EASY = 6            # Newton iterations up to which the next increment may be twice as long
 SHORT = 1 / 8       # share of an outer step up to which an increment is short (`hybrid.step.newton.BETWEEN`)
-ROUND_OFF = 1e-9    # of an outer step: a rest as short as this is none
 # Share of the speed of the fastest body: velocity still to come from an impulse above which increments do not grow
 PENDING = 0.02
 
@@ -37,8 +36,8 @@ def outer_step(model, workspace, state, length, pulling, control):
     control.begin(length)
     start, report, support = state, Report(length, 0.0 if control.accuracy else None), None
     while state.step == start.step:
-        rest = start.time + length - state.time
-        dt = control.increment(rest)
+        remaining = start.time + length - state.time
+        dt = control.increment(remaining)
         step = outcome = None   # frees the last increment before the next one is begun
         model, state = processes.settle(model, state, workspace)
         step = begin(model, state, dt, pulling, workspace)
@@ -49,7 +48,7 @@ def outer_step(model, workspace, state, length, pulling, control):
         if not accepted and not support and state.time == start.time:
             support = Support.at_start(step, length)
         if accepted:
-            last = rest - dt <= ROUND_OFF * length
+            last = remaining - dt <= ROUND_OFF * length
             before, state = state, step.accept(outcome.evaluation, start.time + length if last else None)
             report.accept(dt, error)
             if not model.scheme.inertia:
@@ -93,10 +92,10 @@ class Control:
         """Start an outer step of `length` [s]."""
         self.dt, self._length = min(self.dt, length), length
 
-    def increment(self, rest):
-        """Increment [s] to try with `rest` [s] of the outer step left."""
-        dt = min(self.dt, rest)
-        return even(dt, rest) if self.accuracy else dt
+    def increment(self, remaining):
+        """Increment [s] to try with `remaining` [s] of the outer step left."""
+        dt = min(self.dt, remaining)
+        return even(dt, remaining) if self.accuracy else dt
 
     def judge(self, step, outcome):
         """(whether to accept the trial, its LocalError or None), and set the next increment.

@@ -33,7 +33,7 @@ def consistent(model, bodies, joints, active, driven=None):
     Impulses and forces act along the rows only, so that what else acts on the bodies need not be known.
     """
     columns, size = columns_of(model)
-    poses = [(motion.position, motion.rotation) for motion in bodies]
+    poses = [motion.pose for motion in bodies]
     rows, gains = np.flatnonzero(active), np.zeros(len(active))
     asked, asked_second = (np.zeros(len(active)),) * 2 if driven is None else driven
     g = gradients_of(model.constraints, columns, size, poses)[rows]
@@ -83,7 +83,7 @@ def _energy_along(step, terms):
     """Kinetic energy [J] along the active rows when they engage: that at the start of the increment and what the forces then
     acting add to it on the way, ½ wᵀ S^-1 w + Δφᵀ S^-1 w', with S = G M^-1 Gᵀ, w = dφ/dt and w' = d²φ/dt²."""
     model, bodies, rows = step.model, step.state.bodies, np.flatnonzero(terms.active)
-    poses = [(motion.position, motion.rotation) for motion in bodies]
+    poses = [motion.pose for motion in bodies]
     before = terms.step.evaluate(poses, terms.multipliers).values[rows]
     g = gradients_of(model.constraints, terms.step.columns, terms.step.size, poses)[rows]
     flexibility = g @ np.linalg.solve(_masses(model, bodies, terms.step.size), g.T)
@@ -107,7 +107,7 @@ def begin_stage(model, bodies, joints):
     lost, bare = 0.0, replace(model, guides=())
     if model.joints:
         joints = JointState(*(values[:_count(model.joints)] for values in (joints.multipliers, joints.active)))
-        gradients = gradients_of(model.joints, *columns_of(bare), [(motion.position, motion.rotation) for motion in bodies])
+        gradients = gradients_of(model.joints, *columns_of(bare), [motion.pose for motion in bodies])
         bounds, _, _ = rows_of(bare)
         active = independent(gradients, bounds) & (~np.isfinite(bounds).any(axis=1) | joints.active)
         if model.scheme.inertia:
@@ -126,7 +126,7 @@ def released(model, state, guides):
     if state.joints is None or not model.scheme.inertia:
         return state
     before = replace(model, joints=(), guides=guides)
-    poses = [(motion.position, motion.rotation) for motion in state.bodies]
+    poses = [motion.pose for motion in state.bodies]
     columns, size = columns_of(before)
     force = gradients_of(guides, columns, size, poses).T @ state.joints.multipliers[-len(guides):]
     change = -np.linalg.solve(_masses(model, state.bodies, size), force)
@@ -143,7 +143,7 @@ def engage_guides(model, state, dt):
     if not model.guides or not model.scheme.inertia:
         return state
     always = ~np.isfinite(rows_of(model)[0]).any(axis=1)
-    active = kept_rows(model, [(motion.position, motion.rotation) for motion in state.bodies]) & (
+    active = kept_rows(model, [motion.pose for motion in state.bodies]) & (
         always | state.joints.active)
     bodies, joints, gains = consistent(model, state.bodies, state.joints, active, _driven(model, state.time, dt, -0.5)[:2])
     work = dict(state.work)
@@ -186,25 +186,21 @@ def velocity_against(model, bodies):
 
 def _masses(model, bodies, size):
     """(m, m) mass matrix of the bodies' unknowns."""
-    out, first = np.zeros((size, size)), 0
-    for body, motion in zip(model.bodies, bodies):
+    out = np.zeros((size, size))
+    for body, motion, own in zip(model.bodies, bodies, model.body_slices):
         full = np.zeros((6, 6))
         full[:3, :3] = body.mass.mass * np.eye(3)
         full[3:, 3:] = motion.rotation @ body.mass.inertia @ motion.rotation.T
-        count = np.count_nonzero(body.free)
-        out[first:first + count, first:first + count] = full[np.ix_(body.free, body.free)]
-        first += count
+        out[own, own] = full[np.ix_(body.free, body.free)]
     return out
 
 
 def _with_rates(model, bodies, change, translation, rotation):
     """Bodies whose rates of the named kind change by (m,) on the unknowns."""
-    found, first = [], 0
-    for body, motion in zip(model.bodies, bodies):
-        count = np.count_nonzero(body.free)
+    found = []
+    for body, motion, unknowns in zip(model.bodies, bodies, model.body_slices):
         full = np.zeros(6)
-        full[body.free] = change[first:first + count]
-        first += count
+        full[body.free] = change[unknowns]
         own = np.concatenate([full[:3], motion.rotation.T @ full[3:]])
         found.append(replace(motion, **{translation: getattr(motion, translation) + own[:3],
                                         rotation: getattr(motion, rotation) + own[3:]}))
@@ -219,14 +215,14 @@ def _spatial(joint, bodies, translation, rotation):
 
 def rates_of_rows(joints, bodies):
     """(n,) dφ/dt."""
-    poses = [(motion.position, motion.rotation) for motion in bodies]
+    poses = [motion.pose for motion in bodies]
     return np.concatenate([joint.rows(poses_of(joint, poses))[1] @ _spatial(joint, bodies, "velocity", "spin")
                            for joint in joints])
 
 
 def second_rates_of_rows(joints, bodies):
     """(n,) d²φ/dt² = G a + v·(∂G/∂q) v."""
-    poses, found = [(motion.position, motion.rotation) for motion in bodies], []
+    poses, found = [motion.pose for motion in bodies], []
     for joint in joints:
         pair, rate = poses_of(joint, poses), _spatial(joint, bodies, "velocity", "spin")
         _, gradient = joint.rows(pair)

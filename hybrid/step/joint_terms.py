@@ -172,7 +172,7 @@ def begin_joints(model, state, dt):
     """JointStep of an increment of `dt` [s], None without joints and guided points."""
     if not model.constraints:
         return None
-    poses = [(motion.position, motion.rotation) for motion in state.bodies]
+    poses = [motion.pose for motion in state.bodies]
     columns, size = columns_of(model)
     bounds, angular, radius = rows_of(model)
     stiffness = max(model.scheme.mass_factor(dt) * max(body.mass.mass for body in model.bodies),
@@ -210,7 +210,7 @@ def implied_guides(model, bodies):
     """PointGuides of a model whose rows are implied by others at the poses of its BodyStates."""
     if not model.guides:
         return []
-    kept = kept_rows(model, [(motion.position, motion.rotation) for motion in bodies])
+    kept = kept_rows(model, [motion.pose for motion in bodies])
     return [guide for guide, there in zip(model.guides, kept[-len(model.guides):]) if not there]
 
 
@@ -219,33 +219,31 @@ def rates_of_guides(model, state, dt):
     least displacement; None where there are none."""
     if model.scheme.inertia or not model.guides:
         return None
-    poses, (columns, size) = [(motion.position, motion.rotation) for motion in state.bodies], columns_of(model)
+    poses, (columns, size) = [motion.pose for motion in state.bodies], columns_of(model)
     radius = np.concatenate([[1.0] * 3 + [1.0 / body.radius] * 3 for body in model.bodies])[
         np.concatenate([body.free for body in model.bodies])]
     gradient = gradients_of(model.constraints, columns, size, poses) * radius
     always = ~np.isfinite(rows_of(model)[0]).any(axis=1)
     asked = np.concatenate([[joint.guide.during(state.time, dt)[0]] if isinstance(joint, PointGuide)
                             else np.zeros(len(joint.bounds)) for joint in model.constraints])
-    rates, first, found = radius * np.linalg.lstsq(gradient[always], asked[always], rcond=1e-12)[0], 0, []
-    for body in model.bodies:
+    rates, found = radius * np.linalg.lstsq(gradient[always], asked[always], rcond=1e-12)[0], []
+    for body, unknowns in zip(model.bodies, model.body_slices):
         own = np.zeros(6)
-        own[body.free] = rates[first:first + np.count_nonzero(body.free)]
-        first += np.count_nonzero(body.free)
+        own[body.free] = rates[unknowns]
         found.append(own)
     return found
 
 
 def columns_of(model):
     """(J, 12) places of the constraints' components among the bodies' unknowns, -1 of others, and their number."""
-    first, places = 0, []
-    for body in model.bodies:
+    places = []
+    for body, unknowns in zip(model.bodies, model.body_slices):
         own = np.full(6, -1)
-        own[body.free] = first + np.arange(np.count_nonzero(body.free))
-        first += np.count_nonzero(body.free)
+        own[body.free] = np.arange(unknowns.start, unknowns.stop)
         places.append(own)
     none = np.full(6, -1)
     return np.array([np.concatenate([none if b is None else places[b] for b in joint.bodies])
-                     for joint in model.constraints]), first
+                     for joint in model.constraints]), model.body_slices[-1].stop
 
 
 def rows_of(model):

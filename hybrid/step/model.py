@@ -43,6 +43,12 @@ class Model:
         return self.joints + self.guides
 
     @property
+    def body_slices(self):
+        """Slice of each body's free components among the unknowns of the bodies."""
+        ends = np.cumsum([0, *(np.count_nonzero(body.free) for body in self.bodies)]).tolist()
+        return tuple(map(slice, ends, ends[1:]))
+
+    @property
     def body_unknowns(self):
         """Number of free components of all bodies, and of rows of their joints."""
         return sum(int(np.count_nonzero(body.free)) for body in self.bodies) + sum(len(j.bounds) for j in self.constraints)

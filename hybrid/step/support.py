@@ -15,7 +15,7 @@ import numpy as np
 
 from hybrid.body.attitude import log_so3
 
-ROUND_OFF = 1e-9        # of a step: a rest as short as this is none
+ROUND_OFF = 1e-9        # of a step: a remaining time as short as this is none
 OUT_OF_BALANCE = 0.01   # share of the largest term of a body from which on it is supported
 
 

@@ -57,7 +57,9 @@ def ball(radius=0.25, rings=24):
 
 
 def body_at(position=(0.0, 0.0, 0.0), rotation=np.eye(3)):
-    return SimpleNamespace(position=np.array(position, float), rotation=rotation, velocity=np.zeros(3), spin=np.zeros(3))
+    position = np.array(position, float)
+    return SimpleNamespace(position=position, rotation=rotation, pose=(position, rotation), velocity=np.zeros(3),
+                           spin=np.zeros(3))
 
 
 def corners_in(surface, y, anchor, pose=(np.zeros(3), np.eye(3)), touching=True):

@@ -10,7 +10,7 @@ import itertools
 import numpy as np
 from smooth_shapes import revolved, torus
 
-from hybrid.body.attitude import exp_so3
+from hybrid.body.attitude import exp_so3, skews
 from hybrid.body.surface import build_surface
 from hybrid.contact import assembly
 from hybrid.contact.contact_points import ContactPoints
@@ -81,7 +81,7 @@ def tangent(contact):
         own = slice(3 * n, 3 * n + 3)
         K[own, own] = contact.tangent[n]
         K[own, -6:] = Q[n]
-        arm, force = assembly.skew(contact.arm[n:n + 1])[0], assembly.skew(contact.force[n:n + 1])[0]
+        arm, force = skews(contact.arm[n:n + 1])[0], skews(contact.force[n:n + 1])[0]
         K[-6:-3, own] = -contact.tangent[n]
         K[-3:, own] = force - arm @ contact.tangent[n]
     K[-6:, -6:] = ww

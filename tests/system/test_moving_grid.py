@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hybrid.api import run
-from hybrid.contact import corners
+from hybrid.contact import contact_points
 from hybrid.runtime.errors import SceneError, StepError
 from hybrid.scene import Axis, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
 from hybrid.scene.file import validate
@@ -223,7 +223,7 @@ def test_a_plate_that_slides_along_elastic_soil_carries_what_one_that_stands_doe
     standing = replace(sliding, bodies=(body,))
     stands = forces(standing)[0]
     assert forces(sliding)[0][-1, 2] == pytest.approx(stands[-1, 2], rel=0.05)
-    search = corners.new_points
-    monkeypatch.setattr(corners, "new_points", lambda *given: {
+    search = contact_points.new_points
+    monkeypatch.setattr(contact_points, "new_points", lambda *given: {
         name: values[:None if not len(given[-1]) else 0] for name, values in search(*given).items()})
     assert forces(plough(inertia=False, steps=15))[0][-1, 2] < 0.8 * stands[14, 2]

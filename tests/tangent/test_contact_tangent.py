@@ -10,7 +10,7 @@ import pytest
 from contact_features import CENTRE, INSIDE, KIND, RATIO, ROTATION, SHIFT, SURFACE, corners_at, tangent
 from smooth_shapes import torus
 
-from hybrid.body.attitude import exp_so3
+from hybrid.body.attitude import exp_so3, skews
 from hybrid.body.closest import closest
 from hybrid.contact import assembly, soil_to_body
 
@@ -135,7 +135,7 @@ def symmetric(K, contact):
 def without_turning_force(K, contact):
     """Without the terms of a force that turns with the body."""
     K = K.copy()
-    K[-3:, -3:] -= np.einsum("nij,njk->ik", assembly.skew(contact.arm), assembly.skew(contact.force))
+    K[-3:, -3:] -= np.einsum("nij,njk->ik", skews(contact.arm), skews(contact.force))
     return K
 
 

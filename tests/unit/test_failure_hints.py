@@ -123,11 +123,11 @@ def test_lost_contact_is_named_as_the_cause():
     assert "time.inertia = true" in causes[0] and not any("round-off" in cause for cause in causes)
     outcome = SimpleNamespace(evaluation=evaluation, reason="residual 1.00e+00 after 15 iterations", errors=(1.0, 1.0))
     text = advice(step, outcome, Solver())
-    assert text.startswith("No corner") and "Otherwise use a smaller time.step with more stage.steps" in text
+    assert text.startswith("No point") and "Otherwise use a smaller time.step with more stage.steps" in text
     assert "time.accuracy" not in text and "what the soil can carry" not in text     # elastic
     workspace.destroy()
     step, evaluation, workspace = started(rest_on=-0.004)
-    assert not any("No corner" in cause for cause in probable_causes(step, evaluation))
+    assert not any("No point" in cause for cause in probable_causes(step, evaluation))
     workspace.destroy()
 
 
@@ -255,9 +255,9 @@ def test_a_load_that_lifts_a_body_off_is_the_one_cause_and_no_overload():
     text = loaded(((0.0, 0.0, 0.0, 0.0), (4.0, 0.0, 0.0, 4e3)), rest_on=0.1)
     assert text.startswith("The load on body, fz = 1 kN, is larger than its weight, 78.5 N, and lifts it off the soil")
     assert "Change its sign" in text
-    assert "No corner" not in text and "exceeds what the soil can carry" not in text
+    assert "No point" not in text and "exceeds what the soil can carry" not in text
     assert "exceeds what the soil can carry: that on body" in loaded(((0.0, 0.0, 0.0, 0.0), (4.0, 0.0, 0.0, 4e3)))
-    assert "No corner" in loaded(((0.0, 0.0, 0.0, 0.0), (4.0, 0.0, 0.0, 40.0)), rest_on=0.1)
+    assert "No point" in loaded(((0.0, 0.0, 0.0, 0.0), (4.0, 0.0, 0.0, 40.0)), rest_on=0.1)
 
 
 def test_a_held_body_beside_soil_is_told_to_reach_into_it():

@@ -8,7 +8,7 @@ from contact_bed import RIGHT_HAND, ball, body_at, box
 from hybrid.body.attitude import exp_so3
 from hybrid.body.closest import closest
 from hybrid.contact import body_to_body, samples, soil_to_body
-from hybrid.contact.closest_points import gaps
+from hybrid.contact.closest_points import gaps_within_bounds
 from hybrid.contact.first_contact import predicted_contact_points
 from hybrid.contact.search import distances
 
@@ -94,7 +94,7 @@ def test_searches_do_not_depend_on_the_number_of_threads():
     start = 0.6 * np.random.default_rng(1).standard_normal((1000, 3)) * surface.radius
     pose = np.array([0.01, 0.0, 0.02]), exp_so3(np.array([0.0, 0.1, 0.0]))
     on_one_and_two_threads(lambda: [*predicted_contact_points(start, start, body, pose, surface, np.zeros(len(start))),
-                                    *distances(start, surface, 0.5), gaps(start, surface)])
+                                    *distances(start, surface, 0.5), gaps_within_bounds(start, surface)])
 
 
 def test_contact_of_two_bodies_does_not_depend_on_the_number_of_threads():

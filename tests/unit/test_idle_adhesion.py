@@ -13,11 +13,11 @@ def notes(pressures, adhesion=1.0, tension=0.0):
     """Of steps in which two contact points of 1 and 3 kN of adhesion have these pressures [N]; a third one is open."""
     body = SimpleNamespace(name="lid", interface=SimpleNamespace(adhesion=adhesion, tension=tension))
     model, found = SimpleNamespace(bodies=(body,)), []
-    corners = SimpleNamespace(limits=SimpleNamespace(shear=np.array([1e3, 9e9, 3e3])))
+    points = SimpleNamespace(limits=SimpleNamespace(shear=np.array([1e3, 9e9, 3e3])))
     monitor = IdleAdhesion(model, None)
     for time, pressure in enumerate(pressures):
         contact = SimpleNamespace(active=np.array([0, 2]), pressure=np.array(pressure))
-        terms = SimpleNamespace(step=SimpleNamespace(pair=SimpleNamespace(corners=corners)))
+        terms = SimpleNamespace(step=SimpleNamespace(pair=SimpleNamespace(points=points)))
         report = SimpleNamespace(evaluation=SimpleNamespace(contacts=[contact], bodies=[terms]))
         found += monitor.notes(StepView(model, SimpleNamespace(time=time, bodies=(None,)), None, report, {}))
     return found

@@ -158,10 +158,10 @@ def test_contact_points_that_touch_bear_the_steps_around_them():
 def test_points_that_are_hardly_pressed_bear_little_of_the_interface(tension, least, most):
     """They part from the body first, and would take with them what they bear: 27 % of all on those with less than a tenth of
     the mean force, where the nearest one bears. So it is with a bond, which holds whatever presses."""
-    corners = ball_in_a_bed(0.25, 0.1, tension).points
-    touching = corners.touching
-    force = (corners.stiffness * (corners.rest - corners.clearance))[touching]
-    shear = corners.limits.shear[touching]
+    points = ball_in_a_bed(0.25, 0.1, tension).points
+    touching = points.touching
+    force = (points.stiffness * (points.rest - points.clearance))[touching]
+    shear = points.limits.shear[touching]
     assert least < shear[force < 0.1 * force.mean()].sum() / shear.sum() < most
 
 

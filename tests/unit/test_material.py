@@ -58,7 +58,7 @@ def test_materials_that_build(material):
     (USER | {"young": 1e6}, ["young = 1000000: must be left out with law = 'user', which uses the density alone"]),
     (USER, ["missing k0 for law 'user'"]),
     (SAND | {"strenght": 1.0}, ["'strength'"]),
-    (SAND | {"law": "mises"}, ["did you mean 'von-mises'"]),
+    (SAND | {"law": "mises"}, ["write 'von-mises'"]),
 ])
 def test_materials_that_contradict_themselves(material, words):
     found = message(material)
