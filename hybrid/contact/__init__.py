@@ -1,7 +1,6 @@
 """Penalty contact with Coulomb friction between the soil and rigid bodies.
 
 1 places.py         places on the points' domains: quadrature points of faces, or corners (the published method)
-  held_ground.py    on the given heights of ground that is held
 2 search.py         finds those near a body
   contact_points.py they become material points carried by the grid, called contact points
 3 first_contact.py  predicts where an open contact point will touch: the anchor of its tangential spring

@@ -105,7 +105,7 @@ def find_contact_points(domains, pressure, places, grid, active, body, surface, 
     point, place = found["point"], found["place"]
     normal = found["normal"]
     area = places.area(place, domains.half[point],
-                       domains.volume[point]) * domains.facing(places, point, place, found["position"], normal)
+                       domains.volume[point]) * domains.facing(places, point, place, normal)
     if not domains.half.any():
         area = area / 2         # all eight corners of a point coincide: they share its stiffness
     start = (found["position"] - body.position) @ body.rotation

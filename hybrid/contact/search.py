@@ -13,7 +13,7 @@ import numpy as np
 from hybrid.body.closest import closest
 from hybrid.body.facet_tree import LANES, NO_SIDE, joined
 from hybrid.contact import places
-from hybrid.contact.held_ground import HeldGround
+from hybrid.soil.given_ground import GivenGround
 from hybrid.runtime.comm import largest, total
 from hybrid.runtime.jit import njit, prange
 
@@ -39,29 +39,29 @@ class Reach(NamedTuple):
 class Domains:
     """Domains of the soil's points: position, half (n, 3) [m], zero in standard MPM; volume: (n,) initial [m³];
     included: (n,) bool, points that are not deactivated; number: (n,) of the points in the run, None where one process has
-    them all; ground: HeldGround that places follow, None where they are on the domains."""
+    them all; ground: GivenGround that places follow, None where they are on the domains."""
 
     position: np.ndarray
     half: np.ndarray
     volume: np.ndarray
     included: np.ndarray
     number: np.ndarray | None = None
-    ground: HeldGround | None = None
+    ground: GivenGround | None = None
 
     @classmethod
     def of(cls, points, constants, basis, ground=None):
-        """Domains of `points` with their PointConstants, a `basis` "gimp" or "mpm", and the HeldGround of held soil."""
+        """Domains of `points` with their PointConstants, a `basis` "gimp" or "mpm", and the GivenGround."""
         half = points.half_width if basis == "gimp" else np.zeros_like(points.half_width)
         included = np.ones(len(points), bool) if points.inactive is None else ~points.inactive
         return cls(points.position, half, constants.volume, included, constants.number, ground)
 
-    def facing(self, places, point, number, position, normal):
-        """Area (m,) [-] projected along normals (m, 3) of a body over that of the faces that `places` at `position`
-        (m, 3) [m] are on; point, number: (m,) of each."""
+    def facing(self, places, point, number, normal):
+        """Area (m,) [-] projected along normals (m, 3) of a body over that of the faces that `places` are on; point,
+        number: (m,) of each."""
         usual = places.facing(number, normal)
         if self.ground is None or places.at_corners:
             return usual
-        return self.ground.facing(point, places.up(number), position, normal, usual)
+        return self.ground.facing(point, places.up(number), places.flat[number], normal, usual)
 
     def shift(self, point, places):
         """Distance [m], (m,) or 0, by which places of points are moved to the ground at most."""
@@ -106,11 +106,12 @@ def new_points(domains, places, collapsed, body, surface, reach, known):
     point, number = point[fresh], number[fresh]
     position = domains.position[point] + places.flat[number] * domains.half[point]
     if domains.ground is not None and not places.at_corners:
-        position, kept = domains.ground.placed(point, places.up(number), position)
+        way, kept = domains.ground.moved(point, places.up(number), places.flat[number])
+        position[:, 2] += way
         point, number, position = point[kept], number[kept], position[kept]
     position, normal, distance = gaps_in_space(position, collapsed, body, surface, farthest)
     within = distance <= reach.at(position, normal, body)
-    stay = np.flatnonzero(within & (domains.facing(places, point, number, position, normal) > 0.0))
+    stay = np.flatnonzero(within & (domains.facing(places, point, number, normal) > 0.0))
     return {"point": point[stay], "place": number[stay], "position": position[stay], "clearance": distance[stay],
             "normal": normal[stay], "rest": np.minimum(distance[stay], 0.0)}
 

@@ -53,6 +53,14 @@ def heights_at(surface, place):
     return np.maximum(*(np.interp(place[:, 0] + side * 1e-9 * np.ptp(x), x, z) for side in (-1.0, 1.0)))
 
 
+def steepest(surface):
+    """Largest slope [-] of a `surface` (x, y, z), inf where it has a wall."""
+    x, y, z = surface
+    with np.errstate(divide="ignore", invalid="ignore"):
+        slopes = [np.diff(z, axis=0).T / np.diff(x)] + ([] if y is None else [np.diff(z, axis=1) / np.diff(y)])
+    return max(float(np.nanmax(np.abs(slope), initial=0.0)) for slope in slopes)
+
+
 def _integral(at, x, z):
     """∫ z dx from x[0] to `at`, with z level beyond the ends."""
     area = np.concatenate([[0.0], np.cumsum(0.5 * (z[1:] + z[:-1]) * np.diff(x))])

@@ -80,10 +80,10 @@ def _cover(surface, soil, rotation):
     collapsed = soil.grid.collapsed
     share = np.prod([np.ptp(soil.grid.extent[axis]) / np.ptp(surface.vertices @ rotation[axis])
                      for axis in np.flatnonzero(collapsed)])
-    return Cover.of(surface, _smallest_domain(soil), rotation[collapsed], share)
+    return Cover.of(surface, smallest_domain(soil), rotation[collapsed], share)
 
 
-def _smallest_domain(soil):
+def smallest_domain(soil):
     """Width [m] of the smallest domain, not along collapsed axes, nor along z where the ground cuts domains to slivers."""
     across = ~soil.grid.collapsed & ((soil.ground is None) | (np.arange(3) < 2))
     return 2 * minimum(soil.constants.half_width[:, across])
@@ -91,7 +91,7 @@ def _smallest_domain(soil):
 
 def _places(described, body, soil, gravity):
     """(Places, their spacing [m], radius of curvature [m] of the body)."""
-    width, radius = _smallest_domain(soil), curvature_radius(body.surface)
+    width, radius = smallest_domain(soil), curvature_radius(body.surface)
     if described.contact == "corners":
         return places.corners(), width, radius
     wanted = (REST_CURVATURE if soil.held or _rests(body, soil, radius, gravity) else CURVATURE) * width / radius

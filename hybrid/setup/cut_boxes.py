@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hybrid.contact.held_ground import SLIVER
+from hybrid.soil.given_ground import SLIVER
 from hybrid.contact.search import distances, gaps_and_normals
 
 SAMPLES = {True: 16, False: 6}      # along each axis of a domain, in a slice and in space

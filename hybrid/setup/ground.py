@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from hybrid.contact.held_ground import SLIVER
+from hybrid.soil.given_ground import SLIVER
 from hybrid.contact.search import distances
 from hybrid.scene.ground import heights, heights_at, mean_heights
 
@@ -53,6 +53,17 @@ def lower_to_ground(scene, placed):
     return replace(scene, bodies=tuple(described)), moved
 
 
+def depth_in_ground(surface, top, body, motion, collapsed):
+    """Depth [m] of a body's lowest vertex below the ground over it, or of the ground in the body, the larger one; negative
+    above the ground. surface, top: as of `hybrid.soil.given_ground`; collapsed: (3,) bool."""
+    vertices = body.surface.vertices @ motion.rotation.T + motion.position
+    below = np.minimum(heights_at(surface, vertices[:, :2]), top) - vertices[:, 2]
+    ground = _under(surface, motion.position, vertices, collapsed)
+    ground[:, 2] = np.minimum(ground[:, 2], top)
+    inside = -distances((ground - motion.position) @ motion.rotation, body.surface)[0]
+    return max(below.max(), inside.max())
+
+
 def _lowest(scene, body, motion):
     """Position (3,) [m] of the centre of a body that lies on the ground."""
     axes = scene.grid.x, scene.grid.y, scene.grid.z
@@ -62,20 +73,22 @@ def _lowest(scene, body, motion):
         top = scene.grid.z.end if scene.soil.top is None else scene.soil.top
         surface = np.array([axes[0].start, axes[0].end]), None, np.array([top, top])
     vertices = body.surface.vertices @ motion.rotation.T        # from the centre
-    low, high = motion.position[:2] + vertices[:, :2].min(axis=0), motion.position[:2] + vertices[:, :2].max(axis=0)
-    sides = [np.linspace(a, b, PLACES) for a, b in zip(low, high)]
-    for i in (0, 1):
-        if axes[i].collapsed:
-            sides[i] = motion.position[i:i + 1]
-    nodes = surface[0][(surface[0] > low[0]) & (surface[0] < high[0])]
-    place = np.stack([a.ravel() for a in np.meshgrid(np.append(sides[0], nodes), sides[1], indexing="ij")], axis=1)
-    ground = np.column_stack([place, heights_at(surface, place)])
-    below = motion.position[:2] + vertices[:, :2]
+    ground = _under(surface, motion.position, motion.position + vertices, [axis.collapsed for axis in axes])
     position = motion.position.copy()
-    position[2] = np.max(heights_at(surface, below) - vertices[:, 2])
+    position[2] = np.max(heights_at(surface, motion.position[:2] + vertices[:, :2]) - vertices[:, 2])
     for _ in range(RAISES):
         depth = -distances((ground - position) @ motion.rotation, body.surface)[0].min()
         if depth <= 1e-6 * body.radius:
             break
         position[2] += depth
     return position
+
+
+def _under(surface, centre, vertices, collapsed):
+    """Places (n, 3) [m] of the ground below or above a body with a `centre` (3,) and `vertices` (m, 3) [m]: PLACES along
+    each axis that is not collapsed, and where its slope changes."""
+    low, high = vertices[:, :2].min(axis=0), vertices[:, :2].max(axis=0)
+    x, y = (centre[i:i + 1] if collapsed[i] else np.linspace(low[i], high[i], PLACES) for i in (0, 1))
+    nodes = surface[0][(surface[0] > low[0]) & (surface[0] < high[0])]
+    place = np.stack([a.ravel() for a in np.meshgrid(np.append(x, nodes), y, indexing="ij")], axis=1)
+    return np.column_stack([place, heights_at(surface, place)])

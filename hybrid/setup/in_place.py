@@ -14,11 +14,12 @@ import numpy as np
 from hybrid.body.rigid import bounding_box, with_stiffness
 from hybrid.contact.search import Domains, overlap
 from hybrid.laws.user import is_of_user
-from hybrid.runtime.comm import anywhere, joined, maximum, minimum, number, total
+from hybrid.runtime.comm import anywhere, joined, maximum, number, total
 from hybrid.runtime.errors import SceneError
-from hybrid.setup.contact import section
+from hybrid.setup.contact import section, smallest_domain
 from hybrid.setup.cut_boxes import SLIVER, UNCUT, Boxes, cut_out, near_boxes, soil_shares
 from hybrid.setup.exposed_faces import first_contact_points
+from hybrid.setup.ground import depth_in_ground
 from hybrid.soil.points import at_rest
 from hybrid.soil.split_merge import select
 from hybrid.state import ContactHistory, Population
@@ -53,7 +54,7 @@ def starts_inside(body, motion, points, soil):
     """Whether a body starts deeper in the soil than contact bears. Raises SceneError where soil cannot be cut."""
     domains = Domains.of(points, soil.constants, soil.basis, soil.ground)
     depth, count = overlap(domains, soil.grid, motion, body.surface)
-    limit = OVERLAP * soil.grid.smallest_cell if soil.basis != "gimp" else OVERLAP * minimum(points.half_width)
+    limit = OVERLAP * soil.grid.smallest_cell if soil.basis != "gimp" else 0.5 * OVERLAP * smallest_domain(soil)
     if depth <= limit and not _between_corners(body, motion, points, soil, limit):
         return False
     reason = ("the soil is held and is not cut" if soil.held else
@@ -72,6 +73,8 @@ def _between_corners(body, motion, points, soil, limit):
     """Whether a body that no corner of a domain is inside of lies in the soil, as a plate thinner than domains does."""
     if soil.held or soil.basis != "gimp":
         return False
+    if soil.heights is not None and depth_in_ground(*soil.heights, body, motion, soil.grid.collapsed) <= limit:
+        return False        # on the ground as it is given: columns may end above that
     surface, boxes = section(body, motion.rotation, soil.grid), _boxes(points)
     lowest = motion.position[2] - surface.extent(-motion.rotation[2])
     if lowest > maximum(points.position[:, 2] + points.half_width[:, 2]) - limit:

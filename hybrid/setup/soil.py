@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hybrid.contact.held_ground import HeldGround
 from hybrid.laws.cone import merge
 from hybrid.laws.user import made, refuse_unlike
 from hybrid.runtime import ranks
@@ -55,16 +54,15 @@ def build_soil(scene, grid, loads, law=None):
                 allow_detached=scene.time.inertia,
                 transfer=described.transfer if scene.time.inertia else "increments",
                 blend=BLEND if described.blend is None else described.blend,
-                ground=_held_ground(described, grid, constants))
+                heights=_given_heights(described, grid))
     return soil, points
 
 
-def _held_ground(described, grid, constants):
-    """HeldGround that contact follows where soil with domains is held under given heights, None elsewhere."""
-    if described.ground is None or not described.held or described.basis != "gimp":
+def _given_heights(described, grid):
+    """(Heights of the ground, top [m]) that contact follows, None where the scene gives no heights."""
+    if described.ground is None or described.basis != "gimp":
         return None
-    return HeldGround.of(heights(described.ground), soil_box(described, grid)[1][2], constants.position,
-                         constants.half_width)
+    return heights(described.ground), soil_box(described, grid)[1][2]
 
 
 def count_points(described, grid):

@@ -1,6 +1,7 @@
 """Soil as material points on a background grid.
 
 1 points.py         points whose domains tile the cells, and their geostatic stress; domains.py: how domains deform
+    given_ground.py                  heights of ground that is not level, on which contact begins
 2 basis.py          GIMP basis; transfer.py: from points to nodes and back
 3 model.py          the soil in one increment: begun, evaluated at trial displacements, accepted
     kinematics.py, principal.py      deformation of the points; principal values of symmetric matrices

@@ -12,6 +12,7 @@ Soil whose displacements are all held is never evaluated: its points only provid
 """
 
 from dataclasses import KW_ONLY, dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -26,6 +27,7 @@ from hybrid.soil.domains import updated_half
 from hybrid.soil.filled_cells import fill_cells
 from hybrid.soil.forces import internal_force
 from hybrid.soil.ghost import Ghost
+from hybrid.soil.given_ground import GivenGround
 from hybrid.soil.kinematics import TrialStrain, logarithmic, update_strains
 from hybrid.soil.points import PointConstants
 from hybrid.soil.principal import from_principal
@@ -102,7 +104,7 @@ class Soil:
     stray          policy for points that leave the grid or are detached: "stop" | "freeze" | "remove"
     allow_detached whether soil may be detached from all supports, as it may with inertia (`hybrid.soil.lost_points`)
     transfer, blend  of the nodes' motion to the points (`hybrid.soil.transfer`)
-    ground         of held soil whose heights are given, the HeldGround that contact follows
+    heights        (`hybrid.scene.ground.heights` of the ground, top [m]) where they are given
     """
 
     grid: Grid
@@ -118,7 +120,12 @@ class Soil:
     allow_detached: bool = True
     transfer: str = SoilScene.transfer
     blend: float = BLEND
-    ground: object = None
+    heights: tuple | None = None
+
+    @cached_property
+    def ground(self):
+        """GivenGround that contact follows, None where no heights are given."""
+        return self.heights and GivenGround.of(*self.heights, self.constants.position, self.constants.half_width)
 
     def begin(self, points, load, workspace=None):
         """SoilStep for committed `points` under `load` [m/s²], (3,) or of each point (n, 3). workspace: a

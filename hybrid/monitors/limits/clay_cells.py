@@ -113,7 +113,7 @@ def _falling(scene, model):
         speed = described.velocity[2]
         if speed >= 0.0 or not body.free[2]:
             continue
-        whole, place = outline(described, body)
+        whole, place = outline(described, body, model.soil)
         strength = material_at(scene, model.soil, top_of(model.soil)).strength
         energy, area = 0.5 * copies(body.mirrors) * body.mass.mass * speed**2, np.ptp(place[:, :2], axis=0).min()**2
         if strength:

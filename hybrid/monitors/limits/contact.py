@@ -7,7 +7,9 @@ from hybrid.body.table import Table
 from hybrid.contact.search import distances
 from hybrid.runtime.comm import maximum, minimum, total
 from hybrid.scene.check_stage import components
+from hybrid.scene.ground import heights_at, steepest
 from hybrid.scene.stage import table_rows
+from hybrid.soil.given_ground import STEEPEST
 
 # Each number is the one from which a failure case of the study goes wrong.
 STIFFNESS_RATIO = 10.0      # p_f times the depth of soil [-]: below it contact springs take a tenth of the displacement
@@ -18,6 +20,7 @@ THICKNESS = 2.0
 THIN_SHARE = 0.25           # of the surface in clay, that is thinner
 ACROSS = 0.3                # cosine: faces that a driven body moves along are not parted from the soil
 SAMPLES = 20                # of a thickness
+FLUSH = 1e-3                # cells: a face as far below the top of the soil lies on it
 CELL_ROWS = 1.5             # mass of a body over that of a row of cells [-]: lighter ones rebound from nodes
 
 
@@ -87,13 +90,14 @@ def thin_wall(scene, model):
     if model.soil.held or not laws & {"von-mises", "hencky"}:
         return
     cell, soil = model.soil.grid.smallest_cell, model.soil.constants
-    top = maximum(soil.position[:, 2] + soil.half_width[:, 2])
+    top = top_of(model.soil) - FLUSH * cell
     for described, body in zip(scene.bodies, model.bodies):
         if described.tension == "full" or not (body.free.any() or body.driven.any()):
             continue
-        if covers(initial_vertices(described, body), soil, model.soil.grid):
+        place = levelled(model.soil, initial_vertices(described, body))
+        if covers(place, soil, model.soil.grid):
             continue
-        thickness, share = _thickness(scene, described, body, THICKNESS * cell, top)
+        thickness, share = _thickness(scene, described, body, place, (1.0 - 1e-6) * THICKNESS * cell, top)
         if share > THIN_SHARE:
             yield (f"{body.name} is {thickness:.2g} m thick where the soil is on both sides of it, "
                    f"{thickness / cell:.3g} cells of {cell:.3g} m, limit {THICKNESS:g}: soil on both sides "
@@ -116,10 +120,10 @@ def covers(vertices, soil, grid):
                and vertices[:, axis].max() >= maximum((soil.position + soil.half_width)[:, axis]) - slack for axis in across)
 
 
-def _thickness(scene, described, body, limit, top):
+def _thickness(scene, described, body, vertices, limit, top):
     """(Mean thickness [m] of the walls of a body that are thinner than `limit` [m], and their share of its surface), of its
-    surface across the way it is driven and below `top` [m] at the end."""
-    vertices, surface = initial_vertices(described, body), body.surface
+    surface across the way it is driven and below `top` [m] at the end. vertices: (V, 3) [m] over level ground."""
+    surface = body.surface
     corners = vertices[surface.triangles]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = 0.5 * np.linalg.norm(normal, axis=1)
@@ -212,6 +216,20 @@ def _width(place):
     angle = np.linspace(0.0, np.pi, 37)[:-1]
     widths = np.ptp(place @ np.array([np.cos(angle), np.sin(angle)]), axis=0)
     return float(widths.min() if np.ptp(place, axis=0).all() else widths.max())
+
+
+def top_of(soil):
+    """Height [m] of the highest soil at the start."""
+    return maximum(soil.constants.position[:, 2] + soil.constants.half_width[:, 2])
+
+
+def levelled(soil, place):
+    """Places (V, 3) [m] as far above or below the top of the soil as they are above or below the ground, where its heights
+    are given and it has no wall: as if it were level."""
+    if soil.heights is None or steepest(soil.heights[0]) > STEEPEST:
+        return place
+    height = np.minimum(heights_at(soil.heights[0], place[:, :2]), soil.heights[1])
+    return place + np.array([0.0, 0.0, 1.0]) * (top_of(soil) - height)[:, None]
 
 
 def initial_vertices(described, body):

@@ -34,7 +34,7 @@ def unresolved_contact(scene, model):
     if material.law != "hencky" or scene.soil.ground is not None:
         return
     for described, body in zip(scene.bodies, model.bodies):
-        whole, place = outline(described, body)
+        whole, place = outline(described, body, soil)
         distance = np.linalg.norm(place - 0.5 * (place.min(axis=0) + place.max(axis=0)), axis=1)
         if distance.max() > ROUND * distance.min():
             continue

@@ -17,7 +17,7 @@ import numpy as np
 
 from hybrid.monitors.limits.contact import covers
 from hybrid.monitors.limits.ways import (
-    EXCESS, SAND, STEEP, driven, facing, law_at, leads, loaded, material_at, outline, sides, top_of)
+    EXCESS, SAND, STEEP, driven, facing, law_at, leads, levelled, loaded, material_at, outline, sides, top_of)
 from hybrid.runtime.comm import maximum, minimum
 
 FOOT, ACTIVE = 2.3, 1.65
@@ -97,7 +97,7 @@ def free_walls(scene, model, laws):
     for described, body in zip(scene.bodies, model.bodies):
         if axis > 1 or not body.free[axis]:
             continue
-        whole, place = outline(described, body)
+        whole, place = outline(described, body, soil)
         for way in np.eye(3)[axis], -np.eye(3)[axis]:
             depth = depths(scene, soil, place, way, laws)
             if depth is not None and depth.behind > PASSIVE * depth.ahead and leads(whole, place, -way):
@@ -168,7 +168,7 @@ def depths(scene, soil, place, way, laws, spaces=(1,)):
     modelled = soil.grid.collapsed.sum() in spaces and not soil.grid.collapsed[2]
     if not modelled or way[2] or bottom < base + cell or law_at(scene, soil, bottom + 0.5 * cell) not in laws:
         return None
-    top = soil.constants.position[:, 2] + soil.constants.half_width[:, 2]
+    top = levelled(soil, soil.constants.position)[:, 2] + soil.constants.half_width[:, 2]
     before = [maximum(top[inside], -np.inf) - bottom for inside in beside(soil, place[:, axis], axis)]
     if place[:, 2].max() < bottom + max(before):    # under the ground
         return None

@@ -28,7 +28,7 @@ def turned(scene, model):
         return
     for described, body in zip(scene.bodies, model.bodies):
         axes = [axis for axis in range(3) if _turns(scene, described, body, axis)]
-        whole, place = outline(described, body)
+        whole, place = outline(described, body, soil)
         middle = 0.5 * (place[:, 2].min() + place[:, 2].max())
         if middle >= top_of(soil) or law_at(scene, soil, middle) != CLAY:
             continue

@@ -74,7 +74,7 @@ def released_bodies(scene, model):
     if model.scheme.inertia or scene.joints or len(model.bodies) > 1:     # a body may rest on another
         return
     for i, (described, body) in enumerate(zip(scene.bodies, model.bodies)):
-        whole, place = outline(described, body)
+        whole, place = outline(described, body, model.soil)
         for s, stage in enumerate(scene.stages):
             staged = model.for_stage(stage.held, number=s)
             way = path_along(replace(scene, stages=scene.stages[:s]), described, "z")[-1]

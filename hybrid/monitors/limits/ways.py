@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from hybrid.monitors.limits.contact import initial_vertices, way_along
-from hybrid.runtime.comm import maximum
+from hybrid.monitors.limits.contact import initial_vertices, levelled, top_of, way_along
 from hybrid.scene.ground import heights
 from hybrid.scene.soil import of_layer
 
@@ -25,7 +24,7 @@ def driven(scene, model):
     for described, body in zip(scene.bodies, model.bodies):
         way = np.array([way_along(scene, described, name) for name in "xyz"]) * ~model.soil.grid.collapsed
         if way.any() and body.guided[:3][way != 0.0].all():
-            whole, place = outline(described, body)
+            whole, place = outline(described, body, model.soil)
             yield whole, way, place, leads(whole, place, way)
 
 
@@ -40,7 +39,7 @@ def loaded(scene, model):
         axis = int(np.argmax(np.abs(force)))
         if not force[axis] or not body.free[axis] or model.soil.grid.collapsed[axis]:
             continue
-        whole, place = outline(described, body)
+        whole, place = outline(described, body, model.soil)
         way = np.where(np.arange(3) == axis, force, 0.0)
         aside = np.abs(np.where(body.free[:3], force - way, 0.0)).max() > ASIDE * abs(force[axis])
         off = np.abs(np.where(body.free[3:], moment, 0.0)).max() > ASIDE * np.ptp(place, axis=0).max() * abs(force[axis])
@@ -75,10 +74,10 @@ def _largest_load(body):
     return max(found, key=lambda pair: np.linalg.norm(pair[0]))
 
 
-def outline(described, body):
-    """(RigidBody with the surface of the whole body, places (V, 3) [m] of its vertices at the start)."""
+def outline(described, body, soil):
+    """(RigidBody with the surface of the whole body, places (V, 3) [m] of its vertices at the start, over level ground)."""
     whole = replace(body, surface=body.outline)
-    return whole, initial_vertices(described, whole)
+    return whole, levelled(soil, initial_vertices(described, whole))
 
 
 def leads(body, place, way):
@@ -124,11 +123,6 @@ def sides(grid, place, way):
             yield axis, 2 * abs(end - middle), ends
         elif inside.any():
             yield axis, np.ptp(ends), ends
-
-
-def top_of(soil):
-    """Height [m] of the highest soil at the start."""
-    return maximum(soil.constants.position[:, 2] + soil.constants.half_width[:, 2])
 
 
 def step_of_ground(scene, soil):

@@ -1,12 +1,13 @@
-"""Held ground with given heights: bodies feel its surface as given, not the flat tops of its columns."""
+"""Ground with given heights, held or not: bodies feel its surface as given, not the flat tops of its columns."""
 
 import numpy as np
 import pytest
 
-from hybrid.contact.held_ground import HeldGround
 from hybrid.runtime.data import GEOMETRY
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Scene, Soil, Stage, Time
 from hybrid.setup.build import build
+from hybrid.soil.given_ground import GivenGround
+from hybrid.soil.model import Soil as SoilModel
 
 G, VALLEY, RADIUS = 9.81, 3.0, 0.2
 ROCK = Material(law="hencky", young=5e7, poisson=0.2, density=2000.0)
@@ -55,18 +56,19 @@ def test_walls_keep_their_columns_and_gentle_ground_is_followed_on_its_upper_fac
     surface = np.array([0.0, 0.5, 1.0, 1.25, 1.25, 1.5]), None, np.array([1.0, 1.0, 1.5, 1.5, 0.5, 0.5])
     position = np.array([[0.25, 0.0, 0.75], [0.75, 0.0, 1.125], [1.25, 0.0, 0.75], [0.75, 0.0, 0.5]])
     half = np.array([[0.25, 0.5, 0.25], [0.25, 0.5, 0.125], [0.25, 0.5, 0.25], [0.25, 0.5, 0.25]])
-    ground = HeldGround.of(surface, 1.4, position, half)
-    assert ground.follows.tolist() == [True, True, False, True] and ground.highest.tolist() == [True, True, False, False]
+    ground = GivenGround.of(surface, 1.4, position, half)
+    assert ground.follows.tolist() == [True, True, False, False] and ground.highest.tolist() == [True, True, False, False]
     place = np.array([[0.6, 0.0, 1.25], [1.0, 0.0, 1.2], [0.5, 0.0, 1.2], [1.0, 0.0, 0.6], [1.3, 0.0, 1.0]])
     point, up = np.array([1, 1, 1, 3, 2]), np.array([True, False, False, False, True])
-    placed, kept = ground.placed(point, up, place)
+    offset = (place - position[point]) / half[point]
+    way, kept = ground.moved(point, up, offset)
     assert kept.tolist() == [True, True, False, True, True]     # 0.2 m above the foot of the slope there is no side
-    assert placed[:, 2] == pytest.approx([1.1, 1.2, 1.2, 0.6, 1.0])
+    assert place[:, 2] + way == pytest.approx([1.1, 1.2, 1.2, 0.6, 1.0])
     down = np.tile([0.0, 0.0, -1.0], (5, 1))
     across = np.tile([np.sqrt(0.5), 0.0, -np.sqrt(0.5)], (5, 1))
     usual = np.full(5, 0.3)
-    assert ground.facing(point, up, placed, down, usual) == pytest.approx([1.0, 0.3, 0.3, 0.3, 0.3])
-    assert ground.facing(point, up, placed, across, usual)[0] == pytest.approx(np.sqrt(2.0))    # area of the slope
+    assert ground.facing(point, up, offset, down, usual) == pytest.approx([1.0, 0.3, 0.3, 0.3, 0.3])
+    assert ground.facing(point, up, offset, across, usual)[0] == pytest.approx(np.sqrt(2.0))    # area of the slope
 
 
 def test_a_body_beside_a_wall_is_pushed_by_it():
@@ -95,3 +97,41 @@ def test_a_sphere_that_is_thrown_along_the_ground_slides_from_the_first_step_on(
     for record in simulation.steps():
         force = record.bodies[0].contact_force
         assert force[2] > 0.0 and force[0] == pytest.approx(-0.3 * force[2], rel=0.03)
+
+
+SLOPE = np.tan(np.radians(20.0))
+CLAY = Material(law="von-mises", young=50e6, poisson=0.49, density=1800.0, strength=100e3)
+
+
+def slid(friction, height="ground", x=(0.0, 7.0)):
+    """(Simulation, way [m] in half a second) of a block on a slope of clay, and its components."""
+    ground = ((0.0, 3.5), (1.0, 3.5), (6.0, 3.5 - 5.0 * SLOPE), (7.0, 3.5 - 5.0 * SLOPE))
+    block = Body(GEOMETRY / "box.geo", 2400.0, parameters={"length": 1.5, "width": 0.5, "height": 0.5, "size": 1.0},
+                 rotation=(0.0, 1.0, 0.0, 20.0), position=(2.9, 0.25, 0.0), rest_on=height, friction=friction)
+    simulation = build(Scene(
+        name="slid", grid=Grid(Axis(*x, 0.25), SLICE, Axis(0.0, 4.5, 0.25), Faces(z_min="fixed")),
+        soil=Soil(CLAY, top=3.5, ground=ground), bodies=(block,), time=Time(0.02), stages=(Stage("go", 25),),
+        gravity=(0.0, 0.0, -G)))
+    start = simulation.state.bodies[0].position.copy()
+    list(simulation.steps())
+    return simulation, simulation.state.bodies[0].position - start
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.2])
+def test_a_block_on_a_slope_that_deforms_slides(friction, monkeypatch):
+    """s = g (sin α - μ cos α) t² / 2. On the tops of columns, of whose steps it takes a part at the start, it stands in
+    them."""
+    simulation, way = slid(friction)
+    assert "in place from the start" not in simulation.start and simulation.warned == ()
+    free = 0.5 * G * (np.sin(np.radians(20.0)) - friction * np.cos(np.radians(20.0))) * 0.5**2
+    assert np.linalg.norm(way) == pytest.approx(free, rel=0.05) and -way[2] / way[0] == pytest.approx(SLOPE, rel=0.03)
+    if friction:
+        monkeypatch.setattr(SoilModel, "ground", None)
+        monkeypatch.setattr("hybrid.setup.in_place.depth_in_ground", lambda *_: np.inf)
+        simulation, way = slid(friction)
+        assert "in place from the start" in simulation.start and np.linalg.norm(way) < 0.1 * free
+
+
+def test_a_block_in_the_slope_is_in_place():
+    simulation, _ = slid(0.2, height=2.0)
+    assert "in place from the start" in simulation.start
