@@ -5,7 +5,7 @@
 
 import numpy as np
 
-from hybrid.laws.drucker_prager import DruckerPrager
+from hybrid.laws.drucker_prager import DruckerPrager, cone_constants
 from hybrid.laws.hencky import Hencky
 from hybrid.laws.mohr_coulomb import MohrCoulomb
 from hybrid.laws.sand import sand, stiffness_from_stress
@@ -14,6 +14,7 @@ from hybrid.laws.willam_warnke import WillamWarnke
 from hybrid.runtime.errors import SceneError
 from hybrid.scene.soil import NUMBERS
 
+MARGIN = 0.98       # of the slope of a cone that stress at rest may reach
 SECTIONS = {"mohr-coulomb": MohrCoulomb, "willam-warnke": WillamWarnke}
 
 
@@ -27,9 +28,15 @@ def material_values(material):
 
 
 def coefficient_at_rest(law, material):
-    """K0 = 1 - sin φ of sand, ν/(1 - ν) of an elastic soil and of clay in total stress; of a user's law 1."""
+    """K0 = 1 - sin φ of sand, or the lowest that its cone carries with a margin, (√3 - η)/(√3 + 2η), where that is larger:
+    one matched in plane strain is weaker at rest; ν/(1 - ν) of an elastic soil and of clay in total stress; of a user's
+    law 1."""
     if "friction_angle" in material and law != "hencky":
-        return 1 - np.sin(np.radians(material["friction_angle"]))
+        k0 = 1 - np.sin(np.radians(material["friction_angle"]))
+        if law != "drucker-prager":
+            return k0
+        slope = MARGIN * cone_constants(material["friction_angle"], material["dilation_angle"], material["cone"])[0]
+        return max(k0, (np.sqrt(3) - slope) / (np.sqrt(3) + 2 * slope))
     return material["poisson"] / (1 - material["poisson"]) if law != "user" else 1.0
 
 

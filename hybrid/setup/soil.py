@@ -245,7 +245,17 @@ def _refuse_yielding(law, stress, depth):
         if len(excess) and excess[p] == worst:
             shown = ", ".join(f"{value / 1e3:.4g}" for value in stress[p])
             raise SceneError(f"soil.geostatic: the stress at rest at a depth of {depth[p]:.3g} m, ({shown}) kPa along x, y "
-                             "and z, is more than the law can carry; set k0 closer to 1 or raise the strength")
+                             f"and z, is more than the law can carry; {_remedy(law, stress)}")
 
     if worst > 0:
         ranks.together(refuse)
+
+
+def _remedy(law, stress):
+    """What makes a law carry a stress (n, 3) [Pa] at rest: the lowest K0 that does, to two digits, or another strength."""
+    for k0 in np.arange(0.01, 1.005, 0.01):
+        trial = np.minimum(stress, np.array([k0, k0, 1.0]) * stress[:, 2:])
+        carried = law.respond(law.strain(trial), np.zeros(len(trial))).stress
+        if np.abs(carried - trial).max(initial=0.0) <= 1e-9 * np.abs(trial).max(initial=0.0):
+            return f"set soil.k0 = {k0:.2f}, or raise the strength"
+    return "raise the strength"

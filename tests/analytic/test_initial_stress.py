@@ -15,6 +15,7 @@ import pytest
 
 from hybrid.monitors.initial_equilibrium import initial_imbalance
 from hybrid.output.sheet_text import format_sheet
+from hybrid.runtime.errors import SceneError
 from hybrid.scene import Axis, Faces, Grid, Layer, Material, Scene, Soil, Solver, Stage, Time
 from hybrid.setup.build import build
 from hybrid.step.equations import begin
@@ -172,3 +173,27 @@ def test_a_cut_that_can_stand_settles(material, way):
         assert left > 0.05 and moving > 0.02
     else:
         assert left < 1e-6 and moving < 1e-3
+
+
+@pytest.mark.parametrize("friction, dilation, cone", [
+    (38.0, 10.0, None), (40.5, 10.5, None), (45.0, 0.0, None), (45.0, 45.0, None), (42.0, 5.0, "extension")])
+def test_dense_sand_is_at_rest_under_the_cone_that_is_chosen_for_it(friction, dilation, cone):
+    """A cone matched in plane strain, or in extension, carries less at rest than 1 - sin φ asks for: K0 is then what it
+    carries with a margin."""
+    sand = Material(law="drucker-prager", young=5e7, poisson=0.25, density=1900.0, friction_angle=friction,
+                    dilation_angle=dilation, cohesion=0.0, cone=cone)
+    simulation = build(level(material=sand))
+    stress = simulation.state.points.stress
+    k0 = stress[:, 0, 0] / stress[:, 2, 2]
+    assert np.ptp(k0) < 1e-9 and 1.0 - np.sin(np.radians(friction)) < k0[0] < 1.5 * (1.0 - np.sin(np.radians(friction)))
+    record = next(iter(simulation.steps()))
+    assert simulation.state.points.plastic_strain.max() < 1e-9 and record.rejections == 0
+
+
+def test_a_k0_that_the_soil_cannot_carry_is_refused_with_one_that_it_can():
+    with pytest.raises(SceneError, match="is more than the law can carry; set soil.k0 = (.*), or raise") as refusal:
+        build(level(material=SAND, k0=0.2))
+    enough = float(re.search("k0 = ([0-9.]+)", str(refusal.value))[1])
+    build(level(material=SAND, k0=enough))
+    with pytest.raises(SceneError, match="more than the law can carry"):
+        build(level(material=SAND, k0=enough - 0.02))

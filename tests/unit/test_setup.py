@@ -118,7 +118,9 @@ def test_values_of_a_material():
     """A value that is given replaces that of the preset; one stiffness replaces the other kind."""
     values = law.material_values(Material(relative_density=40.0, cohesion=5.0, young=1e7))
     assert values["cohesion"] == 5.0 and values["friction_angle"] == 33.0 and "reference_young" not in values
-    assert law.coefficient_at_rest("drucker-prager", {"friction_angle": 30.0}) == pytest.approx(0.5)
+    assert law.coefficient_at_rest("mohr-coulomb", {"friction_angle": 30.0}) == pytest.approx(0.5)
+    sand = {"friction_angle": 30.0, "dilation_angle": 0.0, "cone": "plane strain"}
+    assert law.coefficient_at_rest("drucker-prager", sand) == pytest.approx(0.5)
     assert law.coefficient_at_rest("hencky", {"poisson": 0.25}) == pytest.approx(1 / 3)
     assert law.coefficient_at_rest("user", {}) == 1.0
 
