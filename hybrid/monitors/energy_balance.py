@@ -58,6 +58,8 @@ def _remedy(view):
     changes.append("time.accuracy = 1e-3" if view.report.error is None else "a smaller time.accuracy")
     if view.model.bodies:
         changes.append("a lower body.penalty")
+    if view.model.joints and any(body.guides for body in view.model.bodies):
+        changes.append("a driven velocity that grows, [[0, 0], [T, v]], where joined bodies are set in motion at once")
     if not view.scheme.damps:
         changes.append("the default time.scheme, which damps")
     cause = ("Contact opens and closes faster than the time step resolves" if view.model.bodies else

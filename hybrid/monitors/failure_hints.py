@@ -36,8 +36,7 @@ def advice(step, outcome, settings):
         return ". ".join(free)
     if sudden:      # shorter increments of a load that is there at once change nothing
         changes = [change for change in changes if "a smaller time.step" not in change]
-    texts, causes = [text for text, _ in overload], probable_causes(step, outcome.evaluation, sudden)
-    causes = [*texts, *causes] if sudden else [*causes, *texts]
+    causes = [*(text for text, _ in overload), *probable_causes(step, outcome.evaluation, sudden, bool(stands))]
     text = ". ".join([*causes, *_use(changes, bool(causes))])
     yields = step.soil is not None and step.model.soil.law.plastic and not step.model.scheme.inertia
     if not yields or overload or lost and any(lifted(step, body) for body in step.model.bodies):
@@ -84,9 +83,9 @@ def accuracy_remedies(model):
     return ("a larger time.accuracy", "a smaller time.smallest", *penalty, *damping)
 
 
-def probable_causes(step, evaluation, sudden=False):
+def probable_causes(step, evaluation, sudden=False, stands=False):
     """Texts about a failed `step` and the last `evaluation` of its trial values, None where there is none; sudden:
-    whether its load acts at once."""
+    whether its load acts at once; stands: whether one that grows is likely to be more than the soil carries."""
     if step.soil is None:
         return ()
     model, causes = step.model, []
@@ -100,7 +99,8 @@ def probable_causes(step, evaluation, sudden=False):
         causes.append(f"The residual of the soil, {residual:.2g} N, is round-off of its stiffness, limit {limit:.2g} "
                       "N, as the loads are too small beside the modulus: set a looser solver.tolerance, or a lower "
                       "modulus")
-    causes += _slips_at_its_strength(model, evaluation) if quasi_static and evaluation is not None else []
+    if quasi_static and evaluation is not None and not stands:
+        causes += _slips_at_its_strength(model, evaluation)
     if quasi_static:
         mass = step.soil.mass[step.pattern.free.any(axis=1)]
         least = minimum(mass, 1.0) / maximum(mass, 1.0)

@@ -5,6 +5,8 @@ does not jump where the point opens. In soil without weight nothing presses a li
 pile.
 """
 
+import numpy as np
+
 from hybrid.contact.interface import RAMP
 from hybrid.monitors.monitor import Monitor
 from hybrid.runtime.comm import total
@@ -23,8 +25,8 @@ class IdleAdhesion(Monitor):
     def warnings(self, view):
         """Body, force, limit and remedy."""
         for number, body, _, contact in view.bodies:
-            if not (body.interface and body.interface.adhesion) or body.interface.tension:
-                continue
+            if not (body.interface and body.interface.adhesion) or body.interface.tension or 0.0 < body.friction < np.inf:
+                continue        # friction that is given limits the shear where the pressure is low
             limit = view.report.evaluation.bodies[number].step.pair.points.limits.shear[contact.active]
             mobilised = limit.clip(max=RAMP * contact.pressure.clip(min=0.0))
             borne, adhesion = (float(total(force)) for force in (mobilised, limit))

@@ -12,6 +12,7 @@ from hybrid.scene.table import shown
 
 KILOPASCAL = "Pa expected; is this a number of kPa?"
 TONS = "kg/m³ expected; is this a number of t/m³, 1.8 for 1800?"
+WEIGHT = "kg/m³ expected; is this a unit weight in kN/m³, 18 for 1835?"
 MILLIMETRES = "SI units expected; is this a number of millimetres?"
 
 
@@ -49,7 +50,8 @@ SOIL = (
     Odd("cohesion", 0, 50, "Pa", KILOPASCAL, FRICTIONAL),
     Odd("strength", 0, 100, "Pa", KILOPASCAL),
     Odd("strength_gradient", 0, GENTLE, "Pa/m", "Pa/m expected; is this a number of kPa/m, 1500 for 1.5?"),
-    Odd("density", 0, 30, "kg/m³", TONS),
+    Odd("density", 0, 5, "kg/m³", TONS),
+    Odd("density", 5, 30, "kg/m³", WEIGHT),
     Odd("density", 3e4, inf, "kg/m³", "a soil has 1000 to 2500 kg/m³"),
 )
 BODY = (

@@ -65,7 +65,18 @@ def unknown(cls, path, name, where, known=None):
         if str(name).lower() in described(f).also and file_name(f) in known:
             unit = f" [{described(f).unit}]" if described(f).unit else ""
             return f"unknown key {clipped(path)}: write {file_name(f)!r}, {described(f).meaning}{unit}"
+    if table := _table_of(cls, name):
+        return f"unknown key {clipped(path)}: it belongs to the table {_join(path.rpartition('.')[0], table)}"
     return f"unknown key {clipped(path)}{did_you_mean(name, known)}; valid in {where}: {', '.join(known)}"
+
+
+def _table_of(cls, name):
+    """Name of the table in table `cls` that has a key of this name, or another word for it; "" where none has."""
+    for f in fields(cls):
+        inner = get_type_hints(cls)[f.name]
+        if is_dataclass(inner) and any(name == file_name(g) or name in described(g).also for g in fields(inner)):
+            return file_name(f)
+    return ""
 
 
 def _meant(f, value):

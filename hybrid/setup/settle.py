@@ -65,9 +65,9 @@ def settle(model, state, length):
                 break
     except StepError as error:
         raise SceneError(
-            f"the soil finds no equilibrium at the start, with the bodies held: {error}. Ground too steep for its "
-            "strength slides: flatten soil.ground or raise the strength; or set soil.geostatic = false and turn gravity on "
-            "by stage.gravity = [0.0, 1.0]") from None
+            "the soil finds no equilibrium at the start, with the bodies held. Ground too steep for its strength slides: "
+            "flatten soil.ground or raise the strength; or set soil.geostatic = false and turn gravity on by "
+            f"stage.gravity = [0.0, 1.0]. Found in {str(error).partition(';')[0]}") from None
     finally:
         workspace.destroy()
     held = {body.name: -terms.contact.resultant[:3] - body.mass.mass * model.loads.on_bodies(0.0)

@@ -19,7 +19,7 @@ def balance(errors, stored=100.0, bodies=(), inertia=True, damps=False, accuracy
     """Notes of steps with these errors [J] of the balance."""
     heavy = SimpleNamespace(mass=SimpleNamespace(mass=weight / 10.0))
     monitor = EnergyBalance(model((heavy,), 10.0), None)
-    view = {"model": SimpleNamespace(bodies=bodies),
+    view = {"model": SimpleNamespace(bodies=bodies, joints=()),
             "scheme": SimpleNamespace(inertia=inertia, damps=damps, first_order=damps),
             "report": SimpleNamespace(error=accuracy)}
     kinetic = np.broadcast_to(stored, len(errors))
@@ -70,7 +70,7 @@ def test_a_first_step_that_holds_the_impact_loses_no_more_than_all():
     body = SimpleNamespace(mass=SimpleNamespace(mass=2.0, inertia=np.eye(3)))
     motion = SimpleNamespace(velocity=np.array([0.0, 0.0, -10.0]), spin=np.zeros(3), rotation=np.eye(3))
     monitor = EnergyBalance(model((body,)), SimpleNamespace(bodies=(motion,)))
-    view = StepView(SimpleNamespace(bodies=(body,)), SimpleNamespace(time=0.1),
+    view = StepView(SimpleNamespace(bodies=(body,), joints=()), SimpleNamespace(time=0.1),
                     SimpleNamespace(inertia=True, damps=True, first_order=False),
                     SimpleNamespace(error=None, evaluation=None),
                     {"kinetic": 1.0, "elastic": 0.0, "contact": 0.0, "error": -60.0})

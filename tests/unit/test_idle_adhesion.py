@@ -9,9 +9,9 @@ from hybrid.monitors import StepView
 from hybrid.monitors.idle_adhesion import STEPS, IdleAdhesion
 
 
-def notes(pressures, adhesion=1.0, tension=0.0):
+def notes(pressures, adhesion=1.0, tension=0.0, friction=np.inf):
     """Of steps in which two contact points of 1 and 3 kN of adhesion have these pressures [N]; a third one is open."""
-    body = SimpleNamespace(name="lid", interface=SimpleNamespace(adhesion=adhesion, tension=tension))
+    body = SimpleNamespace(name="lid", interface=SimpleNamespace(adhesion=adhesion, tension=tension), friction=friction)
     model, found = SimpleNamespace(bodies=(body,)), []
     points = SimpleNamespace(limits=SimpleNamespace(shear=np.array([1e3, 9e9, 3e3])))
     monitor = IdleAdhesion(model, None)
@@ -32,6 +32,7 @@ def test_a_lid_that_nothing_presses_is_reported_once():
 @pytest.mark.parametrize("pressures, given", [
     ([(50.0, 100.0)] * 9, {}), (([(1.0, 1.0)] * (STEPS - 1) + [(50.0, 100.0)]) * 3, {}),
     ([(1.0, 1.0)] * 9, {"adhesion": None}),
-    ([(1.0, 1.0)] * 9, {"tension": 5e3})], ids=["pressed", "in between", "no adhesion", "a bond"])
+    ([(1.0, 1.0)] * 9, {"tension": 5e3}), ([(1.0, 1.0)] * 9, {"friction": 0.25})],
+    ids=["pressed", "in between", "no adhesion", "a bond", "friction"])
 def test_others_are_not(pressures, given):
     assert notes(pressures, **given) == []

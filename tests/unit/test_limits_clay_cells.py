@@ -1,7 +1,10 @@
 """Limit of few cells behind a wall that clay follows: the law is what was measured, and only such walls have the note."""
 
 import re
+from dataclasses import replace
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from hybrid.monitors.limits import clay_cells
@@ -135,6 +138,38 @@ def test_a_cylinder_deep_in_clay_on_few_cells(across, adhesion, said):
 def test_the_law_of_flow_around_a_cylinder_is_what_was_measured(factor, measured):
     for across, excess in measured.items():
         assert factor / across**2 == pytest.approx(excess, abs=0.01)
+
+
+def test_a_cylinder_that_clay_stays_attached_to_is_judged_by_its_own_law():
+    """Smooth 50, 34, 15 % with 4, 5, 8 cells; α = 1: 25, 14, 6 %; α = 0.5: 23, 5 % with 5, 10."""
+    for adhesion, measured in ((0.0, {4: 0.5, 5: 0.34, 8: 0.15}), (1.0, {4: 0.25, 5: 0.14, 8: 0.06}),
+                               (0.5, {5: 0.23, 10: 0.05})):
+        pipe = SimpleNamespace(interface=SimpleNamespace(adhesion=adhesion, tension=np.inf))
+        for across, excess in measured.items():
+            assert clay_cells._around(pipe) / across**2 == pytest.approx(excess, abs=0.07)
+    buried = plasticity.buried(5, adhesion=1.0)
+    simulation = build(replace(buried, bodies=(replace(buried.bodies[0], tension="full"),)))
+    text, = clay_cells.flow_around(simulation.scene, simulation.model)
+    assert "about 16% too high" in text
+
+
+def balls(cells, depth=3.0, velocity=(0.0, 0.0, -0.01), **shape):
+    """Warnings about a quarter of a ball, 1 m and so many cells wide, driven in clay with its centre at a `depth` [m]."""
+    size = 1.0 / cells
+    ball = body("sphere.geo", {"radius": 0.5, "size": 0.2, **shape}, position=(0.0, 0.0, -depth), driven=("z",),
+                velocity=velocity, tension="full")
+    across = Axis(start=0.0, end=6 * size, size=size)
+    grid = Grid(across, across, Axis(start=-round(5 / size) * size, end=size, size=size), Faces(z_min="fixed"))
+    clay = Soil(Material(law="von-mises", young=2e6, poisson=0.49, density=1600.0, strength=5e3), top=0.0)
+    simulation = build(scene("ball", grid, clay, [ball], Time(1.0, inertia=False), 10, (0.0, 0.0, -9.81)))
+    return list(clay_cells.balls(simulation.scene, simulation.model))
+
+
+def test_a_ball_deep_in_clay_on_few_cells():
+    """54, 46, 25 % with 3, 4, 6 cells."""
+    text, = balls(4)
+    assert "cells of 0.25 m wide, deep in the clay" in text and "about 41% too high" in text and "at most 0.062 m" in text
+    assert not balls(4, depth=1.0, velocity=(0.0, 0.0, 0.05))
 
 
 def penetrators(cells, way=2.0, **motion):

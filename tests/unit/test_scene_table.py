@@ -9,7 +9,7 @@ import pytest
 from hybrid.runtime.errors import SceneError
 from hybrid.scene.read import build_table
 from hybrid.scene.reference import tables
-from hybrid.scene.soil import Material
+from hybrid.scene.soil import Material, Soil
 from hybrid.scene.table import Range, described, file_name, key, need, range_faults, required_in_file, shown, table
 
 
@@ -120,6 +120,12 @@ def test_other_words_for_values_stand_for_valid_ones(heading, cls):
         valid = [value for option in get_args(hints[f.name]) for value in get_args(option) or [option]]
         for word, value in described(f).words.items():
             assert value in valid and word not in valid and word == word.lower()
+
+
+@pytest.mark.parametrize("key_, table_", [("density", "soil.material"), ("su", "soil.material"), ("law", "soil.material")])
+def test_a_key_in_the_wrong_table_is_led_to_its_own(key_, table_):
+    with pytest.raises(SceneError, match=f"unknown key 'soil.{key_}': it belongs to the table {table_}"):
+        build_table(Soil, {"material": {"law": "hencky"}, key_: 1.0}, "soil", Path())
 
 
 def test_words_for_a_kind_of_soil_lead_to_its_law():

@@ -1,7 +1,8 @@
 """Pressure of clay on walls that few cells make too low (active) or too high (passive), measured on smooth walls that are
 drawn back and pushed (demos/random/README.md, "By cells"), clay that stays attached to a body which slides over it, and clay
 that flows around a round body deep in it, in plane strain: with n cells across the load is too large by 3/n² of it where
-the body is smooth, by half of that where it is rough; in space, where a round shaft follows the tip, by 0.55 (4 - n).
+the body is smooth, by half of that where it is rough, and by (9 - 5 α)/n² where the clay stays attached to it; in space
+around a ball by 1.6/n, where clay stays attached to it, and where a round shaft follows the tip, by 0.55 (4 - n).
 
     P(H) = γ H²/2 - 2 s_u H         clay that cannot stand by itself, γ H > 4 s_u, slides after the wall on a plane of 45°
     P(H - 1.4 h) instead of P(H)    found with cells of h
@@ -24,6 +25,10 @@ LOWER = 1.4         # cells that the wedge is lower than the wall
 IN_CLAY = Wedge("clay", 1.5, "30 to 72 % over the wedge's load with 10 cells, 15 to 43 % with 20")
 ALONG = 0.1         # sine of the angle between a way and the ground
 AROUND, ROUGH = 3.0, 1.5    # 18, 8.5, 5.1, 2.9 % with 4, 6, 8, 12 cells; 9.4, 4.9, 3.3 % (demos/random/README.md)
+STUCK, BY_ADHESION = 9.0, 5.0   # smooth 50, 34, 15 % with 4, 5, 8 cells; α = 1: 25, 14, 6 %; 0.5: 23, 5 % with 5, 10
+# α = 1: 54, 46, 25, 16 % with 3, 4, 6, 8 cells over 13.4 s_u A where clay stays attached; where it parts from the ball,
+# without weight, 25, 17, 12 % with 3, 4, 6 over what these tend to
+BALL, PARTED = 1.6, 0.75
 PENETRATED, RESOLVED = 0.55, 4.0    # 1.05, 0.95, 0.55, 0.2, 0.05 with 2, 2.5, 3, 3.5, 4 cells (demos/random/README.md)
 SHAFT, DEEP = 1.5, 1.0      # widths: length of a body, and depth of its tip in the end, from which on a shaft follows it
 BEARING = 10.0      # of s_u, what stops a body that falls into clay
@@ -57,9 +62,8 @@ def attached_slides(scene, model):
     """Bodies driven along the top of clay that never breaks away from them."""
     for body, way, place, _ in driven(scene, model):
         across, bottom = np.ptp(place @ way) / np.linalg.norm(way), place[:, 2].min()
-        attached = body.interface is not None and np.isinf(body.interface.tension)
         along = abs(way[2]) < ALONG * np.linalg.norm(way) and bottom > top_of(model.soil) - SUNK * across
-        if attached and along and law_at(scene, model.soil, bottom - 0.5 * model.soil.grid.smallest_cell) == CLAY:
+        if _attached(body) and along and law_at(scene, model.soil, bottom - 0.5 * model.soil.grid.smallest_cell) == CLAY:
             yield (f'{body.name} is driven along the top of clay with body.tension = "full": what its rear edge '
                    "leaves stays on it and holds it back, a strip on 10 and 20 cells by 35 and 18 % of α s_u B with "
                    f"α = 1, by 150 and 90 % with 0.5, limit {EXCESS:.0%}. Leave body.tension out, or give the tension "
@@ -78,11 +82,43 @@ def flow_around(scene, model):
         if plane or not width or above < COVERED * width or facing(body, place, way) is not None or law_at(
                 scene, soil, place[:, 2].mean()) != CLAY:
             continue
-        factor, cells = AROUND if body.interface is None else ROUGH, width / soil.grid.smallest_cell
+        factor, cells = _around(body), width / soil.grid.smallest_cell
         if factor / cells**2 > EXCESS:
             yield (f"{body.name} is round and {cells:.2g} cells of {soil.grid.smallest_cell:.3g} m wide, deep in the clay "
                    f"that it moves through: its load is about {factor / cells**2:.0%} too high, limit {EXCESS:.0%}. Use "
                    f"cells of at most {width * np.sqrt(EXCESS / factor):.2g} m")
+
+
+def _around(body):
+    """Excess of the load on a round body times the square of the number of cells across it."""
+    if body.interface is None:
+        return AROUND
+    return STUCK - BY_ADHESION * min(body.interface.adhesion or 0.0, 1.0) if _attached(body) else ROUGH
+
+
+def _attached(body):
+    """Whether clay never breaks away from a body."""
+    return body.interface is not None and np.isinf(body.interface.tension)
+
+
+def balls(scene, model):
+    """Balls and other short round bodies driven in clay that covers them in the end, in space, so few cells wide that their
+    load is more than EXCESS too high."""
+    soil = model.soil
+    if soil.held or soil.grid.collapsed.any():
+        return
+    for body, way, place, plane in driven(scene, model):
+        width = min((width for _, width, _ in sides(soil.grid, place, way)), default=0.0)
+        short = np.ptp(place[:, 2]) <= SHAFT * width
+        above = top_of(soil) - place[:, 2].max() - min(way[2], 0.0)
+        if plane or not width or not short or above < COVERED * width or facing(body, place, way) is not None or law_at(
+                scene, soil, place[:, 2].mean() + min(way[2], 0.0)) != CLAY:
+            continue
+        factor, cells = BALL if _attached(body) else PARTED, width / soil.grid.smallest_cell
+        if factor / cells > EXCESS:
+            yield (f"{body.name} is round and {cells:.2g} cells of {soil.grid.smallest_cell:.3g} m wide, deep in the clay "
+                   f"that it moves through: its load is about {factor / cells:.0%} too high, limit {EXCESS:.0%}. Use cells "
+                   f"of at most {width * EXCESS / factor:.2g} m, or extrapolate two sizes of cells to none")
 
 
 def penetrators(scene, model):
@@ -155,4 +191,4 @@ def _critical_height(scene, soil, place, way):
     return 4.0 * strength / (mass * -scene.gravity[2]) if volume else None
 
 
-LIMITS = (drawn_walls, pushed_walls, clay_walls, attached_slides, flow_around, penetrators)
+LIMITS = (drawn_walls, pushed_walls, clay_walls, attached_slides, flow_around, balls, penetrators)
