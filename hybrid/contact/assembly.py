@@ -1,4 +1,4 @@
-"""Forces and tangent of the first pass of contact into the residual and the block system.
+"""Forces and tangent of contact into the residual and the block system.
 
 With F the force of the penalty on a contact point (as a residual), r = x_c - c, B = [I, -I, r̃] acting on (δx_c, δc, δφ),
 δφ spatial, and D = ∂F/∂x_c at fixed attitude,
