@@ -173,9 +173,9 @@ class SideStep:
 
 
 def begin(side, poses, predicted, reach, history, stiffness, law, collapsed):
-    """SideStep from committed `poses` of all bodies and those `predicted` at the end of the increment; reach: [m] of the
-    search;
-    history: (number, anchor, rest) of places in contact; stiffness: k/2 [N/m³]."""
+    """SideStep from committed `poses` of all bodies and those `predicted` at the end of the increment.
+
+    reach: [m] of the search; history: (number, anchor, rest) of places in contact; stiffness: k/2 [N/m³]."""
     turn, way = relative(poses[side.a], poses[side.b], collapsed)
     places = side.samples.near(turn, way, side.surface, reach)
     start, m = places.point @ turn.T + way, len(places.number)

@@ -54,9 +54,9 @@ class Cover:
                    width, flat)
 
     def layers(self, foot, normal, area, pose, extent):
-        """(m,) C at contact points with closest points and normals (m, 3) [m], in space, and areas (m,) [m²]; pose: of
-        the body;
-        extent: (3, 2) [m] of the grid along its axes, without limits along those that are collapsed."""
+        """(m,) C at contact points with closest points and normals (m, 3) [m], in space, and areas (m,) [m²].
+
+        pose: of the body; extent: (3, 2) [m] of the grid along its axes, without limits along those that are collapsed."""
         position, rotation = pose
         foot = _flattened((foot - position) @ rotation, self.flat)
         _, patch = self.tree.query(np.hstack([foot, self.width * normal @ rotation]))

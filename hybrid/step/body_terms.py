@@ -44,7 +44,9 @@ class BodyStep:
     pair      its contact with the soil; reach: of the search for it
     unknowns  slice of the bodies' unknowns that are its own
     line_force  (3,) [N] residual of the line at the start of the step
-    begin     [s] start of the step
+    gravity   (3,) [m/s²] that acts at the end of the step
+    scheme    rule of integration in time
+    dt, begin [s] length of the step, and its start
     support   (2, 6) [N, N m] at its start and its end, None: none (`hybrid.step.support`)
     """
 
@@ -131,9 +133,11 @@ class BodyStep:
 
 @dataclass(frozen=True)
 class BodyTerms:
-    """Terms of a body at a trial pose: `terms` (k, 6) [N, N m] inertia, weight, line, contact, loads, joints and, where
-    there are others, contact with other bodies; springs: [N/m] stiffness of its contact; beside: whether other bodies may
-    touch it."""
+    """Terms of a body at a trial pose, position (3,) [m] and rotation (3, 3).
+
+    terms: (k, 6) [N, N m] inertia, weight, line, contact, loads, joints and, where there are others, contact with other
+    bodies; trial: BodyTrial, contact: PointContact at that pose; springs: [N/m] stiffness of its contact; beside: whether
+    other bodies may touch it."""
 
     step: BodyStep
     pose: tuple
