@@ -13,6 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from hybrid.body import rigid
 from hybrid.state import JointState
 from hybrid.step.joint_terms import columns_of, gradients_of, independent, kept_rows, poses_of, rows_of
 from hybrid.step.work import drive_name
@@ -111,8 +112,10 @@ def begin_stage(model, bodies, joints):
         bounds, _, _ = rows_of(bare)
         active = independent(gradients, bounds) & (~np.isfinite(bounds).any(axis=1) | joints.active)
         if model.scheme.inertia:
-            bodies, joints, gains = consistent(bare, bodies, joints, active)
-            lost = -float(gains.sum())
+            before = bodies
+            bodies, joints, _ = consistent(bare, before, joints, active)
+            # not p·G v of the rows: what they do to driven components is borne by the guides
+            lost = -sum(float(rigid.jolt(*one).sum()) for one in zip(model.bodies, before, bodies))
     if model.guides:
         joints = JointState(np.zeros(0), np.zeros(0, bool)) if joints is None or not model.joints else joints
         more = np.zeros(_count(model.guides))

@@ -223,6 +223,18 @@ def test_a_driven_crank_moves_a_rod():
     np.testing.assert_allclose(upper.position - upper.rotation @ (0.3, 0.0, 0.0), (0.0, 0.0, 5.0), atol=1e-6)
 
 
+def test_the_drive_pays_for_what_follows_on_a_joint():
+    """Two bars in line on a rod, the first set in motion at once: the drive does the work of the impulse on both."""
+    bodies = [arm("front", 0.6, 0.0), arm("rear", 0.4, -1.0)]
+    rod = Joint("rod", "rod", ("front", "rear"), (-0.3, 0.0, CENTRE), end=(0.2, 0.0, CENTRE))
+    scene, go = joined(bodies, [rod], 10, 0.01, gravity=(0.0, 0.0, 0.0)), Motion(body="front", component="x", velocity=0.5)
+    simulation = build(replace(scene, stages=(Stage("go", 10, motions=(go,)),)))
+    *_, last = simulation.steps()
+    energy = 0.5 * (bar(0.6)[0] + bar(0.4)[0]) * 0.5**2
+    assert last.energies["kinetic"] == pytest.approx(energy, rel=1e-6) == last.energies["drive"]
+    assert abs(last.energies["error"]) < 1e-6 * energy
+
+
 def test_increments_by_accuracy_pass_an_impact():
     scene = pendulum(30, 0.02, limits=(-10.0, 60.0))
     scene = replace(scene, time=replace(scene.time, accuracy=1e-3))
