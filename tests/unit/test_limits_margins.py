@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from hybrid.monitors.limits.margins import covered, narrow_margins
+from hybrid.monitors.limits.margins import covered, narrow_margins, no_room_above
 from hybrid.scene import Axis, Faces, Load, Material, Stage
 from hybrid.setup.build import build
 from hybrid.study.scenes import box, collapsed, soil_scene
@@ -15,10 +15,10 @@ DOWN = {"driven": ("z",), "velocity": (0.0, 0.0, -0.1)}
 
 
 def texts(x=(-1.0, 1.0), depth=0.4, size=0.05, load=None, material=CLAY, faces=(),
-          limit=narrow_margins, **body):
+          limit=narrow_margins, above=6, **body):
     """Texts about half of a strip 0.4 m wide on soil in plane strain, whose middle is at x = 0."""
     strip = box(0.4, 0.2, 0.2, name="strip", **{"position": (0.0, 0.1, 0.0), "rest_on": 0.0} | ({} if load else DOWN) | body)
-    scene = soil_scene([strip], x=Axis(*x, size), y=collapsed(0.2), z=Axis(-depth, 6 * size, size),
+    scene = soil_scene([strip], x=Axis(*x, size), y=collapsed(0.2), z=Axis(-depth, above * size, size),
                        faces=Faces(z_min="fixed", **dict(faces)))
     scene = replace(scene, soil=replace(scene.soil, material=material),
                     stages=(Stage("go", 2, loads=(load,) if load else ()),))
@@ -66,3 +66,12 @@ def test_a_footing_wider_than_the_grid_is_told_that_soil_cannot_flow_from_under_
     assert not texts(x=(-0.15, 0.15), limit=covered, faces={"x_max": "free"}) and not texts(x=(-0.15, 0.15), limit=covered,
                                                                                               velocity=(0.0, 0.0, 0.1))
     assert not texts(x=(-0.15, 0.15), limit=covered, material=replace(CLAY, law="hencky", strength=None))
+
+
+def test_soil_that_fills_the_grid_has_no_room_to_heave():
+    """Not where a row of cells is empty, the upper end is held, or the body moves by less than points are below it."""
+    given = {"limit": no_room_above, "above": 0, "velocity": (0.0, 0.0, -1.0)}
+    text, = texts(**given)
+    assert "reaches the upper end of the grid, z = 0 m" in text and "Raise grid.z.end" in text
+    assert not texts(**given | {"above": 1}) and not texts(**given, faces={"z_max": "fixed"})
+    assert not texts(**given | {"velocity": (0.0, 0.0, -0.5)})

@@ -19,6 +19,7 @@ from hybrid.runtime.comm import maximum, minimum
 BESIDE = {True: 0.25, False: 0.15}  # widths of the body, by whether it is rough
 BELOW = {True: 0.4, False: 0.25}
 DOWN = 0.9      # share of the way of a body that is pressed down
+HEAVE, ROOM = 0.25, 0.5     # cells from the highest points to the surface, and above it that are no room
 
 
 def narrow_margins(scene, model):
@@ -57,6 +58,21 @@ def covered(scene, model):
                    "unless compression is meant")
 
 
+def no_room_above(scene, model):
+    """Bodies driven through soil that fills the grid up to an upper end that nothing holds, farther than soil may heave
+    there before its points leave the grid."""
+    soil, cell = model.soil, model.soil.grid.smallest_cell
+    end, top = soil.grid.extent[2, 1], _ends(soil, 2)[1]
+    open_ = scene.grid.faces.z_max == "free" and not scene.grid.z.moves and not soil.grid.collapsed[2]
+    if not open_ or soil.stray != "stop" or top < end - ROOM * cell:
+        return
+    for body, way, *_ in driven(scene, model):
+        if np.linalg.norm(way) > HEAVE * cell:
+            yield (f"{body.name} is driven by {np.linalg.norm(way):.3g} m through soil that reaches the upper end of the "
+                   f"grid, z = {end:.3g} m, where nothing holds it: points that heave leave the grid there, which stops the "
+                   "run. Raise grid.z.end some cells above the soil")
+
+
 def _text(body, width, gap, where, limit, axis):
     return (f"{body.name} is {width:.3g} m wide, and the soil ends {gap:.3g} m {where}, {gap / width:.2g} widths, limit "
             f"{limit:g}: soil that should flow from under it is held there, so that the body carries more than on ground "
@@ -88,4 +104,4 @@ def _ends(soil, axis):
     return minimum(at - half), maximum(at + half)
 
 
-LIMITS = (narrow_margins, covered)
+LIMITS = (narrow_margins, covered, no_room_above)
