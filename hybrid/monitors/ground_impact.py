@@ -5,12 +5,9 @@ of 0.2 ms. Where bodies were near one another in the impact, one of them was hit
 part in it.
 """
 
-import numpy as np
-
+from hybrid.monitors.absorbed_impact import least_energy
 from hybrid.monitors.body_impact import QUIET, ImpactLoss, near
 from hybrid.runtime.comm import anywhere
-
-SMALL = 0.01    # of the energy of a fall from the radius of the bodies: what has less settles on its contact springs
 
 
 class GroundImpact(ImpactLoss):
@@ -29,7 +26,7 @@ class GroundImpact(ImpactLoss):
         loss, found = self.follow(view, view.struck)
         self._touched |= anywhere([len(contact) for contact in view.contacts])
         self._hit |= view.struck or near(view)
-        if found and self._touched and self._largest > _least(view.model):
+        if found and self._touched and self._largest > least_energy(view.model):
             yield self._told(view, loss)
         self._hit = self._quiet < QUIET and self._hit
         if view.struck or self._quiet >= QUIET:     # by one another: `BodyImpact`
@@ -44,7 +41,3 @@ class GroundImpact(ImpactLoss):
         return "ground", self.text(view, loss, "impact on held ground",
                                    ". Use a smaller time.step, ten in the time for which they touch keep 96 %")
 
-
-def _least(model):
-    """Energy [J] of motion below which nothing is an impact."""
-    return SMALL * sum(body.mass.mass * body.radius for body in model.bodies) * float(np.linalg.norm(model.gravity))

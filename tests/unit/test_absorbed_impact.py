@@ -9,11 +9,12 @@ from hybrid.monitors import StepView
 from hybrid.monitors.absorbed_impact import AbsorbedImpact
 
 
-def notes(errors, elastic=0.0, plastic=True, first_order=False, inertia=True, monitor=None, **energy):
+def notes(errors, elastic=0.0, plastic=True, first_order=False, inertia=True, monitor=None, gravity=9.81, **energy):
     """Of steps with these errors [J] of a body of 2 kg that falls with 10 m/s, 100 J, and stands still from the second
     step on."""
-    body = SimpleNamespace(mass=SimpleNamespace(mass=2.0, inertia=np.eye(3)))
-    model = SimpleNamespace(bodies=(body,), soil=SimpleNamespace(held=False, law=SimpleNamespace(plastic=plastic)))
+    body = SimpleNamespace(mass=SimpleNamespace(mass=2.0, inertia=np.eye(3)), radius=0.5)
+    model = SimpleNamespace(bodies=(body,), soil=SimpleNamespace(held=False, law=SimpleNamespace(plastic=plastic)),
+                            gravity=np.array([0.0, 0.0, -gravity]))
     monitor, found = monitor or AbsorbedImpact(None, None), []
     for time, error in enumerate(errors):
         motion = SimpleNamespace(velocity=np.array([0.0, 0.0, 0.0 if time else -10.0]), spin=np.zeros(3), rotation=np.eye(3))
@@ -29,6 +30,11 @@ def test_small_losses_that_add_up_are_reported_once():
     assert notes([0.0, -7.0, -14.0]) == []
     text, = notes([0.0, -7.0, -16.0, -24.0])
     assert "16 J of the 100 J" in text and "t = 2 s (16%, limit 15%)" in text and "smaller cells" in text
+
+
+def test_bodies_that_settle_are_no_impact():
+    """100 J are less than a hundredth of what a heavy body gains as it falls by its radius."""
+    assert notes([0.0, -40.0], gravity=9.81e4) == [] and notes([0.0, -40.0], gravity=0.0) != []
 
 
 @pytest.mark.parametrize("other", [{"drive": 1.0}, {"pull": -1.0}, {"elastic": 150.0}, {"plastic": False},
@@ -53,7 +59,7 @@ def test_no_more_than_all_is_lost_and_the_motion_before_the_first_step_counts():
     """Bodies that fall again and again; an impact within the first step."""
     text, = notes([0.0, -157.0])
     assert "157 J of the 157 J" in text and "(100%, limit 15%)" in text
-    body = SimpleNamespace(mass=SimpleNamespace(mass=2.0, inertia=np.eye(3)))
+    body = SimpleNamespace(mass=SimpleNamespace(mass=2.0, inertia=np.eye(3)), radius=0.5)
     start = SimpleNamespace(velocity=np.array([0.0, 0.0, -20.0]), spin=np.zeros(3), rotation=np.eye(3))
     text, = notes([-200.0], monitor=AbsorbedImpact(SimpleNamespace(bodies=(body,)), SimpleNamespace(bodies=(start,))))
     assert "200 J of the 400 J" in text

@@ -16,6 +16,7 @@ import numpy as np
 from hybrid.bench.stamp import stamp
 from hybrid.output import atomic
 from hybrid.runtime.errors import HybridError
+from hybrid.scene import Material
 from hybrid.study.failure.simulate import simulate
 from hybrid.study.random.family import Run
 from hybrid.study.random.fresh import clay, elastic, motion, sand
@@ -53,6 +54,10 @@ PROBLEMS = {
     "drum rolls": lambda: motion.ride("cylinder", 45, 0.9, 118, 0.55, 0.5),
     "block slides": lambda: motion.ride("block", 30, 0.3, 61, 0.4, 0.35),
     "block sticks": lambda: motion.ride("block", 20, 0.5, 290, 0.4, 0.35),
+    "block on clay": lambda: motion.on_bank("block", 17.0, 0.11, clay.clay(130e3, 1850.0)),
+    "block on sand": lambda: motion.on_bank("block", 13.0, 0.08, Material(relative_density=85.0)),
+    "drum on clay": lambda: motion.on_bank("cylinder", 12.0, 0.55, clay.clay(130e3, 1850.0)),
+    "bounce": lambda: motion.bounce(),
     "pendulum": lambda: motion.pendulum(),
     "oedometer": lambda: elastic.oedometer(),
     "hertz": lambda: elastic.hertz(),

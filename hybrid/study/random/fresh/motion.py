@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hybrid.scene import Axis, Grid, Joint, Material, Soil, Time
+from hybrid.scene import Axis, Faces, Grid, Joint, Material, Soil, Time
 from hybrid.study.random.fresh.problem import G, Problem, body, scene
 
 
@@ -35,6 +35,42 @@ def ride(shape, slope, mu, heading, radius, cell, steps=60, step=0.01, start=(0.
     return Problem(f"{shape} on {slope}°, μ = {mu:g}, heading {heading}°, {what} [m]",
                    scene("ride", grid, soil, [rider], Time(step), steps,
                    (*(down * along), -across)), exact, exact, measure, 0.005 if exact else 1e-3)
+
+
+def on_bank(shape, slope, mu, material, size=0.7, cell=0.25, steps=40, step=0.02):
+    """Distance from rest down a bank that deforms, in plane strain; shape: "block" or "cylinder"."""
+    turn, width, long, top = np.radians(slope), 0.5, 9.0, 4.0
+    down, across = G * np.sin(turn), G * np.cos(turn)
+    rate = down - mu * across if shape == "block" else down / 1.5
+    file, sizes = {"block": ("box.geo", {"length": 2 * size, "width": width, "height": 0.6 * size, "size": 9.0}),
+                   "cylinder": ("cylinder.geo", {"radius": size, "height": width, "size": size / 8})}[shape]
+    rotation = {"block": (0.0, 1.0, 0.0, slope), "cylinder": (1.0, 0.0, 0.0, 90.0)}[shape]
+    rider = body(file, sizes, density=2100.0, position=(2.63, 0.5 * width, 0.0), rotation=rotation, rest_on="ground",
+                 friction=mu)
+    end = top - (long - 1.5) * np.tan(turn)
+    grid = Grid(Axis(start=0.0, end=long, size=cell), Axis(start=0.0, end=width, collapsed=True),
+                Axis(start=0.0, end=6.5, size=cell), Faces(z_min="fixed"))
+    soil = Soil(material, top=top, ground=((0.0, top), (1.5, top), (long, float(end))))
+    exact = 0.5 * rate * (steps * step) ** 2
+
+    def measure(run):
+        return float(np.linalg.norm(run.simulation.state.bodies[0].position - run.simulation.initial_bodies[0].position))
+
+    return Problem(f"{shape} on a bank of {slope}° that deforms ({material.law or 'sand'}), μ = {mu:g} [m]",
+                   scene("bank", grid, soil, [rider], Time(step), steps), exact, exact, measure, 0.05)
+
+
+def bounce(step=0.31, part=0.37):
+    """Speed with which a box leaves held ground, in steps of `step` [s], longer than the contact, over that with which it
+    came: at most 1; part: of a step until it arrives."""
+    box_ = body("box.geo", {"length": 1.0, "width": 1.0, "height": 0.4, "size": 20.0}, density=1200.0,
+                position=(0.0, 0.0, 0.0), rest_on=part * 2.0 * step, velocity=(0.0, 0.0, -2.0))
+    side = Axis(start=-0.75, end=0.75, size=0.5)
+    soil = Soil(Material(law="hencky", young=2e6, poisson=0.0, density=1800.0), held=True, geostatic=False)
+    grid = Grid(side, side, Axis(start=-0.5, end=0.0, size=0.5))
+    return Problem("box bounces off held ground in steps longer than the contact, speed after over before",
+                   scene("bounce", grid, soil, [box_], Time(step), 12, (0.0, 0.0, 0.0)), 0.5, 1.0,
+                   lambda run: float(run.simulation.state.bodies[0].velocity[2]) / 2.0, 0.01)
 
 
 def pendulum(release=140.0):
