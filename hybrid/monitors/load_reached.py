@@ -11,10 +11,11 @@ def overloads(step, reason="", lost=False):
     """[(text, whether the load acts at once)] of the loads that a failed `step` without inertia carries; reason: why it
     failed; lost: whether no body has contact, so that loads that lift one exceed nothing."""
     model = step.model
-    if step.soil is None or model.scheme.inertia:
+    if model.scheme.inertia:
         return []
     # a body that has flown off, or that nothing holds, rather than soil that yields
-    yields, singular = step.model.soil.law.plastic, "linear solver" in reason
+    held = step.soil is None
+    yields, singular = not held and model.soil.law.plastic, "linear solver" in reason and not held
     found, begin, end = [], step.state.time, step.state.time + step.dt
     for body in model.bodies:
         before, after = (sum((load.at(time)[0] for load in body.loads), np.zeros(3)) for time in (begin, end))
@@ -24,8 +25,9 @@ def overloads(step, reason="", lost=False):
             if step.state.step == 0:    # later it has been carried before
                 found.append((_at_once(body.name, after, yields) + _sign(step, body, after), True))
         elif not singular and (yields or slides(body, after)):
-            holds = "the soil" if yields else "friction on the elastic soil"
-            found.append((f"The load exceeds what {holds} can carry: that on {body.name} had reached "
+            holds = ("the soil can carry" if yields else "holds the body, which slides or topples" if held else
+                     "friction on the elastic soil can carry")
+            found.append((f"The load exceeds what {holds}: that on {body.name} had reached "
                           f"{components_of(before)} at t = {begin:.6g} s, the last accepted increment", False))
     share, whole = (np.linalg.norm(acceleration) for acceleration in (model.loads.on_bodies(begin), model.gravity))
     if model.loads.high > model.loads.low and whole > 0.0 and yields and not singular:

@@ -91,7 +91,7 @@ class Body:
                                 "cells of the soil, or beside the weight of the body on held soil", "1/m", default=None,
                                 above=0, remedy="leave it out")
     tangential: float | None = key("ratio ε_T / ε_N of tangential to normal stiffness of contact with the soil; the "
-                                   "larger, the less a rolling body creeps; left out: 3, or 0.3 where clay sticks or a "
-                                   "body has no curved face to roll on; 1 at corners", "-", default=None, above=0,
-                                   remedy="1 is usual")
+                                   "larger, the less a rolling body creeps; left out: 3, or 0.3 where clay sticks, and on "
+                                   "soil that deforms without a curved face to roll on; 1 at corners", "-", default=None,
+                                   above=0, remedy="1 is usual")
     pull: Pull | None = key("line that drags the body", default=None)

@@ -35,6 +35,9 @@ from hybrid.runtime.errors import SceneError
 
 FEWEST, MOST = 4, 32                # places along a face
 CURVATURE, REST_CURVATURE = 16, 32  # spacings in a radius of curvature; of bodies that rest on soil of given shape
+# Places across the narrower side of a body with plane faces over held soil: the lever by which its weight resists a load
+# ends at the outermost one. A box of 0.4 x 0.4 x 1 m tipped at 0.86 to 1.0 of W b/h with 13 across, by where it stood.
+ACROSS = 32
 STIFFNESS = {False: 500.0, True: 20.0}  # p_f h, by whether the soil yields
 PRESSED = 2000.0                    # the same of planes driven into elastic soil: their force is wanted, and cells follow
 PATCH = 2.0                         # spacings in the radius of a contact patch on held soil
@@ -47,7 +50,7 @@ def connect_to_soil(described, body, rotation, soil, gravity, cone):
     """The body, at an initial `rotation` (3, 3), with all of its contact that follows from `soil`; gravity (3,) [m/s²];
     cone: soil.material.cone. Raises SceneError."""
     body = in_slice(body, soil.grid, rotation)
-    chosen, spacing, radius = _places(described, body, soil, gravity)
+    chosen, spacing, radius = _places(described, body, rotation, soil, gravity)
     interface, sharp = interface_of(described, cone), body.surface
     if not (soil.held or chosen.at_corners or _carried(body, soil, gravity)):
         edges = find_edges(body.surface, soil.grid.smallest_cell, rotation[soil.grid.collapsed])
@@ -89,17 +92,25 @@ def smallest_domain(soil):
     return 2 * minimum(soil.constants.half_width[:, across])
 
 
-def _places(described, body, soil, gravity):
-    """(Places, their spacing [m], radius of curvature [m] of the body)."""
+def _places(described, body, rotation, soil, gravity):
+    """(Places, their spacing [m] as far as curvature decides it, radius of curvature [m] of the body)."""
     width, radius = smallest_domain(soil), curvature_radius(body.surface)
     if described.contact == "corners":
         return places.corners(), width, radius
     wanted = (REST_CURVATURE if soil.held or _rests(body, soil, radius, gravity) else CURVATURE) * width / radius
-    k = int(places.BLOCK * np.ceil(np.clip(wanted, FEWEST, MOST) / places.BLOCK))
+    k = curved = _blocks(wanted)
+    if soil.held and np.isinf(radius):
+        extent = np.ptp(body.surface.vertices @ rotation.T, axis=0)
+        k = max(k, _blocks(ACROSS * width / extent[:2][~soil.grid.collapsed[:2]].min()))
     reach = places.HELD_REACH if soil.held else places.FACE_REACH
     if interface_of(described, "plane strain"):   # the steps that domains make of a surface are as high as a domain
         reach = max(reach, width / soil.grid.smallest_cell)
-    return places.faces(k, soil.grid.collapsed, reach), width / k, radius
+    return places.faces(k, soil.grid.collapsed, reach), width / curved, radius
+
+
+def _blocks(wanted):
+    """Number of places along a face, whole blocks of them, that is not less than `wanted` if it may be as many."""
+    return int(places.BLOCK * np.ceil(np.clip(wanted, FEWEST, MOST) / places.BLOCK))
 
 
 def _penalty(described, body, soil, spacing, radius, gravity):

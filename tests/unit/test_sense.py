@@ -158,10 +158,11 @@ def hinge(*point):
 
 
 @pytest.mark.parametrize("given, words", [
-    ({"joint": hinge(1.0, 1.0, 0.2)}, "joint.0.point of cube lies 1.28 m outside its bounding box, 6.4 times its size, "
-                                      "limit 2"),
+    ({"joint": hinge(2.0, 2.0, 0.2)}, "joint.0.point of cube lies 2.69 m outside its bounding box, 13 times its size, "
+                                      "limit 10"),
+    ({"joint": hinge(1.0, 1.0, 0.2)}, ""),      # the arm of a pendulum
     ({"joint": Joint("rod", "rod", ("cube",), (0.0, 0.0, 0.0), end=(1.0, 1.0, 5.0))}, ""),     # the end of a rod is in space
-    ({"joint": Joint("rod", "rod", ("cube",), (0.0, 0.0, 1.0), end=(1.0, 1.0, 5.0))}, "joint.0.point of cube"),
+    ({"joint": Joint("rod", "rod", ("cube",), (0.0, 0.0, 3.0), end=(1.0, 1.0, 5.0))}, "joint.0.point of cube"),
     ({"joint": hinge(0.0, 0.0, 0.45)}, ""),
     ({"loads": (Load(force=(0.0, 0.0, -1.0)), Load(force=(0.0, 0.0, -1.0), point=(0.0, 0.0, 25.0)))},
      "stage.0.load.1.point of cube lies 24.9 m"),

@@ -12,7 +12,7 @@ ROUND_OFF = 0.01    # of the size of a body
 FLUSH = 0.01        # of the smallest cell: a body that reaches less far past the end of the grid ends there
 OFF = 0.05          # radii of a body that a pull point may lie outside its bounding box,
 AWAY = 1.0          # sizes of it that the points of its loads and motions may,
-AWAY_JOINED = 2.0   # and those of its joints: a hinge may stand for the arm of a pendulum
+AWAY_JOINED = 10.0  # and those of its joints: a hinge may stand for the arm of a pendulum
 COORDINATES = "those of the geometry, in metres, before body.position moves it"
 STIFF = 1e4         # p_f times the smallest cell [-], of soil that is not held
 
@@ -61,7 +61,8 @@ def _place(soil, low, high, grid):
         side = "max" if middle[i] > 0.5 * sum(extent[i]) else "min"
         free = getattr(grid.faces, f"{name}_{side}") == "free"
         covers = low[i] <= extent[i, 0] and high[i] >= extent[i, 1]     # a platen over all of the soil
-        if name != "z" and out > (-ROUND_OFF if free else ROUND_OFF) * size[i] and not covers:
+        if name != "z" and out > (-ROUND_OFF if free else ROUND_OFF) * size[i] and not covers and gap < size.max():
+            # one that starts high above the soil may come down elsewhere
             return (f"is half outside the grid: its middle is at {name} = {middle[i]:.4g} m, and the grid goes from "
                     f"{extent[i, 0]:.4g} to {extent[i, 1]:.4g} m. Only at a face of symmetry is half of a body enough")
     return None

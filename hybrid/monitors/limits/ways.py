@@ -12,7 +12,7 @@ from hybrid.scene.soil import of_layer
 EXCESS = 0.1                    # of a load, above which it is reported
 PLANE, LEADING = 0.99, 0.5      # cosine between a face and the way; share of what the body covers that such faces are
 # Share of a load across its main direction, or of the size that it acts beside the centre: inclined or eccentric
-ASIDE = 0.05
+ASIDE = 0.05 * (1.0 + 1e-6)     # not decided by round-off
 STEEP = 1.5                     # cells: a lower step of the ground is a slope
 CLAY, SAND = "von-mises", {"drucker-prager", "mohr-coulomb", "willam-warnke"}
 
