@@ -99,7 +99,7 @@ def _places(described, body, rotation, soil, gravity):
         return places.corners(), width, radius
     wanted = (REST_CURVATURE if soil.held or _rests(body, soil, radius, gravity) else CURVATURE) * width / radius
     k = curved = _blocks(wanted)
-    if soil.held and np.isinf(radius):
+    if soil.held and np.isinf(radius) and body.free[3:].any():     # it may tip
         extent = np.ptp(body.surface.vertices @ rotation.T, axis=0)
         k = max(k, _blocks(ACROSS * width / extent[:2][~soil.grid.collapsed[:2]].min()))
     reach = places.HELD_REACH if soil.held else places.FACE_REACH
