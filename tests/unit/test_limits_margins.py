@@ -75,3 +75,4 @@ def test_soil_that_fills_the_grid_has_no_room_to_heave():
     assert "reaches the upper end of the grid, z = 0 m" in text and "Raise grid.z.end" in text
     assert not texts(**given | {"above": 1}) and not texts(**given, faces={"z_max": "fixed"})
     assert not texts(**given | {"velocity": (0.0, 0.0, -0.5)})
+    assert not texts(**given, depth=1.2, position=(0.0, 0.1, -0.7), rest_on=None)       # deep in the soil

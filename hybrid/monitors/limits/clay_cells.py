@@ -111,7 +111,8 @@ def balls(scene, model):
         width = min((width for _, width, _ in sides(soil.grid, place, way)), default=0.0)
         short = np.ptp(place[:, 2]) <= SHAFT * width
         above = top_of(soil) - place[:, 2].max() - min(way[2], 0.0)
-        if plane or not width or not short or above < COVERED * width or facing(body, place, way) is not None or law_at(
+        known = body.interface is not None and not plane and short and width > 0.0    # a smooth ball was not measured
+        if not known or above < COVERED * width or facing(body, place, way) is not None or law_at(
                 scene, soil, place[:, 2].mean() + min(way[2], 0.0)) != CLAY:
             continue
         factor, cells = BALL if _attached(body) else PARTED, width / soil.grid.smallest_cell

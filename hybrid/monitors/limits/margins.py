@@ -66,8 +66,9 @@ def no_room_above(scene, model):
     open_ = scene.grid.faces.z_max == "free" and not scene.grid.z.moves and not soil.grid.collapsed[2]
     if not open_ or soil.stray != "stop" or top < end - ROOM * cell:
         return
-    for body, way, *_ in driven(scene, model):
-        if np.linalg.norm(way) > HEAVE * cell:
+    for body, way, place, _ in driven(scene, model):
+        deep = place[:, 2].max() < top - np.ptp(place, axis=0).max()      # clay closes behind it
+        if np.linalg.norm(way) > HEAVE * cell and not deep:
             yield (f"{body.name} is driven by {np.linalg.norm(way):.3g} m through soil that reaches the upper end of the "
                    f"grid, z = {end:.3g} m, where nothing holds it: points that heave leave the grid there, which stops the "
                    "run. Raise grid.z.end some cells above the soil")
