@@ -66,7 +66,8 @@ def impulse_pending(step, evaluation):
     if not (step.bodies and step.model.scheme.auxiliary):
         return False
     states = [terms.accept() for terms in evaluation.bodies]
-    left = max(np.linalg.norm(new.algorithmic[:3] - new.acceleration) for new in states)
+    left = max((np.linalg.norm(new.algorithmic[:3] - new.acceleration) for new in states if new.algorithmic is not None),
+               default=0.0)
     fastest = max(np.linalg.norm(new.velocity) for new in states) + np.linalg.norm(step.model.gravity) * step.dt
     return bool(0.5 * step.dt * left > PENDING * fastest)
 
