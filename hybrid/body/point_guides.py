@@ -6,7 +6,7 @@ with e the axis of the component, x_n where the point should be at the start of 
 table has in it. λ is the force of the guide on the body at the point, λ Δ its work. All other components of the body and its
 rotation stay free.
 
-Equations: FORMULATION (53a).
+Equations: FORMULATION (53b).
 """
 
 from dataclasses import dataclass, replace

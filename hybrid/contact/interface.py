@@ -8,7 +8,7 @@
 | α      | adhesion factor                                            | Interface.adhesion = α/ξ       | -    |
 | s_u    | undrained shear strength, k/ξ of von Mises' law            | Cone.cohesion = k              | Pa   |
 | σ_t    | tension at which the interface opens, inf: never           | Interface.tension              | Pa   |
-| a      | area of the contact point projected along N, ε_N/(p_f E)   | `point_limits`                 | m²   |
+| a      | area of the contact point projected along N, ε_N/(p_f E)   | `place_limits`                 | m²   |
 
 A contact point is bonded from the step in which it first touches, or from the start of the run if it begins within
 `ATTACHED` of the surface; then its spring pulls too, about the gap g_0 that it had there. A point whose tension reaches

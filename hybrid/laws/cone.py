@@ -78,9 +78,10 @@ class Cone(Hencky):
     @property
     def symmetric(self):
         """Whether all tangents are symmetric: associated flow on a circular cone, without hardening of an apex."""
-        eta, eta_bar, _, ratio, slope, _, dilation_ratio, _ = self.parameters[:, 2:].T
+        eta, eta_bar, _, ratio, slope, _, dilation_ratio, corner = self.parameters[:, 2:].T
+        circular = (ratio == 1.0) & (dilation_ratio == 1.0) & (corner == 0.0)
         apex = eta * slope != 0.0
-        return bool(np.all((eta == eta_bar) & (ratio == 1.0) & (dilation_ratio == 1.0) & ~apex))
+        return bool(np.all((eta == eta_bar) & circular & ~apex))
 
     def respond(self, strain, plastic_strain=None):
         """Response to trial principal strains (n, 3) after accumulated plastic strain (n,), zero if left out."""
@@ -189,7 +190,7 @@ def _return_map(strain, history, parameters, stress, elastic, tangent):
         norm = np.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2])
         root = np.sqrt(2.0) * G * norm  # √J2 of the trial stress
         pressure = K * trace
-        g, slope = _section(e, norm, ratio, corner) if ratio != 1.0 else (1.0, 0.0)
+        g, slope = _section(e, norm, ratio, corner) if ratio != 1.0 or corner > 0.0 else (1.0, 0.0)
         if hardens:
             k += h * history[p]
             if h < 0.0 and k <= residual:

@@ -7,6 +7,8 @@ Stiffness follows the initial horizontal stress: E = E50ref (K0 σ_v / 100 kPa)^
 Equations: FORMULATION (20).
 """
 
+from hybrid.scene.soil import NUMBERS
+
 GRAVITY = 9.81
 REFERENCE_PRESSURE = 100e3
 
@@ -27,6 +29,15 @@ def sand(relative_density, buoyant=False):
         "dilation_angle": max(0.0, -2 + 0.125 * relative_density),
         "cohesion": 300.0,
     }
+
+
+def material_values(material):
+    """Material parameters by name: the preset of the relative density, overridden by what the scene gives."""
+    values = sand(material.relative_density, material.buoyant) if material.relative_density is not None else {}
+    given = {name: getattr(material, name) for name in NUMBERS if getattr(material, name) is not None}
+    if "young" in given:
+        values.pop("reference_young", None)
+    return {**values, **given, "cone": material.cone}
 
 
 def stiffness_from_stress(reference_young, exponent, horizontal_stress):

@@ -3,9 +3,11 @@ records.
 
 Level, by name:
 
-    draft       cells and steps twice as large, a tolerance as loose as it goes without a share in the error
+    draft       cells and steps twice as large
     standard    cells and steps as given
-    reference   cells and steps half as large, a tolerance without any effect on the result
+    reference   cells and steps half as large
+
+and the tolerance of the study of precision, without a share in the error.
 
 Target: the cheapest settings that reached an error in a similar problem of the study of precision,
 
@@ -102,8 +104,7 @@ def apply_accuracy(scene):
 def apply_level(scene, level):
     """Scene with the cells, steps and tolerance of a Level, and as many frames and checkpoints as it had."""
     axes = {name: _resized(scene, name, level.size) for name in "xyz"}
-    stages = tuple(replace(stage, steps=ceil(stage.steps / level.step), step=stage.step and stage.step * level.step)
-                   for stage in scene.stages)
+    stages = tuple(_restepped(stage, scene.time.step, level.step) for stage in scene.stages)
     output = replace(scene.output, every=_counted(scene.output.every, level.step),
                      checkpoint=_counted(scene.output.checkpoint, level.step),
                      pictures=tuple(_counted(step, level.step) for step in scene.output.pictures))
@@ -119,6 +120,14 @@ def _resized(scene, name, factor):
     if factor == 1 or axis.nodes is None and axis.size is None:
         return axis
     return _fitted(scene, name, factor * axis.size if axis.nodes is None else None)
+
+
+def _restepped(stage, step, factor):
+    """The stage, as long as before, with steps about `factor` times as long; step: [s] of the scene."""
+    steps = ceil(stage.steps / factor)
+    if steps * factor == stage.steps:
+        return replace(stage, steps=steps, step=stage.step and stage.step * factor)
+    return replace(stage, steps=steps, step=stage.steps * (stage.step or step) / steps)
 
 
 def _counted(steps, factor):

@@ -220,7 +220,20 @@ def clipped(value):
 
 
 def _wrong(path, value, hint):
-    return SceneError(f"{path or 'scene'} = {clipped(value)}: expected {_words(hint)}")
+    return SceneError(f"{path or 'scene'} = {clipped(value)}: expected {_words(hint)}{_form(value, hint)}")
+
+
+def _form(value, hint):
+    """What helps to write the list that `hint` asks for instead of `value`; "" where nothing more is known."""
+    items = get_args(hint)
+    if get_origin(hint) is not tuple:
+        return ""
+    if isinstance(value, (list, tuple)):
+        return f", {len(value)} given"
+    if items == (float, float, float):
+        return ", along x, y and z"
+    alone = items[0] is int and type(value) is int or isinstance(value, str) and value in get_args(items[0])
+    return f"; write [{clipped(value)}]" if alone else ""
 
 
 def _words(hint, plural=False):

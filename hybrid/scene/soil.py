@@ -116,7 +116,7 @@ class Soil:
         remedy="leave it out; 0 switches it off")
     transfer: Literal["affine", "increments", "blended"] = key(
         "how points take the motion of the nodes: their velocity with its gradient (affine), their increments of "
-        "velocity, or these blended with a share of their velocity", default="affine")
+        "velocity, or these blended with a share of their velocity; without inertia always increments", default="affine")
     blend: float | None = key('share of the nodes\' velocity per step, with transfer = "blended"; left out: 0.05', "-",
                               default=None, above=0, at_most=1,
                               remedy="1 takes the nodes' velocity alone, 0.05 is usual")

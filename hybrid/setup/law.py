@@ -1,4 +1,4 @@
-"""The law of a soil layer: material values, the preset of a relative density, K0, stiffness that follows stress.
+"""The law of a soil layer: K0, stiffness that follows stress.
 
     E = E_ref (K0 σ_v / 100 kPa)^m      unless the scene gives one constant Young's modulus (FORMULATION (20))
 """
@@ -8,23 +8,13 @@ import numpy as np
 from hybrid.laws.drucker_prager import DruckerPrager, cone_constants
 from hybrid.laws.hencky import Hencky
 from hybrid.laws.mohr_coulomb import MohrCoulomb
-from hybrid.laws.sand import sand, stiffness_from_stress
+from hybrid.laws.sand import stiffness_from_stress
 from hybrid.laws.von_mises import VonMises
 from hybrid.laws.willam_warnke import WillamWarnke
 from hybrid.runtime.errors import SceneError
-from hybrid.scene.soil import NUMBERS
 
 MARGIN = 0.98       # of the slope of a cone that stress at rest may reach
 SECTIONS = {"mohr-coulomb": MohrCoulomb, "willam-warnke": WillamWarnke}
-
-
-def material_values(material):
-    """Material parameters by name: the preset of the relative density, overridden by what the scene gives."""
-    values = sand(material.relative_density, material.buoyant) if material.relative_density is not None else {}
-    given = {name: getattr(material, name) for name in NUMBERS if getattr(material, name) is not None}
-    if "young" in given:
-        values.pop("reference_young", None)
-    return {**values, **given, "cone": material.cone}
 
 
 def coefficient_at_rest(law, material):
@@ -48,6 +38,10 @@ def build_law(stratum, horizontal_stress, depth):
     m, young = stratum.values, stratum.values.get("young")
     if young is None:
         young = stiffness_from_stress(m["reference_young"], m["stiffness_exponent"], horizontal_stress)
+        if len(young) and young.min() <= 0.0:
+            raise SceneError(f"{stratum.name}: reference_young = {m['reference_young']:g} Pa follows the stress of the "
+                             f"soil's weight and leaves E = {young.min():g} Pa; it must be above 0: give young, or gravity "
+                             "along -z")
     young = np.broadcast_to(np.asarray(young, float), depth.shape)
     if stratum.law == "hencky":
         return Hencky(young, m["poisson"])

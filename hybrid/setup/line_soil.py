@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from hybrid.body.embedded_line import LineSoil
-from hybrid.setup.law import material_values
+from hybrid.laws.sand import material_values
 
 CHAIN = 2.5     # bearing widths in the diameter of its bars
 CLAY = 11.0     # Nc, of the 8.5 to 14 that are used

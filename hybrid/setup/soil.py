@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hybrid.laws.cone import merge
+from hybrid.laws.sand import material_values
 from hybrid.laws.user import made, refuse_unlike
 from hybrid.runtime import ranks
 from hybrid.runtime.comm import anywhere, largest, maximum
@@ -18,7 +19,7 @@ from hybrid.scene.ground import heights
 from hybrid.scene.soil import of_layer
 from hybrid.setup.ground import cut_to_ground
 from hybrid.setup.lattice import Lattice
-from hybrid.setup.law import build_law, coefficient_at_rest, material_values
+from hybrid.setup.law import build_law, coefficient_at_rest
 from hybrid.soil.model import BLEND, Soil
 from hybrid.soil.points import at_rest, overburden, overburden_of_columns
 from hybrid.state import PointConstants

@@ -37,9 +37,10 @@ def updated_half(rule, initial_half, deformation, position, axes):
 
 
 def cells_wide(initial_half, deformation, position, axes):
-    """Widths (n, 3) [-] of the deformed domains of points at `position` (n, 3) [m] along the axes, relative to their
-    cells; 0 along a collapsed axis. Domains with a relative width above 1 are limited to their cell."""
-    wide = 2 * initial_half * np.linalg.norm(deformation, axis=2)
+    """Widths (n, 3) [-] of the deformed domains of points at `position` (n, 3) [m] along the axes, those of `moments`
+    before their volume is set, relative to their cells; 0 along a collapsed axis. Domains with a relative width above 1
+    are limited to their cell."""
+    wide = 2 * np.linalg.norm(deformation * initial_half[:, None, :], axis=2)
     for axis, nodes in enumerate(axes):
         if len(nodes) == 1:
             wide[:, axis] = 0.0

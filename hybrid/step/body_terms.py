@@ -23,6 +23,7 @@ from hybrid.step.search_reach import search_reach
 # all of the moments of inertia, a tolerance of 1e-6 makes the period of a plate wrong by 4e-5, where the scheme is wrong by
 # 1e-6. With the default tolerance, 1e-4, rates are solved to 1e-10.
 FLIGHT = 1e-6
+TOUCHING = "line", "contact", "joints", "bodies"     # terms that act on an arm of the body, known or not
 # Without inertia a body may have no stiffness, or that of a corner of another one: what is out of balance moves it by at
 # most PACE of its size in an iteration, less where others are beside it, and REST of the stiffness of its contact is added
 # against motions that nothing resists, as the rolling of a ball. Of 18 smooth balls and pipes on clay and elastic ground, at
@@ -99,11 +100,12 @@ class BodyStep:
         return rigid.moved_pose(self.pose(unknowns), full)
 
     def at_start(self, displacement, gravity):
-        """(4, 6) [N, N m] weight, line, contact and loads at the start of the step. displacement: (N, 3) of 0 [m], None
-        for held soil; gravity: (3,) [m/s²] then."""
+        """{name: (6,) [N, N m]} weight, line, contact and loads at the start of the step. displacement: (N, 3) of 0 [m],
+        None for held soil; gravity: (3,) [m/s²] then."""
         pose, target = self.committed_pose(), None if self.target is None else self.state.target
         trial = rigid.evaluate(self.body, self.state, pose, target, gravity, self.scheme, self.dt, self.begin)
-        return np.array([trial.weight, trial.line, -self.pair.evaluate(displacement, pose).resultant, trial.load])
+        contact = -self.pair.evaluate(displacement, pose).resultant
+        return {"weight": trial.weight, "line": trial.line, "contact": contact, "loads": trial.load}
 
     def rotation_angle(self, unknowns=None):
         """Angle [rad] of its rotation in the step, by its committed spin and by trial Unknowns."""
@@ -120,13 +122,15 @@ class BodyStep:
         on_body = self.pair.add_residual(contact, nodal_contact)
         trial = rigid.evaluate(self.body, self.state, pose, self.target, self.gravity, self.scheme, self.dt,
                                self.begin + self.dt)
-        terms = np.array([trial.inertia, trial.weight, trial.line, on_body, trial.load,
-                          joints.on_body(self.number) if joints else np.zeros(6)])
-        if self.support is not None:
-            terms = np.concatenate([terms, -self.support[1:]])
+        terms = {"inertia": trial.inertia, "weight": trial.weight, "line": trial.line, "contact": on_body,
+                 "loads": trial.load}
         springs = self.pair.springs(contact)
+        if joints:
+            terms["joints"] = joints.on_body(self.number)
+        if self.support is not None:
+            terms["support"] = -self.support[1]
         if pairs:
-            terms = np.concatenate([terms, pairs.on_body(self.number)[None]])
+            terms["bodies"] = pairs.on_body(self.number)
             springs = float(np.hypot(springs, pairs.springs(self.number)))
         return BodyTerms(self, pose, trial, contact, terms, springs, pairs is not None)
 
@@ -135,22 +139,22 @@ class BodyStep:
 class BodyTerms:
     """Terms of a body at a trial pose, position (3,) [m] and rotation (3, 3).
 
-    terms: (k, 6) [N, N m] inertia, weight, line, contact, loads, joints and, where there are others, contact with other
-    bodies; trial: BodyTrial, contact: PointContact at that pose; springs: [N/m] stiffness of its contact; beside: whether
-    other bodies may touch it."""
+    terms: {name: (6,) [N, N m]} inertia, weight, line, contact, loads and, where there are any, joints, support and
+    contact with other bodies; trial: BodyTrial, contact: PointContact at that pose; springs: [N/m] stiffness of its
+    contact; beside: whether other bodies may touch it."""
 
     step: BodyStep
     pose: tuple
     trial: BodyTrial
     contact: PointContact
-    terms: np.ndarray
+    terms: dict
     springs: float
     beside: bool = False
 
     @property
     def total(self):
         """(6,) [N, N m] sum of all terms."""
-        return self.terms.sum(axis=0)
+        return sum(self.terms.values())
 
     @property
     def residual(self):
@@ -165,27 +169,33 @@ class BodyTerms:
     @property
     def loose(self):
         """Whether contact with the soil bears nothing yet, or hardly anything of what is out of balance."""
-        return np.linalg.norm(self.terms[3, :3]) <= LIGHT * np.linalg.norm(np.where(self.step.free, self.total, 0.0)[:3])
+        left = np.linalg.norm(np.where(self.step.free, self.total, 0.0)[:3])
+        return np.linalg.norm(self.terms["contact"][:3]) <= LIGHT * left
 
     def error(self):
         """Norms of the residual {name: value}, and the larger of force and moment relative to the largest terms.
 
-        A moment is compared with the moments acting and with the forces of contact and line on the arm of the body. If
-        neither of them acts, as in free flight, it is compared with FLIGHT times those of the body's own inertia.
+        A moment is compared with the moments acting and with the forces of contact, joints and line on the arm of the
+        body. If none of them acts, as in free flight, it is compared with that of the loads, or with FLIGHT times those of
+        the body's own inertia.
         """
         body = self.step.body
         free = np.where(self.step.free, self.total, 0.0)
         force, moment = np.linalg.norm(free[:3]), np.linalg.norm(free[3:])
-        scale = np.linalg.norm(self.terms[:, :3], axis=1).max()
-        touch = np.linalg.norm(self.terms[2:, :3], axis=1).max()
-        arm = FLIGHT * self.trial.own_moment
+        scale, touch = self._largest(self.terms, slice(3)), self._largest(TOUCHING, slice(3))
         if touch > 0:
-            arm = max(np.linalg.norm(self.terms[:, 3:], axis=1).max(), touch * body.radius)
+            arm = max(self._largest(self.terms, slice(3, 6)), touch * body.radius)
+        else:
+            arm = max(self._largest(["loads"], slice(3, 6)), FLIGHT * self.trial.own_moment)
         noise = soil_terms.ROUNDING * (self.step.scheme.mass_factor(self.step.dt) * body.mass.mass + self.springs) * (
             np.linalg.norm(self.pose[0]) + body.radius)
         error = max((force - noise) / scale if scale > 0 else 0.0,
                     (moment - noise * body.radius) / arm if arm > 0 else 0.0)
         return {f"{body.name} [N]": force, f"{body.name} [N m]": moment}, error
+
+    def _largest(self, names, components):
+        """Largest norm of some `components` of the terms of these names."""
+        return max(np.linalg.norm(self.terms[name][components]) for name in names if name in self.terms)
 
     def add_tangent(self, pattern, system, stiffness, softening=True):
         """Add contact, inertia and line to the block system; softening: whether with that of contact at convex edges.

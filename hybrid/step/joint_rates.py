@@ -6,7 +6,7 @@ D', D'' are the rates of guided points, zero in the rows of joints. Where a stop
 along it vanishes at once, without rebound; the loss of kinetic energy is work "stop". A guided point has the rates of its
 table at the start of every increment; the gain of kinetic energy, p·(G v_- + D')/2 in each row, is work of the drive.
 
-Equations: FORMULATION (59), (53a).
+Equations: FORMULATION (59), (53b).
 """
 
 from dataclasses import replace

@@ -14,7 +14,7 @@ followed by those of guided points (`hybrid.body.point_guides`).
 
 Source: M. Arnold and O. Brüls, Multibody Syst. Dyn. 18 (2007) 185-202 (generalised alpha with multipliers).
 
-Equations: FORMULATION (55) to (58), (53a).
+Equations: FORMULATION (55) to (58), (53b).
 """
 
 from dataclasses import dataclass

@@ -5,7 +5,7 @@
 at the point of the body's surface closest to a contact point: ẋ_s is its velocity there and N the outward normal, so
 soil that a body slides along is not farther within reach than soil at rest. s is a share of the smallest cell
 (`hybrid.contact.places`), f the way that a body let go falls, V the speed of the fastest point of the body, |v_v| the
-largest component of a node's velocity, and d_v the distance from the body's bounding box to the cells around the node. A
+speed of a node, and d_v the distance from the body's bounding box to the cells around the node. A
 contact point moves no faster than the fastest node of its cell. The factor 2 is the margin for velocities that grow
 within the step.
 
@@ -27,9 +27,9 @@ def search_reach(body, state, grid, velocity, dt, fall=0.0):
     [m] by which a body that is let go falls in the step."""
     speed = np.linalg.norm(state.velocity) + np.linalg.norm(state.spin) * body.radius
     floor = body.places.reach * grid.smallest_cell
-    fastest = 0.0 if velocity is None else comm.largest(np.abs(velocity))
+    fastest = 0.0 if velocity is None else comm.largest(np.linalg.norm(velocity, axis=1))
     if MARGIN * dt * (speed + fastest) > floor and fastest > 0.0:
-        node_speed = np.abs(velocity).max(axis=1)
+        node_speed = np.linalg.norm(velocity, axis=1)
         distance = _distance_of_cells(grid, rigid.bounding_box(body, state))
         fastest = comm.largest(node_speed[distance <= MARGIN * dt * (speed + node_speed)])
     return Reach(max(floor, MARGIN * dt * fastest + fall), dt)
@@ -44,10 +44,10 @@ def travel_ratio(body, state, pose, predicted, margin, grid, points, moved):
     away to touch; it is 0 where all of them are.
     """
     strayed = np.linalg.norm(pose[0] - predicted[0]) + np.linalg.norm(pose[1] - predicted[1], 2) * body.radius
-    farthest = 0.0 if moved is None else comm.largest(np.abs(moved))
+    length = np.zeros(len(points.position)) if moved is None else np.linalg.norm(moved, axis=1)
+    farthest = comm.largest(length)
     if strayed + farthest > margin:
         path = np.linalg.norm(pose[0] - state.position) + np.linalg.norm(pose[1] - state.rotation, 2) * body.radius
-        length = np.zeros(len(points.position)) if moved is None else np.abs(moved).max(axis=1)
         lower, upper = rigid.bounding_box(body, state)
         around = points.half_width + grid.smallest_cell
         apart = np.maximum(lower - points.position - around, points.position - around - upper)

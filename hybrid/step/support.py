@@ -36,8 +36,8 @@ class Support:
             return None
         gravity, displacement = step.model.loads.on_bodies(step.state.time), step.at_rest().displacement
         terms = [body.at_start(displacement, gravity) for body in step.bodies]
-        found = tuple(np.where(body.free, own.sum(axis=0), 0.0) for body, own in zip(step.bodies, terms))
-        if not any(np.linalg.norm(left[:3]) > OUT_OF_BALANCE * np.linalg.norm(own[:, :3], axis=1).max()
+        found = tuple(np.where(body.free, sum(own.values()), 0.0) for body, own in zip(step.bodies, terms))
+        if not any(np.linalg.norm(left[:3]) > OUT_OF_BALANCE * max(np.linalg.norm(term[:3]) for term in own.values())
                    for left, own in zip(found, terms)):
             return None
         return cls(step.state.time, length, found)

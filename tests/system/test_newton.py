@@ -12,7 +12,7 @@ from scipy.special import ellipk
 from hybrid.contact import held_facets
 from hybrid.runtime.data import DEMOS
 from hybrid.runtime.errors import StepError
-from hybrid.scene import Axis, Faces, Grid, Material, Scene, Soil, Solver, Stage, Time
+from hybrid.scene import Axis, Faces, Grid, Load, Material, Scene, Soil, Solver, Stage, Time
 from hybrid.scene.file import load_scene
 from hybrid.setup.build import build
 from hybrid.step import body_terms, iteration, newton, soil_terms, sticking
@@ -281,14 +281,14 @@ def test_a_light_touch_is_as_accurate_as_a_firm_one():
 # ------------------------------------------------------------------ bodies that nothing touches
 
 
-def tumbling(dt, gravity=0.0, scheme="newmark", **body):
+def tumbling(dt, gravity=0.0, scheme="newmark", loads=(), **body):
     """(Period of the spin of a free plate, its exact value) [s]: J in proportion 1 : 2 : 3, near its middle axis."""
     plate = box(2**0.5, 1.0, 0.02, size=0.5, position=(0.0, 0.0, 5.0), spin=(0.01, 1.0, 0.0), **body)
     side = Axis(-2.0, 2.0, 1.0)
     simulation = build(Scene(
         name="plate", grid=Grid(side, side, Axis(-1.0, 0.0, 1.0), FREE), bodies=(plate,), time=Time(dt, scheme=scheme),
         soil=Soil(Material(law="hencky", young=1e6, poisson=0.0, density=1000.0), held=True, geostatic=False),
-        gravity=(0.0, 0.0, -gravity), stages=(Stage("tumble", round(40 / dt)),), output=NO_OUTPUT))
+        gravity=(0.0, 0.0, -gravity), stages=(Stage("tumble", round(40 / dt), loads=loads),), output=NO_OUTPUT))
     inertia, first = np.diag(simulation.masses[0].inertia), simulation.state.bodies[0].spin
     before, zeros = first[1], []
     for record in simulation.steps():
@@ -301,9 +301,11 @@ def tumbling(dt, gravity=0.0, scheme="newmark", **body):
 
 
 WEIGHT = {"gravity": 9.81, "held": ("x", "y", "z")}
+CENTRAL = {"loads": (Load(force=(0.0, 0.0, 100.0)),), "held": ("x", "y", "z")}       # through the centre
 
 
-@pytest.mark.parametrize("acting", [pytest.param({}, marks=pytest.mark.slow), WEIGHT], ids=["no force", "weight"])
+@pytest.mark.parametrize("acting", [pytest.param({}, marks=pytest.mark.slow), WEIGHT, CENTRAL],
+                         ids=["no force", "weight", "central force"])
 def test_a_free_plate_tumbles_to_the_order_of_the_scheme(acting):
     """Errors of 2.8e-4, 6.9e-5 and 1.7e-5 with steps of 0.2, 0.1 and 0.05 s."""
     errors = [abs(period / exact - 1) for period, exact in (tumbling(dt, **acting) for dt in (0.2, 0.1, 0.05))]

@@ -32,6 +32,7 @@ LAWS = {
     "drucker-prager, softening": DruckerPrager(E, POISSON, *ANGLES, C, **SOFT),
     "willam-warnke": WillamWarnke(E, POISSON, *ANGLES, C),
     "mohr-coulomb": MohrCoulomb(E, POISSON, *ANGLES, C),
+    "mohr-coulomb, flat": MohrCoulomb(E, POISSON, 0.0, 0.0, C),
     "mohr-coulomb, steep": MohrCoulomb(E, POISSON, 55.0, 0.0, C),
     "mohr-coulomb, dilatant": MohrCoulomb(E, POISSON, 45.0, 45.0, C),
     "mohr-coulomb, softening": MohrCoulomb(E, POISSON, *ANGLES, C, **SOFT),
@@ -152,6 +153,15 @@ def test_without_friction_the_section_is_von_mises():
     flat, clay = LAWS["willam-warnke, flat"].respond(strain), VonMises(E, POISSON, C).respond(strain)
     np.testing.assert_allclose(flat.stress, clay.stress, rtol=1e-13)
     np.testing.assert_allclose(flat.tangent, clay.tangent, atol=1e-9 * YOUNG)
+
+
+def test_without_friction_the_pyramid_is_trescas_prism():
+    """Sheared in a plane it carries its cohesion, as with next to no friction; its flow is not along its normal."""
+    law, strain = MohrCoulomb(E, POISSON, 0.0, 0.0, C), np.tile([0.01, 0.0, -0.01], (N, 1))
+    stress = law.respond(strain).stress
+    assert 0.5 * (stress[:, 0] - stress[:, 2]) == pytest.approx(C, rel=1e-9)
+    np.testing.assert_allclose(stress, MohrCoulomb(E, POISSON, 1e-6, 0.0, C).respond(strain).stress, rtol=1e-6, atol=1e-3)
+    assert not law.symmetric and VonMises(E, POISSON, C).symmetric
 
 
 def test_joined_laws_answer_as_their_parts():

@@ -30,6 +30,18 @@ def test_levels_change_cells_steps_and_tolerances():
     own = dataclasses.replace(column("draft"), stages=(Stage("load", 8, 0.5, gravity=(0.0, 1.0)),))
     assert accuracy.apply_accuracy(own)[0].stages[0].step == 0.5 * accuracy.levels()["draft"].step == 1.0
     assert scene.solver.tolerance == level.tolerance
+
+
+@pytest.mark.parametrize("steps", [1, 5, 8, 25])
+@pytest.mark.parametrize("step", [None, 0.3])
+def test_a_stage_is_as_long_with_other_steps(steps, step):
+    scene, _ = accuracy.apply_accuracy(dataclasses.replace(column("draft"), stages=(Stage("load", steps, step),)))
+    stage, own = scene.stages[0], step or column("draft").time.step
+    assert stage.steps == -(-steps // 2) and stage.steps * (stage.step or scene.time.step) == pytest.approx(steps * own)
+
+
+def test_a_reference_says_what_it_sets():
+    scene, texts = accuracy.apply_accuracy(column("reference"))
     assert scene.accuracy is None and "cells x 0.5" in texts[0]
     assert build(column("reference")).sheet()["modelled"]["accuracy"] == texts
 

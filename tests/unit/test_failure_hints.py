@@ -33,6 +33,8 @@ def test_width_of_a_domain_in_cells():
     found = cells_wide(np.full((2, 3), 0.25), np.array([np.eye(3), quarter]),
                        np.array([[0.5, 0.0, 0.5], [2.0, 0.0, 0.5]]), axes)
     np.testing.assert_allclose(found, [[0.5, 0.0, 0.5], [0.25, 0.0, 1.5]])
+    half, turn = np.array([[0.25, 0.1, 0.05]]), np.array([[[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]]])
+    np.testing.assert_allclose(cells_wide(half, turn, np.array([[0.5, 0.0, 0.5]]), axes), [[0.1, 0.0, 0.5]])
 
 
 @pytest.mark.parametrize("stretch, warned", [(1.0, False), (1.7, False), (1.9, True)])

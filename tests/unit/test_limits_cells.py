@@ -113,6 +113,18 @@ def test_a_footing_that_a_stage_loads(half, load, count):
     assert all(("inclined or eccentric load" in text and "up to 16%" in text) == (half == 1.5) for text in warnings)
 
 
+def test_the_arm_of_a_load_turns_with_the_body():
+    """A strip turned on its side: a point under its centre in the frame of the body is beside it in space."""
+    described = footing(1.5, False, size=0.3, driven=(), held=(), velocity=(0.0, 0.0, 0.0))
+    turned = {"geometry": described.bodies[0].geometry, "rotation": (0.0, 1.0, 0.0, 90.0), "name": "footing",
+              "parameters": {"length": 0.5, "width": 1.0, "height": 3.0, "size": 5.0}}
+    down = {"force": ((0.0, 0.0, 0.0, 0.0), (9.0, 0.0, 0.0, -240e3))}
+    for point, count in (((0.0, 0.0, 0.375), 1), ((0.0, 0.0, 0.0), 0), ((0.375, 0.0, 0.0), 0)):
+        stage = replace(described.stages[0], loads=(Load(point=point, **down),))
+        body = replace(described.bodies[0], position=(0.0, 0.5, 0.0), rest_on=0.0, **turned)
+        assert len(texts(cells.few_cells, replace(described, bodies=(body,), stages=(stage,)))) == count, point
+
+
 @pytest.mark.parametrize("x, half, velocity, count",
                          [(0.375, 1.5, -0.002, 1), (0.0, 1.5, -0.002, 0), (0.375, 1.5, 0.002, 0)])
 def test_a_footing_that_a_point_drives(x, half, velocity, count):

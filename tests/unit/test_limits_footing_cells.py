@@ -64,6 +64,16 @@ def strip(size=0.125, half=0.5, gravity=WEIGHTLESS, material=(), loads=(), **tab
     return replace(described, stages=(replace(described.stages[0], loads=loads),))
 
 
+def test_sand_of_a_relative_density_with_values_of_its_own():
+    """Its weight and dilation are those of the density, and so is what is not given of its cohesion."""
+    dense = {"law": "mohr-coulomb", "relative_density": 80.0, "young": 1e8}
+    none = dict.fromkeys(("poisson", "density", "friction_angle", "dilation_angle", "cohesion"))
+    own, = texts(material=none | dense | {"friction_angle": 30.0, "cohesion": 1e4})
+    assert "dilation is below its friction" in own
+    preset, = texts(material=none | dense)
+    assert "cells of 0.125 m wide" in preset
+
+
 def texts(limit=footing_cells.cohesive_strips, **table):
     simulation = build(strip(**table))
     return list(limit(simulation.scene, simulation.model))

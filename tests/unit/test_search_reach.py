@@ -87,8 +87,8 @@ def test_no_corner_that_could_touch_is_missed(seed):
     body, state = body_at(*centre, velocity=rng.uniform(-2, 2, 3))
     velocity = 10 ** rng.uniform(-2, 2, (grid.node_count, 1)) * rng.uniform(-1, 1, (grid.node_count, 3))
     reach = search_reach(body, state, grid, velocity, DT)
-    assert reach.margin <= max(grid.smallest_cell, MARGIN * DT * np.abs(velocity).max())
-    speed, could = np.abs(velocity).max(axis=1).reshape(grid.shape), 0
+    assert reach.margin <= max(grid.smallest_cell, MARGIN * DT * np.linalg.norm(velocity, axis=1).max())
+    speed, could = np.linalg.norm(velocity, axis=1).reshape(grid.shape), 0
     for place in rng.uniform(-0.1, 1.1, (4000, 3)) * [nodes[-1] for nodes in grid.axes]:
         cells = [slice(0, 1) if len(nodes) == 1 else slice(c := find_cell(x, nodes), c + 2)
                  for x, nodes in zip(place, grid.axes)]
@@ -115,6 +115,8 @@ def test_the_check_afterwards_counts_points_near_the_body():
     assert travel_ratio(body, state, pose, pose, 0.1, CUBE, points, None) == 0.0      # as predicted
     assert ratio(0.07, 0.0) == pytest.approx(0.9) and ratio(0.0, 0.07) == pytest.approx(0.9)
     assert ratio(0.3, 0.0) == pytest.approx(3.2)
+    across = np.array([[0.05, 0.05, 0.05], [0.0, 0.0, 0.0]])
+    assert travel_ratio(body, state, rest, rest, 0.1, CUBE, points, across) == pytest.approx(0.05 * 3**0.5 / 0.1)
     assert ratio(0.0, 0.3) == pytest.approx(0.2)    # 0.8 m away
     assert ratio(0.0, 0.9) == pytest.approx(9.2)    # it could have come to the body
 

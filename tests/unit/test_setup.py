@@ -10,6 +10,7 @@ import pytest
 import hybrid
 from hybrid.body.rigid import FREEDOMS
 from hybrid.contact.search import distances
+from hybrid.laws.sand import material_values
 from hybrid.runtime.errors import SceneError
 from hybrid.scene import Axis, Body, Grid, Layer, Material, Pull, Scene, Soil, Stage, Time
 from hybrid.scene.accuracy import apply_accuracy
@@ -116,7 +117,7 @@ def test_points_belong_to_the_layer_of_their_centre():
 
 def test_values_of_a_material():
     """A value that is given replaces that of the preset; one stiffness replaces the other kind."""
-    values = law.material_values(Material(relative_density=40.0, cohesion=5.0, young=1e7))
+    values = material_values(Material(relative_density=40.0, cohesion=5.0, young=1e7))
     assert values["cohesion"] == 5.0 and values["friction_angle"] == 33.0 and "reference_young" not in values
     assert law.coefficient_at_rest("mohr-coulomb", {"friction_angle": 30.0}) == pytest.approx(0.5)
     sand = {"friction_angle": 30.0, "dilation_angle": 0.0, "cone": "plane strain"}
@@ -126,10 +127,12 @@ def test_values_of_a_material():
 
 
 def test_stiffness_follows_the_horizontal_stress():
-    values = law.material_values(Material(relative_density=40.0, stiffness_exponent=0.5))
+    values = material_values(Material(relative_density=40.0, stiffness_exponent=0.5))
     stratum = setup_soil.Stratum("sand", "hencky", values, 0.5, 0.0, np.arange(2))
     found = law.build_law(stratum, np.array([25e3, 100e3]), np.array([1.0, 4.0]))
     np.testing.assert_allclose(found.young, [12e6, 24e6])
+    with pytest.raises(SceneError, match="sand: reference_young = 2.4e.07 Pa.*leaves E = 0 Pa.*give young"):
+        law.build_law(stratum, np.zeros(2), np.array([1.0, 4.0]))
 
 
 # ---------------------------------------------------------------- bodies

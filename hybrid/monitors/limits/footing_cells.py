@@ -56,7 +56,6 @@ n = 12: 15; φ = 30°, ψ = 0, H/D = 1.75, n = 8: 10 to 20.
 
 import numpy as np
 
-from hybrid.laws.sand import sand
 from hybrid.monitors.limits.contact import covers
 from hybrid.monitors.limits.ways import EXCESS, SAND, driven, facing, loaded, material_at, sides, top_of
 
@@ -123,7 +122,8 @@ def lifted(scene, model):
 
 def _lifted(body, width, depth, cell, material, plane):
     """Text, if any, about a plate, or a pipe, of a `width` [m] whose top, or axis, is at a `depth` [m] in a Material."""
-    slope, wider, hollow = _slope(*_angles(material)), LIFTED if plane else PIPE, 0.0 if plane else np.pi * width**2 / 8
+    slope = _slope(material.friction_angle, material.dilation_angle or 0.0)
+    wider, hollow = (LIFTED, 0.0) if plane else (PIPE, np.pi * width**2 / 8)
     resting = depth * (width + slope * depth) - hollow
     excess = wider * cell * depth / resting
     if excess > EXCESS:
@@ -132,13 +132,6 @@ def _lifted(body, width, depth, cell, material, plane):
                f"under the ground: its load is about {excess:.0%} too high, limit {EXCESS:.0%}, over {over}, that of a "
                f"{what} {wider:g} cells wider. Use cells of at most {EXCESS / excess * cell:.2g} m at it, or "
                "extrapolate two sizes of cells to none")
-
-
-def _angles(material):
-    """(Friction angle, dilation angle) [deg] of a Material, its own or those of its relative density."""
-    known = {} if material.relative_density is None else sand(material.relative_density, material.buoyant)
-    return tuple((known.get(name) if own is None else own) or 0.0 for name, own in
-                 (("friction_angle", material.friction_angle), ("dilation_angle", material.dilation_angle)))
 
 
 def _slope(friction, dilation):

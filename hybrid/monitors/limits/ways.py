@@ -5,9 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from hybrid.monitors.limits.contact import initial_vertices, levelled, top_of, way_along
+from hybrid.laws.sand import material_values
+from hybrid.monitors.limits.contact import initial_pose, initial_vertices, levelled, top_of, way_along
 from hybrid.scene.ground import heights
-from hybrid.scene.soil import of_layer
+from hybrid.scene.soil import NUMBERS, of_layer
 
 EXCESS = 0.1                    # of a load, above which it is reported
 PLANE, LEADING = 0.99, 0.5      # cosine between a face and the way; share of what the body covers that such faces are
@@ -35,7 +36,7 @@ def loaded(scene, model):
     if model.soil.held or not model.soil.law.plastic:
         return
     for described, body in zip(scene.bodies, model.bodies):
-        force, moment = _largest_load(body)
+        force, moment = _largest_load(body, initial_pose(described, body)[1])
         axis = int(np.argmax(np.abs(force)))
         if not force[axis] or not body.free[axis] or model.soil.grid.collapsed[axis]:
             continue
@@ -56,18 +57,19 @@ def _change(guide):
     return _largest_row(guide.table)[0] if guide.is_rate else guide.table.values[-1, 0] - guide.table.values[0, 0]
 
 
-def _largest_load(body):
-    """(force [N], moment [N m] about the centre) (3,) of the stage with the largest force on a body, at the rows of its
-    tables that are largest. A stage that drives points of it has the forces of 1 N along their ways."""
+def _largest_load(body, rotation):
+    """(force [N], moment [N m] about the centre) (3,) of the stage with the largest force on a body at a `rotation`
+    (3, 3), at the rows of its tables that are largest. A stage that drives points of it has the forces of 1 N along their
+    ways."""
     found = [(np.zeros(3), np.zeros(3))]
     for stage in body.stages or ():
         force, moment = np.zeros(3), np.zeros(3)
         for driven_point in stage.points:
             one = np.where(np.arange(3) == driven_point.guide.component, np.sign(_change(driven_point.guide)), 0.0)
-            force, moment = force + one, moment + np.cross(driven_point.point, one)
+            force, moment = force + one, moment + np.cross(rotation @ driven_point.point, one)
         for load in stage.loads:
             one = np.zeros(3) if load.force is None else _largest_row(load.force)
-            force, moment = force + one, moment + np.cross(load.point, one)
+            force, moment = force + one, moment + np.cross(rotation @ load.point, one)
             if load.moment is not None:
                 moment = moment + _largest_row(load.moment)
         found.append((force, moment))
@@ -141,10 +143,12 @@ def law_at(scene, soil, height):
 
 
 def material_at(scene, soil, height):
-    """Material of the soil at a height [m], the top included: that of its layer, or soil.material."""
-    top = top_of(soil)
+    """Material of the soil at a height [m], the top included, with the values of its relative density: that of its layer,
+    or soil.material."""
+    top, material = top_of(soil), scene.soil.material
     for layer in scene.soil.layers:
         end = top if layer.top is None else layer.top
         if (layer.bottom is None or height >= layer.bottom) and (height < end or height == end == top):
-            return of_layer(scene.soil.material, layer)
-    return scene.soil.material
+            material = of_layer(material, layer)
+            break
+    return replace(material, **{name: value for name, value in material_values(material).items() if name in NUMBERS})
