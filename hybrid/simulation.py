@@ -59,10 +59,10 @@ class Simulation:
         self.evaluation, self.increment, self.shorten, self.solver_memory = None, None, None, None
         self._initial_position = None
         workspace = Workspace(model)
-        start = begin(model, state, scene.time.step, False, workspace)
-        evaluation = start.evaluate(start.at_rest())
+        step = begin(model, state, scene.time.step, False, workspace)
+        evaluation = step.evaluate(step.at_rest())
         self._start_energy = energies(model, state, evaluation)     # a body may start with a small overlap
-        self.imbalance = initial_imbalance(start, evaluation)
+        self.imbalance = initial_imbalance(step, evaluation)
         workspace.destroy()
         self._sheet = self._forces = None
         if ranks.started() > 1:

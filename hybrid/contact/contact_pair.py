@@ -93,8 +93,8 @@ class ContactPair:
         return before, count(touching)
 
     @contextmanager
-    def bonded(self):
-        """Context in which the points that touched when the step began pull too."""
+    def bilateral(self):
+        """Context in which contact of the points that touched when the step began is bilateral: they pull too."""
         points, m = self.points, len(self.points)
         tension = np.where(points.touching & (points.stiffness > 0.0), np.inf, 0.0)
         self.points = replace(points, limits=points.limits._replace(tension=tension, opened=np.zeros(m, bool)))

@@ -21,8 +21,6 @@ import numpy as np
 
 from hybrid.laws.cone import Cone
 
-CONES = ("compression", "extension", "plane strain")
-
 
 def cone_constants(friction_angle, dilation_angle, cone):
     """(η, ξ, η̄) of the cone matched to Mohr-Coulomb's angles [degrees], scalars or arrays."""

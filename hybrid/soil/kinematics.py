@@ -79,7 +79,7 @@ class _TrialArrays(NamedTuple):
 
     increment: np.ndarray
     inverse: np.ndarray
-    squares: np.ndarray
+    b_trial: np.ndarray
     inverted: np.ndarray
 
 
@@ -87,7 +87,7 @@ class _UpdatedArrays(NamedTuple):
     """F, b_e and σ [Pa] of the next state, each (n, 3, 3)."""
 
     deformation: np.ndarray
-    squares: np.ndarray
+    b_elastic: np.ndarray
     cauchy: np.ndarray
 
 
@@ -100,7 +100,7 @@ class Kinematics:
 
     def __init__(self, n, fbar=False):
         self._sets = tuple(_Buffers(n, fbar) for _ in range(2))
-        self._squares, self._inverted = np.empty((n, 3, 3)), np.zeros(n, bool)
+        self._b_trial, self._inverted = np.empty((n, 3, 3)), np.zeros(n, bool)
         self._mean_volume = np.empty(n if fbar else 0)
 
     def __call__(self, basis, shape, displacement, b_elastic, mean=None, inactive=None, keep=None):
@@ -116,9 +116,9 @@ class Kinematics:
         deforms, nodal = np.array(shape) > 1, with_margin(displacement, shape)
         if mean is not None:
             _volumes(mean, shape, nodal, buffers.mean_inverse, self._mean_volume)
-        _trial_squares(basis, shape, nodal, b_elastic, self._mean_volume, deforms,
-                       _TrialArrays(buffers.increment, buffers.inverse, self._squares, self._inverted))
-        put_principal(self._squares, buffers.strain, buffers.directions)
+        _trial_b(basis, shape, nodal, b_elastic, self._mean_volume, deforms,
+                 _TrialArrays(buffers.increment, buffers.inverse, self._b_trial, self._inverted))
+        put_principal(self._b_trial, buffers.strain, buffers.directions)
         _logarithms(buffers.strain)
         return TrialStrain(buffers, np.flatnonzero(self._inverted if inactive is None else self._inverted & ~inactive))
 
@@ -154,9 +154,9 @@ def _volumes(basis, shape, u, inverse, volume):
 
 
 @njit(cache=True, parallel=True, error_model="numpy")
-def _trial_squares(basis, shape, u, elastic, mean_volume, deforms, out):
+def _trial_b(basis, shape, u, elastic, mean_volume, deforms, out):
     """Fill `out` (_TrialArrays). mean_volume: (n,) det ΔF_0 of F-bar, or (0,)."""
-    (first, _, value, gradient), (increment, inverse, squares, inverted) = basis, out
+    (first, _, value, gradient), (increment, inverse, b_trial, inverted) = basis, out
     chunk, axes = 256, np.sum(deforms)
     for block in prange((len(increment) + chunk - 1) // chunk):
         half, scaled = np.empty((3, 3)), np.empty((3, 3))
@@ -175,7 +175,7 @@ def _trial_squares(basis, shape, u, elastic, mean_volume, deforms, out):
                     if deforms[i]:
                         scaled[i] *= s
             _product(scaled, elastic[p], half)
-            _product_transposed(half, scaled, squares[p])
+            _product_transposed(half, scaled, b_trial[p])
 
 
 def _logarithms(values):
@@ -242,10 +242,10 @@ def update_strains(trial, elastic, stress, old, deforms):
     start of the step; deforms: (3,) bool, axes that deform. F is reset to an isotropic stretch of the same volume when
     any |F_ij| > F_LIMIT: where the grid pulls loose sand apart, F would grow until det F is round-off, then negative.
     """
-    deformation, squares, cauchy = (np.empty_like(old.deformation) for _ in range(3))
+    deformation, b_elastic, cauchy = (np.empty_like(old.deformation) for _ in range(3))
     _update(trial.increment, trial.directions, elastic, stress, old.deformation, deforms,
-            _UpdatedArrays(deformation, squares, cauchy))
-    return deformation, squares, cauchy
+            _UpdatedArrays(deformation, b_elastic, cauchy))
+    return deformation, b_elastic, cauchy
 
 
 def logarithmic(b):
@@ -255,17 +255,17 @@ def logarithmic(b):
 
 @njit(cache=True, parallel=True, error_model="numpy", fastmath={"contract"})
 def _update(increment, directions, strain, stress, old, deforms, out):
-    deformation, squares, cauchy = out
+    deformation, b_elastic, cauchy = out
     for p in prange(len(old)):
         F = deformation[p]
         _product(increment[p], old[p], F)
         if _largest(F) > F_LIMIT:
             _reset(F, deforms)
-        share = 1.0 / determinant(F)
-        compose(np.exp(2 * strain[p, 0]), np.exp(2 * strain[p, 1]), np.exp(2 * strain[p, 2]), directions[p], squares[p])
+        inverse_J = 1.0 / determinant(F)
+        compose(np.exp(2 * strain[p, 0]), np.exp(2 * strain[p, 1]), np.exp(2 * strain[p, 2]), directions[p], b_elastic[p])
         for i in range(3):
             for j in range(3):
-                cauchy[p, i, j] = stress[p, i, j] * share
+                cauchy[p, i, j] = stress[p, i, j] * inverse_J
 
 
 @njit(cache=True)

@@ -225,7 +225,7 @@ class Soil:
         if self.stray == "stop":
             lost_points.refuse_outside_grid(left, position, self.grid, self.constants)
         elastic = trial.response.elastic
-        deformation, squares, stress = update_strains(trial.strain, elastic, trial.stress, old, ~self.grid.collapsed)
+        deformation, b_elastic, stress = update_strains(trial.strain, elastic, trial.stress, old, ~self.grid.collapsed)
         history = acceleration, *([] if algorithmic is None else [algorithmic])
         (rate, *history), affine = self._grid_to_points(step, old, velocity_gain, history)
         new = Points(
@@ -234,7 +234,7 @@ class Soil:
             acceleration=history[0],
             half_width=updated_half(self.domain, self.constants.half_width, deformation, position, self.grid.axes),
             deformation=deformation,
-            b_elastic=squares,
+            b_elastic=b_elastic,
             stress=stress,
             plastic_strain=old.plastic_strain + plastic_increment(trial.strain.strain, elastic),
             algorithmic=None if algorithmic is None else history[1],

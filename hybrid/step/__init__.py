@@ -1,4 +1,15 @@
-"""One increment of time: its equations, their solution, and how long it may be.
+"""One increment of time: its equations, their solution, and how long it may be. Numbers are those of FORMULATION.
+
+increments.outer_step               until the end of the step is reached:
+    equations.begin                     basis (3) and nodal mass (5) of the committed state; contact points near bodies
+    newton.solve                        which updates are tried in turn
+        first_guess.first_evaluation        where they start
+        iteration.iterate                   until the residual is below the tolerance:
+            Step.evaluate                       R(u, w), (1): soil (8) to (11), contact (38) to (40), bodies (33)
+            Step.assemble                       its tangent K, (2)
+            system.solve                        K δ = -R, (47)
+            iteration.line_search               (u, w) <- (u, w) + s δ
+    Step.accept                         the next committed state: points (6) and (7), bodies, history of contact
 
 1 increments.py     the outer step: begin, solve, accept, or shorten the increment
     model.py, workspace.py           what stays the same during a stage; memory that its steps share

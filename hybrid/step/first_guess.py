@@ -143,9 +143,9 @@ def followed(step, evaluation):
     throws it off. The points that carried it before are an active set near that of the solution.
     """
     unknowns = evaluation.unknowns
-    with ExitStack() as bonds:
+    with ExitStack() as contacts:
         for terms in evaluation.bodies:
-            bonds.enter_context(terms.step.pair.bonded())
+            contacts.enter_context(terms.step.pair.bilateral())
         try:
             start = step.evaluate(unknowns)
             step.assemble(start)

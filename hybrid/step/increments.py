@@ -24,7 +24,7 @@ from hybrid.step.support import ROUND_OFF, Support
 
 EASY = 6            # Newton iterations up to which the next increment may be twice as long
 SHORT = 1 / 8       # share of an outer step up to which an increment is short (`hybrid.step.newton.BETWEEN`)
-# Share of the speed of the fastest body: velocity still to come from an impulse above which increments do not grow
+# Share of the speed of a body, its rotation included: velocity to come from an impulse above which increments do not grow
 PENDING = 0.02
 
 
@@ -65,11 +65,17 @@ def impulse_pending(step, evaluation):
     """
     if not (step.bodies and step.model.scheme.auxiliary):
         return False
-    states = [terms.accept() for terms in evaluation.bodies]
-    left = max((np.linalg.norm(new.algorithmic[:3] - new.acceleration) for new in states if new.algorithmic is not None),
-               default=0.0)
-    fastest = max(np.linalg.norm(new.velocity) for new in states) + np.linalg.norm(step.model.gravity) * step.dt
-    return bool(0.5 * step.dt * left > PENDING * fastest)
+    fall = np.linalg.norm(step.model.gravity) * step.dt
+    for terms in evaluation.bodies:
+        new, radius = terms.accept(), terms.step.body.radius
+        if new.algorithmic is None:
+            continue
+        left = (np.linalg.norm(new.algorithmic[:3] - new.acceleration)
+                + radius * np.linalg.norm(new.algorithmic[3:] - new.spin_rate))
+        speed = np.linalg.norm(new.velocity) + radius * np.linalg.norm(new.spin)
+        if 0.5 * step.dt * left > PENDING * (speed + fall):
+            return True
+    return False
 
 
 @dataclass

@@ -86,9 +86,7 @@ class Outcome:
 
 def iterate(step, solver, evaluation, updates):
     """Outcome of `updates` from an evaluation."""
-    best, stick, reuse = evaluation, None, False        # stick: contact points held in stick; reuse: of the tangent
-    errors, krylov, jumps, backtracked = [], 0, [], False
-    finest = max(solver.linear_tolerance / max(1.0, step.contact_stiffness_ratio() / STIFF), FINEST)
+    aids, errors, krylov, best, backtracked = Aids(step, solver, updates), [], 0, evaluation, False
 
     def ended(evaluation, reason, **how):
         return Outcome(evaluation, len(errors) - 1, krylov, tuple(errors), reason, **how)
@@ -99,36 +97,57 @@ def iterate(step, solver, evaluation, updates):
         if evaluation.error <= solver.tolerance:
             return ended(evaluation, "", backtracked=backtracked)
         if len(errors) > MOST or not progressing(errors, updates.patience) or _diverged(evaluation, best, solver, updates):
-            return ended(best, _no_progress(best, errors, solver, updates), jumping=sum(jumps[-updates.patience:]) > 1)
+            return ended(best, _no_progress(best, errors, solver, updates), jumping=aids.jumping())
         try:
-            stick = stick or sticking.drifting(step, evaluation)
-            soil, body, count = _update(step, solver, evaluation, updates.softening, finest, stick, reuse)
+            soil, body, count = aids.solve(evaluation)
         except StepError as failure:
             return ended(best, str(failure))
         krylov += count
-        before, (trial, scale) = evaluation, line_search(step, evaluation, soil, body, updates.backtrack)
+        trial, scale = line_search(step, evaluation, soil, body, updates.backtrack)
         if isinstance(trial, Refusal):
             return ended(best, f"the update {trial.reason}")
-        evaluation, backtracked = trial, backtracked or scale < 1.0
-        if updates.smooth and trial.error > max(SLOW * before.error, solver.tolerance):
-            evaluation = smoothed(step, solver, trial, updates.softening)
-        poor = evaluation.error > SLOW * before.error       # near the solution slip turns round without harm
-        stick = sticking.turned_round(before, evaluation, stick) if poor else None
+        backtracked = backtracked or scale < 1.0
+        evaluation = aids.follow(evaluation, trial)
+
+
+class Aids:
+    """What helps updates along: the last tangent used again, contact points held in stick for an update, few rough nodes
+    solved for by themselves; and whether contact points jump between facets."""
+
+    def __init__(self, step, solver, updates):
+        self.step, self.solver, self.updates = step, solver, updates
+        self.finest = max(solver.linear_tolerance / max(1.0, step.contact_stiffness_ratio() / STIFF), FINEST)
+        self.stick = None       # contact points held in stick in the next update
+        self.reuse = False      # of the tangent in the next update
+        self.jumps = []         # whether contact points jumped, for each update
+
+    def solve(self, evaluation):
+        """Update of soil (n,) and bodies (m,) by the linear equations at an evaluation, and its Krylov iterations. Raises
+        StepError."""
+        step = self.step
+        self.stick = self.stick or sticking.drifting(step, evaluation)
+        held = sticking.held_in_stick(step, evaluation, self.stick) if self.stick else evaluation
+        if self.stick or not self.reuse:
+            near = step.model.scheme.inertia or held.error <= FAR
+            step.assemble(held, self.updates.softening and near)
+        with phase("solve"):
+            return step.system.solve(held.soil, held.body, linear_tolerance(self.solver, self.finest, held.error))
+
+    def follow(self, before, trial):
+        """Evaluation to go on from after an update from `before` to `trial`."""
+        after, updates = trial, self.updates
+        if updates.smooth and trial.error > max(SLOW * before.error, self.solver.tolerance):
+            after = smoothed(self.step, self.solver, trial, updates.softening)
+        poor = after.error > SLOW * before.error        # near the solution slip turns round without harm
+        self.stick = sticking.turned_round(before, after, self.stick) if poor else None
         # points sent to another facet by the update and back by what smooths it jump as well
-        jumps.append(jumped(before, trial) or evaluation is not trial and jumped(before, evaluation))
-        reuse = _tangent_serves(step, before, evaluation)
+        self.jumps.append(jumped(before, trial) or after is not trial and jumped(before, after))
+        self.reuse = _tangent_serves(self.step, before, after)
+        return after
 
-
-def _update(step, solver, evaluation, softening, finest, stick, reuse):
-    """Update of soil (n,) and bodies (m,) by the linear equations at an evaluation, and its Krylov iterations. stick:
-    contact points that are held in stick, None for none; reuse: whether the last tangent is used again, unless points are
-    held. Raises StepError."""
-    held = sticking.held_in_stick(step, evaluation, stick) if stick else evaluation
-    if stick or not reuse:
-        near = step.model.scheme.inertia or held.error <= FAR
-        step.assemble(held, softening and near)
-    with phase("solve"):
-        return step.system.solve(held.soil, held.body, linear_tolerance(solver, finest, held.error))
+    def jumping(self):
+        """Whether contact points have jumped between facets in more than one of the last updates."""
+        return sum(self.jumps[-self.updates.patience:]) > 1
 
 
 def _tangent_serves(step, before, after):

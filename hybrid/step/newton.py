@@ -26,8 +26,8 @@ from hybrid.step.iteration import PATIENCE, Outcome, Updates, iterate
 # Full updates are given up sooner than PATIENCE, because backtracking is tried then. Iterations of four collapses of
 # clay: 3: 1014, 5: 620, 8: 593; of pipes pushed into clay, a fifth more with 5 than with backtracking from the start.
 TRIAL = 5
-# Errors that are accepted when progress has ended: HAIR times the tolerance, or ROUGH where the residual is round-off.
-HAIR, ROUGH = 3.0, 1e-3
+# Errors that are accepted when progress has ended: RELAXED times the tolerance, or ROUND_OFF where the residual is round-off.
+RELAXED, ROUND_OFF = 3.0, 1e-3
 # A contact point may be carried by a facet whose overlap differs from that with the nearest one by this share (1e-5 to
 # 1e-2 in spheres that roll over rows of points); it is tried with HOLDS sets of facets.
 AMBIGUOUS, HOLDS = 0.05, 5
@@ -45,8 +45,8 @@ def solve(step: Step, short=False, backtrack=False):
     solver = step.model.solver
     if reason := step.rotation_too_large():
         return Outcome(None, 0, 0, (), reason)
-    if step.pairs and step.pairs.hasty:
-        return Outcome(None, 0, 0, (), step.pairs.hasty)
+    if step.pairs and step.pairs.too_long:
+        return Outcome(None, 0, 0, (), step.pairs.too_long)
     evaluation = first_evaluation(step)
     if isinstance(evaluation, Refusal):
         return Outcome(None, 0, 0, (), f"the first guess {evaluation.reason}")
@@ -105,7 +105,7 @@ def _judge(step, solver, outcome):
     best = step.evaluate(outcome.evaluation.unknowns)
     if step.facet_error(best) > AMBIGUOUS:
         return outcome
-    if best.error <= HAIR * solver.tolerance or best.error <= ROUGH and step.within_rounding(best):
+    if best.error <= RELAXED * solver.tolerance or best.error <= ROUND_OFF and step.within_rounding(best):
         return replace(outcome, evaluation=best, reason="", judged=True)
     return outcome
 
@@ -123,8 +123,8 @@ def _newton(step, solver, evaluation, backtrack=False):
     for updates in (Updates(full, softening=False), Updates(PATIENCE, backtrack=True)):
         if outcome.converged:
             break
-        near = outcome.evaluation.error <= HAIR * solver.tolerance      # accepted as it is, backtracking gains nothing
-        useful = solver.line_search and not near if updates.backtrack else step.has_convex_contact(outcome.evaluation)
+        almost = outcome.evaluation.error <= RELAXED * solver.tolerance      # accepted as it is, backtracking gains nothing
+        useful = solver.line_search and not almost if updates.backtrack else step.has_convex_contact(outcome.evaluation)
         if useful:
             best = step.evaluate(outcome.evaluation.unknowns)
             outcome = outcome.followed_by(iterate(step, solver, best, updates))

@@ -83,14 +83,14 @@ class PairStep:
 @dataclass(frozen=True)
 class PairsStep:
     """All pairs during an increment. poses: committed, of all bodies; near: PairStep of those that may touch; columns:
-    (b, 6) places of the bodies' components among their unknowns, -1 of components that are none; hasty: why the increment
+    (b, 6) places of the bodies' components among their unknowns, -1 of components that are none; too_long: why the increment
     is too long for what bodies are predicted to do, empty if it is not."""
 
     poses: tuple
     pairs: tuple[BodyPair, ...]
     near: tuple[PairStep, ...]
     columns: np.ndarray
-    hasty: str = ""
+    too_long: str = ""
 
     def evaluate(self, poses):
         """PairTerms at trial poses of all bodies."""
@@ -184,20 +184,20 @@ def begin_pairs(model, state, bodies, dt):
     predicted = tuple(body.predicted_pose() for body in bodies)
     fall = np.linalg.norm(model.loads.on_bodies(state.time + dt)) * dt**2 if model.scheme.inertia else 0.0
     histories = state.pairs or [PairHistory.empty() for _ in model.pairs]
-    near, hasty = [], ""
+    near, too_long = [], ""
     for index, (pair, history) in enumerate(zip(model.pairs, histories)):
         path = pair.path(poses, predicted)
         reach = 2.0 * path + fall + MARGIN[model.scheme.inertia] * pair.size
         if path > STRIDE * pair.size and pair.distance(poses) <= path:
             names = " and ".join(bodies[b].body.name for b in pair.numbers)
-            hasty = (f"bodies {names} approach one another by {path:.3g} m, limit {STRIDE * pair.size:.3g} m where they "
+            too_long = (f"bodies {names} approach one another by {path:.3g} m, limit {STRIDE * pair.size:.3g} m where they "
                      "may meet")
         elif pair.distance(poses) <= reach:
             near.append(_begin_pair(index, pair, history, bodies, poses, predicted, reach, dt))
     columns = np.full((len(bodies), 6), -1)
     for body in bodies:
         columns[body.number, body.free] = np.arange(body.unknowns.start, body.unknowns.stop)
-    return PairsStep(poses, model.pairs, tuple(near), columns, hasty)
+    return PairsStep(poses, model.pairs, tuple(near), columns, too_long)
 
 
 def _begin_pair(index, pair, history, bodies, poses, predicted, reach, dt):

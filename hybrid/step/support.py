@@ -37,8 +37,7 @@ class Support:
         gravity, displacement = step.model.loads.on_bodies(step.state.time), step.at_rest().displacement
         terms = [body.at_start(displacement, gravity) for body in step.bodies]
         found = tuple(np.where(body.free, sum(own.values()), 0.0) for body, own in zip(step.bodies, terms))
-        if not any(np.linalg.norm(left[:3]) > OUT_OF_BALANCE * max(np.linalg.norm(term[:3]) for term in own.values())
-                   for left, own in zip(found, terms)):
+        if not any(_out_of_balance(*one) for one in zip(step.bodies, found, terms)):
             return None
         return cls(step.state.time, length, found)
 
@@ -48,6 +47,14 @@ class Support:
         shares = 1.0 - np.where(passed > 1.0 - ROUND_OFF, 1.0, passed)
         return replace(step, bodies=tuple(replace(body, support=np.outer(shares, left))
                                           for body, left in zip(step.bodies, self.imbalance)))
+
+
+def _out_of_balance(body, left, terms):
+    """Whether the force or moment of the imbalance `left` (6,) of a BodyStep is a share of its largest terms {name: (6,)},
+    of which each force may act on the arm of the body."""
+    largest = max(np.linalg.norm(term[:3]) for term in terms.values())
+    arm = max(largest * body.body.radius, max(np.linalg.norm(term[3:]) for term in terms.values()))
+    return np.linalg.norm(left[:3]) > OUT_OF_BALANCE * largest or np.linalg.norm(left[3:]) > OUT_OF_BALANCE * arm
 
 
 def work_of_support(step, before, after):

@@ -3,6 +3,7 @@ hardly any in short ones."""
 
 import io
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -38,12 +39,13 @@ def test_bounces_in_short_steps_are_not():
     assert kinetic[-1] < max(kinetic) and max(kinetic) == pytest.approx(simulation.masses[0].mass * 9.81 * 0.05, rel=0.02)
 
 
-def leaves(start, long=10.0):
+def leaves(start, long=10.0, others=()):
     """Speed with which a box of 720 kg bounces off held ground that it reaches with 1 m/s, a share `start` of a step after
-    the start, in steps `long` times the time of contact."""
+    the start, in steps `long` times the time of contact; others: bodies beside it."""
     step = long * np.pi * np.sqrt(720.0 / (1e6 * 1.2**2))
     thrown = box(1.2, 1.2, 0.5, rest_on=start * step, velocity=(0.0, 0.0, -1.0), penalty=1.0)
-    simulation = build(plane(thrown, 7, step, stiffness=1e6, cells=(4, 4)))
+    described = plane(thrown, 7, step, stiffness=1e6, cells=(4, 4))
+    simulation = build(replace(described, bodies=(*described.bodies, *others)))
     *_, last = simulation.steps()
     return last.bodies[0].velocity[2]
 
@@ -55,3 +57,8 @@ def test_no_body_leaves_the_ground_faster_than_it_came(start, monkeypatch):
     assert 0.5 < leaves(start) <= 1.0
     monkeypatch.setattr(increments, "impulse_pending", lambda step, evaluation: False)
     assert leaves(start) > 1.5
+
+
+def test_a_fast_body_does_not_hide_an_impulse_on_a_slow_one():
+    bullet = sphere(0.1, 0.05, name="bullet", position=(0.0, 0.0, 50.0), velocity=(0.0, 0.0, 500.0))
+    assert 0.5 < leaves(0.5, others=(bullet,)) <= 1.0

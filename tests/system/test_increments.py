@@ -102,7 +102,7 @@ def test_a_hard_step_is_rejected_and_halved(geometry, iterations, monkeypatch):
     """Too few iterations allowed: shorter increments need fewer, and the outer step still ends on time."""
     monkeypatch.setattr(iteration, "MOST", iterations)
     monkeypatch.setattr(Step, "has_convex_contact", lambda *_: False)     # no second attempt
-    monkeypatch.setattr(newton, "HAIR", 1.0)
+    monkeypatch.setattr(newton, "RELAXED", 1.0)
     simulation = ready(scene(geometry))
     before = deepcopy(simulation.state)
     state, report = one_step(simulation, Control(LENGTH, LENGTH / 64))
@@ -128,7 +128,7 @@ def test_the_floor_stops_the_run_with_value_limit_and_remedy(geometry, most, flo
     """At once, or after a part of the outer step was accepted: what was committed stays as it was."""
     monkeypatch.setattr(iteration, "MOST", most)
     monkeypatch.setattr(Step, "has_convex_contact", lambda *_: False)     # no second attempt
-    monkeypatch.setattr(newton, "HAIR", 1.0)
+    monkeypatch.setattr(newton, "RELAXED", 1.0)
     simulation = ready(scene(geometry))
     before = deepcopy(simulation.state)
     with pytest.raises(StepError) as caught:

@@ -79,7 +79,7 @@ def test_shorter_updates_start_from_the_best_iterate():
         assert begun == [("first", iteration.Updates(newton.TRIAL)), *unsoftened,
                          ("best", iteration.Updates(iteration.PATIENCE, backtrack=True))]
         assert outcome.converged and outcome.iterations == 6 * len(begun)
-        shorter, error = len(begun), newton.HAIR * Solver().tolerance
+        shorter, error = len(begun), newton.RELAXED * Solver().tolerance
         begun.clear()
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(newton, "iterate", iterate)
@@ -193,7 +193,7 @@ def pressed(tolerance, monkeypatch, most):
 def test_a_hair_above_the_tolerance_is_accepted_when_progress_has_ended(share, judged, monkeypatch):
     """The error after two iterations is `share` times the bound, ten times the tolerance."""
     error = pressed(1e-14, monkeypatch, 2).errors[-1]
-    outcome = pressed(error / share / newton.HAIR, monkeypatch, 2)
+    outcome = pressed(error / share / newton.RELAXED, monkeypatch, 2)
     assert outcome.errors[-1] == pytest.approx(error) and outcome.converged == outcome.judged == judged
     assert ("after 2 iterations" in outcome.reason) != judged
     assert not pressed(1.01 * error, monkeypatch, 2).judged     # within the tolerance
@@ -213,7 +213,7 @@ def test_a_residual_within_round_off_is_accepted_where_it_is_small_beside_the_fo
     """A weight of 2e-5 N on a stiffness that rounds to 5e-10 N; and of 2e-9 N, of which that is a quarter."""
     records, stress = hardly_loaded(1e-9, 1e-9)
     assert sum(r.judged for r in records) == 2 and sum(r.rejections for r in records) == 0
-    assert all(1e-8 < r.residual <= newton.ROUGH for r in records) and stress == pytest.approx(1.0, abs=1e-3)
+    assert all(1e-8 < r.residual <= newton.ROUND_OFF for r in records) and stress == pytest.approx(1.0, abs=1e-3)
     assert [r.judged for r in hardly_loaded(1.0, 1e-6)[0]] == [0, 0]
     with pytest.raises(StepError, match="round-off of its stiffness"):
         hardly_loaded(1e-13, 1e-9)

@@ -1,6 +1,7 @@
 """Bodies put on soil with all of their weight at once, without inertia: supported where an increment has no solution."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from put_on_soil import CLAY, put_on_soil
 from hybrid.runtime.errors import StepError
 from hybrid.setup.build import build
 from hybrid.step import increments
-from hybrid.step.support import Support, work_of_support
+from hybrid.step.support import Support, _out_of_balance, work_of_support
 from hybrid.step.workspace import Workspace
 from hybrid.study.scenes import sphere
 
@@ -33,6 +34,13 @@ def test_it_has_no_solution_without_support(monkeypatch):
     monkeypatch.setattr(increments.Support, "at_start", lambda step, length: None)
     with pytest.raises(StepError, match="step 1 failed"):
         list(build(replace(BALL, time=replace(BALL.time, smallest=SMALLEST))).steps())
+
+
+@pytest.mark.parametrize("force, moment, out", [(0.0, 0.0, False), (2.0, 0.0, True), (0.0, 0.2, False), (0.0, 1.2, True)])
+def test_a_moment_alone_puts_a_body_out_of_balance(force, moment, out):
+    body = SimpleNamespace(body=SimpleNamespace(radius=0.5))
+    left, weight = np.array([0.0, 0.0, force, moment, 0.0, 0.0]), np.array([0.0, 0.0, -100.0, 0.0, 0.0, 0.0])
+    assert _out_of_balance(body, left, {"weight": weight, "contact": -weight}) == out
 
 
 def test_a_support_fades_to_nothing_and_does_the_work_of_its_mean():

@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 
-from hybrid.laws.drucker_prager import CONES, DruckerPrager, cone_constants
+from hybrid.laws.drucker_prager import DruckerPrager, cone_constants
 from hybrid.laws.hencky import Hencky
 from hybrid.laws.sand import sand, stiffness_from_stress
 
 YOUNG, POISSON = 20e6, 0.28
 ANGLE, DILATION, COHESION = 33.0, 8.0, 5e3
 COUNT = 500
+CONES = "compression", "extension", "plane strain"
 
 
 def law(n=COUNT, angle=ANGLE, dilation=DILATION, cohesion=COHESION, cone="compression"):
