@@ -49,6 +49,12 @@ def copies(mirrors):
     return 2 ** len(mirrors)
 
 
+def part_of_whole(mirrors):
+    """Text such as "x = 0 m: half of the whole is modelled"; "" without planes of symmetry."""
+    part = {1: "half", 2: "a quarter"}.get(len(mirrors), "a part")
+    return f"{' and '.join(map(str, mirrors))}: {part} of the whole is modelled" if mirrors else ""
+
+
 def whole_columns(columns, mirrors):
     """Columns {name: value} of a body, each of force, moment, energy or work with that of the whole after it."""
     out = {}

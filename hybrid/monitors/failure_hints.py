@@ -5,6 +5,7 @@ The limits are those at which runs of the failure study fail: modes cuts, domain
 
 import numpy as np
 
+from hybrid.monitors.initial_equilibrium import initial_imbalance
 from hybrid.monitors.load_reached import lifted, overloads
 from hybrid.runtime.comm import anywhere, largest, maximum, minimum, total
 from hybrid.scene.defaults import GHOST, SLIDING
@@ -17,6 +18,7 @@ LOOSEST = 1e-3      # tolerance that is ever advised: errors of the column's str
 # Adhesion from which clay may yield beside a body where it slips along it, and the factor on body.penalty with which such
 # a step has a solution: DESIGN, "Clay that slips and yields has no stiffness".
 ROUGH, SOFTER = 0.7, 0.1
+UNBALANCED = 0.1    # share of the weight of the soil at the start: with 1 sand on two held bodies has no first step
 ALONG = 0.05        # share of a force that counts as along a surface; and normal to it, that does not
 DAMPING = "the default time.scheme, which damps"
 
@@ -107,7 +109,19 @@ def probable_causes(step, evaluation, sudden=False, stands=False):
         if least < CUT and not model.soil.ghost_factor:
             causes.append(f"A node of a nearly empty cell carries {least:.1g} of the mass of a full one, limit {CUT:g} "
                           f"without inertia: leave soil.ghost out, or set soil.ghost = {GHOST:g}")
-    return tuple(causes)
+    return tuple(causes or _unbalanced(step, evaluation))
+
+
+def _unbalanced(step, evaluation):
+    """Text, if any, about soil that may yield and of which a good part of the weight is not balanced at the start of the
+    run."""
+    if step.state.time > 0.0 or not step.model.soil.law.plastic:
+        return
+    imbalance = initial_imbalance(step, step.evaluate(step.at_rest(), evaluation))
+    if imbalance is not None and imbalance.share > UNBALANCED:
+        geostatic = "set soil.geostatic = false and " if imbalance.stressed else ""
+        yield (f"{imbalance}, is not balanced at the start, limit {UNBALANCED:.0%}: {geostatic}turn gravity on in a first "
+               "stage, stage.gravity = [0.0, 1.0]")
 
 
 def _lost(step, evaluation):

@@ -42,7 +42,7 @@ class InitialImbalance:
         if self.share <= TOLERANCE:
             return f"balanced, to {self.share:.1g} of the weight"
         place = ", ".join(f"{x:.4g}" for x in self.place)
-        return f"{100 * self.share:.2g} % of the weight, largest at node ({place}) m"
+        return f"{_per_cent(self.share)} of the weight, largest at node ({place}) m"
 
     def notes(self, stage, scheme, length, settled=False):
         """Texts (none or one) for a run that starts with `stage`, in steps of `length` [s] by `scheme`; settled: whether
@@ -67,6 +67,11 @@ class InitialImbalance:
             return ("Geostatic stress is in equilibrium only in level soil that fills its cells and is held at its "
                     "sides.")
         return "The soil carries no stress yet and its weight acts at once."
+
+
+def _per_cent(share):
+    """Text of a share: two digits, and no exponent from a hundred on."""
+    return f"{100 * share:.0f} %" if share >= 0.1 else f"{100 * share:.2g} %"
 
 
 def initial_imbalance(step, evaluation):

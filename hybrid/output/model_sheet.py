@@ -3,7 +3,8 @@
 import numpy as np
 
 from hybrid.body.rigid import FREEDOMS
-from hybrid.body.symmetry import copies
+from hybrid.body.symmetry import copies, part_of_whole
+from hybrid.laws.sand import material_values
 from hybrid.linalg.solver_choice import SolverChoice
 from hybrid.runtime.comm import anywhere, number
 from hybrid.runtime.memory import direct_factor_memory
@@ -100,6 +101,8 @@ def _law(material, law):
     """Law, the cone that it is matched to, and what changes its strength."""
     m, floor = material, material.residual_cohesion
     parts = [m.law if m.law != "user" else f"user, {law.name}"]
+    if m.relative_density is not None:
+        parts.append(_of_density(m))
     if "cone" in USES[m.law]:
         parts.append(f"cone matched in {m.cone}")
     if m.strength_gradient:
@@ -109,6 +112,16 @@ def _law(material, law):
         parts.append(f"hardening by {m.hardening:g} Pa" if m.hardening > 0 else
                      f"softening by {-m.hardening:g} Pa down to {floor:g} Pa")
     return ", ".join(parts)
+
+
+def _of_density(material):
+    """Values of a relative density, with those given instead."""
+    m = material_values(material)
+    young = f"E = {m['young']:.3g} Pa" if "young" in m else (
+        f"E = {m['reference_young']:.3g} Pa at 100 kPa, power {m['stiffness_exponent']:.2g} of the stress")
+    return (f"relative density {material.relative_density:g} %: φ = {m['friction_angle']:.3g}°, "
+            f"ψ = {m['dilation_angle']:.3g}°, c = {m['cohesion']:g} Pa, {m['density']:.4g} kg/m³, ν = {m['poisson']:g}, "
+            f"{young}")
 
 
 def _layer(layer, scene, soil):
@@ -181,9 +194,7 @@ def _symmetry(model):
     mirrors = {(m.axis, m.at): m for body in model.bodies for m in body.mirrors}.values()
     if not mirrors:
         return {}
-    part = {1: "half", 2: "a quarter"}.get(len(mirrors), "a part")
-    planes = " and ".join(map(str, mirrors))
-    return {"symmetry": [f"{planes}: {part} of the whole is modelled",
+    return {"symmetry": [part_of_whole(mirrors),
                          f"forces, masses and energies are those of this part; those of the whole, {copies(mirrors)} "
                          "times as large, are named so"]}
 

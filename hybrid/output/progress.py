@@ -8,7 +8,7 @@ import shutil
 import sys
 import time
 
-from hybrid.body.symmetry import copies
+from hybrid.body.symmetry import copies, part_of_whole
 
 IN_PLACE = "in place from the start"    # row of the model sheet that is reported before the first step
 INTERVAL, SHARE = 30.0, 0.05    # without a terminal: seconds, and share of all steps, from one line to the next
@@ -26,7 +26,8 @@ class Progress:
         self.began = self.printed = time.perf_counter()
         self.first = self.step = simulation.state.step
         if not self.first:
-            for text in getattr(simulation, "start", {}).get(IN_PLACE, ()):
+            planes = part_of_whole(getattr(simulation, "mirrors", ()))
+            for text in [*getattr(simulation, "start", {}).get(IN_PLACE, ()), *([f"symmetry: {planes}"] if planes else [])]:
                 self._print(text)
         self._show("starting the first step")
 

@@ -61,7 +61,7 @@ BODY = (
     Odd("tangential", 100, inf, "", "a ratio of 1 to 3 is usual; contact as stiff as this hardly converges"),
 )
 FASTEST = 200.0         # [m/s]
-STRONGEST = 100.0       # [m/s²] of gravity
+STRONGEST = 3000.0      # [m/s²] of gravity: 300 g, as in a centrifuge
 LONGEST = 2000.0        # [m] of an axis
 RIGIDITY = 20.0, 2e4    # E / s_u of clays
 HEAVY = 2.0             # weight over Young's modulus

@@ -4,8 +4,9 @@ A body that lies across such planes counts with the share of its mass in the par
 
 A face of the grid at the end of x or y is a plane of symmetry if it is a roller, the soil reaches it, gravity lies in it,
 and a body either ends there, with the cut face of its geometry (the group `symmetry`) in the plane, or lies across it with
-its middle in the plane. A body that reaches both ends of the axis, as a platen on all of the soil, has none. In the plane a
-body moves along it and turns about its normal only; its other components are held.
+its middle in the plane. A body that reaches both ends of the axis, as a platen on all of the soil, has none, nor has one
+that lies across the plane and is joined beside it. In the plane a body moves along it and turns about its normal only; its
+other components are held.
 """
 
 from dataclasses import replace
@@ -17,6 +18,7 @@ from hybrid.body.symmetry import AXES, Mirror
 from hybrid.runtime.errors import SceneError
 from hybrid.scene.check_stage import moved
 from hybrid.scene.defaults import Decision
+from hybrid.setup.stages import point_of
 
 IN_PLANE = 1e-6     # of the size of a body: cut faces nearer to the plane are in it
 MIDDLE = 0.02       # the same of the middle of a body across the plane, whose facets need not be symmetric
@@ -29,7 +31,8 @@ def with_symmetry(scene, meshes):
     """
     bodies, decisions, found = [], [], []
     for i, (described, mesh) in enumerate(zip(scene.bodies, meshes)):
-        mirrors = tuple(mirrors_of(scene, described, mesh))
+        mirrors = tuple(mirror for mirror in mirrors_of(scene, described, mesh)
+                        if mirror.cut or not _joined_beside(scene, described, mirror, meshes))
         needed = dict.fromkeys(name for mirror in mirrors for name in mirror.guides)
         for mirror in mirrors:
             _refuse_motion(scene, f"body.{i}", described, mirror)
@@ -60,6 +63,39 @@ def mirrors_of(scene, described, mesh):
                 yield Mirror(name, at, cut)
 
 
+def _joined_beside(scene, described, mirror, meshes):
+    """Whether a joint of a body is beside a plane that it lies across, so that the mirror image is another joint."""
+    a = AXES[mirror.axis]
+    for i, joint in enumerate(scene.joints):
+        if described.name not in joint.bodies:
+            continue
+        ends = [("point", joint.point, joint.bodies[0])]
+        if joint.end is not None:
+            ends.append(("end", joint.end, joint.bodies[1] if len(joint.bodies) == 2 else None))
+        for key, point, name in ends:
+            if abs(_in_space(scene, point, f"joint.{i}.{key}", name, meshes)[a] - mirror.at) > _slack(scene, joint, meshes):
+                return True
+        along = abs(joint.axis[a]) / np.linalg.norm(joint.axis) if joint.kind == "hinge" and joint.axis else 0.0
+        if MIDDLE < along < 1.0 - MIDDLE:
+            return True
+    return False
+
+
+def _slack(scene, joint, meshes):
+    """[m] by which a joint in a plane of symmetry may be beside it."""
+    names = [body.name for body in scene.bodies]
+    return MIDDLE * max(np.ptp(meshes[names.index(name)].points, axis=0).max() for name in joint.bodies)
+
+
+def _in_space(scene, point, key, name, meshes):
+    """(3,) [m] place of a point of the body of this name, or of space if None; heights without body.rest_on."""
+    if name is None:
+        return np.array(point, float)
+    number = [body.name for body in scene.bodies].index(name)
+    described, mesh = scene.bodies[number], meshes[number]
+    return np.array(described.position or (0.0, 0.0, 0.0)) + _rotation(described) @ point_of(point, key, described, mesh)
+
+
 def in_part(body, mirrors):
     """The RigidBody with the share of its mass in the part that is modelled: half of it for each plane that it lies
     across."""
@@ -76,11 +112,15 @@ def stray_cap(mesh, mirrors):
 
 def _placed(described, mesh):
     """Nodes (n, 3) of a body and of its cut face (m, 3) [m] at the start; heights without body.rest_on."""
-    rotation = np.eye(3)
-    if described.rotation:
-        rotation = rotation_from_axis_angle(described.rotation[:3], np.radians(described.rotation[3]))
-    points = np.array(described.position or (0.0, 0.0, 0.0)) + mesh.points @ rotation.T
+    points = np.array(described.position or (0.0, 0.0, 0.0)) + mesh.points @ _rotation(described).T
     return points, points[np.unique(mesh.symmetry)] if len(mesh.symmetry) else np.zeros((0, 3))
+
+
+def _rotation(described):
+    """(3, 3) rotation of a body at the start."""
+    if not described.rotation:
+        return np.eye(3)
+    return rotation_from_axis_angle(described.rotation[:3], np.radians(described.rotation[3]))
 
 
 def _soil_reaches(scene, a, at):

@@ -26,7 +26,7 @@ from hybrid.step.iteration import PATIENCE, Outcome, Updates, iterate
 # Full updates are given up sooner than PATIENCE, because backtracking is tried then. Iterations of four collapses of
 # clay: 3: 1014, 5: 620, 8: 593; of pipes pushed into clay, a fifth more with 5 than with backtracking from the start.
 TRIAL = 5
-# Errors that are accepted when progress has ended: RELAXED times the tolerance, or ROUND_OFF where the residual is round-off.
+# Errors accepted when progress has ended: RELAXED times the tolerance, or ROUND_OFF where the residual is round-off.
 RELAXED, ROUND_OFF = 3.0, 1e-3
 # A contact point may be carried by a facet whose overlap differs from that with the nearest one by this share (1e-5 to
 # 1e-2 in spheres that roll over rows of points); it is tried with HOLDS sets of facets.

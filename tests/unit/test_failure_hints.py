@@ -9,6 +9,7 @@ import pytest
 
 from hybrid.monitors import StepView
 from hybrid.monitors.failure_hints import (
+    _unbalanced,
     accuracy_remedies,
     advice,
     either,
@@ -18,7 +19,7 @@ from hybrid.monitors.failure_hints import (
 )
 from hybrid.monitors.judged_increments import JudgedIncrements
 from hybrid.monitors.plastic_increment import LIMIT, PlasticIncrement
-from hybrid.scene import Load, Solver, Time
+from hybrid.scene import Faces, Load, Material, Solver, Time
 from hybrid.setup.build import build
 from hybrid.soil.domains import cells_wide
 from hybrid.step.equations import begin
@@ -160,7 +161,7 @@ def test_clay_that_slips_at_its_own_strength_is_a_cause_and_a_softer_penalty_the
         scheme=SimpleNamespace(inertia=inertia), bodies=[body], soil=SimpleNamespace(
             ghost_factor=0.3, roundoff_force=lambda count: 0.0, grid=SimpleNamespace(count_unknowns=lambda free: 1)))
     step = SimpleNamespace(model=model, soil=SimpleNamespace(mass=np.ones(2)),
-                           pattern=SimpleNamespace(free=np.ones((2, 3), bool)))
+                           pattern=SimpleNamespace(free=np.ones((2, 3), bool)), state=SimpleNamespace(time=1.0))
     evaluation = SimpleNamespace(contacts=[_Contact(np.array([slips, False]))], norms={"soil [N]": 1.0})
     causes = probable_causes(step, evaluation)
     assert bool(causes) == reported and all("skirt" in text and "body.penalty = 20 /m" in text for text in causes)
@@ -275,3 +276,19 @@ def test_softer_tangential_springs_are_offered_where_contact_sticks(table, offer
     model = quasi_static(bodies=[box(0.2, 0.2, 0.2, rest_on=0.0, **table)])
     assert any("body.tangential = 0.3" in change
                for change in remedies(model, "residual 1e-3 after 15 iterations", (1.0, 1e-2), 1e-6)) == offered
+
+
+def test_soil_out_of_balance_at_the_start_is_the_cause():
+    """Free at its sides, as on two bodies that carry it; not where it is held, or once the run has begun."""
+    clay = Material(law="von-mises", young=1e6, poisson=0.3, density=1800.0, strength=1e4)
+
+    def described(**values):
+        one = soil_scene(gravity=(0.0, 0.0, -9.81), geostatic=True, time=Time(step=1.0, inertia=False), **values)
+        return replace(one, soil=replace(one.soil, material=clay))
+
+    for faces, told in (({"faces": Faces(x_min="free", x_max="free", z_min="fixed")}, True), ({}, False)):
+        simulation = build(described(**faces))
+        step = begin(simulation.model, simulation.state, 1.0, False, Workspace(simulation.model))
+        assert any("turn gravity on in a first stage" in text for text in _unbalanced(step, None)) == told
+    simulation.state.time = 1.0
+    assert not list(_unbalanced(begin(simulation.model, simulation.state, 1.0, False, Workspace(simulation.model)), None))

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from hybrid.monitors.limits import contact, stepping
-from hybrid.scene import Motion, Pull
+from hybrid.scene import Axis, Joint, Motion, Pull
 from hybrid.setup.build import build
 from hybrid.study.precision.problems import platen
 from hybrid.study.scenes import SCHEMES, box, plane, sphere
@@ -32,6 +32,19 @@ def test_large_turns_of_a_tumbling_body(scheme, limit):
     assert f"rotates by {1.5 * limit:.3g} rad a step" in text and f"limit {limit:g} rad" in text
     assert "time.accuracy = 1e-3" in text
     assert not tumbling(1.5 * limit, scheme, accuracy=1e-3)
+
+
+@pytest.mark.parametrize("kind, rotation, count", [
+    ("ball", (1.0, 0.0, 0.0, 30.0), 1), ("ball", None, 0), ("hinge", (1.0, 0.0, 0.0, 30.0), 0)])
+def test_a_top_turns_about_more_than_its_axis(kind, rotation, count):
+    """0.3 rad a step: with 0.005 s a top of 60 rad/s precessed by 246 instead of 276 degrees (268 with half the step). One
+    that stands upright, or turns in a hinge, does not."""
+    body = box(0.2, 0.2, 1.0, name="top", position=(0.0, 0.0, 2.0), spin=(0.0, 0.0, 30.0), rotation=rotation)
+    axis = {"axis": (0.0, -0.5, 3**0.5 / 2)} if kind == "hinge" else {}
+    described = replace(plane(body, 10, 0.01, gravity=(0.0, 0.0, -9.81)),
+                        joints=(Joint("foot", kind, ("top",), (0.0, 0.0, -0.5), **axis),))
+    simulation = build(described)
+    assert len(list(stepping.large_rotation_step(simulation.scene, simulation.model))) == count
 
 
 @pytest.mark.parametrize("values, words", [
@@ -98,6 +111,12 @@ def test_bodies_narrower_than_two_spacings_of_contact_points(width, more, count)
                and "cells of at most 0.24 m" in text for text in warnings)
 
 
+def test_a_narrow_body_held_above_the_soil_touches_none():
+    above = {"held": ("x", "y", "z", "rx", "ry", "rz")}
+    assert texts(contact.narrow_body, box(1.0, 0.03, 0.5, rest_on=0.0, **above), cells=(6, 6))
+    assert not texts(contact.narrow_body, box(1.0, 0.03, 0.5, rest_on=0.3, **above), cells=(6, 6))
+
+
 @pytest.mark.parametrize("velocity, count", [
     ((2.4, 0.0, 0.0), 0), ((2.6, 0.0, 0.0), 1), ((0.0, -2.6, 0.0), 1), ((0.0, 0.0, 9.0), 0)])
 def test_bodies_driven_over_the_end_of_the_grid(velocity, count):
@@ -127,6 +146,14 @@ def test_bodies_lighter_than_the_soil_under_them(density, more, count):
     warnings = list(contact.light_body(simulation.scene, simulation.model))
     assert len(warnings) == count
     assert all("1.5 rows of cells" in text and "limit 1.5" in text and "at most 0.2 m" in text for text in warnings)
+
+
+@pytest.mark.parametrize("density, count", [(760.0, 0), (740.0, 1)])
+def test_half_a_body_is_as_light_as_the_whole(density, count):
+    described = plane(box(0.5, 0.5, 0.4, rest_on=0.0, density=density), 1, 0.01, cell=0.2, soil={"held": False})
+    half = replace(described, grid=replace(described.grid, x=Axis(0.0, 0.6, 0.2)))
+    simulation = build(half)
+    assert simulation.mirrors and len(list(contact.light_body(simulation.scene, simulation.model))) == count
 
 
 @pytest.mark.parametrize("height, held, count", [(0.3, False, 0), (0.2, False, 0), (0.1, False, 1), (0.1, True, 0)])

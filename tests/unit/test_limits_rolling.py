@@ -6,7 +6,7 @@ import pytest
 
 from hybrid.monitors.limits.rolling import FORCE, LIMIT, RESOLVED, rolls_on_lattice
 from hybrid.runtime.data import GEOMETRY
-from hybrid.scene import Axis, Body, Faces, Grid, Material, Scene, Soil, Stage, Time
+from hybrid.scene import Axis, Body, Faces, Grid, Joint, Material, Scene, Soil, Stage, Time
 from hybrid.setup.build import build
 
 RADIUS, CONTACT = 0.31, 0.040       # [m] of the sphere and of its contact by Hertz
@@ -15,7 +15,7 @@ CLAY = {"law": "von-mises", "young": 5e6, "poisson": 0.45, "density": 1800.0, "s
 
 
 def sphere(cell, material=ELASTIC, at=(0.0, 0.0), inertia=True, soil=(), gravity=(0.0, 0.0, -9.81),
-           stages=(Stage("rest", 2),), **body):
+           stages=(Stage("rest", 2),), joints=(), **body):
     """Simulation of a sphere put down on a bed three cells and at least 0.2 m deep."""
     n, depth, up = (int(np.ceil(max(length, rows * cell) / cell)) for length, rows in ((0.24, 3), (0.2, 3), (0.1, 1)))
     side = Axis(-n * cell, n * cell, cell)
@@ -24,7 +24,7 @@ def sphere(cell, material=ELASTIC, at=(0.0, 0.0), inertia=True, soil=(), gravity
     grid = Grid(side, side, Axis(-depth * cell, up * cell, cell), Faces(z_min="fixed"))
     return build(Scene(name="ball", grid=grid, soil=Soil(Material(**material), top=0.0, **dict(soil)), bodies=(ball,),
                        gravity=gravity,
-                       time=Time(0.02 if inertia else 1.0, inertia=inertia), stages=stages))
+                       time=Time(0.02 if inertia else 1.0, inertia=inertia), stages=stages, joints=joints))
 
 
 def notes(*given, **more):
@@ -47,6 +47,10 @@ def test_a_sphere_at_rest_on_coarse_cells_is_reported(cell, material, words):
     {"soil": {"held": True, "geostatic": False}}, {"gravity": (-1.0, 0.0, -9.7), "soil": {"geostatic": False}}])
 def test_bodies_that_do_not_feel_it_or_do_not_rest_are_not_reported(more):
     assert not notes(**{"cell": 0.11, **more})
+
+
+def test_a_joined_ball_does_not_roll():
+    assert notes(0.11) and not notes(0.11, joints=(Joint("pin", "ball", ("ball",), (0.0, 0.0, 1.0)),))
 
 
 def tangential(cell):

@@ -1,5 +1,6 @@
 """Planes of symmetry are found by the bodies in them; what is reported of the whole is that of a model of the whole."""
 
+import io
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,7 +12,7 @@ import hybrid
 from hybrid.body.symmetry import Mirror, whole_columns
 from hybrid.output import history, progress, summary
 from hybrid.runtime.errors import SceneError
-from hybrid.scene import Axis, Body, Faces, Grid, Material, Motion, Output, Scene, Soil, Stage, Time
+from hybrid.scene import Axis, Body, Faces, Grid, Joint, Material, Motion, Output, Scene, Soil, Stage, Time
 from hybrid.setup.build import build
 
 GEOMETRY = Path(hybrid.__file__).parents[1] / "geometry"
@@ -91,6 +92,30 @@ def test_a_body_that_is_cut_is_held_in_its_plane_and_may_not_leave_it():
 ])
 def test_a_body_across_an_end_of_the_grid_is_no_half_otherwise(change):
     assert not build(pressed(y=HALF, **change)).mirrors
+
+
+FREE = {"y": HALF, "driven": (), "held": (), "velocity": (0.0, 0.0, 0.0), "rest_on": 0.0}
+ABOUT_X = (1.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("joint, mirrored", [
+    ({"kind": "hinge", "point": (0.0, 1.0, 0.0), "axis": ABOUT_X}, False),      # a pendulum that swings out of the plane
+    ({"kind": "hinge", "point": (0.0, 0.0, 1.0), "axis": ABOUT_X}, True),
+    ({"kind": "hinge", "point": (0.0, 0.0, 1.0), "axis": (0.0, 1.0, 0.0)}, True),
+    ({"kind": "hinge", "point": (0.0, 0.0, 1.0), "axis": (1.0, 1.0, 0.0)}, False),
+    ({"kind": "rod", "point": (0.0, 0.0, 0.0), "end": (0.0, 1.0, 0.4)}, False),
+    ({"kind": "rod", "point": (0.0, 0.0, 0.0), "end": (1.0, 0.0, 0.4)}, True),
+])
+def test_a_joint_beside_the_plane_makes_a_body_a_whole_one(joint, mirrored):
+    simulation = build(replace(pressed(**FREE), joints=(Joint("pin", bodies=("ball",), **joint),)))
+    assert bool(simulation.mirrors) == mirrored
+    assert any("is joined beside it by pin" in text for text in simulation.warned) != mirrored
+
+
+def test_a_run_says_first_that_half_is_modelled():
+    stream = io.StringIO()
+    progress.Progress(stream).start(build(pressed(y=HALF)))
+    assert "symmetry: y = 0 m: half of the whole is modelled" in stream.getvalue()
 
 
 @pytest.mark.parametrize("scene", [

@@ -6,12 +6,12 @@ Each limit is a generator of texts (none or one, or one for each body) over (sce
 the remedy. Numbers that are merely unlikely come first (`hybrid.scene.check_sense`, `place`).
 """
 
-from hybrid.monitors.limits import (base, cells, clay_cells, contact, elastic_cells, footing_cells, guided, margins, place,
-                                    rolling, sand_cells, soil, stages, stepping, turning, unsupported)
+from hybrid.monitors.limits import (base, cells, clay_cells, contact, elastic_cells, footing_cells, guided, layers,
+                                    margins, place, rolling, sand_cells, soil, stages, stepping, turning, unsupported)
 from hybrid.scene.check_sense import sense_notes
 
-MODULES = (place, unsupported, soil, contact, base, rolling, cells, clay_cells, sand_cells, footing_cells, elastic_cells,
-           turning, guided, margins, stages, stepping)
+MODULES = (place, unsupported, soil, layers, contact, base, rolling, cells, clay_cells, sand_cells, footing_cells,
+           elastic_cells, turning, guided, margins, stages, stepping)
 LIMITS = tuple(limit for module in MODULES for limit in module.LIMITS)
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 
 from hybrid.body.attitude import rotation_from_axis_angle
+from hybrid.body.symmetry import copies
 from hybrid.body.table import Table
 from hybrid.contact.search import distances
 from hybrid.runtime.comm import maximum, minimum, total
@@ -58,8 +59,10 @@ def narrow_body(scene, model):
         return
     domain, cell = 2 * minimum(half[:, :2][:, across]), model.soil.grid.smallest_cell
     for described, body in zip(scene.bodies, model.bodies):
-        width, spacing = _width(initial_vertices(described, body)[:, :2] * across), domain / body.places.along
-        if width < SPACINGS * spacing:
+        place = initial_vertices(described, body)
+        width, spacing = _width(place[:, :2] * across), domain / body.places.along
+        above = body.guided.all() and not body.driven.any() and place[:, 2].min() > top_of(model.soil) + 0.5 * cell
+        if width < SPACINGS * spacing and not above:
             denser = 'Set body.contact = "faces", or use' if body.places.at_corners else "Use"
             yield (f"{body.name} is {width:.3g} m wide, {width / spacing:.2g} spacings of contact points, limit "
                    f"{SPACINGS:g}: too few of them sample the body, so that its contact force depends on where it "
@@ -150,7 +153,8 @@ def light_body(scene, model):
     density = float(total(soil.constants.mass) / total(soil.constants.volume))
     for described, body in zip(scene.bodies, model.bodies):
         across = np.minimum(np.ptp(initial_vertices(described, body), axis=0), np.ptp(grid.extent, axis=1))[:2]
-        rows = body.mass.mass / (density * across.prod() * grid.smallest_cell)
+        halves = copies([mirror for mirror in body.mirrors if not mirror.cut])      # beside those that `across` measures
+        rows = halves * body.mass.mass / (density * across.prod() * grid.smallest_cell)
         if rows < CELL_ROWS and body.free[:3].any():
             plural = "" if f"{rows:.2g}" == "1" else "s"
             yield (f"{body.name} has the mass of {rows:.2g} row{plural} of cells under it, limit {CELL_ROWS:g}: when "

@@ -101,8 +101,8 @@ def swallowed_pulls(scene, model):
 
 
 def moving_halves(scene, model):
-    """Bodies with their middle in a roller face of the grid, as half a model, that move out of it: the other half has no
-    soil."""
+    """Bodies with their middle in a roller face of the grid, as half a model, that move out of it or are joined beside it:
+    the other half has no soil."""
     for described, body in zip(scene.bodies, model.bodies):
         place = initial_vertices(described, body)
         for axis, a in AXES.items():
@@ -110,12 +110,16 @@ def moving_halves(scene, model):
             if getattr(scene.grid, axis).collapsed or scene.gravity[a] or mirrored:
                 continue
             names = moved(scene, described, Mirror(axis, 0.0, False).guides)
-            ends = _half_at(scene, model.soil, axis, place[:, a].min(), place[:, a].max()) if names else ()
+            joints = [joint.name for joint in scene.joints if body.name in joint.bodies]
+            what, remedy = f"is joined beside it by {', '.join(joints)}: its mirror image has other joints", "join it there"
+            if names:
+                what = f"moves in {', '.join(names)}: its mirror image would move against it"
+                remedy = "leave these components out"
+            ends = _half_at(scene, model.soil, axis, place[:, a].min(), place[:, a].max()) if names or joints else ()
             for end in ends:
                 yield (f"{body.name} lies across {axis} = {end:.4g} m, the end of the grid, with its middle in it, as "
-                       f"half a model does, and moves in {', '.join(names)}: its mirror image would move against it, so "
-                       "that it is taken as a whole body with soil on one side alone. Extend the grid to both sides of "
-                       "it, or leave these components out")
+                       f"half a model does, and {what}, so that it is taken as a whole body with soil on one side alone. "
+                       f"Extend the grid to both sides of it, or {remedy}")
 
 
 def _half_at(scene, soil, axis, low, high):

@@ -35,9 +35,10 @@ def rolls_on_lattice(scene, model):
     material = material_at(scene, soil, top_of(soil))
     if material.law not in ("hencky", CLAY):
         return
+    joined = {name for joint in scene.joints for name in joint.bodies}
     for described, body in zip(scene.bodies, model.bodies):
         distance = np.linalg.norm(body.surface.vertices, axis=1)
-        if distance.max() > ROUND * distance.min() or not _rests(described, body) or not _rolls(body):
+        if body.name in joined or distance.max() > ROUND * distance.min() or not _rests(described, body) or not _rolls(body):
             continue
         radius, weight, cell = distance.mean(), body.mass.mass * abs(gravity[2]), soil.grid.smallest_cell
         contact = min(contact_radius(weight, radius, material, soil), radius)

@@ -4,6 +4,7 @@ import numpy as np
 
 from hybrid.body.attitude import rotation_from_axis_angle
 from hybrid.contact.search import distances
+from hybrid.monitors.limits.contact import initial_pose
 from hybrid.monitors.limits.stages import stride_of
 from hybrid.runtime.comm import maximum, minimum
 
@@ -20,9 +21,9 @@ def large_rotation_step(scene, model):
     """Bodies that tumble: steps of large rotations lose the attitude."""
     if scene.time.accuracy or not model.scheme.inertia:
         return
-    for described, body in zip(scene.bodies, model.bodies):
+    for number, (described, body) in enumerate(zip(scene.bodies, model.bodies)):
         spin = np.array(described.spin)
-        if not _tumbles(spin, body):
+        if not (_tumbles(spin, body) or _precesses(spin, scene, model, number)):
             continue
         rotations = [(np.linalg.norm(spin) * (stage.step or scene.time.step), *_limit(model.scheme, stage))
                  for stage in scene.stages]
@@ -38,6 +39,19 @@ def _tumbles(spin, body):
     momentum = body.mass.inertia @ spin
     aligned = np.linalg.norm(spin) * np.linalg.norm(momentum)
     return np.linalg.norm(np.cross(spin, momentum)) > TUMBLING * max(aligned, 1e-300) and body.free[3:].all()
+
+
+def _precesses(spin, scene, model, number):
+    """Whether the weight of a body on a ball joint turns the axis about which it spins, as that of a top."""
+    body, turn = model.bodies[number], initial_pose(scene.bodies[number], model.bodies[number])[1] @ spin
+    for joint in model.joints:
+        if joint.at_point and not joint.pairs and number in joint.bodies and body.free[3:].all():
+            arm = -initial_pose(scene.bodies[number], body)[1] @ joint.points[joint.bodies.index(number)]
+            moment = np.cross(arm, scene.gravity)
+            if np.linalg.norm(moment) <= TUMBLING * np.linalg.norm(arm) * np.linalg.norm(scene.gravity):
+                return False
+            return np.linalg.norm(np.cross(turn, moment)) > TUMBLING * np.linalg.norm(turn) * np.linalg.norm(moment)
+    return False
 
 
 def large_turn_about_an_axis(scene, model):

@@ -1,0 +1,104 @@
+"""Layers that end between lines of the grid.
+
+A point belongs to the layer of its centre, so that such a layer is thicker or thinner by up to half a point; and the cell
+that it shares with its neighbour strains as one, with the mean of both stiffnesses where soil in series has the mean of
+both compliances:
+
+    1/M of a row of cells    exact Σ f_i/M_i, modelled 1/Σ w_i M_i      f: shares of its height, w: of its points
+
+Oedometer of E = 40, 10, 1, 40 MPa with ends at -1.1 and -1.5 m, ν = 0.3, cells of 0.25 m: settles 3.21 of 4.03 mm; a seam
+of 1 MPa from -1.1 to -1.3 m in 40 MPa 0.60 of 2.0 mm. On lines of the grid both are exact.
+"""
+
+import numpy as np
+
+from hybrid.monitors.limits.contact import top_of
+from hybrid.runtime.comm import total
+from hybrid.scene.soil import span
+
+EXCESS = 0.1        # of the settlement of the whole soil, or of the thickness of a layer
+ON_LINE = 1e-6      # of a cell
+FINEST = 8          # times as many cells as given, among which a size is looked for
+
+
+def off_lines(scene, model):
+    """Layers whose ends between lines of the grid make the soil too stiff or too soft, or them too thick or too thin, by
+    EXCESS."""
+    soil, layers = model.soil, scene.soil.layers
+    if soil.held or not layers or soil.grid.collapsed[2] or not hasattr(soil.law, "parameters"):
+        return
+    lines, top = soil.grid.lines[2], top_of(soil)
+    ends = [span(layer, scene.soil, scene.grid) for layer in layers]
+    off = sorted({end for pair in ends for end in pair if _off(lines, end, top)}, reverse=True)
+    if not off:
+        return
+    modulus, present = _moduli(soil, lines, ends)
+    exact, modelled = _compliance(lines, top, ends, modulus, present)
+    told = []
+    if abs(modelled / exact - 1.0) > EXCESS:
+        told.append(f"cells take the mean stiffness of the layers that share them, and under a load the soil settles by "
+                    f"{modelled / exact:.2g} times what it should, limit {EXCESS:.0%}")
+    for layer, (bottom, upper), points in zip(layers, ends, present):
+        thick = float(points / np.maximum(present.sum(axis=0), 1) @ np.diff(lines))
+        given = min(upper, top) - max(bottom, lines[0])
+        if abs(thick / given - 1.0) > EXCESS:
+            told.append(f"the points of {layer.name} are {thick:.3g} m thick, {given:.3g} m given, limit {EXCESS:.0%}")
+    if told:
+        yield (f"soil.layer: ends at z = {' and '.join(f'{end:g}' for end in off)} m, between lines of the grid: "
+               f"{'; '.join(told)}. {_remedy(scene, ends, top)}")
+
+
+def _off(lines, end, top):
+    """Whether an end [m] inside the soil is between lines of the grid."""
+    cell = np.diff(lines).min()
+    return lines[0] < end < top - ON_LINE * cell and np.abs(lines - end).min() > ON_LINE * cell
+
+
+def _moduli(soil, lines, ends):
+    """(Mean constrained modulus [Pa], number of points) of each layer, and last of soil in none, in each row of cells: two
+    arrays (L + 1, rows)."""
+    height = soil.constants.position[:, 2]
+    owner = np.full(len(height), len(ends))
+    for i, (bottom, upper) in reversed(list(enumerate(ends))):
+        owner[(height >= bottom) & (height < upper)] = i
+    row, shape = np.clip(np.searchsorted(lines, height) - 1, 0, len(lines) - 2), (len(ends) + 1, len(lines) - 1)
+    flat = owner * shape[1] + row
+    K, G = soil.law.parameters[:, 0], soil.law.parameters[:, 1]
+    present, summed = (total(np.bincount(flat, weights, shape[0] * shape[1]).reshape(1, *shape))
+                       for weights in (None, K + 4 * G / 3))
+    return summed / np.maximum(present, 1), present
+
+
+def _compliance(lines, top, ends, modulus, present):
+    """(Exact, modelled) settlement [m/Pa] of the soil under a vertical stress."""
+    exact = modelled = 0.0
+    for r in np.flatnonzero(present.sum(axis=0) > 0):
+        low, high = lines[r], min(lines[r + 1], top)
+        modelled += (high - low) * present[:, r].sum() / (present[:, r] @ modulus[:, r])
+        left = high - low
+        for i, (bottom, upper) in enumerate(ends):
+            part = max(0.0, min(high, upper) - max(low, bottom))
+            exact, left = exact + part / _nearest(modulus[i], present[i], r) if part else exact, left - part
+        exact += max(left, 0.0) / _nearest(modulus[-1], present[-1], r) if left > ON_LINE * (high - low) else 0.0
+    return exact, modelled
+
+
+def _nearest(modulus, present, row):
+    """Modulus of a layer in the row nearest to `row` that has points of it."""
+    rows = np.flatnonzero(present)
+    return modulus[rows[np.argmin(np.abs(rows - row))]] if len(rows) else np.inf
+
+
+def _remedy(scene, ends, top):
+    axis = scene.grid.z
+    inside = [end for pair in ends for end in pair if axis.start < end < top]
+    if axis.nodes is None and axis.fine is None and not axis.moves:
+        first = round((axis.end - axis.start) / axis.size)
+        for n in range(first, FINEST * first + 1):
+            size = (axis.end - axis.start) / n
+            if all(abs((end - axis.start) / size - round((end - axis.start) / size)) < 1e-4 for end in [*inside, top]):
+                return f"Set grid.z.size = {size:.4g}, or end the layers on lines"
+    return "End the layers on lines of the grid, or choose lines that lie there (grid.z.nodes, grid.z.size)"
+
+
+LIMITS = (off_lines,)
