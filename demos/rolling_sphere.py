@@ -21,8 +21,8 @@ Errors on corners fall as spacing and facets are refined together (and the penal
 sphere is then modelled), largest over the five μ:
 
     spacing s     0.125 m   0.0625 m   0.03125 m
-    distance        1.5 %      0.4 %       0.1 %
-    spin            4.3 %      1.3 %       0.6 %
+    distance        1.2 %      0.5 %       0.1 %
+    spin            3.3 %      1.7 %       1.2 %
 
     .venv/bin/python demos/rolling_sphere.py           faces, and corners at the paper's resolution
     .venv/bin/python demos/rolling_sphere.py 1 2 4     and corners at half and a quarter of its spacing
