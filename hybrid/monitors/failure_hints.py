@@ -109,15 +109,15 @@ def probable_causes(step, evaluation, sudden=False, stands=False):
         if least < CUT and not model.soil.ghost_factor:
             causes.append(f"A node of a nearly empty cell carries {least:.1g} of the mass of a full one, limit {CUT:g} "
                           f"without inertia: leave soil.ghost out, or set soil.ghost = {GHOST:g}")
-    return tuple(causes or _unbalanced(step, evaluation))
+    return tuple(causes or _unbalanced(step))
 
 
-def _unbalanced(step, evaluation):
+def _unbalanced(step):
     """Text, if any, about soil that may yield and of which a good part of the weight is not balanced at the start of the
-    run."""
+    run. The last evaluation is not valid after it."""
     if step.state.time > 0.0 or not step.model.soil.law.plastic:
         return
-    imbalance = initial_imbalance(step, step.evaluate(step.at_rest(), evaluation))
+    imbalance = initial_imbalance(step, step.evaluate(step.at_rest()))
     if imbalance is not None and imbalance.share > UNBALANCED:
         geostatic = "set soil.geostatic = false and " if imbalance.stressed else ""
         yield (f"{imbalance}, is not balanced at the start, limit {UNBALANCED:.0%}: {geostatic}turn gravity on in a first "

@@ -289,6 +289,6 @@ def test_soil_out_of_balance_at_the_start_is_the_cause():
     for faces, told in (({"faces": Faces(x_min="free", x_max="free", z_min="fixed")}, True), ({}, False)):
         simulation = build(described(**faces))
         step = begin(simulation.model, simulation.state, 1.0, False, Workspace(simulation.model))
-        assert any("turn gravity on in a first stage" in text for text in _unbalanced(step, None)) == told
+        assert any("turn gravity on in a first stage" in text for text in _unbalanced(step)) == told
     simulation.state.time = 1.0
-    assert not list(_unbalanced(begin(simulation.model, simulation.state, 1.0, False, Workspace(simulation.model)), None))
+    assert not list(_unbalanced(begin(simulation.model, simulation.state, 1.0, False, Workspace(simulation.model))))
