@@ -3,7 +3,8 @@
     attached to clay on all sides, deep                   Π (1 + 1.75/n)     over the sides, n cells across;
                                                                              1.5 for 1.75 of round outlines
     pushed into clay, with edges on lines of the grid     Π (1 + 0.3 e/n)    over the sides, e = 0, 1, 2 of whose edges are
-    the same under an inclined or eccentric load          2.7 times that excess
+    the same under an inclined load                       2.7 times that excess; in space of an eccentric one too
+    the same under an eccentric load, plane strain        1 + 1.3/(n (1 - 2 e/B))    edges on lines of the grid or not
     the same where s_u grows by k with the depth          1 + 0.3 (k B/s_u)^0.65 times it, plane strain, k B/s_u to 5
     wedge of 90° pressed into it, smooth, plane strain    1 + 0.7/n          n cells in its depth under the ground
     upright cut under its own weight, plane strain        1 + 1.05/n         n cells in its height
@@ -21,6 +22,9 @@ from hybrid.runtime.comm import maximum, minimum
 ATTACHED, ROUND, EDGE, CUT, WEDGE = 1.75, 1.5, 0.3, 1.05, 0.7
 # Factor on EDGE: an inclined load at V = 4 of 5.14, one at an eighth of the width beside the centre
 COMBINED = 2.7
+# Over 5.14 s_u (B - 2 e) of smooth strips, E = 5 000 s_u, e/B = 0.125, 0.2, 0.3: 21, 27, 42 % with 8 cells, 11, 14, 21 %
+# with 16, 5, 7, 10 % with 32; lines a quarter of a cell beside the edges, after 2 % of B: 16, 21, 32 and 13, 17, 26 %
+ECCENTRIC = 1.3
 # Factor on EDGE 1 + GROWTH (k B/s_u)^GROWING, s_u under the base; measured up to MEASURED
 GROWTH, GROWING, MEASURED = 0.3, 0.65, 5.0
 ON_LINE = 0.15                  # cells between an edge and a line of the grid: contact sees the edge there as on it
@@ -32,17 +36,35 @@ DEEP_PLATE = 2.0                # widths under the ground: a shallower plate lif
 def few_cells(scene, model):
     """Bodies driven through clay with a plane face, or loaded until they go through it, so few cells wide that their load
     is more than EXCESS too high."""
-    pushed = [(*found, False) for found in driven(scene, model)] + list(loaded(scene, model))
-    for body, way, place, plane, combined in pushed:
+    pushed = [(*found, False, 0.0) for found in driven(scene, model)] + list(loaded(scene, model))
+    for body, way, place, plane, inclined, arm in pushed:
         if not plane:
             continue
-        for how, factor, found in (("about", 1.0, _attached(scene, model, body, way, place)),
-                                   ("up to", COMBINED if combined else 1.0, _on_lines(scene, model, body, way, place))):
+        combined = inclined or arm > 0.0
+        eccentric = _eccentric(scene, model, body, way, place, arm)
+        lines = _on_lines(scene, model, body, way, place) if inclined or not eccentric[0] else (0.0, "", "")
+        for how, factor, found in (("about", 1.0, _attached(scene, model, body, way, place)), ("about", 1.0, eccentric),
+                                   ("up to", COMBINED if combined else 1.0, lines)):
             excess, what, cure = found
             excess *= factor
             if excess > EXCESS:
                 load = "its load" if factor == 1.0 else "the inclined or eccentric load that it carries"
                 yield f"{body.name} {what}: {load} is {how} {excess:.0%} too high, limit {EXCESS:.0%}. {cure}"
+
+
+def _eccentric(scene, model, body, way, place, arm):
+    """(Excess, text, remedy) of a strip pressed on clay in plane strain by a load that acts on an `arm` [m]."""
+    soil = model.soil
+    cell, under = soil.grid.smallest_cell, place[:, 2].min() - 0.5 * soil.grid.smallest_cell
+    width = min((width for _, width, _ in sides(soil.grid, place, way)), default=0.0)
+    attached = body.interface is not None and body.interface.tension
+    if not arm or law_at(scene, soil, under) != CLAY or way[2] >= 0.0 or attached or soil.grid.collapsed.sum() != 1:
+        return 0.0, "", ""
+    left = max(width - 2.0 * arm, cell)
+    return (ECCENTRIC * cell / left,
+            f"is pressed on clay by a load {arm / width:.2g} of its width beside its middle, and stands on a width of "
+            f"{left / cell:.2g} cells",
+            f"Use cells of at most {EXCESS / ECCENTRIC * left:.2g} m under it, or extrapolate two sizes of cells to none")
 
 
 def flow_around(scene, model):

@@ -30,8 +30,8 @@ def driven(scene, model):
 
 
 def loaded(scene, model):
-    """(RigidBody, way (3,), places (V, 3) [m], whether a plane face leads, whether the load is inclined or eccentric) of
-    each body that is free to follow forces of a stage, or that a point of it drives; the way is the largest component
+    """(RigidBody, way (3,), places (V, 3) [m], whether a plane face leads, whether the load is inclined, arm [m] on which it
+    acts beside the centre) of each body that is free to follow forces of a stage, or that a point of it drives; the way is the largest component
     [N] of the largest force."""
     if model.soil.held or not model.soil.law.plastic:
         return
@@ -42,9 +42,10 @@ def loaded(scene, model):
             continue
         whole, place = outline(described, body, model.soil)
         way = np.where(np.arange(3) == axis, force, 0.0)
-        aside = np.abs(np.where(body.free[:3], force - way, 0.0)).max() > ASIDE * abs(force[axis])
-        off = np.abs(np.where(body.free[3:], moment, 0.0)).max() > ASIDE * np.ptp(place, axis=0).max() * abs(force[axis])
-        yield whole, way, place, leads(whole, place, way), aside or off
+        inclined = np.abs(np.where(body.free[:3], force - way, 0.0)).max() > ASIDE * abs(force[axis])
+        arm = np.abs(np.where(body.free[3:], moment, 0.0)).max() / abs(force[axis])
+        yield (whole, way, place, leads(whole, place, way), inclined,
+               arm if arm > ASIDE * np.ptp(place, axis=0).max() else 0.0)
 
 
 def _largest_row(table):
