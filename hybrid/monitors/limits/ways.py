@@ -31,8 +31,8 @@ def driven(scene, model):
 
 def loaded(scene, model):
     """(RigidBody, way (3,), places (V, 3) [m], whether a plane face leads, whether the load is inclined, arm [m] on which it
-    acts beside the centre) of each body that is free to follow forces of a stage, or that a point of it drives; the way is the largest component
-    [N] of the largest force."""
+    acts beside the centre) of each body that is free to follow forces of a stage, or that a point of it drives; the way is
+    the largest component [N] of the largest force."""
     if model.soil.held or not model.soil.law.plastic:
         return
     for described, body in zip(scene.bodies, model.bodies):
