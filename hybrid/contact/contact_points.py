@@ -25,7 +25,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from hybrid.contact.first_contact import predicted_contact_points
-from hybrid.contact.interface import ATTACHED, EVERYWHERE, NONE, PlaceLimits, lie_before, place_limits
+from hybrid.contact.interface import ATTACHED, EVERYWHERE, NONE, PlaceLimits, lie_before, on_faces, place_limits
 from hybrid.contact.search import gaps_in_space, new_points
 from hybrid.runtime.comm import anywhere
 from hybrid.runtime.jit import njit
@@ -97,7 +97,7 @@ def find_contact_points(domains, pressure, places, grid, active, body, surface, 
     found = _within_reach(domains, places, grid.collapsed, body, surface, reach, history)
     assert grid.nodes is None or grid.layers_for(found["position"]) <= grid.layers, "contact in cells of another process"
     if limits is not None and limits.tension > 0.0 and not anywhere([len(history.point)]):      # the run begins
-        _bond(found, domains, body, surface)
+        _bond(found, domains, body, surface, limits.sharp)
     node, weight = _interpolation(found["position"], grid.axes, active)
     use = np.flatnonzero(weight.any(axis=1))
     use = use[np.lexsort((found["place"][use], found["point"][use]))]
@@ -145,12 +145,13 @@ def _of_history(history, collapsed, body, surface, farthest):
     return normal, distance
 
 
-def _bond(found, domains, body, surface):
-    """Bond contact points `found` {name: values} that lie before the body's surface, not beside its edges, and close to it:
-    their springs start without force."""
+def _bond(found, domains, body, surface, sharp):
+    """Bond contact points `found` {name: values} that lie before the faces of the body's surface, not beside its edges, and
+    close to it: their springs start without force. sharp: of PointLimits."""
     y, normal = (found["position"] - body.position) @ body.rotation, found["normal"] @ body.rotation
     close = np.abs(found["clearance"]) <= ATTACHED * domains.half[found["point"]].min(axis=1)
     close &= lie_before(y, normal, surface.tree)
+    close[close] = on_faces(found["position"][close], found["normal"][close], body, surface, sharp)
     found["touching"] |= close
     found["rest"] = np.where(close, np.maximum(found["clearance"], 0.0), found["rest"])
     found["side"][close], found["anchor"][close] = normal[close], y[close]

@@ -32,6 +32,7 @@ from scipy.spatial import cKDTree
 from hybrid.body.closest import closest
 from hybrid.body.facet_tree import NO_SIDE
 from hybrid.body.surface import ContactSurface
+from hybrid.contact.closest_points import nearest
 from hybrid.contact.cover import Cover
 from hybrid.contact.search import distances
 from hybrid.runtime.comm import joined, offset
@@ -116,8 +117,9 @@ def place_limits(limits, found, area, domains, places, body, surface, extent=EVE
     if limits.shear is not None:
         shear = borne(limits.shear[found["point"]] * own)
     if bonds:       # a bond holds whatever presses
-        opened = found["opened"]
-        tension = np.where(found["touching"] & ~opened & (own > 0.0), limits.tension, 0.0)
+        opened, bonded = found["opened"], found["touching"] & (own > 0.0)
+        bonded[bonded] = on_faces(*(found[name][bonded] for name in ("position", "normal")), body, surface, limits.sharp)
+        tension = np.where(bonded & ~opened, limits.tension, 0.0)
         if np.isfinite(limits.tension):
             tension *= borne(own)
 
@@ -128,6 +130,18 @@ def place_limits(limits, found, area, domains, places, body, surface, extent=EVE
         return borne(limits.shear[found["point"]] * areas)
 
     return PlaceLimits(shear, tension, opened), None if bonds or places.at_corners or limits.shear is None else shared
+
+
+def on_faces(position, normal, body, surface, sharp):
+    """(m,) bool, whether places (m, 3) [m] with normals (m, 3) of the `surface` in contact are closest to what was a face of
+    the `sharp` one, None if nothing of it was rounded off.
+
+    Where its edges were (`hybrid.body.rounded`), normals point along the faces, so that a bond would hold soil along them
+    too: a smooth strip drawn over elastic soil felt nearly all of what one feels that sticks to it."""
+    if sharp is None:
+        return np.ones(len(position), bool)
+    triangle, *_ = nearest((position - body.position) @ body.rotation, normal @ body.rotation, surface)
+    return triangle < len(sharp.triangles)
 
 
 def _before_sharp(found, area, domains, places, body, sharp):

@@ -34,7 +34,7 @@ from hybrid.runtime.comm import largest, minimum
 from hybrid.runtime.errors import SceneError
 
 FEWEST, MOST = 4, 32                # places along a face
-ROUND_OFF = 1e-9                    # of a block of them
+ROUND_OFF = 1e-9                    # of their number: halves and wholes of a body have as many
 CURVATURE, REST_CURVATURE = 16, 32  # spacings in a radius of curvature; of bodies that rest on soil of given shape
 # Places across the narrower side of a body with plane faces over held soil: the lever by which its weight resists a load
 # ends at the outermost one. A box of 0.4 x 0.4 x 1 m tipped at 0.86 to 1.0 of W b/h with 13 across, by where it stood.
@@ -111,7 +111,7 @@ def _places(described, body, rotation, soil, gravity):
 
 def _blocks(wanted):
     """Number of places along a face, whole blocks of them, that is not less than `wanted` if it may be as many."""
-    return int(places.BLOCK * np.ceil(np.clip(wanted, FEWEST, MOST) / places.BLOCK - ROUND_OFF))
+    return int(places.BLOCK * np.ceil(np.clip(wanted * (1.0 + ROUND_OFF), FEWEST, MOST) / places.BLOCK))
 
 
 def _penalty(described, body, soil, spacing, radius, gravity):

@@ -9,15 +9,18 @@ from contact_bed import PRESSURE, ball, bed, body_at, box, domains_of, id_of
 
 from hybrid.body.rounded import round_off
 from hybrid.body.sharp_edges import find_edges
+from hybrid.contact import contact_points, interface
 from hybrid.contact import places as rules
 from hybrid.contact.contact_pair import ContactPair
 from hybrid.contact.cover import Cover
 from hybrid.contact.interface import Interface, PointLimits, place_limits
 from hybrid.contact.search import Reach
 from hybrid.laws.von_mises import VonMises
+from hybrid.runtime.data import GEOMETRY
 from hybrid.runtime.errors import SceneError
-from hybrid.scene import Axis, Body, Grid, Material, Scene, Soil, Stage, Time
+from hybrid.scene import Axis, Body, Faces, Grid, Material, Scene, Soil, Stage, Time
 from hybrid.scene.file import validate
+from hybrid.setup.build import build
 from hybrid.state import ContactHistory
 
 SHEAR = 2e3     # [Pa]
@@ -230,6 +233,33 @@ def scene_with(geometry, law="von-mises", held=False, layers=(), **values):
     return Scene(name="keys", grid=Grid(axis, axis, axis), soil=Soil(material, top=0.5, held=held, layers=layers),
                  bodies=(Body(geometry / "box.geo", 2000.0, rest_on=0.5, position=(0.5, 0.5, 0.0), **values),),
                  time=Time(0.01), stages=(Stage("one", 1),))
+
+
+KINDS = {"hencky": {"young": 1e7, "poisson": 0.3}, "von-mises": {"young": 2.5e7, "poisson": 0.49, "strength": 1e4}}
+
+
+@pytest.mark.parametrize("law, adhesion", [("hencky", None), ("von-mises", None), ("von-mises", 0.4)])
+def test_bonds_hold_no_soil_along_a_face(law, adhesion, monkeypatch):
+    """A strip of 2 m that stays attached is drawn along the soil: α s_u B, and nothing where it is smooth. With bonds along
+    what was rounded off of its edges too it is not."""
+    strip = Body(GEOMETRY / "box.geo", 1000.0, parameters={"length": 2.0, "width": 1.0, "height": 0.5, "size": 20.0},
+                 position=(0.0, 0.5, 0.0), rest_on=0.0, tension="full", adhesion=adhesion, held=("z", "ry"), driven=("x",),
+                 velocity=(0.002, 0.0, 0.0))
+    described = Scene(
+        name="drawn", grid=Grid(Axis(-3.0, 3.0, 0.25), Axis(0.0, 1.0, collapsed=True), Axis(-1.5, 0.5, 0.25),
+                                Faces(z_min="fixed")),
+        soil=Soil(Material(law=law, density=1.0, **KINDS[law]), top=0.0, geostatic=False), bodies=(strip,),
+        time=Time(1.0, inertia=False), stages=(Stage("draw", 4),), gravity=(0.0, 0.0, 0.0))
+
+    def drawn():
+        *_, last = build(described).steps()
+        return -last.bodies[0].contact_force[0]
+
+    exact = 2e4 * (adhesion or 0.0)
+    assert drawn() == pytest.approx(exact, rel=0.02, abs=10.0)
+    monkeypatch.setattr(interface, "on_faces", lambda position, *_: np.ones(len(position), bool))
+    monkeypatch.setattr(contact_points, "on_faces", interface.on_faces)
+    assert drawn() > exact + 5e3
 
 
 def test_keys_are_accepted(geometry):
