@@ -60,5 +60,5 @@ def test_no_body_leaves_the_ground_faster_than_it_came(start, monkeypatch):
 
 
 def test_a_fast_body_does_not_hide_an_impulse_on_a_slow_one():
-    bullet = sphere(0.1, 0.05, name="bullet", position=(0.0, 0.0, 50.0), velocity=(0.0, 0.0, 500.0))
+    bullet = box(0.1, 0.1, 0.1, name="bullet", position=(0.0, 0.0, 50.0), velocity=(0.0, 0.0, 500.0))
     assert 0.5 < leaves(0.5, others=(bullet,)) <= 1.0
