@@ -55,7 +55,7 @@ def test_softening_is_reported():
     """With the slip over which strength is lost: (c - c_r)/H times a cell of 1 m."""
     clay = {"law": "von-mises", "strength": 2e4}
     (text,) = warned(soil.softening, {**clay, "hardening": -1e5, "residual_strength": 1e4}, geostatic=False)
-    assert re.search(MODES["softening"].message, text) and "slip of 0.1 m in cells of 1 m" in text
+    assert re.search(MODES["softening"].message, text) and "slip of 0.17 m in cells of 1 m" in text
     assert not warned(soil.softening, {**clay, "hardening": 1e5}, geostatic=False)
     assert not warned(soil.softening, clay, geostatic=False) and not warned(soil.softening)
     layer = Layer("peat", top=1.0, material={"hardening": -1e4, "residual_strength": 1e3})

@@ -58,9 +58,10 @@ def softening(scene, model):
     softest = law.parameters[law.parameters[:, 6] == minimum(law.parameters[:, 6])][:1]     # of this process, if it has it
     strength, slope, residual = joined(softest[:, [4, 6, 7]])[0]
     cell = model.soil.grid.smallest_cell
+    slip = np.sqrt(3.0) * (strength - residual) / -slope * cell     # √3 times the plastic strain in simple shear
     modulus = min(m.hardening or 0.0 for m in materials(scene.soil))
     yield (f"soil.material.hardening = {modulus:g} Pa: softening (limit 0) localises in bands one cell wide: the "
-           f"strength is lost after a slip of {(strength - residual) / -slope * cell:.2g} m in cells of {cell:g} m, "
+           f"strength is lost after a slip of {slip:.2g} m in cells of {cell:g} m, "
            "and after half of that in cells half as large. Choose hardening for this size of cells, and change it in "
            "proportion to that size")
 
