@@ -10,6 +10,7 @@ from hybrid.monitors.load_reached import lifted, overloads
 from hybrid.runtime.comm import anywhere, largest, maximum, minimum, total
 from hybrid.scene.defaults import GHOST, SLIDING
 from hybrid.soil.domains import cells_wide
+from hybrid.soil.model import Refusal
 
 CUT = 1e-4          # mass of a node over that of a full one [-]: nodes below have stopped runs without inertia
 DOMAIN_WIDTH = 0.9  # cells that a domain may be wide before soil separates next to it,
@@ -117,7 +118,8 @@ def _unbalanced(step):
     run. The last evaluation is not valid after it."""
     if step.state.time > 0.0 or not step.model.soil.law.plastic:
         return
-    imbalance = initial_imbalance(step, step.evaluate(step.at_rest()))
+    at_rest = step.evaluate(step.at_rest())
+    imbalance = None if isinstance(at_rest, Refusal) else initial_imbalance(step, at_rest)
     if imbalance is not None and imbalance.share > UNBALANCED:
         geostatic = "set soil.geostatic = false and " if imbalance.stressed else ""
         yield (f"{imbalance}, is not balanced at the start, limit {UNBALANCED:.0%}: {geostatic}turn gravity on in a first "

@@ -30,9 +30,7 @@ def with_symmetry(scene, meshes):
     Raises SceneError where a body that is cut would leave its plane.
     """
     bodies, decisions, found = [], [], []
-    for i, (described, mesh) in enumerate(zip(scene.bodies, meshes)):
-        mirrors = tuple(mirror for mirror in mirrors_of(scene, described, mesh)
-                        if mirror.cut or not _joined_beside(scene, described, mirror, meshes))
+    for i, (described, mirrors) in enumerate(zip(scene.bodies, _all_mirrors(scene, meshes))):
         needed = dict.fromkeys(name for mirror in mirrors for name in mirror.guides)
         for mirror in mirrors:
             _refuse_motion(scene, f"body.{i}", described, mirror)
@@ -63,12 +61,28 @@ def mirrors_of(scene, described, mesh):
                 yield Mirror(name, at, cut)
 
 
-def _joined_beside(scene, described, mirror, meshes):
-    """Whether a joint of a body is beside a plane that it lies across, so that the mirror image is another joint."""
+def _all_mirrors(scene, meshes):
+    """Mirrors (tuple) of each body; of one that lies across a plane only if its joints, and the bodies that they join it to,
+    are in that plane too."""
+    found = [tuple(mirrors_of(scene, *pair)) for pair in zip(scene.bodies, meshes)]
+    while True:     # a chain may leave the plane at its far end
+        planes = {body.name: {(mirror.axis, mirror.at) for mirror in mirrors} for body, mirrors in zip(scene.bodies, found)}
+        kept = [tuple(mirror for mirror in mirrors if mirror.cut or not _joined_beside(scene, body, mirror, meshes, planes))
+                for body, mirrors in zip(scene.bodies, found)]
+        if kept == found:
+            return found
+        found = kept
+
+
+def _joined_beside(scene, described, mirror, meshes, planes):
+    """Whether a joint of a body, or what it joins the body to, is beside a plane that the body lies across, so that the
+    mirror image is another joint. planes: {name: {(axis, at)}} of all bodies."""
     a = AXES[mirror.axis]
     for i, joint in enumerate(scene.joints):
         if described.name not in joint.bodies:
             continue
+        if any((mirror.axis, mirror.at) not in planes[name] for name in joint.bodies):
+            return True
         ends = [("point", joint.point, joint.bodies[0])]
         if joint.end is not None:
             ends.append(("end", joint.end, joint.bodies[1] if len(joint.bodies) == 2 else None))

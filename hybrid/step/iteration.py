@@ -86,7 +86,7 @@ class Outcome:
 
 def iterate(step, solver, evaluation, updates):
     """Outcome of `updates` from an evaluation."""
-    aids, errors, krylov, best, backtracked = Aids(step, solver, updates), [], 0, evaluation, False
+    safeguards, errors, krylov, best, backtracked = Safeguards(step, solver, updates), [], 0, evaluation, False
 
     def ended(evaluation, reason, **how):
         return Outcome(evaluation, len(errors) - 1, krylov, tuple(errors), reason, **how)
@@ -97,9 +97,9 @@ def iterate(step, solver, evaluation, updates):
         if evaluation.error <= solver.tolerance:
             return ended(evaluation, "", backtracked=backtracked)
         if len(errors) > MOST or not progressing(errors, updates.patience) or _diverged(evaluation, best, solver, updates):
-            return ended(best, _no_progress(best, errors, solver, updates), jumping=aids.jumping())
+            return ended(best, _no_progress(best, errors, solver, updates), jumping=safeguards.jumping())
         try:
-            soil, body, count = aids.solve(evaluation)
+            soil, body, count = safeguards.solve(evaluation)
         except StepError as failure:
             return ended(best, str(failure))
         krylov += count
@@ -107,10 +107,10 @@ def iterate(step, solver, evaluation, updates):
         if isinstance(trial, Refusal):
             return ended(best, f"the update {trial.reason}")
         backtracked = backtracked or scale < 1.0
-        evaluation = aids.follow(evaluation, trial)
+        evaluation = safeguards.follow(evaluation, trial)
 
 
-class Aids:
+class Safeguards:
     """What helps updates along: the last tangent used again, contact points held in stick for an update, few rough nodes
     solved for by themselves; and whether contact points jump between facets."""
 

@@ -112,6 +112,18 @@ def test_a_joint_beside_the_plane_makes_a_body_a_whole_one(joint, mirrored):
     assert any("is joined beside it by pin" in text for text in simulation.warned) != mirrored
 
 
+@pytest.mark.parametrize("beside, mirrored", [(0.0, True), (1.0, False)])
+def test_a_chain_that_leaves_the_plane_is_whole(beside, mirrored):
+    """Three balls one above another, joined at their middles in the plane; the last one may be beside it."""
+    first = replace(pressed(**FREE).bodies[0], rest_on=None, position=(0.0, 0.0, 2.0))
+    second = replace(first, name="second", position=(0.0, 0.0, 3.0))
+    third = replace(first, name="third", position=(0.0, beside, 4.0))
+    joints = (Joint("low", "ball", ("ball", "second"), (0.0, 0.0, 0.5)),
+              Joint("high", "ball", ("second", "third"), (0.0, 0.0, 0.5)))
+    simulation = build(replace(pressed(**FREE), bodies=(first, second, third), joints=joints))
+    assert [bool(body.mirrors) for body in simulation.model.bodies] == [mirrored] * 3
+
+
 def test_a_run_says_first_that_half_is_modelled():
     stream = io.StringIO()
     progress.Progress(stream).start(build(pressed(y=HALF)))

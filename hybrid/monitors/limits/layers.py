@@ -13,7 +13,7 @@ of 1 MPa from -1.1 to -1.3 m in 40 MPa 0.60 of 2.0 mm. On lines of the grid both
 import numpy as np
 
 from hybrid.monitors.limits.contact import top_of
-from hybrid.runtime.comm import total
+from hybrid.runtime.comm import minimum, total
 from hybrid.scene.soil import span
 
 EXCESS = 0.1        # of the settlement of the whole soil, or of the thickness of a layer
@@ -32,6 +32,7 @@ def off_lines(scene, model):
     off = sorted({end for pair in ends for end in pair if _off(lines, end, top)}, reverse=True)
     if not off:
         return
+    floor = minimum(soil.constants.position[:, 2] - soil.constants.half_width[:, 2])
     modulus, present = _moduli(soil, lines, ends)
     exact, modelled = _compliance(lines, top, ends, modulus, present)
     told = []
@@ -40,7 +41,7 @@ def off_lines(scene, model):
                     f"{modelled / exact:.2g} times what it should, limit {EXCESS:.0%}")
     for layer, (bottom, upper), points in zip(layers, ends, present):
         thick = float(points / np.maximum(present.sum(axis=0), 1) @ np.diff(lines))
-        given = min(upper, top) - max(bottom, lines[0])
+        given = min(upper, top) - max(bottom, floor)
         if abs(thick / given - 1.0) > EXCESS:
             told.append(f"the points of {layer.name} are {thick:.3g} m thick, {given:.3g} m given, limit {EXCESS:.0%}")
     if told:
