@@ -13,6 +13,7 @@ import numpy as np
 
 from hybrid.contact import assembly, held_facets, soil_to_body, tunnelling
 from hybrid.contact.contact_points import find_contact_points
+from hybrid.contact.interface import RAMP
 from hybrid.runtime.comm import count, total
 
 TINY = 1e-300       # [N]
@@ -69,14 +70,16 @@ class ContactPair:
 
     def share_interface(self, contact):
         """Let the points that touch in `contact` bear the adhesion of the clay around them, in proportion to their
-        pressure, in place of those that touched before. Returns the share of it by which their sum changes."""
+        pressure, in place of those that touched before. Returns the share of their shear strength under this pressure by
+        which its sum changes."""
         points, limits = self.points, self.points.limits
         if points.shared is None:
             return 0.0
         touching, pressed = np.zeros(len(points), bool), np.zeros(len(points))
         touching[contact.active], pressed[contact.active] = True, contact.pressure
         shear = points.shared(touching, pressed)
-        before, after = (float(total(values[contact.active])) for values in (limits.shear, shear))
+        by_pressure = min(RAMP, self.body.friction) * contact.pressure
+        before, after = (float(total(np.minimum(values[contact.active], by_pressure))) for values in (limits.shear, shear))
         self._limits, self.points = limits, replace(points, limits=limits._replace(shear=shear))
         return abs(after - before) / max(after, before, TINY)
 

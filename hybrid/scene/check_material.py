@@ -15,9 +15,21 @@ def material_faults(soil, grid):
     yield from _values("soil.material", soil.material, soil.material, cone)
     if soil.material.law == "user" and soil.geostatic and not soil.held and soil.k0 is None:
         yield "soil: missing k0 for law 'user'; give the ratio of horizontal to vertical stress, or geostatic = false"
+    if not soil.geostatic:
+        yield from _without_stress(soil)
     for i, layer in enumerate(soil.layers):
         yield from _place(i, soil, grid)
         yield from _layer_values(f"soil.layer.{i}", layer, soil.material)
+
+
+def _without_stress(soil):
+    """Ratios of stresses that soil does not start with, where its stiffness does not follow them either."""
+    parts = [("soil", soil.k0, soil.material)]
+    parts += [(f"soil.layer.{i}", layer.k0, of_layer(soil.material, layer)) for i, layer in enumerate(soil.layers)]
+    for key, k0, m in parts:
+        if k0 is not None and m.reference_young is None and m.relative_density is None:
+            yield (f"{key}.k0 = {k0:g}: must be left out with geostatic = false, with which soil starts without stress; or "
+                   "set geostatic = true")
 
 
 def _place(i, soil, grid):

@@ -91,10 +91,40 @@ def test_a_footing_with_edges_on_lines_of_the_grid(half, mirrored, count):
     assert all("is 4 cells wide" in text and "along x" in text and "up to 15%" in text for text in warnings)
 
 
-@pytest.mark.parametrize("reach, count", [(0.8, 0), (0.4, 0), (1.6, 1)])
-def test_a_lid_on_a_specimen_drives_no_clay_beside_it(reach, count):
-    """Flush with it, over its sides, and a footing on clay that goes on: found right to 1 % (unconfined compression)."""
-    described = footing(0.8, True)
+@pytest.mark.parametrize("size, count", [(0.2, 1), (0.1, 0)])
+def test_a_body_with_two_feet_is_judged_by_the_width_of_one(size, count):
+    """Each 2.1 and 4.2 cells wide, the whole body 8 and 16. What stands between them is out of the clay."""
+    values = {"length": 1.6, "width": 1.0, "height": 0.5, "mouth": 0.75, "angle": 120.0, "size": 0.5}
+    feet = body("notched_block.geo", values, position=(0.0, 0.5, 0.0), rest_on=0.0,
+                **PUSHED | {"velocity": (0.0, 0.0, -0.01)})
+    warnings = texts(cells.few_cells, replace(footing(0.8, False, size), bodies=(feet,)))
+    assert len(warnings) == count
+    assert all("has 2 parts ahead, 2.1 cells wide" in text and "up to 28%" in text for text in warnings)
+
+
+@pytest.mark.parametrize("velocity, half, count", [(0.01, 0.8, 1), (-0.01, 0.8, 1), (0.01, 1.6, 0)])
+def test_a_strip_that_clay_sticks_to_is_lifted_from_its_surface(velocity, half, count):
+    """Found 12, 5, 2 % above 5.14 s_u with 4, 8, 16 cells with its edges on lines, 1 % and less off them."""
+    described = footing(half, adhesion=1.0, tension="full", velocity=(0.0, 0.0, velocity))
+    assert len(texts(cells.few_cells, described)) == count
+
+
+@pytest.mark.parametrize("velocity, count", [(-0.01, 1), (0.01, 0)])
+def test_a_round_pile_that_clay_sticks_to(velocity, count):
+    """One cell deep: 5 cells in its diameter; found 25 and 12 % too high with 4 and 8 pushed in, 6 and 3 % lifted."""
+    described = buried(top="free")
+    pile, = described.bodies
+    pile = replace(pile, position=(0.0, 0.0, -4.2), velocity=(0.0, 0.0, velocity))
+    warnings = texts(cells.few_cells, replace(described, bodies=(pile,)))
+    assert len(warnings) == count
+    assert all("about 21%" in text for text in warnings)
+
+
+@pytest.mark.parametrize("half, reach, count", [(0.8, 0.8, 0), (0.8, 0.4, 0), (0.76, 0.8, 0), (0.8, 1.6, 1)])
+def test_a_lid_on_a_specimen_drives_no_clay_beside_it(half, reach, count):
+    """Flush with it, over its sides, a tenth of a cell within them, and a footing on clay that goes on: found right to
+    1 % (unconfined compression)."""
+    described = footing(half, True)
     described = replace(described, soil=replace(described.soil, upper=(reach, 1.0, 0.0), top=None))
     assert len(texts(cells.few_cells, described)) == count
 

@@ -82,6 +82,13 @@ def test_layers_that_contradict_themselves(layer, words):
     assert all(word in found for word in words), found
 
 
+def test_a_ratio_of_stresses_belongs_to_soil_that_starts_with_some():
+    """Without stress it acts where the stiffness follows that of the weight alone."""
+    assert "soil.k0 = 0.6: must be left out with geostatic = false" in message(CLAY, geostatic=False, k0=0.6)
+    build(scene_of(CLAY, k0=0.6))
+    scene_of({"relative_density": 60.0}, geostatic=False, k0=0.6)
+
+
 def test_layers_do_not_overlap_and_have_names_of_their_own():
     found = message(SAND, layer=[{"name": "one", "bottom": 0.4}, {"name": "one", "top": 0.5}])
     assert "soil.layer.1: must not overlap layer.0, z = 0.4 to 1 m, but goes from 0 to 0.5 m" in found

@@ -2,7 +2,9 @@
 
     attached to clay on all sides, deep                   Π (1 + 1.75/n)     over the sides, n cells across;
                                                                              1.5 for 1.75 of round outlines
+    attached, round, pushed in from its surface           Π (1 + 0.5/n)      over the sides
     pushed into clay, with edges on lines of the grid     Π (1 + 0.3 e/n)    over the sides, e = 0, 1, 2 of whose edges are
+    attached and lifted from its surface                  the same
     the same under an inclined load                       2.7 times that excess; in space of an eccentric one too
     the same under an eccentric load, plane strain        1 + 1.3/(n (1 - 2 e/B))    edges on lines of the grid or not
     the same where s_u grows by k with the depth          1 + 0.3 (k B/s_u)^0.65 times it, plane strain, k B/s_u to 5
@@ -15,11 +17,13 @@ on the next nodes"). Those of sand are in `sand_cells`, of soil with cohesion an
 
 import numpy as np
 
-from hybrid.monitors.limits.ways import (CLAY, EXCESS, STEEP, driven, faces, law_at, leads, loaded, material_at,
+from hybrid.monitors.limits.ways import (CLAY, EXCESS, STEEP, driven, faces, feet, law_at, leads, loaded, material_at,
                                          sides, step_of_ground, top_of)
 from hybrid.runtime.comm import maximum, minimum
 
 ATTACHED, ROUND, EDGE, CUT, WEDGE = 1.75, 1.5, 0.3, 1.05, 0.7
+# Round, two widths deep, α = 1: 14.6, 13.7, 13.1 s_u A with 4, 6, 8 cells pushed in, 12.7, 12.6, 12.3 lifted
+SHALLOW_ROUND = 0.5
 # Factor on EDGE: an inclined load at V = 4 of 5.14, one at an eighth of the width beside the centre
 COMBINED = 2.7
 # Over 5.14 s_u (B - 2 e) of smooth strips, E = 5 000 s_u, e/B = 0.125, 0.2, 0.3: 21, 27, 42 % with 8 cells, 11, 14, 21 %
@@ -31,19 +35,23 @@ ON_LINE = 0.15                  # cells between an edge and a line of the grid: 
 SLOPES = 35.0, 55.0             # degrees from the ground of the faces of what counts as a wedge of about 90°
 DEEP = 1.0                      # widths: flow of clay around a body that goes deeper closes behind it
 DEEP_PLATE = 2.0                # widths under the ground: a shallower plate lifts the clay above it
+NOTHING = 0.0, "", ""           # no excess
 
 
 def few_cells(scene, model):
     """Bodies driven through clay with a plane face, or loaded until they go through it, so few cells wide that their load
     is more than EXCESS too high."""
-    pushed = [(*found, False, 0.0) for found in driven(scene, model)] + list(loaded(scene, model))
+    cell = model.soil.grid.smallest_cell
+    pushed = [(*found, False, 0.0) for found in driven(scene, model)]
+    pushed += [(body, cell * force / np.linalg.norm(force), *others) for body, force, *others in loaded(scene, model)]
     for body, way, place, plane, inclined, arm in pushed:
         if not plane:
             continue
         combined = inclined or arm > 0.0
-        eccentric = _eccentric(scene, model, body, way, place, arm)
-        lines = _on_lines(scene, model, body, way, place) if inclined or not eccentric[0] else (0.0, "", "")
-        for how, factor, found in (("about", 1.0, _attached(scene, model, body, way, place)), ("about", 1.0, eccentric),
+        eccentric, attached = (of(scene, model, body, way, place, arm) for of in (_eccentric, _attached))
+        other = attached[0] or eccentric[0] and not inclined
+        lines = NOTHING if other else _on_lines(scene, model, body, way, place)
+        for how, factor, found in (("about", 1.0, attached), ("about", 1.0, eccentric),
                                    ("up to", COMBINED if combined else 1.0, lines)):
             excess, what, cure = found
             excess *= factor
@@ -59,7 +67,7 @@ def _eccentric(scene, model, body, way, place, arm):
     width = min((width for _, width, _ in sides(soil.grid, place, way)), default=0.0)
     attached = body.interface is not None and body.interface.tension
     if not arm or law_at(scene, soil, under) != CLAY or way[2] >= 0.0 or attached or soil.grid.collapsed.sum() != 1:
-        return 0.0, "", ""
+        return NOTHING
     left = max(width - 2.0 * arm, cell)
     return (ECCENTRIC * cell / left,
             f"is pressed on clay by a load {arm / width:.2g} of its width beside its middle, and stands on a width of "
@@ -124,16 +132,20 @@ def upright_cut(scene, model):
                f"cells of at most {EXCESS / CUT * height:.2g} m")
 
 
-def _attached(scene, model, body, way, place):
-    """(Excess, text, remedy) of a body deep in clay that stays on it."""
+def _attached(scene, model, body, way, place, _):
+    """(Excess, text, remedy) of a body in clay that stays on it, deep in it or round."""
     soil, cell = model.soil, model.soil.grid.smallest_cell
-    across = [(width, ATTACHED if leads(body, place, np.eye(3)[axis]) else ROUND)
-              for axis, width, _ in sides(soil.grid, place, way)]
+    across = [(width, leads(body, place, np.eye(3)[axis])) for axis, width, _ in sides(soil.grid, place, way)]
     width = min((width for width, _ in across), default=np.inf)
-    shallow = place[:, 2].max() > top_of(soil) - DEEP_PLATE * width and not _covered(scene, soil)
-    if not across or body.interface is None or not np.isinf(body.interface.tension) or shallow:
-        return 0.0, "", ""
+    if not across or body.interface is None or not np.isinf(body.interface.tension):
+        return NOTHING
+    if place[:, 2].max() <= top_of(soil) - DEEP_PLATE * width or _covered(scene, soil):
+        across = [(width, ATTACHED if straight else ROUND) for width, straight in across]
+    else:       # of straight ones `_on_lines` tells
+        across = [(width, 0.0 if straight or way[2] >= 0.0 else SHALLOW_ROUND) for width, straight in across]
     excess = np.prod([1.0 + number * cell / width for width, number in across]) - 1.0
+    if not excess:
+        return NOTHING
     return (excess, f"stays attached to clay and is {width / cell:.2g} cells of {cell:.3g} m wide",
             f"Use cells of at most {EXCESS / sum(number / width for width, number in across):.2g} m at the body")
 
@@ -144,28 +156,43 @@ def _covered(scene, soil):
 
 
 def _on_lines(scene, model, body, way, place):
-    """(Excess, text, remedy) of a body pushed into clay whose edges are on lines of the grid."""
-    under = place[:, 2].min() - 0.5 * model.soil.grid.smallest_cell
-    if law_at(scene, model.soil, under) != CLAY or way[2] >= 0.0 or body.interface is not None and body.interface.tension:
-        return 0.0, "", ""
+    """(Excess, text, remedy) of a body pushed into clay, or lifted from clay that stays on it, whose edges are on lines of
+    the grid: the mean over its feet."""
+    attached = body.interface is not None and body.interface.tension
+    if way[2] == 0.0 or way[2] > 0.0 and not attached:
+        return NOTHING
+    parts = [(area, *_foot_on_lines(scene, model, body, way, place, foot))
+             for area, foot in feet(body, place, np.where(way[2] > 0.0, -way, way), top_of(model.soil))]
+    excess = sum(area * each for area, each, *_ in parts) / sum(area for area, *_ in parts) if parts else 0.0
+    if not excess:
+        return NOTHING
+    _, _, narrow, on, growing = max(parts, key=lambda part: part[0] * part[1])
+    wide = f"{narrow:.2g} cells wide"
+    has = f"is {wide} and has" if len(parts) == 1 else f"has {len(parts)} parts ahead, {wide}, with"
+    return (excess,
+            f"{has} edges on lines of the grid along {', '.join(on)}, where it drives the clay of the next cell too"
+            + (", more so as its strength grows with the depth" if growing else ""),
+            "Move the lines of the grid by a quarter of a cell against it, or use smaller cells")
+
+
+def _foot_on_lines(scene, model, body, way, place, foot):
+    """(Excess, cells across, axes along which edges are on lines, whether the strength grows) of a foot with its vertices
+    at (V, 3) [m] of a body pushed into clay."""
     grid, excess, on, narrow = model.soil.grid, 1.0, [], np.inf
-    growing = _growing(scene, model.soil, place, way)
-    for axis, width, ends in sides(grid, place, way):
+    if law_at(scene, model.soil, foot[:, 2].min() - 0.5 * grid.smallest_cell) != CLAY:
+        return 0.0, narrow, on, False
+    growing = _growing(scene, model.soil, foot, way)
+    for axis, width, ends in sides(grid, foot, way):
         if not leads(body, place, np.eye(3)[axis]):    # a round outline crosses lines of the grid everywhere
             continue
         nodes, cell = grid.lines[axis], np.diff(grid.lines[axis]).min()
-        lying = sum(np.abs(nodes - end).min() < ON_LINE * cell and _soil_beside(model.soil, place, axis, end)
+        lying = sum(np.abs(nodes - end).min() < ON_LINE * cell and _soil_beside(model.soil, foot, axis, end)
                     for end in ends)
         excess *= 1.0 + EDGE * growing * lying * cell / width
         if lying:
             on.append("xyz"[axis])
             narrow = min(narrow, width / cell)
-    if not on:
-        return 0.0, "", ""
-    return (excess - 1.0,
-            f"is {narrow:.2g} cells wide and has edges on lines of the grid along {', '.join(on)}, where it drives the "
-            "clay of the next cell too" + (", more so as its strength grows with the depth" if growing > 1.0 else ""),
-            "Move the lines of the grid by a quarter of a cell against it, or use smaller cells")
+    return excess - 1.0, narrow, on, growing > 1.0
 
 
 def _soil_beside(soil, place, axis, end):

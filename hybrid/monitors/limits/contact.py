@@ -22,6 +22,7 @@ THIN_SHARE = 0.25           # of the surface in clay, that is thinner
 ACROSS = 0.3                # cosine: faces that a driven body moves along are not parted from the soil
 SAMPLES = 20                # of a thickness
 FLUSH = 1e-3                # cells: a face as far below the top of the soil lies on it
+RIM = 0.15                  # cells that a lid may leave uncovered: contact sees its edges there as on the lines of the grid
 CELL_ROWS = 1.5             # mass of a body over that of a row of cells [-]: lighter ones rebound from nodes
 
 
@@ -117,8 +118,8 @@ def _shares(cells):
 
 
 def covers(vertices, soil, grid):
-    """Whether a body reaches over all of the soil in plan, so that none gets above it."""
-    across, slack = np.flatnonzero(~grid.collapsed[:2]), 1e-6 * grid.smallest_cell
+    """Whether a body reaches over all of the soil in plan, but for RIM, so that hardly any gets above it."""
+    across, slack = np.flatnonzero(~grid.collapsed[:2]), RIM * grid.smallest_cell
     return all(vertices[:, axis].min() <= minimum((soil.position - soil.half_width)[:, axis]) + slack
                and vertices[:, axis].max() >= maximum((soil.position + soil.half_width)[:, axis]) - slack for axis in across)
 

@@ -4,6 +4,8 @@ soil is there."""
 from dataclasses import replace
 
 import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 
 from hybrid.laws.sand import material_values
 from hybrid.monitors.limits.contact import initial_pose, initial_vertices, levelled, top_of, way_along
@@ -105,6 +107,25 @@ def facing(body, place, way):
             mean = normal[same].sum(axis=0)
             return mean / np.linalg.norm(mean)
     return None
+
+
+def feet(body, place, way, top):
+    """[(Area [m²], places (V, 3) [m] of the vertices)] of the plane parts, apart from each other, that lead a body across
+    its way and are in soil below `top` [m] in the end: one of a block, one of each leg of a table."""
+    normal, area = faces(body, place)
+    triangles = body.surface.triangles[normal @ way > PLANE * area * np.linalg.norm(way)]
+    _, part = np.unique(place.round(9), axis=0, return_inverse=True)     # vertices of a surface may be there twice
+    corners = part.ravel()[triangles]
+    edges = np.concatenate([corners[:, :2], corners[:, 1:]])
+    number, group = connected_components(coo_matrix((np.ones(len(edges)), edges.T), (len(place), len(place))), False)
+    found = []
+    for each in range(number):
+        mine = triangles[group[corners[:, 0]] == each]
+        vertices = place[np.unique(mine)]
+        if len(mine) and (vertices[:, 2] + min(way[2], 0.0)).min() < top:
+            cross = np.cross(place[mine[:, 1]] - place[mine[:, 0]], place[mine[:, 2]] - place[mine[:, 0]])
+            found.append((0.5 * float(np.linalg.norm(cross, axis=1).sum()), vertices))
+    return found
 
 
 def faces(body, place):
