@@ -54,27 +54,30 @@ EVERYWHERE = np.array([[-np.inf, np.inf]] * 3)
 class Interface:
     """adhesion: α/ξ, None where friction alone limits the shear; tension: σ_t [Pa], 0 without a bond, inf for ever; sharp:
     ContactSurface on whose area they act, None for the one in contact: edges that this has rounded off are clay's as
-    well; cover: Cover of that area, None where contact points bear whatever they are given."""
+    well; cover: Cover of that area, None where contact points bear whatever they are given; rubs: whether friction limits
+    the shear as well."""
 
     adhesion: float | None
     tension: float
     sharp: ContactSurface | None = None
     cover: Cover | None = None
+    rubs: bool = False
 
     def of_points(self, law, plastic_strain):
         """PointLimits of soil points with a `law` and accumulated plastic strain (n,)."""
         shear = None if self.adhesion is None else self.adhesion * law.cohesion(plastic_strain)
-        return PointLimits(shear, self.tension, self.sharp, self.cover)
+        return PointLimits(shear, self.tension, self.sharp, self.cover, self.rubs)
 
 
 class PointLimits(NamedTuple):
     """Stresses [Pa] that the interface carries: shear (n,) α s_u of each soil point, None without adhesion; tension; and the
-    `sharp` surface of Interface and its `cover`."""
+    `sharp` surface of Interface, its `cover`, and whether it `rubs`."""
 
     shear: np.ndarray | None
     tension: float
     sharp: ContactSurface | None = None
     cover: Cover | None = None
+    rubs: bool = False
 
 
 class PlaceLimits(NamedTuple):
@@ -116,6 +119,8 @@ def place_limits(limits, found, area, domains, places, body, surface, extent=EVE
     borne = _borne_by_each(found, before_body & (own > 0.0), domains, places, 1 if bonds else BEARERS, layers)
     if limits.shear is not None:
         shear = borne(limits.shear[found["point"]] * own)
+    if limits.rubs:     # a point that closes takes load off others: it has friction before adhesion is shared anew
+        shear = np.where(found["touching"], shear, limits.shear[found["point"]] * area)
     if bonds:       # a bond holds whatever presses
         opened, bonded = found["opened"], found["touching"] & (own > 0.0)
         bonded[bonded] = on_faces(*(found[name][bonded] for name in ("position", "normal")), body, surface, limits.sharp)

@@ -5,6 +5,7 @@ The limits are those at which runs of the failure study fail: modes cuts, domain
 
 import numpy as np
 
+from hybrid.contact.interface import RAMP
 from hybrid.monitors.initial_equilibrium import initial_imbalance
 from hybrid.monitors.load_reached import lifted, overloads
 from hybrid.runtime.comm import anywhere, largest, maximum, minimum, total
@@ -103,7 +104,7 @@ def probable_causes(step, evaluation, sudden=False, stands=False):
                       "N, as the loads are too small beside the modulus: set a looser solver.tolerance, or a lower "
                       "modulus")
     if quasi_static and evaluation is not None and not stands:
-        causes += _slips_at_its_strength(model, evaluation)
+        causes += _slips_at_its_strength(evaluation)
     if quasi_static:
         mass = step.soil.mass[step.pattern.free.any(axis=1)]
         least = minimum(mass, 1.0) / maximum(mass, 1.0)
@@ -149,13 +150,19 @@ def _without_contact(step, sudden):
             f"load: start the body in contact with the soil (body.rest_on), {shorter}or set time.inertia = true"]
 
 
-def _slips_at_its_strength(model, evaluation):
+def _slips_at_its_strength(evaluation):
     """Texts about bodies along which clay slips at almost its own strength."""
-    rough = [(body, contact) for body, contact in zip(model.bodies, evaluation.contacts)
-             if body.interface and (body.interface.adhesion or 0.0) >= ROUGH]
-    return [f"Clay slips along {body.name} at almost its own strength (body.adhesion) and yields there as well, which "
-            f"leaves it without stiffness: set body.penalty = {SOFTER * body.penalty:.3g} /m, a tenth of what it is, or "
-            "larger cells; shorter steps do not help" for body, contact in rough if anywhere(contact.slip)]
+    texts = []
+    for terms in evaluation.bodies:
+        body, contact, limits = terms.step.body, terms.contact, terms.step.pair.points.limits
+        if not body.interface or (body.interface.adhesion or 0.0) < ROUGH:
+            continue
+        by_adhesion = limits.shear[contact.active] < min(RAMP, body.friction) * contact.pressure
+        if anywhere(contact.slip & by_adhesion):
+            texts.append(f"Clay slips along {body.name} at almost its own strength (body.adhesion) and yields there as "
+                         f"well, which leaves it without stiffness: set body.penalty = {SOFTER * body.penalty:.3g} /m, a "
+                         "tenth of what it is, or larger cells; shorter steps do not help")
+    return texts
 
 
 def _slides_freely(evaluation):

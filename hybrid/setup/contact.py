@@ -76,7 +76,8 @@ def interface_of(described, cone):
     tension = {None: 0.0, "full": np.inf}.get(described.tension, described.tension)
     if not described.adhesion and not tension:
         return None
-    return Interface(described.adhesion / cone_constants(0.0, 0.0, cone)[1] if described.adhesion else None, tension)
+    adhesion = described.adhesion / cone_constants(0.0, 0.0, cone)[1] if described.adhesion else None
+    return Interface(adhesion, tension, rubs=bool(adhesion and described.friction))
 
 
 def _cover(surface, soil, rotation):

@@ -150,28 +150,30 @@ def test_many_judged_increments_are_reported_once():
     assert notes(10, 10) == ()
 
 
-@pytest.mark.parametrize("adhesion, slips, inertia, reported",
-                         [(1.0, True, False, True), (0.5, True, False, False), (1.0, False, False, False),
-                                                            (1.0, True, True, False), (None, True, False, False)])
-def test_clay_that_slips_at_its_own_strength_is_a_cause_and_a_softer_penalty_the_remedy(adhesion, slips, inertia, reported):
+@pytest.mark.parametrize("adhesion, friction, slips, inertia, reported", [
+    (1.0, np.inf, True, False, True), (0.5, np.inf, True, False, False), (1.0, np.inf, False, False, False),
+    (1.0, np.inf, True, True, False), (None, 0.3, True, False, False), (1.0, 0.3, True, False, False),
+    (1.0, 0.6, True, False, True)])
+def test_clay_that_slips_at_its_own_strength_is_a_cause_and_a_softer_penalty_the_remedy(
+        adhesion, friction, slips, inertia, reported):
     """A skirt with α = 1 on cells of 0.1 m stops with steps of any length; with a tenth of the penalty it takes all of
-    them."""
-    body = SimpleNamespace(name="skirt", penalty=200.0, interface=SimpleNamespace(adhesion=adhesion))
+    them. A point pressed by 20 N that bears 10 N of shear is not at its strength where friction of 0.3 is reached."""
+    body = SimpleNamespace(name="skirt", penalty=200.0, friction=friction, interface=SimpleNamespace(adhesion=adhesion))
     model = SimpleNamespace(
         scheme=SimpleNamespace(inertia=inertia), bodies=[body], soil=SimpleNamespace(
             ghost_factor=0.3, roundoff_force=lambda count: 0.0, grid=SimpleNamespace(count_unknowns=lambda free: 1)))
     step = SimpleNamespace(model=model, soil=SimpleNamespace(mass=np.ones(2)),
                            pattern=SimpleNamespace(free=np.ones((2, 3), bool)), state=SimpleNamespace(time=1.0))
-    evaluation = SimpleNamespace(contacts=[_Contact(np.array([slips, False]))], norms={"soil [N]": 1.0})
+    contact = _Contact(slip=np.array([slips, False]), active=np.array([0, 2]), pressure=np.array([20.0, 20.0]))
+    pair = SimpleNamespace(points=SimpleNamespace(limits=SimpleNamespace(shear=np.full(3, 10.0))))
+    terms = SimpleNamespace(step=SimpleNamespace(body=body, pair=pair), contact=contact)
+    evaluation = SimpleNamespace(contacts=[contact], bodies=[terms], norms={"soil [N]": 1.0})
     causes = probable_causes(step, evaluation)
     assert bool(causes) == reported and all("skirt" in text and "body.penalty = 20 /m" in text for text in causes)
 
 
 class _Contact(SimpleNamespace):
     """Contact points with a mask of those that slip."""
-
-    def __init__(self, slip):
-        super().__init__(slip=slip)
 
     def __len__(self):
         return len(self.slip)

@@ -18,9 +18,11 @@ from hybrid.contact.search import Reach
 from hybrid.laws.von_mises import VonMises
 from hybrid.runtime.data import GEOMETRY
 from hybrid.runtime.errors import SceneError
-from hybrid.scene import Axis, Body, Faces, Grid, Material, Scene, Soil, Stage, Time
+from hybrid.scene import Axis, Body, Faces, Grid, Material, Pull, Scene, Soil, Stage, Time
 from hybrid.scene.file import validate
+from hybrid.setup import contact
 from hybrid.setup.build import build
+from hybrid.setup.contact import friction_of, interface_of
 from hybrid.state import ContactHistory
 
 SHEAR = 2e3     # [Pa]
@@ -262,6 +264,28 @@ def test_bonds_hold_no_soil_along_a_face(law, adhesion, monkeypatch):
     assert drawn() > exact + 5e3
 
 
+def test_a_block_that_slides_over_clay_has_friction_where_it_touches_anew(monkeypatch):
+    """Drawn by a line at 18° with μ = 0.3 and more adhesion than friction: T (cos 18° + μ sin 18°) = μ W in every step.
+    Where points that close in a step have no shear before adhesion is shared with them, single steps have less."""
+    block = Body(GEOMETRY / "box.geo", 3000.0, parameters={"length": 1.0, "width": 1.0, "height": 0.5, "size": 20.0},
+                 position=(0.05, 0.5, 0.0), rest_on=0.0, friction=0.3,
+                 pull=Pull(point=(0.5, 0.0, 0.0), velocity=(0.01, 0.0, 0.00325), stiffness=2e5, length=10.0))
+    described = Scene(
+        name="drawn", grid=Grid(Axis(-2.0, 2.0, 0.25), Axis(0.0, 1.0, collapsed=True), Axis(-2.0, 0.5, 0.25),
+                                Faces(z_min="fixed")),
+        soil=Soil(Material(law="von-mises", young=1e7, poisson=0.49, density=1700.0, strength=2e4), top=0.0),
+        bodies=(block,), time=Time(1.0, inertia=False), stages=(Stage("settle", 2, pull=False), Stage("draw", 10)))
+    exact = 0.3 * 1500.0 * 9.81 / (np.cos(np.arctan(0.325)) + 0.3 * np.sin(np.arctan(0.325)))
+
+    def largest_error():
+        tensions = [record.bodies[0].line_tension for record in build(described).steps()]
+        return np.abs(np.array(tensions[4:]) / exact - 1.0).max()
+
+    assert largest_error() < 0.015
+    monkeypatch.setattr(contact, "interface_of", lambda *of: replace(interface_of(*of), rubs=False))
+    assert largest_error() > 0.02
+
+
 def test_keys_are_accepted(geometry):
     for values in ({"adhesion": 0.5}, {"adhesion": 1.0, "friction": 0.3, "tension": "full"}, {"tension": 5e3}):
         validate(scene_with(geometry, **values))
@@ -281,8 +305,6 @@ def test_faults_are_refused(geometry, values, soil, text):
 
 
 def test_adhesion_alone_needs_no_friction_and_no_adhesion_is_smooth():
-    from hybrid.setup.contact import friction_of, interface_of
-
     for values, mu, adhesion in (({}, 0.0, None), ({"friction": 0.3}, 0.3, None), ({"adhesion": 0.5}, np.inf, 0.5),
                                  ({"adhesion": 0.5, "friction": 0.3}, 0.3, 0.5), ({"adhesion": 0.0}, 0.0, None),
                                  ({"adhesion": 0.0, "friction": 0.3}, 0.0, None)):
