@@ -52,8 +52,8 @@ class AbsorbedImpact(Monitor):
         if self._at_once > AT_ONCE * lost:
             accuracy = "time.accuracy = 1e-3" if view.report.error is None else "a smaller time.accuracy"
             return f"most of it in a single step, which is too long for it. Use a smaller time.step, or {accuracy}"
-        return ("cells are too coarse for it, and the bodies go less deep, a sphere on sand by 10 % where 18 % are lost "
-                "and by 25 % where 32 % are. Use smaller cells at the bodies")
+        return ("cells are too coarse for it, and the bodies go less deep (measured on spheres that fall on sand: by 10 % "
+                "where 18 % are lost, by 25 % where 32 % are). Use smaller cells at the bodies")
 
 
 def least_energy(model):
