@@ -18,10 +18,12 @@ on the next nodes"). Those of sand are in `sand_cells`, of soil with cohesion an
 import numpy as np
 
 from hybrid.monitors.limits.ways import (CLAY, EXCESS, STEEP, driven, faces, feet, law_at, leads, loaded, material_at,
-                                         sides, step_of_ground, top_of)
+                                         narrowest, sides, step_of_ground, top_of)
 from hybrid.runtime.comm import maximum, minimum
 
 ATTACHED, ROUND, EDGE, CUT, WEDGE = 1.75, 1.5, 0.3, 1.05, 0.7
+# Of a strip at 30 and 45° to the grid: 14.1, 13.2 s_u B with 8, 16 cells, where 0 and 90° have 15.1, towards 12.2
+TURNED = 1.25
 # Round, two widths deep, α = 1: 14.6, 13.7, 13.1 s_u A with 4, 6, 8 cells pushed in, 12.7, 12.6, 12.3 lifted
 SHALLOW_ROUND = 0.5
 # Factor on EDGE: an inclined load at V = 4 of 5.14, one at an eighth of the width beside the centre
@@ -29,8 +31,9 @@ COMBINED = 2.7
 # Over 5.14 s_u (B - 2 e) of smooth strips, E = 5 000 s_u, e/B = 0.125, 0.2, 0.3: 21, 27, 42 % with 8 cells, 11, 14, 21 %
 # with 16, 5, 7, 10 % with 32; lines a quarter of a cell beside the edges, after 2 % of B: 16, 21, 32 and 13, 17, 26 %
 ECCENTRIC = 1.3
-# Factor on EDGE 1 + GROWTH (k B/s_u)^GROWING, s_u under the base; measured up to MEASURED
-GROWTH, GROWING, MEASURED = 0.3, 0.65, 5.0
+# Factor on EDGE 1 + GROWTH (k B/s_u)^GROWING, s_u under the base; measured up to 20 (9, 4 % with 16, 32 cells). From WEAK on
+# FROM_NONE, that of clay without strength at its top: 65, 36 % over k B²/4 with 16, 32 cells, smooth
+GROWTH, GROWING, WEAK, FROM_NONE = 0.3, 0.65, 50.0, 17.0
 ON_LINE = 0.15                  # cells between an edge and a line of the grid: contact sees the edge there as on it
 SLOPES = 35.0, 55.0             # degrees from the ground of the faces of what counts as a wedge of about 90°
 DEEP = 1.0                      # widths: flow of clay around a body that goes deeper closes behind it
@@ -64,7 +67,7 @@ def _eccentric(scene, model, body, way, place, arm):
     """(Excess, text, remedy) of a strip pressed on clay in plane strain by a load that acts on an `arm` [m]."""
     soil = model.soil
     cell, under = soil.grid.smallest_cell, place[:, 2].min() - 0.5 * soil.grid.smallest_cell
-    width = min((width for _, width, _ in sides(soil.grid, place, way)), default=0.0)
+    width = narrowest(soil.grid, place, way)
     attached = body.interface is not None and body.interface.tension
     if not arm or law_at(scene, soil, under) != CLAY or way[2] >= 0.0 or attached or soil.grid.collapsed.sum() != 1:
         return NOTHING
@@ -135,14 +138,14 @@ def upright_cut(scene, model):
 def _attached(scene, model, body, way, place, _):
     """(Excess, text, remedy) of a body in clay that stays on it, deep in it or round."""
     soil, cell = model.soil, model.soil.grid.smallest_cell
-    across = [(width, leads(body, place, np.eye(3)[axis])) for axis, width, _ in sides(soil.grid, place, way)]
-    width = min((width for width, _ in across), default=np.inf)
+    across = [(side.width, leads(body, place, side.direction), side.axis is None) for side in sides(soil.grid, place, way)]
+    width = min((width for width, *_ in across), default=np.inf)
     if not across or body.interface is None or not np.isinf(body.interface.tension):
         return NOTHING
     if place[:, 2].max() <= top_of(soil) - DEEP_PLATE * width or _covered(scene, soil):
-        across = [(width, ATTACHED if straight else ROUND) for width, straight in across]
+        across = [(width, TURNED if turned else ATTACHED if straight else ROUND) for width, straight, turned in across]
     else:       # of straight ones `_on_lines` tells
-        across = [(width, 0.0 if straight or way[2] >= 0.0 else SHALLOW_ROUND) for width, straight in across]
+        across = [(width, 0.0 if straight or way[2] >= 0.0 else SHALLOW_ROUND) for width, straight, _ in across]
     excess = np.prod([1.0 + number * cell / width for width, number in across]) - 1.0
     if not excess:
         return NOTHING
@@ -182,8 +185,8 @@ def _foot_on_lines(scene, model, body, way, place, foot):
     if law_at(scene, model.soil, foot[:, 2].min() - 0.5 * grid.smallest_cell) != CLAY:
         return 0.0, narrow, on, False
     growing = _growing(scene, model.soil, foot, way)
-    for axis, width, ends in sides(grid, foot, way):
-        if not leads(body, place, np.eye(3)[axis]):    # a round outline crosses lines of the grid everywhere
+    for width, ends, direction, axis in sides(grid, foot, way):
+        if axis is None or not leads(body, place, direction):   # a round outline crosses lines of the grid everywhere
             continue
         nodes, cell = grid.lines[axis], np.diff(grid.lines[axis]).min()
         lying = sum(np.abs(nodes - end).min() < ON_LINE * cell and _soil_beside(model.soil, foot, axis, end)
@@ -207,12 +210,13 @@ def _growing(scene, soil, place, way):
     """Factor [-] on the excess of a body with its vertices at `place`, 1 where the strength does not grow with depth."""
     cell, bottom = soil.grid.smallest_cell, place[:, 2].min()
     rate = material_at(scene, soil, bottom - 0.5 * cell).strength_gradient or 0.0
-    width = min((width for _, width, _ in sides(soil.grid, place, way)), default=0.0)
+    width = narrowest(soil.grid, place, way)
     if rate <= 0.0 or not width or soil.grid.collapsed.sum() != 1:
         return 1.0
     height = soil.constants.position[:, 2]
     strength = minimum(soil.law.parameters[(height < bottom) & (height > bottom - cell), 4], np.inf)
-    return 1.0 + GROWTH * min(rate * width / strength, MEASURED) ** GROWING
+    ratio = rate * width / max(strength, 1e-9 * rate * width)
+    return FROM_NONE if ratio > WEAK else 1.0 + GROWTH * ratio ** GROWING
 
 
 LIMITS = (few_cells, flow_around, wedges, upright_cut)

@@ -18,7 +18,8 @@ import numpy as np
 
 from hybrid.body.symmetry import copies
 from hybrid.monitors.limits.sand_cells import PASSIVE, Wedge, beside, depths, free_walls, pushed
-from hybrid.monitors.limits.ways import CLAY, EXCESS, STEEP, driven, facing, law_at, material_at, outline, sides, top_of
+from hybrid.monitors.limits.ways import (CLAY, EXCESS, STEEP, driven, facing, law_at, material_at, narrowest, outline,
+                                         top_of)
 from hybrid.runtime.comm import anywhere, total
 
 LOWER = 1.4         # cells that the wedge is lower than the wall
@@ -79,7 +80,7 @@ def flow_around(scene, model):
     if soil.held or soil.grid.collapsed.sum() != 1:
         return
     for body, way, place, plane in driven(scene, model):
-        width = min((width for _, width, _ in sides(soil.grid, place, way)), default=0.0)
+        width = narrowest(soil.grid, place, way)
         above = top_of(soil) - place[:, 2].max()
         if plane or not width or above < COVERED * width or facing(body, place, way) is not None or law_at(
                 scene, soil, place[:, 2].mean()) != CLAY:
@@ -110,7 +111,7 @@ def balls(scene, model):
     if soil.held or soil.grid.collapsed.any():
         return
     for body, way, place, plane in driven(scene, model):
-        width = min((width for _, width, _ in sides(soil.grid, place, way)), default=0.0)
+        width = narrowest(soil.grid, place, way)
         short = np.ptp(place[:, 2]) <= SHAFT * width
         above = top_of(soil) - place[:, 2].max() - min(way[2], 0.0)
         known = body.interface is not None and not plane and short and width > 0.0    # a smooth ball was not measured
@@ -131,7 +132,7 @@ def penetrators(scene, model):
     if soil.held or soil.grid.collapsed.any():
         return
     for body, way, place in [*(found[:3] for found in driven(scene, model)), *_falling(scene, model)]:
-        width = min((width for _, width, _ in sides(soil.grid, place, way)), default=0.0)
+        width = narrowest(soil.grid, place, way)
         depth = top_of(soil) - place[:, 2].min() - way[2]
         down = way[2] < 0.0 and -way[2] > np.abs(way[:2]).max() and np.ptp(place[:, 2]) > SHAFT * width > 0.0
         if not down or depth < DEEP * width or facing(body, place, way) is not None or law_at(

@@ -183,25 +183,25 @@ def driven_past_grid_end(scene, model):
 
 def way_along(scene, described, name):
     """Farthest displacement [m] from its start to which a body is driven, or its line pulled, along an axis."""
-    return max(path_along(scene, described, name), key=abs)
+    return max([0.0, *(place for stage in path_along(scene, described, name) for place in stage)], key=abs)
 
 
 def path_along(scene, described, name):
-    """[m] displacements of that body at the start, and in each stage at rows of the table that drives it and at the end."""
-    path, axis = [0.0], "xyz".index(name)
+    """[m] displacements from its start of that body in each stage: a list of those at rows of the table that drives it and
+    at the end, the same as before where nothing does."""
+    path, travel, axis = [], 0.0, "xyz".index(name)
     for stage in scene.stages:
-        length, travel = stage.steps * (stage.step or scene.time.step), path[-1]
+        length, moved = stage.steps * (stage.step or scene.time.step), [0.0]
         own = [motion for motion in stage.motions if motion.body in (None, described.name) and name in components(motion)]
+        pulled = described.pull and stage.pull
         if own and name not in own[0].free:
-            path += [travel + moved for moved in driven_by(own[0], length)]
-        elif own and described.pull and stage.pull:
-            path.append(travel + described.pull.velocity[axis] * length)
-        elif own:
-            continue
-        elif name in described.driven and name not in stage.held:
-            path.append(travel + described.velocity[axis] * length)
-        elif described.pull and stage.pull and name not in {*stage.held, *described.held, *described.driven}:
-            path.append(travel + described.pull.velocity[axis] * length)
+            moved = driven_by(own[0], length) or moved
+        elif own and pulled or not own and pulled and name not in {*stage.held, *described.held, *described.driven}:
+            moved = [described.pull.velocity[axis] * length]
+        elif not own and name in described.driven and name not in stage.held:
+            moved = [described.velocity[axis] * length]
+        path.append([travel + each for each in moved])
+        travel = path[-1][-1]
     return path
 
 

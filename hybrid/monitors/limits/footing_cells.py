@@ -57,7 +57,7 @@ n = 12: 15; φ = 30°, ψ = 0, H/D = 1.75, n = 8: 10 to 20.
 import numpy as np
 
 from hybrid.monitors.limits.contact import covers
-from hybrid.monitors.limits.ways import EXCESS, SAND, driven, facing, loaded, material_at, sides, top_of
+from hybrid.monitors.limits.ways import EXCESS, SAND, driven, facing, loaded, material_at, narrowest, top_of
 
 COHESION, FRICTION, ORDER = 0.41, 0.0215, 0.75      # FRICTION: for each degree of φ
 REACHED, RISING, FARTHEST = 8.0, 0.3, 35.0          # w E/(B c N_c) of those, power of the rise, largest that was measured
@@ -78,7 +78,7 @@ def cohesive_strips(scene, model):
     pushed = [(*found, found[1]) for found in driven(scene, model)]
     pushed += [(*found[:4], np.zeros(3)) for found in loaded(scene, model)]     # how far these go is not known
     for body, way, place, plane, moved in pushed:
-        bottom, width = place[:, 2].min(), min((width for _, width, _ in sides(soil.grid, place, way)), default=0.0)
+        bottom, width = place[:, 2].min(), narrowest(soil.grid, place, way)
         material = material_at(scene, soil, bottom - 0.5 * cell)
         lid = covers(place, soil.constants, soil.grid)
         if not plane or lid or way[2] >= 0.0 or bottom < top_of(soil) - SHALLOW * width:
@@ -112,7 +112,7 @@ def lifted(scene, model):
         return
     cell = soil.grid.smallest_cell
     for body, way, place, plane in [*driven(scene, model), *(found[:4] for found in loaded(scene, model))]:
-        top, width = place[:, 2].max(), min((width for _, width, _ in sides(soil.grid, place, way)), default=0.0)
+        top, width = place[:, 2].max(), narrowest(soil.grid, place, way)
         if way[2] <= 0.0 or not width or top_of(soil) - top <= cell or not plane and facing(body, place, way) is not None:
             continue
         material, depth = material_at(scene, soil, top + 0.5 * cell), top_of(soil) - top + (not plane) * 0.5 * width

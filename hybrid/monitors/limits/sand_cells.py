@@ -16,8 +16,8 @@ from typing import NamedTuple
 import numpy as np
 
 from hybrid.monitors.limits.contact import covers
-from hybrid.monitors.limits.ways import (
-    EXCESS, SAND, STEEP, driven, facing, law_at, leads, levelled, loaded, material_at, outline, sides, top_of)
+from hybrid.monitors.limits.ways import (EXCESS, SAND, STEEP, driven, facing, law_at, leads, levelled, loaded,
+                                         material_at, narrowest, outline, top_of)
 from hybrid.runtime.comm import maximum, minimum
 
 FOOT, ACTIVE = 2.3, 1.65
@@ -111,7 +111,7 @@ def footings(scene, model):
         return
     cell = soil.grid.smallest_cell
     for body, way, place, plane in [*driven(scene, model), *(found[:4] for found in loaded(scene, model))]:
-        bottom, width = place[:, 2].min(), min((width for _, width, _ in sides(soil.grid, place, way)), default=0.0)
+        bottom, width = place[:, 2].min(), narrowest(soil.grid, place, way)
         material = material_at(scene, soil, bottom - 0.5 * cell)
         if not plane or way[2] >= 0.0 or not width or bottom < top_of(soil) - SHALLOW * width or material.law not in SAND:
             continue
@@ -164,12 +164,14 @@ def depths(scene, soil, place, way, laws, spaces=(1,)):
     `laws`, in a grid with one of the numbers `spaces` of axes collapsed: in plane strain unless these have 0; None of
     what is none, goes up or down, or ends on a smooth base."""
     axis, bottom, cell = int(np.argmax(np.abs(way))), place[:, 2].min(), soil.grid.smallest_cell
-    base = minimum(soil.constants.position[:, 2] - soil.constants.half_width[:, 2])
-    modelled = soil.grid.collapsed.sum() in spaces and not soil.grid.collapsed[2]
-    if not modelled or way[2] or bottom < base + cell or law_at(scene, soil, bottom + 0.5 * cell) not in laws:
+    if soil.grid.collapsed.sum() not in spaces or soil.grid.collapsed[2] or way[2]:
         return None
-    top = levelled(soil, soil.constants.position)[:, 2] + soil.constants.half_width[:, 2]
-    before = [maximum(top[inside], -np.inf) - bottom for inside in beside(soil, place[:, axis], axis)]
+    height, half = levelled(soil, soil.constants.position)[:, 2], soil.constants.half_width[:, 2]
+    near = beside(soil, place[:, axis], axis)
+    base = min(minimum((height - half)[inside], np.inf) for inside in near)
+    if bottom < base + cell or law_at(scene, soil, bottom + 0.5 * cell) not in laws:
+        return None
+    before = [maximum((height + half)[inside], -np.inf) - bottom for inside in near]
     if place[:, 2].max() < bottom + max(before):    # under the ground
         return None
     return Sides(*(max(depth, 0.0) for depth in (before[::-1] if way[axis] > 0 else before)))

@@ -77,10 +77,10 @@ def released_bodies(scene, model):
         whole, place = outline(described, body, model.soil)
         for s, stage in enumerate(scene.stages):
             staged = model.for_stage(stage.held, number=s)
-            way = path_along(replace(scene, stages=scene.stages[:s]), described, "z")[-1]
+            before = path_along(replace(scene, stages=scene.stages[:s]), described, "z")
             centre = initial_pose(described, whole)[0]
             found = not s and _toppling(scene, model.soil, staged.bodies[i], whole, place, centre)
-            found = found or _loose(scene, model.soil, staged.bodies[i], whole, place, way)
+            found = found or _loose(scene, model.soil, staged.bodies[i], whole, place, before[-1][-1] if before else 0.0)
             if found and not staged.guides:     # of points, which hold a body too
                 yield (f"stage {stage.name!r}: {body.name} {found}, and without inertia a step may have no equilibrium. "
                        "Hold what nothing supports (stage.held, body.held), or set time.inertia = true")

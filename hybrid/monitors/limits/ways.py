@@ -2,33 +2,78 @@
 soil is there."""
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from hybrid.laws.sand import material_values
-from hybrid.monitors.limits.contact import initial_pose, initial_vertices, levelled, top_of, way_along
+from hybrid.monitors.limits.contact import initial_pose, initial_vertices, levelled, path_along, top_of
 from hybrid.scene.ground import heights
 from hybrid.scene.soil import NUMBERS, of_layer
 
 EXCESS = 0.1                    # of a load, above which it is reported
 PLANE, LEADING = 0.99, 0.5      # cosine between a face and the way; share of what the body covers that such faces are
+ASKEW = 0.75                    # the same of a way askew to the face: a plate moved at 11° to its normal bears 3 % less
 # Share of a load across its main direction, or of the size that it acts beside the centre: inclined or eccentric
 ASIDE = 0.05 * (1.0 + 1e-6)     # not decided by round-off
+ACROSS = 0.1                    # cosine between a way and an axis of the grid that is across it
 STEEP = 1.5                     # cells: a lower step of the ground is a slope
 CLAY, SAND = "von-mises", {"drucker-prager", "mohr-coulomb", "willam-warnke"}
 
 
 def driven(scene, model):
-    """(RigidBody, way (3,) [m], places (V, 3) [m] of its vertices, whether a plane face leads) of each driven body."""
+    """(RigidBody, way (3,) [m], places (V, 3) [m] of its vertices where it begins, whether a plane face leads) of each way
+    of each driven body."""
     if model.soil.held or not model.soil.law.plastic:
         return
     for described, body in zip(scene.bodies, model.bodies):
-        way = np.array([way_along(scene, described, name) for name in "xyz"]) * ~model.soil.grid.collapsed
-        if way.any() and body.guided[:3][way != 0.0].all():
-            whole, place = outline(described, body, model.soil)
-            yield whole, way, place, leads(whole, place, way)
+        ways = ways_of(scene, described, model.soil.grid.collapsed)
+        if not ways:
+            continue
+        whole, place = outline(described, body, model.soil)
+        for start, way in ways:
+            if body.guided[:3][way != 0.0].all():
+                way = _straight(whole, place, way)
+                yield whole, way, place + start, leads(whole, place, way)
+
+
+def _straight(body, place, way):
+    """A way that is a little askew to an axis of the grid, along which a plane face leads, without what goes along that
+    face and hardly loads it; any other one as it is."""
+    normal = facing(body, place, way)
+    if normal is None or np.abs(normal).max() < PLANE:
+        return way
+    axis = np.where(np.abs(normal) > PLANE, np.sign(normal), 0.0)
+    return (axis @ way) * axis if axis @ way > ASKEW * np.linalg.norm(way) else way
+
+
+def ways_of(scene, described, collapsed):
+    """[(start, way)] (3,) [m] of a driven body: in each stage from its place at the start to the farthest one. Stages in a
+    row, or later, that go the same way are one, the longest."""
+    paths = [path_along(scene, described, name) for name in "xyz"]
+    found, start = [], np.zeros(3)
+    for stage in zip(*paths):
+        farthest = np.array([max(path, key=lambda place, now=now: abs(place - now)) for path, now in zip(stage, start)])
+        end = np.array([path[-1] for path in stage])
+        way = np.where(collapsed, 0.0, farthest - start)
+        if way.any():
+            found = _with(found, start, way)
+        start = end
+    return found
+
+
+def _with(found, start, way):
+    """`found` with another way: of those in one direction the longest, whole where they follow each other in a line."""
+    length = np.linalg.norm(way)
+    for i, (first, other) in enumerate(found):
+        if way @ other > PLANE * length * np.linalg.norm(other):
+            whole = start + way - first
+            in_line = whole @ other > PLANE * np.linalg.norm(whole) * np.linalg.norm(other)
+            ways = [(first, other), (start, way), *([(first, whole)] if in_line else [])]
+            return [*found[:i], max(ways, key=lambda one: np.linalg.norm(one[1])), *found[i + 1:]]
+    return [*found, (start, way)]
 
 
 def loaded(scene, model):
@@ -135,18 +180,38 @@ def faces(body, place):
     return normal, np.linalg.norm(normal, axis=1)
 
 
+class Side(NamedTuple):
+    """Extent of a body across its way: width [m]; places [m] of both ends along a unit `direction` (3,); axis of the grid,
+    None of a direction that is along none."""
+
+    width: float
+    ends: np.ndarray
+    direction: np.ndarray
+    axis: int | None
+
+
 def sides(grid, place, way):
-    """(axis, width [m], places [m] of both ends) across the way; an end on a face of the grid, or beyond it, mirrors the
-    other."""
-    for axis in np.flatnonzero(~grid.collapsed & (np.abs(way) < 0.1 * np.linalg.norm(way))):
+    """Sides across the way; an end on a face of the grid, or beyond it, mirrors the other."""
+    unit = way / np.linalg.norm(way)
+    along = np.flatnonzero(~grid.collapsed & (np.abs(unit) >= ACROSS))
+    for axis in np.flatnonzero(~grid.collapsed & (np.abs(unit) < ACROSS)):
         ends, limits = np.array([place[:, axis].min(), place[:, axis].max()]), grid.extent[axis]
         inside = np.abs(ends - limits.mean()) < (0.5 - 1e-6) * np.ptp(limits)
         if inside.sum() == 1:
             end, middle = ends[inside][0], limits[~inside][0]
-            ends = np.array([end, end])
-            yield axis, 2 * abs(end - middle), ends
+            yield Side(2 * abs(end - middle), np.array([end, end]), np.eye(3)[axis], axis)
         elif inside.any():
-            yield axis, np.ptp(ends), ends
+            yield Side(np.ptp(ends), ends, np.eye(3)[axis], axis)
+    if len(along) == 2:     # in the plane of the way
+        direction = np.zeros(3)
+        direction[along] = -unit[along[1]], unit[along[0]]
+        ends = np.array([(place @ direction).min(), (place @ direction).max()])
+        yield Side(np.ptp(ends), ends, direction, None)
+
+
+def narrowest(grid, place, way):
+    """Smallest width [m] across the way, 0 where there is none."""
+    return min((side.width for side in sides(grid, place, way)), default=0.0)
 
 
 def step_of_ground(scene, soil):
