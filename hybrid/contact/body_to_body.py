@@ -62,22 +62,24 @@ class Path(NamedTuple):
 
 class PairContact(NamedTuple):
     """Places of one side in contact at trial poses, m of them, vectors in space: active (m,) among its Places; force
-    (m, 3) [N], minus that on body a; tangent (m, 3, 3) [N/m]; arms (m, 3) [m] from the centres of a and b; anchor (m, 3) [m]
-    in the frame of b and rest (m,) [m] of the history once the state is accepted; gap (m,) [m]; energy, dissipated [J];
-    springs [N/m]; slip (m,)."""
+    (m, 3) [N], minus that on body a; tangent (m, 3, 3) [N/m]; arms (m, 3) [m] from the centres of a and b; gap (m,) [m];
+    energy, dissipated [J]; springs [N/m]; slip (m,). Once the state is accepted, the history has those in contact and those
+    that have less overlap than they began with: kept (k,) among the Places, anchor (k, 3) [m] in the frame of b, rest (k,)
+    [m]."""
 
     active: np.ndarray
     force: np.ndarray
     tangent: np.ndarray
     arm_a: np.ndarray
     arm_b: np.ndarray
-    anchor: np.ndarray
-    rest: np.ndarray
     gap: np.ndarray
     energy: float
     dissipated: float
     springs: float
     slip: np.ndarray
+    kept: np.ndarray
+    anchor: np.ndarray
+    rest: np.ndarray
 
     def residual(self):
         """(12,) [N, N m] on both bodies, about their centres."""
@@ -135,7 +137,8 @@ class SideStep:
         points = closest_points.ClosestPoints.empty(len(y))
         on_face = self.side.samples.first_edge > self.places.number
         _project(y, outward, on_face, self.start, self.places.clearance, surface.radius, *surface.tree.parts, points)
-        active = np.flatnonzero(self.stiffness * (self.rest - points.gap) > 0.0)
+        touches, rest = self.stiffness * (self.rest - points.gap) > 0.0, np.minimum(np.maximum(self.rest, points.gap), 0.0)
+        active, kept = np.flatnonzero(touches), np.flatnonzero(touches | (rest < 0.0))
         points = points.select(active)
         origin = np.where(self.touching[active, None], self.anchor[active], self.start[active])
         closed = soil_to_body.ClosedPoints(
@@ -145,14 +148,15 @@ class SideStep:
         R = pose_b[1]
         arm_b = y[active] @ R.T
         arm_a = self.places.point[active] @ pose_a[1].T
+        anchor = y[kept]
+        anchor[touches[kept]] = found.anchor
         return PairContact(
-            active, found.force @ R.T, R @ found.tangent @ R.T, arm_a, arm_b, found.anchor,
-            np.minimum(np.maximum(self.rest[active], points.gap), 0.0), points.gap, float(found.energy.sum()),
-            float(found.dissipated.sum()), float(np.sqrt(np.sum(closed.stiffness**2))), found.slip)
+            active, found.force @ R.T, R @ found.tangent @ R.T, arm_a, arm_b, points.gap, float(found.energy.sum()),
+            float(found.dissipated.sum()), float(np.sqrt(np.sum(closed.stiffness**2))), found.slip, kept, anchor, rest[kept])
 
     def history(self, contact):
-        """(number, anchor, rest) of the places in contact."""
-        return self.places.number[contact.active], contact.anchor, contact.rest
+        """(number, anchor, rest) of the places that the next increment has to know."""
+        return self.places.number[contact.kept], contact.anchor, contact.rest
 
     def passed(self, contact, poses, depth):
         """Number of places that the increment carried through the other body, or deeper than `depth` [m] into it on their

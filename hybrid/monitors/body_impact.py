@@ -8,6 +8,7 @@ when nothing has happened for a few steps.
 
 from hybrid.monitors.absorbed_impact import motion_energy
 from hybrid.monitors.monitor import Monitor
+from hybrid.runtime.comm import anywhere
 
 LOST = 0.12         # of the kinetic energy of all bodies; ten steps in the contact time lose 4 % (demos/failure/README.md)
 QUIET = 5           # steps without a force between bodies
@@ -62,7 +63,7 @@ class BodyImpact(ImpactLoss):
         if not view.model.pairs or not view.scheme.inertia or view.scheme.first_order:
             return
         loss, found = self.follow(view, view.struck)
-        on_soil = any(len(contact) for contact in view.contacts)    # which takes energy too (`AbsorbedImpact`)
+        on_soil = anywhere([len(contact) for contact in view.contacts])     # which takes energy too (`AbsorbedImpact`)
         if found and not on_soil:
             yield "impact", self.text(view, loss, "impact of bodies",
                                       ", whose time `check` shows. Use a smaller time.step, a tenth of that keeps 96 %")

@@ -5,14 +5,14 @@ module has what relates several keys, or a key to names and files.
 """
 
 import re
-from math import cos, hypot, radians, sin
+from math import hypot
 
 from hybrid.runtime.errors import SceneError
 from hybrid.scene.check_contact import contact_faults
 from hybrid.scene.check_grid import grid_faults
 from hybrid.scene.check_joint import joint_faults
 from hybrid.scene.check_material import material_faults
-from hybrid.scene.check_stage import stage_faults
+from hybrid.scene.check_stage import spatial_spin, stage_faults
 from hybrid.scene.defaults import resolve
 from hybrid.scene.read import clipped
 from hybrid.scene.table import TINY, need, range_faults, shown
@@ -172,18 +172,6 @@ def _interface(key, body, soil):
                     "use law = 'von-mises' in all of the soil, or friction alone")
     yield from need(body.tension is None or not soil.held, f"{key}.tension", body.tension,
                     "left out on held soil, which follows no body", "set soil.held = false")
-
-
-def spatial_spin(body):
-    """Spin (3,) about the axes of space, in which rotations are held and driven, without the rotation's round-off."""
-    if body.rotation is None or not any(body.rotation[:3]):
-        return body.spin
-    length, angle = hypot(*body.rotation[:3]), radians(body.rotation[3])
-    (x, y, z), (p, q, r) = (a / length for a in body.rotation[:3]), body.spin
-    along, across = x * p + y * q + z * r, (y * r - z * q, z * p - x * r, x * q - y * p)
-    turned = [v * cos(angle) + w * sin(angle) + a * along * (1 - cos(angle))
-              for v, w, a in zip(body.spin, across, (x, y, z))]
-    return tuple(v if abs(v) > 1e-12 * hypot(*body.spin) else 0.0 for v in turned)
 
 
 def _pull(key, pull):

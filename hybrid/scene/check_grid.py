@@ -62,6 +62,8 @@ def _moving_grid(scene):
             ends = getattr(axis, margin)
             yield from need(ends is None or min(ends) >= least, f"{key}.{margin}", ends,
                             f"two distances of at least {shown(least)}", reason)
+        yield from need(axis.window is None or name != "z", f"{key}.window", axis.window, "left out",
+                        "soil below a body carries it: give around, with which cells grow with the distance")
         yield from need(axis.window is None or soil.geostatic, f"{key}.window", axis.window,
                         "left out without geostatic stress, in which the soil that enters is at rest",
                         "or set soil.geostatic = true")

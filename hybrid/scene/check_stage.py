@@ -1,5 +1,7 @@
 """Checks of the motions and loads of bodies in the stages of a scene."""
 
+from math import cos, hypot, radians, sin
+
 from hybrid.runtime.errors import SceneError
 from hybrid.scene.read import clipped, did_you_mean
 from hybrid.scene.stage import table_rows
@@ -37,14 +39,24 @@ def components(motion):
 def moved(scene, described, names):
     """Components among `names` in which something moves a body: its velocity and spin, what drives it, or motions of
     stages."""
-    rates = dict(zip(("x", "y", "z"), described.velocity))
-    if not described.rotation:
-        rates |= dict(zip(("rx", "ry", "rz"), described.spin))
+    rates = dict(zip(("x", "y", "z", "rx", "ry", "rz"), (*described.velocity, *spatial_spin(described))))
     found = [name for name in names if name in described.driven or rates.get(name)]
     for stage in scene.stages:
         found += [name for motion in stage.motions if motion.body in (None, described.name)
                   for name in components(motion) if name in names and name not in motion.held]
     return list(dict.fromkeys(found))
+
+
+def spatial_spin(body):
+    """Spin (3,) about the axes of space, in which rotations are held and driven, without the rotation's round-off."""
+    if body.rotation is None or not any(body.rotation[:3]):
+        return body.spin
+    length, angle = hypot(*body.rotation[:3]), radians(body.rotation[3])
+    (x, y, z), (p, q, r) = (a / length for a in body.rotation[:3]), body.spin
+    along, across = x * p + y * q + z * r, (y * r - z * q, z * p - x * r, x * q - y * p)
+    turned = [v * cos(angle) + w * sin(angle) + a * along * (1 - cos(angle))
+              for v, w, a in zip(body.spin, across, (x, y, z))]
+    return tuple(v if abs(v) > 1e-12 * hypot(*body.spin) else 0.0 for v in turned)
 
 
 def _body(path, given, scene):

@@ -76,8 +76,8 @@ def _put_together(scene, decisions, accuracy, body_force, law):
     scene, held, mirrors = with_symmetry(scene, meshes)
     placed = [build_body(*pair, loads.on_bodies(0.0), scene.stages) for pair in zip(scene.bodies, meshes)]
     scene, placed = lower_to_ground(scene, placed)
-    placed = [(line_through_soil(scene, described, body, mesh), motion)
-              for described, (body, motion), mesh in zip(scene.bodies, placed, meshes)]
+    placed = [(line_through_soil(scene, described, body, planes), motion)
+              for described, (body, motion), planes in zip(scene.bodies, placed, mirrors)]
     joints = build_joints(scene, placed, meshes)
     refuse_overlap_of_bodies(placed, [joint.bodies for joint in joints],
                              [axis.collapsed for axis in (scene.grid.x, scene.grid.y, scene.grid.z)])
@@ -113,11 +113,11 @@ def _put_together(scene, decisions, accuracy, body_force, law):
 
 def _connected(described, mesh, mirrors, placed, soil, gravity, cone):
     """RigidBody with its contact, its planes of symmetry and the parts of its surface; placed: (RigidBody, BodyState)."""
-    body, motion = in_part(placed[0], mirrors), placed[1]
+    body, motion = replace(in_part(placed[0], mirrors), mirrors=mirrors), placed[1]
     connected = connect_to_soil(described, body, motion.rotation, soil, gravity, cone)
     parts = surface_parts(mesh, body.outline, connected.surface, motion.rotation[soil.grid.collapsed],
                           connected.mass.mass / body.mass.mass)
-    return replace(connected, mirrors=mirrors, stray_cap=stray_cap(mesh, mirrors), parts=parts)
+    return replace(connected, stray_cap=stray_cap(mesh, mirrors), parts=parts)
 
 
 def _start(taken, settled, bodies):

@@ -26,6 +26,7 @@ from hybrid.body.rigid import FREEDOMS
 from hybrid.body.rounded import round_off
 from hybrid.body.sharp_edges import find_edges, narrowest_face
 from hybrid.body.surface import build_surface
+from hybrid.body.symmetry import copies
 from hybrid.contact import places
 from hybrid.contact.cover import Cover
 from hybrid.contact.interface import Interface
@@ -124,14 +125,25 @@ def _penalty(described, body, soil, spacing, radius, gravity):
         return PUBLISHED * factor
     pressed = body.driven.any() and not (np.isfinite(radius) or soil.law.plastic or _carried(body, soil, gravity))
     stiff = (PRESSED if pressed else STIFFNESS[soil.law.plastic]) / soil.grid.smallest_cell
-    weight = body.mass.mass * np.linalg.norm(gravity)
+    weight = copies(body.mirrors) * body.mass.mass * np.linalg.norm(gravity)
     rests = _rests(body, soil, radius, gravity)
     if weight == 0.0 or not (soil.held or rests):
         return stiff * factor
     radius = min(radius, body.radius)
     overlap = 0.5 * (PATCH * min(spacing, radius / REST_CURVATURE)) ** 2 / radius
-    felt = weight / (np.pi * radius * overlap**2)
+    felt = weight / (area_over_overlap(radius, overlap, _thickness(soil.grid)) * overlap)
     return felt if soil.held else min(stiff, felt / young)
+
+
+def area_over_overlap(radius, overlap, thickness=None):
+    """Force [m²] of a curved surface on a plane over k times the largest overlap [m]: of a sphere, or of a cylinder in a slice
+    of a `thickness` [m]. radius: of curvature [m]."""
+    return np.pi * radius * overlap if thickness is None else 4 / 3 * thickness * np.sqrt(2.0 * radius * overlap)
+
+
+def _thickness(grid):
+    """[m] of a slice in plane strain, None of what is modelled in space."""
+    return float(np.ptp(grid.extent[grid.collapsed][0])) if grid.collapsed.sum() == 1 else None
 
 
 def _rests(body, soil, radius, gravity):

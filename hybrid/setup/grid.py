@@ -17,8 +17,7 @@ def build_grid(scene, placed=()):
     described = (scene.grid.x, scene.grid.y, scene.grid.z)
     extent = np.array([(axis.start, axis.end) for axis in described])
     axes = [None if axis.moves else axis_nodes(axis) for axis in described]
-    moving = {number: build_moving_axis(axis, upwards=number == 2)
-              for number, axis in enumerate(described) if axis.moves}
+    moving = {number: build_moving_axis(axis) for number, axis in enumerate(described) if axis.moves}
     faces = {face: getattr(scene.grid.faces, face) for face in FACES}
     if not moving:
         return make_grid(axes, extent, faces, scene.soil.held), None, None
@@ -43,8 +42,7 @@ def axis_nodes(axis):
     return uniform_nodes(axis.start, axis.end, axis.size)
 
 
-def build_moving_axis(axis, upwards):
-    """Axis that moves with a body. upwards: along z, where a window leaves out no soil above the body."""
-    window = axis.window and (axis.window[0], np.inf if upwards else axis.window[1])
+def build_moving_axis(axis):
+    """Axis that moves with a body."""
     cells, per = round((axis.end - axis.start) / axis.size), max(1, round(np.log(2) / np.log(axis.growth)))
-    return MovingAxis(axis.start, axis.end, cells, axis.around, window, axis.doublings, per)
+    return MovingAxis(axis.start, axis.end, cells, axis.around, axis.window, axis.doublings, per)

@@ -8,15 +8,16 @@ from dataclasses import replace
 import numpy as np
 
 from hybrid.body.embedded_line import LineSoil
+from hybrid.body.symmetry import copies
 from hybrid.laws.sand import material_values
 
 CHAIN = 2.5     # bearing widths in the diameter of its bars
 CLAY = 11.0     # Nc, of the 8.5 to 14 that are used
 
 
-def line_through_soil(scene, described, body, mesh):
-    """The body, with the soil that its pull line cuts through where the scene gives that line a diameter. mesh: TetMesh;
-    of a half body half of the line is modelled."""
+def line_through_soil(scene, described, body, mirrors):
+    """The body, with the soil that its pull line cuts through where the scene gives that line a diameter; of a body in
+    planes of symmetry, `mirrors`, its part of the line is modelled."""
     pull, soil = described.pull, scene.soil
     if pull is None or pull.diameter is None:
         return body
@@ -28,7 +29,7 @@ def line_through_soil(scene, described, body, mesh):
         angle = np.radians(values["friction_angle"])
         factor = pull.bearing_factor or np.exp(np.pi * np.tan(angle)) * np.tan(np.pi / 4 + angle / 2) ** 2
         start, gradient = 0.0, values["density"] * np.linalg.norm(scene.gravity)
-    factor *= 0.5 if len(mesh.symmetry) else 1.0
+    factor /= copies(mirrors)
     top = scene.grid.z.end if soil.top is None else soil.top
     return replace(body, line=replace(body.line, soil=LineSoil(
         top, factor * start * width, factor * gradient * width, width, pull.line_friction)))

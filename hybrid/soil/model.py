@@ -232,7 +232,7 @@ class Soil:
             position=position,
             velocity=rate,
             acceleration=history[0],
-            half_width=updated_half(self.domain, self.constants.half_width, deformation, position, self.grid.axes),
+            half_width=updated_half(self.domain, self.constants.half_width, deformation, position, self.grid.lines),
             deformation=deformation,
             b_elastic=b_elastic,
             stress=stress,

@@ -58,6 +58,7 @@ def solve(step: Step, short=False, backtrack=False):
         outcome = outcome.followed_by(_solution(step, solver, start, backtrack, BETWEEN if short else AMBIGUOUS))
         if outcome.converged:
             break
+        step.release_facets()
     if not outcome.converged:
         return outcome
     change = step.share_interface(outcome.evaluation)
@@ -68,11 +69,16 @@ def solve(step: Step, short=False, backtrack=False):
 
 def _shared(step, solver, outcome):
     """`outcome` with the adhesion of clay shared among the points that touch in it; as it is where that has no solution."""
-    again = _solution(step, solver, step.evaluate(outcome.evaluation.unknowns))
+    unknowns, error = outcome.evaluation.unknowns, outcome.evaluation.error
+    step.release_facets()
+    again = _solution(step, solver, step.evaluate(unknowns))
     if again.converged:
         return outcome.followed_by(again)
     step.restore_interface()
-    return again.followed_by(replace(outcome, evaluation=step.evaluate(outcome.evaluation.unknowns)))
+    before = step.evaluate(unknowns)
+    if before.error > max(error, solver.tolerance):     # with other facets than those with which it converged
+        return outcome.followed_by(again)
+    return again.followed_by(replace(outcome, evaluation=before))
 
 
 def _solution(step, solver, evaluation, backtrack=False, ambiguous=AMBIGUOUS):

@@ -46,12 +46,6 @@ def test_nodes_of_an_axis(axis, nodes):
         np.testing.assert_allclose(found, nodes)
 
 
-def test_a_window_leaves_no_soil_out_above_the_body():
-    axis = Axis(0.0, 8.0, 0.5, around=(1.0, 1.0), window=(2.0, 3.0))
-    assert setup_grid.build_moving_axis(axis, upwards=False).window == (2.0, 3.0)
-    assert setup_grid.build_moving_axis(axis, upwards=True).window == (2.0, np.inf)
-
-
 def test_a_grid_that_stands_still_has_no_layouts():
     grid, moving_grid, layouts = setup_grid.build_grid(scene())
     assert grid.shape == (3, 3, 5) and moving_grid is None and layouts is None

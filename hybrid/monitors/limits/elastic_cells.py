@@ -16,6 +16,7 @@ of the force. A flat disc of 3 to 6 cells in its radius has no such excess: 3 to
 
 import numpy as np
 
+from hybrid.body.symmetry import copies
 from hybrid.monitors.limits.contact import way_along
 from hybrid.monitors.limits.rolling import ROUND, contact_radius
 from hybrid.monitors.limits.ways import EXCESS, material_at, outline, top_of
@@ -58,7 +59,7 @@ def _loaded(scene, model, body, radius, material):
     loads = [-load.force.values[:, 2].min() for stage in body.stages or () for load in stage.loads if load.force is not None]
     force = max(loads, default=0.0)
     force += 0.0 if model.scheme.inertia and not force else body.mass.mass * -scene.gravity[2]
-    return contact_radius(force, radius, material, model.soil) if force > 0.0 else 0.0
+    return contact_radius(copies(body.mirrors) * force, radius, material, model.soil) if force > 0.0 else 0.0
 
 
 def _text(body, a, cell, driven):

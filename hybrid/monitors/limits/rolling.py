@@ -16,6 +16,7 @@ which is FORCE(a/h) a/r. Cells that resolve the contact, and soil so stiff that 
 
 import numpy as np
 
+from hybrid.body.symmetry import copies
 from hybrid.monitors.limits.ways import CLAY, material_at, top_of
 from hybrid.runtime.comm import maximum
 
@@ -40,7 +41,7 @@ def rolls_on_lattice(scene, model):
         distance = np.linalg.norm(body.surface.vertices, axis=1)
         if body.name in joined or distance.max() > ROUND * distance.min() or not _rests(described, body) or not _rolls(body):
             continue
-        radius, weight, cell = distance.mean(), body.mass.mass * abs(gravity[2]), soil.grid.smallest_cell
+        radius, weight, cell = distance.mean(), copies(body.mirrors) * body.mass.mass * abs(gravity[2]), soil.grid.smallest_cell
         contact = min(contact_radius(weight, radius, material, soil), radius)
         force = contact / radius * np.interp(contact / cell, *np.transpose(FORCE))
         if contact < RESOLVED * cell and force > LIMIT:

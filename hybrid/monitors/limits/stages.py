@@ -3,8 +3,7 @@
 import numpy as np
 
 from hybrid.body.table import Table
-from hybrid.scene.check import spatial_spin
-from hybrid.scene.check_stage import components
+from hybrid.scene.check_stage import components, spatial_spin
 from hybrid.scene.stage import table_rows
 
 # Cells that a driven body may move by in a step, by whether the soil yields. Hertz problems (hybrid.study.random) are
@@ -22,7 +21,7 @@ def long_strides(scene, model):
     limit = STRIDE[bool(model.soil.law.plastic)]
     for described, body in zip(scene.bodies, model.bodies):
         strides = [(stride_of(scene, stage, described, name) / np.diff(nodes).min(), name, stage)
-                   for stage in scene.stages for name, nodes in zip("xyz", model.soil.grid.axes) if len(nodes) > 1]
+                   for stage in scene.stages for name, nodes in zip("xyz", model.soil.grid.lines) if len(nodes) > 1]
         cells, name, stage = max(strides, key=lambda stride: stride[0], default=(0.0, "", None))
         if cells > limit * (1 + 1e-9):
             length = stage.step or scene.time.step

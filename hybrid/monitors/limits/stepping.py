@@ -69,7 +69,9 @@ def large_turn_about_an_axis(scene, model):
         rate, stage, cause = max(found, key=lambda each: each[0] * (each[1].step or scene.time.step),
                                  default=(0.0, None, ""))
         length = (stage.step or scene.time.step) if stage else 0.0
-        axis = spin if cause == "body.spin" else np.eye(3)["xyz".index(cause[-1])] if cause else None
+        axis = spin
+        if cause and cause != "body.spin":      # about an axis of space
+            axis = initial_pose(described, body)[1].T @ np.eye(3)["xyz".index(cause[-1])]
         if rate * length > ABOUT_AXIS * (1 + 1e-9) and (rate * length > DEGREES or not _round(body, axis)):
             unit = "; is it a number of degrees? rad/s expected" if rate * length > DEGREES else ""
             yield (f"{body.name} turns by {rate * length:.3g} rad a step by {cause}, limit {ABOUT_AXIS:g} rad{unit}: "
