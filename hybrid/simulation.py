@@ -129,7 +129,13 @@ class Simulation:
     @cached_property
     def warned(self):
         """Texts about the limits that the scene exceeds; they depend on nothing that changes in a run."""
-        return limit_warnings(self.scene, self.model)
+        return limit_warnings(self.scene, self.model) + self._hazards
+
+    @property
+    def _hazards(self):
+        """The same about soil that is not in equilibrium at the start and has not settled."""
+        settled = self.imbalance is None or "settled at the start" in self.start
+        return () if settled or self.model.scheme.inertia else tuple(self.imbalance.hazards())
 
     @property
     def later_notes(self):
@@ -291,7 +297,7 @@ class Simulation:
         if self.state.step != 1:
             return ()
         stage = self.scene.stages[0]
-        if self.imbalance is None:
+        if self.imbalance is None or self._hazards:
             return self.warned
         return self.warned + self.imbalance.notes(stage, self.model.scheme.with_pair(stage.beta, stage.gamma),
                                                   self._step_length(stage), "settled at the start" in self.start)

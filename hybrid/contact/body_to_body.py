@@ -63,7 +63,7 @@ class Path(NamedTuple):
 class PairContact(NamedTuple):
     """Places of one side in contact at trial poses, m of them, vectors in space: active (m,) among its Places; force
     (m, 3) [N], minus that on body a; tangent (m, 3, 3) [N/m]; arms (m, 3) [m] from the centres of a and b; gap (m,) [m];
-    energy, dissipated [J]; springs [N/m]; slip (m,). Once the state is accepted, the history has those in contact and those
+    normal (m, 3) of body b; energy, dissipated [J]; springs [N/m]; slip (m,). Once the state is accepted, the history has those in contact and those
     that have less overlap than they began with: kept (k,) among the Places, anchor (k, 3) [m] in the frame of b, rest (k,)
     [m]."""
 
@@ -73,6 +73,7 @@ class PairContact(NamedTuple):
     arm_a: np.ndarray
     arm_b: np.ndarray
     gap: np.ndarray
+    normal: np.ndarray
     energy: float
     dissipated: float
     springs: float
@@ -151,8 +152,9 @@ class SideStep:
         anchor = y[kept]
         anchor[touches[kept]] = found.anchor
         return PairContact(
-            active, found.force @ R.T, R @ found.tangent @ R.T, arm_a, arm_b, points.gap, float(found.energy.sum()),
-            float(found.dissipated.sum()), float(np.sqrt(np.sum(closed.stiffness**2))), found.slip, kept, anchor, rest[kept])
+            active, found.force @ R.T, R @ found.tangent @ R.T, arm_a, arm_b, points.gap, found.side @ R.T,
+            float(found.energy.sum()), float(found.dissipated.sum()), float(np.sqrt(np.sum(closed.stiffness**2))), found.slip,
+            kept, anchor, rest[kept])
 
     def history(self, contact):
         """(number, anchor, rest) of the places that the next increment has to know."""

@@ -154,10 +154,10 @@ def _slips_at_its_strength(evaluation):
     """Texts about bodies along which clay slips at almost its own strength."""
     texts = []
     for terms in evaluation.bodies:
-        body, contact, limits = terms.step.body, terms.contact, terms.step.pair.points.limits
+        body, contact = terms.step.body, terms.contact
         if not body.interface or (body.interface.adhesion or 0.0) < ROUGH:
             continue
-        by_adhesion = limits.shear[contact.active] < min(RAMP, body.friction) * contact.pressure
+        by_adhesion = terms.step.pair.points.limits.shear[contact.active] < min(RAMP, body.friction) * contact.pressure
         if anywhere(contact.slip & by_adhesion):
             texts.append(f"Clay slips along {body.name} at almost its own strength (body.adhesion) and yields there as "
                          f"well, which leaves it without stiffness: set body.penalty = {SOFTER * body.penalty:.3g} /m, a "

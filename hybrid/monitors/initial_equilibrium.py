@@ -23,6 +23,7 @@ from hybrid.runtime.comm import anywhere, joined, maximum, minimum, total
 TOLERANCE = 1e-6  # share of the weight from which a run warns; round-off is below 1e-12
 SETTLED = 0.02      # the same of soil that has settled (`hybrid.setup.settle`)
 RESOLVED = 0.1    # largest step over the period of the swing
+FAR = 0.1         # of the weight: soil that yields and lies on two held bodies, 1, had no first step without inertia
 _UNSETTLED = ("Settling at the start, without inertia, did not bring the soil to rest: its ground is too steep, or its load "
               "too large, for its strength, and it slides from the start on. If it should stand, flatten soil.ground or "
               "raise the strength.")
@@ -53,6 +54,14 @@ class InitialImbalance:
         about = _UNSETTLED if settled else f"{self._cause()} {_remedy(stage, scheme, self.stressed)}"
         return (f"initial imbalance: {self}, is not balanced at the start, limit {100 * limit:g} %. {about}"
                 f"{self._too_long(length) if scheme.inertia else ''}",)
+
+    def hazards(self):
+        """Texts (none or one) about soil that yields and begins with stress, without inertia, so far from equilibrium that the
+        first step may have none."""
+        if self.share > FAR and self.stressed and self.period is not None:
+            yield (f"initial imbalance: {self}, is not balanced at the start, limit {FAR:.0%}, and without inertia soil that "
+                   f"yields may find no equilibrium in the first step. {self._cause()} Soil that lies on bodies does not press "
+                   "on them yet. Set soil.geostatic = false, and turn gravity on in a first stage, stage.gravity = [0.0, 1.0]")
 
     def _too_long(self, length):
         """About steps of `length` [s] that do not resolve the swing, so that plastic flow depends on them."""

@@ -64,10 +64,12 @@ def settle(model, state, length):
             if _imbalance(still, found, length, workspace).share < BALANCED:
                 break
     except StepError as error:
+        retained = (" Sand that a body holds back begins without pressure beside it, where it has no strength: a wall of "
+                    "2.5 m stood with a cohesion of 2 kPa, and not with 0.5 kPa.") if model.bodies else ""
         raise SceneError(
             "the soil finds no equilibrium at the start, with the bodies held. Ground too steep for its strength slides: "
             "flatten soil.ground or raise the strength; or set soil.geostatic = false and turn gravity on by "
-            f"stage.gravity = [0.0, 1.0]. Found in {str(error).partition(';')[0]}") from None
+            f"stage.gravity = [0.0, 1.0].{retained} Found in {str(error).partition(';')[0]}") from None
     finally:
         workspace.destroy()
     held = {body.name: -terms.contact.resultant[:3] - body.mass.mass * model.loads.on_bodies(0.0)

@@ -10,6 +10,7 @@ import numpy as np
 from hybrid.body import guides, rigid
 from hybrid.body.rigid import BodyTrial, RigidBody
 from hybrid.contact.contact_pair import ContactPair
+from hybrid.contact.on_ground import GroundPair
 from hybrid.contact.search import Reach
 from hybrid.contact.soil_to_body import PointContact
 from hybrid.runtime.comm import anywhere
@@ -55,7 +56,7 @@ class BodyStep:
     body: RigidBody
     state: BodyState
     target: np.ndarray | None
-    pair: ContactPair
+    pair: ContactPair | GroundPair
     reach: Reach
     unknowns: slice
     line_force: np.ndarray
@@ -266,7 +267,10 @@ def begin_bodies(model, state, dt, pulling, domains, active, nodal):
         reach = search_reach(body, motion, grid, velocity, dt, fall)
         pose = _expected_pose(body, motion, state.contacts[number], gravity, model.scheme, dt, grid.smallest_cell)
         limits = body.interface and body.interface.of_points(model.soil.law, state.points.plastic_strain)
-        pair = ContactPair(body, motion, state.contacts[number], domains, grid, active, reach, (predicted, pose), limits)
+        if body.ground is None:
+            pair = ContactPair(body, motion, state.contacts[number], domains, grid, active, reach, (predicted, pose), limits)
+        else:
+            pair = GroundPair(body, motion, state.contacts[number], reach, pose)
         begun.append(BodyStep(number, body, motion, target, pair, reach, unknowns, line_force, gravity, model.scheme,
                               dt, state.time))
     return tuple(begun)

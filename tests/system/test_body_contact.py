@@ -43,6 +43,19 @@ def kinetic(simulation, states):
                for m, s in zip(simulation.masses, states))
 
 
+def test_bodies_that_overlap_a_little_at_the_start_stay_where_they_are():
+    """Half a millimetre of two boxes of 1 m, without gravity. The springs begin without force, and go on so; pushed out of
+    the overlap by half of it they still have none, and pressed on they have."""
+    bodies = [box(1.0, 1.0, 1.0, name="low", position=(0.0, 0.0, 2.0), held=HELD),
+              box(1.0, 1.0, 1.0, name="high", position=(0.0, 0.0, 2.9995))]
+    simulation, records = run(scene(bodies, 10, 1e-3, gravity=(0.0, 0.0, 0.0)))
+    assert kinetic(simulation, simulation.state.bodies) < 1e-20
+    for speed, pressed in ((0.03, False), (-0.03, True)):
+        moving = [bodies[0], replace(bodies[1], velocity=(0.0, 0.0, speed))]
+        _, records = run(scene(moving, 8, 1e-3, gravity=(0.0, 0.0, 0.0)))
+        assert any(record.pairs[0].force.any() for record in records) == pressed
+
+
 # ------------------------------------------------------------------ impact of two spheres
 
 

@@ -1,5 +1,6 @@
 """A pull line that cuts through the soil above an anchor, in a scene: its bearing, its work, and what it cannot do."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -43,6 +44,19 @@ def test_force_at_the_shackle_is_that_of_the_closed_form():
     assert simulation.evaluation.bodies[0].trial.tension == pytest.approx(tension, rel=1e-9) and 0.3 < angle < 1.57
     balance = record.bodies[0].contact_force + tension * np.array([np.cos(angle), 0.0, np.sin(angle)])
     assert balance[[0, 2]] == pytest.approx([0.0, simulation.model.bodies[0].mass.mass * 9.81], abs=2e-3 * tension)
+
+
+def test_of_a_body_across_a_plane_of_symmetry_half_of_the_line_is_modelled():
+    """In space, the box whole or in half."""
+    def bearing(start):
+        described = scene()
+        grid = replace(described.grid, y=Axis(start, 1.0, 0.25))
+        box, = described.bodies
+        return build(replace(described, grid=grid, bodies=(replace(box, position=(0.0, 0.0, -0.9)),)))
+
+    whole, half = bearing(-1.0), bearing(0.0)
+    assert half.mirrors and not whole.mirrors
+    assert half.model.bodies[0].line.soil.bearing == pytest.approx(0.5 * whole.model.bodies[0].line.soil.bearing)
 
 
 def test_sand_bears_with_the_depth():

@@ -318,3 +318,21 @@ def test_the_order_is_lost_with_a_tolerance_relative_to_the_weight(monkeypatch):
     monkeypatch.setattr(body_terms, "FLIGHT", 1e3)
     period, exact = tumbling(0.05, **WEIGHT)
     assert abs(period / exact - 1) > 1e-4
+
+
+# ------------------------------------------------------------------ adhesion shared anew
+
+
+@pytest.mark.parametrize("error, converged", [(0.3, False), (1e-6, True)])
+def test_an_increment_is_what_it_was_where_adhesion_shared_anew_has_no_solution(error, converged, monkeypatch):
+    """If it still is: with other facets than those with which it converged its residual may be large."""
+    def evaluated(error):
+        return SimpleNamespace(error=error, unknowns=None)
+
+    first = iteration.Outcome(evaluated(1e-6), 3, 9, (1.0, 1e-6))
+    failed = iteration.Outcome(None, 2, 5, (1.0,), "no progress")
+    monkeypatch.setattr(newton, "_solution", lambda *given: failed)
+    step = SimpleNamespace(release_facets=lambda: None, restore_interface=lambda: None, evaluate=lambda u: evaluated(error))
+    outcome = newton._shared(step, SimpleNamespace(tolerance=1e-4), first)
+    assert outcome.converged == converged and outcome.iterations == 5
+    assert not converged or outcome.evaluation.error == error

@@ -6,7 +6,8 @@ from dataclasses import replace
 import pytest
 
 from hybrid.monitors.limits import contact, stepping
-from hybrid.scene import Axis, Joint, Motion, Pull
+from hybrid.runtime.data import GEOMETRY
+from hybrid.scene import Axis, Body, Joint, Motion, Pull
 from hybrid.setup.build import build
 from hybrid.study.precision.problems import platen
 from hybrid.study.scenes import SCHEMES, box, plane, sphere
@@ -66,6 +67,17 @@ def test_large_turns_about_one_axis(values, words):
     simulation = build(replace(scene, stages=(replace(scene.stages[0], motions=(motion,) if motion else ()),)))
     found = list(stepping.large_turn_about_an_axis(simulation.scene, simulation.model))
     assert len(found) == bool(words) and all(re.search(words, text) for text in found), found
+
+
+@pytest.mark.parametrize("component, count", [("ry", 0), ("rz", 1)])
+def test_a_drum_may_turn_by_more_about_its_own_axis(component, count):
+    """It lies along y of space, which is its own z."""
+    drum = Body(GEOMETRY / "cylinder.geo", 1000.0, parameters={"radius": 0.2, "height": 1.0, "size": 0.1},
+                position=(0.0, 0.0, 2.0), rotation=(1.0, 0.0, 0.0, 90.0))
+    scene = plane(drum, 10, 0.01)
+    motion = Motion(component=component, velocity=100.0)
+    simulation = build(replace(scene, stages=(replace(scene.stages[0], motions=(motion,)),)))
+    assert len(list(stepping.large_turn_about_an_axis(simulation.scene, simulation.model))) == count
 
 
 @pytest.mark.parametrize("spin, count", [(100.0, 0), (210.0, 1)])

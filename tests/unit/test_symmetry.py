@@ -62,6 +62,31 @@ def test_the_part_reports_what_the_whole_has(whole, given):
     assert part.sheet()["modelled"]["symmetry"]
 
 
+@pytest.mark.parametrize("spin, rotation, mirrored", [
+    ((0.0, 5.0, 0.0), None, True), ((0.0, 0.0, 5.0), None, False),
+    ((0.0, 5.0, 0.0), (1.0, 0.0, 0.0, 90.0), False), ((0.0, 0.0, 5.0), (1.0, 0.0, 0.0, 90.0), True)])
+def test_a_ball_that_spins_out_of_the_plane_is_whole(spin, rotation, mirrored):
+    """The spin is given about the axes of the body; the second rotation turns its y into the z of space."""
+    free = {"driven": (), "held": (), "velocity": (0.0, 0.0, 0.0), "rest_on": 0.1}
+    assert bool(build(pressed(y=HALF, spin=spin, rotation=rotation, **free)).mirrors) == mirrored
+
+
+def test_the_penalty_on_held_ground_is_that_of_the_whole_body():
+    """By its weight: the part of it in a half model, or in a slice, weighs less and touches less ground."""
+    def penalty(described):
+        held = replace(described.soil, held=True, geostatic=False)
+        return build(replace(described, soil=held)).model.bodies[0].penalty
+
+    free = {"driven": (), "held": (), "velocity": (0.0, 0.0, 0.0), "rest_on": 0.0}
+    whole = penalty(pressed(**free))
+    for given in ({"y": HALF}, {"y": HALF, "symmetry": "y"}, {"x": HALF, "y": HALF}):
+        assert penalty(pressed(**free, **given)) == pytest.approx(whole, rel=5e-3)
+    drum = {"geometry": GEOMETRY / "cylinder.geo", "parameters": {"radius": 0.3, "height": 1.0, "size": 0.06},
+            "rotation": (1.0, 0.0, 0.0, 90.0)}
+    thin, thick = (penalty(pressed(y=Axis(-b, b, collapsed=True), **free, **drum)) for b in (0.05, 0.5))
+    assert thin == pytest.approx(thick)
+
+
 def test_masses_of_part_and_whole_are_reported():
     simulation = build(pressed(y=HALF, symmetry="y"))
     mass = 2000.0 * 4 / 3 * np.pi * 0.3**3

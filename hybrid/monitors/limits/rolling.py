@@ -41,7 +41,8 @@ def rolls_on_lattice(scene, model):
         distance = np.linalg.norm(body.surface.vertices, axis=1)
         if body.name in joined or distance.max() > ROUND * distance.min() or not _rests(described, body) or not _rolls(body):
             continue
-        radius, weight, cell = distance.mean(), copies(body.mirrors) * body.mass.mass * abs(gravity[2]), soil.grid.smallest_cell
+        radius, cell = distance.mean(), soil.grid.smallest_cell
+        weight = copies(body.mirrors) * body.mass.mass * abs(gravity[2])
         contact = min(contact_radius(weight, radius, material, soil), radius)
         force = contact / radius * np.interp(contact / cell, *np.transpose(FORCE))
         if contact < RESOLVED * cell and force > LIMIT:

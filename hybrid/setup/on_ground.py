@@ -1,0 +1,66 @@
+"""Level held ground under bodies of plane faces: which are in contact with it at places of their own, and how stiff.
+
+    k = F / ((d/4)² δ)      F the weight of the body, d its size, δ = d/10 000 its overlap on a face of d/4
+
+in plane strain F / (b d/4 δ), b the thickness of the slice. Edges count with a width, and corners with an area, with which
+they alone carry F at an overlap of δ, as where bodies meet (`hybrid.setup.body_contact`). Of bodies on one another δ is ten
+times that: a block of 0.2 x 0.6 m that slides with 0.9 of the friction at which it tips then tipped, as what it rests on
+swings when friction sets in.
+
+Equations: FORMULATION (60).
+"""
+
+import numpy as np
+
+from hybrid.body.surface import build_surface
+from hybrid.contact.body_to_body import Side
+from hybrid.contact.closest_points import nearest
+from hybrid.contact.on_ground import Ground
+from hybrid.contact.samples import sample
+from hybrid.runtime.comm import maximum, minimum
+
+PLACES = 16         # in the size of a body
+SINKS = 1e-4        # of the size: overlap under F
+STANDARD = 9.81     # [m/s²] where a scene has no gravity
+FAR = 1e3           # sizes that the ground reaches along a collapsed axis
+SIDES = ((0, 2, 1), (0, 3, 2), (4, 5, 6), (4, 6, 7), (0, 1, 5), (0, 5, 4), (1, 2, 6), (1, 6, 5), (2, 3, 7), (2, 7, 6),
+         (3, 0, 4), (3, 4, 7))      # triangles of a block, its corners around the bottom and then the top
+
+
+def is_made_for(described, body, soil):
+    """Whether a body touches the held ground at places of its own: one without a curved face, on level ground."""
+    plane = not body.surface.curved.any()
+    return soil.held and soil.heights is None and plane and described.contact != "corners" and not body.mirrors
+
+
+def ground_of(described, body, rotation, soil, gravity):
+    """Ground under a body at an initial `rotation` (3, 3); gravity (3,) [m/s²]."""
+    collapsed, size = soil.grid.collapsed, 2.0 * _radius(body.surface, rotation, soil.grid.collapsed)
+    thickness = np.prod(np.ptp(soil.grid.extent[collapsed], axis=1)) if collapsed.any() else None
+    weight = body.mass.mass * (float(np.linalg.norm(gravity)) or STANDARD)
+    face = (size / 4)**2 if thickness is None else thickness * size / 4
+    stiffness = weight / (face * SINKS * size) if described.penalty is None else body.penalty
+    carried = weight / (stiffness * SINKS * size)       # [m²]
+    flat, share = None, 1.0
+    if collapsed.any():
+        flat = rotation[collapsed]
+        share = thickness / np.prod([np.ptp(body.surface.vertices @ axis) for axis in flat])
+    samples = sample(body.surface, size / PLACES, carried / (size / 2 if thickness is None else thickness), carried, flat, share)
+    beside = nearest(samples.edges.point, samples.edges.normal, body.surface)[0]
+    return Ground(Side(0, 1, samples, _block(soil, FAR * size)), stiffness, beside, collapsed)
+
+
+def _block(soil, far):
+    """ContactSurface of the ground, `far` [m] along collapsed axes, about which bodies are at 0."""
+    points = soil.constants
+    low = np.array([minimum(lower) for lower in (points.position - points.half_width).T])
+    high = np.array([maximum(upper) for upper in (points.position + points.half_width).T])
+    low, high = np.where(soil.grid.collapsed, -far, low), np.where(soil.grid.collapsed, far, high)
+    corners = [(x, y, z) for z in (low[2], high[2])
+               for x, y in ((low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1]))]
+    return build_surface(np.array(corners), np.array(SIDES))
+
+
+def _radius(surface, rotation, collapsed):
+    """[m] of a ball around the section of a body."""
+    return float(np.linalg.norm(surface.vertices @ rotation[~collapsed].T, axis=1).max())
