@@ -63,9 +63,9 @@ class Path(NamedTuple):
 class PairContact(NamedTuple):
     """Places of one side in contact at trial poses, m of them, vectors in space: active (m,) among its Places; force
     (m, 3) [N], minus that on body a; tangent (m, 3, 3) [N/m]; arms (m, 3) [m] from the centres of a and b; gap (m,) [m];
-    normal (m, 3) of body b; energy, dissipated [J]; springs [N/m]; slip (m,). Once the state is accepted, the history has those in contact and those
-    that have less overlap than they began with: kept (k,) among the Places, anchor (k, 3) [m] in the frame of b, rest (k,)
-    [m]."""
+    normal (m, 3) of body b; energy, dissipated [J]; springs [N/m]; slip (m,). Once the state is accepted, the history has
+    those in contact and those that have less overlap than they began with: kept (k,) among the Places, anchor (k, 3) [m] in
+    the frame of b, rest (k,) [m]."""
 
     active: np.ndarray
     force: np.ndarray
@@ -117,7 +117,8 @@ class SideStep:
     """Places of a Side near the other body, frozen during an increment.
 
     start: (m, 3) [m] in the frame of body b; touching: (m,) bool at the start; anchor: (m, 3) [m] of the history, else
-    where the place is predicted to touch first; rest: (m,) [m] gap without force; stiffness: (m,) [N/m]
+    where the place is predicted to touch first; rest: (m,) [m] gap without force; stiffness: (m,) [N/m]; sticking: (m,) bool
+    as in ContactPoints, None for none
     """
 
     side: Side
@@ -129,6 +130,7 @@ class SideStep:
     stiffness: np.ndarray
     law: soil_to_body.Coulomb
     collapsed: np.ndarray
+    sticking: np.ndarray | None = None
 
     def evaluate(self, poses):
         """PairContact at poses of all bodies."""
@@ -142,8 +144,9 @@ class SideStep:
         active, kept = np.flatnonzero(touches), np.flatnonzero(touches | (rest < 0.0))
         points = points.select(active)
         origin = np.where(self.touching[active, None], self.anchor[active], self.start[active])
+        sticking = soil_to_body.NOWHERE if self.sticking is None else self.sticking[active]
         closed = soil_to_body.ClosedPoints(
-            y[active], self.anchor[active], origin, self.stiffness[active], self.rest[active], NONE)
+            y[active], self.anchor[active], origin, self.stiffness[active], self.rest[active], NONE, sticking)
         found = soil_to_body.Response.empty(len(active))
         soil_to_body.contact_law(closed, points, self.law, surface.tree, found)
         R = pose_b[1]
@@ -153,8 +156,8 @@ class SideStep:
         anchor[touches[kept]] = found.anchor
         return PairContact(
             active, found.force @ R.T, R @ found.tangent @ R.T, arm_a, arm_b, points.gap, found.side @ R.T,
-            float(found.energy.sum()), float(found.dissipated.sum()), float(np.sqrt(np.sum(closed.stiffness**2))), found.slip,
-            kept, anchor, rest[kept])
+            float(found.energy.sum()), float(found.dissipated.sum()), float(np.sqrt(np.sum(closed.stiffness**2))),
+            found.slip, kept, anchor, rest[kept])
 
     def history(self, contact):
         """(number, anchor, rest) of the places that the next increment has to know."""

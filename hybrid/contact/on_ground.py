@@ -12,7 +12,7 @@ evenly than on places of its own (`hybrid.contact.contact_pair`).
 """
 
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -29,19 +29,20 @@ AT_REST = np.zeros(3), np.eye(3)    # pose of the ground
 @dataclass(frozen=True)
 class Ground:
     """Level held ground under a body: side: places of the body, a, on the ground, b; stiffness: k [N/m³]; edge_triangle:
-    (e,) triangle of the body beside each of its places on edges; collapsed: (3,) bool axes."""
+    (e,) triangle of the body beside each of its places on edges; collapsed: (3,) bool axes; spacing: [m] of the places."""
 
     side: Side
     stiffness: float
     edge_triangle: np.ndarray
     collapsed: np.ndarray
+    spacing: float
 
     def triangles(self, number):
         """(m,) triangle of the body of places with these numbers."""
-        samples = self.side.samples
-        on_face = number < samples.first_edge
-        found = np.searchsorted(samples.pieces.first, number, side="right") - 1
-        found[~on_face] = self.edge_triangle[number[~on_face] - samples.first_edge]
+        pieces = self.side.samples.pieces
+        found, first = np.searchsorted(pieces.first, number, side="right") - 1, pieces.first[-1] + 4**pieces.cuts[-1]
+        on_edge = number >= first
+        found[on_edge] = self.edge_triangle[number[on_edge] - first]
         return found
 
 
@@ -107,8 +108,14 @@ class GroundPair:
 
     @contextmanager
     def sticking(self, chosen):
-        """Nothing changes."""
-        yield
+        """Context in which the shear of `chosen`, an index of places, has no limit."""
+        step, mask = self._step, np.zeros(len(self._triangle), bool)
+        mask[chosen] = True
+        self._step = replace(step, sticking=mask)
+        try:
+            yield
+        finally:
+            self._step = step
 
     def share_interface(self, contact):
         """There is no interface to share."""

@@ -56,8 +56,8 @@ class InitialImbalance:
                 f"{self._too_long(length) if scheme.inertia else ''}",)
 
     def hazards(self):
-        """Texts (none or one) about soil that yields and begins with stress, without inertia, so far from equilibrium that the
-        first step may have none."""
+        """Texts (none or one) about soil that yields and begins with stress, without inertia, so far from equilibrium that
+        the first step may have none."""
         if self.share > FAR and self.stressed and self.period is not None:
             yield (f"initial imbalance: {self}, is not balanced at the start, limit {FAR:.0%}, and without inertia soil that "
                    f"yields may find no equilibrium in the first step. {self._cause()} Soil that lies on bodies does not press "

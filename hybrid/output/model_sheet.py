@@ -140,7 +140,10 @@ def _body(described, body):
              f"{np.count_nonzero(body.free)} free components"]
     if described.driven:
         parts.append("driven " + " ".join(described.driven))
-    parts.append(f"contact at {len(body.places)} {described.contact} of each domain")
+    if body.ground is not None:
+        parts.append(f"contact at places {body.ground.spacing:.2g} m apart on its faces, and on its edges and corners")
+    else:
+        parts.append(f"contact at {len(body.places)} {described.contact} of each domain")
     if described.adhesion:
         parts.append(f"shear at most {described.adhesion:g} s_u" + (
             "" if described.friction is None else f" and {described.friction:g} of the pressure"))

@@ -26,7 +26,7 @@ from hybrid.contact.samples import sample
 from hybrid.contact.soil_to_body import Coulomb
 from hybrid.runtime.errors import SceneError
 from hybrid.scene.defaults import ROLLING
-from hybrid.setup.contact import area_over_overlap, curvature_radius, section
+from hybrid.setup.contact import curvature_radius, section
 from hybrid.state import PairHistory
 from hybrid.step.pair_terms import IMPACT, BodyPair
 
@@ -103,9 +103,9 @@ def _pair(numbers, described, own, bodies, surfaces, motions, grid, g):
 
 def _area(overlap, radius, size, slice_width):
     """Force over k times the overlap [m²]."""
-    if np.isfinite(radius):
-        return area_over_overlap(radius, overlap, slice_width)
-    return (size / 4)**2 if slice_width is None else slice_width * size / 4
+    if slice_width is None:
+        return np.pi * radius * overlap if np.isfinite(radius) else (size / 4)**2
+    return 4 / 3 * slice_width * np.sqrt(2.0 * radius * overlap) if np.isfinite(radius) else slice_width * size / 4
 
 
 def _radius(surface, motion, collapsed):

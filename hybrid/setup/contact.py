@@ -134,19 +134,10 @@ def _penalty(described, body, soil, spacing, radius, gravity):
         return stiff * factor
     radius = min(radius, body.radius)
     overlap = 0.5 * (PATCH * min(spacing, radius / REST_CURVATURE)) ** 2 / radius
-    felt = weight / (area_over_overlap(radius, overlap, _thickness(soil.grid)) * overlap)
+    if soil.grid.collapsed.any():   # of a slice as thick as its radius, for any thickness
+        weight *= radius / np.prod(np.ptp(soil.grid.extent[soil.grid.collapsed], axis=1))
+    felt = weight / (np.pi * radius * overlap**2)
     return felt if soil.held else min(stiff, felt / young)
-
-
-def area_over_overlap(radius, overlap, thickness=None):
-    """Force [m²] of a curved surface on a plane over k times the largest overlap [m]: of a sphere, or of a cylinder in a slice
-    of a `thickness` [m]. radius: of curvature [m]."""
-    return np.pi * radius * overlap if thickness is None else 4 / 3 * thickness * np.sqrt(2.0 * radius * overlap)
-
-
-def _thickness(grid):
-    """[m] of a slice in plane strain, None of what is modelled in space."""
-    return float(np.ptp(grid.extent[grid.collapsed][0])) if grid.collapsed.sum() == 1 else None
 
 
 def _rests(body, soil, radius, gravity):

@@ -3,12 +3,14 @@
     k = F / ((d/4)² δ)      F the weight of the body, d its size, δ = d/10 000 its overlap on a face of d/4
 
 in plane strain F / (b d/4 δ), b the thickness of the slice. Edges count with a width, and corners with an area, with which
-they alone carry F at an overlap of δ, as where bodies meet (`hybrid.setup.body_contact`). Of bodies on one another δ is ten
-times that: a block of 0.2 x 0.6 m that slides with 0.9 of the friction at which it tips then tipped, as what it rests on
-swings when friction sets in.
+they alone carry F at an overlap of δ, as where bodies meet (`hybrid.setup.body_contact`). There δ is ten times that: a block
+of 0.2 x 0.6 m that slides with 0.9 of the friction at which it tips then does tip, as what it rests on swings when friction
+sets in. With a given penalty edges and corners count with an eighth of that, so that a box on one face has about its area.
 
 Equations: FORMULATION (60).
 """
+
+from dataclasses import replace
 
 import numpy as np
 
@@ -21,10 +23,11 @@ from hybrid.runtime.comm import maximum, minimum
 
 PLACES = 16         # in the size of a body
 SINKS = 1e-4        # of the size: overlap under F
+EDGE, CORNER = 1 / 8, 1 / 16        # of the size: width of edges; of its square: area of corners
+GIVEN = 1 / 8       # of these, with a given penalty
 STANDARD = 9.81     # [m/s²] where a scene has no gravity
 FAR = 1e3           # sizes that the ground reaches along a collapsed axis
-SIDES = ((0, 2, 1), (0, 3, 2), (4, 5, 6), (4, 6, 7), (0, 1, 5), (0, 5, 4), (1, 2, 6), (1, 6, 5), (2, 3, 7), (2, 7, 6),
-         (3, 0, 4), (3, 4, 7))      # triangles of a block, its corners around the bottom and then the top
+SIDES = (0, 2, 1), (0, 3, 2), (4, 5, 6), (4, 6, 7)      # triangles of bottom and top of a block, by its corners
 
 
 def is_made_for(described, body, soil):
@@ -40,22 +43,26 @@ def ground_of(described, body, rotation, soil, gravity):
     weight = body.mass.mass * (float(np.linalg.norm(gravity)) or STANDARD)
     face = (size / 4)**2 if thickness is None else thickness * size / 4
     stiffness = weight / (face * SINKS * size) if described.penalty is None else body.penalty
-    carried = weight / (stiffness * SINKS * size)       # [m²]
     flat, share = None, 1.0
     if collapsed.any():
         flat = rotation[collapsed]
         share = thickness / np.prod([np.ptp(body.surface.vertices @ axis) for axis in flat])
-    samples = sample(body.surface, size / PLACES, carried / (size / 2 if thickness is None else thickness), carried, flat, share)
+    sharp = 1.0 if described.penalty is None else GIVEN
+    samples = sample(body.surface, size / PLACES, sharp * EDGE * size, sharp * CORNER * size**2, flat, share)
+    samples = replace(samples, first_edge=0)    # all places press on the nearest side of the ground alone
     beside = nearest(samples.edges.point, samples.edges.normal, body.surface)[0]
-    return Ground(Side(0, 1, samples, _block(soil, FAR * size)), stiffness, beside, collapsed)
+    return Ground(Side(0, 1, samples, _block(soil, FAR * size)), stiffness, beside, collapsed, size / PLACES)
 
 
 def _block(soil, far):
-    """ContactSurface of the ground, `far` [m] along collapsed axes, about which bodies are at 0."""
+    """ContactSurface of the ground's top, and of a bottom `far` [m] below it, so that what goes deep in a long step is pushed
+    up. It has no sides: what is beside it is out of its bounds. Along collapsed axes, about which bodies are at 0, it
+    reaches `far`."""
     points = soil.constants
     low = np.array([minimum(lower) for lower in (points.position - points.half_width).T])
     high = np.array([maximum(upper) for upper in (points.position + points.half_width).T])
     low, high = np.where(soil.grid.collapsed, -far, low), np.where(soil.grid.collapsed, far, high)
+    low[2] = high[2] - far
     corners = [(x, y, z) for z in (low[2], high[2])
                for x, y in ((low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1]))]
     return build_surface(np.array(corners), np.array(SIDES))

@@ -65,6 +65,7 @@ y = { start = 0.0, end = 2.0, collapsed = true }
 z = { start = -1.0, end = 1.0, size = 0.25 }
 [soil]
 top = 0.0
+k0 = 0.9
 material = { law = "von-mises", young = 5e6, poisson = 0.49, density = 1800.0, strength = 10e3, cone = "plane strain" }
 [time]
 step = 0.05
@@ -86,7 +87,6 @@ z = { start = 0.0, end = 2.0, size = 0.5 }
 [soil]
 upper = [2.0, 1.0, 2.0]
 geostatic = false
-k0 = 0.5
 material = { law = "hencky", young = 1e6, poisson = 0.3, density = 1700.0 }
 [time]
 step = 0.02

@@ -63,7 +63,7 @@ def narrow_body(scene, model):
         place = initial_vertices(described, body)
         width, spacing = _width(place[:, :2] * across), domain / body.places.along
         above = body.guided.all() and not body.driven.any() and place[:, 2].min() > top_of(model.soil) + 0.5 * cell
-        if width < SPACINGS * spacing and not above:
+        if width < SPACINGS * spacing and not above and body.ground is None:
             denser = 'Set body.contact = "faces", or use' if body.places.at_corners else "Use"
             yield (f"{body.name} is {width:.3g} m wide, {width / spacing:.2g} spacings of contact points, limit "
                    f"{SPACINGS:g}: too few of them sample the body, so that its contact force depends on where it "
