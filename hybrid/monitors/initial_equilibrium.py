@@ -59,9 +59,10 @@ class InitialImbalance:
         """Texts (none or one) about soil that yields and begins with stress, without inertia, so far from equilibrium that
         the first step may have none."""
         if self.share > FAR and self.stressed and self.period is not None:
-            yield (f"initial imbalance: {self}, is not balanced at the start, limit {FAR:.0%}, and without inertia soil that "
-                   f"yields may find no equilibrium in the first step. {self._cause()} Soil that lies on bodies does not press "
-                   "on them yet. Set soil.geostatic = false, and turn gravity on in a first stage, stage.gravity = [0.0, 1.0]")
+            yield (f"initial imbalance: {self}, is not balanced at the start, limit {FAR:.0%}, and without inertia soil "
+                   f"that yields may find no equilibrium in the first step. {self._cause()} Soil that lies on bodies does "
+                   "not press on them yet. Set soil.geostatic = false, and turn gravity on in a first stage, "
+                   "stage.gravity = [0.0, 1.0]")
 
     def _too_long(self, length):
         """About steps of `length` [s] that do not resolve the swing, so that plastic flow depends on them."""

@@ -64,7 +64,7 @@ def connect_to_soil(described, body, rotation, soil, gravity, cone):
         interface = replace(interface, sharp=None if body.surface is sharp else sharp, cover=_cover(sharp, soil, rotation))
     body = replace(body, friction=friction_of(described), interface=interface)
     if not interface and on_ground.is_made_for(described, body, soil):
-        body = replace(body, ground=on_ground.ground_of(described, body, rotation, soil, gravity))
+        body = replace(body, ground=on_ground.ground_of(body, rotation, soil, gravity))
     return rigid.with_stiffness(body, soil.law.young, soil.held)
 
 

@@ -5,7 +5,7 @@
 in plane strain F / (b d/4 δ), b the thickness of the slice. Edges count with a width, and corners with an area, with which
 they alone carry F at an overlap of δ, as where bodies meet (`hybrid.setup.body_contact`). There δ is ten times that: a block
 of 0.2 x 0.6 m that slides with 0.9 of the friction at which it tips then does tip, as what it rests on swings when friction
-sets in. With a given penalty edges and corners count with an eighth of that, so that a box on one face has about its area.
+sets in. With a given penalty, p_f E for each area of the ground, points of the ground are in contact, exactly so.
 
 Equations: FORMULATION (60).
 """
@@ -24,31 +24,33 @@ from hybrid.runtime.comm import maximum, minimum
 PLACES = 16         # in the size of a body
 SINKS = 1e-4        # of the size: overlap under F
 EDGE, CORNER = 1 / 8, 1 / 16        # of the size: width of edges; of its square: area of corners
-GIVEN = 1 / 8       # of these, with a given penalty
 STANDARD = 9.81     # [m/s²] where a scene has no gravity
 FAR = 1e3           # sizes that the ground reaches along a collapsed axis
 SIDES = (0, 2, 1), (0, 3, 2), (4, 5, 6), (4, 6, 7)      # triangles of bottom and top of a block, by its corners
 
 
 def is_made_for(described, body, soil):
-    """Whether a body touches the held ground at places of its own: one without a curved face, on level ground."""
-    plane = not body.surface.curved.any()
-    return soil.held and soil.heights is None and plane and described.contact != "corners" and not body.mirrors
+    """Whether a body touches the held ground at places of its own: one without a curved face, on level ground at least as
+    wide as half of it, with a penalty that is left out."""
+    plain = soil.held and soil.heights is None and described.penalty is None and described.contact != "corners"
+    if not plain or body.mirrors or body.surface.curved.any():
+        return False
+    low, high = _ends(soil)
+    return bool((high - low)[:2][~soil.grid.collapsed[:2]].min(initial=np.inf) >= body.surface.radius)
 
 
-def ground_of(described, body, rotation, soil, gravity):
+def ground_of(body, rotation, soil, gravity):
     """Ground under a body at an initial `rotation` (3, 3); gravity (3,) [m/s²]."""
     collapsed, size = soil.grid.collapsed, 2.0 * _radius(body.surface, rotation, soil.grid.collapsed)
     thickness = np.prod(np.ptp(soil.grid.extent[collapsed], axis=1)) if collapsed.any() else None
     weight = body.mass.mass * (float(np.linalg.norm(gravity)) or STANDARD)
     face = (size / 4)**2 if thickness is None else thickness * size / 4
-    stiffness = weight / (face * SINKS * size) if described.penalty is None else body.penalty
+    stiffness = weight / (face * SINKS * size)
     flat, share = None, 1.0
     if collapsed.any():
         flat = rotation[collapsed]
         share = thickness / np.prod([np.ptp(body.surface.vertices @ axis) for axis in flat])
-    sharp = 1.0 if described.penalty is None else GIVEN
-    samples = sample(body.surface, size / PLACES, sharp * EDGE * size, sharp * CORNER * size**2, flat, share)
+    samples = sample(body.surface, size / PLACES, EDGE * size, CORNER * size**2, flat, share)
     samples = replace(samples, first_edge=0)    # all places press on the nearest side of the ground alone
     beside = nearest(samples.edges.point, samples.edges.normal, body.surface)[0]
     return Ground(Side(0, 1, samples, _block(soil, FAR * size)), stiffness, beside, collapsed, size / PLACES)
@@ -58,14 +60,19 @@ def _block(soil, far):
     """ContactSurface of the ground's top, and of a bottom `far` [m] below it, so that what goes deep in a long step is pushed
     up. It has no sides: what is beside it is out of its bounds. Along collapsed axes, about which bodies are at 0, it
     reaches `far`."""
-    points = soil.constants
-    low = np.array([minimum(lower) for lower in (points.position - points.half_width).T])
-    high = np.array([maximum(upper) for upper in (points.position + points.half_width).T])
+    low, high = _ends(soil)
     low, high = np.where(soil.grid.collapsed, -far, low), np.where(soil.grid.collapsed, far, high)
     low[2] = high[2] - far
     corners = [(x, y, z) for z in (low[2], high[2])
                for x, y in ((low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1]))]
     return build_surface(np.array(corners), np.array(SIDES))
+
+
+def _ends(soil):
+    """(low, high) (3,) [m] of all of the soil."""
+    points = soil.constants
+    return (np.array([minimum(lower) for lower in (points.position - points.half_width).T]),
+            np.array([maximum(upper) for upper in (points.position + points.half_width).T]))
 
 
 def _radius(surface, rotation, collapsed):
