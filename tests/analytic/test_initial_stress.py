@@ -13,10 +13,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hybrid.monitors.initial_equilibrium import initial_imbalance
+from hybrid.monitors.initial_equilibrium import InitialImbalance, initial_imbalance
 from hybrid.output.sheet_text import format_sheet
+from hybrid.runtime.data import GEOMETRY
 from hybrid.runtime.errors import SceneError
-from hybrid.scene import Axis, Faces, Grid, Layer, Material, Scene, Soil, Solver, Stage, Time
+from hybrid.scene import Axis, Body, Faces, Grid, Layer, Material, Scene, Soil, Solver, Stage, Time
 from hybrid.setup.build import build
 from hybrid.step.equations import begin
 from hybrid.step.workspace import Workspace
@@ -197,3 +198,25 @@ def test_a_k0_that_the_soil_cannot_carry_is_refused_with_one_that_it_can():
     build(level(material=SAND, k0=enough))
     with pytest.raises(SceneError, match="more than the law can carry"):
         build(level(material=SAND, k0=enough - 0.02))
+
+
+@pytest.mark.parametrize("share, stressed, period, count", [
+    (1.0, True, 0.1, 1), (0.05, True, 0.1, 0), (1.0, False, 0.1, 0), (1.0, True, None, 0)])
+def test_soil_far_from_equilibrium_is_told_before_a_run_without_inertia(share, stressed, period, count):
+    """Soil that yields and begins with stress: sand that lies on two held bodies had no first step."""
+    texts = list(InitialImbalance(share, (0.0, 0.5, 0.0), stressed, period).hazards())
+    assert len(texts) == count and all("limit 10%" in text and "stage.gravity = [0.0, 1.0]" in text for text in texts)
+
+
+@pytest.mark.parametrize("inertia, count", [(False, 1), (True, 0)])
+def test_sand_on_a_held_body_is_told_of(inertia, count):
+    """Nothing but the body is below it, which carries nothing yet."""
+    table = Body(GEOMETRY / "box.geo", 2000.0, name="table", position=(0.5, 0.5, -0.25),
+                 held=("x", "y", "z", "rx", "ry", "rz"),
+                 parameters={"length": 3.0, "width": 3.0, "height": 0.5, "size": 5.0})
+    axis = Axis(0.0, 1.0, 0.25)
+    scene = Scene(name="laid", grid=Grid(axis, axis, Axis(-0.5, 1.0, 0.25)),
+                  soil=Soil(SAND, lower=(0.0, 0.0, 0.0), upper=(1.0, 1.0, 0.5)), bodies=(table,),
+                  time=Time(0.1, inertia=inertia), stages=(Stage("lie", 1),))
+    found = [text for text in build(scene).warned if "initial imbalance: 100 %" in text]
+    assert len(found) == count

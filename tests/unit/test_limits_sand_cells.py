@@ -34,6 +34,21 @@ def test_a_wall_that_ends_in_sand_and_one_that_does_not():
     assert not texts(sand_cells.pushed_walls, sand.wall().scene)
 
 
+@pytest.mark.parametrize("ground, bottom, count", [
+    (((0.0, 2.0), (6.0, 3.06)), 0.0, 0), (((0.0, 2.0), (6.0, 3.06)), 0.5, 1), (None, 0.0, 0), (None, 0.5, 1)])
+def test_a_wall_on_the_base_has_no_foot_under_sloping_ground_either(ground, bottom, count):
+    """2 m of sand before it at the wall, level or rising at 10 degrees."""
+    wall = body("box.geo", {"length": 0.75, "width": 1.0, "height": 3.2, "size": 20.0}, position=(-0.375, 0.5, 0.0),
+                rest_on=bottom, driven=("x",), held=("z", "ry"), velocity=(0.004, 0.0, 0.0))
+    grid = Grid(Axis(start=-0.75, end=6.0, size=0.25), slice_(1.0), Axis(start=0.0, end=4.0, size=0.25))
+    sand = Material(law="mohr-coulomb", young=3e7, poisson=0.3, density=1800.0, friction_angle=30.0, dilation_angle=30.0,
+                    cohesion=0.0)
+    soil = Soil(sand, lower=(0.0, 0.0, 0.0), upper=(6.0, 1.0, 2.0 if ground is None else 3.25), ground=ground,
+                geostatic=False)
+    described = scene("wall", grid, soil, [wall], clay.Time(1.0, inertia=False), 20)
+    assert len(texts(sand_cells.pushed_walls, described)) == count
+
+
 def blade(rake, size=0.1, law="drucker-prager", speed=0.005):
     """A smooth blade 1 m deep in sand of 30 degrees, in place from the start."""
     values = {"young": 2e7, "poisson": 0.3, "density": 1700.0}
