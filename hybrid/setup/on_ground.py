@@ -57,9 +57,9 @@ def ground_of(body, rotation, soil, gravity):
 
 
 def _block(soil, far):
-    """ContactSurface of the ground's top, and of a bottom `far` [m] below it, so that what goes deep in a long step is pushed
-    up. It has no sides: what is beside it is out of its bounds. Along collapsed axes, about which bodies are at 0, it
-    reaches `far`."""
+    """ContactSurface of the ground's top, and of a bottom `far` [m] below it, so that what goes deep in a long step is
+    pushed up. It has no sides: what is beside it is out of its bounds. Along collapsed axes, about which bodies are at 0,
+    it reaches `far`."""
     low, high = _ends(soil)
     low, high = np.where(soil.grid.collapsed, -far, low), np.where(soil.grid.collapsed, far, high)
     low[2] = high[2] - far

@@ -77,3 +77,10 @@ def test_sides_of_a_way_between_the_axes_lie_in_its_plane():
     assert side.axis is None and side.width == pytest.approx(3.0 / np.sqrt(2.0))
     side, = sides(grid, place, np.array([0.0, 0.0, 1.0]))
     assert side.axis == 0 and side.width == pytest.approx(2.0)
+
+
+def test_notes_about_several_ways_of_a_body_name_them():
+    scene = described(drive("up", z=0.005), drive("aside", x=0.005), material=CLAY, z=-3.0, size=(1.0, 0.5), adhesion=1.0,
+                      tension="full")
+    up, aside = told(cells.few_cells, scene)
+    assert up.startswith("strip, moved up, stays attached") and aside.startswith("strip, moved along x, stays attached")

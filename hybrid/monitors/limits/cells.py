@@ -15,10 +15,12 @@ Nodes at the edge of a face move with it, and the clay is sheared in the cell be
 on the next nodes"). Those of sand are in `sand_cells`, of soil with cohesion and friction in `footing_cells`.
 """
 
+from collections import Counter
+
 import numpy as np
 
-from hybrid.monitors.limits.ways import (CLAY, EXCESS, STEEP, driven, faces, feet, law_at, leads, loaded, material_at,
-                                         narrowest, sides, step_of_ground, top_of)
+from hybrid.monitors.limits.ways import (CLAY, EXCESS, STEEP, driven, faces, feet, heading, law_at, leads, loaded,
+                                         material_at, narrowest, sides, step_of_ground, top_of)
 from hybrid.runtime.comm import maximum, minimum
 
 ATTACHED, ROUND, EDGE, CUT, WEDGE = 1.75, 1.5, 0.3, 1.05, 0.7
@@ -47,6 +49,7 @@ def few_cells(scene, model):
     cell = model.soil.grid.smallest_cell
     pushed = [(*found, False, 0.0) for found in driven(scene, model)]
     pushed += [(body, cell * force / np.linalg.norm(force), *others) for body, force, *others in loaded(scene, model)]
+    several = Counter(body.name for body, *_ in pushed)
     for body, way, place, plane, inclined, arm in pushed:
         if not plane:
             continue
@@ -60,7 +63,8 @@ def few_cells(scene, model):
             excess *= factor
             if excess > EXCESS:
                 load = "its load" if factor == 1.0 else "the inclined or eccentric load that it carries"
-                yield f"{body.name} {what}: {load} is {how} {excess:.0%} too high, limit {EXCESS:.0%}. {cure}"
+                which = f", moved {heading(way)}," if several[body.name] > 1 else ""
+                yield f"{body.name}{which} {what}: {load} is {how} {excess:.0%} too high, limit {EXCESS:.0%}. {cure}"
 
 
 def _eccentric(scene, model, body, way, place, arm):

@@ -76,6 +76,12 @@ def _with(found, start, way):
     return [*found, (start, way)]
 
 
+def heading(way):
+    """Words such as "down" or "along x" about the main direction of a way (3,)."""
+    axis = int(np.argmax(np.abs(way)))
+    return ("down", "up")[int(way[2] > 0.0)] if axis == 2 else f"along {'xy'[axis]}"
+
+
 def loaded(scene, model):
     """(RigidBody, way (3,), places (V, 3) [m], whether a plane face leads, whether the load is inclined, arm [m] on which it
     acts beside the centre) of each body that is free to follow forces of a stage, or that a point of it drives; the way is
