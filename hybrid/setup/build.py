@@ -12,6 +12,7 @@ from hybrid.scene.check_sense import sense_notes
 from hybrid.scene.defaults import resolve
 from hybrid.scene.file import validate
 from hybrid.scheme import Scheme
+from hybrid.setup import on_ground
 from hybrid.setup.bodies import build_body, mesh_of
 from hybrid.setup.body_contact import build_pairs, refuse_overlap_of_bodies
 from hybrid.setup.contact import connect_to_soil
@@ -115,6 +116,8 @@ def _connected(described, mesh, mirrors, placed, soil, gravity, cone):
     """RigidBody with its contact, its planes of symmetry and the parts of its surface; placed: (RigidBody, BodyState)."""
     body, motion = replace(in_part(placed[0], mirrors), mirrors=mirrors), placed[1]
     connected = connect_to_soil(described, body, motion.rotation, soil, gravity, cone)
+    if on_ground.is_made_for(described, connected, motion, soil):
+        connected = replace(connected, ground=on_ground.ground_of(connected, motion.rotation, soil, gravity))
     parts = surface_parts(mesh, body.outline, connected.surface, motion.rotation[soil.grid.collapsed],
                           connected.mass.mass / body.mass.mass)
     return replace(connected, stray_cap=stray_cap(mesh, mirrors), parts=parts)

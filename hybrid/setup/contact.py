@@ -33,7 +33,6 @@ from hybrid.contact.interface import Interface
 from hybrid.laws.drucker_prager import cone_constants
 from hybrid.runtime.comm import largest, minimum
 from hybrid.runtime.errors import SceneError
-from hybrid.setup import on_ground
 
 FEWEST, MOST = 4, 32                # places along a face
 ROUND_OFF = 1e-9                    # of their number: halves and wholes of a body have as many
@@ -63,8 +62,6 @@ def connect_to_soil(described, body, rotation, soil, gravity, cone):
     if interface and not chosen.at_corners:
         interface = replace(interface, sharp=None if body.surface is sharp else sharp, cover=_cover(sharp, soil, rotation))
     body = replace(body, friction=friction_of(described), interface=interface)
-    if not interface and on_ground.is_made_for(described, body, soil):
-        body = replace(body, ground=on_ground.ground_of(body, rotation, soil, gravity))
     return rigid.with_stiffness(body, soil.law.young, soil.held)
 
 

@@ -14,6 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from hybrid.body import rigid
 from hybrid.body.surface import build_surface
 from hybrid.contact.body_to_body import Side
 from hybrid.contact.closest_points import nearest
@@ -24,19 +25,21 @@ from hybrid.runtime.comm import maximum, minimum
 PLACES = 16         # in the size of a body
 SINKS = 1e-4        # of the size: overlap under F
 EDGE, CORNER = 1 / 8, 1 / 16        # of the size: width of edges; of its square: area of corners
+INSIDE = 0.1        # of the radius: what begins deeper in the ground, or beside it, meets its sides too
 STANDARD = 9.81     # [m/s²] where a scene has no gravity
 FAR = 1e3           # sizes that the ground reaches along a collapsed axis
 SIDES = (0, 2, 1), (0, 3, 2), (4, 5, 6), (4, 6, 7)      # triangles of bottom and top of a block, by its corners
 
 
-def is_made_for(described, body, soil):
-    """Whether a body touches the held ground at places of its own: one without a curved face, on level ground at least as
-    wide as half of it, with a penalty that is left out."""
+def is_made_for(described, body, motion, soil):
+    """Whether a body touches the held ground at places of its own: one without a curved face, above level ground at least as
+    wide as half of it, with a penalty that is left out. motion: BodyState at the start."""
     plain = soil.held and soil.heights is None and described.penalty is None and described.contact != "corners"
-    if not plain or body.mirrors or body.surface.curved.any():
+    if not plain or body.mirrors or body.interface or body.surface.curved.any() or soil.grid.collapsed[2]:
         return False
     low, high = _ends(soil)
-    return bool((high - low)[:2][~soil.grid.collapsed[:2]].min(initial=np.inf) >= body.surface.radius)
+    above = rigid.bounding_box(body, motion)[0][2] > high[2] - INSIDE * body.surface.radius
+    return above and bool((high - low)[:2][~soil.grid.collapsed[:2]].min(initial=np.inf) >= body.surface.radius)
 
 
 def ground_of(body, rotation, soil, gravity):
