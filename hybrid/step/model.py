@@ -14,7 +14,7 @@ from hybrid.soil.model import Soil
 from hybrid.step import joint_rates
 from hybrid.step.loads import Loads
 from hybrid.step.pair_terms import BodyPair
-from hybrid.step.work import add_by_component
+from hybrid.step.work import by_component
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,8 @@ class Model:
             motion, impulse_work = rigid.engage_guides(body, motion, gravity, self.scheme)
             if impulse_work:
                 work["drive"] = work.get("drive", 0.0) + impulse_work
-                add_by_component(work, body, rigid.jolt(body, before, motion))
+                for name, done in by_component(body, rigid.jolt(body, before, motion)):
+                    work[name] = work.get(name, 0.0) + done
             bodies.append(rigid.begin_loads(body, motion, state.time, self.scheme))
         bodies, joints, lost = joint_rates.begin_stage(self, bodies, state.joints)
         if lost:

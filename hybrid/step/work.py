@@ -22,12 +22,8 @@ def work_after(step, evaluation, points, bodies, lost=0.0):
         add("plastic", step.model.soil.plastic_work(step.soil, evaluation.soil_trial))
         add("ghost", step.model.soil.ghost_work(step.soil, evaluation.unknowns.displacement))
     for terms in evaluation.bodies:
-        if terms.step.body.drive.any() or terms.step.body.guides:
-            mean, moved, jolt = _of_drive(terms, step.state.bodies[terms.step.number])
-            add("drive", float(mean @ moved) + float(jolt.sum()))
-            add_by_component(work, terms.step.body, mean * moved + jolt)
-    for terms in evaluation.bodies:
-        add("friction", terms.contact.dissipated)
+        for name, done in _on_body(terms, step.state.bodies[terms.step.number], bodies[terms.step.number]):
+            add(name, done)
     if evaluation.pairs:
         add("friction", evaluation.pairs.dissipated)
     if evaluation.joints:
@@ -37,20 +33,27 @@ def work_after(step, evaluation, points, bodies, lost=0.0):
         for guide, done in evaluation.joints.work_of_guides(step.state.joints.multipliers):
             add("drive", done)
             add(drive_name(step.model.bodies[guide.bodies[0]], guide.name), done)
-    for terms in evaluation.bodies:
-        if terms.step.body.line:
-            add("pull", _of_pull(terms, bodies[terms.step.number]))
-    for terms in evaluation.bodies:
-        if terms.step.support is not None:
-            add("load", work_of_support(terms.step, step.state.bodies[terms.step.number], bodies[terms.step.number]))
-        if own := terms.step.body.loads:
-            done = guides.work_of_loads(own, step.state.bodies[terms.step.number], bodies[terms.step.number],
-                                        step.state.time, step.dt)
-            add("load", done)
-            add(load_name(terms.step.body), done)
     if not step.model.loads.gravity_alone:
         add("load", _of_loads(step, points, bodies))
     return work
+
+
+def _on_body(terms, before, after):
+    """(name, work [J]) that is done on a body between two BodyStates, the committed one and the new one."""
+    own = terms.step
+    if own.body.drive.any() or own.body.guides:
+        mean, moved, jolt = _of_drive(terms, before)
+        yield "drive", float(mean @ moved) + float(jolt.sum())
+        yield from by_component(own.body, mean * moved + jolt)
+    yield "friction", terms.contact.dissipated
+    if own.body.line:
+        yield "pull", _of_pull(terms, after)
+    if own.support is not None:
+        yield "load", work_of_support(own, before, after)
+    if own.body.loads:
+        done = guides.work_of_loads(own.body.loads, before, after, own.begin, own.dt)
+        yield "load", done
+        yield load_name(own.body), done
 
 
 def drive_name(body, component):
@@ -63,12 +66,11 @@ def load_name(body):
     return f"load of {body.name}"
 
 
-def add_by_component(work, body, values):
-    """Add the work (6,) [J] of a body's guides to {name: [J]} by component."""
+def by_component(body, values):
+    """(name, work [J]) of the components of a body whose guides have done work, of their work `values` (6,) [J]."""
     for component, value in zip(FREEDOMS, values):
         if value:
-            name = drive_name(body, component)
-            work[name] = work.get(name, 0.0) + float(value)
+            yield drive_name(body, component), float(value)
 
 
 def _of_drive(terms, committed):
