@@ -131,8 +131,8 @@ def _penalty(described, body, soil, spacing, radius, gravity):
         return stiff * factor
     radius = min(radius, body.radius)
     overlap = 0.5 * (PATCH * min(spacing, radius / REST_CURVATURE)) ** 2 / radius
-    if soil.grid.collapsed.any():   # of a slice as thick as its radius, for any thickness
-        weight *= radius / np.prod(np.ptp(soil.grid.extent[soil.grid.collapsed], axis=1))
+    if soil.grid.collapsed.any():   # of a slice of two diameters, for any thickness
+        weight *= 4.0 * radius / np.prod(np.ptp(soil.grid.extent[soil.grid.collapsed], axis=1))
     felt = weight / (np.pi * radius * overlap**2)
     return felt if soil.held else min(stiff, felt / young)
 

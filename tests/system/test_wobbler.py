@@ -10,7 +10,7 @@ import hybrid
 from hybrid.runtime.data import DEMOS
 from hybrid.runtime.errors import StepError
 from hybrid.scene import Load, Time
-from hybrid.setup import contact
+from hybrid.setup import contact, on_ground
 from hybrid.setup.build import build
 from hybrid.study.scenes import box, plane
 
@@ -78,9 +78,11 @@ def tips(x):
 
 
 def test_a_box_tips_at_the_same_load_wherever_it_stands(monkeypatch):
-    """W b/h = 0.4, less what its springs give: 0.37 to 0.38. With 13 contact places across, 0.34 to 0.40."""
+    """W b/h = 0.4, and a fifth of a second in which it leans by a quarter of a degree: 0.43. On points of the ground, 13
+    across, 0.34 to 0.40."""
     found = [tips(x) for x in (0.03, 0.036)]
-    assert np.ptp(found) < 0.015 and min(found) > 0.36
+    assert np.ptp(found) < 1e-9 and 0.4 < min(found) < 0.44
+    monkeypatch.setattr(on_ground, "is_made_for", lambda *given: False)
     monkeypatch.setattr(contact, "ACROSS", 0)
     assert np.ptp([tips(x) for x in (0.03, 0.036)]) > 0.03
 
