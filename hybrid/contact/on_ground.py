@@ -8,7 +8,8 @@ it: a cube that fell on its edge was pushed sideways and gained 30 % of its ener
 the ground's own plane the force is upright, and follows from a potential. A curved face rolls on points of the ground more
 evenly than on places of its own (`hybrid.contact.contact_pair`).
 
-`GroundPair` does what ContactPair does. Where several processes run, the first one has all places.
+`GroundPair` does what ContactPair does, as long as all of the body is over the ground: its ends, and what is beside it, are
+left to points of the ground. Where several processes run, the first one has all places.
 """
 
 from contextlib import contextmanager
@@ -18,32 +19,48 @@ import numpy as np
 
 from hybrid.contact import assembly, body_to_body
 from hybrid.contact.body_to_body import PairContact, Side
+from hybrid.contact.closest_points import nearest
+from hybrid.contact.samples import Places
 from hybrid.contact.soil_to_body import Coulomb, PointContact
 from hybrid.runtime import ranks
 from hybrid.runtime.comm import count, total
 from hybrid.state import ContactHistory
 
 AT_REST = np.zeros(3), np.eye(3)    # pose of the ground
+OF_BODY = -1                        # number of the soil point in the history of a place on the body
+
+
+@dataclass(frozen=True)
+class PlacesOverPlane:
+    """All places of a body, of which those near the plane z = top [m] are found by their height."""
+
+    places: Places
+    top: float
+    first_edge: int = 0     # all press on the nearest side of the ground alone
+
+    def near(self, turn, way, surface, reach):
+        """Places at most `reach` [m] above the plane, those below it whatever their depth; arguments as in Samples.near."""
+        height = self.places.point @ turn[2] + way[2] - self.top
+        chosen = height <= reach
+        return Places(*(values[chosen] for values in self.places._replace(clearance=height)))
 
 
 @dataclass(frozen=True)
 class Ground:
-    """Level held ground under a body: side: places of the body, a, on the ground, b; stiffness: k [N/m³]; edge_triangle:
-    (e,) triangle of the body beside each of its places on edges; collapsed: (3,) bool axes; spacing: [m] of the places."""
+    """Level held ground under a body: side: places of the body, a, on the ground, b; stiffness: k [N/m³]; low, high: (3,)
+    [m] ends of the ground; collapsed: (3,) bool axes; spacing: [m] of the places."""
 
     side: Side
     stiffness: float
-    edge_triangle: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
     collapsed: np.ndarray
     spacing: float
 
-    def triangles(self, number):
-        """(m,) triangle of the body of places with these numbers."""
-        pieces = self.side.samples.pieces
-        found, first = np.searchsorted(pieces.first, number, side="right") - 1, pieces.first[-1] + 4**pieces.cuts[-1]
-        on_edge = number >= first
-        found[on_edge] = self.edge_triangle[number[on_edge] - first]
-        return found
+    def carries(self, body, *poses):
+        """Whether all of a RigidBody is over the ground at poses."""
+        return all(((place > self.low) & (place < self.high) | self.collapsed)[:, :2].all() for place in (
+            position + body.surface.vertices @ rotation.T for position, rotation in poses))
 
 
 @dataclass(frozen=True)
@@ -60,21 +77,25 @@ class GroundPair:
         """body: RigidBody with its Ground; state: BodyState; history: ContactHistory, whose `place` numbers places of the
         body and whose anchors are in space; reach: Reach; expected: pose to which the body is predicted to move."""
         ground = body.ground
-        self.body, self._ground = body, ground
+        self.body = body
+        if len(history.point) and history.point[0] != OF_BODY:
+            history = ContactHistory.empty()
         near = reach.farthest(state, body.radius) if ranks.rank() == 0 else -np.inf
         self._step = body_to_body.begin(ground.side, (state.pose, AT_REST), (expected, AT_REST), near,
                                         (history.place, history.anchor, history.rest), ground.stiffness,
                                         Coulomb(body.friction, body.tangential), ground.collapsed)
-        self._triangle = ground.triangles(self._step.places.number)
 
     def evaluate(self, displacement, pose):
         """PlaceContact at a pose; displacement: None, as the ground is held."""
         found = self._step.evaluate((pose, AT_REST))
         m, normal = len(found.active), -found.normal
+        side, triangle = normal @ pose[1], np.zeros(m, np.int64)
+        if self.body.parts:
+            triangle = nearest(self._step.places.point[found.active], side, self.body.surface)[0]
         return PlaceContact(
             active=found.active, gap=found.gap, normal=normal, force=-found.force, tangent=found.tangent,
-            turning=np.zeros((m, 3, 3)), arm=found.arm_a, slip=found.slip, anchor=np.zeros((m, 3)), side=normal @ pose[1],
-            pressure=np.einsum("mi,mi->m", found.force, normal), triangle=self._triangle[found.active],
+            turning=np.zeros((m, 3, 3)), arm=found.arm_a, slip=found.slip, anchor=np.zeros((m, 3)), side=side,
+            pressure=np.einsum("mi,mi->m", found.force, normal), triangle=triangle,
             weights=np.zeros((m, 3)), energy=float(total([found.energy])), dissipated=float(total([found.dissipated])),
             rest=np.zeros(m), opened=np.zeros(m, bool), found=found)
 
@@ -109,7 +130,7 @@ class GroundPair:
     @contextmanager
     def sticking(self, chosen):
         """Context in which the shear of `chosen`, an index of places, has no limit."""
-        step, mask = self._step, np.zeros(len(self._triangle), bool)
+        step, mask = self._step, np.zeros(len(self._step.start), bool)
         mask[chosen] = True
         self._step = replace(step, sticking=mask)
         try:
@@ -126,7 +147,7 @@ class GroundPair:
 
     def hold_facets(self, contact):
         """A place has no choice of facets."""
-        return np.full(len(self._triangle), -1)
+        return np.full(len(self._step.start), -1)
 
     def release_facets(self):
         """As `hold_facets`."""
@@ -139,4 +160,9 @@ class GroundPair:
         """ContactHistory after acceptance."""
         number, anchor, rest = self._step.history(contact.found)
         m = len(number)
-        return ContactHistory(np.zeros(m, np.int64), number, anchor, np.ones(m, bool), anchor, np.zeros((m, 3)), rest)
+        return ContactHistory(np.full(m, OF_BODY), number, anchor, np.ones(m, bool), anchor, np.zeros((m, 3)), rest)
+
+
+def of_soil(history):
+    """A ContactHistory of soil points as it is; of places on the body, none."""
+    return ContactHistory.empty() if len(history.point) and history.point[0] == OF_BODY else history

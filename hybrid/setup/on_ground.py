@@ -1,45 +1,43 @@
 """Level held ground under bodies of plane faces: which are in contact with it at places of their own, and how stiff.
 
-    k = F / ((d/4)² δ)      F the weight of the body, d its size, δ = d/10 000 its overlap on a face of d/4
+    k = F / ((d/4)² δ)      F the weight of the body, d its size, δ = d/80 000 its overlap on a face of d/4
 
 in plane strain F / (b d/4 δ), b the thickness of the slice. Edges count with a width, and corners with an area, with which
-they alone carry F at an overlap of δ, as where bodies meet (`hybrid.setup.body_contact`). There δ is ten times that: a block
-of 0.2 x 0.6 m that slides with 0.9 of the friction at which it tips then does tip, as what it rests on swings when friction
-sets in. With a given penalty, p_f E for each area of the ground, points of the ground are in contact, exactly so.
+they alone carry F at an overlap of 8 δ, less in space, where corners stand beside an edge. Where bodies meet, overlaps are ten times
+that (`hybrid.setup.body_contact`): a block of 0.2 x 0.6 m that slides with 0.9 of the friction at which it tips then does tip,
+as what it rests on swings when friction sets in. With eight times the width and area, edges and corners would carry most of
+the weight, so that friction resists turning about the vertical by 37 % more than under even pressure; it is 9 % so.
+With a given penalty, p_f E for each area of the ground, points of the ground are in contact, exactly so.
 
 Equations: FORMULATION (60).
 """
-
-from dataclasses import replace
 
 import numpy as np
 
 from hybrid.body import rigid
 from hybrid.body.surface import build_surface
 from hybrid.contact.body_to_body import Side
-from hybrid.contact.closest_points import nearest
-from hybrid.contact.on_ground import Ground
+from hybrid.contact.on_ground import Ground, PlacesOverPlane
 from hybrid.contact.samples import sample
 from hybrid.runtime.comm import maximum, minimum
 
 PLACES = 16         # in the size of a body
-SINKS = 1e-4        # of the size: overlap under F
-EDGE, CORNER = 1 / 8, 1 / 16        # of the size: width of edges; of its square: area of corners
-INSIDE = 0.1        # of the radius: what begins deeper in the ground, or beside it, meets its sides too
+SINKS = 1.25e-5     # of the size: overlap under F
+EDGE, CORNER = 1 / 64, 1 / 128      # of the size: width of edges; of its square: area of corners
+IN_SLICE = 6.0      # times that width in plane strain, where no corners stand beside an edge
 STANDARD = 9.81     # [m/s²] where a scene has no gravity
-FAR = 1e3           # sizes that the ground reaches along a collapsed axis
+FAR = 1e3           # sizes that the ground goes down, and along a collapsed axis
+INSIDE = 2e-3       # of the size: what begins deeper in the ground, or beside it, is left to points of the ground
 SIDES = (0, 2, 1), (0, 3, 2), (4, 5, 6), (4, 6, 7)      # triangles of bottom and top of a block, by its corners
 
 
 def is_made_for(described, body, motion, soil):
-    """Whether a body touches the held ground at places of its own: one without a curved face, above level ground at least as
-    wide as half of it, with a penalty that is left out. motion: BodyState at the start."""
+    """Whether a body touches the held ground at places of its own: one without a curved face, above level ground, with a
+    penalty that is left out. motion: BodyState at the start."""
     plain = soil.held and soil.heights is None and described.penalty is None and described.contact != "corners"
     if not plain or body.mirrors or body.interface or body.surface.curved.any() or soil.grid.collapsed[2]:
         return False
-    low, high = _ends(soil)
-    above = rigid.bounding_box(body, motion)[0][2] > high[2] - INSIDE * body.surface.radius
-    return above and bool((high - low)[:2][~soil.grid.collapsed[:2]].min(initial=np.inf) >= body.surface.radius)
+    return rigid.bounding_box(body, motion)[0][2] > _ends(soil)[1][2] - INSIDE * 2.0 * body.surface.radius
 
 
 def ground_of(body, rotation, soil, gravity):
@@ -48,15 +46,24 @@ def ground_of(body, rotation, soil, gravity):
     thickness = np.prod(np.ptp(soil.grid.extent[collapsed], axis=1)) if collapsed.any() else None
     weight = body.mass.mass * (float(np.linalg.norm(gravity)) or STANDARD)
     face = (size / 4)**2 if thickness is None else thickness * size / 4
-    stiffness = weight / (face * SINKS * size)
-    flat, share = None, 1.0
+    stiffness, surface, flat, share, width = weight / (face * SINKS * size), body.surface, None, 1.0, EDGE * size
     if collapsed.any():
-        flat = rotation[collapsed]
-        share = thickness / np.prod([np.ptp(body.surface.vertices @ axis) for axis in flat])
-    samples = sample(body.surface, size / PLACES, EDGE * size, CORNER * size**2, flat, share)
-    samples = replace(samples, first_edge=0)    # all places press on the nearest side of the ground alone
-    beside = nearest(samples.edges.point, samples.edges.normal, body.surface)[0]
-    return Ground(Side(0, 1, samples, _block(soil, FAR * size)), stiffness, beside, collapsed, size / PLACES)
+        flat, width = rotation[collapsed], IN_SLICE * width
+        surface = _thin(surface, flat, size)
+        share = thickness / np.prod([np.ptp(surface.vertices @ axis) for axis in flat])
+    samples = sample(surface, size / PLACES, width, CORNER * size**2, flat, share)
+    (low, high), block = _ends(soil), _block(soil, FAR * size)
+    places = PlacesOverPlane(samples.near(np.eye(3), np.zeros(3), block, np.inf), high[2])
+    return Ground(Side(0, 1, places, block), stiffness, low, high, collapsed, size / PLACES)
+
+
+def _thin(surface, axes, size):
+    """A prism's surface, at most `size` [m] wide along unit vectors `axes` (k, 3), so that it has no more places than that."""
+    vertices = surface.vertices
+    for axis in axes:
+        along = vertices @ axis
+        vertices = vertices - max(0.0, 1.0 - size / np.ptp(along)) * along[:, None] * axis
+    return build_surface(vertices, surface.triangles)
 
 
 def _block(soil, far):

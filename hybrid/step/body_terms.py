@@ -10,7 +10,7 @@ import numpy as np
 from hybrid.body import guides, rigid
 from hybrid.body.rigid import BodyTrial, RigidBody
 from hybrid.contact.contact_pair import ContactPair
-from hybrid.contact.on_ground import GroundPair
+from hybrid.contact.on_ground import GroundPair, of_soil
 from hybrid.contact.search import Reach
 from hybrid.contact.soil_to_body import PointContact
 from hybrid.runtime.comm import anywhere
@@ -267,10 +267,11 @@ def begin_bodies(model, state, dt, pulling, domains, active, nodal):
         reach = search_reach(body, motion, grid, velocity, dt, fall)
         pose = _expected_pose(body, motion, state.contacts[number], gravity, model.scheme, dt, grid.smallest_cell)
         limits = body.interface and body.interface.of_points(model.soil.law, state.points.plastic_strain)
-        if body.ground is None:
-            pair = ContactPair(body, motion, state.contacts[number], domains, grid, active, reach, (predicted, pose), limits)
+        history = state.contacts[number]
+        if body.ground is not None and body.ground.carries(body, motion.pose, pose):
+            pair = GroundPair(body, motion, history, reach, pose)
         else:
-            pair = GroundPair(body, motion, state.contacts[number], reach, pose)
+            pair = ContactPair(body, motion, of_soil(history), domains, grid, active, reach, (predicted, pose), limits)
         begun.append(BodyStep(number, body, motion, target, pair, reach, unknowns, line_force, gravity, model.scheme,
                               dt, state.time))
     return tuple(begun)
