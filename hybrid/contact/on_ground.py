@@ -19,7 +19,6 @@ import numpy as np
 
 from hybrid.contact import assembly, body_to_body
 from hybrid.contact.body_to_body import PairContact, Side
-from hybrid.contact.closest_points import nearest
 from hybrid.contact.samples import Places
 from hybrid.contact.soil_to_body import Coulomb, PointContact
 from hybrid.runtime import ranks
@@ -48,7 +47,8 @@ class PlacesOverPlane:
 @dataclass(frozen=True)
 class Ground:
     """Level held ground under a body: side: places of the body, a, on the ground, b; stiffness: k [N/m³]; low, high: (3,)
-    [m] ends of the ground; collapsed: (3,) bool axes; spacing: [m] of the places."""
+    [m] ends of the ground; collapsed: (3,) bool axes; spacing: [m] of the places; faces: (n, k) triangles of the body at the
+    place of each number, -1 for none, None where no part of the surface is told apart."""
 
     side: Side
     stiffness: float
@@ -56,6 +56,14 @@ class Ground:
     high: np.ndarray
     collapsed: np.ndarray
     spacing: float
+    faces: np.ndarray | None = None
+
+    def triangles(self, number, down, surface):
+        """(m,) triangle at places of these numbers, of several the one that looks most along `down` (m, 3) in the body's
+        frame."""
+        faces = self.faces[number]
+        looks = np.einsum("mki,mi->mk", surface.normals[faces], down)
+        return np.take_along_axis(faces, np.where(faces < 0, -np.inf, looks).argmax(axis=1)[:, None], axis=1)[:, 0]
 
     def carries(self, body, *poses):
         """Whether all of a RigidBody is over the ground at poses."""
@@ -91,7 +99,7 @@ class GroundPair:
         m, normal = len(found.active), -found.normal
         side, triangle = normal @ pose[1], np.zeros(m, np.int64)
         if self.body.parts:
-            triangle = nearest(self._step.places.point[found.active], side, self.body.surface)[0]
+            triangle = self.body.ground.triangles(self._step.places.number[found.active], side, self.body.surface)
         return PlaceContact(
             active=found.active, gap=found.gap, normal=normal, force=-found.force, tangent=found.tangent,
             turning=np.zeros((m, 3, 3)), arm=found.arm_a, slip=found.slip, anchor=np.zeros((m, 3)), side=side,

@@ -116,11 +116,12 @@ def _connected(described, mesh, mirrors, placed, soil, gravity, cone):
     """RigidBody with its contact, its planes of symmetry and the parts of its surface; placed: (RigidBody, BodyState)."""
     body, motion = replace(in_part(placed[0], mirrors), mirrors=mirrors), placed[1]
     connected = connect_to_soil(described, body, motion.rotation, soil, gravity, cone)
-    if on_ground.is_made_for(described, connected, motion, soil):
-        connected = replace(connected, ground=on_ground.ground_of(connected, motion.rotation, soil, gravity))
     parts = surface_parts(mesh, body.outline, connected.surface, motion.rotation[soil.grid.collapsed],
                           connected.mass.mass / body.mass.mass)
-    return replace(connected, stray_cap=stray_cap(mesh, mirrors), parts=parts)
+    connected = replace(connected, stray_cap=stray_cap(mesh, mirrors), parts=parts)
+    if on_ground.is_made_for(described, connected, motion, soil):
+        connected = replace(connected, ground=on_ground.ground_of(connected, motion.rotation, soil, gravity))
+    return connected
 
 
 def _start(taken, settled, bodies):

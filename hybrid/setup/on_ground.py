@@ -3,10 +3,10 @@
     k = F / ((d/4)² δ)      F the weight of the body, d its size, δ = d/80 000 its overlap on a face of d/4
 
 in plane strain F / (b d/4 δ), b the thickness of the slice. Edges count with a width, and corners with an area, with which
-they alone carry F at an overlap of 8 δ, less in space, where corners stand beside an edge. Where bodies meet, overlaps are ten times
-that (`hybrid.setup.body_contact`): a block of 0.2 x 0.6 m that slides with 0.9 of the friction at which it tips then does tip,
-as what it rests on swings when friction sets in. With eight times the width and area, edges and corners would carry most of
-the weight, so that friction resists turning about the vertical by 37 % more than under even pressure; it is 9 % so.
+they alone carry F at an overlap of 8 δ, less in space, where corners stand beside an edge. Where bodies meet, overlaps are
+ten times that (`hybrid.setup.body_contact`): a block of 0.2 x 0.6 m that slides with 0.9 of the friction at which it tips
+then does tip, as what it rests on swings when friction sets in. With eight times the width and area, edges and corners would
+carry most of the weight, so that friction resists turning about the vertical by 37 % more than under even pressure.
 With a given penalty, p_f E for each area of the ground, points of the ground are in contact, exactly so.
 
 Equations: FORMULATION (60).
@@ -27,6 +27,7 @@ EDGE, CORNER = 1 / 64, 1 / 128      # of the size: width of edges; of its square
 IN_SLICE = 6.0      # times that width in plane strain, where no corners stand beside an edge
 STANDARD = 9.81     # [m/s²] where a scene has no gravity
 FAR = 1e3           # sizes that the ground goes down, and along a collapsed axis
+ON_FACE = 1e-6      # of the radius, between a place and the face that it is on
 INSIDE = 2e-3       # of the size: what begins deeper in the ground, or beside it, is left to points of the ground
 SIDES = (0, 2, 1), (0, 3, 2), (4, 5, 6), (4, 6, 7)      # triangles of bottom and top of a block, by its corners
 
@@ -54,11 +55,30 @@ def ground_of(body, rotation, soil, gravity):
     samples = sample(surface, size / PLACES, width, CORNER * size**2, flat, share)
     (low, high), block = _ends(soil), _block(soil, FAR * size)
     places = PlacesOverPlane(samples.near(np.eye(3), np.zeros(3), block, np.inf), high[2])
-    return Ground(Side(0, 1, places, block), stiffness, low, high, collapsed, size / PLACES)
+    faces = _faces(samples, surface) if body.parts else None
+    return Ground(Side(0, 1, places, block), stiffness, low, high, collapsed, size / PLACES, faces)
+
+
+def _faces(samples, surface):
+    """(n, k) triangles of a `surface` at the place of each number: that which it is on, and all around edges and corners."""
+    pieces, close = samples.pieces, ON_FACE * surface.radius
+    inner = np.repeat(np.arange(len(pieces.cuts)), 4**pieces.cuts)
+    corners = surface.vertices[surface.triangles]
+    lower, upper = corners.min(axis=1) - close, corners.max(axis=1) + close
+    around = []
+    for point in samples.edges.point:
+        height = np.einsum("ti,ti->t", point - corners[:, 0], surface.normals)
+        around.append(np.flatnonzero((np.abs(height) < close) & (point > lower).all(axis=1) & (point < upper).all(axis=1)))
+    faces = np.full((len(inner) + len(around), max([1, *map(len, around)])), -1)
+    faces[:len(inner), 0] = inner
+    for row, found in zip(faces[len(inner):], around):
+        row[:len(found)] = found
+    return faces
 
 
 def _thin(surface, axes, size):
-    """A prism's surface, at most `size` [m] wide along unit vectors `axes` (k, 3), so that it has no more places than that."""
+    """A prism's surface, at most `size` [m] wide along unit vectors `axes` (k, 3), so that it has no more places than
+    that."""
     vertices = surface.vertices
     for axis in axes:
         along = vertices @ axis

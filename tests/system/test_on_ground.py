@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hybrid.body.attitude import exp_so3
-from hybrid.scene import Load, Stage
+from hybrid.scene import Axis, Load, Stage
 from hybrid.setup import on_ground
 from hybrid.setup.build import build
 from hybrid.step.equations import begin
@@ -121,3 +121,39 @@ def test_stiffness_by_differences(friction, slips):
     exact = pair.add_tangent(contact, None, None, None, None)
     found = np.array([(residual(h) - residual(-h)) / 2e-8 for h in 1e-8 * np.eye(6)]).T
     assert np.abs(found - exact).max() < 1e-5 * np.abs(exact).max()
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.5])
+def test_a_plate_that_tips_over_the_end_of_the_ground_gains_nothing(friction):
+    """Its middle is 50 mm beyond the end. All of it over the ground it touches at its own places, then at the ground's."""
+    plate = box(0.4, 0.3, 0.2, density=1000.0, position=(0.55, 0.0, 0.0), rest_on=0.0, friction=friction)
+    simulation, records = run(plate, 150, 2e-3, cells=(8, 8), soil={"held": True, "upper": (0.5, 1.0, 0.0)})
+    start = simulation.masses[0].mass * G * simulation.initial_bodies[0].position[2]
+    energies = [record.energies["kinetic"] + record.energies["potential"] for record in records]
+    assert max(energies) - energies[0] < 0.02 * start and records[-1].bodies[0].position[2] < 0.1
+    slid = box(0.4, 0.3, 0.2, density=1000.0, position=(0.2, 0.0, 0.0), rest_on=0.0, friction=0.0, velocity=(1.5, 0.0, 0.0))
+    _, records = run(slid, 180, 2e-3, cells=(8, 8), soil={"held": True, "upper": (0.5, 1.0, 0.0)})
+    energies = [record.energies["kinetic"] + record.energies["potential"] for record in records]
+    assert max(energies) - energies[0] < 0.02 * energies[0] and records[-1].bodies[0].position[2] < 0.1
+
+
+@pytest.mark.parametrize("cell", [0.25, 0.05])
+def test_a_deep_overlap_is_pushed_out_whatever_the_cells(cell):
+    """A cube on its corner at 4.4 m/s, 14 mm deep, five times what is searched around a body in cells of 0.05 m."""
+    cube = box(0.3, 0.3, 0.3, density=1000.0, rotation=(1.0, -1.0, 0.0, 54.7356103172), rest_on=4e-4,
+               velocity=(0.0, 0.0, -4.4))
+    _, records = run(cube, 300, 1e-4, cell=cell, cells=(round(1.0 / cell), round(1.0 / cell)))
+    body = records[-1].bodies[0]
+    assert max(record.bodies[0].overlap for record in records) > 5e-3
+    assert body.velocity[2] == pytest.approx(4.4, rel=0.06) and np.abs(body.velocity[:2]).max() < 1e-6
+
+
+@pytest.mark.parametrize("share, tips", [(0.95, False), (1.03, True)])
+def test_a_block_in_plane_strain_tips_at_its_load_too(share, tips):
+    block = box(0.2, 1.0, 0.6, density=1000.0, rest_on=0.0, friction=0.9, position=(0.0, 0.5, 0.0))
+    described = plane(block, 1, 5e-3, gravity=(0.0, 0.0, -G))
+    flat = replace(described, grid=replace(described.grid, y=Axis(0.0, 1.0, collapsed=True)))
+    force = share * 1000.0 * 0.2 * 0.6 * G * 0.2 / (2 * 0.6)
+    push = Stage("push", 120, loads=(Load(force=(force, 0.0, 0.0), point=(0.0, 0.0, 0.3)),))
+    *_, last = build(replace(flat, stages=(push,))).steps()
+    assert (abs(last.bodies[0].quaternion[2]) > 0.02) == tips

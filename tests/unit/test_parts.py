@@ -95,6 +95,29 @@ def test_forces_of_the_parts_add_up_to_that_of_the_body(tmp_path):
     assert row[0].startswith("cone: tip ") and row[0].endswith("of the whole")
 
 
+def test_edges_and_corners_on_held_ground_belong_to_the_face_that_looks_at_it(tmp_path):
+    """A box whose base is named stands on it: nothing is left for its flanks."""
+    path = tmp_path / "named.geo"
+    path.write_text("""SetFactory("OpenCASCADE");
+Box(1) = {-0.1, -0.15, -0.1, 0.2, 0.3, 0.2};
+Mesh.MeshSizeMin = 1; Mesh.MeshSizeMax = 1;
+low[] = Surface In BoundingBox{-1, -1, -0.101, 1, 1, -0.099};
+Physical Volume("body") = {1};
+Physical Surface("base") = {low[]};
+Physical Surface("contact") = Abs(Boundary{ Volume{1}; });
+""")
+    axis = Axis(-0.5, 0.5, 0.25)
+    stands = Body(path, 1000.0, rest_on=0.0, name="box")
+    described = Scene(name="stands", grid=Grid(axis, axis, Axis(-0.25, 0.0, 0.25)),
+                      soil=Soil(Material(law="hencky", young=1e7, poisson=0.3, density=1800.0), held=True, geostatic=False),
+                      bodies=(stands,), time=Time(0.01, beta=0.5625, gamma=1.0), stages=(Stage("stand", 20),))
+    simulation = build(described)
+    *_, record = simulation.steps()
+    assert simulation.model.bodies[0].ground is not None
+    body = record.bodies[0]
+    assert body.parts["base"] == pytest.approx(body.contact_force) and body.contact_force[2] > 100.0
+
+
 def test_their_stresses_are_drawn(tmp_path):
     scene = pushed()
     simulation = build(scene)
