@@ -111,7 +111,8 @@ class Ground:
 class ContactHistory:
     """Contact points close to one body, which are followed as material points from step to step.
 
-    point, place  (m,) increasing: soil point, and number of the place on its domain (`hybrid.contact.places`)
+    point, place  (m,) increasing: soil point, and number of the place on its domain (`hybrid.contact.places`); or -1 and the
+                  number of a place on the body, which then touches held ground (`hybrid.contact.on_ground`)
     position  (m, 3) [m] of the contact point, which moves with the grid
     touching  (m,) bool, in contact at the last accepted step
     anchor    (m, 3) [m] body frame, reference point of the tangential spring; defined while touching

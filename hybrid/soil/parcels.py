@@ -33,13 +33,15 @@ def behind_together(populations):
 
 
 def named(contacts, numbers):
-    """Contacts on points with `numbers` (n,) in the run, named."""
-    return [replace(history, point=numbers[history.point]) for history in contacts]
+    """Contacts on points with `numbers` (n,) in the run, named. Places on a body, whose point is negative, keep it."""
+    return [replace(history, point=np.where(history.point < 0, history.point, numbers[history.point]))
+            for history in contacts]
 
 
 def placed(contacts, numbers):
     """Named contacts with the places of their points among `numbers` (n,), increasing."""
-    return [replace(history, point=np.searchsorted(numbers, history.point)) for history in contacts]
+    return [replace(history, point=np.where(history.point < 0, history.point, np.searchsorted(numbers, history.point)))
+            for history in contacts]
 
 
 def rows(history, chosen):

@@ -56,7 +56,7 @@ def keeps(model, state):
     constants are in the checkpoint, and any equal share will do."""
     if state.ground is not None:
         return lambda numbers: numbers % ranks.started() == ranks.rank()
-    return lambda numbers: np.isin(numbers, model.soil.constants.number)
+    return lambda numbers: np.isin(numbers, model.soil.constants.number) | (numbers < 0) & (ranks.rank() == 0)
 
 
 def resumed(model, state, number):
@@ -115,7 +115,7 @@ def _sums(place, contacts, length):
     """Loads (length,) of the cells, or blocks, `place` (n,) of points with `contacts`."""
     loads = POINT * np.bincount(place, minlength=length)
     for history in contacts:
-        loads += CONTACT * np.bincount(place[history.point], minlength=length)
+        loads += CONTACT * np.bincount(place[history.point[history.point >= 0]], minlength=length)
     return loads
 
 
@@ -130,7 +130,9 @@ def moved(owner, population, contacts):
     parcels, known = [], named(contacts, population.constants.number)
     for other in range(ranks.started()):
         goes = owner == other
-        parcels.append((select(population, goes), [rows(history, goes[old.point]) for history, old in zip(known, contacts)]))
+        parcels.append((select(population, goes),
+                        [rows(history, np.where(old.point < 0, other == 0, goes[old.point]))   # places on bodies: the first
+                         for history, old in zip(known, contacts)]))
     population, known = together(comm.to_each(parcels))
     return population, placed(known, population.constants.number)
 
