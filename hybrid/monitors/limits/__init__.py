@@ -7,11 +7,11 @@ the remedy. Numbers that are merely unlikely come first (`hybrid.scene.check_sen
 """
 
 from hybrid.monitors.limits import (base, cells, clay_cells, contact, elastic_cells, footing_cells, guided, layers,
-                                    margins, place, rolling, sand_cells, soil, stages, stepping, turning, unsupported)
+                                    margins, place, rolling, sand_cells, shear_gap, soil, stages, stepping, turning, unsupported)
 from hybrid.scene.check_sense import sense_notes
 
 MODULES = (place, unsupported, soil, layers, contact, base, rolling, cells, clay_cells, sand_cells, footing_cells,
-           elastic_cells, turning, guided, margins, stages, stepping)
+           elastic_cells, turning, guided, margins, shear_gap, stages, stepping)
 LIMITS = tuple(limit for module in MODULES for limit in module.LIMITS)
 
 
