@@ -7,7 +7,8 @@ the remedy. Numbers that are merely unlikely come first (`hybrid.scene.check_sen
 """
 
 from hybrid.monitors.limits import (base, cells, clay_cells, contact, elastic_cells, footing_cells, guided, layers,
-                                    margins, place, rolling, sand_cells, shear_gap, soil, stages, stepping, turning, unsupported)
+                                    margins, place, rolling, sand_cells, shear_gap, soil, stages, stepping, turning,
+                                    unsupported)
 from hybrid.scene.check_sense import sense_notes
 
 MODULES = (place, unsupported, soil, layers, contact, base, rolling, cells, clay_cells, sand_cells, footing_cells,
