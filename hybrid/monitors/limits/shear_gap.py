@@ -67,8 +67,8 @@ def _text(one, other, axis, gap, line, cell):
     return (f"{one} and {other} slide past each other with a gap of {gap:.2g} m at the line of the grid {axis} = {line:.4g} "
             f"m, limit one cell, {cell:.3g} m: soil is sheared over a row of cells, and they hold the rows on both sides of "
             "that line, so that the force grows with the way (clay in a shear box 16 cells long: 1.8 times as much with a "
-            f"gap of 0.2 cells, after half a cell). Move the lines of the grid along {axis} by half a cell, so that the gap lies "
-            f"in the middle of a row{finer}")
+            f"gap of 0.2 cells, after half a cell). Move the lines of the grid along {axis} by half a cell, so that the gap "
+            f"lies in the middle of a row{finer}")
 
 
 def _faces(body, place, grid):
