@@ -33,6 +33,32 @@ velocity = [0.3, 0.0, 0.0]
 name = "press"
 steps = 6
 """
+ROCKING = """
+name = "rocking"
+time = { step = 0.004 }
+output = { pictures = [], every = 0, checkpoint = 2 }
+[grid]
+x = { start = -1.0, end = 1.5, size = 0.25 }
+y = { start = -1.0, end = 1.0, size = 0.25 }
+z = { start = -0.5, end = 0.5, size = 0.25 }
+[soil]
+top = 0.0
+held = true
+material = { law = "hencky", young = 1e7, poisson = 0.3, density = 1800.0 }
+[[body]]
+name = "box"
+geometry = "GEOMETRY/box.geo"
+parameters = { length = 0.4, width = 0.5, height = 0.6, size = 20.0 }
+density = 3000.0
+position = [0.1, 0.05, 0.0]
+rotation = [0.0, 1.0, 0.0, 8.0]
+rest_on = 0.0
+friction = 0.3
+velocity = [0.3, 0.0, -0.1]
+[[stage]]
+name = "rock"
+steps = 12
+"""
 IMPORTS = """
 import os, sys
 import numpy as np
@@ -174,3 +200,20 @@ def test_pictures_and_frames_of_bodies_have_what_all_processes_have(run, tmp_pat
             assert one[name] == pytest.approx(two[name], rel=1e-6, abs=1e-9), name
     one, two = (meshio.read(tmp_path / folder / "body_box_000002.vtu").point_data["contact_force"] for folder in "12")
     assert np.abs(one).max() > 10.0 and np.abs(one - two).max() < 1e-5 * np.abs(one).max()
+
+
+def test_a_body_that_rocks_on_held_ground_goes_on_with_any_number_of_processes(tmp_path):
+    """It touches the ground at places on itself, which no point of the ground owns: with friction their history decides."""
+    scene = scene_file(tmp_path, ROCKING)
+    hybrid("run", scene, "--out", tmp_path / "whole")
+    for stop, ranks in ((4, 2), (8, 1), (None, 2)):
+        resumed = [] if stop == 4 else ["--resume"]
+        hybrid("run", scene, "--out", tmp_path / "out", *resumed, "--ranks", ranks,
+               *(settings(f"stage.rock.steps={stop}") if stop else []))
+    whole, last = state(tmp_path / "whole"), state(tmp_path / "out")
+    assert len(whole.contacts[0].point) and (whole.contacts[0].point == -1).all()
+    for name in ("point", "place"):
+        assert np.array_equal(getattr(last.contacts[0], name), getattr(whole.contacts[0], name))
+    assert last.step == whole.step == 12
+    assert last.bodies[0].position == pytest.approx(whole.bodies[0].position, abs=1e-9)
+    assert last.bodies[0].spin == pytest.approx(whole.bodies[0].spin, abs=1e-7)
