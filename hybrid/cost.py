@@ -119,9 +119,18 @@ def predict(simulation):
 
     Raises StepError when the linear system of the first step cannot be solved.
     """
-    stage = simulation.scene.stages[0]
-    model, length = simulation.stage_model(0, 0.0), stage.step or simulation.scene.time.step
-    state, workspace = _disturbed(model.begin_stage(simulation.state), model.soil.grid.smallest_cell), Workspace(model)
+    model = simulation.stage_model(0, 0.0)
+    workspace = Workspace(model)
+    try:
+        return _measured(simulation, model, workspace)
+    finally:
+        workspace.destroy()
+
+
+def _measured(simulation, model, workspace):
+    """CostEstimate by the parts of a few steps of the `model` of the first stage."""
+    length = simulation.scene.stages[0].step or simulation.scene.time.step
+    state = _disturbed(model.begin_stage(simulation.state), model.soil.grid.smallest_cell)
     effort = _effort(model, state)
 
     def begun():
@@ -148,7 +157,6 @@ def predict(simulation):
     sizes = len(model.soil.constants), len(step.pattern.indices), step.pattern.size
     more = (growth - 1 + part) * growing_memory(model.soil, *sizes, model.solver, direct)
     more += PICTURES * bool(simulation.scene.output.pictures)
-    workspace.destroy()
     timing.collect()
     return CostEstimate(parts.median(), krylov, effort, simulation.total_steps, peak_memory() + round(more), growth,
                         direct)

@@ -22,6 +22,8 @@ import numpy as np
 from hybrid.body.attitude import log_so3, skew
 from hybrid.body.table import Table
 
+FARTHEST = 3.0      # [rad] that Cayley's map turns in an increment: it cannot turn by π
+
 
 @dataclass(frozen=True)
 class Guide:
@@ -101,7 +103,8 @@ def _first(guide, time):
 
 def during(body, time, dt, cayley=False):
     """The body in the increment of `dt` from `time` [s]: mean rates of its guides, and their second rates. cayley: whether
-    a rotation in the increment is Cayley's map of them, which turns by less than its argument."""
+    a rotation in the increment is Cayley's map of them, which turns by less than its argument; it cannot turn by π, and
+    what is to turn farther than FARTHEST turns by that, which no step accepts."""
     if not body.guides:
         return body
     drive, second = body.drive.copy(), np.zeros(6)
@@ -109,7 +112,7 @@ def during(body, time, dt, cayley=False):
         drive[guide.component], second[guide.component] = guide.during(time, dt)
     angle = dt * np.linalg.norm(drive[3:])
     if cayley and angle > 0.0:
-        drive[3:] *= 2.0 * np.tan(0.5 * angle) / angle
+        drive[3:] *= 2.0 * np.tan(0.5 * min(angle, FARTHEST)) / angle
     return replace(body, drive=drive, drive_rate=second)
 
 

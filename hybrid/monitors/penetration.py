@@ -29,9 +29,12 @@ class Penetration(Monitor):
 
 
 def _depths(contact, history, points):
-    """Overlaps (m,) over the heights of the domains [-], and forces (m,) [N], of the points that touch."""
-    half = points.half_width[history.point[history.touching]]
-    height = 2 * np.einsum("ci,ci->c", np.abs(contact.normal), half)
+    """Overlaps (m,) over the heights of the domains [-], and forces (m,) [N], of the points of the soil that touch: m = 0
+    where contact is at places of the body."""
+    point = history.point[history.touching]
+    if (point < 0).any():
+        return np.zeros(0), np.zeros(0)
+    height = 2 * np.einsum("ci,ci->c", np.abs(contact.normal), points.half_width[point])
     return -contact.gap / height, np.linalg.norm(contact.force, axis=1)
 
 

@@ -215,10 +215,8 @@ def drawn(simulation):
     """Points to draw and their initial positions (n, 3) [m], with those outside the window of a moving grid; without
     inactive points if the scene removes them."""
     points, initial = simulation.state.points, simulation.initial_position
-    if (behind := _behind(simulation)) is not None:
-        ground = simulation.state.ground
-        all_of_it = concatenate(Population(points, ground.constants, ground.rows), behind)
-        points, initial = all_of_it.points, all_of_it.constants.position
+    if (whole := _with_behind(simulation)) is not None:
+        points, initial = whole.points, whole.constants.position
     if points.inactive is None or simulation.scene.soil.stray != "remove":
         return points, initial
     kept = {name: None if value is None else value[~points.inactive] for name, value in vars(points).items()}
@@ -228,14 +226,14 @@ def drawn(simulation):
 def numbers_drawn(simulation):
     """Numbers (n,) in the run of the points that are `drawn` by one of several processes."""
     inactive, number = simulation.state.points.inactive, simulation.model.soil.constants.number
-    if (behind := _behind(simulation)) is not None:
-        number = np.concatenate([number, behind.constants.number])
-        if inactive is not None:
-            inactive = np.concatenate([inactive, behind.points.inactive])
+    if (whole := _with_behind(simulation)) is not None:
+        inactive, number = whole.points.inactive, whole.constants.number
     return number if inactive is None or simulation.scene.soil.stray != "remove" else number[~inactive]
 
 
-def _behind(simulation):
-    """Population of the points outside the window of a moving grid, None where there are none."""
+def _with_behind(simulation):
+    """Population of all points, with those outside the window of a moving grid; None where there are none of these."""
     ground = getattr(simulation.state, "ground", None)
-    return ground.behind if ground is not None and ground.behind is not None and len(ground.behind) else None
+    if ground is None or ground.behind is None or not len(ground.behind):
+        return None
+    return concatenate(Population(simulation.state.points, ground.constants, ground.rows), ground.behind)

@@ -144,6 +144,7 @@ def _ground(key, soil, grid, top):
 
 def _body(key, body, inertia):
     yield from _plain_name(f"{key}.name", body.name)
+    yield from need(body.name != "soil", f"{key}.name", body.name, "other than 'soil'", "output labels the soil by it")
     yield from need(body.geometry.is_file(), f"{key}.geometry", body.geometry, "an existing file",
                     "the path is relative to the scene file, or to the working folder from Python")
     if body.rotation is not None:

@@ -6,6 +6,7 @@ from hybrid.scene.read import clipped, did_you_mean
 from hybrid.scene.table import TINY, need
 from hybrid.scheme import Scheme
 
+COLUMNS = "contact", "reaction", "load"     # of forces in history.csv, after the name of a body
 DAMPED = 0.95   # spectral radius up to which multipliers do not oscillate for long
 
 
@@ -16,6 +17,11 @@ def joint_faults(scene):
         key = f"joint.{i}"
         yield from need(joint.name not in names, f"{key}.name", joint.name, "different from the names of bodies",
                         "output is labelled by it")
+        for name in names:
+            labels = *(f"{name}_{kind}" for kind in COLUMNS), *(f"{name}_on_{other}" for other in names)
+            yield from need(joint.name not in labels, f"{key}.name", joint.name,
+                            f"other than {', '.join(labels[:3])} and the like",
+                            f"columns of history.csv have these names, of body {name}")
         yield from need(len(joint.bodies) in (1, 2) and len(set(joint.bodies)) == len(joint.bodies), f"{key}.bodies",
                         joint.bodies, "one name, or two different ones", "one body is joined to the ground")
         for name in joint.bodies:

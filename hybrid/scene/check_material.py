@@ -1,7 +1,7 @@
 """The material and layers of a scene: values that the law needs, refuses or limits, and layers that overlap."""
 
 from hybrid.scene.read import unknown
-from hybrid.scene.soil import KEYS, NEEDS, NUMBERS, USES, Material, laws, of_layer, span
+from hybrid.scene.soil import KEYS, NEEDS, NUMBERS, USES, Material, ends, laws, of_layer, span
 from hybrid.scene.table import described, range_fault, shown
 
 RESIDUALS = {"residual_cohesion": "cohesion", "residual_strength": "strength"}
@@ -69,8 +69,7 @@ def _layer_values(key, layer, material):
 def _covered(soil, grid):
     """Whether layers leave no point to soil.material."""
     spans = sorted(span(layer, soil, grid) for layer in soil.layers)
-    lower = grid.z.start if soil.lower is None else soil.lower[2]
-    upper = grid.z.end if soil.top is None else soil.top
+    lower, upper = ends(soil, grid)
     for bottom, top in spans:
         if bottom > lower:
             return False

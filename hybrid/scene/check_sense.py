@@ -7,7 +7,7 @@ its mesh: `hybrid.monitors.limits.place`.
 from dataclasses import dataclass, replace
 from math import hypot, inf, pi
 
-from hybrid.scene.soil import of_layer, span
+from hybrid.scene.soil import ends, of_layer, span
 from hybrid.scene.table import shown
 
 KILOPASCAL = "Pa expected; is this a number of kPa?"
@@ -88,7 +88,8 @@ def sense_notes(scene):
 def _soil(scene, heavy):
     """Values of soil.material, and of layers those that they give themselves."""
     soil = scene.soil
-    tables = [("soil.material", soil.material, None, _weight(scene.soil.material, *_ends(scene), scene.gravity))]
+    low, high = ends(soil, scene.grid)
+    tables = [("soil.material", soil.material, None, _weight(soil.material, low, high, scene.gravity))]
     for i, layer in enumerate(soil.layers):
         whole = of_layer(soil.material, layer)
         weight = _weight(whole, *span(layer, soil, scene.grid), scene.gravity)
@@ -125,13 +126,6 @@ def _drive(path, body, stages):
         yield (f"{path}.driven = {shown(body.driven)} with velocity = [0, 0, 0] and spin = [0, 0, 0] looks wrong: driven "
                "components keep the velocity of the start, so that the body stands still. Give body.velocity or "
                "stage.motion; what is to stand still is held (body.held)")
-
-
-def _ends(scene):
-    """Heights [m] of the lower and the upper end of the soil."""
-    soil, axis = scene.soil, scene.grid.z
-    low = axis.start if soil.lower is None else soil.lower[2]
-    return low, min(axis.end if soil.top is None else soil.top, soil.upper[2] if soil.upper else inf)
 
 
 def _weight(material, low, high, gravity):

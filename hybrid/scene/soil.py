@@ -177,8 +177,15 @@ def laws(soil):
     return {soil.material.law, *(layer.law for layer in soil.layers if layer.law)}
 
 
+def ends(soil, grid):
+    """(bottom, top) [m] of the soil, before what `soil.ground` takes away; an end left out is that of the grid."""
+    bottom = grid.z.start if soil.lower is None else soil.lower[2]
+    if soil.top is not None:
+        return bottom, soil.top
+    return bottom, grid.z.end if soil.upper is None else soil.upper[2]
+
+
 def span(layer, soil, grid):
     """(bottom, top) [m] of a layer as given; an end left out is that of the soil."""
-    lower = grid.z.start if soil.lower is None else soil.lower[2]
-    upper = grid.z.end if soil.top is None else soil.top
+    lower, upper = ends(soil, grid)
     return (lower if layer.bottom is None else layer.bottom), (upper if layer.top is None else layer.top)

@@ -12,6 +12,7 @@ import numpy as np
 from hybrid.soil.given_ground import SLIVER
 from hybrid.contact.search import distances
 from hybrid.scene.ground import heights, heights_at, mean_heights
+from hybrid.scene.soil import ends
 
 PLACES = 81         # of the ground under a body along each axis
 RAISES = 60         # of a body, by its depth in the ground
@@ -70,7 +71,7 @@ def _lowest(scene, body, motion):
     if scene.soil.ground is not None:
         surface = heights(scene.soil.ground)
     else:
-        top = scene.grid.z.end if scene.soil.top is None else scene.soil.top
+        _, top = ends(scene.soil, scene.grid)
         surface = np.array([axes[0].start, axes[0].end]), None, np.array([top, top])
     vertices = body.surface.vertices @ motion.rotation.T        # from the centre
     ground = _under(surface, motion.position, motion.position + vertices, [axis.collapsed for axis in axes])

@@ -10,6 +10,7 @@ import numpy as np
 from hybrid.body.embedded_line import LineSoil
 from hybrid.body.symmetry import copies
 from hybrid.laws.sand import material_values
+from hybrid.scene.soil import ends
 
 CHAIN = 2.5     # bearing widths in the diameter of its bars
 CLAY = 11.0     # Nc, of the 8.5 to 14 that are used
@@ -30,6 +31,6 @@ def line_through_soil(scene, described, body, mirrors):
         factor = pull.bearing_factor or np.exp(np.pi * np.tan(angle)) * np.tan(np.pi / 4 + angle / 2) ** 2
         start, gradient = 0.0, values["density"] * np.linalg.norm(scene.gravity)
     factor /= copies(mirrors)
-    top = scene.grid.z.end if soil.top is None else soil.top
+    _, top = ends(soil, scene.grid)
     return replace(body, line=replace(body.line, soil=LineSoil(
         top, factor * start * width, factor * gradient * width, width, pull.line_friction)))

@@ -13,6 +13,7 @@ import numpy as np
 from hybrid.grid.axes import cells_that_grow
 from hybrid.runtime.errors import SceneError
 from hybrid.runtime.memory import available_memory
+from hybrid.scene.soil import ends
 from hybrid.soil.size import growing_memory_of
 
 BYTES_PER_NODE = 400    # conditions, numbers, masses and vectors of a node, with soil or without
@@ -99,7 +100,7 @@ def _filled(scene, axis, nodes):
     soil = scene.soil
     lower = soil.lower[axis] if soil.lower else -inf
     upper = soil.upper[axis] if soil.upper else inf
-    if axis == 2 and soil.top is not None:
-        upper = soil.top
+    if axis == 2:
+        lower, upper = ends(soil, scene.grid)
     middle = 0.5 * (nodes[1:] + nodes[:-1])
     return int(np.count_nonzero((middle > lower) & (middle < upper)))

@@ -17,7 +17,7 @@ import pytest
 from demo_scripts import demo
 
 from hybrid.body.motion import inertia_residual, updated
-from hybrid.scene import Axis, Grid, Stage
+from hybrid.scene import Axis, Grid, Motion, Stage
 from hybrid.setup.build import build
 from hybrid.study.precision.problems import tumbling
 from hybrid.study.scenes import box, elastic, scene
@@ -152,3 +152,15 @@ def test_drift_over_a_tumble(name):
 def test_drift_over_ten_thousand_steps(name):
     check_drift(name, tumbling.SCHEMES[name], 10_000)
 
+
+
+@pytest.mark.parametrize("time", [{}, {"scheme": "energy-momentum"}])
+def test_a_body_driven_by_almost_a_turn_in_one_step_takes_it_in_increments(time):
+    """No map of a rotation tells a turn from none: 6.2 rad were accepted as -0.08 by Cayley's."""
+    body = box(1.0, 1.0, 1.0, size=20.0, held=("x", "y", "z", "rx", "ry", "rz"))
+    turned = Stage("turn", 1, motions=(Motion(component="rz", velocity=6.2),))
+    side = Axis(start=-2.0, end=2.0, size=1.0)
+    simulation = build(scene("turned", Grid(side, side, Axis(start=-4.0, end=-3.0, size=0.5)), elastic(1e6), [body], 1.0,
+                             [turned], {"held": True}, time))
+    record, = simulation.steps()
+    assert record.increments >= 4

@@ -8,7 +8,7 @@ import pytest
 
 from hybrid.runtime.data import GEOMETRY
 from hybrid.runtime.errors import SceneError
-from hybrid.scene import Axis, Body, Faces, Grid, Material, Scene, Soil, Stage, Time
+from hybrid.scene import Axis, Body, Faces, Grid, Layer, Material, Pull, Scene, Soil, Stage, Time
 from hybrid.scene.defaults import resolve
 from hybrid.scene.file import validate
 from hybrid.scene.ground import heights, heights_at, mean_heights
@@ -18,6 +18,7 @@ from hybrid.study.random.fresh.sand import bank
 
 SAND = Material(law="drucker-prager", cone="plane strain", young=2e7, poisson=0.3, density=1700.0, friction_angle=35.0,
                 dilation_angle=5.0, cohesion=1e3)
+CLAY = Material(law="von-mises", young=1e7, poisson=0.49, density=1700.0, strength=2e4)
 SLOPE = ((0.0, 1.5), (3.0, 1.5), (6.0, 0.0), (10.0, 0.0))
 
 
@@ -48,6 +49,22 @@ def test_a_grid_of_heights_from_a_file(tmp_path):
     file.write_text("0,0,1\n1,0,1\n1,1,1")
     with pytest.raises(SceneError, match="3 points are no grid of 2 x 2"):
         heights(file)
+
+
+def test_soil_may_end_at_its_upper_corner_instead_of_its_top():
+    """Bodies lie on it, lines are in it, and layers may cover it."""
+    pull = Pull((0.0, 0.0, 0.0), (0.05, 0.0, 0.0), 1e5, 6.0, diameter=0.04)
+    block = Body(GEOMETRY / "box.geo", 1000.0, parameters={"length": 1.0, "width": 0.5, "height": 0.5, "size": 20.0},
+                 position=(4.5, 0.25, 0.0), rest_on="ground", pull=pull)
+    level = replace(scene(None, bodies=(block,)), soil=Soil(CLAY, top=0.5))
+    found = [build(replace(level, soil=Soil(CLAY, **ends)))
+             for ends in ({"top": 0.5}, {"lower": (0.0, 0.0, -3.0), "upper": (10.0, 0.5, 0.5)})]
+    assert found[0].state.bodies[0].position[2] == found[1].state.bodies[0].position[2] == pytest.approx(0.75)
+    assert [one.model.bodies[0].line.soil.mudline for one in found] == [0.5, 0.5]
+    layer = Layer("clay", 0.5, law="von-mises", material={key: getattr(CLAY, key) for key in (
+        "young", "poisson", "density", "strength")})
+    build(replace(scene(None), soil=Soil(Material(), lower=(0.0, 0.0, -3.0), upper=(10.0, 0.5, 0.5),
+                                         layers=(layer,))))
 
 
 def test_level_ground_is_that_of_soil_top():

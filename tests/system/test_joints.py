@@ -300,6 +300,7 @@ def test_a_resumed_run_of_joined_bodies_equals_the_run_in_one_go(tmp_path):
     ({"kind": "ball"}, "axis = given: must be left out"), ({"axis": None}, "axis = left out: must be given"),
     ({"bodies": ("ship",)}, "names of bodies: upper"), ({"bodies": ()}, "one name, or two"),
     ({"limits": (10.0, 60.0)}, "0, the angle at the start, between them"), ({"name": "upper"}, "names of bodies"),
+    ({"name": "upper_contact"}, "columns of history.csv"), ({"name": "upper_on_upper"}, "columns of history.csv"),
     ({"length": 2.0}, "left out with kind = 'hinge'"), ({"point": "eye"}, "joint.0.point = 'eye' is not a physical point"),
 ])
 def test_contradictions_are_refused(changes, match):

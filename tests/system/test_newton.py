@@ -149,7 +149,8 @@ def test_far_from_the_solution_the_tangent_of_a_step_without_inertia_does_not_so
     softened = list(build(scene).steps())
     assert sum(r.iterations for r in softened) > 1.2 * sum(r.iterations for r in records)
     forces = [run[-1].bodies[0].contact_force[2] for run in (records, softened)]
-    assert forces[0] == pytest.approx(forces[1], rel=1e-4)
+    # friction leaves more than one solution: mostly 3e-6 apart, and 2e-3 in one run with Debian 13's libraries
+    assert forces[0] == pytest.approx(forces[1], rel=5e-3)
 
 
 def test_a_tangent_without_softening_is_stiffer():

@@ -41,6 +41,13 @@ def test_a_sphere_at_rest_on_coarse_cells_is_reported(cell, material, words):
     assert all(word in found for word in words) and "without gaining energy" in found and "soil.held = true" in found
 
 
+def test_clay_that_begins_without_strength_is_reported_without_a_warning():
+    """The contact is then as wide as the body; numpy's warning would be an error here."""
+    gradient = {**CLAY, "strength": 0.0, "strength_gradient": 20e3}
+    with np.errstate(divide="raise"):
+        assert not notes(0.11, gradient, friction=None)
+
+
 @pytest.mark.parametrize("more", [
     {"cell": 0.029}, {"material": {**ELASTIC, "young": 1e9}}, {"held": ("x", "y")}, {"held": ("rx", "ry")},
     {"velocity": (1.0, 0.0, 0.0)},

@@ -200,6 +200,13 @@ def test_a_quarter_of_the_force_beyond_a_layer_is_too_much(simulation):
     assert "up to 1.1 of the height" in text and "limit 1;" in text and "carry 26%" in text
 
 
+def test_contact_at_places_of_a_body_has_no_layers(simulation):
+    """On level held ground: no point of the soil is known, number -1."""
+    seen, monitor = penetrating(simulation, [-0.11], [1.0]), Penetration(simulation.model, simulation.state)
+    seen.state.contacts[0].point[:] = -1
+    assert monitor.notes(seen) == ()
+
+
 # ------------------------------------------------------------------ points that get lost
 
 

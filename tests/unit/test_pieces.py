@@ -1,13 +1,19 @@
 """Frames of the soil in pieces, as one process sees them."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import meshio
 import numpy as np
 import pytest
 from fake_run import FakeSimulation
 
 from hybrid.output import pieces, vtk
+from hybrid.output.record import drawn, numbers_drawn
 from hybrid.runtime import ranks
 from hybrid.runtime.errors import SceneError
+from hybrid.soil.split_merge import select
+from hybrid.state import PointConstants, Population
 
 pyvista = pytest.importorskip("pyvista")
 
@@ -62,3 +68,25 @@ def test_what_one_process_does_together_with_itself():
         with pytest.raises(type(error)) as found:
             ranks.together(lambda error=error: fails(error))
         assert found.value is error
+
+
+@pytest.mark.parametrize("lost", ["inside", "outside", "both"])
+def test_numbers_are_those_of_the_points_drawn_also_where_only_some_have_left(lost):
+    """Points outside the window of a moving grid, of which those on one side only may have become inactive."""
+    simulation = FakeSimulation()
+    points, n = simulation.state.points, len(simulation.state.points)
+    constants = PointConstants(*np.zeros((2, n, 3)), *np.zeros((2, n)), number=np.arange(n))
+    outside = select(Population(points, constants, np.zeros((n, 2))), np.arange(5))
+    outside = replace(outside, constants=replace(outside.constants, number=np.arange(n, n + 5)))
+    gone = np.arange(n) < 2
+    if lost != "inside":
+        outside = replace(outside, points=replace(outside.points, inactive=gone[:5]))
+    if lost != "outside":
+        points = replace(points, inactive=gone)
+    ground = SimpleNamespace(constants=constants, rows=np.zeros((n, 2)), behind=outside)
+    simulation.state = replace(simulation.state, points=points, ground=ground)
+    simulation.model = SimpleNamespace(bodies=(), soil=SimpleNamespace(constants=constants))
+    simulation.scene = SimpleNamespace(soil=SimpleNamespace(stray="remove"))
+    number = numbers_drawn(simulation)
+    assert len(number) == len(drawn(simulation)[0]) == n + 5 - 2 * (1 + (lost == "both"))
+    assert (0 in number, n in number) == (lost == "outside", lost == "inside")

@@ -120,6 +120,10 @@ def test_a_quasi_static_scene_has_no_velocities_unless_driven(path, motion, comp
     assert load_scene(path, [f"body.0.{motion}"]).time.inertia
 
 
+def test_a_body_is_not_named_as_the_soil_is(path):
+    assert "body.0.name = soil: must be other than 'soil'" in refused(path, "body.0.name=soil").replace('"', "")
+
+
 @pytest.mark.parametrize("inertia", ["true", "false"])
 def test_a_component_is_driven_or_held(path, inertia):
     message = refused(path, f"time.inertia={inertia}", "body.0.driven=['x', 'y', 'rz']")

@@ -61,7 +61,9 @@ def contact_radius(weight, radius, material, soil):
     bulk, shear = (maximum(soil.law.parameters[points, k]) for k in (0, 1))
     poisson = (3 * bulk - 2 * shear) / (6 * bulk + 2 * shear)
     hertz = (0.75 * weight * radius * (1 - poisson**2) / young) ** (1 / 3)
-    return max(hertz, np.sqrt(weight / (BEARING * np.pi * material.strength))) if material.law == CLAY else hertz
+    if material.law != CLAY:
+        return hertz
+    return max(hertz, np.sqrt(weight / (BEARING * np.pi * material.strength)) if material.strength else radius)
 
 
 def _rests(described, body):
