@@ -23,12 +23,13 @@ class ContactPair:
     """A body and the contact points near it: frozen during a step but for what Newton's method decides about them: the
     facets that hold them, those that stick, bonds of the first guess, and the shares of an interface."""
 
-    def __init__(self, body, state, history, domains, grid, active, reach, expected, limits=None):
+    def __init__(self, body, state, history, domains, grid, active, reach, expected, limits=None,
+                 begins=False):
         """body: RigidBody; state: BodyState; history: ContactHistory; domains: Domains of the soil's points; active,
-        reach, expected, limits: as in find_contact_points."""
+        reach, expected, limits, begins: as in find_contact_points."""
         self.body, self._limits = body, None     # of the interface before `share_interface`
         self.points = find_contact_points(domains, body.contact_pressure, body.places, grid, active, state, body.surface,
-                                          reach, history, expected, limits)
+                                          reach, history, expected, limits, begins)
 
     def near(self, nodes, contact):
         """The pair with the contact points alone that touch in `contact` or move with any of `nodes` (N,) bool."""

@@ -87,16 +87,18 @@ class ContactPoints:
         return position
 
 
-def find_contact_points(domains, pressure, places, grid, active, body, surface, reach, history, expected, limits=None):
+def find_contact_points(domains, pressure, places, grid, active, body, surface, reach, history, expected, limits=None,
+                        begins=False):
     """Contact points within `reach` (Reach) of the surface of `body` (a BodyState).
 
     domains: Domains; pressure: (n,) p_f E [N/m³] of its contact with each; places: Places; active: (N,) bool, nodes that
     carry mass; history: ContactHistory; expected: nodal increments (N, 3) [m] (None: held soil) and pose of the body
-    from which the step starts to iterate; limits: PointLimits of an interface of clay (`hybrid.contact.interface`).
+    from which the step starts to iterate; limits: PointLimits of an interface of clay (`hybrid.contact.interface`);
+    begins: whether the run does, in which points close to the body are bonded to it.
     """
-    found = _within_reach(domains, places, grid.collapsed, body, surface, reach, history)
+    found = _within_reach(domains, places, grid.collapsed, body, surface, reach, history, begins)
     assert grid.nodes is None or grid.layers_for(found["position"]) <= grid.layers, "contact in cells of another process"
-    if limits is not None and limits.tension > 0.0 and not anywhere([len(history.point)]):      # the run begins
+    if begins and limits is not None and limits.tension > 0.0:
         _bond(found, domains, body, surface, limits.sharp)
     node, weight = _interpolation(found["position"], grid.axes, active)
     use = np.flatnonzero(weight.any(axis=1))
@@ -120,13 +122,13 @@ def find_contact_points(domains, pressure, places, grid, active, body, surface, 
     return points
 
 
-def _within_reach(domains, places, collapsed, body, surface, reach, history):
+def _within_reach(domains, places, collapsed, body, surface, reach, history, begins):
     """Contact points within reach, {name: values}: those of the history, carried by the grid, and new ones."""
     normal, distance = _of_history(history, collapsed, body, surface, reach.farthest(body, surface.radius))
     within = np.abs(distance) <= reach.at(history.position, normal, body)
     followed = (within | history.touching | history.opened) & domains.included[history.point]
     new = new_points(domains, places, collapsed, body, surface, reach, history.point * len(places) + history.place)
-    if not anywhere([len(history.point)]):      # the run begins, maybe with an overlap that is meant
+    if begins and not anywhere([len(history.point)]):       # not in place: an overlap is meant
         del new["rest"]
     old = {name: getattr(history, name)[followed]
            for name in ("point", "place", "position", "touching", "anchor", "side", "rest", "opened")}

@@ -271,7 +271,8 @@ def begin_bodies(model, state, dt, pulling, domains, active, nodal):
         if body.ground is not None and body.ground.carries(body, motion.pose, pose):
             pair = GroundPair(body, motion, history, reach, pose)
         else:
-            pair = ContactPair(body, motion, of_soil(history), domains, grid, active, reach, (predicted, pose), limits)
+            pair = ContactPair(body, motion, of_soil(history), domains, grid, active, reach, (predicted, pose), limits,
+                               begins=state.time == 0.0)
         begun.append(BodyStep(number, body, motion, target, pair, reach, unknowns, line_force, gravity, model.scheme,
                               dt, state.time))
     return tuple(begun)

@@ -94,11 +94,11 @@ def found_in_bed(surface, body, history=None, active=None, reach=0.08, seed=1, p
     grid, position, half = bed()
     position = position + scatter * np.random.default_rng(seed).standard_normal(position.shape)
     active = np.ones(grid.node_count, bool) if active is None else active
-    history = history or ContactHistory.empty()
+    begins, history = history is None, history or ContactHistory.empty()
     expected = displacement, pose or (body.position, body.rotation)
     return grid, find_contact_points(
         domains_of(position, half, included), np.full(len(position), PRESSURE), places, grid, active, body, surface,
-        Reach(reach, 0.0), history, expected)
+        Reach(reach, 0.0), history, expected, begins=begins)
 
 
 def domains_of(position, half, included=True):

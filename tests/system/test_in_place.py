@@ -110,3 +110,28 @@ def test_around_a_shaft_with_a_tip_no_more_soil_is_cut_than_it_takes():
     area = (body.places.area(history.place, points.half_width[history.point], model.soil.constants.volume[history.point])
             * body.places.facing(history.place, normal))
     assert area[along].sum() == pytest.approx(np.pi / 2 * radius, rel=0.05)
+
+
+BUCKET = """SetFactory("OpenCASCADE");
+Mesh.MeshSizeMin = 2; Mesh.MeshSizeMax = 2;
+Box(1) = {-1.5, 0, -1, 3, 1, 1.4};      // 3 m wide, with skirts 1 m long and 0.5 m thick below a lid at z = 0
+Box(2) = {-1, -1, -2, 2, 3, 2};
+BooleanDifference{ Volume{1}; Delete; }{ Volume{2}; Delete; }
+Physical Volume("body") = {1};
+Physical Surface("contact") = Abs(Boundary{ Volume{1}; });
+"""
+
+
+def test_a_lid_that_lies_on_clay_is_bonded_as_the_skirts_in_it_are(tmp_path):
+    """A bucket in clay without weight, pulled and pushed alike: the lid, for which no soil was taken, carried nothing up."""
+    (tmp_path / "bucket.geo").write_text(BUCKET)
+    grid = Grid(Axis(start=-5.0, end=5.0, size=0.5), Axis(start=0.0, end=1.0, collapsed=True),
+                Axis(start=-5.0, end=1.0, size=0.5), Faces(z_min="fixed"))
+    forces = []
+    for velocity in (0.01, -0.01):
+        bucket = Body(tmp_path / "bucket.geo", STEEL, position=(0.1, 0.0, 0.0), held=("x", "ry"), driven=("z",),
+                      velocity=(0.0, 0.0, velocity), tension="full", adhesion=1.0)
+        simulation = build(Scene(name="bucket", grid=grid, soil=Soil(CLAY, top=0.0), bodies=(bucket,),
+                                 gravity=(0.0, 0.0, 0.0), time=Time(1.0, inertia=False), stages=(Stage("move", 3),)))
+        forces.append(list(simulation.steps())[-1].bodies[0].contact_force[2])
+    assert forces[1] > 0.0 and forces[0] == pytest.approx(-forces[1], rel=0.05)

@@ -54,7 +54,7 @@ def counted(monkeypatch):
         pair = contact_pair.ContactPair(
             simulation.model.bodies[0], state, simulation.state.contacts[0],
             contact_search.Domains.of(points, simulation.model.soil.constants, "gimp"), grid,
-            np.ones(grid.node_count, bool), contact_search.Reach(REACH, 0.0), (rest, pose))
+            np.ones(grid.node_count, bool), contact_search.Reach(REACH, 0.0), (rest, pose), begins=True)
         return pair, pair.evaluate(rest, pose), dict(counts)
 
     return contact_of

@@ -24,7 +24,8 @@ def pair_of(places="faces", friction=0.3, history=None, included=True):
         free=np.array([True, True, True, False, True, True]), contact_pressure=np.full(len(position), PRESSURE))
     return grid, ContactPair(
         body, body_at(*POSE), history or ContactHistory.empty(), domains_of(position, half, included), grid,
-        np.ones(grid.node_count, bool), Reach(0.08, 0.0), (np.zeros((grid.node_count, 3)), POSE))
+        np.ones(grid.node_count, bool), Reach(0.08, 0.0), (np.zeros((grid.node_count, 3)), POSE),
+        begins=history is None)
 
 
 def moved(grid, seed=0, size=1e-3):

@@ -36,7 +36,8 @@ def pair_of(surface, height, history=None, tension=0.0, shear=SHEAR, sharp=None)
     pose = np.array([0.4, 0.4, height]), np.eye(3)
     limits = PointLimits(np.full(len(position), shear), tension, sharp)
     pair = ContactPair(body, body_at(*pose), history or ContactHistory.empty(), domains_of(position, half), grid,
-                       np.ones(grid.node_count, bool), Reach(0.05, 0.0), (np.zeros((grid.node_count, 3)), pose), limits)
+                       np.ones(grid.node_count, bool), Reach(0.05, 0.0), (np.zeros((grid.node_count, 3)), pose), limits,
+                       begins=history is None)
     return grid, pair
 
 
@@ -142,7 +143,7 @@ def ball_in_a_bed(radius, height, tension=0.0):
 
     def pair(history):
         return ContactPair(body, body_at(centre), history, domains, grid, np.ones(grid.node_count, bool), Reach(0.03, 0.0),
-                           (np.zeros((grid.node_count, 3)), (centre, np.eye(3))), limits)
+                           (np.zeros((grid.node_count, 3)), (centre, np.eye(3))), limits, begins=not len(history.point))
 
     still = np.zeros((grid.node_count, 3)), (centre, np.eye(3))
     first = pair(ContactHistory.empty())
