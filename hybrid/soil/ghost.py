@@ -7,9 +7,12 @@ across a face between a cell that is not full and the fullest of its neighbours:
     f_v = Σ_faces γ (1 - φ)² h ∫ [∂_n N_v] [∂_n Δu] dΓ      K_vw = Σ_faces γ (1 - φ)² h ∫ [∂_n N_v][∂_n N_w] dΓ I
 
 [∂_n N] the jump over the face of the derivative along its normal; h the mean of the two cells along the normal [m]; φ
-the share of the cell that soil fills, at most 1; γ a modulus [Pa], a factor times the mean Young's modulus of the soil in
-the two cells. Δu is the increment of the step, so no stress remains in the next one. A linear field has no jump: the
-penalty does not resist constant strain, translation or rotation. Rows sum to zero, so no momentum is added.
+the share of the cell that soil fills, at most 1; γ a modulus [Pa], a factor times Young's modulus of the softest soil that
+shares a node with the two cells. Δu is the increment of the step, so no stress remains in the next one. A linear field has
+no jump: the penalty does not resist constant strain, translation or rotation. Rows sum to zero, so no momentum is added.
+
+The softest, as a cell with a trace of rock on top of rock shares nodes with clay beside it: with the mean modulus of the
+rock they followed the rock, and a wall on rock was pushed into clay with nine times its force.
 
 So the field of the fullest neighbour is continued into a cell that is hardly filled, through further such cells if need
 be, and full cells are left alone. After Coombs, Int. J. Numer. Methods Eng. 124 (2023) 4841-4875, who takes all faces
@@ -24,6 +27,7 @@ Equations: FORMULATION (25).
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import minimum_filter
 
 from hybrid.grid.numbering import node_number
 from hybrid.linalg.stencil import entry, local_number, relative_place
@@ -47,7 +51,8 @@ def find_faces(cells, grid, factor):
 
     cells: FilledCells; factor: [-] on the modulus of the soil (γ where a cell is empty).
     """
-    share, filled, stiff = cells.share, cells.volume, factor * cells.stiffness
+    share, filled = cells.share, cells.volume
+    softest = grid.cells_from_owners(_softest_around(cells))
     empty = np.where(filled > 0, np.maximum(1 - share, 0) ** 2, 0)
     fullest = grid.cells_from_owners(_fullest_neighbour(share))
     own = np.broadcast_to(grid.owned_cells, share.shape)
@@ -58,8 +63,14 @@ def find_faces(cells, grid, factor):
         chosen = (weight > NEGLIGIBLE) & (a > 0) & (b > 0) & _pairs(own, axis)[0]
         lower = np.argwhere(chosen)
         faces.append(np.column_stack([lower, np.full(len(lower), axis)]))
-        moduli.append((weight * sum(_pairs(stiff, axis)))[chosen] / sum(_pairs(filled, axis))[chosen])
+        moduli.append(factor * weight[chosen] * np.minimum(*_pairs(softest, axis))[chosen])
     return Ghost(np.concatenate(faces), np.concatenate(moduli))
+
+
+def _softest_around(cells):
+    """Young's modulus [Pa] of the softest one of the cells with soil that share a node with each cell; inf without any."""
+    young = np.divide(cells.stiffness, cells.volume, out=np.full_like(cells.volume, np.inf), where=cells.volume > 0)
+    return minimum_filter(young, size=3, mode="nearest")
 
 
 def _fullest_neighbour(share):

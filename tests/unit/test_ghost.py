@@ -1,5 +1,7 @@
 """Ghost penalty: which faces, what it leaves free, its tangent, and the condition of cut cells."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.sparse import csr_matrix
@@ -8,7 +10,7 @@ from hybrid.grid.axes import FACES, graded_nodes, make_grid
 from hybrid.laws.hencky import Hencky
 from hybrid.linalg.stencil_pattern import make_pattern
 from hybrid.soil.basis import evaluate_basis
-from hybrid.soil.filled_cells import fill_cells
+from hybrid.soil.filled_cells import FilledCells, fill_cells
 from hybrid.soil.ghost import find_faces
 from hybrid.soil.model import Soil
 from hybrid.soil.points import at_rest, tile
@@ -71,6 +73,16 @@ def test_cells_are_tied_to_their_fullest_neighbour_only():
 def test_a_weight_grows_from_zero_as_a_cell_empties():
     largest = [max(weights(block(2, s, plane=True)[1]).values()) for s in (1e-3, 1e-2, 0.1)]
     assert largest == sorted(largest, reverse=True) and largest[0] == pytest.approx(1.0, abs=0.01)
+
+
+@pytest.mark.parametrize("beside, modulus", [((0.7, 1.0), 1.0), ((0.0, 0.0), 1000.0)])
+def test_a_trace_of_rock_on_rock_holds_clay_beside_it_by_the_modulus_of_clay_only(beside, modulus):
+    """A plane row of rock, E = 1000, with a trace of it above its first cell; clay, E = 1, or nothing is on the others."""
+    share = np.array([[1.0, 1.0, 1.0], [1e-9, *beside]]).T[:, None]
+    young = np.array([[1000.0, 1000.0, 1000.0], [1000.0, 1.0, 1.0]]).T[:, None]
+    grid = SimpleNamespace(cells_from_owners=lambda values: values, owned_cells=True)
+    found = find_faces(FilledCells(None, None, share, share, share * young, None), grid, FACTOR)
+    assert [0, 0, 0, 2] in found.faces.tolist() and found.modulus.max() == pytest.approx(FACTOR * modulus)
 
 
 def test_soil_up_to_the_end_of_the_grid_is_not_cut_there():

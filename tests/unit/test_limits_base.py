@@ -2,29 +2,36 @@
 
 import pytest
 
-from hybrid.monitors.limits.base import body_on_fixed_base
+from hybrid.monitors.limits.base import body_on_base
 from hybrid.runtime.data import GEOMETRY
-from hybrid.scene import Axis, Body, Faces, Grid, Material, Scene, Soil, Stage, Time
+from hybrid.scene import Axis, Body, Faces, Grid, Layer, Load, Material, Scene, Soil, Stage, Time
 from hybrid.setup.build import build
 
 STRENGTH, DEPTH = 16e3, 2.0
 CLAY = {"law": "von-mises", "young": 8e6, "poisson": 0.49, "density": 1.0, "strength": STRENGTH}
 
 
-def wall(foot, cell=0.1, z_min="fixed", steps=18, material=CLAY, **body):
-    """Simulation of a smooth wall pushed into clay in plane strain, its foot at a height [m] over the base."""
+def wall(foot, cell=0.1, z_min="fixed", steps=18, material=CLAY, loads=(), both=False, below=None, **body):
+    """Simulation of a smooth wall pushed into clay in plane strain, its foot at a height [m] over the base; both: with clay
+    on both sides; below: values of a layer under the clay and the wall."""
     made = Body(GEOMETRY / "box.geo", 2400.0, name="wall", position=(-0.12, 0.5, foot - 0.85),
                 parameters={"length": 0.5, "width": 1.0, "height": 2.3, "size": 20.0},
                 **{"held": ("z", "ry"), "driven": ("x",), "velocity": (0.0015, 0.0, 0.0), **body})
-    grid = Grid(Axis(-0.57, 4.93, cell), Axis(0.0, 1.0, collapsed=True), Axis(-DEPTH, 0.4, cell), Faces(z_min=z_min))
-    return build(Scene(name="wall", grid=grid, soil=Soil(Material(**material), top=0.0, lower=(0.13, 0.0, -DEPTH)),
-                       gravity=(0.0, 0.0, 0.0),
-                       bodies=(made,), time=Time(1.0, inertia=False), stages=(Stage("push", steps),)))
+    bottom = -DEPTH - 5 * cell if below else -DEPTH
+    grid = Grid(Axis(-0.57, 4.93, cell), Axis(0.0, 1.0, collapsed=True), Axis(bottom, 0.4, cell), Faces(z_min=z_min))
+    soil = Soil(Material(**material), top=0.0, geostatic=False, **({} if both else {"lower": (0.13, 0.0, bottom)}))
+    if below:
+        values = dict(below)
+        layer = Layer("rock", -DEPTH, law=values.pop("law"), material=values)
+        step = ((-0.57, -DEPTH), (0.13, -DEPTH), (0.131, 0.0), (4.93, 0.0))
+        soil = Soil(Material(**material), top=0.0, geostatic=False, ground=step, layers=(layer,))
+    return build(Scene(name="wall", grid=grid, soil=soil, gravity=(0.0, 0.0, 0.0), bodies=(made,),
+                       time=Time(1.0, inertia=False), stages=(Stage("push", steps, loads=loads),)))
 
 
 def notes(*given, **more):
     simulation = wall(*given, **more)
-    return list(body_on_fixed_base(simulation.scene, simulation.model))
+    return list(body_on_base(simulation.scene, simulation.model))
 
 
 @pytest.mark.parametrize("foot, text", [(-0.08, "0.08 m below"), (0.0, "foot on the"), (0.04, "0.04 m above")])
@@ -32,7 +39,23 @@ def test_a_wall_on_a_fixed_base_is_reported(foot, text):
     found, = notes(foot)
     assert text in found and "limit 0.5 cells, 0.05 m" in found and "0.1 m above the base, one cell" in found
     assert 'z_min = "roller"' in found
-    assert notes(foot, held=("z", "ry"), driven=(), velocity=(0.0, 0.0, 0.0))       # free to follow a load
+    free = {"held": ("z", "ry"), "driven": (), "velocity": (0.0, 0.0, 0.0)}
+    assert notes(foot, loads=(Load(force=(1.0, 0.0, 0.0)),), **free) and not notes(foot, **free)
+
+
+ROCK = {"law": "hencky", "young": 1e9, "poisson": 0.3, "density": 1.0}
+
+
+@pytest.mark.parametrize("foot, below, reported", [
+    (0.0, ROCK, True), (0.04, ROCK, True), (0.05, ROCK, False), (-0.06, ROCK, False),
+    (0.0, {**CLAY, "strength": 4 * STRENGTH}, True), (0.0, {**CLAY, "strength": 3 * STRENGTH}, False)])
+def test_a_wall_on_a_harder_layer_is_reported(foot, below, reported):
+    found = notes(foot, below=below)
+    assert len(found) == reported and all("harder layer rock, limit 0.5 cells" in text for text in found)
+
+
+def test_a_wall_that_moves_away_from_the_soil_on_a_harder_layer_is_not_reported():
+    assert not notes(0.0, below=ROCK, velocity=(-0.0015, 0.0, 0.0))
 
 
 def test_walls_that_the_base_does_not_hinder_are_not_reported():
@@ -45,3 +68,9 @@ def test_the_force_is_that_of_the_clay_from_the_limit_on():
     """2 s_u H after 0.0135 H: 47 % too much with the foot on the base."""
     on, above = (list(wall(foot).steps())[-1].bodies[0].contact_force[0] / (-2.0 * STRENGTH * DEPTH) for foot in (0.0, 0.05))
     assert on > 1.3 and above == pytest.approx(1.0, abs=0.03)
+
+
+def test_the_force_half_a_cell_above_rock_is_that_of_the_clay():
+    """2 s_u H; 3 times as much where traces of rock in the cells above it are tied to rock by its own modulus."""
+    last = list(wall(0.05, below=ROCK).steps())[-1].bodies[0].contact_force[0] / (-2.0 * STRENGTH * DEPTH)
+    assert last == pytest.approx(1.0, abs=0.07)
