@@ -70,6 +70,13 @@ def test_an_inclined_blade_is_told_that_more_than_the_law_of_upright_ones_is_mis
     assert "cells of at most" not in text       # of the upright law, not fine enough here
 
 
+@pytest.mark.parametrize("down, count", [(0.2, 1), (-0.2, 1), (0.6, 0)])
+def test_an_inclined_blade_that_goes_down_or_up_as_well_is_told_of_few_cells(down, count):
+    described = blade(75)
+    made = replace(described.bodies[0], driven=("x", "z"), held=("ry",), velocity=(-0.01, 0.0, -0.01 * down))
+    assert len(texts(sand_cells.pushed_walls, replace(described, bodies=(made,)))) == count
+
+
 def test_an_upright_blade_is_told_of_its_own_and_flat_ones_and_those_in_clay_of_nothing():
     text, = texts(sand_cells.pushed_walls, blade(90))
     assert "at least 23%" in text and "98 %" in text and "degrees to the ground" not in text

@@ -25,6 +25,7 @@ FOOT, ACTIVE = 2.3, 1.65
 INCLINED, LEANING = 45.0, 85.0
 WEIGHT, ORDER = 3.1, 0.6         # of the part of a footing's load that the sand's weight carries
 SHALLOW = 1.0                   # widths under the ground: what goes deeper is no footing
+LEVEL = 0.5                     # up or down over sideways: a blade 11° downwards had 16 % less with half the cells
 # Depths: sand that presses a wall from behind counts where it is so much deeper, K_p/K_a = 11 times the pressure.
 PASSIVE = 3.0
 
@@ -162,9 +163,9 @@ def _retained(body, depth, cell, does, load):
 def depths(scene, soil, place, way, laws, spaces=(1,)):
     """Sides of an upright wall with its vertices at `place`, moved along a `way`, whose foot is in soil of one of the
     `laws`, in a grid with one of the numbers `spaces` of axes collapsed: in plane strain unless these have 0; None of
-    what is none, goes up or down, or ends on a smooth base."""
+    what is none, goes up or down by more than LEVEL, or ends on a smooth base."""
     axis, bottom, cell = int(np.argmax(np.abs(way))), place[:, 2].min(), soil.grid.smallest_cell
-    if soil.grid.collapsed.sum() not in spaces or soil.grid.collapsed[2] or way[2]:
+    if soil.grid.collapsed.sum() not in spaces or soil.grid.collapsed[2] or abs(way[2]) > LEVEL * abs(way[axis]):
         return None
     height, half = levelled(soil, soil.constants.position)[:, 2], soil.constants.half_width[:, 2]
     near = beside(soil, place[:, axis], axis)

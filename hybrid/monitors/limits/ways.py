@@ -84,16 +84,19 @@ def heading(way):
 
 def loaded(scene, model):
     """(RigidBody, way (3,), places (V, 3) [m], whether a plane face leads, whether the load is inclined, arm [m] on which it
-    acts beside the centre) of each body that is free to follow forces of a stage, or that a point of it drives; the way is
-    the largest component [N] of the largest force."""
+    acts beside the centre) of each body that is free to follow forces of a stage, or that a point of it drives, and that
+    no other body carries above the soil; the way is the largest component [N] of the largest force."""
     if model.soil.held or not model.soil.law.plastic:
         return
+    joined = {name for joint in scene.joints for name in joint.bodies}
     for described, body in zip(scene.bodies, model.bodies):
         force, moment = _largest_load(body, initial_pose(described, body)[1])
         axis = int(np.argmax(np.abs(force)))
         if not force[axis] or not body.free[axis] or model.soil.grid.collapsed[axis]:
             continue
         whole, place = outline(described, body, model.soil)
+        if body.name in joined and place[:, 2].min() > top_of(model.soil) + model.soil.grid.smallest_cell:
+            continue        # others carry it
         way = np.where(np.arange(3) == axis, force, 0.0)
         inclined = np.abs(np.where(body.free[:3], force - way, 0.0)).max() > ASIDE * abs(force[axis])
         arm = np.abs(np.where(body.free[3:], moment, 0.0)).max() / abs(force[axis])
