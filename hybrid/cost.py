@@ -129,7 +129,7 @@ def predict(simulation):
 
 def _measured(simulation, model, workspace):
     """CostEstimate by the parts of a few steps of the `model` of the first stage."""
-    length = simulation.scene.stages[0].step or simulation.scene.time.step
+    length = simulation.scene.step_of(simulation.scene.stages[0])
     state = _disturbed(model.begin_stage(simulation.state), model.soil.grid.smallest_cell)
     effort = _effort(model, state)
 

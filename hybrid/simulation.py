@@ -218,13 +218,13 @@ class Simulation:
             first, starts = 0, 0.0      # steps and time before the stage
             for number, stage in enumerate(self.scene.stages):
                 yield from self._stage_steps(number, stage, first, starts, workspace)
-                first, starts = first + stage.steps, starts + stage.steps * self._step_length(stage)
+                first, starts = first + stage.steps, starts + stage.steps * self.scene.step_of(stage)
         finally:
             workspace.destroy()
 
     def _stage_steps(self, number, stage, first, starts, workspace):
         """Records of the remaining steps of a stage that comes after `first` steps and starts at a time [s]."""
-        length, begun = self._step_length(stage), self.state.step > first
+        length, begun = self.scene.step_of(stage), self.state.step > first
         control, model = self._control(length, begun), self.stage_model(number, starts)
         workspace.renew(model)
         if not begun:
@@ -256,14 +256,10 @@ class Simulation:
         """Add to the message of a failure what the scene and the state have to do with it."""
         failure.args = ". ".join([str(failure), *self.warned, *overstretched_domains(self.model, self.state.points)]),
 
-    def _step_length(self, stage):
-        """Length [s] of the outer steps of a stage."""
-        return stage.step or self.scene.time.step
-
     def stage_model(self, number, starts):
         """Model of the stage of a `number`, from 0, that starts at a time [s]."""
         stage = self.scene.stages[number]
-        loads = self.model.loads.during(starts, stage.steps * self._step_length(stage), stage.gravity)
+        loads = self.model.loads.during(starts, stage.steps * self.scene.step_of(stage), stage.gravity)
         return self.model.for_stage(stage.held, stage.beta, stage.gamma, loads, number, starts)
 
     def _control(self, length, begun):
@@ -300,4 +296,4 @@ class Simulation:
         if self.imbalance is None or self._hazards:
             return self.warned
         return self.warned + self.imbalance.notes(stage, self.model.scheme.with_pair(stage.beta, stage.gamma),
-                                                  self._step_length(stage), "settled at the start" in self.start)
+                                                  self.scene.step_of(stage), "settled at the start" in self.start)

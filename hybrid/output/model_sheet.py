@@ -266,7 +266,7 @@ def not_modelled(scene, model, block):
 
 def _outside_the_window(grid, soil):
     """Texts about the cells and the soil that a grid that follows a body does without."""
-    axes = {name: axis for name, axis in zip("xyz", (grid.x, grid.y, grid.z)) if axis.moves}
+    axes = {name: axis for name, axis in zip("xyz", grid.axes) if axis.moves}
     windows = [name for name, axis in axes.items() if axis.window]
     whole = 1
     for name, nodes in zip("xyz", soil.grid.lines):

@@ -82,7 +82,7 @@ def _distinct_names(key, items, label=str):
 
 
 def _soil(key, soil, grid):
-    axes = (grid.x, grid.y, grid.z)
+    axes = grid.axes
     if any(axis.start is None or axis.end is None for axis in axes):
         return  # the grid's own fault, found already
     start, end = tuple(a.start for a in axes), tuple(a.end for a in axes)

@@ -115,7 +115,7 @@ def _ghost(scene, soil):
 
 
 def _collapsed(scene):
-    return [axis.collapsed for axis in (scene.grid.x, scene.grid.y, scene.grid.z)]
+    return [axis.collapsed for axis in scene.grid.axes]
 
 
 def _plastic_laws(soil):

@@ -80,9 +80,14 @@ class Grid:
         default="freeze")
 
     @property
+    def axes(self):
+        """(x, y, z), a tuple of Axis."""
+        return self.x, self.y, self.z
+
+    @property
     def moves(self):
         """Whether an axis moves with a body."""
-        return any(axis.moves for axis in (self.x, self.y, self.z))
+        return any(axis.moves for axis in self.axes)
 
 
 def cells_between(start, end, size):

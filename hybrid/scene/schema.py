@@ -117,3 +117,7 @@ class Scene:
         'target, as { like = "footing", error = 0.02, length = 1.0 } (`hybrid.scene.accuracy`)', default=None)
     solver: Solver = key("Newton's method and linear solver", default=Solver())
     output: Output = key("what is written", default=Output())
+
+    def step_of(self, stage):
+        """Length [s] of the outer steps of a stage."""
+        return stage.step or self.time.step

@@ -26,7 +26,7 @@ def best_ranks(scene, cores, memory):
         return 1, 0
     try:
         scene, _ = resolve(apply_accuracy(scene)[0])
-        need, points = size(scene, [axis_nodes(axis) for axis in (scene.grid.x, scene.grid.y, scene.grid.z)])
+        need, points = size(scene, [axis_nodes(axis) for axis in scene.grid.axes])
     except HybridError:     # reported when the scene is built
         return 1, 0
     number = int(min(cores, points // PER_PROCESS, (memory - need) / LIBRARIES))

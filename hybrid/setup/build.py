@@ -72,7 +72,7 @@ def _put_together(scene, decisions, accuracy, body_force, law):
     gravity = np.array(scene.gravity, float)
     loads = Loads(gravity, body_force).during(0.0, 0.0, (scene.stages[0].gravity[0],) * 2)
     if not scene.grid.moves:
-        refuse_size(scene, [axis_nodes(axis) for axis in (scene.grid.x, scene.grid.y, scene.grid.z)])
+        refuse_size(scene, [axis_nodes(axis) for axis in scene.grid.axes])
     meshes = [mesh_of(described) for described in scene.bodies]
     scene, held, mirrors = with_symmetry(scene, meshes)
     placed = [build_body(*pair, loads.on_bodies(0.0), scene.stages) for pair in zip(scene.bodies, meshes)]
@@ -81,7 +81,7 @@ def _put_together(scene, decisions, accuracy, body_force, law):
               for described, (body, motion), planes in zip(scene.bodies, placed, mirrors)]
     joints = build_joints(scene, placed, meshes)
     refuse_overlap_of_bodies(placed, [joint.bodies for joint in joints],
-                             [axis.collapsed for axis in (scene.grid.x, scene.grid.y, scene.grid.z)])
+                             [axis.collapsed for axis in scene.grid.axes])
     grid, moving_grid, layouts = build_grid(scene, placed)
     soil, points = build_soil(scene, grid, loads, law)
     motions, contacts = [motion for _, motion in placed], [ContactHistory.empty() for _ in placed]
@@ -107,7 +107,7 @@ def _put_together(scene, decisions, accuracy, body_force, law):
     if taken:
         model, state = processes.balanced(model, state)
     if taken or scene.soil.ground is not None:
-        model, state, settled = settle(model, state, scene.stages[0].step or scene.time.step)
+        model, state, settled = settle(model, state, scene.step_of(scene.stages[0]))
     return Simulation(scene, model, state, meshes, moving_grid, accuracy, (*decisions, *held),
                       _start(taken, settled, bodies))
 

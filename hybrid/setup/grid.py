@@ -14,7 +14,7 @@ def build_grid(scene, placed=()):
 
     The MovingGrid and its layouts are None if the grid does not move.
     """
-    described = (scene.grid.x, scene.grid.y, scene.grid.z)
+    described = scene.grid.axes
     extent = np.array([(axis.start, axis.end) for axis in described])
     axes = [None if axis.moves else axis_nodes(axis) for axis in described]
     moving = {number: build_moving_axis(axis) for number, axis in enumerate(described) if axis.moves}

@@ -67,7 +67,7 @@ def depth_in_ground(surface, top, body, motion, collapsed):
 
 def _lowest(scene, body, motion):
     """Position (3,) [m] of the centre of a body that lies on the ground."""
-    axes = scene.grid.x, scene.grid.y, scene.grid.z
+    axes = scene.grid.axes
     if scene.soil.ground is not None:
         surface = heights(scene.soil.ground)
     else:

@@ -191,7 +191,7 @@ def path_along(scene, described, name):
     at the end, the same as before where nothing does."""
     path, travel, axis = [], 0.0, "xyz".index(name)
     for stage in scene.stages:
-        length, moved = stage.steps * (stage.step or scene.time.step), [0.0]
+        length, moved = stage.steps * scene.step_of(stage), [0.0]
         own = [motion for motion in stage.motions if motion.body in (None, described.name) and name in components(motion)]
         pulled = described.pull and stage.pull
         if own and name not in own[0].free:

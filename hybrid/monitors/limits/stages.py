@@ -24,7 +24,7 @@ def long_strides(scene, model):
                    for stage in scene.stages for name, nodes in zip("xyz", model.soil.grid.lines) if len(nodes) > 1]
         cells, name, stage = max(strides, key=lambda stride: stride[0], default=(0.0, "", None))
         if cells > limit * (1 + 1e-9):
-            length = stage.step or scene.time.step
+            length = scene.step_of(stage)
             yield (f"{body.name} is driven by {cells:.3g} cells along {name} in each step of stage {stage.name!r}, limit "
                    f"{limit:g}: soil in its way is deformed too much for one increment, so that steps fail, are cut into "
                    f"many, or give a wrong load. Use steps of at most {length * limit / cells:.2g} s (time.step or "
@@ -33,7 +33,7 @@ def long_strides(scene, model):
 
 def stride_of(scene, stage, described, name):
     """Largest distance [m], or angle [rad], by which a body is driven in a component in a step of a stage."""
-    length = stage.step or scene.time.step
+    length = scene.step_of(stage)
     own = [motion for motion in stage.motions if motion.body in (None, described.name) and name in components(motion)]
     if not own:
         driven = name in described.driven and name not in stage.held
@@ -63,7 +63,7 @@ def unreached_ends(scene, model):
     """Tables of loads and motions that end after their stage does, or begin after it, so that their last value is never
     reached."""
     for s, stage in enumerate(scene.stages):
-        end = stage.steps * (stage.step or scene.time.step)
+        end = stage.steps * scene.step_of(stage)
         for path, given, columns, unit in _tables(f"stage.{s}", stage):
             if given is None:
                 continue

@@ -25,7 +25,7 @@ def large_rotation_step(scene, model):
         spin = np.array(described.spin)
         if not (_tumbles(spin, body) or _precesses(spin, scene, model, number)):
             continue
-        rotations = [(np.linalg.norm(spin) * (stage.step or scene.time.step), *_limit(model.scheme, stage))
+        rotations = [(np.linalg.norm(spin) * scene.step_of(stage), *_limit(model.scheme, stage))
                  for stage in scene.stages]
         angle, limit, kind = max(rotations, key=lambda rotation: rotation[0] / rotation[1])
         if angle > limit:
@@ -64,11 +64,11 @@ def large_turn_about_an_axis(scene, model):
         found = [] if _tumbles(spin, body) else [(np.linalg.norm(spin), scene.stages[0], "body.spin")]
         for stage in scene.stages:
             names = [f"r{axis}" for axis in "xyz"]
-            found += [(stride_of(scene, stage, described, name) / (stage.step or scene.time.step), stage,
+            found += [(stride_of(scene, stage, described, name) / scene.step_of(stage), stage,
                        f"what drives {name}") for name in names]
-        rate, stage, cause = max(found, key=lambda each: each[0] * (each[1].step or scene.time.step),
+        rate, stage, cause = max(found, key=lambda each: each[0] * scene.step_of(each[1]),
                                  default=(0.0, None, ""))
-        length = (stage.step or scene.time.step) if stage else 0.0
+        length = scene.step_of(stage) if stage else 0.0
         axis = spin
         if cause and cause != "body.spin":      # about an axis of space
             axis = initial_pose(described, body)[1].T @ np.eye(3)["xyz".index(cause[-1])]
