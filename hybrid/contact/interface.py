@@ -52,7 +52,8 @@ EVERYWHERE = np.array([[-np.inf, np.inf]] * 3)
 
 @dataclass(frozen=True)
 class Interface:
-    """adhesion: α/ξ, None where friction alone limits the shear; tension: σ_t [Pa], 0 without a bond, inf for ever; sharp:
+    """adhesion: α/ξ, None where friction alone limits the shear; elsewhere: [Pa] limit of the shear of soil that is no clay,
+    inf or, without friction, 0; tension: σ_t [Pa], 0 without a bond, inf for ever; sharp:
     ContactSurface on whose area they act, None for the one in contact: edges that this has rounded off are clay's as
     well; cover: Cover of that area, None where contact points bear whatever they are given; rubs: whether friction limits
     the shear as well."""
@@ -62,15 +63,19 @@ class Interface:
     sharp: ContactSurface | None = None
     cover: Cover | None = None
     rubs: bool = False
+    elsewhere: float = np.inf
 
     def of_points(self, law, plastic_strain):
         """PointLimits of soil points with a `law` and accumulated plastic strain (n,)."""
-        shear = None if self.adhesion is None else self.adhesion * law.cohesion(plastic_strain)
+        shear = None
+        if self.adhesion is not None:
+            shear = np.where(law.undrained, self.adhesion * law.cohesion(plastic_strain), self.elsewhere)
         return PointLimits(shear, self.tension, self.sharp, self.cover, self.rubs)
 
 
 class PointLimits(NamedTuple):
-    """Stresses [Pa] that the interface carries: shear (n,) α s_u of each soil point, None without adhesion; tension; and the
+    """Stresses [Pa] that the interface carries: shear (n,) α s_u of each point of clay, `elsewhere` of others,
+    None without adhesion; tension; and the
     `sharp` surface of Interface, its `cover`, and whether it `rubs`."""
 
     shear: np.ndarray | None
@@ -118,7 +123,7 @@ def place_limits(limits, found, area, domains, places, body, surface, extent=EVE
     found = found | {"area": own}
     borne = _borne_by_each(found, before_body & (own > 0.0), domains, places, 1 if bonds else BEARERS, layers)
     if limits.shear is not None:
-        shear = borne(limits.shear[found["point"]] * own)
+        shear = _sheared(borne, limits.shear[found["point"]], own)
     if limits.rubs:     # a point that closes takes load off others: it has friction before adhesion is shared anew
         shear = np.where(found["touching"], shear, limits.shear[found["point"]] * area)
     if bonds:       # a bond holds whatever presses
@@ -132,9 +137,16 @@ def place_limits(limits, found, area, domains, places, body, surface, extent=EVE
         areas = np.where(touching, area, own)
         now = found | {"touching": touching, "pressed": pressed, "area": areas}
         borne = _borne_by_each(now, before_body & (areas > 0.0), domains, places, BEARERS, layers)
-        return borne(limits.shear[found["point"]] * areas)
+        return _sheared(borne, limits.shear[found["point"]], areas)
 
     return PlaceLimits(shear, tension, opened), None if bonds or places.at_corners or limits.shear is None else shared
+
+
+def _sheared(borne, shear, area):
+    """Limits of shear (m,) [N] by those of the soil's points, (m,) [Pa], which is inf where friction alone limits them: such
+    points bear no clay's adhesion, and no other bears theirs."""
+    free = np.isinf(shear)
+    return np.where(free, np.inf, borne(np.where(free, 0.0, shear) * area))
 
 
 def on_faces(position, normal, body, surface, sharp):

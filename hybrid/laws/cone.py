@@ -100,6 +100,11 @@ class Cone(Hencky):
         strength, slope, residual = self.parameters.T[[4, 6, 7]]
         return np.maximum(strength + slope * plastic_strain, residual)
 
+    @property
+    def undrained(self):
+        """(n,) bool, points of clay: yield at a strength that no pressure changes."""
+        return (self.parameters[:, 2] == 0.0) & (self.parameters[:, 4] < UNLIMITED)
+
     def yield_function(self, stress, plastic_strain=0.0):
         """f (n,) [Pa] at principal stresses (n, 3) and accumulated plastic strain (n,)."""
         eta, ratio, corner = self.parameters.T[[2, 5, 9]]

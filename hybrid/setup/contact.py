@@ -31,7 +31,7 @@ from hybrid.contact import places
 from hybrid.contact.cover import Cover
 from hybrid.contact.interface import Interface
 from hybrid.laws.drucker_prager import cone_constants
-from hybrid.runtime.comm import largest, minimum
+from hybrid.runtime.comm import anywhere, largest, minimum
 from hybrid.runtime.errors import SceneError
 
 FEWEST, MOST = 4, 32                # places along a face
@@ -53,7 +53,8 @@ def connect_to_soil(described, body, rotation, soil, gravity, cone):
     cone: soil.material.cone. Raises SceneError."""
     body = in_slice(body, soil.grid, rotation)
     chosen, spacing, radius = _places(described, body, rotation, soil, gravity)
-    interface, sharp = interface_of(described, cone), body.surface
+    mixed = described.adhesion is not None and anywhere(~soil.law.undrained)
+    interface, sharp = interface_of(described, cone, mixed), body.surface
     if not (soil.held or chosen.at_corners or _carried(body, soil, gravity)):
         edges = find_edges(body.surface, soil.grid.smallest_cell, rotation[soil.grid.collapsed])
         body = replace(body, surface=round_off(body.surface, edges),
@@ -61,24 +62,27 @@ def connect_to_soil(described, body, rotation, soil, gravity, cone):
     body = replace(body, places=chosen, penalty=_penalty(described, body, soil, spacing, radius, gravity))
     if interface and not chosen.at_corners:
         interface = replace(interface, sharp=None if body.surface is sharp else sharp, cover=_cover(sharp, soil, rotation))
-    body = replace(body, friction=friction_of(described), interface=interface)
+    body = replace(body, friction=friction_of(described, mixed), interface=interface)
     return rigid.with_stiffness(body, soil.law.young, soil.held)
 
 
-def friction_of(described):
-    """Coefficient of friction, inf where adhesion alone limits the shear; 0 where either of them is none."""
-    if described.adhesion == 0.0:
+def friction_of(described, mixed=False):
+    """Coefficient of friction, inf where adhesion alone limits the shear; 0 where either of them is none. mixed: whether
+    some of the soil is no clay, which has friction whatever the adhesion."""
+    if described.adhesion == 0.0 and not mixed:
         return 0.0
     return described.friction if described.friction is not None else 0.0 if described.adhesion is None else np.inf
 
 
-def interface_of(described, cone):
-    """Interface of a body, None where its contact is that of friction alone."""
+def interface_of(described, cone, mixed=False):
+    """Interface of a body, None where its contact is that of friction alone. mixed: as in `friction_of`."""
     tension = {None: 0.0, "full": np.inf}.get(described.tension, described.tension)
-    if not described.adhesion and not tension:
+    adheres = described.adhesion is not None and (described.adhesion > 0.0 or mixed)
+    if not adheres and not tension:
         return None
-    adhesion = described.adhesion / cone_constants(0.0, 0.0, cone)[1] if described.adhesion else None
-    return Interface(adhesion, tension, rubs=bool(adhesion and described.friction))
+    adhesion = described.adhesion / cone_constants(0.0, 0.0, cone)[1] if adheres else None
+    return Interface(adhesion, tension, rubs=bool(adhesion and described.friction),
+                     elsewhere=0.0 if described.friction is None else np.inf)
 
 
 def _cover(surface, soil, rotation):

@@ -72,6 +72,20 @@ def test_friction(tmp_path, monkeypatch):
     assert along / across < 0.35
 
 
+def test_sand_under_the_clay_changes_nothing_along_a_body_that_does_not_reach_it(tmp_path):
+    """It left the body with friction alone: 23 % too much for a block that is pressed on clay."""
+    path = brick(tmp_path, 73e3, "friction = 0.9")
+    pure, _ = shear(path)
+    sand = """[[soil.layer]]
+name = "sand"
+top = -0.39
+law = "mohr-coulomb"
+material = { friction_angle = 35.0, dilation_angle = 5.0, cohesion = 1e3 }
+[[body]]"""
+    path.write_text(path.read_text().replace("[[body]]", sand, 1))
+    assert shear(path)[0] == pytest.approx(pure, rel=0.05)
+
+
 def test_adhesion(tmp_path, monkeypatch):
     path = brick(tmp_path, *HEAVY)
     assert shear(path)[0] == pytest.approx(ADHESION, rel=0.1)

@@ -69,7 +69,7 @@ SAND = Layer("sand", top=0.1, law="drucker-prager", material={"relative_density"
 @pytest.mark.parametrize("given, soil, limit", [
     ({"friction": 0.3}, {}, 1.0), ({"friction": 0.0}, {}, None), ({"friction": None}, {}, None),
     ({"friction": 0.3}, {"held": True}, None),
-    ({"friction": 0.3}, {"layers": (SAND,)}, None), ({"friction": 0.3, "adhesion": 0.5}, {}, 0.5)])
+    ({"friction": 0.3}, {"layers": (SAND,)}, 1.0), ({"friction": 0.3, "adhesion": 0.5}, {}, 0.5)])
 def test_friction_on_clay_is_limited_by_its_strength(given, soil, limit):
     """Not where nothing yields, where there is no s_u, or by the published method."""
     scene = soil_scene([replace(CUBE, **given)], **soil)

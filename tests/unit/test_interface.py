@@ -15,6 +15,9 @@ from hybrid.contact.contact_pair import ContactPair
 from hybrid.contact.cover import Cover
 from hybrid.contact.interface import Interface, PointLimits, place_limits
 from hybrid.contact.search import Reach
+from hybrid.laws.cone import merge
+from hybrid.laws.drucker_prager import DruckerPrager
+from hybrid.laws.hencky import Hencky
 from hybrid.laws.von_mises import VonMises
 from hybrid.runtime.data import GEOMETRY
 from hybrid.runtime.errors import SceneError
@@ -313,3 +316,19 @@ def test_adhesion_alone_needs_no_friction_and_no_adhesion_is_smooth():
         made = interface_of(described, "plane strain")
         assert friction_of(described) == mu and (made and made.adhesion) == adhesion
     assert interface_of(replace(Body("box.geo", 1.0), tension="full"), "compression").tension == np.inf
+    made = interface_of(Body("box.geo", 1.0, adhesion=0.0, friction=0.3), "plane strain", True)
+    assert made.adhesion == 0.0 and friction_of(Body("box.geo", 1.0, adhesion=0.0, friction=0.3), True) == 0.3
+
+
+@pytest.mark.parametrize("friction, elsewhere", [(0.3, np.inf), (None, 0.0)])
+def test_soil_that_is_no_clay_has_friction_alone(friction, elsewhere):
+    """Of points of clay, sand and rock; one in sand bears no clay's adhesion, and without friction there is no shear."""
+    young = np.full(1, 1e7)
+    law = merge([VonMises(young, 0.3, 2e4, "plane strain"), DruckerPrager(young, 0.3, 30.0, 0.0, 0.0, "plane strain"),
+                 Hencky(young, 0.3)], [np.array([0]), np.array([1]), np.array([2])])
+    assert law.undrained.tolist() == [True, False, False]
+    made = interface_of(Body("box.geo", 1.0, adhesion=0.5, friction=friction), "plane strain", True)
+    limits = made.of_points(law, np.zeros(3))
+    assert limits.shear == pytest.approx([1e4, elsewhere, elsewhere])
+    spread = interface._sheared(lambda values: np.full(3, values.sum()), limits.shear, np.array([2.0, 3.0, 4.0]))
+    assert spread == pytest.approx([2e4, elsewhere or 2e4, elsewhere or 2e4])
