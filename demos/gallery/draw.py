@@ -1,13 +1,15 @@
 """Draws the pictures of the gallery from what runs and studies have written: small PNG files, and one animation.
 
     .venv/bin/python demos/gallery/draw.py thumbnail out/anchor/soil_step_100.png demos/gallery/anchor.png
+    .venv/bin/python demos/gallery/draw.py figure out/ladder/columns.png demos/gallery/ladder.png
     .venv/bin/python demos/gallery/draw.py animation out/anchor demos/gallery/anchor.gif
 
-A thumbnail is the picture without its white border, 480 pixels wide at most, in as many colours as fit in 60 kB. The
-animation has a frame for each pair of soil_*.vtu and body_*.vtu in the folder of the run, with the same camera.
+A thumbnail is the picture without its white border, 480 pixels wide at most, in as many colours as fit in 60 kB; a figure,
+whose labels are to be read, 800 pixels and 150 kB. The animation has a frame for each pair of soil_*.vtu and body_*.vtu in the folder of the run, with the same camera.
 """
 
 import sys
+from functools import partial
 from pathlib import Path
 
 import meshio
@@ -18,18 +20,19 @@ from hybrid.output import picture_worker as worker
 from hybrid.output.figures import DIVERGING
 from hybrid.output.pictures import colour_limit
 
-WIDTH, COLOURS, LARGEST = 480, (256, 64, 16), 60_000     # width [pixels]; size of the file [bytes]
+COLOURS = 256, 64, 16
+THUMBNAIL, FIGURE = (480, 60_000), (800, 150_000)        # width [pixels]; size of the file [bytes]
 ANIMATED, FRAME, PAUSE = 640, 160, 1600     # width [pixels]; of one frame, and of the last one [ms]
 
 
-def thumbnail(picture, path):
-    """Write a small copy of `picture` to `path`."""
+def thumbnail(picture, path, width=THUMBNAIL[0], largest=THUMBNAIL[1]):
+    """Write a copy of `picture` at most `width` [pixels] wide and, by its colours, `largest` [bytes] to `path`."""
     image = Image.open(picture).convert("RGB")
     image = image.crop(ImageChops.difference(image, Image.new("RGB", image.size, "white")).getbbox())
-    image.thumbnail((WIDTH, WIDTH), Image.LANCZOS)
+    image.thumbnail((width, 4 * width), Image.LANCZOS)
     for colours in COLOURS:
         image.quantize(colours).save(path, optimize=True)
-        if Path(path).stat().st_size <= LARGEST:
+        if Path(path).stat().st_size <= largest:
             break
 
 
@@ -90,4 +93,5 @@ def cropped(images):
 
 if __name__ == "__main__":
     kind, given, path = sys.argv[1:]
-    {"thumbnail": thumbnail, "animation": animation}[kind](Path(given), path)
+    kinds = {"thumbnail": thumbnail, "figure": partial(thumbnail, width=FIGURE[0], largest=FIGURE[1]), "animation": animation}
+    kinds[kind](Path(given), path)
