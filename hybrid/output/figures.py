@@ -87,8 +87,9 @@ def trajectory(folder, path=None):
             height.plot(x[0], z[0], "o", color=colour, markerfacecolor="white")
             height.plot(x[-1], z[-1], "o", color=colour)
             turn.plot(x, pitch(history, name), color=colour)
-        _limits_at_least(height, 1e-3)
-        _limits_at_least(turn, 0.1)
+        _limits_at_least(height.get_ylim, height.set_ylim, 1e-3)
+        _limits_at_least(turn.get_ylim, turn.set_ylim, 0.1)
+        _limits_at_least(turn.get_xlim, turn.set_xlim, 1e-3)
         height.set_ylabel("height of centre $z$ [m]")
         turn.set_ylabel("rotation about $y$ [°]")
         turn.set_xlabel("position of centre $x$ [m]")
@@ -234,7 +235,7 @@ def picture(path, image, limit, label, caption="", extend="neither", ruler=None)
     model in pixels of the image.
     """
     rows, columns = image.shape[:2]
-    foot = 0.52  # height of the line below the image [in]
+    foot = 0.62  # height of the line below the image, with room for the ruler's text [in]
     height = PAGE * rows / columns
     with matplotlib.rc_context(STYLE):
         drawing = Figure(figsize=(PAGE, height + foot))
@@ -275,11 +276,11 @@ def _tick(value, limit):
     return "0" if value == 0 else text.replace("-", "\N{MINUS SIGN}")
 
 
-def _limits_at_least(axes, span):
-    """Keep round-off from being drawn as if it were motion: the y axis spans `span` or more."""
-    low, high = axes.get_ylim()
+def _limits_at_least(limits, set_limits, span):
+    """Keep round-off from being drawn as if it were motion: the axis with these `limits` spans `span` or more."""
+    low, high = limits()
     if high - low < span:
-        axes.set_ylim((low + high - span) / 2, (low + high + span) / 2)
+        set_limits((low + high - span) / 2, (low + high + span) / 2)
 
 
 def stage_starts(history):
