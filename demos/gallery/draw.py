@@ -5,7 +5,8 @@
     .venv/bin/python demos/gallery/draw.py animation out/anchor demos/gallery/anchor.gif
 
 A thumbnail is the picture without its white border, 480 pixels wide at most, in as many colours as fit in 60 kB; a figure,
-whose labels are to be read, 800 pixels and 150 kB. The animation has a frame for each pair of soil_*.vtu and body_*.vtu in the folder of the run, with the same camera.
+whose labels are to be read, 800 pixels and 150 kB. The animation has a frame for each pair of soil_*.vtu and body_*.vtu in
+the folder of the run, with the same camera.
 """
 
 import sys

@@ -4,6 +4,7 @@ Shape of README by its own rule: one minute to know what it is, five to a result
 """
 
 import re
+import struct
 import tomllib
 from pathlib import Path
 
@@ -18,7 +19,8 @@ from hybrid.scene.read import build_table
 ROOT = Path(__file__).parents[2]
 README = ROOT / "README.md"
 PAGES = [README, ROOT / "hybrid/FORMULATION.md", ROOT / "hybrid/DESIGN.md", *sorted((ROOT / "demos").rglob("*.md"))]
-LINES, THUMBNAIL, ANIMATION = 150, 60_000, 1_000_000     # of README; bytes of a picture of the gallery
+LINES, ALL, ANIMATION = 150, 1_000_000, 1_000_000        # of README; bytes of the gallery's pictures, of its animation
+FIGURE, DRAWING = 150_000, 60_000   # bytes of a picture of the gallery wide enough to be read, and of any other one
 
 
 def text(path):
@@ -88,9 +90,12 @@ def test_gallery_has_every_story():
 
 
 def test_pictures_of_the_gallery_are_small():
-    for path in (ROOT / "demos/gallery").iterdir():
-        if path.suffix in (".png", ".gif"):
-            assert path.stat().st_size <= (THUMBNAIL if path.suffix == ".png" else ANIMATION), path.name
+    pictures = list((ROOT / "demos/gallery").glob("*.png"))
+    for path in pictures:
+        wide = struct.unpack(">I", path.read_bytes()[16:20])[0] > 480
+        assert path.stat().st_size <= (FIGURE if wide else DRAWING), path.name
+    assert sum(path.stat().st_size for path in pictures) <= ALL
+    assert all(path.stat().st_size <= ANIMATION for path in (ROOT / "demos/gallery").glob("*.gif"))
 
 
 def test_script_of_the_pictures_uses_what_there_is():
