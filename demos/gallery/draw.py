@@ -94,5 +94,6 @@ def cropped(images):
 
 if __name__ == "__main__":
     kind, given, path = sys.argv[1:]
-    kinds = {"thumbnail": thumbnail, "figure": partial(thumbnail, width=FIGURE[0], largest=FIGURE[1]), "animation": animation}
+    figure = partial(thumbnail, width=FIGURE[0], largest=FIGURE[1])
+    kinds = {"thumbnail": thumbnail, "figure": figure, "animation": animation}
     kinds[kind](Path(given), path)

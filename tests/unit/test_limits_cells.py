@@ -237,6 +237,25 @@ def test_an_upright_cut_in_clay(size, ground, law, count):
                for text in warnings)
 
 
+@pytest.mark.parametrize("angle, across, low, high", [
+    (20, 12, 0.16, 0.20), (20, 24, 0.12, 0.14), (30, 12, 0.36, 0.40), (30, 24, 0.18, 0.22)])
+def test_the_law_of_cuts_in_soil_that_dilates_is_no_more_than_what_was_measured(angle, across, low, high):
+    """ψ = φ, over 3.83 c/γ tan(45° + φ/2); it flows from the lower share on and is lost from the higher one."""
+    assert 0.9 * low < (cells.CUT + cells.DILATING * angle) / across + 0.06 and (
+        cells.CUT + cells.DILATING * angle) / across < high + 0.06
+
+
+@pytest.mark.parametrize("dilation, percent", [(20.0, "38%"), (0.0, "13%")])
+def test_an_upright_cut_in_soil_with_friction(dilation, percent):
+    material = replace(clay.clay(18e3, 1800.0), law="mohr-coulomb", strength=None, cone=None, friction_angle=20.0,
+                       dilation_angle=dilation, cohesion=1e4)
+    grid = Grid(Axis(start=-4.0, end=4.0, size=0.5), Axis(start=0.0, end=1.0, collapsed=True),
+                Axis(start=-6.0, end=0.5, size=0.5), Faces(z_min="fixed"))
+    soil = Soil(material, top=0.0, ground=((0.0, 0.0), (0.001, -4.0)), geostatic=False)
+    text, = texts(cells.upright_cut, scene("cut", grid, soil, [], clay.Time(1.0, inertia=False), 9))
+    assert f"in soil with friction: the weight under which it stands is about {percent} too high" in text
+
+
 @pytest.mark.parametrize("depth, low, high", [(4, 1.12, 1.17), (6, 1.10, 1.13), (8, 1.07, 1.11), (12, 1.047, 1.05)])
 def test_the_law_of_wedges_is_what_was_measured(depth, low, high):
     """Smooth, 90 degrees, E = 500 and 2000 s_u, over 8.94 s_u times the depth (Hill, Lee & Tupper 1947)."""

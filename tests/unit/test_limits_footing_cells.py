@@ -64,6 +64,46 @@ def strip(size=0.125, half=0.5, gravity=WEIGHTLESS, material=(), loads=(), **tab
     return replace(described, stages=(replace(described.stages[0], loads=loads),))
 
 
+@pytest.mark.parametrize("n, found", [(8, 23.10), (12, 21.85)])
+def test_square_footings_have_the_law_of_strips(n, found):
+    """Rough, φ = ψ = 20°, weightless; 19.35 is what 4, 8 and 12 cells extrapolate to."""
+    assert found / 19.35 - 1 == pytest.approx(footing_cells.strip_excess(20, n), abs=0.02)
+
+
+def in_space(position=(0.0, 0.0, 0.0), gravity=WEIGHTLESS, size=0.2, material=(), **table):
+    """A quarter of a square plate of 1.6 m with eight cells in its width."""
+    values = {"law": "mohr-coulomb", "young": 2e7, "poisson": 0.3, "density": 1600.0, "friction_angle": 35.0,
+              "dilation_angle": 35.0, "cohesion": 1e4} | dict(material)
+    plate = body("box.geo", {"length": 1.6, "width": 1.6, "height": 0.4, "size": 20.0}, position=position,
+                 **PUSHED | {"velocity": (0.0, 0.0, -0.004)} | table)
+    side = Axis(0.0, 2.8, size)
+    return scene("plate", Grid(side, side, Axis(-4.0, 0.4, size)), Soil(Material(**values), top=0.0, geostatic=False),
+                 [plate], Time(1.0, inertia=False), 12, gravity)
+
+
+def asked(limit, described):
+    """Warnings of one limit about a Scene."""
+    simulation = build(described)
+    return list(limit(simulation.scene, simulation.model))
+
+
+def test_square_footings_and_plates_in_space():
+    text, = asked(footing_cells.cohesive_strips, in_space(friction=0.5))
+    assert "8 cells of 0.2 m wide" in text and "24% too high" in text
+    buried, sand = (0.0, 0.0, -3.6), {"gravity": (0.0, 0.0, -9.81), "material": {"cohesion": 50.0}}
+    text, = asked(footing_cells.lifted, in_space(buried, velocity=(0.0, 0.0, 0.006), **sand))
+    assert "8 cells of 0.2 m wide, 3.2 m under the ground: its load is about 19% too high" in text
+    assert not asked(footing_cells.lifted, in_space(buried, **sand))
+
+
+@pytest.mark.parametrize("n, found", [(6, 0.30), (8, 0.20)])
+def test_the_law_of_square_plates_lifted_out_of_sand_is_what_was_measured(n, found):
+    """H/B = 2, φ = ψ = 35°, over Murray & Geddes' bound."""
+    slope = 2.0 * footing_cells._slope(35.0, 35.0)
+    excess = footing_cells.IN_SPACE / n * (2.0 + 2.0 * slope) / (1.0 + 2.0 * slope + 4 / 3 * slope**2)
+    assert excess == pytest.approx(found, abs=0.055)
+
+
 def test_sand_of_a_relative_density_with_values_of_its_own():
     """Its weight and dilation are those of the density, and so is what is not given of its cohesion."""
     dense = {"law": "mohr-coulomb", "relative_density": 80.0, "young": 1e8}

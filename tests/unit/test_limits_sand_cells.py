@@ -158,6 +158,12 @@ def test_a_free_wall_beside_a_step_of_the_ground():
     assert not texts(sand_cells.retaining_walls, retaining(ground=((0.0, 0.0), (4.0, 0.0))))     # on level ground
 
 
+@pytest.mark.parametrize("cells, found", [(4, 376.8), (8, 280.3)])
+def test_the_law_of_square_footings_on_sand_is_what_was_measured(cells, found):
+    """[kPa] after 0.03 B, φ = 30°, ψ = 5°, 1.6 m wide; 14.75 γ B/2 = 185 kPa."""
+    assert found / 184.0 - 1.0 == pytest.approx(sand_cells.SQUARE / cells, abs=0.02)
+
+
 @pytest.mark.parametrize("cells, found", [(8, 28.0), (16, 24.0), (32, 20.6)])
 def test_the_law_of_footings_on_sand_is_what_was_measured(cells, found):
     """N_γ of a rough strip on associated sand of 30°, 14.75 (Martin 2005)."""

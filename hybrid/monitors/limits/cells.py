@@ -9,7 +9,8 @@
     the same under an eccentric load, plane strain        1 + 1.3/(n (1 - 2 e/B))    edges on lines of the grid or not
     the same where s_u grows by k with the depth          1 + 0.3 (k B/s_u)^0.65 times it, plane strain, k B/s_u to 5
     wedge of 90° pressed into it, smooth, plane strain    1 + 0.7/n          n cells in its depth under the ground
-    upright cut under its own weight, plane strain        1 + 1.05/n         n cells in its height
+    upright cut under its own weight, plane strain        1 + 1.05/n         n cells in its height;
+                                                                             1 + (1.05 + ψ/10°)/n where soil dilates
 
 Nodes at the edge of a face move with it, and the clay is sheared in the cell beyond (DESIGN, "The foot of a blade drags
 on the next nodes"). Those of sand are in `sand_cells`, of soil with cohesion and friction in `footing_cells`.
@@ -19,11 +20,14 @@ from collections import Counter
 
 import numpy as np
 
-from hybrid.monitors.limits.ways import (CLAY, EXCESS, STEEP, driven, faces, feet, heading, law_at, leads, loaded,
+from hybrid.monitors.limits.ways import (CLAY, EXCESS, SAND, STEEP, driven, faces, feet, heading, law_at, leads, loaded,
                                          material_at, narrowest, sides, step_of_ground, top_of)
 from hybrid.runtime.comm import maximum, minimum
 
 ATTACHED, ROUND, EDGE, CUT, WEDGE = 1.75, 1.5, 0.3, 1.05, 0.7
+# Cuts in soil with cohesion and friction over 3.83 c/γ tan(45° + φ/2): φ = ψ = 20°, 12 and 24 cells high, 16 to 20, 12 to
+# 14 %; 30°, 36 to 40 and 18 to 22 %; φ = 20°, ψ = 0, 12 cells, 8 to 14 %
+DILATING = 0.1      # for each degree of ψ
 # Of a strip at 30 and 45° to the grid: 14.1, 13.2 s_u B with 8, 16 cells, where 0 and 90° have 15.1, towards 12.2
 TURNED = 1.25
 # Round, two widths deep, α = 1: 14.6, 13.7, 13.1 s_u A with 4, 6, 8 cells pushed in, 12.7, 12.6, 12.3 lifted
@@ -126,17 +130,21 @@ def _is_wedge(body, place, way):
 
 
 def upright_cut(scene, model):
-    """Steps of the ground in clay with weight and without bodies, in plane strain, so few cells high that they stand
-    under too much gravity."""
+    """Steps of the ground in soil with cohesion and weight, without bodies, in plane strain, so few cells high that they
+    stand under too much gravity."""
     soil = model.soil
     if soil.held or scene.bodies or not np.any(scene.gravity) or soil.grid.collapsed.sum() != 1:
         return
     height, cell = step_of_ground(scene, soil), soil.grid.smallest_cell
-    foot = top_of(soil) - height + 0.5 * cell
-    if height > STEEP * cell and CUT * cell / height > EXCESS and law_at(scene, soil, foot) == CLAY:
-        yield (f"the ground has an upright step {height:.3g} m high, {height / cell:.2g} cells of {cell:.3g} m, in clay: "
-               f"the weight under which it stands is about {CUT * cell / height:.0%} too high, limit {EXCESS:.0%}. Use "
-               f"cells of at most {EXCESS / CUT * height:.2g} m")
+    material = material_at(scene, soil, top_of(soil) - height + 0.5 * cell)
+    if height <= STEEP * cell or material.law not in (CLAY, *SAND):
+        return
+    number = CUT + (0.0 if material.law == CLAY else DILATING * (material.dilation_angle or 0.0))
+    if number * cell / height > EXCESS:
+        kind = "clay" if material.law == CLAY else "soil with friction"
+        yield (f"the ground has an upright step {height:.3g} m high, {height / cell:.2g} cells of {cell:.3g} m, in {kind}: "
+               f"the weight under which it stands is about {number * cell / height:.0%} too high, limit {EXCESS:.0%}. Use "
+               f"cells of at most {EXCESS / number * height:.2g} m")
 
 
 def _attached(scene, model, body, way, place, _):

@@ -1,5 +1,5 @@
-"""Strips on soil with cohesion and friction, and plates and pipes lifted out of sand, that few cells make too strong, in
-plane strain (demos/random/README.md, "By cells").
+"""Footings on soil with cohesion and friction, and plates and pipes lifted out of sand, that few cells make too strong
+(demos/random/README.md, "By cells").
 
 Strips pushed straight down, weightless, ψ = φ, E = 10⁵ c:
 
@@ -30,6 +30,8 @@ excess over that is (2 + ψ/φ)/3 of the one above, without a rise where ψ = 0.
 | 30°, 15°   | 23, 33     |            |
 | 10°, 0     | 9, 9       |            |
 
+Square ones have the same law: N_c = 27.1, 23.1, 21.9 with 4, 8, 12 cells at φ = ψ = 20°, towards 19.4, so 40, 19, 13 %.
+
 Unlike on clay (`cells`) it does not matter whether the edges lie on lines of the grid: moved by a quarter of a cell, 12.2
 and 15.7 % with 15.5 cells, φ = 20 and 30°. What the weight of sand carries is in `sand_cells`.
 
@@ -49,6 +51,9 @@ H/B = 2):
 | 2, 30°, 0   | 49    | 18 | 14 |
 | 1, 30°, 0   |       | 21 |    |
 
+In space a plate of B by L seems only two cells wider, over γ (H B L + s H² (B + L) + 4/3 s² H³): squares at φ = ψ = 35°,
+H/B = 2, have 30, 20 % over Murray & Geddes' bound with 6, 8 cells.
+
 Pipes seem two cells wider likewise, H the depth of their axis: over γ (H D + s H² - π D²/8), after 4 to 30 mm, as much
 smooth as with friction. φ = 36°, ψ = 6°: H/D = 1.75 with n = 8, 16: 19 to 26, 12 to 16; 1: 16 to 25; 2.5: 14 to 27; 1.25,
 n = 12: 15; φ = 30°, ψ = 0, H/D = 1.75, n = 8: 10 to 20.
@@ -61,7 +66,7 @@ from hybrid.monitors.limits.ways import EXCESS, SAND, driven, facing, loaded, ma
 
 COHESION, FRICTION, ORDER = 0.41, 0.0215, 0.75      # FRICTION: for each degree of φ
 REACHED, RISING, FARTHEST = 8.0, 0.3, 35.0          # w E/(B c N_c) of those, power of the rise, largest that was measured
-LIFTED, PIPE = 3.0, 2.0     # cells that a plate, or a pipe, lifted out of sand seems wider
+LIFTED, PIPE, IN_SPACE = 3.0, 2.0, 2.0  # cells that a plate, a pipe, a plate in space lifted out of sand seem wider
 DEEPEST = 4.0           # widths: deeper plates let sand flow around them
 SMOOTH = 0.65           # of the excess, where the base is smooth
 SHALLOW = 1.0           # widths under the ground: what goes deeper is no footing
@@ -69,10 +74,10 @@ COHESIVE = 0.025        # of γ B: from this cohesion on it carries a tenth of w
 
 
 def cohesive_strips(scene, model):
-    """Strips pressed on soil with cohesion and friction, so few cells wide that what cohesion carries is too much by
+    """Footings pressed on soil with cohesion and friction, so few cells wide that what cohesion carries is too much by
     EXCESS."""
     soil = model.soil
-    if soil.held or soil.grid.collapsed.sum() != 1:
+    if soil.held or soil.grid.collapsed.sum() > 1 or soil.grid.collapsed[2]:
         return
     cell = soil.grid.smallest_cell
     pushed = [(*found, found[1]) for found in driven(scene, model)]
@@ -105,10 +110,11 @@ def _strip(body, width, cell, material, way):
 
 
 def lifted(scene, model):
-    """Plates and pipes driven up, or that forces of a stage lift, out of sand in plane strain, so few cells wide that
+    """Plates and, in plane strain, pipes driven up, or that forces of a stage lift, out of sand, so few cells wide that
     their load is too high by EXCESS."""
     soil = model.soil
-    if soil.held or soil.grid.collapsed.sum() != 1 or scene.gravity[2] >= 0.0:
+    in_space = not soil.grid.collapsed.any()
+    if soil.held or not in_space and soil.grid.collapsed.sum() != 1 or scene.gravity[2] >= 0.0:
         return
     cell = soil.grid.smallest_cell
     for body, way, place, plane in [*driven(scene, model), *(found[:4] for found in loaded(scene, model))]:
@@ -117,7 +123,10 @@ def lifted(scene, model):
             continue
         material, depth = material_at(scene, soil, top + 0.5 * cell), top_of(soil) - top + (not plane) * 0.5 * width
         if material.law in SAND and depth <= DEEPEST * width * (1 + 1e-6):
-            yield from _lifted(body, width, depth, cell, material, plane)
+            if in_space and plane:
+                yield from _lifted_in_space(body, np.ptp(place, axis=0)[:2], depth, cell, material)
+            elif not in_space:
+                yield from _lifted(body, width, depth, cell, material, plane)
 
 
 def _lifted(body, width, depth, cell, material, plane):
@@ -132,6 +141,18 @@ def _lifted(body, width, depth, cell, material, plane):
                f"under the ground: its load is about {excess:.0%} too high, limit {EXCESS:.0%}, over {over}, that of a "
                f"{what} {wider:g} cells wider. Use cells of at most {EXCESS / excess * cell:.2g} m at it, or "
                "extrapolate two sizes of cells to none")
+
+
+def _lifted_in_space(body, sides, depth, cell, material):
+    """Text, if any, about a plate with `sides` (2,) [m] whose top is at a `depth` [m] in a Material."""
+    slope, around = _slope(material.friction_angle, material.dilation_angle or 0.0), sides.sum()
+    resting = sides.prod() + slope * depth * around + 4 / 3 * (slope * depth) ** 2
+    excess = IN_SPACE * cell * (around + 2.0 * slope * depth) / resting
+    if excess > EXCESS:
+        yield (f"{body.name} is lifted out of sand and is {sides.min() / cell:.2g} cells of {cell:.3g} m wide, {depth:.3g} "
+               f"m under the ground: its load is about {excess:.0%} too high, limit {EXCESS:.0%}, that of a plate "
+               f"{IN_SPACE:g} cells wider. Use cells of at most {EXCESS / excess * cell:.2g} m at it, or extrapolate two "
+               "sizes of cells to none")
 
 
 def _slope(friction, dilation):
