@@ -70,6 +70,7 @@ LIFTED, PIPE, IN_SPACE = 3.0, 2.0, 2.0  # cells that a plate, a pipe, a plate in
 DEEPEST = 4.0           # widths: deeper plates let sand flow around them
 SMOOTH = 0.65           # of the excess, where the base is smooth
 SHALLOW = 1.0           # widths under the ground: what goes deeper is no footing
+DEEP = 1.5              # widths under a footing, where clay decides what it carries
 COHESIVE = 0.025        # of γ B: from this cohesion on it carries a tenth of what the weight does (φ = 30°)
 
 
@@ -88,6 +89,8 @@ def cohesive_strips(scene, model):
         lid = covers(place, soil.constants, soil.grid)
         if not plane or lid or way[2] >= 0.0 or bottom < top_of(soil) - SHALLOW * width:
             continue
+        if material_at(scene, soil, max(bottom - DEEP * width, soil.grid.extent[2, 0])).law not in SAND:
+            continue        # the base is punched through into clay
         if _cohesive(scene, material, width):
             yield from _strip(body, width, cell, material, -moved[2])
 
