@@ -31,8 +31,8 @@ class Support:
     @classmethod
     def at_start(cls, step, length):
         """Support in a step of `length` [s] whose first increment is `step`; None where its bodies are in balance, or where
-        others than the soil bear them: inertia, joints, bodies."""
-        if step.model.scheme.inertia or step.joints or step.pairs:
+        others than the soil bear them, or may: inertia, joints, bodies near enough to touch."""
+        if step.model.scheme.inertia or step.joints or step.pairs and step.pairs.near:
             return None
         gravity, displacement = step.model.loads.on_bodies(step.state.time), step.at_rest().displacement
         terms = [body.at_start(displacement, gravity) for body in step.bodies]

@@ -12,7 +12,7 @@ from hybrid.setup.build import build
 from hybrid.step import increments
 from hybrid.step.support import Support, _out_of_balance, work_of_support
 from hybrid.step.workspace import Workspace
-from hybrid.study.scenes import sphere
+from hybrid.study.scenes import box, sphere
 
 DENSITY, RADIUS = 4000.0, 0.45
 SMALLEST = 0.1      # [s]: shortest increment, with which the ball finds its place
@@ -34,6 +34,15 @@ def test_it_has_no_solution_without_support(monkeypatch):
     monkeypatch.setattr(increments.Support, "at_start", lambda step, length: None)
     with pytest.raises(StepError, match="step 1 failed"):
         list(build(replace(BALL, time=replace(BALL.time, smallest=SMALLEST))).steps())
+
+
+@pytest.mark.parametrize("height, supported", [(3.0, True), (1.0, False)])
+def test_another_body_takes_the_support_away_only_where_it_may_touch(height, supported):
+    """A box held over the ball, whose top is at 0.9 m; the weight of the ball may rest on a body near it."""
+    lid = box(0.2, 0.2, 0.1, size=20.0, position=(0.0, 0.0, height), held=("x", "y", "z", "rx", "ry", "rz"), name="lid")
+    simulation = build(replace(BALL, bodies=(*BALL.bodies, lid)))
+    step = increments.begin(simulation.model, simulation.state, 0.25, True, Workspace(simulation.model))
+    assert (Support.at_start(step, 1.0) is not None) == supported
 
 
 @pytest.mark.parametrize("force, moment, out", [(0.0, 0.0, False), (2.0, 0.0, True), (0.0, 0.2, False), (0.0, 1.2, True)])
