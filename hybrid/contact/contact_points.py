@@ -149,10 +149,10 @@ def _of_history(history, collapsed, body, surface, farthest):
 
 def _bond(found, domains, body, surface, sharp):
     """Bond contact points `found` {name: values} that lie before the faces of the body's surface, not beside its edges, and
-    close to it: their springs start without force. sharp: of PointLimits."""
+    close to it: their springs start without force. Those that touch already stay as they are. sharp: of PointLimits."""
     y, normal = (found["position"] - body.position) @ body.rotation, found["normal"] @ body.rotation
     close = np.abs(found["clearance"]) <= ATTACHED * domains.half[found["point"]].min(axis=1)
-    close &= lie_before(y, normal, surface.tree)
+    close &= lie_before(y, normal, surface.tree) & ~found["touching"]
     close[close] = on_faces(found["position"][close], found["normal"][close], body, surface, sharp)
     found["touching"] |= close
     found["rest"] = np.where(close, np.maximum(found["clearance"], 0.0), found["rest"])

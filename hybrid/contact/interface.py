@@ -125,7 +125,7 @@ def place_limits(limits, found, area, domains, places, body, surface, extent=EVE
     if limits.shear is not None:
         shear = _sheared(borne, limits.shear[found["point"]], own)
     if limits.rubs:     # a point that closes takes load off others: it has friction before adhesion is shared anew
-        shear = np.where(found["touching"], shear, limits.shear[found["point"]] * area)
+        shear = np.where(found["touching"], shear, _sheared(lambda alone: alone, limits.shear[found["point"]], area))
     if bonds:       # a bond holds whatever presses
         opened, bonded = found["opened"], found["touching"] & (own > 0.0)
         bonded[bonded] = on_faces(*(found[name][bonded] for name in ("position", "normal")), body, surface, limits.sharp)

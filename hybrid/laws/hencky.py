@@ -25,6 +25,11 @@ class Hencky:
         self.parameters = np.column_stack([young / (3 * (1 - 2 * poisson)), young / (2 * (1 + poisson))])
 
     @property
+    def undrained(self):
+        """(n,) bool, points of clay: none of elastic soil."""
+        return np.zeros(len(self.parameters), bool)
+
+    @property
     def rows(self):
         """(n, 1 + k) Young's modulus and parameters of each point."""
         return np.column_stack([self.young, self.parameters])

@@ -60,9 +60,8 @@ class InitialImbalance:
         the first step may have none."""
         if self.share > FAR and self.stressed and self.period is not None:
             yield (f"initial imbalance: {self}, is not balanced at the start, limit {FAR:.0%}, and without inertia soil "
-                   f"that yields may find no equilibrium in the first step. {self._cause()} Soil that lies on bodies does "
-                   "not press on them yet. Set soil.geostatic = false, and turn gravity on in a first stage, "
-                   "stage.gravity = [0.0, 1.0]")
+                   f"that yields may find no equilibrium in the first step. {self._cause()} Set soil.geostatic = "
+                   "false, and turn gravity on in a first stage, stage.gravity = [0.0, 1.0]")
 
     def _too_long(self, length):
         """About steps of `length` [s] that do not resolve the swing, so that plastic flow depends on them."""

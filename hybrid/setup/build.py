@@ -18,7 +18,7 @@ from hybrid.setup.body_contact import build_pairs, refuse_overlap_of_bodies
 from hybrid.setup.contact import connect_to_soil
 from hybrid.setup.grid import axis_nodes, build_grid
 from hybrid.setup.ground import lower_to_ground
-from hybrid.setup.in_place import put_in_place, starts_inside
+from hybrid.setup.in_place import flush_contacts, put_in_place, starts_inside
 from hybrid.setup.joints import build_joints, refuse_velocities
 from hybrid.setup.line_soil import line_through_soil
 from hybrid.setup.rolling import with_soft_springs
@@ -93,6 +93,7 @@ def _put_together(scene, decisions, accuracy, body_force, law):
         soil, points, contacts, taken = put_in_place(
             soil, points, *([one if there else None for one, there in zip(items, inside)] for items in (bodies, motions)))
         bodies = [with_stiffness(body, soil.law.young, soil.held) for body in bodies]
+    contacts = flush_contacts(soil, points, bodies, motions, contacts)
     pairs, touching = build_pairs(scene, bodies, motions, joints, grid, gravity)
     scene, bodies, decisions = with_soft_springs(scene, bodies, motions, decisions)
     model = Model(soil, tuple(bodies), build_scheme(scene.time), loads, scene.solver, joints, pairs)

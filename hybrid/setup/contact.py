@@ -53,6 +53,8 @@ def connect_to_soil(described, body, rotation, soil, gravity, cone):
     cone: soil.material.cone. Raises SceneError."""
     body = in_slice(body, soil.grid, rotation)
     chosen, spacing, radius = _places(described, body, rotation, soil, gravity)
+    if described.adhesion is not None and not anywhere(soil.law.undrained):     # there is no clay in the grid
+        described = replace(described, adhesion=None)
     mixed = described.adhesion is not None and anywhere(~soil.law.undrained)
     interface, sharp = interface_of(described, cone, mixed), body.surface
     if not (soil.held or chosen.at_corners or _carried(body, soil, gravity)):

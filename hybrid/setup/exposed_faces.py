@@ -1,4 +1,5 @@
-"""Contact points on the faces of soil that a body in place has exposed, from the start in equilibrium with it.
+"""Contact points on the faces of soil that a body in place has exposed, or that end at a body without a cut, such as behind
+a wall, from the start in equilibrium with it.
 
 The ends of the boxes that a cut leaves follow the body in steps. Contact points on faces that the cut has exposed therefore
 start at the surface of the body itself, overlapping it by what gives the pressure of the soil that was there,
@@ -19,28 +20,32 @@ from hybrid.setup.cut_boxes import Boxes, chunks, in_frame
 from hybrid.state import ContactHistory
 
 OUTSIDE = 1e-3      # of a half-width: distance from a face at which it is seen what covers it
+FLUSH = 1e-3        # half diagonals of a box, within which it ends at a body
+NOTHING = 1e-6      # of the largest stress there: round-off of the pressure at the top of the soil
 AROUND = 6.0        # half diagonals of the largest box near a body: no box that covers a face near it is farther from it
 
 
-def first_contact_points(body, motion, soil, stress, before, boxes):
+def first_contact_points(body, motion, soil, stress, before, boxes, flush=False):
     """ContactHistory of the contact points on faces exposed by the cut, touching the body with the stress of the soil.
 
-    stress: (n, 3) [Pa], principal, of the points of `boxes`; before: Boxes of the soil without the body.
+    stress: (n, 3) [Pa], principal, of the points of `boxes`; before: Boxes of the soil without the body; flush: of points on
+    faces that end at the surface of the body without a cut, such as those of soil behind a wall, and bear a pressure there.
     """
     collapsed, places = soil.grid.collapsed, body.places
     near = _close(boxes, body, motion, collapsed)
     reach = AROUND * largest(_radii(before[boxes.parent[near]], collapsed))
     old, new = (_Cells(_of_all(each, reach, body, motion, soil.grid), soil.grid) for each in (before, boxes))
     face = places.normal[np.arange(len(places)) // places.offset.shape[1]]
-    found = []
+    found = [(np.zeros(0, int), np.zeros(0, int), *np.zeros((2, 0, 3)))]
     for ids in chunks(near, len(places)):
         point, number = np.repeat(ids, len(places)), np.tile(np.arange(len(places)), len(ids))
         place = boxes.position[point] + places.flat[number] * boxes.half[point]
         beyond = place + OUTSIDE * face[number] * boxes.half[point]
-        exposed = np.flatnonzero(old.contain(beyond) & ~new.contain(beyond))
+        exposed = np.flatnonzero(~new.contain(beyond) & (True if flush else old.contain(beyond)))
         point, number, y = point[exposed], number[exposed], in_frame(place[exposed], motion, collapsed)
         distance, normal = distances(y, body.surface)
-        reached = np.abs(distance) < 2 * np.linalg.norm(np.where(collapsed, 0.0, before.half[boxes.parent[point]]), axis=1)
+        size = np.linalg.norm(np.where(collapsed, 0.0, before.half[boxes.parent[point]]), axis=1)
+        reached = np.abs(distance) < (FLUSH if flush else 2.0) * size
         in_space = normal @ motion.rotation.T
         stay = np.flatnonzero((places.facing(number, in_space) > 0.0) & reached)
         foot = np.empty((len(stay), 3))
@@ -50,8 +55,10 @@ def first_contact_points(body, motion, soil, stress, before, boxes):
         if soil.constants.geostatic_gradient is not None:
             rise = motion.position[2] + foot @ motion.rotation[2] - boxes.position[point, 2]
             principal = principal + soil.constants.geostatic_gradient[point] * rise[:, None]
-        squeezed = np.maximum(0.0, -np.einsum("ci,ci->c", in_space**2, principal)) / body.contact_pressure[point]
-        found.append((point, number, foot - squeezed[:, None] * normal[stay], normal[stay]))
+        pressure = np.maximum(0.0, -np.einsum("ci,ci->c", in_space**2, principal))
+        bears = slice(None) if not flush else pressure > NOTHING * np.abs(principal).max(axis=1)
+        squeezed = pressure / body.contact_pressure[point]
+        found.append([each[bears] for each in (point, number, foot - squeezed[:, None] * normal[stay], normal[stay])])
     point, number, y, side = (np.concatenate(column) for column in zip(*found))
     order = np.lexsort((number, point))
     y, side = y[order], side[order]

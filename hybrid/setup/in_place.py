@@ -102,6 +102,17 @@ def put_in_place(soil, points, bodies, motions):
     return soil, points, histories, taken
 
 
+def flush_contacts(soil, points, bodies, motions, contacts):
+    """`contacts`, a ContactHistory of each body, with the contact points of soil that ends at the surface of bodies without
+    any, and presses on them as it is at rest (FORMULATION (54))."""
+    stress = np.einsum("nii->ni", points.stress)
+    if soil.held or soil.basis != "gimp" or not anywhere(stress):
+        return contacts
+    boxes = _boxes(points)
+    return [history if body.places.at_corners or anywhere([len(history.point)]) else first_contact_points(
+        body, motion, soil, stress, boxes, boxes, flush=True) for body, motion, history in zip(bodies, motions, contacts)]
+
+
 def _taken(body, motion, soil, boxes, left, inside, cut):
     """Taken of a body that leaves the Boxes `left` of `boxes`; inside, cut: as of `cut_out`."""
     density = soil.constants.mass / soil.constants.volume

@@ -21,7 +21,7 @@ from hybrid.laws.hencky import Hencky
 from hybrid.laws.von_mises import VonMises
 from hybrid.runtime.data import GEOMETRY
 from hybrid.runtime.errors import SceneError
-from hybrid.scene import Axis, Body, Faces, Grid, Material, Pull, Scene, Soil, Stage, Time
+from hybrid.scene import Axis, Body, Faces, Grid, Layer, Material, Pull, Scene, Soil, Stage, Time
 from hybrid.scene.file import validate
 from hybrid.setup import contact
 from hybrid.setup.build import build
@@ -31,8 +31,9 @@ from hybrid.state import ContactHistory
 SHEAR = 2e3     # [Pa]
 
 
-def pair_of(surface, height, history=None, tension=0.0, shear=SHEAR, sharp=None):
-    """Grid and ContactPair of a body whose centre is `height` above a flat bed of 0.8 m x 0.8 m; sharp: as in Interface."""
+def pair_of(surface, height, history=None, tension=0.0, shear=SHEAR, sharp=None, begins=None):
+    """Grid and ContactPair of a body whose centre is `height` above a flat bed of 0.8 m x 0.8 m; sharp: as in Interface;
+    begins: whether the run does, left out: without history."""
     grid, position, half = bed()
     body = SimpleNamespace(surface=surface, friction=np.inf, tangential=0.5, places=rules.faces(4), free=np.ones(6, bool),
                            contact_pressure=np.full(len(position), PRESSURE))
@@ -40,7 +41,7 @@ def pair_of(surface, height, history=None, tension=0.0, shear=SHEAR, sharp=None)
     limits = PointLimits(np.full(len(position), shear), tension, sharp)
     pair = ContactPair(body, body_at(*pose), history or ContactHistory.empty(), domains_of(position, half), grid,
                        np.ones(grid.node_count, bool), Reach(0.05, 0.0), (np.zeros((grid.node_count, 3)), pose), limits,
-                       begins=history is None)
+                       begins=history is None if begins is None else begins)
     return grid, pair
 
 
@@ -58,6 +59,19 @@ def steps_of(surface, heights, tension):
 
 PLATE = box(half=(0.2, 0.2, 0.1))       # 16 whole domains of 0.1 m x 0.1 m
 STIFF = PRESSURE * 0.16                 # [N/m]
+
+
+def test_points_that_touch_already_are_not_bonded_anew_when_the_run_begins():
+    """Such as those with which the soil has settled: they keep the gap at which their springs have no force."""
+    grid, pair = pair_of(PLATE, 0.101, tension=np.inf)
+    still = np.zeros((grid.node_count, 3))
+    history = pair.commit(pair.evaluate(still, (np.array([0.4, 0.4, 0.1005]), np.eye(3))), still)
+    assert history.touching.any() and history.rest[history.touching] == pytest.approx(1e-3)
+    _, pair = pair_of(PLATE, 0.1005, history, np.inf, begins=True)
+    touching = pair.points.touching
+    assert touching.sum() >= history.touching.sum() and pair.points.rest[touching].max() == pytest.approx(1e-3)
+    known = np.isin(id_of(pair.points), id_of(history)[history.touching])
+    assert pair.points.rest[known] == pytest.approx(1e-3)
 
 
 def test_the_area_of_flat_contact_is_that_of_the_body():
@@ -332,3 +346,19 @@ def test_soil_that_is_no_clay_has_friction_alone(friction, elsewhere):
     assert limits.shear == pytest.approx([1e4, elsewhere, elsewhere])
     spread = interface._sheared(lambda values: np.full(3, values.sum()), limits.shear, np.array([2.0, 3.0, 4.0]))
     assert spread == pytest.approx([2e4, elsewhere or 2e4, elsewhere or 2e4])
+    with np.errstate(invalid="raise"):      # no area, and no limit
+        alone = interface._sheared(lambda values: values, limits.shear, np.zeros(3))
+    assert alone == pytest.approx([0.0, elsewhere, elsewhere])
+
+
+@pytest.mark.parametrize("given", [{"friction": 0.5}, {"adhesion": 0.5}, {"adhesion": 0.5, "friction": 0.5}])
+def test_clay_that_no_point_has_gives_no_adhesion(given):
+    """soil.material is clay, and a layer of rock all of the soil."""
+    axis = Axis(0.0, 1.0, 0.5)
+    rock = Layer("rock", law="hencky", material={"young": 1e9, "poisson": 0.3})
+    clay = Material(law="von-mises", young=1e7, poisson=0.49, density=1800.0, strength=1e4)
+    block = Body(GEOMETRY / "box.geo", 2000.0, rest_on=0.0, position=(0.5, 0.5, 0.0), **given,
+                 parameters={"length": 0.5, "width": 0.5, "height": 0.5, "size": 5.0})
+    body, = build(Scene(name="rock", grid=Grid(axis, axis, Axis(-1.0, 1.0, 0.5)), soil=Soil(clay, top=0.0, layers=(rock,)),
+                        bodies=(block,), time=Time(0.01), stages=(Stage("rest", 1),))).model.bodies
+    assert body.interface is None and body.friction == given.get("friction", 0.0)

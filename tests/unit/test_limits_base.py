@@ -2,6 +2,7 @@
 
 import pytest
 
+from hybrid.monitors.limits import base
 from hybrid.monitors.limits.base import body_on_base
 from hybrid.runtime.data import GEOMETRY
 from hybrid.scene import Axis, Body, Faces, Grid, Layer, Load, Material, Scene, Soil, Stage, Time
@@ -52,6 +53,43 @@ ROCK = {"law": "hencky", "young": 1e9, "poisson": 0.3, "density": 1.0}
 def test_a_wall_on_a_harder_layer_is_reported(foot, below, reported):
     found = notes(foot, below=below)
     assert len(found) == reported and all("harder layer rock, limit 0.5 cells" in text for text in found)
+
+
+SAND = {"law": "mohr-coulomb", "young": 2e7, "poisson": 0.3, "density": 1.0, "friction_angle": 30.0, "dilation_angle": 0.0,
+        "cohesion": 0.0}
+
+
+@pytest.mark.parametrize("above, below, harder", [
+    (CLAY, ROCK, True), (SAND, ROCK, True), (ROCK, ROCK, False), (ROCK, CLAY, False),
+    (SAND, SAND, False), ({**SAND, "cohesion": 1e3}, {**SAND, "cohesion": 4e3}, True),
+    ({**SAND, "cohesion": 1e3}, {**SAND, "cohesion": 4e3, "friction_angle": 20.0}, False),
+    (CLAY, SAND, False), (SAND, CLAY, False), (CLAY, {**CLAY, "strength": 4 * STRENGTH}, True),
+    ({**CLAY, "strength": 1e3, "strength_gradient": 20e3}, CLAY, False)])
+def test_soil_is_harder_that_does_not_yield_or_is_four_times_as_strong(above, below, harder):
+    """2 m under the top of the upper one."""
+    assert base._harder(Material(**below), Material(**above), 2.0) == harder
+
+
+def test_rock_is_harder_wherever_it_is_written():
+    """As a layer under clay, or as the soil itself under a layer of clay."""
+    under, over = layer_of(ROCK, "rock", top=-DEPTH), layer_of(CLAY, "clay", bottom=-DEPTH)
+    assert base_of(Soil(Material(**CLAY), top=0.0, geostatic=False, layers=(under,))) == "rock"
+    assert base_of(Soil(Material(**ROCK), top=0.0, geostatic=False, layers=(over,))) == "soil"
+
+
+def layer_of(values, name, **ends):
+    values = dict(values)
+    return Layer(name, **ends, law=values.pop("law"), material=values)
+
+
+def base_of(soil):
+    """Name of the harder layer of a soil of 3 m."""
+    grid = Grid(Axis(0.0, 1.0, 0.5), Axis(0.0, 1.0, collapsed=True), Axis(-3.0, 0.5, 0.5))
+    simulation = build(Scene(name="soil", grid=grid, soil=soil, gravity=(0.0, 0.0, 0.0), time=Time(1.0, inertia=False),
+                             stages=(Stage("rest", 1),)))
+    (height, name, _), = base._bases(simulation.scene, simulation.model)
+    assert height == -DEPTH
+    return name.removeprefix("harder layer ")
 
 
 def test_a_wall_that_moves_away_from_the_soil_on_a_harder_layer_is_not_reported():

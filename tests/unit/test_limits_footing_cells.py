@@ -94,6 +94,9 @@ def test_square_footings_and_plates_in_space():
     text, = asked(footing_cells.lifted, in_space(buried, velocity=(0.0, 0.0, 0.006), **sand))
     assert "8 cells of 0.2 m wide, 3.2 m under the ground: its load is about 19% too high" in text
     assert not asked(footing_cells.lifted, in_space(buried, **sand))
+    quarter = in_space((0.4, 0.4, -3.4), velocity=(0.0, 0.0, 0.006), **sand)
+    part = replace(quarter.bodies[0], parameters={"length": 0.8, "width": 0.8, "height": 0.4, "size": 20.0})
+    assert asked(footing_cells.lifted, replace(quarter, bodies=(part,))) == [text]
 
 
 @pytest.mark.parametrize("n, found", [(6, 0.30), (8, 0.20)])

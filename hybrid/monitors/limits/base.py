@@ -20,9 +20,9 @@ after 0.02 of its height. A pipe of 8 cells on rock, pushed through clay: 5 time
 import numpy as np
 
 from hybrid.monitors.limits.contact import initial_vertices, way_along
-from hybrid.monitors.limits.ways import material_at
+from hybrid.monitors.limits.ways import CLAY, material_at
 from hybrid.runtime.comm import anywhere
-from hybrid.scene.soil import span
+from hybrid.scene.soil import ends, span
 
 CLEAR = 0.5     # cells between a body and the fixed base: from there on the force is right to 2 %
 HARDER = 4.0    # times the strength of the soil above, from which on a layer is nearly as good as fixed
@@ -51,18 +51,26 @@ def _bases(scene, model):
     grid, soil = model.soil.grid, scene.soil
     if scene.grid.faces.z_min == "fixed":
         yield grid.extent[2, 0], "fixed base of the grid", -float("inf")
-    for layer in soil.layers:
-        _, top = span(layer, soil, scene.grid)
-        below, above = (material_at(scene, model.soil, top + side * 0.5 * grid.smallest_cell) for side in (-1, 1))
-        if _strength(below) >= HARDER * _strength(above):
-            yield top, f"harder layer {layer.name}", -CLEAR
+    spans = {layer.name: span(layer, soil, scene.grid) for layer in soil.layers}
+    for height in sorted({end for pair in spans.values() for end in pair}):
+        below, above = (material_at(scene, model.soil, height + side * 1e-6 * grid.smallest_cell) for side in (-1, 1))
+        tops = [ends(soil, scene.grid)[1], *(top for bottom, top in spans.values() if bottom <= height < top)]
+        if _harder(below, above, min(tops) - height):
+            name = next((name for name, (bottom, top) in spans.items() if bottom < height <= top), "soil")
+            yield height, f"harder layer {name}", -CLEAR
 
 
-def _strength(material):
-    """Shear strength [Pa] of a material without pressure; inf of one that does not yield."""
-    if material.law == "hencky":
-        return float("inf")
-    return material.strength or material.cohesion or 0.0
+def _harder(below, above, depth):
+    """Whether one Material is nearly as good as fixed beside the other, whose top is a `depth` [m] above: it does not yield,
+    or has HARDER times the strength without pressure at no less friction."""
+    if "hencky" in (below.law, above.law):
+        return above.law != "hencky"
+    if (below.law == CLAY) != (above.law == CLAY):
+        return False        # one of them has its strength by the pressure
+    if below.law == CLAY:
+        return below.strength >= HARDER * (above.strength + (above.strength_gradient or 0.0) * depth)
+    stronger = bool(above.cohesion) and below.cohesion >= HARDER * above.cohesion
+    return stronger and below.friction_angle >= above.friction_angle
 
 
 def _text(body, base, foot, cell):

@@ -137,7 +137,7 @@ def upright_cut(scene, model):
         return
     height, cell = step_of_ground(scene, soil), soil.grid.smallest_cell
     material = material_at(scene, soil, top_of(soil) - height + 0.5 * cell)
-    if height <= STEEP * cell or material.law not in (CLAY, *SAND):
+    if height <= STEEP * cell or material.law not in (CLAY, *SAND) or material.law in SAND and not material.cohesion:
         return
     number = CUT + (0.0 if material.law == CLAY else DILATING * (material.dilation_angle or 0.0))
     if number * cell / height > EXCESS:

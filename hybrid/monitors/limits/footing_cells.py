@@ -62,7 +62,8 @@ n = 12: 15; φ = 30°, ψ = 0, H/D = 1.75, n = 8: 10 to 20.
 import numpy as np
 
 from hybrid.monitors.limits.contact import covers
-from hybrid.monitors.limits.ways import EXCESS, SAND, driven, facing, loaded, material_at, narrowest, top_of
+from hybrid.monitors.limits.sand_cells import clay_under
+from hybrid.monitors.limits.ways import EXCESS, SAND, driven, facing, loaded, material_at, narrowest, sides, top_of
 
 COHESION, FRICTION, ORDER = 0.41, 0.0215, 0.75      # FRICTION: for each degree of φ
 REACHED, RISING, FARTHEST = 8.0, 0.3, 35.0          # w E/(B c N_c) of those, power of the rise, largest that was measured
@@ -70,7 +71,6 @@ LIFTED, PIPE, IN_SPACE = 3.0, 2.0, 2.0  # cells that a plate, a pipe, a plate in
 DEEPEST = 4.0           # widths: deeper plates let sand flow around them
 SMOOTH = 0.65           # of the excess, where the base is smooth
 SHALLOW = 1.0           # widths under the ground: what goes deeper is no footing
-DEEP = 1.5              # widths under a footing, where clay decides what it carries
 COHESIVE = 0.025        # of γ B: from this cohesion on it carries a tenth of what the weight does (φ = 30°)
 
 
@@ -89,9 +89,7 @@ def cohesive_strips(scene, model):
         lid = covers(place, soil.constants, soil.grid)
         if not plane or lid or way[2] >= 0.0 or bottom < top_of(soil) - SHALLOW * width:
             continue
-        if material_at(scene, soil, max(bottom - DEEP * width, soil.grid.extent[2, 0])).law not in SAND:
-            continue        # the base is punched through into clay
-        if _cohesive(scene, material, width):
+        if _cohesive(scene, material, width) and not clay_under(scene, soil, bottom, width):
             yield from _strip(body, width, cell, material, -moved[2])
 
 
@@ -127,7 +125,8 @@ def lifted(scene, model):
         material, depth = material_at(scene, soil, top + 0.5 * cell), top_of(soil) - top + (not plane) * 0.5 * width
         if material.law in SAND and depth <= DEEPEST * width * (1 + 1e-6):
             if in_space and plane:
-                yield from _lifted_in_space(body, np.ptp(place, axis=0)[:2], depth, cell, material)
+                across = np.array([side.width for side in sides(soil.grid, place, way)])
+                yield from _lifted_in_space(body, across, depth, cell, material)
             elif not in_space:
                 yield from _lifted(body, width, depth, cell, material, plane)
 
@@ -146,13 +145,13 @@ def _lifted(body, width, depth, cell, material, plane):
                "extrapolate two sizes of cells to none")
 
 
-def _lifted_in_space(body, sides, depth, cell, material):
-    """Text, if any, about a plate with `sides` (2,) [m] whose top is at a `depth` [m] in a Material."""
-    slope, around = _slope(material.friction_angle, material.dilation_angle or 0.0), sides.sum()
-    resting = sides.prod() + slope * depth * around + 4 / 3 * (slope * depth) ** 2
+def _lifted_in_space(body, across, depth, cell, material):
+    """Text, if any, about a plate with widths `across` (2,) [m] whose top is at a `depth` [m] in a Material."""
+    slope, around = _slope(material.friction_angle, material.dilation_angle or 0.0), across.sum()
+    resting = across.prod() + slope * depth * around + 4 / 3 * (slope * depth) ** 2
     excess = IN_SPACE * cell * (around + 2.0 * slope * depth) / resting
     if excess > EXCESS:
-        yield (f"{body.name} is lifted out of sand and is {sides.min() / cell:.2g} cells of {cell:.3g} m wide, {depth:.3g} "
+        yield (f"{body.name} is lifted out of sand and is {across.min() / cell:.2g} cells of {cell:.3g} m wide, {depth:.3g} "
                f"m under the ground: its load is about {excess:.0%} too high, limit {EXCESS:.0%}, that of a plate "
                f"{IN_SPACE:g} cells wider. Use cells of at most {EXCESS / excess * cell:.2g} m at it, or extrapolate two "
                "sizes of cells to none")

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hybrid.monitors.limits.contact import covers
-from hybrid.monitors.limits.ways import (EXCESS, SAND, STEEP, driven, facing, law_at, leads, levelled, loaded,
+from hybrid.monitors.limits.ways import (CLAY, EXCESS, SAND, STEEP, driven, facing, law_at, leads, levelled, loaded,
                                          material_at, narrowest, outline, top_of)
 from hybrid.runtime.comm import maximum, minimum
 
@@ -120,8 +120,8 @@ def footings(scene, model):
         material = material_at(scene, soil, bottom - 0.5 * cell)
         if not plane or way[2] >= 0.0 or not width or bottom < top_of(soil) - SHALLOW * width or material.law not in SAND:
             continue
-        if material_at(scene, soil, max(bottom - DEEP * width, soil.grid.extent[2, 0])).law not in SAND:
-            continue        # the base is punched through the sand into clay
+        if clay_under(scene, soil, bottom, width):
+            continue        # the base is punched through the sand into it
         excess = WEIGHT * (cell / width)**ORDER if strip else SQUARE * cell / width
         if excess > EXCESS and not covers(place, soil.constants, soil.grid):
             less = "the difference"
@@ -131,6 +131,12 @@ def footings(scene, model):
                    f"the sand's own weight lets it carry (N_γ) is about {excess:.0%} too high, more if the base is "
                    f"smooth{_rising(material)}, limit {EXCESS:.0%}. Extrapolate two sizes of cells to none: load of cells "
                    f"half as large less {less}")
+
+
+def clay_under(scene, soil, bottom, width):
+    """Whether there is clay within DEEP of a `width` [m] under a footing with its base at `bottom` [m]."""
+    lowest = max(bottom - DEEP * width, soil.grid.extent[2, 0])
+    return any(law_at(scene, soil, height) == CLAY for height in np.arange(bottom, lowest, -0.5 * soil.grid.smallest_cell))
 
 
 def _rising(material):
