@@ -102,8 +102,9 @@ class Cone(Hencky):
 
     @property
     def undrained(self):
-        """(n,) bool, points of clay: yield at a strength that no pressure changes."""
-        return (self.parameters[:, 2] == 0.0) & (self.parameters[:, 4] < UNLIMITED)
+        """(n,) bool, points of clay: von Mises' law, a circular cone whose strength no pressure changes."""
+        eta, _, strength, ratio, *_, corner = self.parameters[:, 2:].T
+        return (eta == 0.0) & (strength < UNLIMITED) & (ratio == 1.0) & (corner == 0.0)
 
     def yield_function(self, stress, plastic_strain=0.0):
         """f (n,) [Pa] at principal stresses (n, 3) and accumulated plastic strain (n,)."""

@@ -157,8 +157,8 @@ def _slips_at_its_strength(evaluation):
         body, contact = terms.step.body, terms.contact
         if not body.interface or (body.interface.adhesion or 0.0) < ROUGH:
             continue
-        by_adhesion = terms.step.pair.points.limits.shear[contact.active] < min(RAMP, body.friction) * contact.pressure
-        if anywhere(contact.slip & by_adhesion):
+        limit = terms.step.pair.points.limits.shear[contact.active]     # 0 of soil that is no clay, on a smooth body
+        if anywhere(contact.slip & (limit > 0.0) & (limit < min(RAMP, body.friction) * contact.pressure)):
             texts.append(f"Clay slips along {body.name} at almost its own strength (body.adhesion) and yields there as "
                          f"well, which leaves it without stiffness: set body.penalty = {SOFTER * body.penalty:.3g} /m, a "
                          "tenth of what it is, or larger cells; shorter steps do not help")

@@ -18,6 +18,7 @@ from hybrid.contact.search import Reach
 from hybrid.laws.cone import merge
 from hybrid.laws.drucker_prager import DruckerPrager
 from hybrid.laws.hencky import Hencky
+from hybrid.laws.mohr_coulomb import MohrCoulomb
 from hybrid.laws.von_mises import VonMises
 from hybrid.runtime.data import GEOMETRY
 from hybrid.runtime.errors import SceneError
@@ -341,6 +342,7 @@ def test_soil_that_is_no_clay_has_friction_alone(friction, elsewhere):
     law = merge([VonMises(young, 0.3, 2e4, "plane strain"), DruckerPrager(young, 0.3, 30.0, 0.0, 0.0, "plane strain"),
                  Hencky(young, 0.3)], [np.array([0]), np.array([1]), np.array([2])])
     assert law.undrained.tolist() == [True, False, False]
+    assert not MohrCoulomb(young, 0.3, 0.0, 0.0, 1e4).undrained.any()       # what has no s_u in a scene
     made = interface_of(Body("box.geo", 1.0, adhesion=0.5, friction=friction), "plane strain", True)
     limits = made.of_points(law, np.zeros(3))
     assert limits.shear == pytest.approx([1e4, elsewhere, elsewhere])
@@ -351,14 +353,28 @@ def test_soil_that_is_no_clay_has_friction_alone(friction, elsewhere):
     assert alone == pytest.approx([0.0, elsewhere, elsewhere])
 
 
-@pytest.mark.parametrize("given", [{"friction": 0.5}, {"adhesion": 0.5}, {"adhesion": 0.5, "friction": 0.5}])
-def test_clay_that_no_point_has_gives_no_adhesion(given):
-    """soil.material is clay, and a layer of rock all of the soil."""
+def on_rock(top, **given):
+    """RigidBody on clay over a layer of rock that ends at `top`, all of the soil if None."""
     axis = Axis(0.0, 1.0, 0.5)
-    rock = Layer("rock", law="hencky", material={"young": 1e9, "poisson": 0.3})
+    rock = Layer("rock", top, law="hencky", material={"young": 1e9, "poisson": 0.3})
     clay = Material(law="von-mises", young=1e7, poisson=0.49, density=1800.0, strength=1e4)
     block = Body(GEOMETRY / "box.geo", 2000.0, rest_on=0.0, position=(0.5, 0.5, 0.0), **given,
                  parameters={"length": 0.5, "width": 0.5, "height": 0.5, "size": 5.0})
     body, = build(Scene(name="rock", grid=Grid(axis, axis, Axis(-1.0, 1.0, 0.5)), soil=Soil(clay, top=0.0, layers=(rock,)),
                         bodies=(block,), time=Time(0.01), stages=(Stage("rest", 1),))).model.bodies
+    return body
+
+
+@pytest.mark.parametrize("given", [{"friction": 0.5}, {"adhesion": 0.5}, {"adhesion": 0.5, "friction": 0.5}])
+def test_clay_that_no_point_has_gives_no_adhesion(given):
+    """soil.material is clay, and a layer of rock all of the soil."""
+    body = on_rock(None, **given)
     assert body.interface is None and body.friction == given.get("friction", 0.0)
+
+
+@pytest.mark.parametrize("given, adhesion, friction, elsewhere", [
+    ({"friction": 0.5}, 1.0, 0.5, np.inf), ({"adhesion": 0.5}, 0.5, np.inf, 0.0),
+    ({"adhesion": 0.0, "friction": 0.5}, 0.0, 0.5, np.inf)])
+def test_a_body_on_clay_with_rock_below(given, adhesion, friction, elsewhere):
+    body = on_rock(-0.5, **given)
+    assert (body.interface.adhesion, body.friction, body.interface.elsewhere) == (adhesion, friction, elsewhere)

@@ -156,6 +156,9 @@ def test_a_loaded_mast_on_a_footing_does_not_stand_on_clay():
                         stages=(replace(described.stages[0], loads=(load,)),))
     assert not texts(cells.few_cells, described)
     assert texts(cells.few_cells, replace(described, joints=()))
+    on_footing = Load(described.bodies[0].name, (0.372, 0.0, 0.0), ((0.0, 0.0, 0.0, 0.0), (9.0, 0.0, 0.0, -240e3)))
+    below = replace(described, stages=(replace(described.stages[0], loads=(on_footing,)),))
+    assert "beside its middle" in texts(cells.few_cells, below)[0]
 
 
 @pytest.mark.parametrize("beside, found", [

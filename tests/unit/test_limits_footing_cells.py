@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hybrid.monitors.limits import LIMITS, cells, footing_cells
-from hybrid.scene import Axis, Grid, Load, Material, Motion, Soil, Time
+from hybrid.scene import Axis, Grid, Layer, Load, Material, Motion, Soil, Time
 from hybrid.setup.build import build
 from hybrid.study.random.fresh.problem import PUSHED, WEIGHTLESS, body, scene, slice_
 
@@ -128,6 +128,15 @@ def test_a_strip_on_soil_with_cohesion_and_friction():
     enough = float(re.search(r"at most ([\d.]+) m", text)[1])
     assert footing_cells.strip_excess(20.0, 1.0 / enough) == pytest.approx(0.1, abs=0.004)
     assert "about 11%" in texts(friction=0.0)[0] and len(texts(half=0.46)) == 1
+
+
+@pytest.mark.parametrize("bottom, count", [(-0.5, 0), (-1.75, 1)])
+def test_one_that_is_punched_through_into_clay(bottom, count):
+    """Half a width below it; 1.75 widths below it counts no more."""
+    described = strip()
+    clay = Layer("clay", bottom, law="von-mises", material={"strength": 1e4})
+    layered = replace(described, soil=replace(described.soil, layers=(clay,)))
+    assert len(asked(footing_cells.cohesive_strips, layered)) == count
 
 
 def test_one_on_soil_that_dilates_less_and_one_that_goes_far():
