@@ -115,8 +115,9 @@ class ContactHistory:
                   number of a place on the body, which then touches held ground (`hybrid.contact.on_ground`)
     position  (m, 3) [m] of the contact point, which moves with the grid
     touching  (m,) bool, in contact at the last accepted step
-    anchor    (m, 3) [m] body frame, reference point of the tangential spring; defined while touching
-    rest      (m,) [m] gap, not positive, at which its spring has no force
+    anchor    (m, 3) [m] reference point of the tangential spring, body frame, in space of places on the body; defined while
+              touching
+    rest      (m,) [m] gap at which its spring has no force, positive of bonded points only
     side      (m, 3) body frame, outward normal of the body where the point touches, else 0
     opened    (m,) bool, whether its bond has broken (`hybrid.contact.interface`); left out: none
     """

@@ -1,4 +1,4 @@
-"""The block system in PETSc: the only module that knows how it is stored and solved.
+"""The block system of one process in PETSc, how it is stored and solved (`petsc_ranks`: that of several).
 
     | K_uu  K_uw | |δu|     |R_u|
     | K_wu  K_ww | |δw| = - |R_w|

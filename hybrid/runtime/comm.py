@@ -1,4 +1,4 @@
-"""The only place for sums, counts, extremes, norms and numbering over points, nodes, corners or unknowns, and for
+"""The only place for sums, counts, extremes, norms and numbering over points, nodes, contact points or unknowns, and for
 exchanging arrays between processes.
 
 In a run by several processes each holds its own points and nodes (`hybrid.step.processes`). No other module may assume that

@@ -1,4 +1,4 @@
 """From a Scene to a Simulation: `build` reads the scene and calls one module each for grid, bodies, soil and its laws.
 
-No other package reads a scene, apart from what observers print.
+Besides it, limits and reports read what a scene says of its bodies, soil and stages.
 """

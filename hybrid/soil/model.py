@@ -8,7 +8,7 @@
 The model never changes in a run. An evaluation gives a SoilTrial, whose strains lie in buffers of the SoilWorkspace, or
 a Refusal with the reason why there is none.
 
-Soil whose displacements are all held is never evaluated: its points only provide corners for contact.
+Soil whose displacements are all held is never evaluated: its points only provide faces for contact.
 """
 
 from dataclasses import KW_ONLY, dataclass, field
