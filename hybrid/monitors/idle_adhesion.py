@@ -25,7 +25,7 @@ class IdleAdhesion(Monitor):
     def warnings(self, view):
         """Body, force, limit and remedy."""
         for number, body, _, contact in view.bodies:
-            if not (body.interface and body.interface.adhesion) or body.interface.tension or 0.0 < body.friction < np.inf:
+            if not (body.interface and body.interface.adhesion) or body.interface.tension or body.friction < np.inf:
                 continue        # friction that is given limits the shear where the pressure is low
             limit = view.report.evaluation.bodies[number].step.pair.points.limits.shear[contact.active]
             mobilised = limit.clip(max=RAMP * contact.pressure.clip(min=0.0))

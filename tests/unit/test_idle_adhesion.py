@@ -32,7 +32,7 @@ def test_a_lid_that_nothing_presses_is_reported_once():
 @pytest.mark.parametrize("pressures, given", [
     ([(60.0, 200.0)] * 9, {}), (([(1.0, 1.0)] * (STEPS - 1) + [(60.0, 200.0)]) * 3, {}),
     ([(1.0, 1.0)] * 9, {"adhesion": None}),
-    ([(1.0, 1.0)] * 9, {"tension": 5e3}), ([(1.0, 1.0)] * 9, {"friction": 0.25})],
-    ids=["pressed", "in between", "no adhesion", "a bond", "friction"])
+    ([(1.0, 1.0)] * 9, {"tension": 5e3}), ([(1.0, 1.0)] * 9, {"friction": 0.25}), ([(1.0, 1.0)] * 9, {"friction": 0.0})],
+    ids=["pressed", "in between", "no adhesion", "a bond", "friction", "smooth"])
 def test_others_are_not(pressures, given):
     assert notes(pressures, **given) == []
