@@ -200,6 +200,16 @@ def test_a_footing_on_sand_with_weight(table):
     assert "rising with the way as the sand dilates" in text
 
 
+def test_a_strip_in_a_slice_that_is_not_left_out_is_no_square():
+    described = strip(**PRESSED)
+    text, = texts(sand_cells.footings, described)
+    sliced = replace(described, grid=replace(described.grid, y=Axis(0.0, 1.0, 0.25)))
+    assert texts(sand_cells.footings, sliced) == [text]
+    short = replace(sliced.bodies[0], parameters=sliced.bodies[0].parameters | {"width": 0.5})
+    text, = texts(sand_cells.footings, replace(sliced, bodies=(short,)))
+    assert "load of cells half as large less the difference" in text
+
+
 def test_a_footing_on_sand_that_does_not_dilate_is_not_said_to_rise():
     described = strip(**PRESSED)
     stiff = replace(described.soil, material=replace(described.soil.material, dilation_angle=0.0))

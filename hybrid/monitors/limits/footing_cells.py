@@ -114,8 +114,7 @@ def lifted(scene, model):
     """Plates and, in plane strain, pipes driven up, or that forces of a stage lift, out of sand, so few cells wide that
     their load is too high by EXCESS."""
     soil = model.soil
-    in_space = not soil.grid.collapsed.any()
-    if soil.held or not in_space and soil.grid.collapsed.sum() != 1 or scene.gravity[2] >= 0.0:
+    if soil.held or soil.grid.collapsed.sum() > 1 or scene.gravity[2] >= 0.0:
         return
     cell = soil.grid.smallest_cell
     for body, way, place, plane in [*driven(scene, model), *(found[:4] for found in loaded(scene, model))]:
@@ -124,11 +123,11 @@ def lifted(scene, model):
             continue
         material, depth = material_at(scene, soil, top + 0.5 * cell), top_of(soil) - top + (not plane) * 0.5 * width
         if material.law in SAND and depth <= DEEPEST * width * (1 + 1e-6):
-            if in_space and plane:
-                across = np.array([side.width for side in sides(soil.grid, place, way)])
-                yield from _lifted_in_space(body, across, depth, cell, material)
-            elif not in_space:
+            across = np.array([side.width for side in sides(soil.grid, place, way)])
+            if len(across) == 1:        # over all of the grid along the other axis
                 yield from _lifted(body, width, depth, cell, material, plane)
+            elif plane:
+                yield from _lifted_in_space(body, across, depth, cell, material)
 
 
 def _lifted(body, width, depth, cell, material, plane):

@@ -18,7 +18,7 @@ import numpy as np
 
 from hybrid.monitors.limits.contact import covers
 from hybrid.monitors.limits.ways import (CLAY, EXCESS, SAND, STEEP, driven, facing, law_at, leads, levelled, loaded,
-                                         material_at, narrowest, outline, top_of)
+                                         material_at, narrowest, outline, sides, top_of)
 from hybrid.runtime.comm import maximum, minimum
 
 FOOT, ACTIVE = 2.3, 1.65
@@ -113,7 +113,6 @@ def footings(scene, model):
     soil = model.soil
     if soil.held or scene.gravity[2] >= 0.0 or soil.grid.collapsed.sum() > 1 or soil.grid.collapsed[2]:
         return
-    strip = soil.grid.collapsed.any()
     cell = soil.grid.smallest_cell
     for body, way, place, plane in [*driven(scene, model), *(found[:4] for found in loaded(scene, model))]:
         bottom, width = place[:, 2].min(), narrowest(soil.grid, place, way)
@@ -122,6 +121,7 @@ def footings(scene, model):
             continue
         if clay_under(scene, soil, bottom, width):
             continue        # the base is punched through the sand into it
+        strip = len(list(sides(soil.grid, place, way))) == 1       # over all of the grid along the other axis
         excess = WEIGHT * (cell / width)**ORDER if strip else SQUARE * cell / width
         if excess > EXCESS and not covers(place, soil.constants, soil.grid):
             less = "the difference"
