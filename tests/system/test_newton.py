@@ -148,11 +148,12 @@ def test_far_from_the_solution_the_tangent_of_a_step_without_inertia_does_not_so
     monkeypatch.setattr(iteration, "FAR", np.inf)
     softened = list(build(scene).steps())
     assert sum(r.iterations for r in softened) > 1.2 * sum(r.iterations for r in records)
-    # an increment that is halved ends up to 2 % elsewhere, which round-off decides: compared are steps before that
+    # round-off decides whether an increment is halved, which ends up to 2 % elsewhere, and whether adhesion is shared anew
+    # (`newton.SHARED`), up to 0.2 %; else both are 3e-6 apart
     whole = [pair for pair in zip(records, softened) if pair[0].increments == pair[1].increments == 1]
     assert len(whole) >= 2
     one, other = (record.bodies[0].contact_force[2] for record in whole[-1])
-    assert one == pytest.approx(other, rel=1e-4)
+    assert one == pytest.approx(other, rel=5e-3)
 
 
 def test_a_tangent_without_softening_is_stiffer():
