@@ -42,6 +42,7 @@ def test_a_wall_on_a_fixed_base_is_reported(foot, text):
     assert 'z_min = "roller"' in found
     free = {"held": ("z", "ry"), "driven": (), "velocity": (0.0, 0.0, 0.0)}
     assert notes(foot, loads=(Load(force=(1.0, 0.0, 0.0)),), **free) and not notes(foot, **free)
+    assert not notes(foot, loads=(Load(force=(0.0, 0.0, -1.0)),), **free) and notes(foot, both=True, **free)
 
 
 ROCK = {"law": "hencky", "young": 1e9, "poisson": 0.3, "density": 1.0}

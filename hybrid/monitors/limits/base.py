@@ -87,7 +87,7 @@ def _text(body, base, foot, cell):
 
 def _pushes(scene, described, body, place, soil, base):
     """Whether a body with vertices at `place` (V, 3) [m] is driven, or free to follow forces, along x or y against soil in
-    the row of cells above a `base` [m]: a free one without loads only where there is soil on both sides."""
+    the row of cells above a `base` [m]: a free one without loads that way only where there is soil on both sides."""
     at, cell = soil.constants.position, soil.grid.smallest_cell
     row = (at[:, 2] > base) & (at[:, 2] < base + cell)
     low, high = place.min(axis=0) - AHEAD * cell, place.max(axis=0) + AHEAD * cell
@@ -97,7 +97,8 @@ def _pushes(scene, described, body, place, soil, base):
         if not way and not body.free[axis]:
             continue
         ahead = [anywhere(near & (sign * (at[:, axis] - middle) > 0.0)) for sign in (-1.0, 1.0)]
-        loads = any(stage.loads for stage in body.stages or ())
+        forces = [load.force for stage in body.stages or () for load in stage.loads if load.force is not None]
+        loads = any(force.values[:, axis].any() for force in forces)
         if ahead[way > 0.0] if way else any(ahead) if loads else all(ahead):
             return True
     return False
