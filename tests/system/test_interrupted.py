@@ -104,7 +104,7 @@ def test_signals_end_a_run_with_a_checkpoint(scene, whole, tmp_path, number):
     process.send_signal(number)
     sent = time.monotonic()
     message = process.communicate()[1]
-    assert time.monotonic() - sent < 10 and process.returncode == 128 + number
+    assert time.monotonic() - sent < 10 and process.returncode == 128 + number, message
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert (summary["outcome"], summary["reason"]) == ("interrupted", number.name)
     kept = summary["checkpoint_step"]
