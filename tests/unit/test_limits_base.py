@@ -113,3 +113,25 @@ def test_the_force_half_a_cell_above_rock_is_that_of_the_clay():
     """2 s_u H; 3 times as much where traces of rock in the cells above it are tied to rock by its own modulus."""
     last = list(wall(0.05, below=ROCK).steps())[-1].bodies[0].contact_force[0] / (-2.0 * STRENGTH * DEPTH)
     assert last == pytest.approx(1.0, abs=0.07)
+
+
+@pytest.mark.parametrize("cells, found", [(2, 0.18), (4, 0.085), (8, 0.05)])
+def test_the_law_of_a_squeezed_layer_is_what_was_measured(cells, found):
+    assert base.SQUEEZED / cells == pytest.approx(found, abs=0.01)
+
+
+@pytest.mark.parametrize("thick, below, velocity, count", [
+    (0.4, ROCK, -0.001, 1), (0.4, {**CLAY, "strength": 4 * STRENGTH}, -0.001, 1), (0.4, CLAY, -0.001, 0),
+    (0.4, ROCK, 0.001, 0), (1.0, ROCK, -0.001, 0)])
+def test_a_strip_that_squeezes_a_thin_layer_of_clay_on_a_harder_one(thick, below, velocity, count):
+    """1.6 m wide, in cells of 0.2 m."""
+    strip = Body(GEOMETRY / "box.geo", 1000.0, name="strip", position=(0.0, 0.5, 0.0), rest_on=0.0, adhesion=1.0,
+                 parameters={"length": 1.6, "width": 1.0, "height": 0.4, "size": 20.0}, held=("x", "ry"), driven=("z",),
+                 velocity=(0.0, 0.0, velocity))
+    grid = Grid(Axis(0.0, 4.0, 0.2), Axis(0.0, 1.0, collapsed=True), Axis(-2.0, 0.4, 0.2))
+    soil = Soil(Material(**CLAY), top=0.0, geostatic=False, layers=(layer_of(below, "under", top=-thick),))
+    simulation = build(Scene(name="strip", grid=grid, soil=soil, gravity=(0.0, 0.0, 0.0), bodies=(strip,),
+                             time=Time(1.0, inertia=False), stages=(Stage("press", 2),)))
+    found = list(base.squeezed_layer(simulation.scene, simulation.model))
+    assert len(found) == count
+    assert all("presses 0.4 m of clay, 2 cells of 0.2 m" in text and "about 18% too high" in text for text in found)

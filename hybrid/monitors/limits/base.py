@@ -1,4 +1,4 @@
-"""Bodies that are moved along the fixed base of the grid, or along a harder layer.
+"""Bodies that are moved along the fixed base of the grid or a harder layer, or that press a thin layer on one.
 
 The lowest row of cells hangs on nodes that do not move. A body that reaches down into it and is moved sideways ploughs
 through clay that cannot give way: it is pressed against these nodes, or squeezed out under the rounded edge of the
@@ -15,17 +15,23 @@ height, over the exact force 2 s_u H of a smooth wall, and that of one with half
 
 In c-φ soil (25°, 8 kPa) on such rock 4.0, 1.7, 1.2, 1.1 times Rankine's force with the foot 0, 0.2, 0.5, 1 cells above it,
 after 0.02 of its height. A pipe of 8 cells on rock, pushed through clay: 5 times.
+
+A strip that presses a thin layer of clay on a harder one squeezes it out sideways: rough, B/4 over clay of four times the
+strength, 18, 8.5, 5 % over 6.43 s_u (Meyerhof & Chaplin 1953) with 2, 4, 8 cells in the layer, 1 + 0.36/n.
 """
 
 import numpy as np
 
 from hybrid.monitors.limits.contact import initial_vertices, way_along
-from hybrid.monitors.limits.ways import CLAY, material_at
+from hybrid.monitors.limits.ways import CLAY, EXCESS, driven, law_at, loaded, material_at, narrowest
 from hybrid.runtime.comm import anywhere
 from hybrid.scene.soil import ends, span
 
 CLEAR = 0.5     # cells between a body and the fixed base: from there on the force is right to 2 %
 HARDER = 4.0    # times the strength of the soil above, from which on a layer is nearly as good as fixed
+SQUEEZED = 0.36  # over the cells in a layer of clay: excess of the load that presses it on a harder one
+ON_IT = 0.1     # cells: a body nearer to a harder layer stands on it
+THIN = 0.5      # widths of a body: of a thicker layer the shear along the harder one does not decide
 AHEAD = 2.0     # cells from a body to the soil that it pushes
 
 
@@ -104,4 +110,22 @@ def _pushes(scene, described, body, place, soil, base):
     return False
 
 
-LIMITS = (body_on_base,)
+def squeezed_layer(scene, model):
+    """Bodies that press a layer of clay on a harder one, with so few cells in it that their load is too high by EXCESS."""
+    soil = model.soil
+    if soil.held or not soil.law.plastic or soil.grid.collapsed.sum() != 1:
+        return
+    cell, tops = soil.grid.smallest_cell, [height for height, name, least in _bases(scene, model) if least == -CLEAR]
+    for body, way, place, plane in [*driven(scene, model), *(found[:4] for found in loaded(scene, model))]:
+        bottom = place[:, 2].min()
+        top = max((height for height in tops if height < bottom - ON_IT * cell), default=None)
+        if top is None or not plane or way[2] >= 0.0 or law_at(scene, soil, bottom - 0.5 * cell) != CLAY:
+            continue
+        thick, excess = bottom - top, SQUEEZED * cell / (bottom - top)
+        if thick < THIN * narrowest(soil.grid, place, way) and excess > EXCESS:
+            yield (f"{body.name} presses {thick:.3g} m of clay, {thick / cell:.2g} cells of {cell:.3g} m, on a harder layer: "
+                   f"its load is about {excess:.0%} too high, limit {EXCESS:.0%}. Use cells of at most "
+                   f"{EXCESS / SQUEEZED * thick:.2g} m under it, or extrapolate two sizes of cells to none")
+
+
+LIMITS = (body_on_base, squeezed_layer)
