@@ -6,7 +6,8 @@ records show the cost and the gain of a halving.
 
 Targets. Each problem contributes its Pareto front of error against work (Newton iterations times unknowns; the seconds
 of runs this small are overhead). Only runs that differ in cells and options count, because the time steps of a problem
-are not those of another scene. Errors are rounded up to two digits, and to the smallest error that is certain.
+are not those of another scene; and not those of another linear solver, which changes no error, and which in a larger scene
+may be the slow one. Errors are rounded up to two digits, and to the smallest error that is certain.
 """
 
 import json
@@ -59,7 +60,7 @@ def references(records):
         error = next(iter(problem.errors))
         settings = {r.key: problem.transferable(r.values) for r in records if r.problem == name}
         rounded = [replace(r, errors={error: _upwards(max(r.errors.get(error, math.nan), problem.certain))})
-                   for r in records if settings.get(r.key)]
+                   for r in records if settings.get(r.key) and "linear" not in settings[r.key].get("solver", {})]
         if rounded:
             fitted[name] = Reference(problem.length, tuple(
                 Settings(r.errors[error], f"{r.curve}, {r.setting}", **settings[r.key])

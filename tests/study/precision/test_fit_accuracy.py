@@ -65,6 +65,7 @@ def test_records_that_differ_in_steps_or_name_a_peer_do_not_count():
 
     kept = run("a", 0.0401), run("c", 0.0102, 3, soil={"ghost": 0.1}), run("d", 0.0101, 4)
     out = run("b", 1e-3, steps=1), run("e", 1e-4, source="another program"), run("f", 0.02, 5)
+    out += (run("g", 0.001, 2, solver={"linear": "direct"}),)
     settings = fit_accuracy.references([*kept, *out])["column"].settings
     assert settings == (Settings(0.041, "a, x", 4), Settings(0.011, "c, x", 4, {"ghost": 0.1}))
 
