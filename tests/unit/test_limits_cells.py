@@ -242,10 +242,9 @@ def test_an_upright_cut_in_clay(size, ground, law, count):
 
 @pytest.mark.parametrize("angle, across, low, high", [
     (20, 12, 0.16, 0.20), (20, 24, 0.12, 0.14), (30, 12, 0.36, 0.40), (30, 24, 0.18, 0.22)])
-def test_the_law_of_cuts_in_soil_that_dilates_is_no_more_than_what_was_measured(angle, across, low, high):
+def test_the_law_of_cuts_in_soil_that_dilates_is_within_six_per_cent_of_what_was_measured(angle, across, low, high):
     """ψ = φ, over 3.83 c/γ tan(45° + φ/2); it flows from the lower share on and is lost from the higher one."""
-    assert 0.9 * low < (cells.CUT + cells.DILATING * angle) / across + 0.06 and (
-        cells.CUT + cells.DILATING * angle) / across < high + 0.06
+    assert low - 0.06 < (cells.CUT + cells.DILATING * angle) / across < high + 0.06
 
 
 @pytest.mark.parametrize("dilation, percent", [(20.0, "38%"), (0.0, "13%")])
