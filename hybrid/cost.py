@@ -147,7 +147,7 @@ def _measured(simulation, model, workspace):
         refused = isinstance(step.evaluate(step.predictor()), Refusal)
         guess = step.at_rest() if refused else step.predictor()
         evaluation = parts.time("evaluation", lambda: step.evaluate(guess))
-        parts.time("tangent", lambda: step.assemble(evaluation))
+        parts.time("tangent", lambda: step.assemble(evaluation, softening=model.scheme.inertia))
         right = random.normal(size=len(evaluation.soil)), random.normal(size=len(evaluation.body))
         krylov = parts.time("solution", lambda: step.system.solve(*right))[2]
         parts.time("end", lambda: _end(step, evaluation))

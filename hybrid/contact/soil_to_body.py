@@ -42,7 +42,7 @@ import numpy as np
 
 from hybrid.body.closest import gap_geometry
 from hybrid.contact.closest_points import CLOSED, closest_points
-from hybrid.contact.interface import PlaceLimits, shear_limit, work_to_break
+from hybrid.contact.interface import RAMP, PlaceLimits, shear_limit, work_to_break
 from hybrid.runtime.comm import maximum, total
 from hybrid.runtime.jit import njit
 from hybrid.state import ContactHistory
@@ -57,7 +57,8 @@ class PointContact:
     active: (m,) indices into ContactPoints; gap: (m,) [m], negative; normal: (m, 3) outward from the body
     force: (m, 3) [N], minus the force on the contact point
     tangent: (m, 3, 3) [N/m] ∂force/∂x_c at fixed attitude; turning: (m, 3, 3) [N/m] of it -p G, by which the pressure
-    turns with the surface; arm: (m, 3) [m] from the body's centre; slip: (m,) bool
+    turns with the surface; ramp: (m, 3, 3) [N/m] of it, by which shear on the ramp of adhesion follows the pressure
+    arm: (m, 3) [m] from the body's centre; slip: (m,) bool
     anchor: (m, 3) [m] body frame, the anchor of the history once the state is accepted; side: (m, 3) N, body frame
     pressure: (m,) p [N]; triangle: (m,) of the closest point, weights: (m, 3) of its vertices there
     energy: stored in the springs [J]; dissipated: friction work of the step [J]
@@ -70,6 +71,7 @@ class PointContact:
     force: np.ndarray
     tangent: np.ndarray
     turning: np.ndarray
+    ramp: np.ndarray
     arm: np.ndarray
     slip: np.ndarray
     anchor: np.ndarray
@@ -123,12 +125,13 @@ class Coulomb(NamedTuple):
 
 
 class Response(NamedTuple):
-    """Output of the law, body frame: force (m, 3) [N], tangent (m, 3, 3) [N/m] and of it turning (m, 3, 3), slip (m,) bool,
-    anchor (m, 3) [m] after the step, side (m, 3) N, energy and dissipated (m,) [J], opened (m,) bool."""
+    """Output of the law, body frame: force (m, 3) [N], tangent (m, 3, 3) [N/m] and of it turning and ramp (m, 3, 3), slip
+    (m,) bool, anchor (m, 3) [m] after the step, side (m, 3) N, energy and dissipated (m,) [J], opened (m,) bool."""
 
     force: np.ndarray
     tangent: np.ndarray
     turning: np.ndarray
+    ramp: np.ndarray
     slip: np.ndarray
     anchor: np.ndarray
     side: np.ndarray
@@ -138,8 +141,8 @@ class Response(NamedTuple):
 
     @classmethod
     def empty(cls, m):
-        return cls(np.empty((m, 3)), np.empty((m, 3, 3)), np.empty((m, 3, 3)), np.zeros(m, np.bool_), np.empty((m, 3)),
-                   np.empty((m, 3)), np.zeros(m), np.zeros(m), np.zeros(m, np.bool_))
+        return cls(np.empty((m, 3)), np.empty((m, 3, 3)), np.empty((m, 3, 3)), np.zeros((m, 3, 3)), np.zeros(m, np.bool_),
+                   np.empty((m, 3)), np.empty((m, 3)), np.zeros(m), np.zeros(m), np.zeros(m, np.bool_))
 
 
 def evaluate(points, position, centre, rotation, surface, friction, tangential):
@@ -170,9 +173,10 @@ def evaluate(points, position, centre, rotation, surface, friction, tangential):
     contact_law(closed, closest, Coulomb(friction, tangential), surface.tree, found)
     most = closed.limits.tension if len(limits.tension) else 0.0
     pressure = np.maximum(closed.stiffness * (closed.rest - closest.gap), -most)
+    turning, ramp = rotation @ found.turning @ rotation.T, rotation @ found.ramp @ rotation.T
     return PointContact(
         active, closest.gap, found.side @ rotation.T, found.force @ rotation.T, rotation @ found.tangent @ rotation.T,
-        rotation @ found.turning @ rotation.T, position[active] - centre, found.slip, found.anchor, found.side,
+        turning, ramp, position[active] - centre, found.slip, found.anchor, found.side,
         pressure, closest.triangle, closest.weights,
         float(total(found.energy)), float(total(found.dissipated)), rest, found.opened)
 
@@ -206,7 +210,7 @@ def contact_law(points, closest, coulomb, tree, out):
     y, y_anchor, origin, stiffness, rest, limits, sticking = points
     gap, triangle, feature, foot, weights = closest
     shear, tension, _ = limits
-    force, tangent, turning, slip, anchor, side, energy, dissipated, opened = out
+    force, tangent, turning, ramp, slip, anchor, side, energy, dissipated, opened = out
     M, g_t, t, K, bonds = np.empty((3, 3)), np.empty(3), np.empty(3), np.empty((3, 3)), len(tension) > 0
     for n in range(len(y)):
         eps_n, eps_t = stiffness[n], coulomb.ratio * stiffness[n]
@@ -234,6 +238,8 @@ def contact_law(points, closest, coulomb, tree, out):
                 energy[n] += 0.5 * limit * limit / eps_t
                 for i in range(3):
                     anchor[n, i] = y[n, i] - s[i] * (limit / eps_t)
+                    for j in range(3):
+                        ramp[n, i, j] = -change * s[i] * dgap[j] if change >= RAMP * slope else 0.0
             elif limit > 0.0 or p >= 0.0:       # one that only just touches would stick
                 _stick(eps_t, g_t, M, t, K)
                 energy[n] += 0.5 * eps_t * size * size

@@ -6,6 +6,7 @@ from io import StringIO
 import numpy as np
 import pytest
 
+from hybrid.contact import assembly
 from hybrid.contact.search import distances
 from hybrid.output.progress import Progress
 from hybrid.runtime.data import GEOMETRY
@@ -75,6 +76,33 @@ def test_a_body_in_place_in_space():
     force = next(simulation.steps()).bodies[0].contact_force
     assert force[2] == pytest.approx(density * 9.81 * 4 / 3 * np.pi * 0.3**3, rel=0.2)     # three cells in its diameter
     assert np.abs(force[:2]).max() < 0.05 * force[2]
+
+
+def pile():
+    """Half of a pile in clay without weight, pushed sideways by a twentieth of a cell in a step."""
+    body = Body(GEOMETRY / "box.geo", 1000.0, parameters={"length": 0.8, "width": 0.8, "height": 2.2, "size": 20.0},
+                position=(0.0, 0.0, -0.7), held=("y", "z", "rx", "ry", "rz"), driven=("x",), velocity=(0.01, 0.0, 0.0),
+                adhesion=0.5)
+    grid = Grid(Axis(start=-2.4, end=2.4, size=0.2), Axis(start=0.0, end=1.4, size=0.2),
+                Axis(start=-2.6, end=0.4, size=0.2), Faces(z_min="fixed"))
+    clay = replace(CLAY, density=1.0, cone=None)
+    return build(Scene(name="pile", grid=grid, soil=Soil(clay, top=0.0), gravity=(0.0, 0.0, 0.0), bodies=(body,),
+                       time=Time(1.0, inertia=False), stages=(Stage("push", 1),)))
+
+
+def test_clay_that_just_touches_a_body_does_not_make_the_tangent_singular():
+    """All points around a pile in clay without weight are on the ramp of adhesion."""
+    record, = pile().steps()
+    assert record.increments == 1 and record.iterations < 20
+    assert record.bodies[0].contact_force[0] < -2.0 * 0.8 * 0.4 * 1e4
+
+
+@pytest.mark.slow
+def test_with_the_ramp_in_its_tangent_it_would(monkeypatch):
+    without = assembly.without_softening
+    monkeypatch.setattr(assembly, "without_softening", lambda contact: without(contact) + contact.ramp)
+    record, = pile().steps()
+    assert record.increments > 1 and record.iterations > 25
 
 
 @pytest.mark.parametrize("place, asks", [(-0.05, True), (-0.15, True), (-0.4, False), (-1.0, False), (0.0, None)])

@@ -139,3 +139,22 @@ def test_points_without_a_bond_have_no_shear_without_pressure():
         sizes.append(np.linalg.norm(contact.force[0] + contact.pressure[0] * contact.normal[0]))
     assert sizes[0] == pytest.approx(1e5 * 1e-9 * 10, rel=1e-6) and sizes[1] == pytest.approx(1e5 * 1e-7 * 10, rel=1e-6)
     assert sizes[2] == pytest.approx(shear, rel=1e-12)
+
+
+@pytest.mark.parametrize("depth", [0.0, 1e-5])
+def test_without_softening_the_ramp_of_adhesion_does_not_couple_shear_with_pressure(depth):
+    """Ten times the pressure, of points that only just touch as well; no other branch loses anything."""
+    y, h = SHIFT + np.array([[-0.5, -0.4, 1.0]]), 1e-7
+    corners = replace(corners_at("face", places=y - SHIFT - (0.0, 0.0, depth)),
+                      limits=PlaceLimits(np.array([1e9]), np.zeros(0), np.zeros(0, bool)))
+    contact = contact_at(corners, "face", np.inf)
+    assert contact.slip.all()
+    normal = contact.normal[0]
+    deeper = contact_at(corners, "face", np.inf, corners.position - h * normal)
+    coupled = (deeper.shear - contact.shear)[0] / h
+    np.testing.assert_allclose(-contact.ramp[0] @ normal, coupled, rtol=1e-5)
+    assert np.linalg.norm(coupled) == pytest.approx(1e5 * 10, rel=1e-5)
+    stiff = assembly.without_softening(contact)[0]
+    assert np.abs(stiff @ normal - (normal @ stiff @ normal) * normal).max() < 1e-9 * np.abs(stiff).max()
+    for branch, (pulled, mu, shear, tension, *_) in BRANCHES.items():
+        assert not contact_at(corners_of("face", pulled, shear, tension), "face", mu).ramp.any(), branch

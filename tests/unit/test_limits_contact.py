@@ -4,10 +4,11 @@ import re
 from dataclasses import replace
 
 import pytest
+from put_on_soil import put_on_soil
 
 from hybrid.monitors.limits import contact, stepping
 from hybrid.runtime.data import GEOMETRY
-from hybrid.scene import Axis, Body, Joint, Motion, Pull
+from hybrid.scene import Axis, Body, Joint, Material, Motion, Pull
 from hybrid.setup.build import build
 from hybrid.study.precision.problems import platen
 from hybrid.study.scenes import SCHEMES, box, plane, sphere
@@ -199,3 +200,17 @@ def test_a_thin_plate_in_the_soil_is_told_whether_it_sticks_for_certain(cells, w
     found = texts(contact.thin_wall, plate, cells=(10, 10), soil={"held": False})
     assert len(found) == bool(words) and all(words in text and "up to 3.3 times" in text for text in found)
     assert not any(" 2 cells" in text for text in found)
+
+
+@pytest.mark.parametrize("deep, gravity, more, told", [
+    (0.4, 0.0, {}, True), (0.4, -9.81, {}, False), (0.0, 0.0, {}, False), (0.4, 0.0, {"tension": "full"}, False),
+    (0.4, 0.0, {"adhesion": 0.0}, False), (0.4, 0.0, {"friction": 0.3, "adhesion": 0.5}, False)],
+    ids=["in place", "weight", "on it", "bonded", "smooth", "friction"])
+def test_clay_without_weight_does_not_press_on_a_body_in_it(deep, gravity, more, told):
+    block = box(0.4, 0.4, 0.6, density=1e3, position=(0.0, 0.0, 0.3 - deep), driven=("z",), velocity=(0.0, 0.0, -0.001),
+                held=("x", "y", "rx", "ry", "rz"), **{"adhesion": 0.5, **more})
+    clay = Material(law="von-mises", young=5e6, poisson=0.49, density=1700.0, strength=1e4)
+    scene = put_on_soil(block, size=0.2, x=(-0.8, 0.8), y=(-0.8, 0.8), z=(-1.0, 0.4), material=clay, steps=2)
+    simulation = build(replace(scene, gravity=(0.0, 0.0, gravity)))
+    found = list(contact.unpressed_adhesion(simulation.scene, simulation.model))
+    assert len(found) == told and all("body is in clay without weight" in text and "body.tension" in text for text in found)

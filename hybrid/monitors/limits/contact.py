@@ -5,8 +5,9 @@ import numpy as np
 from hybrid.body.attitude import rotation_from_axis_angle
 from hybrid.body.symmetry import copies
 from hybrid.body.table import Table
+from hybrid.contact.interface import RAMP
 from hybrid.contact.search import distances
-from hybrid.runtime.comm import maximum, minimum, total
+from hybrid.runtime.comm import anywhere, maximum, minimum, total
 from hybrid.scene.check_stage import components
 from hybrid.scene.ground import heights_at, steepest
 from hybrid.scene.stage import table_rows
@@ -146,6 +147,21 @@ def _thickness(scene, described, body, vertices, limit, top):
     return float(np.average(depth[thin], weights=area[thin])) if thin.any() else limit, area[thin].sum() / area.sum()
 
 
+def unpressed_adhesion(scene, model):
+    """Bodies in clay without weight that could part from them, and do not press on them: adhesion needs some pressure."""
+    soil = model.soil
+    if soil.held or any(scene.gravity) or not anywhere(soil.law.undrained):
+        return
+    foot = top_of(soil) - soil.grid.smallest_cell
+    for described, body in zip(scene.bodies, model.bodies):
+        interface, place = body.interface, initial_vertices(described, body)
+        if interface and interface.adhesion and not interface.tension and not interface.rubs and place[:, 2].min() < foot:
+            yield (f"{body.name} is in clay without weight, which does not press on it: adhesion is at most {RAMP:g} times "
+                   "the pressure, so that it acts on the faces that press the clay, and clay parts from the others (a pile "
+                   "0.8 m wide and 3.2 m deep, α = 0.5, carried 40 instead of 65 kN). Newton's method may need many "
+                   'iterations for it, or fail. Give the soil its weight (gravity), or set body.tension = "full"')
+
+
 def light_body(scene, model):
     """Free bodies with less mass than the nodes that an impact accelerates first."""
     soil, grid = model.soil, model.soil.grid
@@ -254,4 +270,5 @@ def initial_pose(described, body):
     return centre, rotation
 
 
-LIMITS = (low_penalty, low_tangential_stiffness, narrow_body, narrow_face, thin_wall, light_body, driven_past_grid_end)
+LIMITS = (low_penalty, low_tangential_stiffness, narrow_body, narrow_face, thin_wall, unpressed_adhesion, light_body,
+          driven_past_grid_end)
