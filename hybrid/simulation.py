@@ -95,14 +95,17 @@ class Simulation:
         """(n, 3) [m] of the points."""
         return self._initial_position if self._initial_position is not None else self.model.soil.constants.position
 
-    def resume(self, state, increment=None, shorten=None, solver_memory=None, number=None):
+    def resume(self, state, increment=None, shorten=None, solver_memory=None, remembered=None, number=None):
         """Continue from `state`, with an increment of `increment` [s] first, with backtracking in Newton's method first
-        where `shorten`, and with what the choice of the linear solver remembers, `solver_memory` (9,).
+        where `shorten`, and with what the choice of the linear solver and the monitors remember: `solver_memory` (9,) and
+        `remembered`.
 
         Of several processes each is given what it `keeps`, with the numbers (n,) of its points, increasing
         (`hybrid.output.checkpoint_parts.share`)."""
         self.warned     # found now, where the scene starts: the grid has moved on since
         self.increment, self.shorten, self.solver_memory = increment, bool(shorten), solver_memory
+        if remembered is not None:
+            self._monitors.restore(str(remembered))
         if self.moving_grid:
             self.model = self.moving_grid.model_with(self.model, state.ground)
         if ranks.started() > 1:
@@ -112,6 +115,16 @@ class Simulation:
     def keeps(self):
         """Function of numbers of points: which ones this process of several is to be given when the run is resumed."""
         return processes.keeps(self.model, self.state)
+
+    @property
+    def notes(self):
+        """Texts that steps have given, also those before the run was resumed."""
+        return self._monitors.given
+
+    @property
+    def remembered(self):
+        """Text of the notes so far and of what the monitors have seen, for `resume`."""
+        return self._monitors.memory()
 
     @property
     def total_steps(self):
@@ -285,7 +298,7 @@ class Simulation:
             joints=joint_records(evaluation),
             pairs=pair_records(evaluation), time_error=report.error,
             krylov=report.krylov, judged=report.judged, copies=copies(self.mirrors),
-            notes=self._initial_notes() + self._monitors.notes(view))
+            notes=self._monitors.notes(view, self._initial_notes()))
         return record, self._monitors.stop(view)
 
     def _initial_notes(self):

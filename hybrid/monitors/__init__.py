@@ -22,6 +22,10 @@
 Other errors stop no run. `failure_hints` adds probable causes and remedies to the message of a step that fails.
 """
 
+from ast import literal_eval
+
+import numpy as np
+
 from hybrid.monitors.absorbed_impact import AbsorbedImpact
 from hybrid.monitors.body_impact import BodyImpact
 from hybrid.monitors.body_overlap import BodyOverlap
@@ -49,19 +53,41 @@ __all__ = ["MONITORS", "Monitors", "StepView", *(kind.__name__ for kind in MONIT
 
 
 class Monitors:
-    """All monitors of a run of `model` from `state` on."""
+    """All monitors of a run of `model` from `state` on. given: texts so far."""
 
     def __init__(self, model, state):
         self._monitors = [kind(model, state) for kind in MONITORS]
+        self.given = []
 
-    def notes(self, view):
-        """Texts about a StepView, each given once in a run."""
-        return tuple(text for monitor in self._monitors for text in monitor.notes(view))
+    def notes(self, view, initial=()):
+        """Texts about a StepView, each given once in a run, after `initial` ones."""
+        texts = *initial, *(text for monitor in self._monitors for text in monitor.notes(view))
+        self.given += texts
+        return texts
 
     def later(self):
         """{text as it was given: the text with the value of the last step} of notes whose values have changed."""
         return {text: last for monitor in self._monitors for text, last in monitor.later().items()}
 
+    def memory(self):
+        """Text of what has been given and of what the monitors have seen, for a run that is resumed."""
+        return repr((self.given, {type(monitor).__name__: _plain(monitor.memory()) for monitor in self._monitors}))
+
+    def restore(self, text):
+        """Go on from the `memory` of another run."""
+        self.given, memory = literal_eval(text)
+        for monitor in self._monitors:
+            monitor.restore(memory.get(type(monitor).__name__, {}))
+
     def stop(self, view):
         """Text about what makes it useless to go on from a StepView; empty if nothing does."""
         return ". ".join(text for monitor in self._monitors for text in monitor.stops(view))
+
+
+def _plain(value):
+    """A value with numbers of Python in place of those of numpy, which `literal_eval` reads."""
+    if isinstance(value, dict):
+        return {_plain(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple, set)):
+        return type(value)(map(_plain, value))
+    return value.item() if isinstance(value, np.generic) else value

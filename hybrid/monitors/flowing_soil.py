@@ -34,6 +34,7 @@ class FlowingSoil(Monitor):
     """Warns that soil which no body moves flows under its weight, without inertia."""
 
     grows = True
+    forgets = ("_last",)    # it has bodies, and the first step of a run that is resumed is left out
 
     def __init__(self, model, state):
         super().__init__(model, state)

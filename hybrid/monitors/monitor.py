@@ -52,9 +52,11 @@ class Monitor:
 
     model, state: Model and State that the run begins from.
     grows: whether the value in a text goes on changing, so that the end of the run has its last one (`later`).
+    forgets: names of attributes that are not part of what it remembers (`memory`).
     """
 
     grows = False
+    forgets = ()
 
     def __init__(self, model, state):
         self._given = set()
@@ -79,6 +81,14 @@ class Monitor:
     def given(self, key):
         """Whether the warning of this key has been given, so that nothing has to be computed for it."""
         return key in self._given
+
+    def memory(self):
+        """{name: value} of what it has seen so far, for a run that is resumed."""
+        return {name: value for name, value in vars(self).items() if name not in self.forgets}
+
+    def restore(self, memory):
+        """Go on from the `memory` of another one."""
+        vars(self).update(memory)
 
     def warnings(self, view):
         """Yield (key, text) of all that is wrong at a StepView."""

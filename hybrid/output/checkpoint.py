@@ -33,7 +33,8 @@ from hybrid.output.scene_keys import differences, fingerprint, settings
 from hybrid.runtime import comm, ranks
 
 NAME = "checkpoint.npz"
-CONTINUED = ("increment", "shorten", "solver_memory")    # attributes of a Simulation that its next step continues with
+# Attributes of a Simulation that its next step continues with
+CONTINUED = ("increment", "shorten", "solver_memory", "remembered")
 LONGEST = 600.0     # [s] of computing between two checkpoints
 
 

@@ -36,7 +36,7 @@ PACKAGES = {
 class Summary:
     """Observer that sums the cost of the steps and writes summary.json in `folder` when the run ends.
 
-    Totals of a resumed run include the earlier sessions, as far as history.csv has them.
+    Totals of a resumed run include the earlier sessions, as far as history.csv has them; so do its notes.
     """
 
     def __init__(self, folder, run=""):
@@ -46,7 +46,7 @@ class Summary:
         self.began = time.perf_counter()
         self.resumed_from = simulation.state.step
         self.counts = {"steps": 0, "increments": 0, "iterations": 0, "rejections": 0, "judged": 0}
-        self.seconds, self.notes = {}, []
+        self.seconds, self.notes = {}, list(getattr(simulation, "notes", ()))
         if self.resumed_from and (self.folder / HISTORY).exists():
             self._add_history(read_history(self.folder))
 

@@ -1,5 +1,6 @@
 """A run that stops keeps what it has and goes on from there to the same end."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -219,3 +220,21 @@ def test_bonds_that_have_broken_stay_broken_in_a_resumed_run(geometry, tmp_path)
     forces = read_history(tmp_path / "whole")["body_contact_fz_N"]
     # 0.1 % of the bonds lie over one another at the edges of the box
     assert forces.min() == pytest.approx(-5e3 * 0.16, rel=2e-3) and forces[-1] == 0.0
+
+
+def test_a_resumed_run_keeps_its_notes(geometry, tmp_path):
+    """Those given before it, and what monitors had summed up: most of an impact is lost in the first steps."""
+    def described(steps):
+        falling = {"position": (0.41, 0.39, 0.26), "rest_on": None, "velocity": (0.0, 0.0, -3.0)}
+        clay = Material(law="von-mises", young=1e6, poisson=0.3, density=1800.0, strength=4e3)
+        return replace(scene(geometry, steps, falling), soil=Soil(clay, top=0.0), time=Time(step=0.01))
+
+    def notes(part):
+        return json.loads((tmp_path / part / "summary.json").read_text())["notes"]
+
+    hybrid.run(described(8), out=tmp_path / "whole", quiet=True)
+    hybrid.run(described(4), out=tmp_path / "parts", quiet=True)
+    before = notes("parts")
+    hybrid.run(described(8), out=tmp_path / "parts", resume=True, quiet=True)
+    assert before and notes("parts") == notes("whole")
+    assert sum("impact" in text for text in notes("whole")) == 1
