@@ -2,9 +2,11 @@
 
 import numpy as np
 
+from hybrid.body import rigid
 from hybrid.body.attitude import rotation_from_axis_angle
 from hybrid.body.motion import free_spin_rate
 from hybrid.body.rigid import FREEDOMS, Line, RigidBody
+from hybrid.runtime.errors import SceneError
 from hybrid.setup.stages import point_of, stage_controls
 from hybrid.state import BodyState
 
@@ -44,6 +46,24 @@ def build_body(described, body_mesh, gravity, stages=()):
     motion = BodyState(position, rotation, np.array(described.velocity, float), falling, spin,
                        free_spin_rate(properties.inertia, rotation, spin, free[3:]))
     return body, motion
+
+
+def refuse_outside(scene, placed):
+    """Raise SceneError where the only body of a scene is beside or below the grid, and nothing can bring it there; placed:
+    (RigidBody, BodyState) of it."""
+    if len(placed) != 1 or not any(scene.gravity):
+        return
+    described, (body, motion) = scene.bodies[0], placed[0]
+    moved = described.pull or any(each for stage in scene.stages for each in (stage.loads, stage.motions))
+    for a, (name, axis) in enumerate(zip("xyz", scene.grid.axes)):
+        low, high = rigid.bounding_box(body, motion)[:, a]
+        beside = low >= axis.end and name != "z" or high <= axis.start
+        if beside and not axis.collapsed and not moved and not motion.velocity[a] and not described.velocity[a]:
+            where = f"beside the grid, from {name} = {low:.4g} to {high:.4g} m" if name != "z" else (
+                f"below the grid, up to z = {high:.4g} m (z points up)")
+            raise SceneError(
+                f"body.0.position: {body.name} lies {where}, where the grid goes from {axis.start:g} to {axis.end:g} m: no "
+                "soil is there, and nothing moves it there. Give coordinates of the grid, in metres")
 
 
 def build_line(described, body_mesh, properties):

@@ -13,7 +13,7 @@ from hybrid.scene.defaults import resolve
 from hybrid.scene.file import validate
 from hybrid.scheme import Scheme
 from hybrid.setup import on_ground
-from hybrid.setup.bodies import build_body, mesh_of
+from hybrid.setup.bodies import build_body, mesh_of, refuse_outside
 from hybrid.setup.body_contact import build_pairs, refuse_overlap_of_bodies
 from hybrid.setup.contact import connect_to_soil
 from hybrid.setup.grid import axis_nodes, build_grid
@@ -77,6 +77,7 @@ def _put_together(scene, decisions, accuracy, body_force, law):
     scene, held, mirrors = with_symmetry(scene, meshes)
     placed = [build_body(*pair, loads.on_bodies(0.0), scene.stages) for pair in zip(scene.bodies, meshes)]
     scene, placed = lower_to_ground(scene, placed)
+    refuse_outside(scene, placed)
     placed = [(line_through_soil(scene, described, body, planes), motion)
               for described, (body, motion), planes in zip(scene.bodies, placed, mirrors)]
     joints = build_joints(scene, placed, meshes)

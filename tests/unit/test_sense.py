@@ -1,5 +1,6 @@
 """Numbers that are allowed and look wrong give a note; demos, benchmarks and random scenes give none."""
 
+import re
 from dataclasses import replace
 
 import pytest
@@ -8,7 +9,7 @@ from hybrid.bench.scenes import block
 from hybrid.monitors.limits.place import LIMITS, odd_points
 from hybrid.runtime.data import DEMOS, GEOMETRY
 from hybrid.runtime.errors import SceneError
-from hybrid.scene import Joint, Load, Motion, Pull, Stage, Time
+from hybrid.scene import Axis, Joint, Load, Motion, Pull, Stage, Time
 from hybrid.scene.check_sense import sense_notes
 from hybrid.scene.defaults import resolve
 from hybrid.scene.file import load_scene, validate
@@ -109,8 +110,8 @@ def places(**body):
 
 @pytest.mark.parametrize("body, words", [
     ({"rest_on": 500.0}, "starts 500 m above the soil"),
-    ({"position": (3.0, 1.0, 0.0)}, "lies beside the grid, from x = 2.9 to 3.1 m"),
-    ({"position": (1.0, 1.0, -3.0), "rest_on": None}, "lies below the grid, up to z = -2.9 m"),
+    ({"position": (3.0, 1.0, 0.0), "velocity": (-1.0, 0.0, 0.0)}, "lies beside the grid, from x = 2.9 to 3.1 m"),
+    ({"position": (1.0, 1.0, -3.0), "rest_on": None, "velocity": (0.0, 0.0, 1.0)}, "lies below the grid, up to z = -2.9 m"),
     ({"position": (2.05, 1.0, 0.0)}, "is half outside the grid: its middle is at x = 2.05 m"),
     ({"position": (1.95, 1.0, 0.0)}, "reaches 0.05 m past the end of the grid at x = 2 m, 25% of its length"),
     ({"position": (1.95, 1.0, 0.0), "rest_on": 0.3}, ""),      # higher than a cell above the soil
@@ -129,6 +130,31 @@ def places(**body):
 def test_a_place_that_looks_wrong_gives_a_note(body, words):
     found = places(**body)
     assert len(found) == bool(words) and all(words in note for note in found), found
+
+
+@pytest.mark.parametrize("body, words", [
+    ({"position": (3.0, 1.0, 0.0)}, "lies beside the grid, from x = 2.9 to 3.1 m, where the grid goes from 0 to 2 m"),
+    ({"position": (3.0, 1.0, 0.0), "velocity": (0.0, 1.0, 0.0)}, "lies beside the grid"),
+    ({"position": (1.0, 1.0, -3.0), "rest_on": None}, r"lies below the grid, up to z = -2.9 m \(z points up\)")])
+def test_a_body_outside_the_grid_that_nothing_moves_there_is_refused(body, words):
+    with pytest.raises(SceneError, match=words):
+        places(**body)
+
+
+@pytest.mark.parametrize("x, travel, joined, told", [
+    (1.4, 0.0, False, ""), (2.6, 0.0, False, r"reaches from x = 2.5 to 2.7 m at the start, .* at least \[1, 2\]"),
+    (1.4, 4.0, False, r"reaches from x = 1.3 to 1.5 m at the end, .* at least \[3.2, 1\]"), (2.6, 0.0, True, "")])
+def test_a_second_body_outside_the_window_of_a_grid_that_moves_with_the_first(x, travel, joined, told):
+    cubes = [box(0.2, 0.2, 0.2, name="first", position=(0.6, 0.3, 0.0), rest_on=0.0, driven=("x",), held=("rx", "ry", "rz"),
+                 velocity=(travel, 0.0, 0.0)),
+             box(0.2, 0.2, 0.2, name="second", position=(x, 0.3, 0.0), rest_on=0.0)]
+    scene = soil_scene(cubes, x=(0.0, 6.4), y=(0.0, 0.6), gravity=(0.0, 0.0, -9.81), time=Time(0.1),
+                       geostatic=True)
+    grid = replace(scene.grid, x=Axis(0.0, 6.4, 0.2, doublings=1, window=(1.0, 1.0)))
+    joints = (Joint("bar", "weld", ("first", "second"), (0.0, 0.0, 0.0)),) if joined else ()
+    simulation = build(replace(scene, grid=grid, joints=joints, stages=(Stage("go", 10),)))
+    found = [text for limit in LIMITS for text in limit(simulation.scene, simulation.model)]
+    assert len(found) == bool(told) and all(re.search(told, text) for text in found), found
 
 
 @pytest.mark.parametrize("stage, noted", [

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hybrid.monitors.limits.contact import initial_vertices
+from hybrid.monitors.limits.contact import initial_vertices, path_along
 from hybrid.runtime.comm import maximum, minimum
 
 HIGH = 10.0         # sizes of a body above the soil,
@@ -23,9 +23,44 @@ def odd_places(scene, model):
         if not _meets(scene, described):        # a body in empty space is meant
             continue
         place = initial_vertices(described, body)
-        text = _place(model.soil, place.min(axis=0), place.max(axis=0), scene.grid) or _crossing(model.soil, body, place)
+        text = (_place(model.soil, place.min(axis=0), place.max(axis=0), scene.grid)
+                or _crossing(model.soil, body, place, scene.grid))
         if text:
             yield f"{body.name} {text}"
+
+
+def outside_window(scene, model):
+    """Bodies that stand, at the start or at the end, where a grid that moves with another body has no soil or coarse
+    cells."""
+    grid, bodies = scene.grid, list(zip(scene.bodies, model.bodies))
+    followed = next((b for b, (described, _) in enumerate(bodies) if described.name == grid.follow), 0)
+    joined = {name for joint in scene.joints for name in joint.bodies}
+    for number, (described, body) in enumerate(bodies):
+        if not grid.moves or number == followed or body.name in joined and scene.bodies[followed].name in joined:
+            continue
+        for a, axis in enumerate(grid.axes[:2]):
+            found = _left_out(scene, axis, "xy"[a], a, bodies[followed], (described, body)) if axis.moves else ""
+            if found:
+                yield f"{body.name} {found}"
+                break
+
+
+def _left_out(scene, axis, name, a, followed, other):
+    """What is told of the `other` (Body, RigidBody) beside the `followed` one along an axis that moves with that."""
+    key, what = ("window", "soil is left out") if axis.window else ("around", "cells are coarser")
+    ends = axis.window or axis.around
+    ways = [[stage[-1] for stage in path_along(scene, each[0], name)] for each in (followed, other)]
+    for moved, way in ((0.0, 0.0), (ways[0][-1], ways[1][-1])):
+        boxes = [initial_vertices(*each)[:, a] + shift for each, shift in zip((followed, other), (moved, way))]
+        low, high = max(boxes[0].min() - ends[0], axis.start), min(boxes[0].max() + ends[1], axis.end)
+        if boxes[1].min() < low - FLUSH * axis.size or boxes[1].max() > high + FLUSH * axis.size:
+            needed = max(boxes[0].min() - boxes[1].min(), 0.0), max(boxes[1].max() - boxes[0].max(), 0.0)
+            when = "at the start" if not moved and not way else "at the end"
+            return (f"reaches from {name} = {boxes[1].min():.4g} to {boxes[1].max():.4g} m {when}, and grid.{name}.{key} "
+                    f"about {followed[0].name} from {low:.4g} to {high:.4g} m: {what} beyond that. Set grid.{name}.{key} to "
+                    f"at least [{max(needed[0], ends[0]):.3g}, {max(needed[1], ends[1]):.3g}], or use a grid that does not "
+                    "move")
+    return ""
 
 
 def _meets(scene, described):
@@ -39,13 +74,14 @@ def _place(soil, low, high, grid):
     """What looks wrong about a body between `low` and `high` (3,) [m]; None if nothing does."""
     extent, size, middle = soil.grid.extent, high - low, 0.5 * (low + high)
     axes = [(i, name) for i, name in enumerate("xyz") if not soil.grid.collapsed[i]]
+    level = [name for name in "xy" if not getattr(grid, name).window]     # of the others: `outside_window`
     for i, name in axes:
         length = extent[i, 1] - extent[i, 0]
         if size[i] > LARGER * length and name != "z":
             return (f"is {size[i]:.4g} m long along {name}, {size[i] / length:.3g} times the grid: are its geometry or "
                     "its parameters in millimetres?")
     for i, name in axes:
-        if name != "z" and (low[i] >= extent[i, 1] or high[i] <= extent[i, 0]):
+        if name in level and (low[i] >= extent[i, 1] or high[i] <= extent[i, 0]):
             return (f"lies beside the grid, from {name} = {low[i]:.4g} to {high[i]:.4g} m, where the grid goes from "
                     f"{extent[i, 0]:.4g} to {extent[i, 1]:.4g} m: no soil is there. Check body.position")
     top = maximum(soil.constants.position[:, 2] + soil.constants.half_width[:, 2])
@@ -61,14 +97,14 @@ def _place(soil, low, high, grid):
         side = "max" if middle[i] > 0.5 * sum(extent[i]) else "min"
         free = getattr(grid.faces, f"{name}_{side}") == "free"
         covers = low[i] <= extent[i, 0] and high[i] >= extent[i, 1]     # a platen over all of the soil
-        if name != "z" and out > (-ROUND_OFF if free else ROUND_OFF) * size[i] and not covers and gap < size.max():
+        if name in level and out > (-ROUND_OFF if free else ROUND_OFF) * size[i] and not covers and gap < size.max():
             # one that starts high above the soil may come down elsewhere
             return (f"is half outside the grid: its middle is at {name} = {middle[i]:.4g} m, and the grid goes from "
                     f"{extent[i, 0]:.4g} to {extent[i, 1]:.4g} m. Only at a face of symmetry is half of a body enough")
     return None
 
 
-def _crossing(soil, body, place):
+def _crossing(soil, body, place, described):
     """What looks wrong about a body with vertices at `place` (V, 3) [m] that is inside and outside the grid; None if
     nothing: the soil ends before, or below the part outside; that part is the mirror image of the other; all of the soil
     is covered."""
@@ -78,7 +114,7 @@ def _crossing(soil, body, place):
     lower, upper = ([end(x) for x in (at + sign * half).T] for end, sign in ((minimum, -1), (maximum, 1)))
     for i in np.flatnonzero(~grid.collapsed[:2]):
         (start, end), name = grid.extent[i], "xyz"[i]
-        if low[i] < start + slack and high[i] > end - slack:
+        if getattr(described, name).window or low[i] < start + slack and high[i] > end - slack:
             continue
         for face, reached, sign, side, filled in ((start, low[i], -1, "start", lower[i]),
                                                   (end, high[i], 1, "end", upper[i])):
@@ -169,4 +205,4 @@ def odd_halves(scene, model):
                    "face on the end of the grid, or model the whole body")
 
 
-LIMITS = (odd_places, odd_points, odd_penalty, odd_halves)
+LIMITS = (odd_places, outside_window, odd_points, odd_penalty, odd_halves)
