@@ -5,8 +5,8 @@ by a few per cent of its height at every increase of gravity, with few iteration
 flow from elastic settlement is that the work of the weight is dissipated instead of stored. With d_s the largest
 displacement of a point in step s,
 
-    D_s = growth of the plastic work    E_s = growth of the elastic energy
-    flow = Σ d_s  over steps with D_s > E_s, one after the other
+    D_s = growth of the plastic work    E_s = change of the elastic energy
+    flow = Σ d_s  over steps with D_s > |E_s|, one after the other
 
 Cuts of a height H, E = 1, 5, 100 MPa, 8 and 16 cells high, gravity growing in 10 or 40 steps:
 
@@ -39,9 +39,11 @@ class FlowingSoil(Monitor):
     def __init__(self, model, state):
         super().__init__(model, state)
         self._flow, self._since = 0.0, None         # [m]; [s], end of the last step before it
-        self._last = None   # (number, time [s], bodies, plastic work [J], elastic energy [J]) of the last step
+        # (number, time [s], bodies, which of them touch the soil, plastic work [J], elastic energy [J]) of the last step
+        self._last = None
         if state is not None and not model.soil.held:
-            self._last = state.step, state.time, state.bodies, 0.0, model.soil.stored_energy(state.points)
+            touch = [anywhere(history.touching) for history in state.contacts]
+            self._last = state.step, state.time, state.bodies, touch, 0.0, model.soil.stored_energy(state.points)
 
     def warnings(self, view):
         """Time, flow, limit and remedy."""
@@ -49,12 +51,14 @@ class FlowingSoil(Monitor):
         if view.scheme.inertia or soil.held or not soil.law.plastic or not view.model.gravity.any():
             return
         now = view.state
-        last, self._last = self._last, (now.step, now.time, now.bodies, view.energy["plastic"], view.energy["elastic"])
+        touch = [anywhere([len(contact)]) for contact in view.contacts]
+        works = view.energy["plastic"], view.energy["elastic"]
+        last, self._last = self._last, (now.step, now.time, now.bodies, touch, *works)
         if last[0] != now.step - 1:     # first step of a run that is resumed
             return
-        _, time, bodies, plastic, elastic = last
-        stored = max(view.energy["elastic"] - elastic, 0.0)
-        if view.energy["plastic"] - plastic <= stored or _pushed(view, bodies):
+        _, time, bodies, touched, plastic, elastic = last
+        stored = abs(view.energy["elastic"] - elastic)      # or given back, where a body is lifted off
+        if view.energy["plastic"] - plastic <= stored or _pushed(view, bodies, np.logical_or(touch, touched)):
             if not self.given("flow"):      # it has come to rest
                 self._flow, self._since = 0.0, None
             return
@@ -71,10 +75,11 @@ class FlowingSoil(Monitor):
                 "with time.inertia = true")
 
 
-def _pushed(view, before):
-    """Whether a body that touches the soil has moved in the step; before: BodyState of each body at its begin."""
-    return any(anywhere([len(contact)]) and _moved(body, before[b], after) > STILL * view.report.moved
-               for b, body, after, contact in view.bodies)
+def _pushed(view, before, touch):
+    """Whether a body that touches the soil, or has until then, has moved in the step; before: BodyState of each body at its
+    begin; touch: (nb,) bool."""
+    return any(touch[b] and _moved(body, before[b], after) > STILL * view.report.moved
+               for b, body, after, _ in view.bodies)
 
 
 def _moved(body, before, after):

@@ -71,9 +71,10 @@ def _moving_grid(scene):
             continue
         cells, block = (axis.end - axis.start) / axis.size, 2**axis.doublings
         fits = abs(cells / block - round(cells / block)) < ROUNDED
+        near = int(cells // block), int(cells // block) + 1
         yield from need(fits, f"{key}.end", axis.end, f"start = {shown(axis.start)} plus a multiple of size times "
                         f"2^doublings = {shown(axis.size * block)}",
-                        f"use {shown(axis.start + axis.size * block * max(1, round(cells / block)))} m")
+                        f"use {' or '.join(shown(axis.start + axis.size * block * n) for n in near if n)} m")
 
 
 def _nodes(key, axis):

@@ -77,7 +77,7 @@ def _motion(path, motion, grid):
     given = [name for name in ("velocity", "displacement") if getattr(motion, name) is not None]
     yield from need(len(given) == (motion.component is not None), f"{path}.component", motion.component or "left out",
                     f"with one of velocity and displacement, but has {' and '.join(given) or 'none of them'}",
-                    "write component = 'x' and velocity = 0.1")
+                    f"write component = '{motion.component or 'x'}' and velocity = 0.1")
     if motion.point is not None:
         yield from need(not motion.free, f"{path}.free", motion.free, "left out with a point", "release components of the "
                         "centre of mass; points are guided in the stages that say so")

@@ -102,7 +102,9 @@ def soil_shares(boxes, surface, motion, collapsed):
     shares (n, k, 2) of soil below and above the body along each of them."""
     deep, normal = distances(in_frame(boxes.position, motion, collapsed), surface)
     across = np.where(collapsed, 0.0, boxes.half)
-    axes = np.argsort(-np.abs(normal @ motion.rotation.T) * across - (across > 0) * 1e-300, axis=1, kind="stable")
+    facing = np.abs(normal @ motion.rotation.T) * across / np.maximum(across.max(axis=1, keepdims=True), TINY)
+    # at a corner of a box two axes face the body alike: the first one is taken, not that of round-off
+    axes = np.argsort(-np.round(facing, 9) - (across > 0) * 1e-300, axis=1, kind="stable")
     axes = axes[:, :3 - np.count_nonzero(collapsed)]
     inside = deep < -np.linalg.norm(across, axis=1)
     share, ends = np.where(inside, 0.0, 1.0), np.zeros((*axes.shape, 2))

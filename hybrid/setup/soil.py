@@ -26,6 +26,7 @@ from hybrid.state import PointConstants
 from hybrid.step import processes
 
 OF_POINTS = "position", "half_width", "volume", "mass"
+TINY = 1e-9     # [Pa]
 
 
 @dataclass(frozen=True)
@@ -253,10 +254,13 @@ def _refuse_yielding(law, stress, depth):
 
 
 def _remedy(law, stress):
-    """What makes a law carry a stress (n, 3) [Pa] at rest: the lowest K0 that does, to two digits, or another strength."""
-    for k0 in np.arange(0.01, 1.005, 0.01):
-        trial = np.minimum(stress, np.array([k0, k0, 1.0]) * stress[:, 2:])
+    """What makes a law carry a stress (n, 3) [Pa] at rest: the K0 nearest to the one given that does, to two digits, or
+    another strength."""
+    largest_k0 = (stress[:, :2] / np.minimum(stress[:, 2:], -TINY)).max(initial=0.0)
+    passive = largest_k0 > 1.0
+    for k0 in np.arange(np.floor(100 * largest_k0) / 100, 0.995, -0.01) if passive else np.arange(0.01, 1.005, 0.01):
+        trial = (np.maximum if passive else np.minimum)(stress, np.array([k0, k0, 1.0]) * stress[:, 2:])
         carried = law.respond(law.strain(trial), np.zeros(len(trial))).stress
         if np.abs(carried - trial).max(initial=0.0) <= 1e-9 * np.abs(trial).max(initial=0.0):
-            return f"set soil.k0 = {k0:.2f}, or raise the strength"
+            return f"set soil.k0 to {'at most' if passive else 'at least'} {k0:.2f}, or raise the strength"
     return "raise the strength"

@@ -9,12 +9,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from put_on_soil import put_on_soil
 
 from hybrid.monitors.flowing_soil import LIMIT, FlowingSoil
 from hybrid.monitors.monitor import StepView
-from hybrid.scene import Axis, Faces, Grid, Material, Scene, Soil, Stage, Time
+from hybrid.scene import Axis, Faces, Grid, Material, Motion, Scene, Soil, Stage, Time
 from hybrid.setup.build import build
-from hybrid.study.scenes import soil_scene, steel
+from hybrid.study.scenes import box, soil_scene, steel
 
 HEIGHT, CELLS, WEIGHT = 4.0, 8, 1800 * 9.81
 
@@ -53,6 +54,16 @@ def test_a_cut_that_cannot_stand_is_reported(changes):
 def test_a_cut_that_stands_is_not(changes):
     """Also where soft soil settles by a twentieth of the height of the cut."""
     assert notes(cut(**changes)) == ([], [])
+
+
+def test_clay_that_springs_back_under_a_lifted_footing_is_not():
+    """Its elastic energy is given back in the steps in which the footing goes, and some of it yields."""
+    clay = Material(law="von-mises", young=1e6, poisson=0.45, density=1700.0, strength=10e3)
+    strip = box(1.2, 1.0, 0.3, density=2000.0, position=(0.0, 0.5, 0.0), rest_on=0.0, held=("x", "ry"), driven=("z",),
+                velocity=(0.0, 0.0, -0.005), friction=0.3)
+    scene = put_on_soil(strip, size=0.125, x=(0.0, 2.0), z=(-1.0, 0.25), material=clay)
+    lift = Stage("lift", 4, motions=(Motion(component="z", velocity=0.05),))
+    assert notes(replace(scene, gravity=(0.0, 0.0, -9.81), stages=(Stage("press", 10), lift))) == ([], [])
 
 
 # ------------------------------------------------------------------ steps made up
