@@ -10,6 +10,7 @@
 | ForceOscillation | the contact force oscillates because the scheme does not damp           |
 | EnergyBalance    | energy is gained, or lost in one step, that the balance cannot explain  |
 | AbsorbedImpact   | falling bodies lose energy, little by little, without a cause           |
+| DampedVibration  | the time integration damps a vibration that the steps resolve           |
 | BodyImpact       | bodies that hit one another lose energy without a cause                 |
 | PlasticIncrement | an increment without inertia adds too much plastic strain               |
 | FlowingSoil      | soil that no body moves flows under its weight, without inertia         |
@@ -29,6 +30,7 @@ import numpy as np
 from hybrid.monitors.absorbed_impact import AbsorbedImpact
 from hybrid.monitors.body_impact import BodyImpact
 from hybrid.monitors.body_overlap import BodyOverlap
+from hybrid.monitors.damped_vibration import DampedVibration
 from hybrid.monitors.domain_exit import DomainExit
 from hybrid.monitors.energy_balance import EnergyBalance
 from hybrid.monitors.flowing_soil import FlowingSoil
@@ -47,7 +49,7 @@ from hybrid.monitors.untouched import Untouched
 MONITORS = (
     DomainExit, LostContact, LostPoints, MissedContact, Penetration, ForceOscillation, EnergyBalance, PlasticIncrement,
     FlowingSoil, BodyOverlap, JudgedIncrements, AbsorbedImpact, BodyImpact, GroundImpact,
-    IdleAdhesion, Untouched)
+    IdleAdhesion, Untouched, DampedVibration)
 
 __all__ = ["MONITORS", "Monitors", "StepView", *(kind.__name__ for kind in MONITORS)]
 

@@ -1,0 +1,29 @@
+"""Bodies of so few cells that their load is anyone's guess, and of which no other limit tells by how much.
+
+A block of 0.7 m x 0.5 m pushed 0.12 m into clay and as far forwards, in cells of 0.25 m: 3.6 kN along its way, forwards, and
+7 kN across it, where symmetry has none; with half the cells -7.7 and 2.5 kN, and a quarter less downwards. A smooth square
+of 3 cells bears 12 % too much, of 4 cells 2 %.
+"""
+
+from hybrid.monitors.limits.ways import driven, heading, loaded, narrowest, top_of
+
+FEW = 4.0       # cells across the way of a body
+BARELY = 0.05   # cells: bodies that go less deep hardly move the soil
+
+
+def few_cells(scene, model, told):
+    """Bodies less than FEW cells wide across their way through soil that yields; told: texts of other limits."""
+    cell, found = model.soil.grid.smallest_cell, set()
+    for body, way, place, *_ in (*driven(scene, model), *loaded(scene, model)):
+        across, known = narrowest(model.soil.grid, place, way), any(_about_cells(text, body.name) for text in told)
+        deep = top_of(model.soil) - place[:, 2].min() - min(way[2], 0.0)
+        if 0.0 < across < (FEW - 1e-6) * cell and deep > BARELY * cell and not known and body.name not in found:
+            found.add(body.name)
+            yield (f"{body.name} is {across / cell:.2g} cells of {cell:.3g} m wide across its way {heading(way)}, limit "
+                   f"{FEW:g}: too few to tell its load (a block of 2 and 3 cells pushed into clay: a quarter too much "
+                   "downwards, and the wrong sign sideways). Use cells of at most "
+                   f"{across / FEW:.2g} m at it, and compare two sizes of cells")
+
+
+def _about_cells(text, name):
+    return text.startswith(f"{name} ") and " cell" in text

@@ -1,0 +1,40 @@
+"""A column of soil under sudden gravity swings; the default scheme damps it unless steps are short."""
+
+import pytest
+
+from hybrid.scene import Axis, Faces, Grid, Material, Scene, Soil, Stage, Time
+from hybrid.setup.build import build
+from hybrid.study.scenes import NO_OUTPUT
+
+PERIOD = 0.0975     # [s]
+
+
+def notes(steps_in_a_period, periods=3.0, **time):
+    """About damping, of a column that swings for some periods."""
+    side = Axis(0.0, 0.25, 0.25)
+    scene = Scene(name="column", grid=Grid(side, side, Axis(0.0, 2.25, 0.25), Faces(z_min="fixed")),
+                  soil=Soil(Material(law="hencky", young=1e7, poisson=0.3, density=2000.0), top=2.0, geostatic=False),
+                  time=Time(PERIOD / steps_in_a_period, **time), output=NO_OUTPUT,
+                  stages=(Stage("swing", round(periods * steps_in_a_period)),))
+    return [text for record in build(scene).steps() for text in record.notes if "damps a vibration" in text]
+
+
+def test_what_the_default_scheme_takes_from_a_vibration_is_told_once():
+    text, = notes(16)
+    assert "17 steps in a period" in text and "12% of its swing in each, limit 10%" in text
+
+
+@pytest.mark.parametrize("steps, time", [
+    (24, {}), (16, {"spectral_radius": 0.8}), (16, {"scheme": "newmark"}), (5, {}), (16, {"beta": 0.5625, "gamma": 1.0})],
+    ids=["short steps", "hardly damped", "undamped", "not resolved", "meant to"])
+def test_others_are_not(steps, time):
+    assert not notes(steps, **time)
+
+
+def test_soil_that_does_not_swing_is_not():
+    """At rest from the start."""
+    side = Axis(0.0, 0.5, 0.25)
+    scene = Scene(name="rest", grid=Grid(side, side, Axis(0.0, 1.25, 0.25), Faces(z_min="fixed")),
+                  soil=Soil(Material(law="hencky", young=1e7, poisson=0.3, density=2000.0), top=1.0), time=Time(0.006),
+                  stages=(Stage("rest", 60),), output=NO_OUTPUT)
+    assert not [text for record in build(scene).steps() for text in record.notes]

@@ -1,0 +1,42 @@
+"""A body of few cells is told of where no other limit knows by how much its load is wrong."""
+
+from dataclasses import replace
+
+import pytest
+from put_on_soil import put_on_soil
+
+from hybrid.monitors.limits import limit_warnings
+from hybrid.monitors.limits.few_cells import few_cells
+from hybrid.scene import Motion, Stage
+from hybrid.setup.build import build
+from hybrid.study.scenes import box
+
+
+def texts(size, z=-0.01, told=(), **given):
+    """About a smooth block of 0.6 m x 0.6 m that is driven along z, its edges a quarter of a cell from lines of the grid."""
+    block = box(0.6, 0.6, 0.3, density=1e3, position=(0.05, 0.05, 0.0), rest_on=0.0, held=("x", "y", "rx", "ry", "rz"),
+                driven=("z",), velocity=(0.0, 0.0, z), friction=0.0)
+    scene = put_on_soil(block, size=size, x=(-1.2, 1.2), y=(-1.2, 1.2), z=(-1.2, 0.6), steps=5, **given)
+    simulation = build(scene)
+    return list(few_cells(simulation.scene, simulation.model, told)), limit_warnings(simulation.scene, simulation.model)
+
+
+@pytest.mark.parametrize("size, count", [(0.2, 1), (0.15, 0)])
+def test_a_block_of_three_cells_is_told_of_and_one_of_four_is_not(size, count):
+    found, all_texts = texts(size)
+    assert len(found) == count == sum("too few to tell its load" in text for text in all_texts)
+    assert all("body is 3 cells of 0.2 m wide across its way down, limit 4" in text for text in found)
+
+
+def test_what_hardly_moves_or_has_its_own_limit_is_not():
+    assert not texts(0.2, z=-1e-4)[0] and not texts(0.2, told=["body has 3 cells in its base"])[0]
+    assert texts(0.2, told=["other has 3 cells in its base"])[0]
+
+
+def test_a_block_that_is_pushed_down_and_forwards_at_once():
+    block = box(0.6, 0.6, 0.3, density=1e3, position=(0.05, 0.05, 0.0), rest_on=0.0, held=("y", "rx", "ry", "rz"),
+                driven=("x", "z"), velocity=(0.01, 0.0, -0.01), friction=0.3)
+    scene = put_on_soil(block, size=0.2, x=(-1.2, 1.2), y=(-1.2, 1.2), z=(-1.2, 0.6), steps=5)
+    plough = Stage("plough", 5, motions=(Motion(component="z", velocity=0.0),))
+    simulation = build(replace(scene, stages=(*scene.stages, plough)))
+    assert sum("too few to tell its load" in text for text in limit_warnings(simulation.scene, simulation.model)) == 1
