@@ -258,6 +258,29 @@ def test_an_upright_cut_in_soil_with_friction(dilation, percent):
     assert f"in soil with friction: the weight under which it stands is about {percent} too high" in text
 
 
+@pytest.mark.parametrize("angle, across, low, high", [
+    (10, 8, 0.06, 0.08), (10, 16, 0.02, 0.02), (20, 8, 0.30, 0.32), (20, 16, 0.14, 0.14), (20, 32, 0.04, 0.04),
+    (30, 16, 0.36, 0.36)])
+def test_the_law_of_slopes_in_soil_that_dilates_is_within_six_per_cent_of_what_was_measured(angle, across, low, high):
+    """ψ = φ, over Chen's numbers of stability (1975) for 45 and 60°."""
+    number = max(cells.SLOPE, cells.SLOPE_DILATING * angle**2)
+    assert low - 0.06 < number / across < high + 0.06
+
+
+@pytest.mark.parametrize("run, dilation, cohesion, size, percent", [
+    (4.0, 20.0, 4e3, 0.25, "15%"), (4.0, 0.0, 4e3, 0.5, "12%"), (4.0, 0.0, 4e3, 0.25, ""), (16.0, 20.0, 4e3, 0.25, ""),
+    (4.0, 20.0, 0.0, 0.25, "")])
+def test_a_slope_in_soil_with_friction(run, dilation, cohesion, size, percent):
+    """4 m high; one less steep than φ, and one without cohesion, do not depend on cells like that."""
+    material = replace(clay.clay(18e3, 1800.0), law="mohr-coulomb", strength=None, cone=None, friction_angle=20.0,
+                       dilation_angle=dilation, cohesion=cohesion)
+    grid = Grid(Axis(start=-4.0, end=20.0, size=size), Axis(start=0.0, end=1.0, collapsed=True),
+                Axis(start=-6.0, end=0.5, size=size), Faces(z_min="fixed"))
+    soil = Soil(material, top=0.0, ground=((0.0, 0.0), (run, -4.0)), geostatic=False)
+    found = texts(cells.frictional_slope, scene("slope", grid, soil, [], clay.Time(1.0, inertia=False), 9))
+    assert len(found) == bool(percent) and all(f"is about {percent} too high, limit 10%" in text for text in found)
+
+
 @pytest.mark.parametrize("depth, low, high", [(4, 1.12, 1.17), (6, 1.10, 1.13), (8, 1.07, 1.11), (12, 1.047, 1.05)])
 def test_the_law_of_wedges_is_what_was_measured(depth, low, high):
     """Smooth, 90 degrees, E = 500 and 2000 s_u, over 8.94 s_u times the depth (Hill, Lee & Tupper 1947)."""

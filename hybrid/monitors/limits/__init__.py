@@ -9,7 +9,7 @@ the remedy. Numbers that are merely unlikely come first (`hybrid.scene.check_sen
 from hybrid.monitors.limits import (base, cells, clay_cells, contact, elastic_cells, footing_cells, guided, layers,
                                     margins, place, rolling, sand_cells, shear_gap, soil, stages, stepping, turning,
                                     unsupported)
-from hybrid.monitors.limits.few_cells import few_cells
+from hybrid.monitors.limits.unjudged import unjudged
 from hybrid.scene.check_sense import sense_notes
 
 MODULES = (place, unsupported, soil, layers, contact, base, rolling, cells, clay_cells, sand_cells, footing_cells,
@@ -20,4 +20,4 @@ LIMITS = tuple(limit for module in MODULES for limit in module.LIMITS)
 def limit_warnings(scene, model):
     """Texts about numbers of a `scene` that look wrong, and about limits that it exceeds with its Model."""
     told = [text for limit in LIMITS for text in limit(scene, model)]
-    return *sense_notes(scene), *told, *few_cells(scene, model, told)
+    return *sense_notes(scene), *told, *unjudged(scene, model, told)

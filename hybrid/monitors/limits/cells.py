@@ -11,6 +11,7 @@
     wedge of 90° pressed into it, smooth, plane strain    1 + 0.7/n          n cells in its depth under the ground
     upright cut under its own weight, plane strain        1 + 1.05/n         n cells in its height;
                                                                              1 + (1.05 + ψ/10°)/n where soil dilates
+    slope of 45 to 60° in soil with cohesion and friction 1 + (ψ/13°)²/n     the same, at least 1 + 1/n
 
 Nodes at the edge of a face move with it, and the clay is sheared in the cell beyond (DESIGN, "The foot of a blade drags
 on the next nodes"). Those of sand are in `sand_cells`, of soil with cohesion and friction in `footing_cells`.
@@ -23,11 +24,16 @@ import numpy as np
 from hybrid.monitors.limits.ways import (CLAY, EXCESS, SAND, STEEP, driven, faces, feet, heading, law_at, leads, loaded,
                                          material_at, narrowest, sides, step_of_ground, top_of)
 from hybrid.runtime.comm import maximum, minimum
+from hybrid.scene.ground import heights, steepest
 
 ATTACHED, ROUND, EDGE, CUT, WEDGE = 1.75, 1.5, 0.3, 1.05, 0.7
 # Cuts in soil with cohesion and friction over 3.83 c/γ tan(45° + φ/2): φ = ψ = 20°, 12 and 24 cells high, 16 to 20, 12 to
 # 14 %; 30°, 36 to 40 and 18 to 22 %; φ = 20°, ψ = 0, 12 cells, 8 to 14 %
 DILATING = 0.1      # for each degree of ψ
+# Slopes of 45 and 60° in such soil, share of the gravity at which they fail (Chen 1975) where ψ = φ = 10, 20, 30°: 8 cells
+# high 1.06 and 1.08, 1.32 and 1.30, 1.6 and more; 16 cells 1.02, 1.14, 1.36 at 60°; 32 cells 1.04 at 20°. ψ = 0: 0.96 to 1.16,
+# 1.3 at 30°, with 8 cells, 0.94 to 1.02 with 16
+SLOPE, SLOPE_DILATING = 1.0, 0.006      # SLOPE_DILATING for each square of a degree of ψ
 # Of a strip at 30 and 45° to the grid: 14.1, 13.2 s_u B with 8, 16 cells, where 0 and 90° have 15.1, towards 12.2
 TURNED = 1.25
 # Round, two widths deep, α = 1: 14.6, 13.7, 13.1 s_u A with 4, 6, 8 cells pushed in, 12.7, 12.6, 12.3 lifted
@@ -147,6 +153,24 @@ def upright_cut(scene, model):
                f"cells of at most {EXCESS / number * height:.2g} m")
 
 
+def frictional_slope(scene, model):
+    """Slopes of the ground steeper than the friction angle of soil with cohesion, without bodies, in plane strain, so few
+    cells high that they stand under too much gravity."""
+    soil = model.soil
+    if soil.held or scene.bodies or not np.any(scene.gravity) or soil.grid.collapsed.sum() != 1 or scene.soil.ground is None:
+        return
+    ground, cell = heights(scene.soil.ground), soil.grid.smallest_cell
+    height, slope = float(np.ptp(ground[2])), np.degrees(np.arctan(steepest(ground)))
+    material = material_at(scene, soil, top_of(soil) - 0.5 * height)
+    if material.law not in SAND or not material.cohesion or slope <= material.friction_angle or step_of_ground(scene, soil):
+        return
+    number = max(SLOPE, SLOPE_DILATING * (material.dilation_angle or 0.0) ** 2)
+    if number * cell > EXCESS * height:
+        yield (f"the ground has a slope of {slope:.3g} degrees, {height:.3g} m and {height / cell:.2g} cells high, in soil with "
+               f"friction: the weight under which it stands is about {number * cell / height:.0%} too high, limit "
+               f"{EXCESS:.0%}, the more the soil dilates. Use cells of at most {EXCESS / number * height:.2g} m")
+
+
 def _attached(scene, model, body, way, place, _):
     """(Excess, text, remedy) of a body in clay that stays on it, deep in it or round."""
     soil, cell = model.soil, model.soil.grid.smallest_cell
@@ -231,4 +255,4 @@ def _growing(scene, soil, place, way):
     return FROM_NONE if ratio > WEAK else 1.0 + GROWTH * ratio ** GROWING
 
 
-LIMITS = (few_cells, flow_around, wedges, upright_cut)
+LIMITS = (few_cells, flow_around, wedges, upright_cut, frictional_slope)

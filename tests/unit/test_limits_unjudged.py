@@ -6,7 +6,7 @@ import pytest
 from put_on_soil import put_on_soil
 
 from hybrid.monitors.limits import limit_warnings
-from hybrid.monitors.limits.few_cells import few_cells
+from hybrid.monitors.limits.unjudged import unjudged
 from hybrid.scene import Motion, Stage
 from hybrid.setup.build import build
 from hybrid.study.scenes import box
@@ -18,7 +18,7 @@ def texts(size, z=-0.01, told=(), **given):
                 driven=("z",), velocity=(0.0, 0.0, z), friction=0.0)
     scene = put_on_soil(block, size=size, x=(-1.2, 1.2), y=(-1.2, 1.2), z=(-1.2, 0.6), steps=5, **given)
     simulation = build(scene)
-    return list(few_cells(simulation.scene, simulation.model, told)), limit_warnings(simulation.scene, simulation.model)
+    return list(unjudged(simulation.scene, simulation.model, told)), limit_warnings(simulation.scene, simulation.model)
 
 
 @pytest.mark.parametrize("size, count", [(0.2, 1), (0.15, 0)])

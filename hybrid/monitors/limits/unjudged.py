@@ -11,7 +11,7 @@ FEW = 4.0       # cells across the way of a body
 BARELY = 0.05   # cells: bodies that go less deep hardly move the soil
 
 
-def few_cells(scene, model, told):
+def unjudged(scene, model, told):
     """Bodies less than FEW cells wide across their way through soil that yields; told: texts of other limits."""
     cell, found = model.soil.grid.smallest_cell, set()
     for body, way, place, *_ in (*driven(scene, model), *loaded(scene, model)):
