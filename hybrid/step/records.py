@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hybrid.body.attitude import quaternion
+from hybrid.body.attitude import log_so3, quaternion
 from hybrid.body.joints import Joint
 from hybrid.body.rigid import FREEDOMS, line_ends
 from hybrid.output.record import BodyRecord, JointRecord, PairRecord
@@ -17,11 +17,19 @@ def body_record(terms, state, joints):
         if guide.bodies[0] == terms.step.number:
             reaction[guide.name], work[guide.name] = force, state.work[drive_name(terms.step.body, guide.name)]
     return BodyRecord(
-        terms.step.body.name, motion.position, quaternion(motion.rotation), motion.velocity, motion.spin,
+        terms.step.body.name, motion.position, quaternion(motion.rotation), motion.velocity, _spin(terms.step, motion),
         contact.resultant[:3], contact.resultant[3:], terms.trial.tension, contact.largest_overlap,
         reaction, load, work, mirrors=terms.step.body.mirrors,
         parts=terms.step.body.parts.forces(contact) if terms.step.body.parts else {},
         line_ends=_line_ends(terms.step.body.line, motion))
+
+
+def _spin(step, motion):
+    """Rate of turning (3,) [rad/s] in the body frame; without inertia, where no state has one, that of the last increment,
+    as of the velocity."""
+    if step.scheme.inertia or not step.body.free[3:].any():
+        return motion.spin
+    return log_so3(step.state.rotation.T @ motion.rotation) / step.dt
 
 
 def _line_ends(line, motion):

@@ -31,8 +31,8 @@ ATTACHED, ROUND, EDGE, CUT, WEDGE = 1.75, 1.5, 0.3, 1.05, 0.7
 # 14 %; 30°, 36 to 40 and 18 to 22 %; φ = 20°, ψ = 0, 12 cells, 8 to 14 %
 DILATING = 0.1      # for each degree of ψ
 # Slopes of 45 and 60° in such soil, share of the gravity at which they fail (Chen 1975) where ψ = φ = 10, 20, 30°: 8 cells
-# high 1.06 and 1.08, 1.32 and 1.30, 1.6 and more; 16 cells 1.02, 1.14, 1.36 at 60°; 32 cells 1.04 at 20°. ψ = 0: 0.96 to 1.16,
-# 1.3 at 30°, with 8 cells, 0.94 to 1.02 with 16
+# high 1.06 and 1.08, 1.32 and 1.30, 1.6 and more; 16 cells 1.02, 1.14, 1.36 at 60°; 32 cells 1.04 at 20°. ψ = 0: 0.96 to
+# 1.16, 1.3 at 30°, with 8 cells, 0.94 to 1.02 with 16
 SLOPE, SLOPE_DILATING = 1.0, 0.006      # SLOPE_DILATING for each square of a degree of ψ
 # Of a strip at 30 and 45° to the grid: 14.1, 13.2 s_u B with 8, 16 cells, where 0 and 90° have 15.1, towards 12.2
 TURNED = 1.25
@@ -100,7 +100,9 @@ def flow_around(scene, model):
         return
     top = top_of(soil)
     for body, way, place, plane in driven(scene, model):
-        depth, width = top - place[:, 2].min() - min(way[2], 0.0), np.ptp(place[:, :2], axis=0).min()
+        depth = top - place[:, 2].min() - min(way[2], 0.0)
+        # of the whole, where half of it is modelled
+        width = min(side.width for side in sides(soil.grid, place, np.array([0.0, 0.0, 1.0])))
         if not plane and depth > (1.0 + DEEP) * width:
             yield (f"{body.name} is driven {depth / width:.2g} of its widths deep, limit {1 + DEEP:g}, through clay as "
                    'strong as s_u where it is sheared in a plane (soil.material.cone = "plane strain"): flow around a '
@@ -166,8 +168,8 @@ def frictional_slope(scene, model):
         return
     number = max(SLOPE, SLOPE_DILATING * (material.dilation_angle or 0.0) ** 2)
     if number * cell > EXCESS * height:
-        yield (f"the ground has a slope of {slope:.3g} degrees, {height:.3g} m and {height / cell:.2g} cells high, in soil with "
-               f"friction: the weight under which it stands is about {number * cell / height:.0%} too high, limit "
+        yield (f"the ground has a slope of {slope:.3g} degrees, {height:.3g} m and {height / cell:.2g} cells high, in soil "
+               f"with friction: the weight under which it stands is about {number * cell / height:.0%} too high, limit "
                f"{EXCESS:.0%}, the more the soil dilates. Use cells of at most {EXCESS / number * height:.2g} m")
 
 
