@@ -8,16 +8,18 @@ the values of the published method instead, all at once.
 """
 
 from dataclasses import replace
+from math import inf
 from typing import NamedTuple
 
 from hybrid.scene.schema import Body, Material, Soil, Time
-from hybrid.scene.soil import USES, laws
+from hybrid.scene.soil import USES, ends, laws, of_layer
 from hybrid.scene.table import shown
 
 SCHEME = "generalised-alpha"
 POISSON = 0.4           # from which on elastic soil bends better with F-bar: DESIGN, "F-bar where volume is kept"
 GHOST = 0.3             # factor on Young's modulus: DESIGN, "The ghost penalty leaves full cells alone"
 GHOST_FLOW = 0.03       # the same in soil that flows along bodies in space
+GHOST_STRENGTH = 1.5    # factor on s_u of clay with inertia, where mass keeps cells with little soil in place as well
 ROLLING, SLIDING = 3.0, 0.3     # ε_T / ε_N of a body that rolls, and of one that sticks at some points and slips at others
 
 
@@ -108,10 +110,21 @@ def _fbar(scene, soil):
 def _ghost(scene, soil):
     if soil.held:
         return 0.0, "held soil does not deform"
-    if scene.bodies and _plastic_laws(soil) and not any(_collapsed(scene)):
-        return (GHOST_FLOW,
-                "cells with little soil follow the fullest of their neighbours, loosely as soil flows along bodies")
-    return GHOST, "cells with little soil follow the fullest of their neighbours"
+    follow = "cells with little soil follow the fullest of their neighbours"
+    flows_along = scene.bodies and _plastic_laws(soil) and not any(_collapsed(scene))
+    factor, reason = (GHOST_FLOW, f"{follow}, loosely as soil flows along bodies") if flows_along else (GHOST, follow)
+    if scene.time.inertia and laws(soil) == {"von-mises"}:
+        loose = float(f"{GHOST_STRENGTH * _largest_strength(scene, soil):.2g}")
+        if 0.0 < loose < factor:
+            return loose, f"{follow}, by {GHOST_STRENGTH:g} s_u, as clay flows and inertia keeps them in place as well"
+    return factor, reason
+
+
+def _largest_strength(scene, soil):
+    """Largest s_u over Young's modulus [-] of clay, at its greatest depth."""
+    bottom, top = ends(soil, scene.grid)
+    found = [soil.material, *(of_layer(soil.material, layer) for layer in soil.layers)]
+    return max(((m.strength or 0.0) + (m.strength_gradient or 0.0) * (top - bottom)) / (m.young or inf) for m in found)
 
 
 def _collapsed(scene):

@@ -136,16 +136,32 @@ def test_fbar_follows_from_the_laws(material, soil, fbar, reason):
     found = decided(described)
     value, why = found["soil.fbar"]
     assert value is fbar and re.search(reason, why)
-    assert found["soil.ghost"][0] == (0.0 if soil.get("held") else GHOST)
+    assert found["soil.ghost"][0] == (0.0 if soil.get("held") else 0.03 if "law" in material and "strength" in material
+                                      else GHOST)
 
 
 @pytest.mark.parametrize("material, bodies, ghost", [(CLAY, 1, GHOST_FLOW), (CLAY, 0, GHOST), ({}, 1, GHOST)])
 def test_the_ghost_penalty_is_loose_where_soil_flows_along_bodies(material, bodies, ghost):
-    described = soil_scene([CUBE] * bodies, geostatic=False)
+    described = soil_scene([CUBE] * bodies, geostatic=False, time=Time(1.0, inertia=False))
     described = replace(described, soil=replace(described.soil, material=replace(described.soil.material, **material)))
     assert decided(described)["soil.ghost"][0] == ghost
     plane = replace(described.grid, y=replace(described.grid.y, collapsed=True))
     assert decided(replace(described, grid=plane))["soil.ghost"][0] == GHOST
+
+
+@pytest.mark.parametrize("material, soil, bodies, ghost", [
+    ({}, {}, 0, 0.003), ({}, {}, 1, 0.003), ({"young": 1e5}, {}, 1, GHOST_FLOW), ({"young": 1e4}, {}, 0, GHOST),
+    ({"strength_gradient": 1e3}, {}, 0, 0.0036),
+    ({}, {"layers": (Layer("soft", top=-0.2, material={"strength": 1e3}),)}, 0, 0.003),
+    ({}, {"layers": (Layer("sand", top=-0.2, law="drucker-prager", material={"friction_angle": 30.0}),)}, 0, GHOST)])
+def test_the_ghost_penalty_of_clay_with_inertia_goes_by_its_strength(material, soil, bodies, ghost):
+    """2 kPa and 1 MPa, 0.4 m deep."""
+    described = soil_scene([CUBE] * bodies, geostatic=False, **soil)
+    clay = replace(described.soil.material, law="von-mises", young=1e6, strength=2e3)
+    described = replace(described, soil=replace(described.soil, material=replace(clay, **material)))
+    assert decided(described)["soil.ghost"][0] == pytest.approx(ghost, rel=0.02)
+    slow = replace(described, time=replace(described.time, inertia=False))
+    assert decided(slow)["soil.ghost"][0] == (GHOST_FLOW if bodies else GHOST)
 
 
 @pytest.mark.parametrize("values, stages, scheme, reason", [

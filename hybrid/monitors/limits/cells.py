@@ -102,8 +102,8 @@ def flow_around(scene, model):
     for body, way, place, plane in driven(scene, model):
         depth = top - place[:, 2].min() - min(way[2], 0.0)
         # of the whole, where half of it is modelled
-        width = min(side.width for side in sides(soil.grid, place, np.array([0.0, 0.0, 1.0])))
-        if not plane and depth > (1.0 + DEEP) * width:
+        width = narrowest(soil.grid, place, np.array([0.0, 0.0, 1.0]))
+        if width and not plane and depth > (1.0 + DEEP) * width:
             yield (f"{body.name} is driven {depth / width:.2g} of its widths deep, limit {1 + DEEP:g}, through clay as "
                    'strong as s_u where it is sheared in a plane (soil.material.cone = "plane strain"): flow around a '
                    "body in space is partly that of triaxial compression and extension, where this clay has 0.87 s_u, "
