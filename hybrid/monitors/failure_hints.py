@@ -22,6 +22,7 @@ LOOSEST = 1e-3      # tolerance that is ever advised: errors of the column's str
 ROUGH, SOFTER = 0.7, 0.1
 UNBALANCED = 0.1    # share of the weight of the soil at the start: with 1 sand on two held bodies has no first step
 ALONG = 0.05        # share of a force that counts as along a surface; and normal to it, that does not
+LITTLE = 1e-3       # of γ H: cohesion that gives sand without stress a stiffness
 DAMPING = "the default time.scheme, which damps"
 
 
@@ -111,7 +112,7 @@ def probable_causes(step, evaluation, sudden=False, stands=False):
         if least < CUT and not model.soil.ghost_factor:
             causes.append(f"A node of a nearly empty cell carries {least:.1g} of the mass of a full one, limit {CUT:g} "
                           f"without inertia: leave soil.ghost out, or set soil.ghost = {GHOST:g}")
-    return tuple(causes or _unbalanced(step))
+    return tuple(causes or (*_unbalanced(step), *_without_stiffness(step)))
 
 
 def _unbalanced(step):
@@ -125,6 +126,23 @@ def _unbalanced(step):
         geostatic = "set soil.geostatic = false and " if imbalance.stressed else ""
         yield (f"{imbalance}, is not balanced at the start, limit {UNBALANCED:.0%}: {geostatic}turn gravity on in a first "
                "stage, stage.gravity = [0.0, 1.0]")
+
+
+def _without_stiffness(step):
+    """Text, if any, about sand without cohesion that begins without stress, in a step without inertia: a column of it beside
+    a rough wall had no first step, and was right to a per cent with 200 Pa."""
+    if step.state.time > 0.0 or step.model.scheme.inertia or anywhere(step.state.points.stress):
+        return
+    law = step.model.soil.law
+    if not law.plastic:
+        return
+    if anywhere(~law.undrained & (law.cohesion(0.0) <= 0.0)):
+        constants = step.model.soil.constants
+        height = maximum(constants.position[:, 2]) - minimum(constants.position[:, 2])
+        density = total(constants.mass) / total(constants.volume)
+        little = float(f"{LITTLE * density * np.linalg.norm(step.model.gravity) * height:.1g}")
+        yield ("Sand without cohesion has no stiffness as long as nothing presses it, and begins without stress: set "
+               f"soil.material.cohesion = {little:g} Pa, a thousandth of the stress under it, or soil.geostatic = true")
 
 
 def _lost(step, evaluation):

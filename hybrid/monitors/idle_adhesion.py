@@ -35,6 +35,10 @@ class IdleAdhesion(Monitor):
                 yield number, (
                     f"{body.name} touches clay whose adhesion is {adhesion:.3g} N, and bears {borne:.3g} N of it at most "
                     f"({borne / adhesion:.0%}, limit {LIMIT:.0%}) at t = {view.state.time:.4g} s: where nothing holds clay "
-                    f"to a body its shear is at most {RAMP:g} times the pressure. Give the soil its weight (gravity), "
-                    'press the body on, or let clay bear tension on it (body.tension, "full" for clay that never '
+                    f"to a body its shear is at most {RAMP:g} times the pressure. {_begin(view.model)} "
+                    'the body on, or let clay bear tension on it (body.tension, "full" for clay that never '
                     "breaks away)")
+
+
+def _begin(model):
+    return "Press" if model.gravity.any() else "Give the soil its weight (gravity), press"

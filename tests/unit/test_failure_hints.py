@@ -19,7 +19,7 @@ from hybrid.monitors.failure_hints import (
 )
 from hybrid.monitors.judged_increments import JudgedIncrements
 from hybrid.monitors.plastic_increment import LIMIT, PlasticIncrement
-from hybrid.scene import Faces, Load, Material, Solver, Time
+from hybrid.scene import Faces, Load, Material, Solver, Stage, Time
 from hybrid.setup.build import build
 from hybrid.soil.domains import cells_wide
 from hybrid.step.equations import begin
@@ -294,3 +294,16 @@ def test_soil_out_of_balance_at_the_start_is_the_cause():
         assert any("turn gravity on in a first stage" in text for text in _unbalanced(step)) == told
     simulation.state.time = 1.0
     assert not list(_unbalanced(begin(simulation.model, simulation.state, 1.0, False, Workspace(simulation.model))))
+
+
+@pytest.mark.parametrize("cohesion, geostatic, named", [(0.0, False, True), (200.0, False, False)])
+def test_sand_without_cohesion_and_stress_is_told_to_have_some(cohesion, geostatic, named):
+    """A thousandth of the stress under 0.4 m of 1600 kg/m³."""
+    scene = soil_scene(gravity=(0.0, 0.0, -9.81), time=Time(1.0, inertia=False), geostatic=geostatic)
+    sand = Material(law="mohr-coulomb", young=2e7, poisson=0.3, density=1600.0, friction_angle=30.0, dilation_angle=0.0,
+                    cohesion=cohesion)
+    turned_on = (Stage("fill", 2, gravity=(0.0, 1.0)),)
+    simulation = build(replace(scene, soil=replace(scene.soil, material=sand), stages=turned_on))
+    step = begin(simulation.model, simulation.state, 1.0, False, Workspace(simulation.model))
+    causes = [text for text in probable_causes(step, step.evaluate(step.at_rest())) if "Sand without cohesion" in text]
+    assert len(causes) == named and all("soil.material.cohesion = 5 Pa" in text for text in causes)

@@ -9,10 +9,10 @@ from hybrid.monitors import StepView
 from hybrid.monitors.idle_adhesion import STEPS, IdleAdhesion
 
 
-def notes(pressures, adhesion=1.0, tension=0.0, friction=np.inf):
+def notes(pressures, adhesion=1.0, tension=0.0, friction=np.inf, heavy=False):
     """Of steps in which two contact points of 1 and 3 kN of adhesion have these pressures [N]; a third one is open."""
     body = SimpleNamespace(name="lid", interface=SimpleNamespace(adhesion=adhesion, tension=tension), friction=friction)
-    model, found = SimpleNamespace(bodies=(body,)), []
+    model, found = SimpleNamespace(bodies=(body,), gravity=np.array([0.0, 0.0, -9.81 * heavy])), []
     points = SimpleNamespace(limits=SimpleNamespace(shear=np.array([1e3, 9e9, 3e3])))
     monitor = IdleAdhesion(model, None)
     for time, pressure in enumerate(pressures):
@@ -27,6 +27,8 @@ def test_a_lid_that_nothing_presses_is_reported_once():
     text, = notes([(1.0, -5.0)] * (STEPS + 3))
     assert "lid touches clay whose adhesion is 4e+03 N, and bears 10 N of it at most (0%, limit 60%) at t = 2 s" in text
     assert "gravity" in text and "body.tension" in text
+    text, = notes([(1.0, -5.0)] * STEPS, heavy=True)
+    assert "gravity" not in text and "Press the body on" in text
 
 
 @pytest.mark.parametrize("pressures, given", [

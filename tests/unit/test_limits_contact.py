@@ -8,7 +8,7 @@ from put_on_soil import put_on_soil
 
 from hybrid.monitors.limits import contact, stepping
 from hybrid.runtime.data import GEOMETRY
-from hybrid.scene import Axis, Body, Joint, Material, Motion, Pull
+from hybrid.scene import Axis, Body, Joint, Material, Motion, Pull, Time
 from hybrid.setup.build import build
 from hybrid.study.precision.problems import platen
 from hybrid.study.scenes import SCHEMES, box, plane, sphere
@@ -214,3 +214,26 @@ def test_clay_without_weight_does_not_press_on_a_body_in_it(deep, gravity, more,
     simulation = build(replace(scene, gravity=(0.0, 0.0, gravity)))
     found = list(contact.unpressed_adhesion(simulation.scene, simulation.model))
     assert len(found) == told and all("body is in clay without weight" in text and "body.tension" in text for text in found)
+
+
+@pytest.mark.parametrize("gravity, more, told", [
+    (0.0, {"tension": "full", "friction": 0.5}, True), (0.0, {"tension": 1e3, "friction": 0.5}, True),
+    (-9.81, {"tension": "full", "friction": 0.5}, False), (0.0, {"tension": "full"}, False),
+    (0.0, {"friction": 0.5}, False)],
+    ids=["bonded for ever", "bonded", "weight", "smooth", "no bond"])
+def test_a_bond_bears_no_shear(gravity, more, told):
+    disc = box(0.4, 0.4, 0.2, density=1e3, position=(0.0, 0.0, 0.0), rest_on=0.0, held=("x", "y", "z", "rx", "ry"),
+               driven=("rz",), spin=(0.0, 0.0, 0.01), **more)
+    elastic = Material(law="hencky", young=5e6, poisson=0.3, density=1700.0)
+    scene = put_on_soil(disc, size=0.2, x=(-0.8, 0.8), y=(-0.8, 0.8), z=(-1.0, 0.4), material=elastic)
+    simulation = build(replace(scene, gravity=(0.0, 0.0, gravity)))
+    found = list(contact.unpressed_bond(simulation.scene, simulation.model))
+    assert len(found) == told and all("a bond bears no shear" in text for text in found)
+
+
+@pytest.mark.parametrize("z, told", [(0.1, True), (-0.4, False)])
+def test_a_light_body_in_the_soil_does_not_hit_it(z, told):
+    block = box(0.4, 0.4, 0.2, density=200.0, position=(0.0, 0.0, z))
+    scene = put_on_soil(block, size=0.2, x=(-0.8, 0.8), y=(-0.8, 0.8), z=(-1.0, 0.4))
+    simulation = build(replace(scene, time=Time(0.01)))
+    assert len(list(contact.light_body(simulation.scene, simulation.model))) == told

@@ -162,6 +162,18 @@ def unpressed_adhesion(scene, model):
                    'iterations for it, or fail. Give the soil its weight (gravity), or set body.tension = "full"')
 
 
+def unpressed_bond(scene, model):
+    """Bodies that soil without weight and without adhesion sticks to, whose friction needs a pressure."""
+    if model.soil.held or any(scene.gravity):
+        return
+    for body in model.bodies:
+        if body.interface and body.interface.tension and not body.interface.adhesion and 0.0 < body.friction < np.inf:
+            yield (f"{body.name} has a bond (body.tension) and friction in soil without weight: friction is "
+                   f"{body.friction:g} times the pressure, and a bond bears no shear, so that nothing resists what slides along "
+                   "the soil until something presses it (a disc turned on elastic soil: no torque). Press the body on first, or "
+                   "give the soil its weight (gravity)")
+
+
 def light_body(scene, model):
     """Free bodies with less mass than the nodes that an impact accelerates first."""
     soil, grid = model.soil, model.soil.grid
@@ -170,6 +182,8 @@ def light_body(scene, model):
     density = float(total(soil.constants.mass) / total(soil.constants.volume))
     for described, body in zip(scene.bodies, model.bodies):
         across = np.minimum(np.ptp(initial_vertices(described, body), axis=0), np.ptp(grid.extent, axis=1))[:2]
+        if initial_vertices(described, body)[:, 2].max() < top_of(model.soil):
+            continue        # it does not hit the soil that it is in
         halves = copies([mirror for mirror in body.mirrors if not mirror.cut])      # beside those that `across` measures
         rows = halves * body.mass.mass / (density * across.prod() * grid.smallest_cell)
         if rows < CELL_ROWS and body.free[:3].any():
@@ -270,5 +284,5 @@ def initial_pose(described, body):
     return centre, rotation
 
 
-LIMITS = (low_penalty, low_tangential_stiffness, narrow_body, narrow_face, thin_wall, unpressed_adhesion, light_body,
-          driven_past_grid_end)
+LIMITS = (low_penalty, low_tangential_stiffness, narrow_body, narrow_face, thin_wall, unpressed_adhesion, unpressed_bond,
+          light_body, driven_past_grid_end)
