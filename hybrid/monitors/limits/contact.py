@@ -169,9 +169,9 @@ def unpressed_bond(scene, model):
     for body in model.bodies:
         if body.interface and body.interface.tension and not body.interface.adhesion and 0.0 < body.friction < np.inf:
             yield (f"{body.name} has a bond (body.tension) and friction in soil without weight: friction is "
-                   f"{body.friction:g} times the pressure, and a bond bears no shear, so that nothing resists what slides along "
-                   "the soil until something presses it (a disc turned on elastic soil: no torque). Press the body on first, or "
-                   "give the soil its weight (gravity)")
+                   f"{body.friction:g} times the pressure, and a bond bears no shear, so that nothing resists what slides "
+                   "along the soil until something presses it (a disc turned on elastic soil: no torque). Press the body "
+                   "on first, or give the soil its weight (gravity)")
 
 
 def light_body(scene, model):
