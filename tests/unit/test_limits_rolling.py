@@ -4,9 +4,9 @@ about it."""
 import numpy as np
 import pytest
 
-from hybrid.monitors.limits.rolling import FORCE, LIMIT, RESOLVED, rolls_on_lattice
+from hybrid.monitors.limits.rolling import FORCE, LIMIT, RESOLVED, rolls_on_lattice, towed_roller
 from hybrid.runtime.data import GEOMETRY
-from hybrid.scene import Axis, Body, Faces, Grid, Joint, Material, Scene, Soil, Stage, Time
+from hybrid.scene import Axis, Body, Faces, Grid, Joint, Load, Material, Motion, Scene, Soil, Stage, Time
 from hybrid.setup.build import build
 
 RADIUS, CONTACT = 0.31, 0.040       # [m] of the sphere and of its contact by Hertz
@@ -75,3 +75,22 @@ def test_the_force_of_the_lattice_goes_with_the_contact():
     expected = np.interp(CONTACT / 0.08, *np.transpose(FORCE)) * CONTACT / RADIUS
     assert 0.5 * expected < tangential(0.08) < 1.1 * expected and expected > LIMIT
     assert tangential(CONTACT / RESOLVED) < LIMIT
+
+
+@pytest.mark.parametrize("cell, told", [
+    ({"size": 0.1}, "0.34 m, 3.4 cells of 0.1 m, limit 6.5"), ({"size": 0.05}, ""), ({"size": 0.1, "held": ("ry",)}, ""),
+    ({"size": 0.1, "speed": 0.0}, ""), ({"size": 0.1, "load": 0.0}, "0.15 m, 1.5 cells"),
+    ({"size": 0.1, "material": ELASTIC}, "")])
+def test_a_roller_that_is_towed_over_clay(cell, told):
+    """Of 1 m diameter and 1 t/m³ in a slice of 1 m, under another 10 kN."""
+    def texts(size, held=(), speed=0.4, load=-10e3, material={**CLAY, "strength": 10e3}):
+        wheel = Body(GEOMETRY / "cylinder.geo", 1000.0, name="wheel", position=(0.0, 0.5, 0.0), rest_on=0.0, friction=0.5,
+                     rotation=(1.0, 0.0, 0.0, 90.0), parameters={"radius": 0.5, "height": 1.0, "size": 0.1}, held=held)
+        grid = Grid(Axis(-1.5, 3.0, size), Axis(0.0, 1.0, collapsed=True), Axis(-1.5, 0.5, size), Faces(z_min="fixed"))
+        tow = Stage("tow", 10, motions=(Motion(component="x", velocity=speed),), loads=(Load(force=(0.0, 0.0, load)),))
+        simulation = build(Scene(name="tow", grid=grid, soil=Soil(Material(**material), top=0.0), bodies=(wheel,),
+                                 time=Time(0.05, inertia=False), stages=(tow,)))
+        return list(towed_roller(simulation.scene, simulation.model))
+
+    found = texts(**cell)
+    assert len(found) == bool(told) and all(told in text and "rolled along clay" in text for text in found)

@@ -17,6 +17,7 @@ which is FORCE(a/h) a/r. Cells that resolve the contact, and soil so stiff that 
 import numpy as np
 
 from hybrid.body.symmetry import copies
+from hybrid.monitors.limits.contact import initial_pose, initial_vertices, way_along
 from hybrid.monitors.limits.ways import CLAY, material_at, top_of
 from hybrid.runtime.comm import maximum
 
@@ -25,6 +26,9 @@ FORCE = ((0.0, 0.0), (0.18, 0.065), (0.37, 0.15), (0.5, 0.26), (0.75, 0.26), (1.
 LIMIT = 0.01        # of the weight
 RESOLVED = 1.34     # cells in the radius of contact, from which on the force is small
 BEARING = 6.0       # pressure under a round body that has sunk into clay, over its strength
+# Cylinder of 1 m towed over clay under 17.7 kN/m, s_u = 10 kPa, by its diameter: 60, 105, 115 mm deep, 9.7, 12.3, 12.9 kN/m
+# with 3.4, 5.5, 6.9 cells on the width that a strip would need
+STRIP, CHORD, BARELY = 5.14, 6.5, 0.5
 ROUND = 1.25        # largest over smallest distance of a round body's surface from its centre of mass
 
 
@@ -53,6 +57,29 @@ def rolls_on_lattice(scene, model):
                    "ground hardly gives way, soil.held = true")
 
 
+def towed_roller(scene, model):
+    """Cylinders that are rolled along clay in plane strain on a contact of so few cells that they sink too little."""
+    soil, across = model.soil, np.flatnonzero(~model.soil.grid.collapsed[:2])
+    if soil.held or soil.grid.collapsed.sum() != 1 or len(across) != 1:
+        return
+    material, cell = material_at(scene, soil, top_of(soil)), soil.grid.smallest_cell
+    thickness = float(np.ptp(soil.grid.extent[soil.grid.collapsed], axis=1)[0])
+    for described, body in zip(scene.bodies, model.bodies):
+        distance = np.linalg.norm(initial_vertices(described, body)[:, [across[0], 2]]
+                                  - initial_pose(described, body)[0][[across[0], 2]], axis=1)
+        moved = way_along(scene, described, "xy"[across[0]]) or described.velocity[across[0]]
+        if material.law != CLAY or not material.strength or not moved or distance.max() > ROUND * distance.min():
+            continue
+        forces = [load.force for stage in body.stages or () for load in stage.loads if load.force is not None]
+        weight = -body.mass.mass * scene.gravity[2] - min((force.values[:, 2].min() for force in forces), default=0.0)
+        chord = weight / (STRIP * material.strength * thickness)
+        turns = body.free[3:][soil.grid.collapsed].all()
+        if turns and body.free[2] and BARELY * cell < chord < CHORD * cell:
+            yield (f"{body.name} is rolled along clay that carries it on about {chord:.2g} m, {chord / cell:.2g} cells of "
+                   f"{cell:.3g} m, limit {CHORD:g}: it sinks too little, and too little resists it (a roller towed by its "
+                   f"diameter: half and three quarters with 3.4 cells). Use cells of at most {chord / CHORD:.2g} m")
+
+
 def contact_radius(weight, radius, material, soil):
     """Radius [m] of the contact of a sphere with a weight [N]: that of Hertz on soil as at the top, in clay at least that
     which carries the weight."""
@@ -77,4 +104,4 @@ def _rolls(body):
     return body.free[2] and (body.free[[0, 4]].all() or body.free[[1, 3]].all())
 
 
-LIMITS = (rolls_on_lattice,)
+LIMITS = (rolls_on_lattice, towed_roller)
