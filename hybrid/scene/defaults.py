@@ -8,7 +8,8 @@ the values of the published method instead, all at once.
 """
 
 from dataclasses import replace
-from math import inf
+from itertools import pairwise
+from math import hypot, inf
 from typing import NamedTuple
 
 from hybrid.scene.schema import Body, Material, Soil, Time
@@ -19,7 +20,8 @@ SCHEME = "generalised-alpha"
 POISSON = 0.4           # from which on elastic soil bends better with F-bar: DESIGN, "F-bar where volume is kept"
 GHOST = 0.3             # factor on Young's modulus: DESIGN, "The ghost penalty leaves full cells alone"
 GHOST_FLOW = 0.03       # the same in soil that flows along bodies in space
-GHOST_STRENGTH = 1.5    # factor on s_u of clay with inertia, where mass keeps cells with little soil in place as well
+GHOST_STRENGTH = 1.5    # factor on s_u of clay with inertia, where mass keeps cells with little soil in place as well,
+FALL = 0.25             # and in a step soil falls by this share of a cell, g Δt², at most
 ROLLING, SLIDING = 3.0, 0.3     # ε_T / ε_N of a body that rolls, and of one that sticks at some points and slips at others
 
 
@@ -113,11 +115,19 @@ def _ghost(scene, soil):
     follow = "cells with little soil follow the fullest of their neighbours"
     flows_along = scene.bodies and _plastic_laws(soil) and not any(_collapsed(scene))
     factor, reason = (GHOST_FLOW, f"{follow}, loosely as soil flows along bodies") if flows_along else (GHOST, follow)
-    if scene.time.inertia and laws(soil) == {"von-mises"}:
+    if laws(soil) == {"von-mises"} and _follows_flow(scene):
         loose = float(f"{GHOST_STRENGTH * _largest_strength(scene, soil):.2g}")
         if 0.0 < loose < factor:
             return loose, f"{follow}, by {GHOST_STRENGTH:g} s_u, as clay flows and inertia keeps them in place as well"
     return factor, reason
+
+
+def _follows_flow(scene):
+    """Whether inertia holds soil back: in a step it falls by FALL of a cell at most."""
+    smallest = min((axis.size if axis.nodes is None else min(b - a for a, b in pairwise(axis.nodes))
+                    for axis in scene.grid.axes if not axis.collapsed), default=0.0)
+    longest = max((scene.step_of(stage) for stage in scene.stages), default=scene.time.step)
+    return scene.time.inertia and hypot(*scene.gravity) * longest**2 < FALL * smallest
 
 
 def _largest_strength(scene, soil):

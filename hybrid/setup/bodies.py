@@ -51,7 +51,7 @@ def build_body(described, body_mesh, gravity, stages=()):
 def refuse_outside(scene, placed):
     """Raise SceneError where the only body of a scene is beside or below the grid, and nothing can bring it there; placed:
     (RigidBody, BodyState) of it."""
-    if len(placed) != 1 or not any(scene.gravity):
+    if len(placed) != 1 or not any(scene.gravity) or scene.joints:
         return
     described, (body, motion) = scene.bodies[0], placed[0]
     moved = described.pull or any(each for stage in scene.stages for each in (stage.loads, stage.motions))

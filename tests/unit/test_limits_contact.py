@@ -237,3 +237,14 @@ def test_a_light_body_in_the_soil_does_not_hit_it(z, told):
     scene = put_on_soil(block, size=0.2, x=(-0.8, 0.8), y=(-0.8, 0.8), z=(-1.0, 0.4))
     simulation = build(replace(scene, time=Time(0.01)))
     assert len(list(contact.light_body(simulation.scene, simulation.model))) == told
+
+
+def test_on_a_slope_bodies_are_judged_from_the_ground_under_them():
+    """At its toe, 0.8 m below the crest: a block lies on clay without weight, and a light one hits it."""
+    ground = ((-0.4, 0.0), (0.4, -0.8))
+    block = box(0.4, 0.4, 0.2, density=200.0, position=(0.8, 0.0, 0.0), rest_on=-0.8, adhesion=0.5)
+    scene = put_on_soil(block, size=0.2, x=(-1.2, 1.2), y=(-0.8, 0.8), z=(-1.6, 0.4), ground=ground, geostatic=False)
+    weightless = build(replace(scene, gravity=(0.0, 0.0, 0.0)))
+    assert not list(contact.unpressed_adhesion(weightless.scene, weightless.model))
+    falling = build(replace(scene, time=Time(0.01)))
+    assert len(list(contact.light_body(falling.scene, falling.model))) == 1

@@ -141,6 +141,13 @@ def test_a_body_outside_the_grid_that_nothing_moves_there_is_refused(body, words
         places(**body)
 
 
+def test_a_pendulum_swings_into_the_grid():
+    ram = box(0.2, 0.2, 0.2, name="ram", position=(3.0, 1.0, 1.0))
+    pin = Joint("pin", "hinge", ("ram",), (-2.0, 0.0, 0.0), axis=(0.0, 1.0, 0.0))
+    scene = soil_scene([ram], x=(0.0, 2.0), y=(0.0, 2.0), gravity=(0.0, 0.0, -9.81), time=Time(0.01))
+    assert build(replace(scene, joints=(pin,)))
+
+
 @pytest.mark.parametrize("x, travel, joined, told", [
     (1.4, 0.0, False, ""), (2.6, 0.0, False, r"reaches from x = 2.5 to 2.7 m at the start, .* at least \[1, 2\]"),
     (1.4, 4.0, False, r"reaches from x = 1.3 to 1.5 m at the end, .* at least \[3.2, 1\]"), (2.6, 0.0, True, "")])

@@ -154,7 +154,7 @@ def unpressed_adhesion(scene, model):
         return
     foot = top_of(soil) - soil.grid.smallest_cell
     for described, body in zip(scene.bodies, model.bodies):
-        interface, place = body.interface, initial_vertices(described, body)
+        interface, place = body.interface, levelled(soil, initial_vertices(described, body))
         if interface and interface.adhesion and not interface.tension and not interface.rubs and place[:, 2].min() < foot:
             yield (f"{body.name} is in clay without weight, which does not press on it: adhesion is at most {RAMP:g} times "
                    "the pressure, so that it acts on the faces that press the clay, and clay parts from the others (a pile "
@@ -182,7 +182,7 @@ def light_body(scene, model):
     density = float(total(soil.constants.mass) / total(soil.constants.volume))
     for described, body in zip(scene.bodies, model.bodies):
         across = np.minimum(np.ptp(initial_vertices(described, body), axis=0), np.ptp(grid.extent, axis=1))[:2]
-        if initial_vertices(described, body)[:, 2].max() < top_of(model.soil):
+        if levelled(soil, initial_vertices(described, body))[:, 2].max() < top_of(soil):
             continue        # it does not hit the soil that it is in
         halves = copies([mirror for mirror in body.mirrors if not mirror.cut])      # beside those that `across` measures
         rows = halves * body.mass.mass / (density * across.prod() * grid.smallest_cell)
