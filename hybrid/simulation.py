@@ -123,7 +123,7 @@ class Simulation:
 
     @property
     def remembered(self):
-        """Text of the notes so far and of what the monitors have seen, for `resume`."""
+        """Function that gives the text of the notes so far and of what the monitors have seen, for `resume`."""
         return self._monitors.memory()
 
     @property

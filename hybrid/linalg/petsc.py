@@ -28,6 +28,7 @@ from hybrid.linalg.product import Product
 from hybrid.linalg.solver_choice import DAMPED, DIRECT, MOST, SolverChoice
 from hybrid.linalg.stencil_pattern import diagonal_places
 from hybrid.runtime.errors import StepError
+from hybrid.runtime.stop_signals import held_back
 
 SINGULAR = "finds the matrix singular"
 ZERO_PIVOT = 71         # PETSC_ERR_MAT_LU_ZRPVT
@@ -249,7 +250,8 @@ class BlockSystem:
             _, *others = ksp.getTolerances()
             ksp.setTolerances(self._tolerance if tolerance is None else tolerance, *others)
         try:
-            ksp.solve(self._b, self._x)
+            with held_back():
+                ksp.solve(self._b, self._x)
         except PETSc.Error:
             return _singular(solver), 0
         reason, count = ksp.getConvergedReason(), ksp.getIterationNumber()

@@ -23,6 +23,7 @@
 Other errors stop no run. `failure_hints` adds probable causes and remedies to the message of a step that fails.
 """
 
+import pickle
 from ast import literal_eval
 
 import numpy as np
@@ -72,12 +73,19 @@ class Monitors:
         return {text: last for monitor in self._monitors for text, last in monitor.later().items()}
 
     def memory(self):
-        """Text of what has been given and of what the monitors have seen, for a run that is resumed."""
-        return repr((self.given, {type(monitor).__name__: _plain(monitor.memory()) for monitor in self._monitors}))
+        """Function that gives the text of what has been given and of what the monitors have seen until now, for a run that
+        is resumed: to put it together takes longer than to note it."""
+        over = {text for monitor in self._monitors if monitor.of_end for text in monitor.texts()}
+        memory = {type(monitor).__name__: monitor.memory() for monitor in self._monitors}
+        noted = pickle.dumps(([text for text in self.given if text not in over], memory))
+        return lambda: repr(_plain(pickle.loads(noted)))
 
     def restore(self, text):
-        """Go on from the `memory` of another run."""
-        self.given, memory = literal_eval(text)
+        """Go on from the `memory` of another run; afresh where that cannot be read, as with numbers that are not finite."""
+        try:
+            self.given, memory = literal_eval(text)
+        except (ValueError, SyntaxError, TypeError):
+            return
         for monitor in self._monitors:
             monitor.restore(memory.get(type(monitor).__name__, {}))
 

@@ -134,7 +134,7 @@ def _without_stiffness(step):
     if step.state.time > 0.0 or step.model.scheme.inertia or anywhere(step.state.points.stress):
         return
     law = step.model.soil.law
-    if not law.plastic:
+    if not law.plastic or not hasattr(law, "undrained"):      # a law of the user
         return
     if anywhere(~law.undrained & (law.cohesion(0.0) <= 0.0)):
         constants = step.model.soil.constants

@@ -53,9 +53,10 @@ class Monitor:
     model, state: Model and State that the run begins from.
     grows: whether the value in a text goes on changing, so that the end of the run has its last one (`later`).
     forgets: names of attributes that are not part of what it remembers (`memory`).
+    of_end: whether its texts are about a run that has ended, and not about one that is resumed.
     """
 
-    grows = False
+    grows = of_end = False
     forgets = ()
 
     def __init__(self, model, state):
@@ -84,7 +85,12 @@ class Monitor:
 
     def memory(self):
         """{name: value} of what it has seen so far, for a run that is resumed."""
-        return {name: value for name, value in vars(self).items() if name not in self.forgets}
+        forgets = {*self.forgets, *(("_given", "_first", "_latest") if self.of_end else ())}
+        return {name: value for name, value in vars(self).items() if name not in forgets}
+
+    def texts(self):
+        """Texts that have been given."""
+        return list(self._first.values())
 
     def restore(self, memory):
         """Go on from the `memory` of another one."""

@@ -13,6 +13,8 @@ class Untouched(Monitor):
 
     One in a joint may only carry another. Contact is looked at after each outer step."""
 
+    of_end = True
+
     def __init__(self, model, state):
         super().__init__(model, state)
         self._touched, self._since = set(), None    # numbers of bodies; number of the first step seen

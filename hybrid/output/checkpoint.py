@@ -33,7 +33,7 @@ from hybrid.output.scene_keys import differences, fingerprint, settings
 from hybrid.runtime import comm, ranks
 
 NAME = "checkpoint.npz"
-# Attributes of a Simulation that its next step continues with
+# Attributes of a Simulation that its next step continues with; functions are called where they are saved
 CONTINUED = ("increment", "shorten", "solver_memory", "remembered")
 LONGEST = 600.0     # [s] of computing between two checkpoints
 
@@ -163,7 +163,7 @@ def _of_scene(scene):
 
 
 def _named(extra):
-    return {f"extra/{name}": value for name, value in (extra or {}).items()}
+    return {f"extra/{name}": value() if callable(value) else value for name, value in (extra or {}).items()}
 
 
 def load(path, scene=None):

@@ -2,6 +2,9 @@
 the checkpoint. A second signal ends the process at once; files are moved into place only when complete, so it does no
 harm.
 
+What PETSc calls back must not be left by an exception: it would take it for an error of its own, and keep its vectors
+locked. A signal during a linear solution is held back until that has ended.
+
 Several processes must not leave one another in the middle of an exchange: while they compute, a signal to any of them is
 noted, and all of them stop after the outer step.
 """
@@ -23,6 +26,24 @@ class Stopped(KeyboardInterrupt):
         super().__init__(signal.Signals(number).name)
         self.of_all = of_all
         self.number, self.exit_code = number, 128 + number
+
+
+class _HeldBack:
+    """Whether signals are held back, and the number of the one that has come since, 0 of none."""
+
+    active, number = False, 0
+
+
+@contextmanager
+def held_back():
+    """Context at the end of which a stopping signal that has come in it raises Stopped."""
+    _HeldBack.active = True
+    try:
+        yield
+    finally:
+        number, _HeldBack.active, _HeldBack.number = _HeldBack.number, False, 0
+        if number:
+            raise Stopped(number)
 
 
 @contextmanager
@@ -70,4 +91,7 @@ class Signals:
 
     def _stop(self, number, _):
         self._note(number, _)
-        raise Stopped(number)
+        if _HeldBack.active:
+            _HeldBack.number = number
+        else:
+            raise Stopped(number)

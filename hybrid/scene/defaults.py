@@ -20,8 +20,9 @@ SCHEME = "generalised-alpha"
 POISSON = 0.4           # from which on elastic soil bends better with F-bar: DESIGN, "F-bar where volume is kept"
 GHOST = 0.3             # factor on Young's modulus: DESIGN, "The ghost penalty leaves full cells alone"
 GHOST_FLOW = 0.03       # the same in soil that flows along bodies in space
-GHOST_STRENGTH = 1.5    # factor on s_u of clay with inertia, where mass keeps cells with little soil in place as well,
-FALL = 0.25             # and in a step soil falls by this share of a cell, g Δt², at most
+# Factor on s_u of clay without bodies and with inertia, where mass keeps cells with little soil in place as well, if soil
+# falls by this share of a cell, g Δt², at most in a step
+GHOST_STRENGTH, FALL = 1.5, 0.25
 ROLLING, SLIDING = 3.0, 0.3     # ε_T / ε_N of a body that rolls, and of one that sticks at some points and slips at others
 
 
@@ -115,10 +116,10 @@ def _ghost(scene, soil):
     follow = "cells with little soil follow the fullest of their neighbours"
     flows_along = scene.bodies and _plastic_laws(soil) and not any(_collapsed(scene))
     factor, reason = (GHOST_FLOW, f"{follow}, loosely as soil flows along bodies") if flows_along else (GHOST, follow)
-    if laws(soil) == {"von-mises"} and _follows_flow(scene):
+    if laws(soil) == {"von-mises"} and not scene.bodies and _follows_flow(scene):
         loose = float(f"{GHOST_STRENGTH * _largest_strength(scene, soil):.2g}")
         if 0.0 < loose < factor:
-            return loose, f"{follow}, by {GHOST_STRENGTH:g} s_u, as clay flows and inertia keeps them in place as well"
+            return loose, f"{follow}, by {GHOST_STRENGTH:g} s_u, as clay that runs out is not to be braked"
     return factor, reason
 
 

@@ -112,8 +112,8 @@ class Soil:
                             "plastic soil does not lock; left out: by the law and Poisson's ratio", default=None)
     ghost: float | None = key(
         "factor on Young's modulus in the penalty that ties cells with little soil to their fullest neighbours; 0: none; "
-        "left out: 0.3, or 0.03 in soil that yields around bodies in space; in clay with inertia 1.5 s_u / E at most, if "
-        "its steps follow a fall", "-",
+        "left out: 0.3, or 0.03 in soil that yields around bodies in space; in clay with inertia and without bodies "
+        "1.5 s_u / E at most, if its steps follow a fall", "-",
         default=None, at_least=0, at_most=1,
         remedy="leave it out; 0 switches it off")
     transfer: Literal["affine", "increments", "blended"] = key(

@@ -11,6 +11,9 @@ from hybrid.setup.stages import point_of, stage_controls
 from hybrid.state import BodyState
 
 
+FLUSH = 1e-3    # of the size of a body
+
+
 def mesh_of(described):
     """TetMesh of a body's geometry."""
     from hybrid.body.mesh import generate  # late, as in build_body: a scene without bodies needs no gmsh and dolfinx
@@ -54,16 +57,26 @@ def refuse_outside(scene, placed):
     if len(placed) != 1 or not any(scene.gravity) or scene.joints:
         return
     described, (body, motion) = scene.bodies[0], placed[0]
-    moved = described.pull or any(each for stage in scene.stages for each in (stage.loads, stage.motions))
     for a, (name, axis) in enumerate(zip("xyz", scene.grid.axes)):
         low, high = rigid.bounding_box(body, motion)[:, a]
-        beside = low >= axis.end and name != "z" or high <= axis.start
-        if beside and not axis.collapsed and not moved and not motion.velocity[a] and not described.velocity[a]:
+        slack = FLUSH * (high - low)        # one that touches the end of the grid may touch the soil
+        beside = low > axis.end + slack and name != "z" or high < axis.start - slack
+        if beside and not axis.collapsed and not _moved_along(scene, described, body, a):
             where = f"beside the grid, from {name} = {low:.4g} to {high:.4g} m" if name != "z" else (
                 f"below the grid, up to z = {high:.4g} m (z points up)")
             raise SceneError(
                 f"body.0.position: {body.name} lies {where}, where the grid goes from {axis.start:g} to {axis.end:g} m: no "
                 "soil is there, and nothing moves it there. Give coordinates of the grid, in metres")
+
+
+def _moved_along(scene, described, body, a):
+    """Whether anything but its weight may move a body along the axis a, or its weight along one of the ground."""
+    controls = body.stages or ()
+    loads = [load.force.values[:, a] for control in controls for load in control.loads if load.force is not None]
+    guided = any(guide.component == a for control in controls for guide in control.guides) or any(
+        control.points for control in controls)
+    return bool(described.pull or described.velocity[a] or guided or any(values.any() for values in loads)
+                or a < 2 and scene.gravity[a])
 
 
 def build_line(described, body_mesh, properties):

@@ -256,7 +256,8 @@ def _refuse_yielding(law, stress, depth):
 def _remedy(law, stress):
     """What makes a law carry a stress (n, 3) [Pa] at rest: the K0 nearest to the one given that does, to two digits, or
     another strength."""
-    largest_k0 = (stress[:, :2] / np.minimum(stress[:, 2:], -TINY)).max(initial=0.0)
+    given = stress[:, :2] / np.minimum(stress[:, 2:], -TINY)
+    largest_k0 = given.max(initial=0.0)     # of this process's own points: it alone refuses
     passive = largest_k0 > 1.0
     for k0 in np.arange(np.floor(100 * largest_k0) / 100, 0.995, -0.01) if passive else np.arange(0.01, 1.005, 0.01):
         trial = (np.maximum if passive else np.minimum)(stress, np.array([k0, k0, 1.0]) * stress[:, 2:])

@@ -1,10 +1,13 @@
 """A column of soil under sudden gravity swings; the default scheme damps it unless steps are short."""
 
+import numpy as np
 import pytest
 
-from hybrid.scene import Axis, Faces, Grid, Material, Scene, Soil, Stage, Time
+from hybrid.monitors.damped_vibration import lost_by
+from hybrid.scene import Axis, Faces, Grid, Material, Motion, Scene, Soil, Stage, Time
+from hybrid.scheme import Scheme
 from hybrid.setup.build import build
-from hybrid.study.scenes import NO_OUTPUT
+from hybrid.study.scenes import NO_OUTPUT, box
 
 PERIOD = 0.0975     # [s]
 
@@ -29,6 +32,35 @@ def test_what_the_default_scheme_takes_from_a_vibration_is_told_once():
     ids=["short steps", "hardly damped", "undamped", "not resolved", "meant to"])
 def test_others_are_not(steps, time):
     assert not notes(steps, **time)
+
+
+@pytest.mark.parametrize("steps, lost", [(12, 0.23), (16, 0.12), (32, 0.02)])
+def test_what_the_scheme_takes_is_that_of_an_oscillator(steps, lost):
+    """As the column loses; undamped schemes take nothing."""
+    assert lost_by(Scheme.generalised_alpha(0.0), steps) == pytest.approx(lost, rel=0.2)
+    assert lost_by(Scheme.newmark(0.25, 0.5), steps) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_block_that_bounces_is_not():
+    """Contact that opens and closes takes what it loses."""
+    block = box(0.5, 0.5, 0.25, position=(0.25, 0.25, 0.0), rest_on=1.05, held=("x", "y", "rx", "ry", "rz"))
+    side = Axis(0.0, 0.5, 0.25)
+    scene = Scene(name="bounce", grid=Grid(side, side, Axis(0.0, 1.5, 0.25), Faces(z_min="fixed")), bodies=(block,),
+                  soil=Soil(Material(law="hencky", young=5e6, poisson=0.3, density=2000.0), top=1.0), time=Time(0.004),
+                  stages=(Stage("fall", 150),), output=NO_OUTPUT)
+    assert not [text for record in build(scene).steps() for text in record.notes if "damps a vibration" in text]
+
+
+def test_a_vibration_that_is_forced_is_not():
+    """A block that is driven up and down on elastic soil."""
+    side = Axis(0.0, 0.5, 0.25)
+    block = box(0.5, 0.5, 0.25, position=(0.25, 0.25, 0.0), rest_on=1.0, held=("x", "y", "rx", "ry", "rz"), tension="full")
+    times = np.arange(0.0, 6.01, 0.05)
+    shake = Motion(component="z", displacement=tuple(zip(times, 1e-3 * np.sin(2 * np.pi * times))))
+    scene = Scene(name="shaker", grid=Grid(side, side, Axis(0.0, 1.5, 0.25), Faces(z_min="fixed")), bodies=(block,),
+                  soil=Soil(Material(law="hencky", young=1e6, poisson=0.3, density=2000.0), top=1.0), time=Time(0.05),
+                  stages=(Stage("shake", 120, motions=(shake,)),), output=NO_OUTPUT)
+    assert not [text for record in build(scene).steps() for text in record.notes if "damps a vibration" in text]
 
 
 def test_soil_that_does_not_swing_is_not():

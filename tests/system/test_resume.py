@@ -238,3 +238,22 @@ def test_a_resumed_run_keeps_its_notes(geometry, tmp_path):
     hybrid.run(described(8), out=tmp_path / "parts", resume=True, quiet=True)
     assert before and notes("parts") == notes("whole")
     assert sum("impact" in text for text in notes("whole")) == 1
+
+
+def test_a_body_that_touches_something_later_is_not_said_to_have_touched_nothing(geometry, tmp_path):
+    """A note about a whole run belongs to its end; a text that cannot be read counts as none."""
+    def described(steps):
+        driven = {"position": (0.41, 0.39, 0.3), "rest_on": 0.03, "velocity": (0.0, 0.0, -1.0), "driven": ("z",)}
+        return scene(geometry, steps, driven)
+
+    def notes():
+        return [text for text in json.loads((tmp_path / "summary.json").read_text())["notes"] if "whole run" in text]
+
+    hybrid.run(described(2), out=tmp_path, quiet=True)
+    assert len(notes()) == 1
+    resumed = hybrid.run(described(6), out=tmp_path, resume=True, quiet=True)
+    assert resumed.state.step == 6 and not notes()
+    for odd in ("nan", "(", "3", "__import__('os')"):
+        again = build(described(6))
+        again.resume(resumed.state, remembered=odd)
+        assert again.notes == []

@@ -150,7 +150,7 @@ def test_the_ghost_penalty_is_loose_where_soil_flows_along_bodies(material, bodi
 
 
 @pytest.mark.parametrize("material, soil, bodies, ghost", [
-    ({}, {}, 0, 0.003), ({}, {}, 1, 0.003), ({"young": 1e5}, {}, 1, GHOST_FLOW), ({"young": 1e4}, {}, 0, GHOST),
+    ({}, {}, 0, 0.003), ({}, {}, 1, GHOST_FLOW), ({"young": 1e4}, {}, 0, GHOST),
     ({"strength_gradient": 1e3}, {}, 0, 0.0036),
     ({}, {"layers": (Layer("soft", top=-0.2, material={"strength": 1e3}),)}, 0, 0.003),
     ({}, {"layers": (Layer("sand", top=-0.2, law="drucker-prager", material={"friction_angle": 30.0}),)}, 0, GHOST)])

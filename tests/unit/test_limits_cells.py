@@ -268,17 +268,19 @@ def test_the_law_of_slopes_in_soil_that_dilates_is_within_six_per_cent_of_what_w
 
 
 @pytest.mark.parametrize("run, dilation, cohesion, size, percent", [
-    (4.0, 20.0, 4e3, 0.25, "15%"), (4.0, 0.0, 4e3, 0.5, "12%"), (4.0, 0.0, 4e3, 0.25, ""), (16.0, 20.0, 4e3, 0.25, ""),
-    (4.0, 20.0, 0.0, 0.25, "")])
+    (4.0, 20.0, 4e3, 0.25, "15%"), (4.0, 0.0, 4e3, 0.5, "1[23]%"), (4.0, 0.0, 4e3, 0.25, ""), (16.0, 20.0, 4e3, 0.25, ""),
+    (4.0, 20.0, 0.0, 0.25, ""), (-4.0, 20.0, 4e3, 0.25, "")])
 def test_a_slope_in_soil_with_friction(run, dilation, cohesion, size, percent):
-    """4 m high; one less steep than φ, and one without cohesion, do not depend on cells like that."""
+    """4 m high; one less steep than φ, one without cohesion, and one outside the grid do not depend on cells like that."""
     material = replace(clay.clay(18e3, 1800.0), law="mohr-coulomb", strength=None, cone=None, friction_angle=20.0,
                        dilation_angle=dilation, cohesion=cohesion)
     grid = Grid(Axis(start=-4.0, end=20.0, size=size), Axis(start=0.0, end=1.0, collapsed=True),
                 Axis(start=-6.0, end=0.5, size=size), Faces(z_min="fixed"))
-    soil = Soil(material, top=0.0, ground=((0.0, 0.0), (run, -4.0)), geostatic=False)
+    soil = Soil(material, top=0.0, geostatic=False,
+                ground=((0.0, 0.0), (run, -4.0)) if run > 0.0 else ((-10.0, -4.0), (-6.0, 0.0), (30.0, 0.0)))
     found = texts(cells.frictional_slope, scene("slope", grid, soil, [], clay.Time(1.0, inertia=False), 9))
-    assert len(found) == bool(percent) and all(f"is about {percent} too high, limit 10%" in text for text in found)
+    assert len(found) == bool(percent)
+    assert all(re.search(f"is about {percent} too high, limit 10%", text) for text in found)
 
 
 @pytest.mark.parametrize("depth, low, high", [(4, 1.12, 1.17), (6, 1.10, 1.13), (8, 1.07, 1.11), (12, 1.047, 1.05)])

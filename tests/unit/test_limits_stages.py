@@ -50,6 +50,13 @@ def test_tables_of_motions_count_with_their_fastest_step(motion):
     assert "by 1 cells along x" in text
 
 
+@pytest.mark.parametrize("end, told", [(1.004, 0), (1.006, 0), (1.011, 1), (1.4, 1)])
+def test_a_table_may_end_half_a_step_after_its_stage(end, told):
+    """Of 1 s in steps of 0.1 s: not by more than a hundredth of the stage."""
+    load = Load(force=((0.0, 0.0, 0.0, 0.0), (end - 0.3, 0.0, 0.0, 0.0), (end, 500.0, 0.0, 0.0)))
+    assert len(texts(unreached_ends, {"loads": (load,)})) == told
+
+
 def test_a_load_that_ends_after_its_stage_is_told_with_what_it_reaches():
     load = Load(force=((0.0, 0.0, 0.0, 0.0), (10.0, 500.0, 0.0, 0.0)))
     (text,) = texts(unreached_ends, {"loads": (load,)})

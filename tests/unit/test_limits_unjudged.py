@@ -30,7 +30,7 @@ def test_a_block_of_three_cells_is_told_of_and_one_of_four_is_not(size, count):
 
 def test_what_hardly_moves_or_has_its_own_limit_is_not():
     assert not texts(0.2, z=-1e-4)[0] and not texts(0.2, told=["body has 3 cells in its base"])[0]
-    assert texts(0.2, told=["other has 3 cells in its base"])[0]
+    assert texts(0.2, told=["other has 3 cells in its base"])[0] and texts(0.2, told=["bodyguard has 3 cells"])[0]
 
 
 def test_a_block_that_is_pushed_down_and_forwards_at_once():

@@ -1,5 +1,7 @@
 """The block system against a dense solution, whatever its preconditioner; memory given back."""
 
+import os
+import signal
 import subprocess
 import sys
 from dataclasses import replace
@@ -11,8 +13,10 @@ from scipy.sparse import block_diag, csr_matrix, diags, identity, kron, random
 from hybrid.linalg import inverses, solver_choice
 from hybrid.linalg.petsc import BlockSystem
 from hybrid.linalg.precond_pattern import ReducedMatrix
+from hybrid.linalg.product import Product
 from hybrid.linalg.solver_choice import DAMPED, INCOMPLETE, SWEEPS, Single, SolverChoice
 from hybrid.runtime.errors import StepError
+from hybrid.runtime.stop_signals import Stopped, stop_signals
 from hybrid.scene import Solver, Time
 from hybrid.setup.build import build
 from hybrid.soil import model
@@ -368,3 +372,22 @@ def test_where_the_direct_factor_finds_a_pivot_of_zero_solvers_that_failed_are_t
     found, _, _ = system.solve(residual, np.zeros(0))
     assert choice.factors == 1 and not choice.direct and found[7] == 0.0
     assert K @ found == pytest.approx(-residual, abs=1e-8)
+
+
+def test_a_signal_in_what_petsc_calls_back_ends_the_run_after_the_solution(monkeypatch):
+    """Raised in the product of the matrix it was an error of PETSc, which left a vector locked, and the run failed."""
+    product, sent = Product.mult, []
+
+    def mult(self, matrix, x, y):
+        if not sent:
+            sent.append(os.kill(os.getpid(), signal.SIGTERM))
+        product(self, matrix, x, y)
+
+    monkeypatch.setattr(Product, "mult", mult)
+    system, K = filled(200, 0, "auto")
+    system.factor()
+    residual = np.random.default_rng(2).standard_normal(200)
+    with stop_signals(), pytest.raises(Stopped):
+        system.solve(residual, np.zeros(0))
+    soil, _, _ = system.solve(residual, np.zeros(0))
+    assert np.allclose(soil, -np.linalg.solve(K, residual), rtol=1e-9, atol=1e-11)

@@ -135,10 +135,15 @@ def test_a_place_that_looks_wrong_gives_a_note(body, words):
 @pytest.mark.parametrize("body, words", [
     ({"position": (3.0, 1.0, 0.0)}, "lies beside the grid, from x = 2.9 to 3.1 m, where the grid goes from 0 to 2 m"),
     ({"position": (3.0, 1.0, 0.0), "velocity": (0.0, 1.0, 0.0)}, "lies beside the grid"),
+    ({"position": (3.0, 1.0, 0.0), "driven": ("z",), "velocity": (0.0, 0.0, -0.1)}, "lies beside the grid"),
     ({"position": (1.0, 1.0, -3.0), "rest_on": None}, r"lies below the grid, up to z = -2.9 m \(z points up\)")])
 def test_a_body_outside_the_grid_that_nothing_moves_there_is_refused(body, words):
     with pytest.raises(SceneError, match=words):
         places(**body)
+
+
+def test_a_body_that_touches_the_end_of_the_grid_is_not_refused():
+    assert places(position=(2.1, 1.0, 0.0), rest_on=-0.1, held=("x", "y", "z", "rx", "ry", "rz"))
 
 
 def test_a_pendulum_swings_into_the_grid():

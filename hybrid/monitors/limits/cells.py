@@ -24,7 +24,7 @@ import numpy as np
 from hybrid.monitors.limits.ways import (CLAY, EXCESS, SAND, STEEP, driven, faces, feet, heading, law_at, leads, loaded,
                                          material_at, narrowest, sides, step_of_ground, top_of)
 from hybrid.runtime.comm import maximum, minimum
-from hybrid.scene.ground import heights, steepest
+from hybrid.scene.ground import heights, heights_at
 
 ATTACHED, ROUND, EDGE, CUT, WEDGE = 1.75, 1.5, 0.3, 1.05, 0.7
 # Cuts in soil with cohesion and friction over 3.83 c/γ tan(45° + φ/2): φ = ψ = 20°, 12 and 24 cells high, 16 to 20, 12 to
@@ -161,16 +161,33 @@ def frictional_slope(scene, model):
     soil = model.soil
     if soil.held or scene.bodies or not np.any(scene.gravity) or soil.grid.collapsed.sum() != 1 or scene.soil.ground is None:
         return
-    ground, cell = heights(scene.soil.ground), soil.grid.smallest_cell
-    height, slope = float(np.ptp(ground[2])), np.degrees(np.arctan(steepest(ground)))
-    material = material_at(scene, soil, top_of(soil) - 0.5 * height)
-    if material.law not in SAND or not material.cohesion or slope <= material.friction_angle or step_of_ground(scene, soil):
+    cell, material = soil.grid.smallest_cell, material_at(scene, soil, top_of(soil))
+    if material.law not in SAND or not material.cohesion or step_of_ground(scene, soil):
+        return
+    height, slope = _steep_part(scene, soil, np.tan(np.radians(material.friction_angle)))
+    if not height:
         return
     number = max(SLOPE, SLOPE_DILATING * (material.dilation_angle or 0.0) ** 2)
     if number * cell > EXCESS * height:
         yield (f"the ground has a slope of {slope:.3g} degrees, {height:.3g} m and {height / cell:.2g} cells high, in soil "
                f"with friction: the weight under which it stands is about {number * cell / height:.0%} too high, limit "
                f"{EXCESS:.0%}, the more the soil dilates. Use cells of at most {EXCESS / number * height:.2g} m")
+
+
+def _steep_part(scene, soil, least):
+    """(Height [m], mean slope [degrees]) of the highest part of the ground in the grid that is steeper than `least` [-]
+    throughout; (0, 0) where there is none."""
+    x, y, z = heights(scene.soil.ground)
+    if y is not None or soil.grid.collapsed[0]:
+        return 0.0, 0.0
+    start, end = soil.grid.extent[0]
+    at = np.unique(np.concatenate([[start, end], x[(x > start) & (x < end)]]))
+    rise, run = np.diff(heights_at((x, y, z), at[:, None])), np.diff(at)
+    steep = np.where(np.abs(rise) > least * run, np.sign(rise), 0.0)
+    parts = np.split(np.arange(len(run)), np.flatnonzero(np.diff(steep)) + 1)
+    found = [(abs(rise[part].sum()), run[part].sum()) for part in parts if steep[part[0]]]
+    height, length = max(found, default=(0.0, 1.0))
+    return float(height), float(np.degrees(np.arctan2(height, length)))
 
 
 def _attached(scene, model, body, way, place, _):

@@ -150,12 +150,14 @@ def _thickness(scene, described, body, vertices, limit, top):
 def unpressed_adhesion(scene, model):
     """Bodies in clay without weight that could part from them, and do not press on them: adhesion needs some pressure."""
     soil = model.soil
-    if soil.held or any(scene.gravity) or not anywhere(soil.law.undrained):
+    if soil.held or any(scene.gravity):
         return
-    foot = top_of(soil) - soil.grid.smallest_cell
+    cell, at = soil.grid.smallest_cell, levelled(soil, soil.constants.position)
     for described, body in zip(scene.bodies, model.bodies):
         interface, place = body.interface, levelled(soil, initial_vertices(described, body))
-        if interface and interface.adhesion and not interface.tension and not interface.rubs and place[:, 2].min() < foot:
+        alone = interface and interface.adhesion and not interface.tension and not interface.rubs
+        near = ((at > place.min(axis=0) - cell) & (at < place.max(axis=0) + cell) | soil.grid.collapsed).all(axis=1)
+        if alone and place[:, 2].min() < top_of(soil) - cell and anywhere(near & soil.law.undrained):
             yield (f"{body.name} is in clay without weight, which does not press on it: adhesion is at most {RAMP:g} times "
                    "the pressure, so that it acts on the faces that press the clay, and clay parts from the others (a pile "
                    "0.8 m wide and 3.2 m deep, α = 0.5, carried 40 instead of 65 kN). Newton's method may need many "
@@ -166,7 +168,10 @@ def unpressed_bond(scene, model):
     """Bodies that soil without weight and without adhesion sticks to, whose friction needs a pressure."""
     if model.soil.held or any(scene.gravity):
         return
-    for body in model.bodies:
+    for described, body in zip(scene.bodies, model.bodies):
+        loads = [load.force.values[:, 2].min() for stage in body.stages or () for load in stage.loads if load.force]
+        if way_along(scene, described, "z") < 0.0 or min(loads, default=0.0) < 0.0:
+            continue        # it is pressed on
         if body.interface and body.interface.tension and not body.interface.adhesion and 0.0 < body.friction < np.inf:
             yield (f"{body.name} has a bond (body.tension) and friction in soil without weight: friction is "
                    f"{body.friction:g} times the pressure, and a bond bears no shear, so that nothing resists what slides "

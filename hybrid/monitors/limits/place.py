@@ -51,7 +51,8 @@ def _left_out(scene, axis, name, a, followed, other):
     ends = axis.window or axis.around
     ways = [[stage[-1] for stage in path_along(scene, each[0], name)] for each in (followed, other)]
     for moved, way in ((0.0, 0.0), (ways[0][-1], ways[1][-1])):
-        boxes = [initial_vertices(*each)[:, a] + shift for each, shift in zip((followed, other), (moved, way))]
+        boxes = [np.clip(initial_vertices(*each)[:, a] + shift, axis.start, axis.end)      # beyond: `odd_places`
+                 for each, shift in zip((followed, other), (moved, way))]
         low, high = max(boxes[0].min() - ends[0], axis.start), min(boxes[0].max() + ends[1], axis.end)
         if boxes[1].min() < low - FLUSH * axis.size or boxes[1].max() > high + FLUSH * axis.size:
             needed = max(boxes[0].min() - boxes[1].min(), 0.0), max(boxes[1].max() - boxes[0].max(), 0.0)
@@ -72,16 +73,16 @@ def _meets(scene, described):
 
 def _place(soil, low, high, grid):
     """What looks wrong about a body between `low` and `high` (3,) [m]; None if nothing does."""
-    extent, size, middle = soil.grid.extent, high - low, 0.5 * (low + high)
+    extent = np.array([(axis.start, axis.end) for axis in grid.axes])       # where the grid may move to; `outside_window`
+    size, middle = high - low, 0.5 * (low + high)
     axes = [(i, name) for i, name in enumerate("xyz") if not soil.grid.collapsed[i]]
-    level = [name for name in "xy" if not getattr(grid, name).window]     # of the others: `outside_window`
     for i, name in axes:
         length = extent[i, 1] - extent[i, 0]
         if size[i] > LARGER * length and name != "z":
             return (f"is {size[i]:.4g} m long along {name}, {size[i] / length:.3g} times the grid: are its geometry or "
                     "its parameters in millimetres?")
     for i, name in axes:
-        if name in level and (low[i] >= extent[i, 1] or high[i] <= extent[i, 0]):
+        if name != "z" and (low[i] >= extent[i, 1] or high[i] <= extent[i, 0]):
             return (f"lies beside the grid, from {name} = {low[i]:.4g} to {high[i]:.4g} m, where the grid goes from "
                     f"{extent[i, 0]:.4g} to {extent[i, 1]:.4g} m: no soil is there. Check body.position")
     top = maximum(soil.constants.position[:, 2] + soil.constants.half_width[:, 2])
@@ -97,7 +98,7 @@ def _place(soil, low, high, grid):
         side = "max" if middle[i] > 0.5 * sum(extent[i]) else "min"
         free = getattr(grid.faces, f"{name}_{side}") == "free"
         covers = low[i] <= extent[i, 0] and high[i] >= extent[i, 1]     # a platen over all of the soil
-        if name in level and out > (-ROUND_OFF if free else ROUND_OFF) * size[i] and not covers and gap < size.max():
+        if name != "z" and out > (-ROUND_OFF if free else ROUND_OFF) * size[i] and not covers and gap < size.max():
             # one that starts high above the soil may come down elsewhere
             return (f"is half outside the grid: its middle is at {name} = {middle[i]:.4g} m, and the grid goes from "
                     f"{extent[i, 0]:.4g} to {extent[i, 1]:.4g} m. Only at a face of symmetry is half of a body enough")
@@ -113,8 +114,9 @@ def _crossing(soil, body, place, described):
     at, half = soil.constants.position, soil.constants.half_width
     lower, upper = ([end(x) for x in (at + sign * half).T] for end, sign in ((minimum, -1), (maximum, 1)))
     for i in np.flatnonzero(~grid.collapsed[:2]):
-        (start, end), name = grid.extent[i], "xyz"[i]
-        if getattr(described, name).window or low[i] < start + slack and high[i] > end - slack:
+        name, axis = "xyz"[i], described.axes[i]
+        start, end = axis.start, axis.end
+        if low[i] < start + slack and high[i] > end - slack:
             continue
         for face, reached, sign, side, filled in ((start, low[i], -1, "start", lower[i]),
                                                   (end, high[i], 1, "end", upper[i])):

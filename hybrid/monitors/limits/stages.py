@@ -10,7 +10,7 @@ from hybrid.scene.stage import table_rows
 # right on elastic soil with 0.7 of their finest cells.
 STRIDE = {False: 1.0, True: 0.5}
 REACHED = 1e-3      # of the largest value of a table: what may be missing from its last row when its stage ends
-SHORT = 0.5         # of a step: a table that ends so much later ends with its stage
+SHORT, LATE = 0.5, 0.01     # of a step and of a stage: a table that ends so much later ends with its stage
 TIMES = 10000       # of a stage at which a table is looked at
 
 
@@ -72,7 +72,8 @@ def unreached_ends(scene, model):
             first = table.values[0] if path.endswith("displacement") else 0.0     # to which displacements are relative
             reached, last = table.at(end) - first, table.values[-1] - first
             all_but_reached = np.abs(reached - last).max() <= REACHED * np.abs(table.values - first).max()
-            if table.times[-1] <= end + SHORT * scene.step_of(stage) or all_but_reached:
+            slack = min(SHORT * scene.step_of(stage), LATE * end)
+            if table.times[-1] <= end + slack or all_but_reached:
                 continue
             if table.times[0] >= end * (1 - 1e-9):
                 remedy = f"let them begin at 0, and not at {table.times[0]:g} s, when the stage is over"

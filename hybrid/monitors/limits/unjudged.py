@@ -8,16 +8,18 @@ of 3 cells bears 12 % too much, of 4 cells 2 %.
 from hybrid.monitors.limits.ways import driven, heading, loaded, narrowest, top_of
 
 FEW = 4.0       # cells across the way of a body
+ROUNDED = 0.97  # of FEW, that cells of the size that a text gives may have
 BARELY = 0.05   # cells: bodies that go less deep hardly move the soil
 
 
 def unjudged(scene, model, told):
     """Bodies less than FEW cells wide across their way through soil that yields; told: texts of other limits."""
-    cell, found = model.soil.grid.smallest_cell, set()
+    cell = model.soil.grid.smallest_cell
+    found = {_subject(text, model.bodies) for text in told if " cell" in text}
     for body, way, place, *_ in (*driven(scene, model), *loaded(scene, model)):
-        across, known = narrowest(model.soil.grid, place, way), any(_about_cells(text, body.name) for text in told)
+        across = narrowest(model.soil.grid, place, way)
         deep = top_of(model.soil) - place[:, 2].min() - min(way[2], 0.0)
-        if 0.0 < across < (FEW - 1e-6) * cell and deep > BARELY * cell and not known and body.name not in found:
+        if 0.0 < across < FEW * ROUNDED * cell and deep > BARELY * cell and body.name not in found:
             found.add(body.name)
             yield (f"{body.name} is {across / cell:.2g} cells of {cell:.3g} m wide across its way {heading(way)}, limit "
                    f"{FEW:g}: too few to tell its load (a block of 2 and 3 cells pushed into clay: a quarter too much "
@@ -25,5 +27,6 @@ def unjudged(scene, model, told):
                    f"{across / FEW:.2g} m at it, and compare two sizes of cells")
 
 
-def _about_cells(text, name):
-    return text.startswith(f"{name} ") and " cell" in text
+def _subject(text, bodies):
+    """Name of the body that a text begins with; of two the longer one; "" of none."""
+    return max((body.name for body in bodies if text.startswith(f"{body.name} ")), key=len, default="")
