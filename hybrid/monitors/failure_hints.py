@@ -131,16 +131,17 @@ def _unbalanced(step):
 def _without_stiffness(step):
     """Text, if any, about sand without cohesion that begins without stress, in a step without inertia: a column of it beside
     a rough wall had no first step, and was right to a per cent with 200 Pa."""
-    if step.state.time > 0.0 or step.model.scheme.inertia or anywhere(step.state.points.stress):
+    model = step.model
+    if step.state.time > 0.0 or model.scheme.inertia or anywhere(step.state.points.stress) or not model.gravity.any():
         return
-    law = step.model.soil.law
+    law = model.soil.law
     if not law.plastic or not hasattr(law, "undrained"):      # a law of the user
         return
     if anywhere(~law.undrained & (law.cohesion(0.0) <= 0.0)):
-        constants = step.model.soil.constants
+        constants = model.soil.constants
         height = maximum(constants.position[:, 2]) - minimum(constants.position[:, 2])
         density = total(constants.mass) / total(constants.volume)
-        little = float(f"{LITTLE * density * np.linalg.norm(step.model.gravity) * height:.1g}")
+        little = float(f"{LITTLE * density * np.linalg.norm(model.gravity) * height:.1g}")
         yield ("Sand without cohesion has no stiffness as long as nothing presses it, and begins without stress: set "
                f"soil.material.cohesion = {little:g} Pa, a thousandth of the stress under it, or soil.geostatic = true")
 

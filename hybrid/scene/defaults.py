@@ -135,7 +135,8 @@ def _largest_strength(scene, soil):
     """Largest s_u over Young's modulus [-] of clay, at its greatest depth."""
     bottom, top = ends(soil, scene.grid)
     found = [soil.material, *(of_layer(soil.material, layer) for layer in soil.layers)]
-    return max(((m.strength or 0.0) + (m.strength_gradient or 0.0) * (top - bottom)) / (m.young or inf) for m in found)
+    return max(((m.strength or 0.0) + max(m.strength_gradient or 0.0, 0.0) * (top - bottom)) / (m.young or inf)
+               for m in found)
 
 
 def _collapsed(scene):

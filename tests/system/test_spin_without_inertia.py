@@ -1,13 +1,16 @@
 """A body that turns without inertia has a spin in its records: that of its last increment."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from put_on_soil import put_on_soil
 
+from hybrid.body.attitude import exp_so3
 from hybrid.scene import Load, Stage
 from hybrid.setup.build import build
+from hybrid.step import records
 from hybrid.study.scenes import box
 
 
@@ -23,3 +26,11 @@ def test_the_spin_of_a_footing_that_a_moment_tilts_is_the_rate_of_its_rotation()
         before = after
     angle, spin = np.array(turned).T
     assert spin[-1] > 1e-5 and spin == pytest.approx(angle, rel=1e-3)
+
+
+def test_it_is_in_the_frame_of_the_body():
+    before, spin = exp_so3(np.array([0.4, -0.7, 0.2])), np.array([0.02, 0.05, -0.03])
+    step = SimpleNamespace(scheme=SimpleNamespace(inertia=False), body=SimpleNamespace(free=np.ones(6, bool)), dt=2.0,
+                           state=SimpleNamespace(rotation=before))
+    after = SimpleNamespace(rotation=before @ exp_so3(2.0 * spin), spin=None)
+    np.testing.assert_allclose(records._spin(step, after), spin, rtol=1e-12)

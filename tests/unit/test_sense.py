@@ -146,6 +146,18 @@ def test_a_body_that_touches_the_end_of_the_grid_is_not_refused():
     assert places(position=(2.1, 1.0, 0.0), rest_on=-0.1, held=("x", "y", "z", "rx", "ry", "rz"))
 
 
+@pytest.mark.parametrize("body, rest", [
+    ({"velocity": (-1.0, 0.0, 0.0)}, {}), ({"pull": Pull((0.1, 0.0, 0.0), (-1.0, 0.0, 0.0), 1e6, 10.0)}, {}),
+    ({}, {"gravity": (-1.0, 0.0, -9.7)}), ({}, {"gravity": (0.0, 0.0, 0.0)}),
+    ({}, {"stages": (Stage("go", 1, loads=(Load(force=(-1.0, 0.0, 0.0)),)),)}),
+    ({}, {"stages": (Stage("go", 1, motions=(Motion(component="x", velocity=-1.0),)),)})],
+    ids=["velocity", "line", "weight along x", "no weight", "load", "motion"])
+def test_a_body_beside_the_grid_that_something_may_bring_there_is_not_refused(body, rest):
+    cube = replace(box(0.2, 0.2, 0.2, name="cube"), **{"position": (3.0, 1.0, 0.0), "rest_on": 0.0, **body})
+    scene = soil_scene([cube], x=(0.0, 2.0), y=(0.0, 2.0), gravity=(0.0, 0.0, -9.81), time=Time(0.01))
+    assert build(replace(scene, **rest))
+
+
 def test_a_pendulum_swings_into_the_grid():
     ram = box(0.2, 0.2, 0.2, name="ram", position=(3.0, 1.0, 1.0))
     pin = Joint("pin", "hinge", ("ram",), (-2.0, 0.0, 0.0), axis=(0.0, 1.0, 0.0))

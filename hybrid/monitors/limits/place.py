@@ -54,7 +54,8 @@ def _left_out(scene, axis, name, a, followed, other):
         boxes = [np.clip(initial_vertices(*each)[:, a] + shift, axis.start, axis.end)      # beyond: `odd_places`
                  for each, shift in zip((followed, other), (moved, way))]
         low, high = max(boxes[0].min() - ends[0], axis.start), min(boxes[0].max() + ends[1], axis.end)
-        if boxes[1].min() < low - FLUSH * axis.size or boxes[1].max() > high + FLUSH * axis.size:
+        inside = np.ptp(boxes[1]) > 0.0     # of the grid, wherever it moves
+        if inside and (boxes[1].min() < low - FLUSH * axis.size or boxes[1].max() > high + FLUSH * axis.size):
             needed = max(boxes[0].min() - boxes[1].min(), 0.0), max(boxes[1].max() - boxes[0].max(), 0.0)
             when = "at the start" if not moved and not way else "at the end"
             return (f"reaches from {name} = {boxes[1].min():.4g} to {boxes[1].max():.4g} m {when}, and grid.{name}.{key} "
