@@ -25,13 +25,15 @@ def add_residual(contact, points, force):
     return -np.concatenate([total(contact.force), total(np.cross(contact.arm, contact.force))])
 
 
-def without_softening(contact):
+def without_softening(contact, ramp=False):
     """∂F/∂x_c (m, 3, 3) [N/m] without the negative eigenvalues of its turning part, FORMULATION (42a): a convex edge pushes
     a contact point aside with a stiffness of -p/r, and Newton's method may go to and fro there (hybrid/step/newton.py). Nor
-    with shear on the ramp of adhesion following the pressure, ten times as much: points that just touch make it singular."""
+    with shear on the ramp of adhesion following the pressure, ten times as much, unless `ramp`: points that just touch make
+    it singular."""
     turning = 0.5 * (contact.turning + contact.turning.transpose(0, 2, 1))
     values, vectors = np.linalg.eigh(turning)
-    return contact.tangent - contact.ramp - (vectors * np.minimum(values, 0.0)[:, None]) @ vectors.transpose(0, 2, 1)
+    tangent = contact.tangent if ramp else contact.tangent - contact.ramp
+    return tangent - (vectors * np.minimum(values, 0.0)[:, None]) @ vectors.transpose(0, 2, 1)
 
 
 def body_tangent(contact, D=None):

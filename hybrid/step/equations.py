@@ -153,16 +153,16 @@ class Step:
         return Evaluation(unknowns, residual, np.concatenate(on_bodies), error, norms, internal, soil and soil.trial,
                           soil and soil.rates, bodies, joints, pairs)
 
-    def assemble(self, evaluation, softening=True):
+    def assemble(self, evaluation, softening=True, ramp=False):
         """Fill the block system with the tangent at an evaluation, and factor it. softening: whether with that of contact at
-        convex edges."""
+        convex edges, and of the ramp of adhesion; ramp: whether with the latter without the former."""
         self.system.clear()
         stiffness = comm.largest(self.model.soil.law.young) * self.model.soil.grid.smallest_cell
         if self.soil is not None:   # no process waits for another between soil and contact: they share the sum of both
             soil_terms.add_tangent(self, evaluation.soil_trial, evaluation.error)
         with phase("contact"):
             for terms in evaluation.bodies:
-                terms.add_tangent(self.pattern, self.system, stiffness, softening)
+                terms.add_tangent(self.pattern, self.system, stiffness, softening, ramp)
             if evaluation.pairs:
                 evaluation.pairs.add_tangent(self.system.ww)
             if evaluation.joints:
@@ -198,6 +198,10 @@ class Step:
     def has_convex_contact(self, evaluation):
         """Whether convex edges or curved faces of bodies press the soil at an evaluation."""
         return any(comm.anywhere(contact.turning) for contact in evaluation.contacts)
+
+    def touches_on_ramp(self, evaluation):
+        """Whether shear of contact points is on the ramp of adhesion at an evaluation without inertia."""
+        return not self.model.scheme.inertia and any(comm.anywhere(contact.ramp) for contact in evaluation.contacts)
 
     def contact_stiffness_ratio(self):
         """Stiffness of contact on the face of a cell over that of the cell [-]; 0 without contact or soil."""

@@ -51,12 +51,13 @@ GOOD, GOOD_YIELDING = 0.15, 0.01
 class Updates:
     """How updates are made: until `patience` of them make no progress; backtrack: with a line search, else in full; smooth:
     with few rough nodes solved for by themselves; softening: by the tangent with the softening of contact at convex edges,
-    where it is of use (FAR)."""
+    where it is of use (FAR); ramp: with that of the ramp of adhesion everywhere."""
 
     patience: int
     backtrack: bool = False
     smooth: bool = True
     softening: bool = True
+    ramp: bool = False
 
 
 @dataclass(frozen=True)
@@ -129,7 +130,7 @@ class Safeguards:
         held = sticking.held_in_stick(step, evaluation, self.stick) if self.stick else evaluation
         if self.stick or not self.reuse:
             near = step.model.scheme.inertia or held.error <= FAR
-            step.assemble(held, self.updates.softening and near)
+            step.assemble(held, self.updates.softening and near, self.updates.ramp)
         with phase("solve"):
             return step.system.solve(held.soil, held.body, linear_tolerance(self.solver, self.finest, held.error))
 
@@ -137,7 +138,7 @@ class Safeguards:
         """Evaluation to go on from after an update from `before` to `trial`."""
         after, updates = trial, self.updates
         if updates.smooth and trial.error > max(SLOW * before.error, self.solver.tolerance):
-            after = smoothed(self.step, self.solver, trial, updates.softening)
+            after = smoothed(self.step, self.solver, trial, updates.softening, updates.ramp)
         poor = after.error > SLOW * before.error        # near the solution slip turns round without harm
         self.stick = sticking.turned_round(before, after, self.stick) if poor else None
         # points sent to another facet by the update and back by what smooths it jump as well
@@ -182,7 +183,7 @@ def linear_tolerance(solver, finest, error):
     return max(finest, min(COARSEST, finest / solver.linear_tolerance * enough))
 
 
-def smoothed(step, solver, evaluation, softening=True):
+def smoothed(step, solver, evaluation, softening=True, ramp=False):
     """Evaluation after the few nodes that carry most of its residual, and the bodies, have been solved for by themselves
     (`hybrid.step.restriction`); `evaluation` itself where they are not few, or have no better solution."""
     nodes = rough_nodes(step, evaluation)
@@ -192,7 +193,7 @@ def smoothed(step, solver, evaluation, softening=True):
     try:
         start = part.evaluate(evaluation.unknowns)
         aim = max(SMOOTH * start.error, solver.tolerance)
-        outcome = iterate(part, replace(solver, tolerance=aim), start, Updates(BRIEF, True, False, softening))
+        outcome = iterate(part, replace(solver, tolerance=aim), start, Updates(BRIEF, True, False, softening, ramp))
     finally:
         part.system.destroy()
     new = step.evaluate(outcome.evaluation.unknowns)

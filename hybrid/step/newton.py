@@ -4,6 +4,7 @@
     full updates, u <- u + δ with K δ = -R        `hybrid.step.iteration`
     the same, with a tangent that does not soften     where these make no progress
     backtracking, s δ with s = 1, 1/2, ... 1/16       where those make none either
+    all of them, with the ramp of adhesion in K       where points are on it: a rod turned in clay without weight
     judged, or rejected                               what ends above the tolerance, and what a step must not accept
 
 The residual of soil that rotates or yields rises or hardly falls before it falls: a line search from the start takes up
@@ -117,16 +118,27 @@ def _judge(step, solver, outcome):
 
 
 def _newton(step, solver, evaluation, backtrack=False):
+    """Outcome of `_updates` without the ramp of adhesion in the tangent; where these have no solution and contact points are
+    on it, with it, from the start again."""
+    outcome = _updates(step, solver, evaluation, backtrack)
+    if outcome.converged or not step.touches_on_ramp(outcome.evaluation):
+        return outcome
+    again = _updates(step, solver, step.evaluate(evaluation.unknowns), backtrack, ramp=True)
+    return outcome.followed_by(again)
+
+
+def _updates(step, solver, evaluation, backtrack=False, ramp=False):
     """Outcome with full updates; where they make no progress, from the best iterate with those of a tangent that does not
-    soften where convex edges press the soil; and then with backtracking. backtrack: whether to try this first."""
+    soften where convex edges press the soil; and then with backtracking. backtrack: whether to try this first; ramp: of
+    Updates."""
     full = TRIAL if solver.line_search else PATIENCE
     if backtrack and solver.line_search:
-        outcome = iterate(step, solver, evaluation, Updates(PATIENCE, backtrack=True))
+        outcome = iterate(step, solver, evaluation, Updates(PATIENCE, backtrack=True, ramp=ramp))
         if outcome.converged:
             return outcome
-        return outcome.followed_by(_newton(step, solver, step.evaluate(evaluation.unknowns)))
-    outcome = iterate(step, solver, evaluation, Updates(full))
-    for updates in (Updates(full, softening=False), Updates(PATIENCE, backtrack=True)):
+        return outcome.followed_by(_updates(step, solver, step.evaluate(evaluation.unknowns), ramp=ramp))
+    outcome = iterate(step, solver, evaluation, Updates(full, ramp=ramp))
+    for updates in (Updates(full, softening=False, ramp=ramp), Updates(PATIENCE, backtrack=True, ramp=ramp)):
         if outcome.converged:
             break
         almost = outcome.evaluation.error <= RELAXED * solver.tolerance      # accepted as it is, backtracking gains nothing

@@ -71,7 +71,8 @@ def test_shorter_updates_start_from_the_best_iterate():
 
     for softened in (False, True):
         begun.clear()
-        step = SimpleNamespace(evaluate=lambda unknowns: unknowns, has_convex_contact=lambda evaluation: softened)
+        step = SimpleNamespace(evaluate=lambda unknowns: unknowns, has_convex_contact=lambda evaluation: softened,
+                               touches_on_ramp=lambda evaluation: False)
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(newton, "iterate", iterate)
             outcome = newton._newton(step, Solver(), "first")
@@ -86,6 +87,26 @@ def test_shorter_updates_start_from_the_best_iterate():
             newton._newton(step, Solver(), "first")
         assert len(begun) == shorter - 1    # a hair above the tolerance is accepted as it is
         error = 1.0
+
+
+def test_where_points_are_on_the_ramp_of_adhesion_all_is_tried_again_with_it(monkeypatch):
+    """From the start, which updates without it have led away from."""
+    begun = []
+
+    def iterate(step, solver, start, updates):
+        begun.append((start, updates.ramp))
+        best = SimpleNamespace(unknowns="best", error=1.0)
+        return iteration.Outcome(best, 3, 0, (1.0,), "" if updates.ramp else "residual")
+
+    monkeypatch.setattr(newton, "iterate", iterate)
+    for on_ramp in (True, False):
+        begun.clear()
+        step = SimpleNamespace(evaluate=lambda unknowns: unknowns, has_convex_contact=lambda evaluation: False,
+                               touches_on_ramp=lambda evaluation: on_ramp)
+        outcome = newton._newton(step, Solver(), SimpleNamespace(unknowns="first"))
+        assert outcome.converged == on_ramp and outcome.iterations == 3 * len(begun)
+        assert [ramp for _, ramp in begun] == [False, False] + [True] * on_ramp and begun[1][0] == "best"
+        assert not on_ramp or begun[2][0] == "first"
 
 
 def test_shorter_updates_come_first_after_an_increment_that_needed_them(monkeypatch):
@@ -124,7 +145,7 @@ def test_updates_that_go_astray_are_not_followed(monkeypatch):
         model=SimpleNamespace(soil=SimpleNamespace(law=SimpleNamespace(plastic=True)), scheme=SimpleNamespace(inertia=True)),
         contact_stiffness_ratio=lambda: 0.0,
         system=SimpleNamespace(solve=lambda *system: (None, None, 1), soil_unknowns=1),
-        assemble=lambda evaluation, softening: tangents.append(softening))
+        assemble=lambda evaluation, softening, ramp: tangents.append(softening))
     monkeypatch.setattr(sticking, "turned_round", lambda *evaluations: None)
     monkeypatch.setattr(sticking, "drifting", lambda *evaluations: None)
     monkeypatch.setattr(held_facets, "switched", lambda *contacts: False)
