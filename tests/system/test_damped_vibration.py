@@ -1,9 +1,12 @@
 """A column of soil under sudden gravity swings; the default scheme damps it unless steps are short."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from hybrid.monitors.damped_vibration import lost_by
+from hybrid.monitors import StepView
+from hybrid.monitors.damped_vibration import WORKS, DampedVibration, lost_by
 from hybrid.scene import Axis, Faces, Grid, Material, Motion, Scene, Soil, Stage, Time
 from hybrid.scheme import Scheme
 from hybrid.setup.build import build
@@ -70,3 +73,27 @@ def test_soil_that_does_not_swing_is_not():
                   soil=Soil(Material(law="hencky", young=1e7, poisson=0.3, density=2000.0), top=1.0), time=Time(0.006),
                   stages=(Stage("rest", 60),), output=NO_OUTPUT)
     assert not [text for record in build(scene).steps() for text in record.notes]
+
+
+def made_up(loss=0.11, spent=0.0, touching=(1,) * 60, peaks=(4, 12, 20, 28, 36)):
+    """Notes of steps with maxima of the kinetic energy, 1 J, at `peaks`; from one to the next the balance lacks `loss` [J],
+    and `spent` [J] are dissipated in a step; touching: bodies that touch the soil."""
+    soil = SimpleNamespace(held=False)
+    monitor, found = DampedVibration(None, None), []
+    for n in range(40):
+        kinetic = np.exp(-0.5 * min(abs(n - p) for p in peaks))
+        energy = {"kinetic": kinetic, "error": -loss * sum(p <= n for p in peaks), **dict.fromkeys(WORKS, 0.0),
+                  "plastic": spent * n}
+        report = SimpleNamespace(evaluation=SimpleNamespace(contacts=[[0]] * touching[n]))
+        view = StepView(SimpleNamespace(soil=soil), SimpleNamespace(step=n, time=0.1 * n), Scheme.generalised_alpha(0.0),
+                        report, energy)
+        found += monitor.notes(view)
+    return found
+
+
+@pytest.mark.parametrize("steps", [
+    {"loss": 0.3}, {"loss": 0.05}, {"spent": 0.1}, {"touching": (1, 1, 1, 1, 1, 1, 1, 1, 1, 0) * 4},
+    {"peaks": (4, 10, 26, 32, 38)}],
+    ids=["more than the scheme takes", "less", "soil that yields", "bounces", "not regular"])
+def test_each_sign_of_something_else_is_heeded(steps):
+    assert len(made_up()) == 1 and not made_up(**steps)
