@@ -9,12 +9,22 @@ With F the force of the penalty on a contact point (as a residual), r = x_c - c,
 body get opposite forces: the columns of B cancel, so force and moment vanish in sum to round-off.
 """
 
+from enum import Enum
+
 import numpy as np
 
 from hybrid.body.attitude import skews
 from hybrid.linalg.stencil import CELL, Blocks, entry, relative_place
 from hybrid.runtime.comm import total
 from hybrid.runtime.jit import njit
+
+
+class Tangent(Enum):
+    """Which tangent of contact Newton's method uses (`hybrid.step.newton`)."""
+
+    CONSISTENT = "derivative of the forces"
+    UNSOFTENED = "without the softening of contact at convex edges"
+    DEFINITE = "nor with shear on the ramp of adhesion following the pressure"
 
 
 def add_residual(contact, points, force):
@@ -25,14 +35,17 @@ def add_residual(contact, points, force):
     return -np.concatenate([total(contact.force), total(np.cross(contact.arm, contact.force))])
 
 
-def without_softening(contact, ramp=False):
-    """∂F/∂x_c (m, 3, 3) [N/m] without the negative eigenvalues of its turning part, FORMULATION (42a): a convex edge pushes
-    a contact point aside with a stiffness of -p/r, and Newton's method may go to and fro there (hybrid/step/newton.py). Nor
-    with shear on the ramp of adhesion following the pressure, ten times as much, unless `ramp`: points that just touch make
-    it singular."""
+def derivative(contact, kind):
+    """∂F/∂x_c (m, 3, 3) [N/m] of a kind of Tangent.
+
+    UNSOFTENED: without the negative eigenvalues of its turning part, FORMULATION (42a): a convex edge pushes a contact point
+    aside with a stiffness of -p/r, and Newton's method may go to and fro there. DEFINITE: nor with shear on the ramp of
+    adhesion following the pressure, ten times as much: points that just touch make it singular."""
+    if kind is Tangent.CONSISTENT:
+        return contact.tangent
     turning = 0.5 * (contact.turning + contact.turning.transpose(0, 2, 1))
     values, vectors = np.linalg.eigh(turning)
-    tangent = contact.tangent if ramp else contact.tangent - contact.ramp
+    tangent = contact.tangent - contact.ramp if kind is Tangent.DEFINITE else contact.tangent
     return tangent - (vectors * np.minimum(values, 0.0)[:, None]) @ vectors.transpose(0, 2, 1)
 
 

@@ -54,11 +54,10 @@ class ContactPair:
         [N, N m about its centre]."""
         return assembly.add_residual(contact, self.points, force)
 
-    def add_tangent(self, contact, pattern, values, uw, wu, softening=True, ramp=False):
+    def add_tangent(self, contact, pattern, values, uw, wu, kind=assembly.Tangent.CONSISTENT):
         """Add the tangent to the soil block `values` and to its coupling with the body's m free components, uw (n, m)
-        and wu (m, n); returns K_ww (6, 6). softening: whether with that of convex edges, and of adhesion's
-        ramp; ramp: whether with the latter without the former."""
-        D = contact.tangent if softening else assembly.without_softening(contact, ramp)
+        and wu (m, n); returns K_ww (6, 6)."""
+        D = assembly.derivative(contact, kind)
         ww, Q = assembly.body_tangent(contact, D)
         if pattern.size:
             assembly.add_tangent(contact, self.points, D, Q, pattern, values, self.body.free, uw, wu)

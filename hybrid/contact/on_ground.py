@@ -115,7 +115,7 @@ class GroundPair:
         """The body's residual (6,) [N, N m about its centre]."""
         return assembly.add_residual(contact, None, None)
 
-    def add_tangent(self, contact, pattern, values, uw, wu, softening=True, ramp=False):
+    def add_tangent(self, contact, pattern, values, uw, wu, kind=assembly.Tangent.CONSISTENT):
         """K_ww (6, 6)."""
         return total([contact.found.stiffness()[:6, :6]])
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from hybrid.body import guides, rigid
 from hybrid.body.rigid import BodyTrial, RigidBody
+from hybrid.contact.assembly import Tangent
 from hybrid.contact.contact_pair import ContactPair
 from hybrid.contact.on_ground import GroundPair, of_soil
 from hybrid.contact.search import Reach
@@ -198,14 +199,11 @@ class BodyTerms:
         """Largest norm of some `components` of the terms of these names."""
         return max(np.linalg.norm(self.terms[name][components]) for name in names if name in self.terms)
 
-    def add_tangent(self, pattern, system, stiffness, softening=True, ramp=False):
-        """Add contact, inertia and line to the block system; softening: whether with that of contact at convex edges.
-
-        stiffness: [N/m] of a cell of the soil.
-        """
+    def add_tangent(self, pattern, system, stiffness, kind=Tangent.CONSISTENT):
+        """Add contact, with a `kind` of Tangent, inertia and line to the block system; stiffness: [N/m] of a cell of the
+        soil."""
         own, free = self.step.unknowns, self.step.free
-        ww = self.step.pair.add_tangent(self.contact, pattern, system.values, system.uw[:, own], system.wu[own], softening,
-                                        ramp)
+        ww = self.step.pair.add_tangent(self.contact, pattern, system.values, system.uw[:, own], system.wu[own], kind)
         unresisted = self._against_nothing(stiffness) * np.diag([1.0, 1.0, 1.0, *[self.step.body.radius**2] * 3])
         system.ww[own, own] += (ww + unresisted + self.trial.tangent)[np.ix_(free, free)]
 

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from hybrid.contact.assembly import Tangent
 from hybrid.contact.search import Domains
 from hybrid.linalg.petsc import BlockSystem
 from hybrid.linalg.stencil_pattern import Pattern
@@ -153,16 +154,15 @@ class Step:
         return Evaluation(unknowns, residual, np.concatenate(on_bodies), error, norms, internal, soil and soil.trial,
                           soil and soil.rates, bodies, joints, pairs)
 
-    def assemble(self, evaluation, softening=True, ramp=False):
-        """Fill the block system with the tangent at an evaluation, and factor it. softening: whether with that of contact at
-        convex edges, and of the ramp of adhesion; ramp: whether with the latter without the former."""
+    def assemble(self, evaluation, kind=Tangent.CONSISTENT):
+        """Fill the block system with the tangent at an evaluation, of a `kind` for contact, and factor it."""
         self.system.clear()
         stiffness = comm.largest(self.model.soil.law.young) * self.model.soil.grid.smallest_cell
         if self.soil is not None:   # no process waits for another between soil and contact: they share the sum of both
             soil_terms.add_tangent(self, evaluation.soil_trial, evaluation.error)
         with phase("contact"):
             for terms in evaluation.bodies:
-                terms.add_tangent(self.pattern, self.system, stiffness, softening, ramp)
+                terms.add_tangent(self.pattern, self.system, stiffness, kind)
             if evaluation.pairs:
                 evaluation.pairs.add_tangent(self.system.ww)
             if evaluation.joints:

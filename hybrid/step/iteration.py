@@ -11,6 +11,7 @@ The settings are those of the scene, `hybrid.scene.Solver`.
 from dataclasses import dataclass, replace
 
 from hybrid.contact import held_facets
+from hybrid.contact.assembly import Tangent
 from hybrid.runtime import comm
 from hybrid.runtime.errors import StepError
 from hybrid.runtime.timing import phase
@@ -39,7 +40,7 @@ DIVERGED, LOST = 20.0, 0.3
 # Nodes that carry most of the residual are solved for by themselves where an update leaves more than SLOW of it, until
 # SMOOTH of theirs is left or BRIEF iterations make no progress.
 SLOW, SMOOTH, BRIEF = 0.5, 0.1, 4
-# Without inertia the tangent does not soften at convex edges (`hybrid.contact.assembly`) as long as the error is above FAR.
+# Without inertia the tangent of contact is definite (`hybrid.contact.assembly`) as long as the error is above FAR.
 FAR = 0.05
 # A tangent is used again where its update leaves less than this share of the residual: GOOD_YIELDING for soil that
 # yields (anchor, 60 steps: 383 to 401 iterations with 0.15, 259 to 269 with 0.01), GOOD for elastic soil, which then
@@ -50,14 +51,14 @@ GOOD, GOOD_YIELDING = 0.15, 0.01
 @dataclass(frozen=True)
 class Updates:
     """How updates are made: until `patience` of them make no progress; backtrack: with a line search, else in full; smooth:
-    with few rough nodes solved for by themselves; softening: by the tangent with the softening of contact at convex edges,
-    where it is of use (FAR); ramp: with that of the ramp of adhesion everywhere."""
+    with few rough nodes solved for by themselves; near, far: Tangent of contact near the solution and, without inertia, far
+    from it (FAR)."""
 
     patience: int
     backtrack: bool = False
     smooth: bool = True
-    softening: bool = True
-    ramp: bool = False
+    near: Tangent = Tangent.CONSISTENT
+    far: Tangent = Tangent.DEFINITE
 
 
 @dataclass(frozen=True)
@@ -130,7 +131,7 @@ class Safeguards:
         held = sticking.held_in_stick(step, evaluation, self.stick) if self.stick else evaluation
         if self.stick or not self.reuse:
             near = step.model.scheme.inertia or held.error <= FAR
-            step.assemble(held, self.updates.softening and near, self.updates.ramp)
+            step.assemble(held, self.updates.near if near else self.updates.far)
         with phase("solve"):
             return step.system.solve(held.soil, held.body, linear_tolerance(self.solver, self.finest, held.error))
 
@@ -138,7 +139,7 @@ class Safeguards:
         """Evaluation to go on from after an update from `before` to `trial`."""
         after, updates = trial, self.updates
         if updates.smooth and trial.error > max(SLOW * before.error, self.solver.tolerance):
-            after = smoothed(self.step, self.solver, trial, updates.softening, updates.ramp)
+            after = smoothed(self.step, self.solver, trial, updates)
         poor = after.error > SLOW * before.error        # near the solution slip turns round without harm
         self.stick = sticking.turned_round(before, after, self.stick) if poor else None
         # points sent to another facet by the update and back by what smooths it jump as well
@@ -183,7 +184,7 @@ def linear_tolerance(solver, finest, error):
     return max(finest, min(COARSEST, finest / solver.linear_tolerance * enough))
 
 
-def smoothed(step, solver, evaluation, softening=True, ramp=False):
+def smoothed(step, solver, evaluation, updates):
     """Evaluation after the few nodes that carry most of its residual, and the bodies, have been solved for by themselves
     (`hybrid.step.restriction`); `evaluation` itself where they are not few, or have no better solution."""
     nodes = rough_nodes(step, evaluation)
@@ -193,7 +194,8 @@ def smoothed(step, solver, evaluation, softening=True, ramp=False):
     try:
         start = part.evaluate(evaluation.unknowns)
         aim = max(SMOOTH * start.error, solver.tolerance)
-        outcome = iterate(part, replace(solver, tolerance=aim), start, Updates(BRIEF, True, False, softening, ramp))
+        outcome = iterate(part, replace(solver, tolerance=aim), start,
+                          replace(updates, patience=BRIEF, backtrack=True, smooth=False))
     finally:
         part.system.destroy()
     new = step.evaluate(outcome.evaluation.unknowns)

@@ -10,7 +10,7 @@
 The residual of soil that rotates or yields rises or hardly falls before it falls: a line search from the start takes up
 to four times the iterations. So full updates, s = 1, are taken as long as they make progress, and backtracking begins from
 the best iterate after that (a watchdog: Chamberlain et al., Math. Program. Study 16 (1982) 1-17). In between, where a
-body has convex edges, full updates with a tangent that does not soften (`hybrid.contact.assembly.without_softening`):
+body has convex edges, full updates with a tangent that does not soften (`hybrid.contact.assembly.Tangent`):
 soil that slides off an edge has no equilibrium on the way. Without inertia all updates far from the solution are made with
 that tangent (`hybrid.step.iteration.FAR`). Clay that flows around a pipe needs backtracking in every increment: where soil
 yields, an increment that comes after such a one begins with it.
@@ -18,6 +18,7 @@ yields, an increment that comes after such a one begins with it.
 
 from dataclasses import replace
 
+from hybrid.contact.assembly import Tangent
 from hybrid.runtime import comm
 from hybrid.soil.model import Refusal
 from hybrid.step.equations import Step
@@ -123,22 +124,22 @@ def _newton(step, solver, evaluation, backtrack=False):
     outcome = _updates(step, solver, evaluation, backtrack)
     if outcome.converged or not step.touches_on_ramp(outcome.evaluation):
         return outcome
-    again = _updates(step, solver, step.evaluate(evaluation.unknowns), backtrack, ramp=True)
+    again = _updates(step, solver, step.evaluate(evaluation.unknowns), backtrack, Tangent.UNSOFTENED)
     return outcome.followed_by(again)
 
 
-def _updates(step, solver, evaluation, backtrack=False, ramp=False):
+def _updates(step, solver, evaluation, backtrack=False, far=Tangent.DEFINITE):
     """Outcome with full updates; where they make no progress, from the best iterate with those of a tangent that does not
-    soften where convex edges press the soil; and then with backtracking. backtrack: whether to try this first; ramp: of
+    soften where convex edges press the soil; and then with backtracking. backtrack: whether to try this first; far: of
     Updates."""
     full = TRIAL if solver.line_search else PATIENCE
     if backtrack and solver.line_search:
-        outcome = iterate(step, solver, evaluation, Updates(PATIENCE, backtrack=True, ramp=ramp))
+        outcome = iterate(step, solver, evaluation, Updates(PATIENCE, backtrack=True, far=far))
         if outcome.converged:
             return outcome
-        return outcome.followed_by(_updates(step, solver, step.evaluate(evaluation.unknowns), ramp=ramp))
-    outcome = iterate(step, solver, evaluation, Updates(full, ramp=ramp))
-    for updates in (Updates(full, softening=False, ramp=ramp), Updates(PATIENCE, backtrack=True, ramp=ramp)):
+        return outcome.followed_by(_updates(step, solver, step.evaluate(evaluation.unknowns), far=far))
+    outcome = iterate(step, solver, evaluation, Updates(full, far=far))
+    for updates in (Updates(full, near=far, far=far), Updates(PATIENCE, backtrack=True, far=far)):
         if outcome.converged:
             break
         almost = outcome.evaluation.error <= RELAXED * solver.tolerance      # accepted as it is, backtracking gains nothing

@@ -10,6 +10,7 @@ from put_on_soil import put_on_soil
 from scipy.special import ellipk
 
 from hybrid.contact import held_facets
+from hybrid.contact.assembly import Tangent
 from hybrid.runtime.data import DEMOS
 from hybrid.runtime.errors import StepError
 from hybrid.scene import Axis, Faces, Grid, Load, Material, Scene, Soil, Solver, Stage, Time
@@ -76,7 +77,7 @@ def test_shorter_updates_start_from_the_best_iterate():
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(newton, "iterate", iterate)
             outcome = newton._newton(step, Solver(), "first")
-        unsoftened = [("best", iteration.Updates(newton.TRIAL, softening=False))] * softened
+        unsoftened = [("best", iteration.Updates(newton.TRIAL, near=Tangent.DEFINITE))] * softened
         assert begun == [("first", iteration.Updates(newton.TRIAL)), *unsoftened,
                          ("best", iteration.Updates(iteration.PATIENCE, backtrack=True))]
         assert outcome.converged and outcome.iterations == 6 * len(begun)
@@ -94,9 +95,9 @@ def test_where_points_are_on_the_ramp_of_adhesion_all_is_tried_again_with_it(mon
     begun = []
 
     def iterate(step, solver, start, updates):
-        begun.append((start, updates.ramp))
+        begun.append((start, updates.far is Tangent.UNSOFTENED))
         best = SimpleNamespace(unknowns="best", error=1.0)
-        return iteration.Outcome(best, 3, 0, (1.0,), "" if updates.ramp else "residual")
+        return iteration.Outcome(best, 3, 0, (1.0,), "" if begun[-1][1] else "residual")
 
     monkeypatch.setattr(newton, "iterate", iterate)
     for on_ramp in (True, False):
@@ -145,17 +146,17 @@ def test_updates_that_go_astray_are_not_followed(monkeypatch):
         model=SimpleNamespace(soil=SimpleNamespace(law=SimpleNamespace(plastic=True)), scheme=SimpleNamespace(inertia=True)),
         contact_stiffness_ratio=lambda: 0.0,
         system=SimpleNamespace(solve=lambda *system: (None, None, 1), soil_unknowns=1),
-        assemble=lambda evaluation, softening, ramp: tangents.append(softening))
+        assemble=lambda evaluation, kind: tangents.append(kind))
     monkeypatch.setattr(sticking, "turned_round", lambda *evaluations: None)
     monkeypatch.setattr(sticking, "drifting", lambda *evaluations: None)
     monkeypatch.setattr(held_facets, "switched", lambda *contacts: False)
     for start, updates, count in ((0.01, iteration.Updates(4, smooth=False), 1),
                                   (0.5, iteration.Updates(4, smooth=False), 4),
-                                  (0.01, iteration.Updates(4, backtrack=True, smooth=False, softening=False), 4)):
+                                  (0.01, iteration.Updates(4, backtrack=True, smooth=False, near=Tangent.DEFINITE), 4)):
         monkeypatch.setattr(iteration, "line_search", lambda *search: (at(0.9), 1.0))
         tangents.clear()
         assert iteration.iterate(step, Solver(), at(start), updates).iterations == count
-        assert tangents == [updates.softening] * count
+        assert tangents == [updates.near] * count
 
 
 def test_far_from_the_solution_the_tangent_of_a_step_without_inertia_does_not_soften(monkeypatch):
@@ -185,8 +186,8 @@ def test_a_tangent_without_softening_is_stiffer():
     position, rotation = step.bodies[0].committed_pose()
     unknowns = replace(step.at_rest(), poses=((position - 0.002 * _upwards(simulation), rotation),))
     evaluation, tangents = step.evaluate(unknowns), []
-    for softening in (True, False):
-        step.assemble(evaluation, softening)
+    for kind in (Tangent.CONSISTENT, Tangent.DEFINITE):
+        step.assemble(evaluation, kind)
         tangents.append(step.system.ww[:3, :3].copy())
     assert len(evaluation.contacts[0]) > 3 and step.has_convex_contact(evaluation)
     added = np.linalg.eigvalsh(tangents[1] - tangents[0])
