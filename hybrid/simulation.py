@@ -17,14 +17,13 @@ from functools import cached_property
 import numpy as np
 
 from hybrid.body.symmetry import copies
-from hybrid.contact.closest_points import nearest
+from hybrid.contact.closest_points import forces_on_vertices
 from hybrid.monitors import Monitors, StepView
 from hybrid.monitors.failure_hints import overstretched_domains
 from hybrid.monitors.initial_equilibrium import initial_imbalance
 from hybrid.monitors.limits import limit_warnings
 from hybrid.output.model_sheet import model_sheet
 from hybrid.output.observers import finish, notify
-from hybrid.output.record import Record
 from hybrid.runtime import comm, ranks, timing
 from hybrid.runtime.errors import HybridError, OutputError, StepError
 from hybrid.runtime.memory import map_large_arrays
@@ -32,7 +31,7 @@ from hybrid.step import processes
 from hybrid.step.energy import balance_error, energies
 from hybrid.step.equations import begin
 from hybrid.step.increments import Control, outer_step
-from hybrid.step.records import body_record, joint_records, pair_records
+from hybrid.step.records import step_record
 from hybrid.step.workspace import Workspace
 
 
@@ -166,13 +165,10 @@ class Simulation:
         which all call this, of the soil of all."""
         if self._forces is not None:
             return self._forces[b]
-        surface = self.surfaces[b]
-        forces = np.zeros((len(surface.vertices), 3))
-        if self.evaluation is not None:
-            contact = self.evaluation.contacts[b]
-            triangle, weights = nearest(contact.arm @ self.state.bodies[b].rotation, contact.side, surface)
-            np.add.at(forces, surface.triangles[triangle], weights[:, :, None] * contact.force[:, None])
-        return comm.total([forces])
+        if self.evaluation is None:
+            return np.zeros((len(self.surfaces[b].vertices), 3))
+        contact, rotation = self.evaluation.contacts[b], self.state.bodies[b].rotation
+        return comm.total([forces_on_vertices(contact, rotation, self.surfaces[b])])
 
     def with_all_forces(self):
         """This simulation with the forces of all processes, which all call this, to be asked for by one of them."""
@@ -276,29 +272,20 @@ class Simulation:
         return self.model.for_stage(stage.held, stage.beta, stage.gamma, loads, number, starts)
 
     def _control(self, length, begun):
-        """Increment control of a stage with outer steps of `length` [s]; one that has `begun` continues as its last
-        increment ended."""
+        """Control of a stage with outer steps of `length` [s]; one that has `begun` goes on from its last increment."""
         time, cell = self.scene.time, self.model.soil.grid.smallest_cell
         return Control(begun and self.increment or length, time.smallest or length / (4096 if time.accuracy else 64),
                        time.accuracy and time.accuracy * cell, bool(begun and self.shorten))
 
     def _record(self, stage, stage_step, report, scheme):
         """(Record of a step, why the run cannot go on or "")."""
-        state, evaluation = self.state, report.evaluation
+        state = self.state
         with timing.phase("energy"):
-            energy = energies(self.model, state, evaluation)
+            energy = energies(self.model, state, report.evaluation)
             energy["error"] = balance_error(energy, self._start_energy)
         view = StepView(self.model, state, scheme, report, energy, state.step == self.total_steps)
-        record = Record(
-            step=state.step, stage=stage, stage_step=stage_step, time=state.time, dt=report.dt,
-            increments=report.increments, iterations=report.iterations, rejections=report.rejections,
-            residual=evaluation.error, contacts=int(comm.total([len(terms.contact) for terms in evaluation.bodies])),
-            seconds=timing.collect(), energies=energy,
-            bodies=[body_record(terms, state, evaluation.joints) for terms in evaluation.bodies],
-            joints=joint_records(evaluation),
-            pairs=pair_records(evaluation), time_error=report.error,
-            krylov=report.krylov, judged=report.judged, copies=copies(self.mirrors),
-            notes=self._monitors.notes(view, self._initial_notes()))
+        record = step_record((stage, stage_step), state, report, energy, copies(self.mirrors),
+                             self._monitors.notes(view, self._initial_notes()))
         return record, self._monitors.stop(view)
 
     def _initial_notes(self):

@@ -8,7 +8,8 @@
   soil_to_body.py   law of contact there: pressure, stick or slip, tangent
   reversals.py      points that Newton's method carries from slip to slip the other way, held in stick
   held_facets.py    points between two facets, held to one of them
-  interface.py      clay that sticks: adhesion, tension until it breaks away, and the points that bear them
+  interface.py      clay that sticks: adhesion, tension until it breaks away
+  interface_shares.py  the points that bear them
 5 assembly.py       forces and tangent into the residual and the block system, through the nodes of their cells
 6 contact_pair.py   does 2 to 5 for one body; tunnelling.py rejects a step that carried contact points through it
 

@@ -63,6 +63,14 @@ def nearest(y, side, surface):
     return closest.triangle, closest.weights
 
 
+def forces_on_vertices(contact, rotation, surface):
+    """Force of the soil on each vertex of a `surface`, (V, 3) [N], by a contact with a body of this rotation (3, 3)."""
+    triangle, weights = nearest(contact.arm @ rotation, contact.side, surface)
+    forces = np.zeros((len(surface.vertices), 3))
+    np.add.at(forces, surface.triangles[triangle], weights[:, :, None] * contact.force[:, None])
+    return forces
+
+
 @njit(cache=True, parallel=True)
 def _project(y, start, radius, arrays, patches, out):
     """Fill `out` for contact points now at y (m, 3). One that remembers its side of the body is

@@ -125,7 +125,7 @@ def begin_stage(model, bodies, joints):
 
 def released(model, state, guides):
     """`state` after a stage with other `guides` of points: what they pushed with accelerates bodies from the start of the
-    next step, as in `rigid.release_guides`."""
+    next step, as in `stage_start.release_guides`."""
     if state.joints is None or not model.scheme.inertia:
         return state
     before = replace(model, joints=(), guides=guides)

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hybrid.body import rigid
+from hybrid.body import rigid, stage_start
 from hybrid.body.joints import Joint
 from hybrid.body.point_guides import PointGuide
 from hybrid.body.rigid import FREEDOMS, RigidBody
@@ -77,14 +77,14 @@ class Model:
             state = joint_rates.released(self, state, guides)
         for body, motion in zip(self.bodies, state.bodies, strict=True):
             if self.scheme.inertia:
-                motion = rigid.release_guides(body, motion)
+                motion = stage_start.release_guides(body, motion)
             before = motion
-            motion, impulse_work = rigid.engage_guides(body, motion, gravity, self.scheme)
+            motion, impulse_work = stage_start.engage_guides(body, motion, gravity, self.scheme)
             if impulse_work:
                 work["drive"] = work.get("drive", 0.0) + impulse_work
                 for name, done in by_component(body, rigid.jolt(body, before, motion)):
                     work[name] = work.get(name, 0.0) + done
-            bodies.append(rigid.begin_loads(body, motion, state.time, self.scheme))
+            bodies.append(stage_start.begin_loads(body, motion, state.time, self.scheme))
         bodies, joints, lost = joint_rates.begin_stage(self, bodies, state.joints)
         if lost:
             work["drive"] = work.get("drive", 0.0) - lost

@@ -1,12 +1,27 @@
-"""Records of bodies, joints and pairs of bodies, by the Evaluation that an accepted step ended with."""
+"""Record of an accepted outer step, with those of bodies, joints and pairs, by the Evaluation that it ended with."""
 
 import numpy as np
 
 from hybrid.body.attitude import log_so3, quaternion
 from hybrid.body.joints import Joint
 from hybrid.body.rigid import FREEDOMS, line_ends
-from hybrid.output.record import BodyRecord, JointRecord, PairRecord
+from hybrid.output.record import BodyRecord, JointRecord, PairRecord, Record
+from hybrid.runtime import comm, timing
 from hybrid.step.work import drive_name, load_name
+
+
+def step_record(stage, state, report, energies, copies, notes):
+    """Record of the outer step that led to `state`. stage: (its name, number of the step in it); report: its Report;
+    energies: {name: [J]}; copies: of the model in the whole; notes: texts of monitors."""
+    evaluation = report.evaluation
+    return Record(
+        step=state.step, stage=stage[0], stage_step=stage[1], time=state.time, dt=report.dt,
+        increments=report.increments, iterations=report.iterations, rejections=report.rejections,
+        residual=evaluation.error, contacts=int(comm.total([len(terms.contact) for terms in evaluation.bodies])),
+        seconds=timing.collect(), energies=energies,
+        bodies=[body_record(terms, state, evaluation.joints) for terms in evaluation.bodies],
+        joints=joint_records(evaluation), pairs=pair_records(evaluation), time_error=report.error,
+        krylov=report.krylov, judged=report.judged, copies=copies, notes=notes)
 
 
 def body_record(terms, state, joints):

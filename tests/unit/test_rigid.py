@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from contact_bed import RIGHT_HAND, box
 
-from hybrid.body import rigid
+from hybrid.body import rigid, stage_start
 from hybrid.body.attitude import exp_so3, log_so3
 from hybrid.body.rigid import Line, RigidBody
 from hybrid.scheme import Scheme
@@ -99,13 +99,13 @@ def test_accepted_state_has_the_rates_of_the_step(scheme):
 def test_guides_impose_their_rates_and_their_impulse_does_work():
     free, drive = np.array([1, 1, 0, 1, 1, 0], bool), np.array([0.0, 0.0, -1.0, 0.0, 0.0, 0.2])
     body, state = body_of(free, drive), state_of()
-    new, work = rigid.engage_guides(body, state, GRAVITY, NEWMARK)
+    new, work = stage_start.engage_guides(body, state, GRAVITY, NEWMARK)
     np.testing.assert_allclose(new.velocity, [1.0, 0.5, -1.0])
     spin, before = new.rotation @ new.spin, state.rotation @ state.spin
     np.testing.assert_allclose(spin, [before[0], before[1], 0.2], atol=1e-14)
     assert work == pytest.approx(rigid.kinetic_energy(body, new) - rigid.kinetic_energy(body, state))
     assert not new.reaction[free].any() and new.reaction[2] == pytest.approx(12.0 * 9.81)
-    kept, none = rigid.engage_guides(body_of(), state, GRAVITY, NEWMARK)
+    kept, none = stage_start.engage_guides(body_of(), state, GRAVITY, NEWMARK)
     assert kept is state and none == 0.0
 
 
@@ -113,13 +113,13 @@ def test_released_reaction_accelerates_the_body():
     """Held against its weight, and by a moment about the vertical: free, it falls with g and starts to turn."""
     reaction = np.array([0.0, 0.0, 12.0 * 9.81, 0.0, 0.0, 0.7])
     held = state_of(velocity=np.zeros(3), spin=np.zeros(3), reaction=reaction)
-    new = rigid.release_guides(body_of(), held)
+    new = stage_start.release_guides(body_of(), held)
     np.testing.assert_allclose(new.acceleration, GRAVITY)
     np.testing.assert_allclose(INERTIA @ new.spin_rate, -held.rotation.T @ reaction[3:], atol=1e-13)
     assert not new.reaction.any()
     still_held = body_of(np.array([1, 1, 0, 1, 1, 0], bool))
-    assert rigid.release_guides(still_held, held) is held
-    assert rigid.release_guides(body_of(), state_of()).reaction is None
+    assert stage_start.release_guides(still_held, held) is held
+    assert stage_start.release_guides(body_of(), state_of()).reaction is None
 
 
 def test_kinetic_energy():

@@ -1,0 +1,59 @@
+"""State of a body where a stage begins: loads that begin or end to act, guides that engage or release components."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from hybrid.body import guides, motion, rigid
+
+
+def begin_loads(body, state, time, scheme):
+    """`state` after the loads of another stage begin to act at a `time` [s]: what they change accelerates free components
+    from the start of the next step, and guides of the others take it."""
+    if not body.loads and state.load is None:
+        return state
+    now = -guides.load_on(body.loads, state.rotation, time)[0]
+    change = now - (np.zeros(6) if state.load is None else state.load)
+    new = _accelerated(body, state, change) if scheme.inertia else state
+    reaction = None if state.reaction is None else state.reaction - np.where(body.free, 0.0, change)
+    return replace(new, reaction=reaction, load=now if body.loads else None)
+
+
+def release_guides(body, state):
+    """`state` after guides release the components that are free from now on: the reaction they had accelerates the
+    body from the start of the next step.
+
+    Without it the scheme would start from zero acceleration, half a step late.
+    """
+    if state.reaction is None or not np.any(state.reaction[body.free]):
+        return state
+    return replace(_accelerated(body, state, -state.reaction), reaction=np.where(body.free, 0.0, state.reaction))
+
+
+def engage_guides(body, state, gravity, scheme):
+    """`state` after guides engage a body, and the work [J] of the impulse that brings it to their rates.
+
+    A reaction that is not known yet, as at the start of a run, is set to what balances weight and inertia.
+    """
+    if body.free.all():
+        return state, 0.0
+    new = rigid.impose_guide_rates(body, state)
+    impulse_work = rigid.kinetic_energy(body, new) - rigid.kinetic_energy(body, state) if scheme.inertia else 0.0
+    if state.reaction is None:
+        rates = np.zeros(6)
+        if scheme.inertia:
+            rates = np.concatenate([body.mass.mass * new.acceleration,
+                                    motion.momentum_rate(body.mass.inertia, new)])
+        new = replace(new, reaction=np.where(body.free, 0.0, rates + rigid.weight(body, state.rotation, gravity)))
+    return new, impulse_work
+
+
+def _accelerated(body, state, load):
+    """`state` with the accelerations of free components that a force and moment `load` (6,) [N, N m] adds."""
+    force, moment = np.split(np.where(body.free, load, 0.0), 2)
+    axes, inertia = state.rotation.T[:, body.free[3:]], body.mass.inertia     # free axes, in the body frame
+    spin_rate = axes @ np.linalg.solve(axes.T @ inertia @ axes, axes.T @ (state.rotation.T @ moment))
+    added = np.concatenate([force / body.mass.mass, spin_rate])
+    return replace(
+        state, acceleration=state.acceleration + added[:3], spin_rate=state.spin_rate + added[3:],
+        algorithmic=None if state.algorithmic is None else state.algorithmic + added)
