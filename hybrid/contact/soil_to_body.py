@@ -47,6 +47,7 @@ from hybrid.runtime.comm import maximum, total
 from hybrid.runtime.jit import njit
 from hybrid.state import ContactHistory
 
+BESIDE = 0.1    # cosine between the normals of two faces, below which the one looks past what touches the other
 NOWHERE = np.zeros(0, bool)
 
 
@@ -152,6 +153,7 @@ def evaluate(points, position, centre, rotation, surface, friction, tangential):
     """
     y = (position - centre) @ rotation
     closest = closest_points(y, points, surface)
+    closest.gap[_past_an_edge(points, closest, surface)] = np.inf
     if points.facet is not None:
         _hold(closest, y, points.facet, surface)
     rest = np.minimum(np.maximum(points.rest, closest.gap), 0.0)    # a point that comes out will press as any other
@@ -179,6 +181,16 @@ def evaluate(points, position, centre, rotation, surface, friction, tangential):
         turning, ramp, position[active] - centre, found.slip, found.anchor, found.side,
         pressure, closest.triangle, closest.weights,
         float(total(found.energy)), float(total(found.dissipated)), rest, found.opened)
+
+
+def _past_an_edge(points, closest, surface):
+    """Contact points that touched a side of the body and are now closest to a plane face at a right angle to it: the body
+    has left them behind. A face of the soil that looks at the one side does not look at the other."""
+    touching = np.flatnonzero(points.touching & np.isfinite(closest.gap) & points.side.any(axis=1))
+    triangle = closest.triangle[touching]
+    turned = np.einsum("ci,ci->c", surface.normals[triangle], points.side[touching]) < BESIDE
+    past = touching[turned & ~surface.curved[triangle]]
+    return past[points.limits.tension[past] == 0.0] if len(points.limits.tension) else past
 
 
 def _hold(closest, y, facet, surface):

@@ -29,7 +29,7 @@ class GroundImpact(ImpactLoss):
         if found and self._touched and self._largest > least_energy(view.model):
             yield self._told(view, loss)
         self._hit = self._quiet < QUIET and self._hit
-        if view.struck or self._quiet >= QUIET:     # by one another: `BodyImpact`
+        if self._quiet >= QUIET or view.struck and not self._touched:       # by one another: `BodyImpact`
             self._touched = False
             self.forget()
 

@@ -70,7 +70,8 @@ class Checkpoints:
 
     def finish(self, summary, simulation):
         try:
-            if simulation.scene.output.checkpoint and self._accepted[0].step != self.saved:
+            gone = not ranks.same(self.path.is_file())      # with its folder
+            if simulation.scene.output.checkpoint and (gone or self._accepted[0].step != self.saved):
                 self._save(simulation)
         finally:
             self.finish_alone(summary, simulation)

@@ -85,12 +85,24 @@ def _roll_call():
 
 
 def prepare():
-    """To be called by all processes, before anything can fail; again it does nothing. Only the first one logs."""
+    """To be called by all processes, before anything can fail; again it does nothing. Only the first one logs, and what
+    ends one process by an exception that nobody catches ends all of them."""
     if world():
         _last_words()
         _roll_call()
+        sys.excepthook = _end_all
     if rank():
         logging.getLogger("hybrid").setLevel(logging.CRITICAL)
+
+
+def _end_all(*fault):
+    """As sys.excepthook: in place of others that would wait for this process forever when it ends by itself."""
+    alone = not end_together()
+    if alone or rank() == 0:
+        sys.__excepthook__(*fault)
+    if alone:
+        print(f"hybrid: this happened on rank {rank()} of {started()}; the others are ended", file=sys.stderr, flush=True)
+        abort(1)
 
 
 def same_fault(error):
@@ -140,8 +152,12 @@ def all_here(seconds=10.0):
 
 
 def end_together(seconds=10.0):
-    """Whether all other processes end as well within some `seconds`; to be asked by one that has failed."""
-    return _all_come(_last_words().Ibarrier(), seconds)
+    """Whether all other processes end as well within some `seconds`; to be asked by one that has failed. A signal ends the
+    wait."""
+    try:
+        return _all_come(_last_words().Ibarrier(), seconds)
+    except KeyboardInterrupt:
+        return False
 
 
 def _all_come(request, seconds):

@@ -6,6 +6,7 @@ import numpy as np
 
 from hybrid.body.parts import surface_parts
 from hybrid.body.rigid import with_stiffness
+from hybrid.runtime import ranks
 from hybrid.runtime.errors import SceneError
 from hybrid.scene.accuracy import apply_accuracy
 from hybrid.scene.check_sense import sense_notes
@@ -41,6 +42,7 @@ def build(scene, *, body_force=None, law=None):
     [m/s²], added to gravity. law: function that makes the law of a scene whose soil.material.law is "user"
     (`hybrid.laws.user`).
     """
+    ranks.prepare()
     scene = validate(scene)
     changed, texts = apply_accuracy(scene)
     if not texts:

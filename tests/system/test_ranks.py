@@ -278,6 +278,27 @@ def test_a_fault_of_one_rank_ends_all_and_names_it(tmp_path):
     assert len(history(tmp_path / "out")["energy_kinetic_J"]) == 4
 
 
+SCRIPT = """
+import sys
+from hybrid import build
+from hybrid.runtime import ranks
+from hybrid.scene.file import load_scene
+ranks.end_together.__defaults__ = (2.0,)
+for record in build(load_scene(sys.argv[1])).steps():
+    if record.step == 2 and (ranks.rank() == 1 or sys.argv[2] == "all"):
+        raise ArithmeticError("made for the test")
+"""
+
+
+@pytest.mark.parametrize("who, words", [("one", "on rank 1 of 2"), ("all", "")])
+def test_a_fault_in_a_script_of_the_user_ends_all(tmp_path, who, words):
+    """Which would wait for one another forever; told once."""
+    (tmp_path / "script.py").write_text(SCRIPT)
+    text = program(tmp_path / "script.py", scene_file(tmp_path, COLUMN), who, ranks=2, fails=True)
+    assert text.count("ArithmeticError: made for the test") == 1 and words in text
+    assert ("on rank" in text) == (who == "one")
+
+
 KILLED = """
 import os, sys
 from hybrid.runtime import ranks

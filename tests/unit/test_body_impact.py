@@ -88,6 +88,7 @@ def test_an_impact_on_held_ground_is_reported_with_all_that_follow():
 @pytest.mark.parametrize("where", [{"struck": (1,)}, {"near": (2,)}])
 def test_a_body_on_held_ground_that_another_hits_is_told_as_that(where):
     """A ball hit by a driven one in steps of 2 ms lost 15 % in this way; one that falls afterwards hits the ground."""
+    assert "44 J of" in on_ground([0.0, 0.0, *[-44.0] * 9], touching=range(12), struck=(1, 2))[0][0]     # in that step
     text, = on_ground([0.0, 0.0, -40.0, *[-44.0] * 8], touching=range(12), **where)[0]
     assert text.startswith("impact of bodies with one another on held ground: 44 J") and "time `check` shows" in text
     first, then = on_ground([0.0, 0.0, *[-44.0] * 8, *[-88.0] * 8], touching=range(20), **where)[0]

@@ -103,7 +103,10 @@ def test_interrupted_write_keeps_the_old_file(tmp_path):
 
 def test_checkpoints_are_saved_every_so_often_and_at_the_end(tmp_path):
     simulation = FakeSimulation()
-    simulation.run([checkpoint.Checkpoints(tmp_path)], until=5, outcome="interrupted")
+    simulation.run([observer := checkpoint.Checkpoints(tmp_path)], until=5, outcome="interrupted")
+    assert checkpoint.load(tmp_path / "checkpoint.npz", simulation.scene).step == 5
+    (tmp_path / "checkpoint.npz").unlink()      # with its folder, say: written again though that step had been saved
+    observer.finish({}, simulation)
     assert checkpoint.load(tmp_path / "checkpoint.npz", simulation.scene).step == 5
     FakeSimulation(FakeScene(output=Output(checkpoint=0))).run([checkpoint.Checkpoints(tmp_path / "none")])
     assert not (tmp_path / "none").exists()

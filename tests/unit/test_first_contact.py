@@ -17,10 +17,21 @@ def test_anchor_is_where_the_predicted_path_reaches_the_surface():
     surface, body = box(), body_at((0.0, 0.0, 0.51))        # 10 mm above the bed z = 0
     start = np.array([[0.1, 0.2, 0.0], [0.3, -0.1, -0.012]])
     pose = np.array([0.04, 0.0, 0.49]), np.eye(3)           # 20 mm down, 40 mm along x
-    anchor, side = predicted_contact_points(start, start, body, pose, surface, np.zeros(2))
+    anchor, side = predicted_contact_points(start, start, body, pose, surface, np.array([0.01, 0.022]))
     np.testing.assert_array_equal(side, [[0.0, 0.0, -1.0], [0.0, 0.0, 0.0]])
     np.testing.assert_allclose(anchor[0], [0.08, 0.2, -0.5], atol=2e-5)     # half way
     np.testing.assert_allclose(anchor[1], [0.26, -0.1, -0.502], atol=1e-12)  # not met: the end of the path
+
+
+def test_a_point_that_slides_past_the_surface_may_touch_on_the_way():
+    """10 um off a face along which it slides 4 mm: if it touches after all, it has slid nearly all the way in contact."""
+    surface, body, start = box(), body_at(), np.array([[0.1, 0.2, 0.5]])
+    for off, share in ((0.0, 0.0), (1e-5, 0.05), (1e-4, 0.5), (1e-3, 1.0)):
+        place = start + (0.0, 0.0, off)
+        anchor, side = predicted_contact_points(
+            place, place + (0.004, 0.0, 0.0), body, (body.position, body.rotation), surface, np.array([off]))
+        np.testing.assert_allclose(anchor, place + (share * 0.004, 0.0, 0.0), atol=1e-12)
+        assert not side.any()
 
 
 def test_rolling_without_sliding_has_no_friction():

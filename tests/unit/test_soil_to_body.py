@@ -12,6 +12,7 @@ from hybrid.body.attitude import exp_so3
 from hybrid.body.closest import closest
 from hybrid.body.surface import build_surface
 from hybrid.contact import assembly, soil_to_body
+from hybrid.contact.interface import PlaceLimits
 
 # ---------------------------------------------------------------- action and reaction, objectivity
 
@@ -40,6 +41,21 @@ def test_tangent_of_a_rigid_motion_of_everything_vanishes_in_translation():
     ww, Q = assembly.body_tangent(contact)
     np.testing.assert_allclose(contact.tangent + Q[:, :, :3], 0.0, atol=1e-12 * np.abs(Q).max())
     np.testing.assert_allclose(ww[:3, :3], contact.tangent.sum(axis=0), atol=1e-12 * np.abs(ww).max())
+
+
+def test_a_point_that_an_edge_has_left_behind_is_not_pushed_by_the_next_face():
+    """A point 2 um under the foot of a box, over which its edge has moved by 1 um: the rear face is nearer, but the face of
+    the soil looks at the foot. Points that are not known to touch it, or are bonded to it, stay as they are."""
+    y, surface = np.array([[-1.0 + 1e-6, 0.1, -0.5 + 2e-6]]), box()
+    points = corners_in(surface, y, y)
+    assert len(contact_of(points, surface)) == 1
+    foot = replace(points, side=np.array([[0.0, 0.0, -1.0]]))
+    assert len(contact_of(foot, surface)) == 0
+    assert len(contact_of(foot, surface, place=y + [[2e-6, 0.0, 0.0]])) == 1       # not yet
+    assert len(contact_of(replace(foot, touching=np.zeros(1, bool)), surface)) == 1
+    bond = PlaceLimits(np.zeros(0), np.full(1, np.inf), np.zeros(1, bool))
+    assert len(contact_of(replace(foot, limits=bond), surface)) == 1
+    assert len(contact_of(replace(foot, side=np.array([[-0.8, 0.0, -0.6]])), surface)) == 1     # beside a blunt edge
 
 
 def test_without_softening_the_tangent_of_a_convex_body_resists_every_motion():

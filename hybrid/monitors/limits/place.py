@@ -10,8 +10,7 @@ DEEPER = 2.0        # and depths of the grid
 LARGER = 5.0        # times the grid
 ROUND_OFF = 0.01    # of the size of a body
 FLUSH = 0.01        # of the smallest cell: a body that reaches less far past the end of the grid ends there
-OFF = 0.05          # radii of a body that a pull point may lie outside its bounding box,
-AWAY = 1.0          # sizes of it that the points of its loads and motions may,
+AWAY = 1.0          # sizes of a body that the points of its pull, loads and motions may lie outside its bounding box,
 AWAY_JOINED = 10.0  # and those of its joints: a hinge may stand for the arm of a pendulum
 COORDINATES = "those of the geometry, in metres, before body.position moves it"
 STIFF = 1e4         # p_f times the smallest cell [-], of soil that is not held
@@ -143,13 +142,9 @@ def _lowest_beyond(corners, axis, sign, at):
 
 
 def odd_points(scene, model):
-    """Lines that are fastened in the air; points of joints, loads and motions that are far from their body."""
-    for i, body in enumerate(model.bodies):
-        away = 0.0 if body.line is None else _outside(body, body.line.attachment)
-        if away > OFF * body.radius:
-            yield (f"body.{i}.pull.point of {body.name} lies {away:.3g} m outside its bounding box, which looks wrong: "
-                   f"its coordinates are {COORDINATES}")
-    for key, b, point, sizes in (*_points_of_stages(scene, model), *_points_of_joints(model)):
+    """Points of lines, joints, loads and motions that are far from their body."""
+    lines = [(f"body.{b}.pull.point", b, body.line.attachment, AWAY) for b, body in enumerate(model.bodies) if body.line]
+    for key, b, point, sizes in (*lines, *_points_of_stages(scene, model), *_points_of_joints(model)):
         body = model.bodies[b]
         away, size = _outside(body, point), np.ptp(body.outline.vertices, axis=0).max()
         if away > sizes * size:
