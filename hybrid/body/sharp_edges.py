@@ -24,16 +24,19 @@ from hybrid.body.smooth import shared_edges
 
 SHARE = 0.5                     # of a cell, and of ρ
 BEND = np.radians(20.0)         # between the faces at an edge; 30° at the shoulder of a cone of 60°
+AROUND = 2.0                    # cells of sharp edges around a face: a shorter one is a tip
 SAMPLES = 6                     # points along an edge of a triangle at which ρ is measured
 
 
 class SharpEdges(NamedTuple):
     """e edges of a ContactSurface, each with two sides: triangle (e, 2) and number (e, 2) of the edge there; inset (e, 2)
-    [m], d on the face that the triangle is part of."""
+    [m], d on the face that the triangle is part of; around (e, 2) [m], length of the sharp edges of that face, inf in a
+    section."""
 
     triangle: np.ndarray
     number: np.ndarray
     inset: np.ndarray
+    around: np.ndarray
 
 
 def find_edges(surface, cell, along=()):
@@ -51,17 +54,21 @@ def find_edges(surface, cell, along=()):
     segment = np.stack([corners[t, k], corners[t, (k + 1) % 3]], axis=1)
     chosen = bends & convex & _parallel(segment, along)
     sides, numbers = np.stack([t, other], axis=1)[chosen], np.stack([k, j], axis=1)[chosen]
+    lengths = np.linalg.norm(np.diff(segment[chosen], axis=1)[:, 0], axis=1)
     segment = _in_section(segment[chosen], along)
     inset = np.array([min(SHARE * cell, SHARE * _inradius(_in_section(corners[face == f], along),
                                                           segment[(face[sides] == f).any(axis=1)]))
                       for f in range(face.max() + 1)])
-    return SharpEdges(sides, numbers, inset[face[sides]].reshape(-1, 2))
+    around = np.bincount(face[sides].ravel(), np.repeat(lengths, 2), face.max() + 1) if not len(along) else np.full(
+        face.max() + 1, np.inf)
+    return SharpEdges(sides, numbers, *(of_face[face[sides]].reshape(-1, 2) for of_face in (inset, around)))
 
 
 def narrowest_face(edges, cell):
-    """Width [m] of the narrowest face beside SharpEdges, of those at most as wide as a `cell` [m]; inf without one."""
-    width = 2 / SHARE * edges.inset
-    return float(width.min(initial=np.inf, where=width < (1 - 1e-6) * cell))
+    """Width [m] of the narrowest face beside SharpEdges, of those at most as wide as a `cell` [m] and longer; inf without
+    one. The flat of 2 mm at the tip of a spudcan is none."""
+    width, long = 2 / SHARE * edges.inset, edges.around > AROUND * cell
+    return float(width.min(initial=np.inf, where=long & (width < (1 - 1e-6) * cell)))
 
 
 def _bends(surface, t, k, other, j):

@@ -70,8 +70,8 @@ class FlowingSoil(Monitor):
                 f"soil flows under its weight: from t = {self._since:.4g} to {now.time:.4g} s points have moved by up to "
                 f"{self._flow:.3g} m, {self._flow / height:.2g} of the height of the soil, limit {LIMIT:g}, in steps in "
                 "which no body moved them and more work was dissipated than stored. It has failed: its strength does not "
-                "carry its weight, and without inertia the shapes that follow are not those of a real collapse. The soil "
-                f"stood until t = {self._since:.4g} s. Raise the strength or flatten the ground, or follow the collapse "
+                "carry its weight, and without inertia the shapes that follow are not those of a real collapse. It began "
+                f"to flow at t = {self._since:.4g} s. Raise the strength or flatten the ground, or follow the collapse "
                 "with time.inertia = true")
 
 

@@ -45,7 +45,7 @@ def test_a_cut_that_cannot_stand_is_reported(changes):
     found, last = notes(cut(**changes))
     assert len(found) == 1 and f"limit {LIMIT:g}" in found[0] and "time.inertia = true" in found[0]
     if changes == {"number": 6}:
-        assert "from t = 7 to 8 s" in found[0] and "from t = 7 to 10 s" in last[0] and "stood until t = 7 s" in last[0]
+        assert "from t = 7 to 8 s" in found[0] and "from t = 7 to 10 s" in last[0] and "began to flow at t = 7 s" in last[0]
 
 
 @pytest.mark.parametrize("changes", [{"number": 3}, {"number": 3, "steps": 40, "hold": 3}, {"number": 4},

@@ -6,7 +6,7 @@ import pytest
 from hybrid.body.closest import closest, gap_geometry
 from hybrid.body.mesh import generate
 from hybrid.body.rounded import round_off
-from hybrid.body.sharp_edges import find_edges
+from hybrid.body.sharp_edges import find_edges, narrowest_face
 from hybrid.body.smooth import shared_edges
 from hybrid.body.surface import build_surface
 from hybrid.runtime.data import GEOMETRY
@@ -103,6 +103,20 @@ def test_a_body_that_is_cut_in_half_stays_on_its_plane():
 def test_a_smooth_body_has_no_edges():
     sphere = surface_of("sphere.geo", radius=0.5, size=0.2)
     assert len(find_edges(sphere, 0.2).triangle) == 0 and rounded(sphere, 0.2) is sphere
+
+
+@pytest.mark.parametrize("radius, width", [(0.002, np.inf), (0.12, 0.24)])
+def test_the_flat_at_the_tip_of_a_cone_is_no_narrow_face(radius, width):
+    """One as wide as a cell and more is."""
+    angle = np.linspace(0.0, 2 * np.pi, 24, endpoint=False)
+    ring = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(24)])
+    points = np.concatenate([radius * ring, ring + (0.0, 0.0, 1.0), [[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]]])
+    i, j = np.arange(24), np.roll(np.arange(24), -1)
+    flat, lid = np.full(24, 48), np.full(24, 49)
+    parts = (flat, j, i), (lid, 24 + i, 24 + j), (i, j, 24 + j), (i, 24 + j, 24 + i)
+    triangles = np.concatenate([np.column_stack(part) for part in parts])
+    found = narrowest_face(find_edges(build_surface(points, triangles), 0.3), 0.3)
+    assert found == pytest.approx(width, rel=0.02)
 
 
 def ends_of(surface, edges):

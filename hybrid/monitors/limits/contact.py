@@ -18,6 +18,7 @@ STIFFNESS_RATIO = 10.0      # p_f times the depth of soil [-]: below it contact 
 TANGENTIAL_RATIO = 0.3      # ε_T/ε_N [-]: below it a rolling sphere creeps by 5 % of its path and more
 SPACINGS = 2.0              # width of a body over the spacing of contact points [-]: below it too few sample the body
 # Thickness of a wall with clay on both sides, in cells: thinner ones may have no grid line free of soil between
+ROUNDED = 0.99  # of a limit, as a text gives the size of cells to two digits
 THICKNESS = 2.0
 THIN_SHARE = 0.25           # of the surface in clay, that is thinner
 ACROSS = 0.3                # cosine: faces that a driven body moves along are not parted from the soil
@@ -102,7 +103,7 @@ def thin_wall(scene, model):
         place = levelled(model.soil, initial_vertices(described, body))
         if covers(place, soil, model.soil.grid):
             continue
-        thickness, share = _thickness(scene, described, body, place, (1.0 - 1e-6) * THICKNESS * cell, top)
+        thickness, share = _thickness(scene, described, body, place, ROUNDED * THICKNESS * cell, top)
         if share > THIN_SHARE:
             yield (f"{body.name} is {thickness:.2g} m thick where the soil is on both sides of it, "
                    f"{thickness / cell:.3g} cells of {cell:.3g} m, limit {THICKNESS:g}: soil on both sides "
