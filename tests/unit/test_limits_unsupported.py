@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from hybrid.monitors.limits import LIMITS, unsupported
-from hybrid.scene import Faces, Load, Motion, Stage, Time
+from hybrid.scene import Faces, Joint, Load, Motion, Stage, Time
 from hybrid.setup.build import build
 from hybrid.study.scenes import box, soil_scene, sphere
 
@@ -124,5 +124,31 @@ def test_bodies_that_soil_or_guides_support(stages, table):
     assert not staged(*stages, **table)
 
 
+def hinged(rise=0.2, angle=0.0, point=(-0.2, 0.0, 0.1), joint=None, **table):
+    """Texts about an arm on a hinge at the top of a box that lies on the soil."""
+    base = box(0.2, 0.2, 0.2, **PLATE | {"rest_on": 0.0, "friction": 0.5, "position": (0.2, 0.4, 0.0), "name": "base"})
+    place = {"position": (0.5, 0.4, rise), "name": "arm", "rotation": (0.0, 1.0, 0.0, angle)}
+    arm = box(0.4, 0.2, 0.2, **PLATE | place | table)
+    pin = Joint(**{"name": "pin", "kind": "hinge", "bodies": ("arm", "base"), "point": point, "axis": (0.0, 1.0, 0.0)}
+                | (joint or {}))
+    described = replace(soil([base, arm]), joints=(pin,))
+    return notes(unsupported.swinging_bodies, described)
+
+
+@pytest.mark.parametrize("changed", [{}, {"angle": 20.0, "rise": 0.4}, {"joint": {"kind": "ball", "axis": None}},
+                                     {"joint": {"bodies": ("arm",)}}, {"joint": {"friction_moment": 1.0}}])
+def test_an_arm_that_hangs_on_a_hinge_above_the_soil(changed):
+    text, = hinged(**changed)
+    assert text.startswith("arm hangs on pin, 0.") and "weight turns it" in text and "body.held" in text
+
+
+@pytest.mark.parametrize("changed", [
+    {"rise": 0.1}, {"joint": {"kind": "weld", "axis": None}}, {"held": ("ry",)}, {"point": (0.0, 0.0, 0.1)},
+    {"joint": {"friction_moment": 1e4}}, {"joint": {"limits": (0.0, 10.0)}}, {"joint": {"axis": (0.0, 0.0, 1.0)}}])
+def test_joined_bodies_that_their_weight_does_not_turn(changed):
+    """On the soil, welded, held, hung in balance, stiff hinges, stops, and a hinge about the vertical."""
+    assert not hinged(**changed)
+
+
 def test_check_and_runs_ask_for_them():
-    assert set(unsupported.LIMITS) <= set(LIMITS) and len(unsupported.LIMITS) == 3
+    assert set(unsupported.LIMITS) <= set(LIMITS) and len(unsupported.LIMITS) == 4

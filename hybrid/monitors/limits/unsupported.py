@@ -12,6 +12,7 @@ from hybrid.runtime.comm import maximum, minimum, total
 
 FLUSH = 0.5     # cells between a body and the soil from which on a step does not find its contact
 SUNK = 0.25     # cells above its lowest point up to which the surface of a body laid on the soil supports it
+BALANCED = 0.01     # radii of a body that its centre of mass may lie beside the joint on which it hangs
 BESIDE = 0.25   # cells from that support to the centre of mass from which on the body topples
 
 
@@ -137,4 +138,28 @@ def _pushed(scene, body, axis):
     return bool(scene.gravity[axis] or loads)
 
 
-LIMITS = (soil_without_support, loads_that_lift, released_bodies)
+def swinging_bodies(scene, model):
+    """Bodies above the soil on a single hinge or ball joint, about which their weight turns them."""
+    if model.scheme.inertia or not np.any(scene.gravity):
+        return
+    top, cell = top_of(model.soil), model.soil.grid.smallest_cell
+    joined = [number for joint in model.joints for number in joint.bodies]
+    for described, joint in zip(scene.joints, model.joints):
+        for number, point in zip(joint.bodies, joint.points):
+            if number is None or joint.length is not None or len(joint.pairs) > 2 or joined.count(number) > 1:
+                continue
+            body, of_scene = model.bodies[number], scene.bodies[number]
+            gap = initial_vertices(of_scene, body)[:, 2].min() - top
+            moment = np.cross(initial_pose(of_scene, body)[1] @ -point, scene.gravity) * body.free[3:]   # of a unit of mass
+            along = [described.axis / np.linalg.norm(described.axis)] if described.axis else np.eye(3)
+            free = (body.free[:3] | model.soil.grid.collapsed).all() and body.line is None
+            turning = max(abs(moment @ axis) for axis in along)
+            held = joint.friction > body.mass.mass * turning or joint.limits is not None
+            if free and not held and gap > FLUSH * cell and turning > BALANCED * body.radius * np.linalg.norm(scene.gravity):
+                yield (f"{body.name} hangs on {joint.name}, {gap:.3g} m above the soil, and its weight turns it about that "
+                       "until it lies on something: without inertia nothing balances it, and the first step may have no "
+                       "equilibrium. Let it start where it rests (position, rotation), hold its rotation (body.held), or "
+                       "set time.inertia = true")
+
+
+LIMITS = (soil_without_support, loads_that_lift, released_bodies, swinging_bodies)
