@@ -11,6 +11,7 @@ from hybrid.monitors.monitor import Monitor
 from hybrid.runtime.comm import anywhere
 
 LOST = 0.12         # of the kinetic energy of all bodies; ten steps in the contact time lose 4 % (demos/failure/README.md)
+ON_SOIL = 0.3       # of soil that deforms, which takes some of it without increments being too long
 QUIET = 5           # steps without a force between bodies
 STEADY = 0.01       # of the kinetic energy: change of the balance in one of them, of an impulse that has been given
 
@@ -42,12 +43,12 @@ class ImpactLoss(Monitor):
         loss = self._before - error
         return loss, self._quiet >= QUIET and loss > LOST * self._largest > 0.0
 
-    def text(self, view, loss, what, cure):
+    def text(self, view, loss, what, cure, limit=LOST):
         """Text about an impact that cost `loss` [J], with those reported before."""
         self._lost, self._of = self._lost + loss, max(self._of, self._largest)
         of = max(self._of, self._lost)      # gravity gives them more than they ever had at a time
         return (f"{what}: {self._lost:.3g} J of the {of:.3g} J of their motion are lost without a cause in the balance "
-                f"up to t = {view.state.time:.4g} s ({self._lost / of:.0%}, limit {LOST:.0%}): increments are too long "
+                f"up to t = {view.state.time:.4g} s ({self._lost / of:.0%}, limit {limit:.0%}): increments are too long "
                 f"for their contact{cure}, or {_accuracy(view)}")
 
     def forget(self):
@@ -56,19 +57,30 @@ class ImpactLoss(Monitor):
 
 
 class BodyImpact(ImpactLoss):
-    """Warns once that impacts between bodies that do not touch the soil have cost more than LOST of their kinetic energy."""
+    """Warns once that impacts between bodies have cost more than LOST of their kinetic energy, ON_SOIL where one of them
+    touches soil that deforms. Those on held ground are `GroundImpact`'s."""
+
+    def __init__(self, model, state):
+        super().__init__(model, state)
+        self._limit, self._hit = LOST, False    # since bodies came near, and whether they have
 
     def warnings(self, view):
         """Energy, time, share, limit and remedy."""
         if not view.model.pairs or not view.scheme.inertia or view.scheme.first_order:
             return
         loss, found = self.follow(view, view.struck)
-        on_soil = anywhere([len(contact) for contact in view.contacts])     # which takes energy too (`AbsorbedImpact`)
-        if found and not on_soil:
+        on_soil = anywhere([len(contact) for contact in view.contacts])
+        self._limit = ON_SOIL if on_soil else self._limit
+        self._hit |= view.struck or near(view)
+        found = found and loss > self._limit * self._largest and (self._hit or self._limit < ON_SOIL)
+        on_ground = on_soil and view.model.soil.held
+        if found and not on_ground:
             yield "impact", self.text(view, loss, "impact of bodies",
-                                      ", whose time `check` shows. Use a smaller time.step, a tenth of that keeps 96 %")
-        if on_soil or found or self._quiet >= QUIET and not near(view):
+                                      ", whose time `check` shows. Use a smaller time.step, a tenth of that keeps 96 %",
+                                      self._limit)
+        if on_ground or found or self._quiet >= QUIET and not near(view):
             self.forget()
+            self._limit, self._hit = LOST, False
 
 
 def _accuracy(view):

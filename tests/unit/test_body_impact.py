@@ -11,7 +11,7 @@ from hybrid.monitors.body_impact import QUIET, BodyImpact
 from hybrid.monitors.ground_impact import GroundImpact
 
 
-def notes(errors, struck=(), near=(), touching=0, pairs=1, accuracy=None, monitor=None, **scheme):
+def notes(errors, struck=(), near=(), touching=0, pairs=1, accuracy=None, monitor=None, held=False, **scheme):
     """Of steps with these errors [J] of a body of 2 kg with 10 m/s, 100 J; struck, near: steps at whose ends bodies
     press, or are near one another; touching: number of contacts with the soil."""
     body = SimpleNamespace(mass=SimpleNamespace(mass=2.0, inertia=np.eye(3)))
@@ -21,7 +21,7 @@ def notes(errors, struck=(), near=(), touching=0, pairs=1, accuracy=None, monito
         of_pairs = SimpleNamespace(energy=1.0 * (step in struck), contacts=(None,) * (step in struck or step in near))
         report = SimpleNamespace(error=accuracy, evaluation=SimpleNamespace(contacts=(range(touching),), pairs=of_pairs))
         found += monitor.notes(StepView(
-            model=SimpleNamespace(bodies=(body,), pairs=(None,) * pairs),
+            model=SimpleNamespace(bodies=(body,), pairs=(None,) * pairs, soil=SimpleNamespace(held=held)),
             state=SimpleNamespace(time=float(step), bodies=(motion,)),
             scheme=SimpleNamespace(**{"inertia": True, "first_order": False} | scheme), report=report,
             energy={"error": error}))
@@ -58,6 +58,16 @@ def test_impacts_that_are_reported_add_up_at_the_end():
     given, = notes([0.0, *[-90.0] * 8, *[-180.0] * 8], monitor=(monitor := BodyImpact(None, None)))
     # bodies that gravity drives
     assert "180 J of the 180 J" in monitor.later()[given] and "(100%" in monitor.later()[given]
+
+
+def test_bodies_that_hit_one_another_on_soil_are_told_of_larger_losses():
+    """Soil that deforms takes some of their energy, and all of what is lost before they have come near; `GroundImpact` has
+    held ground."""
+    lost = [0.0, 0.0, -40.0, *[-40.0] * 8]
+    text, = notes(lost, struck=(2,), touching=3)
+    assert "40 J of the 100 J" in text and "(40%, limit 30%)" in text
+    assert notes(lost, touching=3) == notes(lost, struck=(2,), touching=3, held=True) == []
+    assert notes([0.0, 0.0, *[-25.0] * 8], struck=(2,), touching=3) == []
 
 
 def on_ground(errors, touching=(), held=True, radius=0.5, gravity=9.81, struck=(), near=(),
