@@ -4,6 +4,7 @@ gravity grows."""
 import numpy as np
 
 ALONG = 1e-6    # of the largest component of a force, from which it has one along the ground
+AFTER = ". What comes then, as where a body sinks until it floats, time.inertia = true follows"
 UNITS = ((1e6, "MN"), (1e3, "kN"), (1.0, "N"))
 
 
@@ -28,11 +29,12 @@ def overloads(step, reason="", lost=False):
             holds = ("the soil can carry" if yields else "holds the body, which slides or topples" if held else
                      "friction on the elastic soil can carry")
             found.append((f"The load exceeds what {holds}: that on {body.name} had reached "
-                          f"{components_of(before)} at t = {begin:.6g} s, the last accepted increment", False))
+                          f"{components_of(before)} at t = {begin:.6g} s, the last accepted increment{AFTER * yields}",
+                          False))
     share, whole = (np.linalg.norm(acceleration) for acceleration in (model.loads.on_bodies(begin), model.gravity))
     if model.loads.high > model.loads.low and whole > 0.0 and yields and not singular:
         found.append((f"The load exceeds what the soil can carry: gravity had reached {share / whole:.3g} of the whole "
-                      f"at t = {begin:.6g} s, the last accepted increment", False))
+                      f"at t = {begin:.6g} s, the last accepted increment{AFTER}", False))
     return found
 
 
