@@ -47,6 +47,7 @@ class ContactPoints:
     clearance: (m,) [m] signed distance from the surface at the start: an open point that moves less than this cannot
         touch, so most points are not projected
     limits: PlaceLimits of the interface, empty where friction alone acts; shared: function of interface.place_limits
+    outward: (m, 3) normals of the soil's faces that the points are on, in space; None where these are not known
     facet: (m,) triangle that a point is held to, -1 for those that find theirs; None where none is held
     sticking: (m,) bool, points whose shear has no limit (`hybrid.contact.reversals`); None where there are none
     """
@@ -65,6 +66,7 @@ class ContactPoints:
     clearance: np.ndarray
     limits: PlaceLimits = NONE
     shared: Callable | None = None
+    outward: np.ndarray | None = None
     facet: np.ndarray | None = None
     sticking: np.ndarray | None = None
 
@@ -114,6 +116,8 @@ def find_contact_points(domains, pressure, places, grid, active, body, surface, 
     extent = np.where(grid.collapsed[:, None], EVERYWHERE, grid.extent)
     found["limits"], found["shared"] = place_limits(limits, found, area, domains, places, body, surface, extent)
     del found["normal"], found["opened"]
+    if domains.ground is None and not places.at_corners:
+        found["outward"] = places.normal[place // places.offset.shape[1]]
     points = ContactPoints(start=start, node=node[use], weight=weight[use], stiffness=pressure[point] * area, **found)
     is_open = ~points.touching
     points.anchor[is_open], points.side[is_open] = predicted_contact_points(

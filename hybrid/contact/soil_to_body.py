@@ -47,7 +47,7 @@ from hybrid.runtime.comm import maximum, total
 from hybrid.runtime.jit import njit
 from hybrid.state import ContactHistory
 
-BESIDE = 0.1    # cosine between the normals of two faces, below which the one looks past what touches the other
+BESIDE = 0.1    # cosine between the normals of two faces, of which one looks at the other from there on
 NOWHERE = np.zeros(0, bool)
 
 
@@ -153,7 +153,8 @@ def evaluate(points, position, centre, rotation, surface, friction, tangential):
     """
     y = (position - centre) @ rotation
     closest = closest_points(y, points, surface)
-    closest.gap[_past_an_edge(points, closest, surface)] = np.inf
+    if points.outward is not None:
+        closest.gap[_past_an_edge(points, closest, rotation, surface)] = np.inf
     if points.facet is not None:
         _hold(closest, y, points.facet, surface)
     rest = np.minimum(np.maximum(points.rest, closest.gap), 0.0)    # a point that comes out will press as any other
@@ -183,13 +184,15 @@ def evaluate(points, position, centre, rotation, surface, friction, tangential):
         float(total(found.energy)), float(total(found.dissipated)), rest, found.opened)
 
 
-def _past_an_edge(points, closest, surface):
-    """Contact points that touched a side of the body and are now closest to a plane face at a right angle to it: the body
-    has left them behind. A face of the soil that looks at the one side does not look at the other."""
-    touching = np.flatnonzero(points.touching & np.isfinite(closest.gap) & points.side.any(axis=1))
+def _past_an_edge(points, closest, rotation, surface):
+    """Contact points that touched a side of the body and are now closest to a plane face at a right angle to it, at which
+    the face of the soil that they are on does not look: an edge of the body has left them behind."""
+    touching = np.flatnonzero(points.touching & np.isfinite(closest.gap))
     triangle = closest.triangle[touching]
-    turned = np.einsum("ci,ci->c", surface.normals[triangle], points.side[touching]) < BESIDE
-    past = touching[turned & ~surface.curved[triangle]]
+    normal = surface.normals[triangle]
+    turned = np.einsum("ci,ci->c", normal, points.side[touching]) < BESIDE
+    looks = -np.einsum("ci,ci->c", points.outward[touching], normal @ rotation.T) > BESIDE
+    past = touching[turned & ~looks & ~surface.curved[triangle]]
     return past[points.limits.tension[past] == 0.0] if len(points.limits.tension) else past
 
 

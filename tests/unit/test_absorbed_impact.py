@@ -9,15 +9,17 @@ from hybrid.monitors import StepView
 from hybrid.monitors.absorbed_impact import AbsorbedImpact
 
 
-def notes(errors, elastic=0.0, plastic=True, first_order=False, inertia=True, monitor=None, gravity=9.81, **energy):
+def notes(errors, elastic=0.0, plastic=True, first_order=False, inertia=True, monitor=None, gravity=9.81, then=0.0,
+          **energy):
     """Of steps with these errors [J] of a body of 2 kg that falls with 10 m/s, 100 J, and stands still from the second
-    step on."""
+    step on, or has a speed `then`."""
     body = SimpleNamespace(mass=SimpleNamespace(mass=2.0, inertia=np.eye(3)), radius=0.5)
     model = SimpleNamespace(bodies=(body,), soil=SimpleNamespace(held=False, law=SimpleNamespace(plastic=plastic)),
                             gravity=np.array([0.0, 0.0, -gravity]))
     monitor, found = monitor or AbsorbedImpact(None, None), []
     for time, error in enumerate(errors):
-        motion = SimpleNamespace(velocity=np.array([0.0, 0.0, 0.0 if time else -10.0]), spin=np.zeros(3), rotation=np.eye(3))
+        velocity = np.array([0.0, 0.0, then if time else -10.0])
+        motion = SimpleNamespace(velocity=velocity, spin=np.zeros(3), rotation=np.eye(3))
         found += monitor.notes(StepView(
             model=model, state=SimpleNamespace(time=float(time), bodies=(motion,)),
             scheme=SimpleNamespace(inertia=inertia, first_order=first_order),
@@ -30,6 +32,19 @@ def test_small_losses_that_add_up_are_reported_once():
     assert notes([0.0, -7.0, -14.0]) == []
     text, = notes([0.0, -7.0, -16.0, -24.0])
     assert "16 J of the 100 J" in text and "t = 2 s (16%, limit 15%)" in text and "smaller cells" in text
+
+
+def test_a_body_that_goes_on_has_hit_nothing():
+    """A ball that rolls down clay ever faster; one that keeps a third of its energy has been stopped."""
+    assert notes([0.0, -16.0, -24.0], then=-12.0) == [] and len(notes([0.0, -40.0], then=-5.7)) == 1
+
+
+def test_the_cause_of_a_loss_is_that_of_the_first_text():
+    """A large loss in one step, and many small ones in the waves that follow."""
+    monitor = AbsorbedImpact(None, None)
+    notes([0.0, -40.0, *np.linspace(-45.0, -90.0, 10)], monitor=monitor)
+    (_, last), = monitor.later().items()
+    assert "90 J of the 100 J" in last and "most of it in a single step" in last
 
 
 def test_bodies_that_settle_are_no_impact():

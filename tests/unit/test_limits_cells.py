@@ -218,6 +218,17 @@ def test_a_ball_deep_in_clay_in_space(cone, depth, count):
     assert all("of its widths deep, limit 2," in text and 'cone = "compression"' in text for text in warnings)
 
 
+@pytest.mark.parametrize("z, count", [(-0.6, 0), (-1.2, 1)])
+def test_a_pile_deep_in_clay_that_is_pushed_sideways(z, count):
+    """Clay flows around it in horizontal planes, unless it is a short piece all of which is in the clay."""
+    side = Axis(start=0.0, end=1.6, size=0.2)
+    pile = body("cylinder.geo", {"radius": 0.2, "height": 1.6, "size": 0.2}, position=(0.8, 0.8, z),
+                driven=("x", "z"), held=("y", "rx", "ry", "rz"), velocity=(0.1, 0.0, 0.0))
+    described = scene("pile", Grid(side, side, Axis(start=-2.4, end=0.4, size=0.2)), Soil(clay.clay(1e4), top=0.0),
+                      [pile], clay.Time(1.0, inertia=False), 1)
+    assert len(texts(cells.flow_around, described)) == count
+
+
 @pytest.mark.parametrize("across, found", [(8, 1.13), (16, 1.07), (32, 1.05)])
 def test_the_law_of_upright_cuts_is_what_was_measured(across, found):
     """Share of gravity at which a cut 4 m high fails over that of γ H/s_u = 3.78 (limit analysis)."""

@@ -79,7 +79,7 @@ def test_a_wall_that_is_pushed_against_clay():
 
 @pytest.mark.parametrize("cells, least, most", [(4, 1.366, 1.501), (8, 1.197, 1.277), (16, 1.107, 1.157)])
 def test_the_law_of_a_pushed_wall_is_a_lower_bound_of_what_was_measured(cells, least, most):
-    """Over 2 s_u d, after ways of 1 and 5 % of the depth (demos/random/README.md)."""
+    """Over 2 s_u d, after travels of 1 and 5 % of the depth (demos/random/README.md)."""
     assert 1.0 + clay_cells.IN_CLAY.foot / cells < 1.02 * least and most < 1.0 + 2.6 / cells
 
 
@@ -116,7 +116,7 @@ def slides(velocity=(0.01, 0.0, 0.0), base=0.0, **contact):
 
 
 def test_a_strip_that_slides_over_clay_which_stays_attached():
-    """Not one that is lifted, lies deep in the clay, goes a short way, or from which clay parts."""
+    """Not one that is lifted, lies deep in the clay, goes a short travel, or from which clay parts."""
     text, = slides(adhesion=0.5, tension="full")
     assert 'body.tension = "full"' in text and "Leave body.tension out" in text
     assert not slides(adhesion=0.5) and not slides(adhesion=0.5, tension=1e4)
@@ -172,11 +172,11 @@ def test_a_ball_deep_in_clay_on_few_cells():
     assert not balls(4, depth=1.0, velocity=(0.0, 0.0, 0.05))
 
 
-def penetrators(cells, way=2.0, **motion):
-    """Warnings about a quarter of a cone on clay, 1 m and so many cells wide, that is driven down by `way` [m] if its motion
-    is not given."""
+def penetrators(cells, travel=2.0, **motion):
+    """Warnings about a quarter of a cone on clay, 1 m and so many cells wide, that is driven down by `travel` [m] if its
+    motion is not given."""
     size = 1.0 / cells
-    motion = motion or {"driven": ("z",), "velocity": (0.0, 0.0, -0.1 * way)}
+    motion = motion or {"driven": ("z",), "velocity": (0.0, 0.0, -0.1 * travel)}
     cone = body("cone.geo", {"radius": 0.5, "angle": 60.0, "shaft": 2.0, "size": 0.25}, rest_on=0.0, **motion)
     across = Axis(start=0.0, end=6 * size, size=size)
     grid = Grid(across, across, Axis(start=-6 * size, end=size, size=size), Faces(z_min="fixed"))
@@ -194,7 +194,7 @@ def test_a_penetrometer_on_few_cells(cells, said):
 
 
 def test_a_penetrometer_that_stays_at_the_surface_is_not_judged():
-    assert not penetrators(3, way=0.5) and not penetrators(3, driven=("z",), velocity=(0.0, 0.0, 0.1))
+    assert not penetrators(3, travel=0.5) and not penetrators(3, driven=("z",), velocity=(0.0, 0.0, 0.1))
 
 
 def test_a_body_that_falls_into_clay_is_judged_by_its_speed():

@@ -144,9 +144,9 @@ def test_one_on_soil_that_dilates_less_and_one_that_goes_far():
     text, = texts(material={"dilation_angle": 0.0})
     assert "(N_c of 18.9 degrees, as its dilation is below its friction) is about 12% too high, limit" in text
     stiffer = {"young": None, "reference_young": 1e9, "stiffness_exponent": 0.5}     # with its stress, not one number
-    assert "end of its way" not in texts(material=stiffer, gravity=(0.0, 0.0, -9.81))[0]
+    assert "end of its travel" not in texts(material=stiffer, gravity=(0.0, 0.0, -9.81))[0]
     text, = texts(material={"young": 1e9})
-    assert "(N_c) is about 27% too high at the end of its way, with which that rises, limit 10%" in text
+    assert "(N_c) is about 27% too high at the end of its path, with which that rises, limit 10%" in text
 
 
 def test_one_that_a_stage_loads_and_one_on_soil_with_weight():
@@ -157,7 +157,7 @@ def test_one_that_a_stage_loads_and_one_on_soil_with_weight():
 
 @pytest.mark.parametrize("motion", [{"velocity": -0.001}, {"displacement": ((0.0, 0.0), (2.0, -0.005), (5.0, 0.0))}])
 def test_one_that_a_stage_drives(motion):
-    """All the way, or there and back."""
+    """All the travel, or there and back."""
     described = strip(driven=(), held=("x", "y", "rx", "ry", "rz"), velocity=(0.0, 0.0, 0.0))
     motions = (Motion(component="z", **motion),)
     simulation = build(replace(described, stages=(replace(described.stages[0], motions=motions),)))

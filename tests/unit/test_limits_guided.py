@@ -59,7 +59,7 @@ def test_loads_on_components_that_are_held_or_driven_are_reported(values, words)
 
 
 def test_a_pull_line_across_the_plane_is_told_and_one_in_it_is_not():
-    across, along = (Pull((0.0, 0.0, 0.0), way, 1e6, 10.0) for way in ((1.0, 1.0, 0.0), (0.0, 1.0, 0.0)))
+    across, along = (Pull((0.0, 0.0, 0.0), travel, 1e6, 10.0) for travel in ((1.0, 1.0, 0.0), (0.0, 1.0, 0.0)))
     text, = texts(swallowed_pulls, pull=across)
     assert text.startswith("body.0.pull of cube leads along x, held, as the model is symmetric about x = 0 m")
     assert not texts(swallowed_pulls, pull=along)

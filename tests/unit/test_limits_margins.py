@@ -36,7 +36,7 @@ def test_a_side_near_the_body_is_told_with_its_distance_in_widths():
 
 def test_a_base_near_the_body_is_told_for_the_end_of_its_way():
     text, = texts(depth=0.1, velocity=(0.0, 0.0, -1.0))
-    assert "the soil ends 0.08 m below it at the end of its way, 0.2 widths, limit 0.25" in text
+    assert "the soil ends 0.08 m below it at the end of its path, 0.2 widths, limit 0.25" in text
     assert "unless the soil is to end there" in text
     assert "0.05 m below it, 0.12 widths" in texts(depth=0.05, load=Load(force=(0.0, 0.0, -50.0)), held=("x", "ry"))[0]
 

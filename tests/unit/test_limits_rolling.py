@@ -79,15 +79,17 @@ def test_the_force_of_the_lattice_goes_with_the_contact():
 
 @pytest.mark.parametrize("cell, told", [
     ({"size": 0.1}, "0.34 m, 3.4 cells of 0.1 m, limit 6.5"), ({"size": 0.05}, ""), ({"size": 0.1, "held": ("ry",)}, ""),
+    ({"size": 0.1, "stage": ("ry",)}, ""), ({"size": 0.1, "motion": ("ry",)}, ""),
     ({"size": 0.1, "speed": 0.0}, ""), ({"size": 0.1, "load": 0.0}, "0.15 m, 1.5 cells"),
     ({"size": 0.1, "material": ELASTIC}, "")])
 def test_a_roller_that_is_towed_over_clay(cell, told):
     """Of 1 m diameter and 1 t/m³ in a slice of 1 m, under another 10 kN."""
-    def texts(size, held=(), speed=0.4, load=-10e3, material={**CLAY, "strength": 10e3}):
+    def texts(size, held=(), stage=(), motion=(), speed=0.4, load=-10e3, material={**CLAY, "strength": 10e3}):
         wheel = Body(GEOMETRY / "cylinder.geo", 1000.0, name="wheel", position=(0.0, 0.5, 0.0), rest_on=0.0, friction=0.5,
                      rotation=(1.0, 0.0, 0.0, 90.0), parameters={"radius": 0.5, "height": 1.0, "size": 0.1}, held=held)
         grid = Grid(Axis(-1.5, 3.0, size), Axis(0.0, 1.0, collapsed=True), Axis(-1.5, 0.5, size), Faces(z_min="fixed"))
-        tow = Stage("tow", 10, motions=(Motion(component="x", velocity=speed),), loads=(Load(force=(0.0, 0.0, load)),))
+        motions = Motion(component="x", velocity=speed), *([Motion(held=motion)] if motion else [])
+        tow = Stage("tow", 10, held=stage, motions=motions, loads=(Load(force=(0.0, 0.0, load)),))
         simulation = build(Scene(name="tow", grid=grid, soil=Soil(Material(**material), top=0.0), bodies=(wheel,),
                                  time=Time(0.05, inertia=False), stages=(tow,)))
         return list(towed_roller(simulation.scene, simulation.model))

@@ -25,7 +25,7 @@ def texts(size, z=-0.01, told=(), **given):
 def test_a_block_of_three_cells_is_told_of_and_one_of_four_is_not(size, count):
     found, all_texts = texts(size)
     assert len(found) == count == sum("too few to tell its load" in text for text in all_texts)
-    assert all("body is 3 cells of 0.2 m wide across its way down, limit 4" in text for text in found)
+    assert all("body is 3 cells of 0.2 m wide across its path down, limit 4" in text for text in found)
 
 
 def test_what_hardly_moves_or_has_its_own_limit_is_not():

@@ -45,17 +45,22 @@ def test_tangent_of_a_rigid_motion_of_everything_vanishes_in_translation():
 
 def test_a_point_that_an_edge_has_left_behind_is_not_pushed_by_the_next_face():
     """A point 2 um under the foot of a box, over which its edge has moved by 1 um: the rear face is nearer, but the face of
-    the soil looks at the foot. Points that are not known to touch it, or are bonded to it, stay as they are."""
+    the soil looks at the foot. Points that did not touch it, that are bonded to it, or look at the rear face as well, as
+    under a box that tips over its edge, stay as they are."""
     y, surface = np.array([[-1.0 + 1e-6, 0.1, -0.5 + 2e-6]]), box()
     points = corners_in(surface, y, y)
     assert len(contact_of(points, surface)) == 1
-    foot = replace(points, side=np.array([[0.0, 0.0, -1.0]]))
+    foot = replace(points, side=np.array([[0.0, 0.0, -1.0]]), outward=np.array([[0.0, 0.0, 1.0]]))
     assert len(contact_of(foot, surface)) == 0
     assert len(contact_of(foot, surface, place=y + [[2e-6, 0.0, 0.0]])) == 1       # not yet
     assert len(contact_of(replace(foot, touching=np.zeros(1, bool)), surface)) == 1
     bond = PlaceLimits(np.zeros(0), np.full(1, np.inf), np.zeros(1, bool))
     assert len(contact_of(replace(foot, limits=bond), surface)) == 1
     assert len(contact_of(replace(foot, side=np.array([[-0.8, 0.0, -0.6]])), surface)) == 1     # beside a blunt edge
+    assert len(contact_of(replace(foot, outward=None), surface)) == 1
+    tipped = exp_so3(np.array([0.0, 0.2, 0.0])).T       # its rear face looks down
+    assert (tipped @ [-1.0, 0.0, 0.0])[2] < -0.1
+    assert len(contact_of(foot, surface, (np.zeros(3), tipped), y @ tipped.T)) == 1
 
 
 def test_without_softening_the_tangent_of_a_convex_body_resists_every_motion():

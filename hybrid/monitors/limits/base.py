@@ -2,9 +2,9 @@
 
 The lowest row of cells hangs on nodes that do not move. A body that reaches down into it and is moved sideways ploughs
 through clay that cannot give way: it is pressed against these nodes, or squeezed out under the rounded edge of the
-foot, and the force grows with the way. Of a wall in plane strain that is pushed 0.0135 H into clay of 20 cells h in its
-height, over the exact force 2 s_u H of a smooth wall, and that of one with half the clay's strength on it; and on rock of
-1 GPa, which does not yield, and clay of 10, 4, 2 times the strength instead of the base:
+foot, and the force grows with the distance moved. Of a wall in plane strain that is pushed 0.0135 H into clay of 20
+cells h in its height, over the exact force 2 s_u H of a smooth wall, and that of one with half the clay's strength on
+it; and on rock of 1 GPa, which does not yield, and clay of 10, 4, 2 times the strength instead of the base:
 
 | foot above the base | -0.8 h | 0    | 0.2 h | 0.3 h | 0.4 h | 0.5 h | 0.6 h | h    |
 |---------------------|--------|------|-------|-------|-------|-------|-------|------|
@@ -22,8 +22,8 @@ strength, 18, 8.5, 5 % over 6.43 s_u (Meyerhof & Chaplin 1953) with 2, 4, 8 cell
 
 import numpy as np
 
-from hybrid.monitors.limits.contact import initial_vertices, way_along
-from hybrid.monitors.limits.ways import CLAY, EXCESS, driven, law_at, loaded, material_at, narrowest
+from hybrid.monitors.limits.contact import initial_vertices, travel_along
+from hybrid.monitors.limits.loading import CLAY, EXCESS, driven, law_at, loaded, material_at, narrowest
 from hybrid.runtime.comm import anywhere
 from hybrid.scene.soil import ends, span
 
@@ -87,8 +87,8 @@ def _text(body, base, foot, cell):
         remedy += ', or set grid.faces = { z_min = "roller" } where the base is smooth'
     return (f"{body} can move sideways with its foot {where} the {base}, limit {CLEAR:g} cells, {CLEAR * cell:.2g} m, above "
             "it: nodes there hardly move, so that the soil of the lowest row cannot give way, and the force grows with the "
-            "way (a wall pushed into clay: 47 % too large with its foot on the base, after 0.014 of its height; 3 % with "
-            f"the foot a cell above; into c-φ soil on rock 4 times). {remedy}")
+            "distance moved (a wall pushed into clay: 47 % too large with its foot on the base, after 0.014 of its "
+            f"height; 3 % with the foot a cell above; into c-φ soil on rock 4 times). {remedy}")
 
 
 def _pushes(scene, described, body, place, soil, base):
@@ -99,13 +99,13 @@ def _pushes(scene, described, body, place, soil, base):
     low, high = place.min(axis=0) - AHEAD * cell, place.max(axis=0) + AHEAD * cell
     near = row & ((at > low) & (at < high))[:, :2].all(axis=1)
     for axis in np.flatnonzero(~soil.grid.collapsed[:2]):
-        way, middle = way_along(scene, described, "xy"[axis]), 0.5 * (low + high)[axis]
-        if not way and not body.free[axis]:
+        travel, middle = travel_along(scene, described, "xy"[axis]), 0.5 * (low + high)[axis]
+        if not travel and not body.free[axis]:
             continue
         ahead = [anywhere(near & (sign * (at[:, axis] - middle) > 0.0)) for sign in (-1.0, 1.0)]
         forces = [load.force for stage in body.stages or () for load in stage.loads if load.force is not None]
         loads = any(force.values[:, axis].any() for force in forces)
-        if ahead[way > 0.0] if way else any(ahead) if loads else all(ahead):
+        if ahead[travel > 0.0] if travel else any(ahead) if loads else all(ahead):
             return True
     return False
 
@@ -116,13 +116,13 @@ def squeezed_layer(scene, model):
     if soil.held or not soil.law.plastic or soil.grid.collapsed.sum() != 1:
         return
     cell, tops = soil.grid.smallest_cell, [height for height, name, least in _bases(scene, model) if least == -CLEAR]
-    for body, way, place, plane in [*driven(scene, model), *(found[:4] for found in loaded(scene, model))]:
+    for body, travel, place, plane in [*driven(scene, model), *(found[:4] for found in loaded(scene, model))]:
         bottom = place[:, 2].min()
         top = max((height for height in tops if height < bottom - ON_IT * cell), default=None)
-        if top is None or not plane or way[2] >= 0.0 or law_at(scene, soil, bottom - 0.5 * cell) != CLAY:
+        if top is None or not plane or travel[2] >= 0.0 or law_at(scene, soil, bottom - 0.5 * cell) != CLAY:
             continue
         thick, excess = bottom - top, SQUEEZED * cell / (bottom - top)
-        if thick < THIN * narrowest(soil.grid, place, way) and excess > EXCESS:
+        if thick < THIN * narrowest(soil.grid, place, travel) and excess > EXCESS:
             yield (f"{body.name} presses {thick:.3g} m of clay, {thick / cell:.2g} cells of {cell:.3g} m, on a harder layer:"
                    f" its load is about {excess:.0%} too high, limit {EXCESS:.0%}. Use cells of at most "
                    f"{EXCESS / SQUEEZED * thick:.2g} m under it, or extrapolate two sizes of cells to none")

@@ -21,7 +21,7 @@ from collections import Counter
 
 import numpy as np
 
-from hybrid.monitors.limits.ways import (CLAY, EXCESS, SAND, STEEP, driven, faces, feet, heading, law_at, leads, loaded,
+from hybrid.monitors.limits.loading import (CLAY, EXCESS, SAND, STEEP, driven, faces, feet, heading, law_at, leads, loaded,
                                          material_at, narrowest, sides, step_of_ground, top_of)
 from hybrid.runtime.comm import maximum, minimum
 from hybrid.scene.ground import heights, heights_at
@@ -48,6 +48,7 @@ ECCENTRIC = 1.3
 GROWTH, GROWING, WEAK, FROM_NONE = 0.3, 0.65, 50.0, 17.0
 ON_LINE = 0.15                  # cells between an edge and a line of the grid: contact sees the edge there as on it
 SLOPES = 35.0, 55.0             # degrees from the ground of the faces of what counts as a wedge of about 90°
+LEVEL = 0.5         # up or down over its travel, below which a body is pushed sideways
 DEEP = 1.0                      # widths: flow of clay around a body that goes deeper closes behind it
 DEEP_PLATE = 2.0                # widths under the ground: a shallower plate lifts the clay above it
 NOTHING = 0.0, "", ""           # no excess
@@ -60,30 +61,30 @@ def few_cells(scene, model):
     pushed = [(*found, False, 0.0) for found in driven(scene, model)]
     pushed += [(body, cell * force / np.linalg.norm(force), *others) for body, force, *others in loaded(scene, model)]
     several = Counter(body.name for body, *_ in pushed)
-    for body, way, place, plane, inclined, arm in pushed:
+    for body, travel, place, plane, inclined, arm in pushed:
         if not plane:
             continue
         combined = inclined or arm > 0.0
-        eccentric, attached = (of(scene, model, body, way, place, arm) for of in (_eccentric, _attached))
+        eccentric, attached = (of(scene, model, body, travel, place, arm) for of in (_eccentric, _attached))
         other = attached[0] or eccentric[0] and not inclined
-        lines = NOTHING if other else _on_lines(scene, model, body, way, place)
+        lines = NOTHING if other else _on_lines(scene, model, body, travel, place)
         for how, factor, found in (("about", 1.0, attached), ("about", 1.0, eccentric),
                                    ("up to", COMBINED if combined else 1.0, lines)):
             excess, what, cure = found
             excess *= factor
             if excess > EXCESS:
                 load = "its load" if factor == 1.0 else "the inclined or eccentric load that it carries"
-                which = f", moved {heading(way)}," if several[body.name] > 1 else ""
+                which = f", moved {heading(travel)}," if several[body.name] > 1 else ""
                 yield f"{body.name}{which} {what}: {load} is {how} {excess:.0%} too high, limit {EXCESS:.0%}. {cure}"
 
 
-def _eccentric(scene, model, body, way, place, arm):
+def _eccentric(scene, model, body, travel, place, arm):
     """(Excess, text, remedy) of a strip pressed on clay in plane strain by a load that acts on an `arm` [m]."""
     soil = model.soil
     cell, under = soil.grid.smallest_cell, place[:, 2].min() - 0.5 * soil.grid.smallest_cell
-    width = narrowest(soil.grid, place, way)
+    width = narrowest(soil.grid, place, travel)
     attached = body.interface is not None and body.interface.tension
-    if not arm or law_at(scene, soil, under) != CLAY or way[2] >= 0.0 or attached or soil.grid.collapsed.sum() != 1:
+    if not arm or law_at(scene, soil, under) != CLAY or travel[2] >= 0.0 or attached or soil.grid.collapsed.sum() != 1:
         return NOTHING
     left = max(width - 2.0 * arm, cell)
     return (ECCENTRIC * cell / left,
@@ -99,11 +100,13 @@ def flow_around(scene, model):
     if soil.held or material.law != CLAY or soil.grid.collapsed.any() or material.cone != "plane strain":
         return
     top = top_of(soil)
-    for body, way, place, plane in driven(scene, model):
-        depth = top - place[:, 2].min() - min(way[2], 0.0)
+    for body, travel, place, plane in driven(scene, model):
+        depth = top - place[:, 2].min() - min(travel[2], 0.0)
         # of the whole, where half of it is modelled
         width = narrowest(soil.grid, place, np.array([0.0, 0.0, 1.0]))
-        if width and not plane and depth > (1.0 + DEEP) * width:
+        # clay flows around a pile in horizontal planes
+        pile = abs(travel[2]) < LEVEL * np.linalg.norm(travel) and place[:, 2].max() > top
+        if width and not plane and not pile and depth > (1.0 + DEEP) * width:
             yield (f"{body.name} is driven {depth / width:.2g} of its widths deep, limit {1 + DEEP:g}, through clay as "
                    'strong as s_u where it is sheared in a plane (soil.material.cone = "plane strain"): flow around a '
                    "body in space is partly that of triaxial compression and extension, where this clay has 0.87 s_u, "
@@ -117,20 +120,20 @@ def wedges(scene, model):
     if soil.held or soil.grid.collapsed.sum() != 1:
         return
     cell, top = soil.grid.smallest_cell, top_of(soil)
-    for body, way, place, plane in driven(scene, model):
-        depth = top - place[:, 2].min() - way[2]
-        known = not plane and way[2] < 0.0 < depth and law_at(scene, soil, top - 0.5 * cell) == CLAY
-        excess = WEDGE * cell / depth if known and _is_wedge(body, place, way) else 0.0
+    for body, travel, place, plane in driven(scene, model):
+        depth = top - place[:, 2].min() - travel[2]
+        known = not plane and travel[2] < 0.0 < depth and law_at(scene, soil, top - 0.5 * cell) == CLAY
+        excess = WEDGE * cell / depth if known and _is_wedge(body, place, travel) else 0.0
         if excess > EXCESS:
             yield (f"{body.name} is a wedge that is pressed {depth:.3g} m into clay, {depth / cell:.2g} cells of {cell:.3g} "
-                   f"m: its load is about {excess:.0%} too high at the end of its way, and more before, limit {EXCESS:.0%}. "
+                   f"m: its load is about {excess:.0%} too high at the end of its path, more before, limit {EXCESS:.0%}. "
                    f"Use cells of at most {EXCESS / WEDGE * depth:.2g} m")
 
 
-def _is_wedge(body, place, way):
+def _is_wedge(body, place, travel):
     """Whether two plane faces, at 35 to 55 degrees to the ground, are all that a body covers on its way down."""
     normal, area = faces(body, place)
-    ahead = normal @ way > 0.1 * area * np.linalg.norm(way)
+    ahead = normal @ travel > 0.1 * area * np.linalg.norm(travel)
     units = normal[ahead] / area[ahead][:, None]
     slope = np.degrees(np.arccos(np.clip(-units[:, 2], -1.0, 1.0)))
     inclined = len(units) > 0 and ((slope > SLOPES[0]) & (slope < SLOPES[1])).all()
@@ -190,17 +193,18 @@ def _steep_part(scene, soil, least):
     return float(height), float(np.degrees(np.arctan2(height, length)))
 
 
-def _attached(scene, model, body, way, place, _):
+def _attached(scene, model, body, travel, place, _):
     """(Excess, text, remedy) of a body in clay that stays on it, deep in it or round."""
     soil, cell = model.soil, model.soil.grid.smallest_cell
-    across = [(side.width, leads(body, place, side.direction), side.axis is None) for side in sides(soil.grid, place, way)]
+    across = [(side.width, leads(body, place, side.direction), side.axis is None)
+              for side in sides(soil.grid, place, travel)]
     width = min((width for width, *_ in across), default=np.inf)
     if not across or body.interface is None or not np.isinf(body.interface.tension):
         return NOTHING
     if place[:, 2].max() <= top_of(soil) - DEEP_PLATE * width or _covered(scene, soil):
         across = [(width, TURNED if turned else ATTACHED if straight else ROUND) for width, straight, turned in across]
     else:       # of straight ones `_on_lines` tells
-        across = [(width, 0.0 if straight or way[2] >= 0.0 else SHALLOW_ROUND) for width, straight, _ in across]
+        across = [(width, 0.0 if straight or travel[2] >= 0.0 else SHALLOW_ROUND) for width, straight, _ in across]
     excess = np.prod([1.0 + number * cell / width for width, number in across]) - 1.0
     if not excess:
         return NOTHING
@@ -213,14 +217,14 @@ def _covered(scene, soil):
     return scene.grid.faces.z_max != "free" and top_of(soil) > soil.grid.extent[2, 1] - 1e-6 * soil.grid.smallest_cell
 
 
-def _on_lines(scene, model, body, way, place):
+def _on_lines(scene, model, body, travel, place):
     """(Excess, text, remedy) of a body pushed into clay, or lifted from clay that stays on it, whose edges are on lines of
     the grid: the mean over its feet."""
     attached = body.interface is not None and body.interface.tension
-    if way[2] == 0.0 or way[2] > 0.0 and not attached:
+    if travel[2] == 0.0 or travel[2] > 0.0 and not attached:
         return NOTHING
-    parts = [(area, *_foot_on_lines(scene, model, body, way, place, foot))
-             for area, foot in feet(body, place, np.where(way[2] > 0.0, -way, way), top_of(model.soil))]
+    parts = [(area, *_foot_on_lines(scene, model, body, travel, place, foot))
+             for area, foot in feet(body, place, np.where(travel[2] > 0.0, -travel, travel), top_of(model.soil))]
     excess = sum(area * each for area, each, *_ in parts) / sum(area for area, *_ in parts) if parts else 0.0
     if not excess:
         return NOTHING
@@ -233,14 +237,14 @@ def _on_lines(scene, model, body, way, place):
             "Move the lines of the grid by a quarter of a cell against it, or use smaller cells")
 
 
-def _foot_on_lines(scene, model, body, way, place, foot):
+def _foot_on_lines(scene, model, body, travel, place, foot):
     """(Excess, cells across, axes along which edges are on lines, whether the strength grows) of a foot with its vertices
     at (V, 3) [m] of a body pushed into clay."""
     grid, excess, on, narrow = model.soil.grid, 1.0, [], np.inf
     if law_at(scene, model.soil, foot[:, 2].min() - 0.5 * grid.smallest_cell) != CLAY:
         return 0.0, narrow, on, False
-    growing = _growing(scene, model.soil, foot, way)
-    for width, ends, direction, axis in sides(grid, foot, way):
+    growing = _growing(scene, model.soil, foot, travel)
+    for width, ends, direction, axis in sides(grid, foot, travel):
         if axis is None or not leads(body, place, direction):   # a round outline crosses lines of the grid everywhere
             continue
         nodes, cell = grid.lines[axis], np.diff(grid.lines[axis]).min()
@@ -261,11 +265,11 @@ def _soil_beside(soil, place, axis, end):
     return minimum(x - half) < end - beyond
 
 
-def _growing(scene, soil, place, way):
+def _growing(scene, soil, place, travel):
     """Factor [-] on the excess of a body with its vertices at `place`, 1 where the strength does not grow with depth."""
     cell, bottom = soil.grid.smallest_cell, place[:, 2].min()
     rate = material_at(scene, soil, bottom - 0.5 * cell).strength_gradient or 0.0
-    width = narrowest(soil.grid, place, way)
+    width = narrowest(soil.grid, place, travel)
     if rate <= 0.0 or not width or soil.grid.collapsed.sum() != 1:
         return 1.0
     height = soil.constants.position[:, 2]

@@ -18,13 +18,13 @@ import numpy as np
 
 from hybrid.body.symmetry import copies
 from hybrid.monitors.limits.sand_cells import PASSIVE, Wedge, beside, depths, free_walls, pushed
-from hybrid.monitors.limits.ways import (CLAY, EXCESS, STEEP, driven, facing, law_at, material_at, narrowest, outline,
+from hybrid.monitors.limits.loading import (CLAY, EXCESS, STEEP, driven, facing, law_at, material_at, narrowest, outline,
                                          top_of)
 from hybrid.runtime.comm import anywhere, total
 
 LOWER = 1.4         # cells that the wedge is lower than the wall
 IN_CLAY = Wedge("clay", 1.5, "30 to 72 % over the wedge's load with 10 cells, 15 to 43 % with 20")
-ALONG = 0.1         # sine of the angle between a way and the ground
+ALONG = 0.1         # sine of the angle between a travel and the ground
 AROUND, ROUGH = 3.0, 1.5    # 18, 8.5, 5.1, 2.9 % with 4, 6, 8, 12 cells; 9.4, 4.9, 3.3 % (demos/random/README.md)
 STUCK, BY_ADHESION = 9.0, 5.0   # smooth 50, 34, 15 % with 4, 5, 8 cells; α = 1: 25, 14, 6 %; 0.5: 23, 5 % with 5, 10
 # α = 1: 54, 46, 25, 16 % with 3, 4, 6, 8 cells over 13.4 s_u A where clay stays attached; where it parts from the ball,
@@ -42,10 +42,10 @@ def drawn_walls(scene, model):
     """Upright walls that are driven away from clay in plane strain."""
     if scene.gravity[2] >= 0.0:
         return
-    for body, way, place, plane in driven(scene, model):
-        depth = depths(scene, model.soil, place, way, {CLAY}) if plane else None
+    for body, travel, place, plane in driven(scene, model):
+        depth = depths(scene, model.soil, place, travel, {CLAY}) if plane else None
         if depth is not None and depth.behind > PASSIVE * depth.ahead:
-            yield from _active(scene, model.soil, body, place, way, depth.behind, "moves away from", "its load is")
+            yield from _active(scene, model.soil, body, place, travel, depth.behind, "moves away from", "its load is")
 
 
 def pushed_walls(scene, model):
@@ -55,21 +55,21 @@ def pushed_walls(scene, model):
 
 def clay_walls(scene, model):
     """Bodies that no guide holds, with clay on one side of them and hardly any on the other."""
-    for body, place, way, depth in free_walls(scene, model, {CLAY}):
-        yield from _active(scene, model.soil, body, place, way, depth.behind, "retains",
+    for body, place, travel, depth in free_walls(scene, model, {CLAY}):
+        yield from _active(scene, model.soil, body, place, travel, depth.behind, "retains",
                            "where it gives way, the pressure of the clay is")
 
 
 def attached_slides(scene, model):
     """Bodies driven along the top of clay that never breaks away from them."""
-    for body, way, place, _ in driven(scene, model):
-        across, bottom = np.ptp(place @ way) / np.linalg.norm(way), place[:, 2].min()
-        along = abs(way[2]) < ALONG * np.linalg.norm(way) and bottom > top_of(model.soil) - SUNK * across
-        along &= np.linalg.norm(way) > SHORT * across
+    for body, travel, place, _ in driven(scene, model):
+        across, bottom = np.ptp(place @ travel) / np.linalg.norm(travel), place[:, 2].min()
+        along = abs(travel[2]) < ALONG * np.linalg.norm(travel) and bottom > top_of(model.soil) - SUNK * across
+        along &= np.linalg.norm(travel) > SHORT * across
         if _attached(body) and along and law_at(scene, model.soil, bottom - 0.5 * model.soil.grid.smallest_cell) == CLAY:
-            yield (f'{body.name} is driven along the top of clay by {np.linalg.norm(way) / across:.2g} of its length, limit '
-                   f'{SHORT:g}, with body.tension = "full": what its rear edge leaves stays on it and holds it back, a '
-                   "strip on 10 and 20 cells by up to 14 and 26 % of α s_u B with α = 1, by 33 and 45 % with 0.5, after "
+            yield (f'{body.name} is driven along the top of clay by {np.linalg.norm(travel) / across:.2g} of its length, '
+                   f'limit {SHORT:g}, with body.tension = "full": what its rear edge leaves stays on it and holds it back, '
+                   "a strip on 10 and 20 cells by up to 14 and 26 % of α s_u B with α = 1, by 33 and 45 % with 0.5, after "
                    "a fifth of its length. Leave body.tension out, or give the tension [Pa] that the clay bears")
 
 
@@ -79,10 +79,10 @@ def flow_around(scene, model):
     soil = model.soil
     if soil.held or soil.grid.collapsed.sum() != 1:
         return
-    for body, way, place, plane in driven(scene, model):
-        width = narrowest(soil.grid, place, way)
+    for body, travel, place, plane in driven(scene, model):
+        width = narrowest(soil.grid, place, travel)
         above = top_of(soil) - place[:, 2].max()
-        if plane or not width or above < COVERED * width or facing(body, place, way) is not None or law_at(
+        if plane or not width or above < COVERED * width or facing(body, place, travel) is not None or law_at(
                 scene, soil, place[:, 2].mean()) != CLAY:
             continue
         factor, cells = _around(body), width / soil.grid.smallest_cell
@@ -110,13 +110,13 @@ def balls(scene, model):
     soil = model.soil
     if soil.held or soil.grid.collapsed.any():
         return
-    for body, way, place, plane in driven(scene, model):
-        width = narrowest(soil.grid, place, way)
+    for body, travel, place, plane in driven(scene, model):
+        width = narrowest(soil.grid, place, travel)
         short = np.ptp(place[:, 2]) <= SHAFT * width
-        above = top_of(soil) - place[:, 2].max() - min(way[2], 0.0)
+        above = top_of(soil) - place[:, 2].max() - min(travel[2], 0.0)
         known = body.interface is not None and not plane and short and width > 0.0    # a smooth ball was not measured
-        if not known or above < COVERED * width or facing(body, place, way) is not None or law_at(
-                scene, soil, place[:, 2].mean() + min(way[2], 0.0)) != CLAY:
+        if not known or above < COVERED * width or facing(body, place, travel) is not None or law_at(
+                scene, soil, place[:, 2].mean() + min(travel[2], 0.0)) != CLAY:
             continue
         factor, cells = BALL if _attached(body) else PARTED, width / soil.grid.smallest_cell
         if factor / cells > EXCESS:
@@ -131,11 +131,11 @@ def penetrators(scene, model):
     soil = model.soil
     if soil.held or soil.grid.collapsed.any():
         return
-    for body, way, place in [*(found[:3] for found in driven(scene, model)), *_falling(scene, model)]:
-        width = narrowest(soil.grid, place, way)
-        depth = top_of(soil) - place[:, 2].min() - way[2]
-        down = way[2] < 0.0 and -way[2] > np.abs(way[:2]).max() and np.ptp(place[:, 2]) > SHAFT * width > 0.0
-        if not down or depth < DEEP * width or facing(body, place, way) is not None or law_at(
+    for body, travel, place in [*(found[:3] for found in driven(scene, model)), *_falling(scene, model)]:
+        width = narrowest(soil.grid, place, travel)
+        depth = top_of(soil) - place[:, 2].min() - travel[2]
+        down = travel[2] < 0.0 and -travel[2] > np.abs(travel[:2]).max() and np.ptp(place[:, 2]) > SHAFT * width > 0.0
+        if not down or depth < DEEP * width or facing(body, place, travel) is not None or law_at(
                 scene, soil, top_of(soil) - 0.5 * depth) != CLAY:
             continue
         cells = width / soil.grid.smallest_cell
@@ -147,7 +147,7 @@ def penetrators(scene, model):
 
 
 def _falling(scene, model):
-    """(RigidBody, way (3,) [m] in which clay stops it, places (V, 3) [m] of its vertices) of each body that starts with a
+    """(RigidBody, travel (3,) [m] in which clay stops it, places (V, 3) [m] of its vertices) of each body that starts with a
     speed downwards."""
     for described, body in zip(scene.bodies, model.bodies):
         speed = described.velocity[2]
@@ -160,10 +160,10 @@ def _falling(scene, model):
             yield whole, np.array([0.0, 0.0, -energy / (BEARING * strength * area)]), place
 
 
-def _active(scene, soil, body, place, way, height, does, load):
+def _active(scene, soil, body, place, travel, height, does, load):
     """Text, if any, about a wall that clay of a `height` [m] behind it follows."""
     cell = soil.grid.smallest_cell
-    critical = _critical_height(scene, soil, place, way)
+    critical = _critical_height(scene, soil, place, travel)
     attached = body.interface is not None and body.interface.tension
     if critical is None or height <= max(critical, STEEP * cell) or attached:
         return
@@ -181,13 +181,13 @@ def _pressure(height, critical):
     return height * (height - critical)
 
 
-def _critical_height(scene, soil, place, way):
+def _critical_height(scene, soil, place, travel):
     """4 s_u / γ [m] by the means of all clay above the foot of a wall in two cells behind it; None where soil other
     than clay is there."""
-    axis = int(np.argmax(np.abs(way)))
+    axis = int(np.argmax(np.abs(travel)))
     low, high = beside(soil, place[:, axis], axis)
     points, parameters = soil.constants, soil.law.parameters
-    behind = (low if way[axis] > 0.0 else high) & (points.position[:, 2] > place[:, 2].min())
+    behind = (low if travel[axis] > 0.0 else high) & (points.position[:, 2] > place[:, 2].min())
     if anywhere(parameters[behind, 2] > 0.0):
         return None
     fields = points.volume, points.mass, points.volume * parameters[:, 4]

@@ -86,7 +86,7 @@ def narrow_face(scene, model):
 def _lid(scene, soil, described, body):
     """Whether the narrow faces of a body are the sides of a lid over all of the soil, which touch none."""
     place = initial_vertices(described, body)
-    still = not any(way_along(scene, described, name) for name in "xy")
+    still = not any(travel_along(scene, described, name) for name in "xy")
     return still and body.narrowest > 0.99 * np.ptp(place[:, 2]) and covers(place, soil.constants, soil.grid)
 
 
@@ -128,22 +128,22 @@ def covers(vertices, soil, grid):
 
 def _thickness(scene, described, body, vertices, limit, top):
     """(Mean thickness [m] of the walls of a body that are thinner than `limit` [m], and their share of its surface), of its
-    surface across the way it is driven and below `top` [m] at the end. vertices: (V, 3) [m] over level ground."""
+    surface across the travel it is driven and below `top` [m] at the end. vertices: (V, 3) [m] over level ground."""
     surface = body.surface
     corners = vertices[surface.triangles]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = 0.5 * np.linalg.norm(normal, axis=1)
-    way = np.array([way_along(scene, described, name) for name in "xyz"])
+    travel = np.array([travel_along(scene, described, name) for name in "xyz"])
     across = np.ones(len(area), bool)
-    if way.any() and body.guided[:3].all():
-        across = np.abs(normal @ way) > ACROSS * 2 * area * np.linalg.norm(way)
+    if travel.any() and body.guided[:3].all():
+        across = np.abs(normal @ travel) > ACROSS * 2 * area * np.linalg.norm(travel)
     inward = (surface.vertices[surface.triangles].mean(axis=1)[:, None]
               - limit * np.linspace(0.0, 1.0, SAMPLES + 1)[1:, None] * surface.normals[:, None])
     gap = distances(inward.reshape(-1, 3), surface)[0].reshape(-1, SAMPLES)
     outside, each = gap > 0.0, np.arange(len(gap))
     first = np.argmax(outside, axis=1)
     depth = limit * (first + 1) / SAMPLES - np.maximum(gap[each, first], 0.0)
-    down = corners.mean(axis=1)[:, 2] + min(way[2], 0.0)
+    down = corners.mean(axis=1)[:, 2] + min(travel[2], 0.0)
     thin = outside.any(axis=1) & across & (np.maximum(down, down - depth * normal[:, 2] / (2 * area)) < top)
     return float(np.average(depth[thin], weights=area[thin])) if thin.any() else limit, area[thin].sum() / area.sum()
 
@@ -171,7 +171,7 @@ def unpressed_bond(scene, model):
         return
     for described, body in zip(scene.bodies, model.bodies):
         loads = [load.force.values[:, 2].min() for stage in body.stages or () for load in stage.loads if load.force]
-        if way_along(scene, described, "z") < 0.0 or min(loads, default=0.0) < 0.0:
+        if travel_along(scene, described, "z") < 0.0 or min(loads, default=0.0) < 0.0:
             continue        # it is pressed on
         if body.interface and body.interface.tension and not body.interface.adhesion and 0.0 < body.friction < np.inf:
             yield (f"{body.name} has a bond (body.tension) and friction in soil without weight: friction is "
@@ -205,7 +205,7 @@ def driven_past_grid_end(scene, model):
     for described, body in zip(scene.bodies, model.bodies):
         place = initial_vertices(described, body)
         for axis, name in enumerate("xyz"):
-            travel, grid = way_along(scene, described, name), getattr(scene.grid, name)
+            travel, grid = travel_along(scene, described, name), getattr(scene.grid, name)
             side, end = ("end", grid.end) if travel > 0 else ("start", grid.start)
             front = (place.max(axis=0) if travel > 0 else place.min(axis=0))[axis]
             passes = (front - end) * travel < 0 < (front + travel - end) * travel
@@ -217,7 +217,7 @@ def driven_past_grid_end(scene, model):
                    "or use fewer stage.steps")
 
 
-def way_along(scene, described, name):
+def travel_along(scene, described, name):
     """Farthest displacement [m] from its start to which a body is driven, or its line pulled, along an axis."""
     return max([0.0, *(place for stage in path_along(scene, described, name) for place in stage)], key=abs)
 

@@ -17,9 +17,9 @@ of the force. A flat disc of 3 to 6 cells in its radius has no such excess: 3 to
 import numpy as np
 
 from hybrid.body.symmetry import copies
-from hybrid.monitors.limits.contact import way_along
+from hybrid.monitors.limits.contact import travel_along
 from hybrid.monitors.limits.rolling import ROUND, contact_radius
-from hybrid.monitors.limits.ways import EXCESS, material_at, outline, top_of
+from hybrid.monitors.limits.loading import EXCESS, material_at, outline, top_of
 
 HIGHEST = ((0.75, 0.58), (1.06, 0.26), (1.3, 0.18), (1.6, 0.1))     # (a/h, excess [-] at the worst place in a cell)
 COARSE, RESOLVED = HIGHEST[0][0], HIGHEST[-1][0]                    # a/h
@@ -27,7 +27,7 @@ COARSE, RESOLVED = HIGHEST[0][0], HIGHEST[-1][0]                    # a/h
 
 def unresolved_contact(scene, model):
     """Spheres driven into elastic soil, or loaded on it, with so few cells in the radius of contact that the force is too
-    high by up to EXCESS, or the way too short."""
+    high by up to EXCESS, or the travel too short."""
     soil = model.soil
     if soil.held or soil.grid.collapsed.any():
         return
@@ -39,16 +39,16 @@ def unresolved_contact(scene, model):
         distance = np.linalg.norm(place - 0.5 * (place.min(axis=0) + place.max(axis=0)), axis=1)
         if distance.max() > ROUND * distance.min():
             continue
-        radius, way = distance.mean(), way_along(scene, described, "z")
-        driven = way < 0.0 and body.guided[2]
-        a = _driven(soil, place, way, radius) if driven else _loaded(scene, model, body, radius, material)
+        radius, travel = distance.mean(), travel_along(scene, described, "z")
+        driven = travel < 0.0 and body.guided[2]
+        a = _driven(soil, place, travel, radius) if driven else _loaded(scene, model, body, radius, material)
         if 0.0 < a < RESOLVED * cell * (1 - 1e-6):
             yield _text(body, a, cell, driven)
 
 
-def _driven(soil, place, way, radius):
-    """Radius of contact [m] of a sphere with its vertices at `place` at the end of its `way` [m]."""
-    depth = top_of(soil) - place[:, 2].min() - way
+def _driven(soil, place, travel, radius):
+    """Radius of contact [m] of a sphere with its vertices at `place` at the end of its `travel` [m]."""
+    depth = top_of(soil) - place[:, 2].min() - travel
     return np.sqrt(np.clip(depth, 0.0, radius) * radius)
 
 

@@ -63,7 +63,7 @@ import numpy as np
 
 from hybrid.monitors.limits.contact import covers
 from hybrid.monitors.limits.sand_cells import clay_under
-from hybrid.monitors.limits.ways import EXCESS, SAND, driven, facing, loaded, material_at, narrowest, sides, top_of
+from hybrid.monitors.limits.loading import EXCESS, SAND, driven, facing, loaded, material_at, narrowest, sides, top_of
 
 COHESION, FRICTION, ORDER = 0.41, 0.0215, 0.75      # FRICTION: for each degree of φ
 REACHED, RISING, FARTHEST = 8.0, 0.3, 35.0          # w E/(B c N_c) of those, power of the rise, largest that was measured
@@ -83,26 +83,26 @@ def cohesive_strips(scene, model):
     cell = soil.grid.smallest_cell
     pushed = [(*found, found[1]) for found in driven(scene, model)]
     pushed += [(*found[:4], np.zeros(3)) for found in loaded(scene, model)]     # how far these go is not known
-    for body, way, place, plane, moved in pushed:
-        bottom, width = place[:, 2].min(), narrowest(soil.grid, place, way)
+    for body, travel, place, plane, moved in pushed:
+        bottom, width = place[:, 2].min(), narrowest(soil.grid, place, travel)
         material = material_at(scene, soil, bottom - 0.5 * cell)
         lid = covers(place, soil.constants, soil.grid)
-        if not plane or lid or way[2] >= 0.0 or bottom < top_of(soil) - SHALLOW * width:
+        if not plane or lid or travel[2] >= 0.0 or bottom < top_of(soil) - SHALLOW * width:
             continue
         if _cohesive(scene, material, width) and not clay_under(scene, soil, bottom, width):
             yield from _strip(body, width, cell, material, -moved[2])
 
 
-def _strip(body, width, cell, material, way):
-    """Text, if any, about a strip of a `width` [m] that is driven by a `way` [m] into soil of a Material."""
+def _strip(body, width, cell, material, travel):
+    """Text, if any, about a strip of a `width` [m] that is driven by a `travel` [m] into soil of a Material."""
     angle, dilation = material.friction_angle, material.dilation_angle or 0.0
     reduced = _reduced(angle, dilation)
     stiffness = material.young or 0.0       # with `reference_young` it is not one number: no rise is told
-    reached = way / width * stiffness / (material.cohesion * prandtl(reduced))
+    reached = travel / width * stiffness / (material.cohesion * prandtl(reduced))
     excess = strip_excess(angle, width / cell, dilation / angle, reached) * (1.0 if body.friction else SMOOTH)
     if excess > EXCESS:
         over = f"N_c of {reduced:.3g} degrees, as its dilation is below its friction" if dilation < angle else "N_c"
-        when = " at the end of its way, with which that rises" if dilation and reached > REACHED else ""
+        when = " at the end of its path, with which that rises" if dilation and reached > REACHED else ""
         enough = cell * (EXCESS / excess) ** (1 / ORDER)
         yield (f"{body.name} is pressed on soil with cohesion and friction with a base {width / cell:.2g} cells of "
                f"{cell:.3g} m wide: what cohesion lets it carry ({over}) is about {excess:.0%} too high{when}, limit "
@@ -117,13 +117,14 @@ def lifted(scene, model):
     if soil.held or soil.grid.collapsed.sum() > 1 or scene.gravity[2] >= 0.0:
         return
     cell = soil.grid.smallest_cell
-    for body, way, place, plane in [*driven(scene, model), *(found[:4] for found in loaded(scene, model))]:
-        top, width = place[:, 2].max(), narrowest(soil.grid, place, way)
-        if way[2] <= 0.0 or not width or top_of(soil) - top <= cell or not plane and facing(body, place, way) is not None:
+    for body, travel, place, plane in [*driven(scene, model), *(found[:4] for found in loaded(scene, model))]:
+        top, width = place[:, 2].max(), narrowest(soil.grid, place, travel)
+        inclined = not plane and facing(body, place, travel) is not None
+        if travel[2] <= 0.0 or not width or top_of(soil) - top <= cell or inclined:
             continue
         material, depth = material_at(scene, soil, top + 0.5 * cell), top_of(soil) - top + (not plane) * 0.5 * width
         if material.law in SAND and depth <= DEEPEST * width * (1 + 1e-6):
-            across = np.array([side.width for side in sides(soil.grid, place, way)])
+            across = np.array([side.width for side in sides(soil.grid, place, travel)])
             if len(across) == 1:        # over all of the grid along the other axis
                 yield from _lifted(body, width, depth, cell, material, plane)
             elif plane:
@@ -167,7 +168,7 @@ def _slope(friction, dilation):
 def strip_excess(friction_angle, cells, dilation=1.0, reached=REACHED):
     """Excess [-] of the load of a rough strip that is so many `cells` wide over N_c of the angle that `_reduced` gives.
 
-    friction_angle: [deg]; dilation: ψ/φ; reached: way over B c N_c/E.
+    friction_angle: [deg]; dilation: ψ/φ; reached: travel over B c N_c/E.
     """
     rise = (np.clip(reached, REACHED, FARTHEST) / REACHED) ** RISING if dilation else 1.0
     return (2.0 + dilation) / 3.0 * rise * (COHESION + FRICTION * friction_angle) / cells**ORDER

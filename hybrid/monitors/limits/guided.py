@@ -92,9 +92,9 @@ def swallowed_pulls(scene, model):
     for i, (described, body) in enumerate(zip(scene.bodies, model.bodies)):
         if described.pull is None:
             continue
-        way = np.array(described.pull.direction or described.pull.velocity)
+        travel = np.array(described.pull.direction or described.pull.velocity)
         for mirror in body.mirrors:
-            if abs(way[AXES[mirror.axis]]) > ASIDE * np.linalg.norm(way):
+            if abs(travel[AXES[mirror.axis]]) > ASIDE * np.linalg.norm(travel):
                 yield (f"body.{i}.pull of {body.name} leads along {mirror.axis}, held, as the model is symmetric about "
                        f"{mirror} and its mirror image is pulled the other way: the body does not feel this part of its "
                        "tension. Model the whole body, or let the line lie in the plane")

@@ -13,12 +13,12 @@ The limits are those where it is a tenth too high; in sand mechanisms reach fart
 import numpy as np
 
 from hybrid.monitors.limits.contact import covers
-from hybrid.monitors.limits.ways import driven, loaded
+from hybrid.monitors.limits.loading import driven, loaded
 from hybrid.runtime.comm import maximum, minimum
 
 BESIDE = {True: 0.25, False: 0.15}  # widths of the body, by whether it is rough
 BELOW = {True: 0.4, False: 0.25}
-DOWN = 0.9      # share of the way of a body that is pressed down
+DOWN = 0.9      # share of the travel of a body that is pressed down
 HEAVE, ROOM = 0.25, 0.5     # cells from the highest points to the surface, and above it that are no room
 
 
@@ -26,8 +26,8 @@ def narrow_margins(scene, model):
     """Bodies pressed down into soil that ends at a face of the grid beside or below them, nearer than their failure
     mechanism reaches."""
     pressed = [(*each[:3], False) for each in driven(scene, model)] + [(*each[:3], True) for each in loaded(scene, model)]
-    for body, way, place, by_force in pressed:
-        if way[2] > -DOWN * np.linalg.norm(way):
+    for body, travel, place, by_force in pressed:
+        if travel[2] > -DOWN * np.linalg.norm(travel):
             continue
         rough = bool(body.friction > 0.0)
         found = list(_beside(scene, model.soil, place))
@@ -35,22 +35,22 @@ def narrow_margins(scene, model):
         for _, gap, where in found:
             if gap is not None and gap < BESIDE[rough] * width:
                 yield _text(body, width, gap, f"beside it at {where}", BESIDE[rough], where[0])
-        below = place[:, 2].min() + (0.0 if by_force else way[2]) - _ends(model.soil, 2)[0]
+        below = place[:, 2].min() + (0.0 if by_force else travel[2]) - _ends(model.soil, 2)[0]
         ends_there = not scene.grid.z.moves and scene.grid.faces.z_min != "free"
         if np.isfinite(width) and -0.1 * width < below < BELOW[rough] * width and ends_there:
-            yield _text(body, width, below, "below it" if by_force else "below it at the end of its way", BELOW[rough], "z")
+            yield _text(body, width, below, "below it" if by_force else "below it at the end of its path", BELOW[rough], "z")
 
 
 def covered(scene, model):
     """Bodies pressed down that cover all of a soil that yields, up to faces of the grid that hold it."""
-    for body, way, place, *_ in [*driven(scene, model), *loaded(scene, model)]:
+    for body, travel, place, *_ in [*driven(scene, model), *loaded(scene, model)]:
         soil = model.soil
         axes = np.flatnonzero(~soil.grid.collapsed[:2])
         ends = [(_ends(soil, axis), soil.grid.extent[axis], "xy"[axis]) for axis in axes]
         closed = all(np.abs(np.subtract(reached, limits)).max() < soil.grid.smallest_cell
                      and "free" not in (getattr(scene.grid.faces, f"{name}_{side}") for side in ("min", "max"))
                      for reached, limits, name in ends)
-        if len(axes) and way[2] <= -DOWN * np.linalg.norm(way) and closed and covers(place, soil.constants, soil.grid):
+        if len(axes) and travel[2] <= -DOWN * np.linalg.norm(travel) and closed and covers(place, soil.constants, soil.grid):
             where = " and ".join(f"{name} = {limits[0]:.3g} to {limits[1]:.3g} m" for _, limits, name in ends)
             yield (f"{body.name} covers all of the soil, {where}, up to faces of the grid that hold it: nothing can "
                    "flow from under it, so that it compresses the soil and finds no load at which that gives way. A footing "
@@ -66,10 +66,10 @@ def no_room_above(scene, model):
     open_ = scene.grid.faces.z_max == "free" and not scene.grid.z.moves and not soil.grid.collapsed[2]
     if not open_ or soil.stray != "stop" or top < end - ROOM * cell:
         return
-    for body, way, place, _ in driven(scene, model):
+    for body, travel, place, _ in driven(scene, model):
         deep = place[:, 2].max() < top - np.ptp(place, axis=0).max()      # clay closes behind it
-        if np.linalg.norm(way) > HEAVE * cell and not deep:
-            yield (f"{body.name} is driven by {np.linalg.norm(way):.3g} m through soil that reaches the upper end of the "
+        if np.linalg.norm(travel) > HEAVE * cell and not deep:
+            yield (f"{body.name} is driven by {np.linalg.norm(travel):.3g} m through soil that reaches the upper end of the "
                    f"grid, z = {end:.3g} m, where nothing holds it: points that heave leave the grid there, which stops the "
                    "run. Raise grid.z.end some cells above the soil")
 

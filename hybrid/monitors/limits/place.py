@@ -48,15 +48,15 @@ def _left_out(scene, axis, name, a, followed, other):
     """What is told of the `other` (Body, RigidBody) beside the `followed` one along an axis that moves with that."""
     key, what = ("window", "soil is left out") if axis.window else ("around", "cells are coarser")
     ends = axis.window or axis.around
-    ways = [[stage[-1] for stage in path_along(scene, each[0], name)] for each in (followed, other)]
-    for moved, way in ((0.0, 0.0), (ways[0][-1], ways[1][-1])):
+    travels = [[stage[-1] for stage in path_along(scene, each[0], name)] for each in (followed, other)]
+    for moved, travel in ((0.0, 0.0), (travels[0][-1], travels[1][-1])):
         boxes = [np.clip(initial_vertices(*each)[:, a] + shift, axis.start, axis.end)      # beyond: `odd_places`
-                 for each, shift in zip((followed, other), (moved, way))]
+                 for each, shift in zip((followed, other), (moved, travel))]
         low, high = max(boxes[0].min() - ends[0], axis.start), min(boxes[0].max() + ends[1], axis.end)
         inside = np.ptp(boxes[1]) > 0.0     # of the grid, wherever it moves
         if inside and (boxes[1].min() < low - FLUSH * axis.size or boxes[1].max() > high + FLUSH * axis.size):
             needed = max(boxes[0].min() - boxes[1].min(), 0.0), max(boxes[1].max() - boxes[0].max(), 0.0)
-            when = "at the start" if not moved and not way else "at the end"
+            when = "at the start" if not moved and not travel else "at the end"
             return (f"reaches from {name} = {boxes[1].min():.4g} to {boxes[1].max():.4g} m {when}, and grid.{name}.{key} "
                     f"about {followed[0].name} from {low:.4g} to {high:.4g} m: {what} beyond that. Set grid.{name}.{key} to "
                     f"at least [{max(needed[0], ends[0]):.3g}, {max(needed[1], ends[1]):.3g}], or use a grid that does not "

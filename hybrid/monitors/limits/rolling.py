@@ -16,9 +16,10 @@ which is FORCE(a/h) a/r. Cells that resolve the contact, and soil so stiff that 
 
 import numpy as np
 
+from hybrid.body.rigid import FREEDOMS
 from hybrid.body.symmetry import copies
-from hybrid.monitors.limits.contact import initial_pose, initial_vertices, way_along
-from hybrid.monitors.limits.ways import CLAY, material_at, top_of
+from hybrid.monitors.limits.contact import initial_pose, initial_vertices, travel_along
+from hybrid.monitors.limits.loading import CLAY, material_at, top_of
 from hybrid.runtime.comm import maximum
 
 # (a/h, tangential force over the weight times r/a)
@@ -67,13 +68,16 @@ def towed_roller(scene, model):
     for described, body in zip(scene.bodies, model.bodies):
         distance = np.linalg.norm(initial_vertices(described, body)[:, [across[0], 2]]
                                   - initial_pose(described, body)[0][[across[0], 2]], axis=1)
-        moved = way_along(scene, described, "xy"[across[0]]) or described.velocity[across[0]]
+        moved = travel_along(scene, described, "xy"[across[0]]) or described.velocity[across[0]]
         if material.law != CLAY or not material.strength or not moved or distance.max() > ROUND * distance.min():
             continue
         forces = [load.force for stage in body.stages or () for load in stage.loads if load.force is not None]
         weight = -body.mass.mass * scene.gravity[2] - min((force.values[:, 2].min() for force in forces), default=0.0)
         chord = weight / (STRIP * material.strength * thickness)
-        turns = body.free[3:][soil.grid.collapsed].all()
+        turning = np.append(np.zeros(3, bool), soil.grid.collapsed)
+        kept = [stage.held[turning].all() for stage in body.stages or ()]
+        kept += [np.isin(FREEDOMS, stage.held)[turning].all() for stage in scene.stages]
+        turns = body.free[turning].all() and not any(kept)
         if turns and body.free[2] and BARELY * cell < chord < CHORD * cell:
             yield (f"{body.name} is rolled along clay that carries it on about {chord:.2g} m, {chord / cell:.2g} cells of "
                    f"{cell:.3g} m, limit {CHORD:g}: it sinks too little, and too little resists it (a roller towed by its "

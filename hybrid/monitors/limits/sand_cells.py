@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hybrid.monitors.limits.contact import covers
-from hybrid.monitors.limits.ways import (CLAY, EXCESS, SAND, STEEP, driven, facing, law_at, leads, levelled, loaded,
+from hybrid.monitors.limits.loading import (CLAY, EXCESS, SAND, STEEP, driven, facing, law_at, leads, levelled, loaded,
                                          material_at, narrowest, outline, sides, top_of)
 from hybrid.runtime.comm import maximum, minimum
 
@@ -26,6 +26,7 @@ FOOT, ACTIVE = 2.3, 1.65
 INCLINED, LEANING = 45.0, 85.0
 WEIGHT, ORDER = 3.1, 0.6         # of the part of a footing's load that the sand's weight carries
 SQUARE = 4.2                    # of a square one: 377 and 280 kPa with 4 and 8 cells, φ = 30°, ψ = 5°, B = 1.6 m, N_γ 184
+LAID = 0.25                     # cells: a body that goes less deep lies on the ground
 SHALLOW = 1.0                   # widths under the ground: what goes deeper is no footing
 DEEP = 1.5                      # widths under a footing: of sand one wide over clay it bore 3 % too much with 10 cells
 LEVEL = 0.5                     # up or down over sideways: a blade 11° downwards had 16 % less with half the cells
@@ -61,8 +62,8 @@ class Sides(NamedTuple):
 def pushed_walls(scene, model):
     """Walls, upright or inclined, that are driven against sand, and in plane strain upright ones that move away from it."""
     yield from pushed(scene, model, SAND, IN_SAND)
-    for body, way, place, plane in driven(scene, model):
-        depth = depths(scene, model.soil, place, way, SAND) if plane else None
+    for body, travel, place, plane in driven(scene, model):
+        depth = depths(scene, model.soil, place, travel, SAND) if plane else None
         if depth is not None and depth.behind > PASSIVE * depth.ahead:
             yield from _retained(body, depth.behind, model.soil.grid.smallest_cell, "moves away from", "its load is")
 
@@ -70,18 +71,18 @@ def pushed_walls(scene, model):
 def pushed(scene, model, laws, told):
     """Texts of a Wedge about walls that end in soil of one of the `laws` and are driven against it."""
     spaces = (1,) if told.in_space is None else (0, 1)
-    for body, way, place, _ in driven(scene, model):
-        depth = depths(scene, model.soil, place, way, laws, spaces)
-        angle = None if depth is None else _angle(body, place, way)
+    for body, travel, place, _ in driven(scene, model):
+        depth = depths(scene, model.soil, place, travel, laws, spaces)
+        angle = None if depth is None else _angle(body, place, travel)
         if angle is not None and angle >= INCLINED and depth.behind <= PASSIVE * depth.ahead:
             yield from _wedge(told, body, depth.ahead, model.soil.grid, angle)
 
 
-def _angle(body, place, way):
+def _angle(body, place, travel):
     """Degrees between the ground and the face with which a body leads, 90 of an upright one and over 90 of one that
     leans forward; None of a round one."""
-    normal = facing(body, place, way)
-    return None if normal is None else float(np.degrees(np.arctan2(normal @ way / np.linalg.norm(way), normal[2])))
+    normal = facing(body, place, travel)
+    return None if normal is None else float(np.degrees(np.arctan2(normal @ travel / np.linalg.norm(travel), normal[2])))
 
 
 def retaining_walls(scene, model):
@@ -92,7 +93,7 @@ def retaining_walls(scene, model):
 
 
 def free_walls(scene, model, laws):
-    """(RigidBody, places (V, 3) [m] of its vertices, way (3,) away from the soil, Sides) of each body that no guide
+    """(RigidBody, places (V, 3) [m] of its vertices, travel (3,) away from the soil, Sides) of each body that no guide
     holds, with soil of one of the `laws` on one side of it and hardly any on the other."""
     soil = model.soil
     if soil.held or not soil.law.plastic or scene.gravity[2] >= 0.0 or soil.grid.collapsed.sum() != 1:
@@ -102,10 +103,10 @@ def free_walls(scene, model, laws):
         if axis > 1 or not body.free[axis]:
             continue
         whole, place = outline(described, body, soil)
-        for way in np.eye(3)[axis], -np.eye(3)[axis]:
-            depth = depths(scene, soil, place, way, laws)
-            if depth is not None and depth.behind > PASSIVE * depth.ahead and leads(whole, place, -way):
-                yield body, place, way, depth
+        for travel in np.eye(3)[axis], -np.eye(3)[axis]:
+            depth = depths(scene, soil, place, travel, laws)
+            if depth is not None and depth.behind > PASSIVE * depth.ahead and leads(whole, place, -travel):
+                yield body, place, travel, depth
 
 
 def footings(scene, model):
@@ -114,14 +115,14 @@ def footings(scene, model):
     if soil.held or scene.gravity[2] >= 0.0 or soil.grid.collapsed.sum() > 1 or soil.grid.collapsed[2]:
         return
     cell = soil.grid.smallest_cell
-    for body, way, place, plane in [*driven(scene, model), *(found[:4] for found in loaded(scene, model))]:
-        bottom, width = place[:, 2].min(), narrowest(soil.grid, place, way)
+    for body, travel, place, plane in [*driven(scene, model), *(found[:4] for found in loaded(scene, model))]:
+        bottom, width = place[:, 2].min(), narrowest(soil.grid, place, travel)
         material = material_at(scene, soil, bottom - 0.5 * cell)
-        if not plane or way[2] >= 0.0 or not width or bottom < top_of(soil) - SHALLOW * width or material.law not in SAND:
+        if not plane or travel[2] >= 0.0 or not width or bottom < top_of(soil) - SHALLOW * width or material.law not in SAND:
             continue
         if clay_under(scene, soil, bottom, width):
             continue        # the base is punched through the sand into it
-        strip = len(list(sides(soil.grid, place, way))) == 1       # over all of the grid along the other axis
+        strip = len(list(sides(soil.grid, place, travel))) == 1       # over all of the grid along the other axis
         excess = WEIGHT * (cell / width)**ORDER if strip else SQUARE * cell / width
         if excess > EXCESS and not covers(place, soil.constants, soil.grid):
             less = "the difference"
@@ -142,7 +143,7 @@ def clay_under(scene, soil, bottom, width):
 def _rising(material):
     """What is told of sand that dilates: φ = ψ = 30°, 8 cells in 2 m, E = 500 MPa: 28, 38, 46 of 14.75 after 6, 30, 60
     mm."""
-    return " and rising with the way as the sand dilates" if material.dilation_angle else ""
+    return " and rising with the distance moved as the sand dilates" if material.dilation_angle else ""
 
 
 def _wedge(told, body, depth, grid, angle):
@@ -150,7 +151,7 @@ def _wedge(told, body, depth, grid, angle):
     law is known without friction only."""
     cell, in_plane_strain = grid.smallest_cell, grid.collapsed.any()
     excess = told.foot * cell / max(depth, cell)
-    if depth < cell or excess <= EXCESS:
+    if depth < LAID * cell or excess <= EXCESS:
         return
     verb = "is" if in_plane_strain or not body.friction else "without friction would be"
     if angle < LEANING:
@@ -160,7 +161,8 @@ def _wedge(told, body, depth, grid, angle):
         remedy = (f"Use cells of at most {EXCESS / told.foot * depth:.2g} m, or extrapolate two sizes of cells to "
                   f"none{told.upright if in_plane_strain else told.in_space}")
     yield (f"{body.name} ends {depth:.3g} m deep in {told.soil}, {depth / cell:.2g} cells of {cell:.3g} m, and drags the "
-           f"next cell along: its load {verb} at least {excess:.0%} too high, limit {EXCESS:.0%}. {remedy}")
+           f"next cell along: the resistance of the soil ahead of it {verb} at least {excess:.0%} too high, limit "
+           f"{EXCESS:.0%}. {remedy}")
 
 
 def _retained(body, depth, cell, does, load):
@@ -174,12 +176,12 @@ def _retained(body, depth, cell, does, load):
                "to none")
 
 
-def depths(scene, soil, place, way, laws, spaces=(1,)):
-    """Sides of an upright wall with its vertices at `place`, moved along a `way`, whose foot is in soil of one of the
+def depths(scene, soil, place, travel, laws, spaces=(1,)):
+    """Sides of an upright wall with its vertices at `place`, moved along a `travel`, whose foot is in soil of one of the
     `laws`, in a grid with one of the numbers `spaces` of axes collapsed: in plane strain unless these have 0; None of
     what is none, goes up or down by more than LEVEL, or ends on a smooth base."""
-    axis, bottom, cell = int(np.argmax(np.abs(way))), place[:, 2].min(), soil.grid.smallest_cell
-    if soil.grid.collapsed.sum() not in spaces or soil.grid.collapsed[2] or abs(way[2]) > LEVEL * abs(way[axis]):
+    axis, bottom, cell = int(np.argmax(np.abs(travel))), place[:, 2].min(), soil.grid.smallest_cell
+    if soil.grid.collapsed.sum() not in spaces or soil.grid.collapsed[2] or abs(travel[2]) > LEVEL * abs(travel[axis]):
         return None
     height, half = levelled(soil, soil.constants.position)[:, 2], soil.constants.half_width[:, 2]
     near = beside(soil, place[:, axis], axis)
@@ -189,7 +191,7 @@ def depths(scene, soil, place, way, laws, spaces=(1,)):
     before = [maximum((height + half)[inside], -np.inf) - bottom for inside in near]
     if place[:, 2].max() < bottom + max(before):    # under the ground
         return None
-    return Sides(*(max(depth, 0.0) for depth in (before[::-1] if way[axis] > 0 else before)))
+    return Sides(*(max(depth, 0.0) for depth in (before[::-1] if travel[axis] > 0 else before)))
 
 
 def beside(soil, reach, axis):

@@ -19,8 +19,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hybrid.monitors.limits.contact import way_along
-from hybrid.monitors.limits.ways import PLANE, faces, outline
+from hybrid.monitors.limits.contact import travel_along
+from hybrid.monitors.limits.loading import PLANE, faces, outline
 from hybrid.runtime.comm import anywhere
 
 ROW = 0.5       # cells from the line nearest to a gap to its farther face, from which on a row is sheared in it
@@ -71,8 +71,9 @@ def _text(one, other, axis, gap, line, cell):
     finer = f", or use cells of at most {gap:.2g} m" if gap > FINER * cell else ""
     return (f"{one} and {other} can slide past each other with a gap of {gap:.2g} m at the line of the grid {axis} = "
             f"{line:.4g} m, limit one cell, {cell:.3g} m: soil is sheared over a row of cells, and they hold the rows on "
-            "both sides of that line, so that the force grows with the way (clay in a shear box 16 cells long: 1.8 times as "
-            f"much with a gap of 0.2 cells, after half a cell). Move the lines of the grid along {axis} by half a cell, so "
+            "both sides of that line, so that the force grows with the distance moved (clay in a shear box 16 cells "
+            "long: 1.8 times as much with a gap of 0.2 cells, after half a cell). "
+            f"Move the lines of the grid along {axis} by half a cell, so "
             f"that the gap lies in the middle of a row{finer}")
 
 
@@ -93,8 +94,8 @@ def _slide(scene, model, pair, across):
     """Whether two bodies can move past each other along an axis of the grid other than `across`."""
     for axis, name in enumerate("xyz"):
         free = any(model.bodies[i].free[axis] for i in pair)
-        ways = [way_along(scene, scene.bodies[i], name) for i in pair]
-        if axis != across and not model.soil.grid.collapsed[axis] and (free or ways[0] != ways[1]):
+        travels = [travel_along(scene, scene.bodies[i], name) for i in pair]
+        if axis != across and not model.soil.grid.collapsed[axis] and (free or travels[0] != travels[1]):
             return True
     return False
 

@@ -13,7 +13,7 @@ Along a round body it slips, at its outline, and the torque depends on where lin
 import numpy as np
 
 from hybrid.monitors.limits.stages import stride_of
-from hybrid.monitors.limits.ways import CLAY, EXCESS, law_at, outline, top_of
+from hybrid.monitors.limits.loading import CLAY, EXCESS, law_at, outline, top_of
 
 SHEARED = 1.3                   # cells by which the sheared surface is wider, and longer, than the body
 BLADES = 0.1                    # share of its surface with which a body pushes soil as it turns; of a round one 0
@@ -69,9 +69,9 @@ def _pushes(body, place, axis):
     corners = place[body.surface.triangles]
     normal = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     arm = corners.mean(axis=1) - 0.5 * (place.min(axis=0) + place.max(axis=0))
-    way = np.cross(np.eye(3)[axis], arm)
-    way /= np.maximum(np.linalg.norm(way, axis=1), 1e-12 * np.ptp(place, axis=0).max())[:, None]
-    return np.abs((normal * way).sum(axis=1)).sum() / np.linalg.norm(normal, axis=1).sum()
+    travel = np.cross(np.eye(3)[axis], arm)
+    travel /= np.maximum(np.linalg.norm(travel, axis=1), 1e-12 * np.ptp(place, axis=0).max())[:, None]
+    return np.abs((normal * travel).sum(axis=1)).sum() / np.linalg.norm(normal, axis=1).sum()
 
 
 LIMITS = (turned,)

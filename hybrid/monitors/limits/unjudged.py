@@ -1,27 +1,27 @@
 """Bodies of so few cells that their load is anyone's guess, and of which no other limit tells by how much.
 
-A block of 0.7 m x 0.5 m pushed 0.12 m into clay and as far forwards, in cells of 0.25 m: 3.6 kN along its way, forwards, and
-7 kN across it, where symmetry has none; with half the cells -7.7 and 2.5 kN, and a quarter less downwards. A smooth square
-of 3 cells bears 12 % too much, of 4 cells 2 %.
+A block of 0.7 m x 0.5 m pushed 0.12 m into clay and as far forwards, in cells of 0.25 m: 3.6 kN along its path,
+forwards, and 7 kN across it, where symmetry has none; with half the cells -7.7 and 2.5 kN, and a quarter less
+downwards. A smooth square of 3 cells bears 12 % too much, of 4 cells 2 %.
 """
 
-from hybrid.monitors.limits.ways import driven, heading, loaded, narrowest, top_of
+from hybrid.monitors.limits.loading import driven, heading, loaded, narrowest, top_of
 
-FEW = 4.0       # cells across the way of a body
+FEW = 4.0       # cells across the travel of a body
 ROUNDED = 0.97  # of FEW, that cells of the size that a text gives may have
 BARELY = 0.05   # cells: bodies that go less deep hardly move the soil
 
 
 def unjudged(scene, model, told):
-    """Bodies less than FEW cells wide across their way through soil that yields; told: texts of other limits."""
+    """Bodies less than FEW cells wide across their path through soil that yields; told: texts of other limits."""
     cell = model.soil.grid.smallest_cell
     found = {_subject(text, model.bodies) for text in told if " cell" in text}
-    for body, way, place, *_ in (*driven(scene, model), *loaded(scene, model)):
-        across = narrowest(model.soil.grid, place, way)
-        deep = top_of(model.soil) - place[:, 2].min() - min(way[2], 0.0)
+    for body, travel, place, *_ in (*driven(scene, model), *loaded(scene, model)):
+        across = narrowest(model.soil.grid, place, travel)
+        deep = top_of(model.soil) - place[:, 2].min() - min(travel[2], 0.0)
         if 0.0 < across < FEW * ROUNDED * cell and deep > BARELY * cell and body.name not in found:
             found.add(body.name)
-            yield (f"{body.name} is {across / cell:.2g} cells of {cell:.3g} m wide across its way {heading(way)}, limit "
+            yield (f"{body.name} is {across / cell:.2g} cells of {cell:.3g} m wide across its path {heading(travel)}, limit "
                    f"{FEW:g}: too few to tell its load (a block of 2 and 3 cells pushed into clay: a quarter too much "
                    "downwards, and the wrong sign sideways). Use cells of at most "
                    f"{across / FEW:.2g} m at it, and compare two sizes of cells")

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from hybrid.monitors.limits.contact import initial_pose, initial_vertices, path_along
-from hybrid.monitors.limits.ways import leads, outline, top_of
+from hybrid.monitors.limits.loading import leads, outline, top_of
 from hybrid.monitors.load_reached import components_of, held_down
 from hybrid.runtime.comm import maximum, minimum, total
 
@@ -88,9 +88,9 @@ def released_bodies(scene, model):
                 break
 
 
-def _loose(scene, soil, body, whole, place, way):
-    """Text about components of a body, moved by a `way` [m] along z from its `place`, that nothing supports; else ""."""
-    cell, gap = soil.grid.smallest_cell, place[:, 2].min() + way - top_of(soil)
+def _loose(scene, soil, body, whole, place, travel):
+    """Text about components of a body, moved by a `travel` [m] along z from its `place`, that nothing supports; else ""."""
+    cell, gap = soil.grid.smallest_cell, place[:, 2].min() + travel - top_of(soil)
     if body.line is not None or body.interface and (body.interface.tension or body.interface.adhesion):
         return ""
     if gap > FLUSH * cell and body.free[2] and (scene.gravity[2] or body.loads):
@@ -114,13 +114,13 @@ def _toppling(scene, soil, body, whole, place, centre):
     if held or not weighs or abs(low - top_of(soil)) > SUNK * cell or scene.soil.ground is not None:
         return ""
     angles = np.linspace(0.0, 2 * np.pi, 72, endpoint=False)
-    ways = np.column_stack([np.cos(angles), np.sin(angles)])
+    travels = np.column_stack([np.cos(angles), np.sin(angles)])
     about = np.where(soil.grid.collapsed[[1, 0]], False, body.free[[4, 3]])     # ry topples along x, rx along y
     if not about.any():
         return ""
-    ways = ways[(np.abs(ways) < 1e-9)[:, ~about].all(axis=1)]
+    travels = travels[(np.abs(travels) < 1e-9)[:, ~about].all(axis=1)]
     bears = place[:, 2] < low + SUNK * cell
-    beside = -((place[bears, :2] - centre[:2]) @ ways.T).max(axis=0).min()
+    beside = -((place[bears, :2] - centre[:2]) @ travels.T).max(axis=0).min()
     if beside <= BESIDE * cell + _between_vertices(whole.surface, bears, place):
         return ""
     return f"stands on an edge or a point {beside:.3g} m beside its centre of mass, about which it topples"

@@ -1,4 +1,4 @@
-"""Ways that limits see: of each stage by itself, along the face that leads, at any angle to the grid."""
+"""Travels that limits see: of each stage by itself, along the face that leads, at any angle to the grid."""
 
 from dataclasses import replace
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hybrid.monitors.limits import cells, sand_cells
-from hybrid.monitors.limits.ways import sides, ways_of
+from hybrid.monitors.limits.loading import sides, travels_of
 from hybrid.runtime.data import GEOMETRY
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Motion, Scene, Soil, Stage, Time
 from hybrid.setup.build import build
@@ -20,7 +20,7 @@ def described(*stages, material=SAND, rotation=None, velocity=(0.0, 0.0, 0.0), z
     strip = Body(GEOMETRY / "box.geo", 2000.0, name="strip", position=(0.0, 0.5, z), rotation=rotation, held=("ry",),
                  driven=("x", "z"), velocity=velocity,
                  parameters={"length": size[0], "width": 1.0, "height": size[1], "size": 20.0}, **values)
-    return Scene(name="way", grid=Grid(Axis(-4.0, 4.0, 0.25), Axis(0.0, 1.0, collapsed=True), Axis(-5.0, 2.0, 0.25),
+    return Scene(name="travel", grid=Grid(Axis(-4.0, 4.0, 0.25), Axis(0.0, 1.0, collapsed=True), Axis(-5.0, 2.0, 0.25),
                                        Faces(z_min="fixed")),
                  soil=Soil(material, top=0.0, geostatic=False), bodies=(strip,), time=Time(1.0, inertia=False),
                  stages=stages or (Stage("one", 10),))
@@ -31,18 +31,19 @@ def drive(name, x=0.0, z=0.0):
     return Stage(name, 10, motions=(Motion(component="x", velocity=x), Motion(component="z", velocity=z)))
 
 
-def ways(*stages):
+def travels(*stages):
     scene = described(*stages)
-    return [tuple(np.round(np.concatenate(pair), 6)) for pair in ways_of(scene, scene.bodies[0], np.array([0, 1, 0], bool))]
+    found = travels_of(scene, scene.bodies[0], np.array([0, 1, 0], bool))
+    return [tuple(np.round(np.concatenate(pair), 6)) for pair in found]
 
 
 def test_each_stage_has_its_way_and_those_of_one_direction_are_one():
     down, further, along = drive("down", z=-0.01), drive("further", z=-0.02), drive("along", x=0.01)
-    assert ways(down, along) == [(0, 0, 0, 0, 0, -0.1), (0, 0, -0.1, 0.1, 0, 0)]
-    assert ways(down, further) == [(0, 0, 0, 0, 0, -0.3)]
-    assert ways(down, along, further) == [(0.1, 0, -0.1, 0, 0, -0.2), (0, 0, -0.1, 0.1, 0, 0)]
-    assert ways(down, drive("up", z=0.01)) == [(0, 0, 0, 0, 0, -0.1), (0, 0, -0.1, 0, 0, 0.1)]
-    assert ways(drive("still")) == []
+    assert travels(down, along) == [(0, 0, 0, 0, 0, -0.1), (0, 0, -0.1, 0.1, 0, 0)]
+    assert travels(down, further) == [(0, 0, 0, 0, 0, -0.3)]
+    assert travels(down, along, further) == [(0.1, 0, -0.1, 0, 0, -0.2), (0, 0, -0.1, 0.1, 0, 0)]
+    assert travels(down, drive("up", z=0.01)) == [(0, 0, 0, 0, 0, -0.1), (0, 0, -0.1, 0, 0, 0.1)]
+    assert travels(drive("still")) == []
 
 
 def told(limit, scene):
@@ -79,7 +80,7 @@ def test_sides_of_a_way_between_the_axes_lie_in_its_plane():
     assert side.axis == 0 and side.width == pytest.approx(2.0)
 
 
-def test_notes_about_several_ways_of_a_body_name_them():
+def test_notes_about_several_travels_of_a_body_name_them():
     scene = described(drive("up", z=0.005), drive("aside", x=0.005), material=CLAY, z=-3.0, size=(1.0, 0.5), adhesion=1.0,
                       tension="full")
     up, aside = told(cells.few_cells, scene)

@@ -1,5 +1,5 @@
-"""Ways of bodies through the soil, as limits see them: which are driven where, with a plane face ahead or not, and what
-soil is there."""
+"""How bodies load the soil: which are driven where, their travel, or pushed by which force, with a plane face ahead or not,
+and what soil is there."""
 
 from dataclasses import replace
 from typing import NamedTuple
@@ -14,78 +14,78 @@ from hybrid.scene.ground import heights
 from hybrid.scene.soil import NUMBERS, of_layer
 
 EXCESS = 0.1                    # of a load, above which it is reported
-PLANE, LEADING = 0.99, 0.5      # cosine between a face and the way; share of what the body covers that such faces are
-ASKEW = 0.75                    # the same of a way askew to the face: a plate moved at 11° to its normal bears 3 % less
+PLANE, LEADING = 0.99, 0.5      # cosine between a face and the travel; share of what the body covers that such faces are
+ASKEW = 0.75                    # the same of a travel askew to the face: a plate moved at 11° to its normal bears 3 % less
 # Share of a load across its main direction, or of the size that it acts beside the centre: inclined or eccentric
 ASIDE = 0.05 * (1.0 + 1e-6)     # not decided by round-off
-ACROSS = 0.1                    # cosine between a way and an axis of the grid that is across it
+ACROSS = 0.1                    # cosine between a travel and an axis of the grid that is across it
 STEEP = 1.5                     # cells: a lower step of the ground is a slope
 CLAY, SAND = "von-mises", {"drucker-prager", "mohr-coulomb", "willam-warnke"}
 
 
 def driven(scene, model):
-    """(RigidBody, way (3,) [m], places (V, 3) [m] of its vertices where it begins, whether a plane face leads) of each way
-    of each driven body."""
+    """(RigidBody, travel (3,) [m], places (V, 3) [m] of its vertices where it begins, whether a plane face leads) of each
+    travel of each driven body."""
     if model.soil.held or not model.soil.law.plastic:
         return
     for described, body in zip(scene.bodies, model.bodies):
-        ways = ways_of(scene, described, model.soil.grid.collapsed)
-        if not ways:
+        travels = travels_of(scene, described, model.soil.grid.collapsed)
+        if not travels:
             continue
         whole, place = outline(described, body, model.soil)
-        for start, way in ways:
-            if body.guided[:3][way != 0.0].all():
-                way = _straight(whole, place, way)
-                yield whole, way, place + start, leads(whole, place, way)
+        for start, travel in travels:
+            if body.guided[:3][travel != 0.0].all():
+                travel = _straight(whole, place, travel)
+                yield whole, travel, place + start, leads(whole, place, travel)
 
 
-def _straight(body, place, way):
-    """A way that is a little askew to an axis of the grid, along which a plane face leads, without what goes along that
+def _straight(body, place, travel):
+    """A travel that is a little askew to an axis of the grid, along which a plane face leads, without what goes along that
     face and hardly loads it; any other one as it is."""
-    normal = facing(body, place, way)
+    normal = facing(body, place, travel)
     if normal is None or np.abs(normal).max() < PLANE:
-        return way
+        return travel
     axis = np.where(np.abs(normal) > PLANE, np.sign(normal), 0.0)
-    return (axis @ way) * axis if axis @ way > ASKEW * np.linalg.norm(way) else way
+    return (axis @ travel) * axis if axis @ travel > ASKEW * np.linalg.norm(travel) else travel
 
 
-def ways_of(scene, described, collapsed):
-    """[(start, way)] (3,) [m] of a driven body: in each stage from its place at the start to the farthest one. Stages in a
-    row, or later, that go the same way are one, the longest."""
+def travels_of(scene, described, collapsed):
+    """[(start, travel)] (3,) [m] of a driven body: in each stage from its place at the start to the farthest one. Stages in
+    a row, or later, that go the same way are one, the longest."""
     paths = [path_along(scene, described, name) for name in "xyz"]
     found, start = [], np.zeros(3)
     for stage in zip(*paths):
         farthest = np.array([max(path, key=lambda place, now=now: abs(place - now)) for path, now in zip(stage, start)])
         end = np.array([path[-1] for path in stage])
-        way = np.where(collapsed, 0.0, farthest - start)
-        if way.any():
-            found = _with(found, start, way)
+        travel = np.where(collapsed, 0.0, farthest - start)
+        if travel.any():
+            found = _with(found, start, travel)
         start = end
     return found
 
 
-def _with(found, start, way):
+def _with(found, start, travel):
     """`found` with another way: of those in one direction the longest, whole where they follow each other in a line."""
-    length = np.linalg.norm(way)
+    length = np.linalg.norm(travel)
     for i, (first, other) in enumerate(found):
-        if way @ other > PLANE * length * np.linalg.norm(other):
-            whole = start + way - first
+        if travel @ other > PLANE * length * np.linalg.norm(other):
+            whole = start + travel - first
             in_line = whole @ other > PLANE * np.linalg.norm(whole) * np.linalg.norm(other)
-            ways = [(first, other), (start, way), *([(first, whole)] if in_line else [])]
-            return [*found[:i], max(ways, key=lambda one: np.linalg.norm(one[1])), *found[i + 1:]]
-    return [*found, (start, way)]
+            travels = [(first, other), (start, travel), *([(first, whole)] if in_line else [])]
+            return [*found[:i], max(travels, key=lambda one: np.linalg.norm(one[1])), *found[i + 1:]]
+    return [*found, (start, travel)]
 
 
-def heading(way):
-    """Words such as "down" or "along x" about the main direction of a way (3,)."""
-    axis = int(np.argmax(np.abs(way)))
-    return ("down", "up")[int(way[2] > 0.0)] if axis == 2 else f"along {'xy'[axis]}"
+def heading(travel):
+    """Words such as "down" or "along x" about the main direction of a travel (3,)."""
+    axis = int(np.argmax(np.abs(travel)))
+    return ("down", "up")[int(travel[2] > 0.0)] if axis == 2 else f"along {'xy'[axis]}"
 
 
 def loaded(scene, model):
-    """(RigidBody, way (3,), places (V, 3) [m], whether a plane face leads, whether the load is inclined, arm [m] on which it
-    acts beside the centre) of each body that is free to follow forces of a stage, or that a point of it drives, and that
-    no other body carries above the soil; the way is the largest component [N] of the largest force."""
+    """(RigidBody, travel (3,), places (V, 3) [m], whether a plane face leads, whether the load is inclined, arm [m] on which
+    it acts beside the centre) of each body that is free to follow forces of a stage, or that a point of it drives, and that
+    no other body carries above the soil; the travel is the largest component [N] of the largest force."""
     if model.soil.held or not model.soil.law.plastic:
         return
     joined = {name for joint in scene.joints for name in joint.bodies}
@@ -97,10 +97,10 @@ def loaded(scene, model):
         whole, place = outline(described, body, model.soil)
         if body.name in joined and place[:, 2].min() > top_of(model.soil) + model.soil.grid.smallest_cell:
             continue        # others carry it
-        way = np.where(np.arange(3) == axis, force, 0.0)
-        inclined = np.abs(np.where(body.free[:3], force - way, 0.0)).max() > ASIDE * abs(force[axis])
+        travel = np.where(np.arange(3) == axis, force, 0.0)
+        inclined = np.abs(np.where(body.free[:3], force - travel, 0.0)).max() > ASIDE * abs(force[axis])
         arm = np.abs(np.where(body.free[3:], moment, 0.0)).max() / abs(force[axis])
-        yield (whole, way, place, leads(whole, place, way), inclined,
+        yield (whole, travel, place, leads(whole, place, travel), inclined,
                arm if arm > ASIDE * np.ptp(place, axis=0).max() else 0.0)
 
 
@@ -117,7 +117,7 @@ def _change(guide):
 def _largest_load(body, rotation):
     """(force [N], moment [N m] about the centre) (3,) of the stage with the largest force on a body at a `rotation`
     (3, 3), at the rows of its tables that are largest. A stage that drives points of it has the forces of 1 N along their
-    ways."""
+    travels."""
     found = [(np.zeros(3), np.zeros(3))]
     for stage in body.stages or ():
         force, moment = np.zeros(3), np.zeros(3)
@@ -139,19 +139,19 @@ def outline(described, body, soil):
     return whole, levelled(soil, initial_vertices(described, whole))
 
 
-def leads(body, place, way):
-    """Whether faces across the way are most of what a body covers in its direction."""
+def leads(body, place, travel):
+    """Whether faces across the travel are most of what a body covers in its direction."""
     normal, area = faces(body, place)
-    covered = normal @ (way / np.linalg.norm(way))
+    covered = normal @ (travel / np.linalg.norm(travel))
     ahead = covered > 0.0
     return covered[covered > PLANE * area].sum() > LEADING * covered[ahead].sum() > 0.0
 
 
-def facing(body, place, way):
-    """Unit normal (3,) of the plane face that is most of what a body covers in the direction of its way, across it or
+def facing(body, place, travel):
+    """Unit normal (3,) of the plane face that is most of what a body covers in the direction of its travel, across it or
     inclined; None of a round one."""
     normal, area = faces(body, place)
-    covered = normal @ (way / np.linalg.norm(way))
+    covered = normal @ (travel / np.linalg.norm(travel))
     ahead = covered > 0.0
     normal, area, covered = normal[ahead], area[ahead], covered[ahead]
     units = normal / area[:, None]
@@ -163,11 +163,11 @@ def facing(body, place, way):
     return None
 
 
-def feet(body, place, way, top):
+def feet(body, place, travel, top):
     """[(Area [m²], places (V, 3) [m] of the vertices)] of the plane parts, apart from each other, that lead a body across
-    its way and are in soil below `top` [m] in the end: one of a block, one of each leg of a table."""
+    its travel and are in soil below `top` [m] in the end: one of a block, one of each leg of a table."""
     normal, area = faces(body, place)
-    triangles = body.surface.triangles[normal @ way > PLANE * area * np.linalg.norm(way)]
+    triangles = body.surface.triangles[normal @ travel > PLANE * area * np.linalg.norm(travel)]
     _, part = np.unique(place.round(9), axis=0, return_inverse=True)     # vertices of a surface may be there twice
     corners = part.ravel()[triangles]
     edges = np.concatenate([corners[:, :2], corners[:, 1:]])
@@ -176,7 +176,7 @@ def feet(body, place, way, top):
     for each in range(number):
         mine = triangles[group[corners[:, 0]] == each]
         vertices = place[np.unique(mine)]
-        if len(mine) and (vertices[:, 2] + min(way[2], 0.0)).min() < top:
+        if len(mine) and (vertices[:, 2] + min(travel[2], 0.0)).min() < top:
             cross = np.cross(place[mine[:, 1]] - place[mine[:, 0]], place[mine[:, 2]] - place[mine[:, 0]])
             found.append((0.5 * float(np.linalg.norm(cross, axis=1).sum()), vertices))
     return found
@@ -190,7 +190,7 @@ def faces(body, place):
 
 
 class Side(NamedTuple):
-    """Extent of a body across its way: width [m]; places [m] of both ends along a unit `direction` (3,); axis of the grid,
+    """Extent of a body across its path: width [m]; places [m] of both ends along a unit `direction` (3,); axis of the grid,
     None of a direction that is along none."""
 
     width: float
@@ -199,9 +199,9 @@ class Side(NamedTuple):
     axis: int | None
 
 
-def sides(grid, place, way):
-    """Sides across the way; an end on a face of the grid, or beyond it, mirrors the other."""
-    unit = way / np.linalg.norm(way)
+def sides(grid, place, travel):
+    """Sides across the travel; an end on a face of the grid, or beyond it, mirrors the other."""
+    unit = travel / np.linalg.norm(travel)
     along = np.flatnonzero(~grid.collapsed & (np.abs(unit) >= ACROSS))
     for axis in np.flatnonzero(~grid.collapsed & (np.abs(unit) < ACROSS)):
         ends, limits = np.array([place[:, axis].min(), place[:, axis].max()]), grid.extent[axis]
@@ -211,16 +211,16 @@ def sides(grid, place, way):
             yield Side(2 * abs(end - middle), np.array([end, end]), np.eye(3)[axis], axis)
         elif inside.any():
             yield Side(np.ptp(ends), ends, np.eye(3)[axis], axis)
-    if len(along) == 2:     # in the plane of the way
+    if len(along) == 2:     # in the plane of the travel
         direction = np.zeros(3)
         direction[along] = -unit[along[1]], unit[along[0]]
         ends = np.array([(place @ direction).min(), (place @ direction).max()])
         yield Side(np.ptp(ends), ends, direction, None)
 
 
-def narrowest(grid, place, way):
-    """Smallest width [m] across the way, 0 where there is none."""
-    return min((side.width for side in sides(grid, place, way)), default=0.0)
+def narrowest(grid, place, travel):
+    """Smallest width [m] across the travel, 0 where there is none."""
+    return min((side.width for side in sides(grid, place, travel)), default=0.0)
 
 
 def step_of_ground(scene, soil):
