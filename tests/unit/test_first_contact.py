@@ -26,7 +26,7 @@ def test_anchor_is_where_the_predicted_path_reaches_the_surface():
 def test_a_point_that_slides_past_the_surface_may_touch_on_the_way():
     """10 um off a face along which it slides 4 mm: if it touches after all, it has slid nearly all the way in contact."""
     surface, body, start = box(), body_at(), np.array([[0.1, 0.2, 0.5]])
-    for off, share in ((0.0, 0.0), (1e-5, 0.05), (1e-4, 0.5), (1e-3, 1.0)):
+    for off, share in ((-1e-6, 0.0), (0.0, 0.0), (1e-5, 0.05), (1e-4, 0.5), (1e-3, 1.0)):
         place = start + (0.0, 0.0, off)
         anchor, side = predicted_contact_points(
             place, place + (0.004, 0.0, 0.0), body, (body.position, body.rotation), surface, np.array([off]))

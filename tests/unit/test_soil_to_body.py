@@ -58,6 +58,9 @@ def test_a_point_that_an_edge_has_left_behind_is_not_pushed_by_the_next_face():
     assert len(contact_of(replace(foot, limits=bond), surface)) == 1
     assert len(contact_of(replace(foot, side=np.array([[-0.8, 0.0, -0.6]])), surface)) == 1     # beside a blunt edge
     assert len(contact_of(replace(foot, outward=None), surface)) == 1
+    round_body, y_round = build_surface(*sphere(2)), np.array([[0.99, 0.0, 0.0]])
+    on_flank = replace(foot, position=y_round, start=y_round, anchor=y_round)
+    assert len(contact_of(on_flank, round_body)) == 1       # around which a point may have flowed
     tipped = exp_so3(np.array([0.0, 0.2, 0.0])).T       # its rear face looks down
     assert (tipped @ [-1.0, 0.0, 0.0])[2] < -0.1
     assert len(contact_of(foot, surface, (np.zeros(3), tipped), y @ tipped.T)) == 1
