@@ -153,11 +153,12 @@ def evaluate(points, position, centre, rotation, surface, friction, tangential):
     """
     y = (position - centre) @ rotation
     closest = closest_points(y, points, surface)
-    if points.outward is not None:
-        closest.gap[_past_an_edge(points, closest, rotation, surface)] = np.inf
+    left = _past_an_edge(points, closest, rotation, surface)
+    closest.gap[left] = np.inf
     if points.facet is not None:
         _hold(closest, y, points.facet, surface)
     rest = np.minimum(np.maximum(points.rest, closest.gap), 0.0)    # a point that comes out will press as any other
+    rest[left] = points.rest[left]
     active = np.flatnonzero(np.isfinite(closest.gap))
     just = np.where(points.rest[active] == 0.0, CLOSED * surface.radius, 0.0)
     pressed = points.stiffness[active] * ((closest.gap - points.rest)[active] - just) < 0.0
@@ -186,7 +187,9 @@ def evaluate(points, position, centre, rotation, surface, friction, tangential):
 
 def _past_an_edge(points, closest, rotation, surface):
     """Contact points that touched a side of the body and are now closest to a plane face at a right angle to it, at which
-    the face of the soil that they are on does not look: an edge of the body has left them behind."""
+    the face of the soil that they are on does not look: an edge of the body has left them behind. Numbers of such points."""
+    if points.outward is None:
+        return np.zeros(0, int)
     touching = np.flatnonzero(points.touching & np.isfinite(closest.gap))
     triangle = closest.triangle[touching]
     normal = surface.normals[triangle]

@@ -14,6 +14,7 @@
 | BodyImpact       | bodies that hit one another lose energy without a cause                 |
 | PlasticIncrement | an increment without inertia adds too much plastic strain               |
 | FlowingSoil      | soil that no body moves flows under its weight, without inertia         |
+| CreepingSoil     | soil at rest creeps, with inertia, as the ghost penalty lets it         |
 | BodyOverlap      | bodies are pressed deep into one another                                |
 | GroundImpact     | bodies that hit held ground lose energy without a cause                 |
 | IdleAdhesion     | clay that touches a body has too little pressure to bear its adhesion   |
@@ -31,6 +32,7 @@ import numpy as np
 from hybrid.monitors.absorbed_impact import AbsorbedImpact
 from hybrid.monitors.body_impact import BodyImpact
 from hybrid.monitors.body_overlap import BodyOverlap
+from hybrid.monitors.creeping_soil import CreepingSoil
 from hybrid.monitors.damped_vibration import DampedVibration
 from hybrid.monitors.domain_exit import DomainExit
 from hybrid.monitors.energy_balance import EnergyBalance
@@ -49,7 +51,7 @@ from hybrid.monitors.untouched import Untouched
 
 MONITORS = (
     DomainExit, LostContact, LostPoints, MissedContact, Penetration, ForceOscillation, EnergyBalance, PlasticIncrement,
-    FlowingSoil, BodyOverlap, JudgedIncrements, AbsorbedImpact, BodyImpact, GroundImpact,
+    FlowingSoil, CreepingSoil, BodyOverlap, JudgedIncrements, AbsorbedImpact, BodyImpact, GroundImpact,
     IdleAdhesion, Untouched, DampedVibration)
 
 __all__ = ["MONITORS", "Monitors", "StepView", *(kind.__name__ for kind in MONITORS)]

@@ -90,19 +90,26 @@ def prepare():
     if world():
         _last_words()
         _roll_call()
-        sys.excepthook = _end_all
+        if not isinstance(sys.excepthook, _EndAll):
+            sys.excepthook = _EndAll(sys.excepthook)
     if rank():
         logging.getLogger("hybrid").setLevel(logging.CRITICAL)
 
 
-def _end_all(*fault):
-    """As sys.excepthook: in place of others that would wait for this process forever when it ends by itself."""
-    alone = not end_together()
-    if alone or rank() == 0:
-        sys.__excepthook__(*fault)
-    if alone:
-        print(f"hybrid: this happened on rank {rank()} of {started()}; the others are ended", file=sys.stderr, flush=True)
-        abort(1)
+class _EndAll:
+    """As sys.excepthook: ends the other processes, which would wait forever for one that ends by itself. before: the hook
+    that reports the fault."""
+
+    def __init__(self, before):
+        self._before = before
+
+    def __call__(self, *fault):
+        alone = not end_together()
+        if alone or rank() == 0:
+            self._before(*fault)
+        if alone:
+            print(f"hybrid: this happened on rank {rank()} of {started()}; the others are ended", file=sys.stderr, flush=True)
+            abort(1)
 
 
 def same_fault(error):

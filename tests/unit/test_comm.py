@@ -101,7 +101,7 @@ ARRAYS = set("""half half_width deformation b_elastic stress plastic_strain affi
 LOCAL = {   # module: why a process may do it by itself
     "soil/lost_points.py": "nothing to change among its own points",
     "contact/contact_points.py": "whether points have domains at all",
-    "contact/interface.py": "several processes refuse clay that sticks",
+    "contact/interface_shares.py": "contact points of all processes, given together",
     "step/joint_terms.py": "rows of joints, which every process has",
     "step/joint_rates.py": "the same",
     "contact/body_to_body.py": "places on bodies, which every process has",

@@ -53,6 +53,7 @@ def test_a_point_that_an_edge_has_left_behind_is_not_pushed_by_the_next_face():
     foot = replace(points, side=np.array([[0.0, 0.0, -1.0]]), outward=np.array([[0.0, 0.0, 1.0]]))
     assert len(contact_of(foot, surface)) == 0
     assert len(contact_of(foot, surface, place=y + [[2e-6, 0.0, 0.0]])) == 1       # not yet
+    assert contact_of(replace(foot, rest=np.full(1, -1e-6)), surface).rest == -1e-6     # kept for the next step
     assert len(contact_of(replace(foot, touching=np.zeros(1, bool)), surface)) == 1
     bond = PlaceLimits(np.zeros(0), np.full(1, np.inf), np.zeros(1, bool))
     assert len(contact_of(replace(foot, limits=bond), surface)) == 1
