@@ -108,7 +108,8 @@ class _EndAll:
         if alone or rank() == 0:
             self._before(*fault)
         if alone:
-            print(f"hybrid: this happened on rank {rank()} of {started()}; the others are ended", file=sys.stderr, flush=True)
+            print(f"hybrid: this happened on rank {rank()} of {started()}; the others are ended", file=sys.stderr)
+            sys.stderr.flush()
             abort(1)
 
 
