@@ -40,6 +40,7 @@ from time import perf_counter
 import numpy as np
 
 from hybrid.body import rigid
+from hybrid.contact.assembly import Tangent
 from hybrid.runtime import comm, timing
 from hybrid.runtime.memory import peak_memory
 from hybrid.soil.model import Refusal
@@ -137,6 +138,7 @@ def _measured(simulation, model, workspace):
         return begin(model, state, length, False, workspace)
 
     parts, random = _Timed(), np.random.default_rng(1)
+    kind = Tangent.CONSISTENT if model.scheme.inertia else Tangent.DEFINITE      # that of most updates
     while parts.again():
         if effort.renumbers:
             workspace.renew(model)
@@ -147,7 +149,7 @@ def _measured(simulation, model, workspace):
         refused = isinstance(step.evaluate(step.predictor()), Refusal)
         guess = step.at_rest() if refused else step.predictor()
         evaluation = parts.time("evaluation", lambda: step.evaluate(guess))
-        parts.time("tangent", lambda: step.assemble(evaluation, softening=model.scheme.inertia))
+        parts.time("tangent", lambda: step.assemble(evaluation, kind))
         right = random.normal(size=len(evaluation.soil)), random.normal(size=len(evaluation.body))
         krylov = parts.time("solution", lambda: step.system.solve(*right))[2]
         parts.time("end", lambda: _end(step, evaluation))

@@ -137,6 +137,7 @@ def _ground(key, soil, grid, top):
     low, high = grid.z.start, top
     yield from need(low < z.min() and z.max() <= high + 1e-9 * (high - low), key, f"{z.min():g} to {z.max():g} m",
                     f"above {low:g} m, the end of the grid, and at most soil.top = {high:g} m",
+                    "lower grid.z.start, or raise the ground" if z.min() <= low else
                     "raise soil.top and grid.z.end, or lower the ground")
 
 

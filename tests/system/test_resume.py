@@ -232,10 +232,10 @@ def test_a_resumed_run_keeps_its_notes(geometry, tmp_path):
     def notes(part):
         return json.loads((tmp_path / part / "summary.json").read_text())["notes"]
 
-    hybrid.run(described(8), out=tmp_path / "whole", quiet=True)
-    hybrid.run(described(4), out=tmp_path / "parts", quiet=True)
+    hybrid.run(described(9), out=tmp_path / "whole", quiet=True)
+    hybrid.run(described(6), out=tmp_path / "parts", quiet=True)
     before = notes("parts")
-    hybrid.run(described(8), out=tmp_path / "parts", resume=True, quiet=True)
+    hybrid.run(described(9), out=tmp_path / "parts", resume=True, quiet=True)
     assert before and notes("parts") == notes("whole")
     assert sum("impact" in text for text in notes("whole")) == 1
 
