@@ -49,7 +49,7 @@ class AbsorbedImpact(Monitor):
             # bodies that fall again and again lose more than they ever had at a time
             fallen = max(self._falling, lost)
             yield "absorbed", (
-                f"impact: {lost:.3g} J of the {fallen:.3g} J of falling bodies are lost without a cause in the balance "
+                f"impact: {lost:.3g} J of the {fallen:.3g} J of moving bodies are lost without a cause in the balance "
                 f"up to t = {view.state.time:.4g} s ({lost / fallen:.0%}, limit {ABSORBED:.0%}): "
                 f"{self._cause(view)}")
 

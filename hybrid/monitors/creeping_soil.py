@@ -13,8 +13,9 @@ from hybrid.runtime.comm import total
 
 STEPS = 50          # in a row
 SLOW = 10.0         # times its kinetic energy that soil dissipates in a step: weight that sinks by v Δt against m v²/2
-# Of a cell by which the weight of the soil would sink with what these steps dissipate: a bank that stands has a tenth of it
-LEAST = 1e-4
+# Of a cell by which the weight of the soil would sink with what these steps dissipate: a heap that is all
+# but at rest has a fifth of it
+LEAST = 1e-3
 DISSIPATED, BROUGHT = ("plastic", "ghost"), ("drive", "pull", "load")
 
 

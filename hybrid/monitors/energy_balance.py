@@ -6,6 +6,7 @@ from hybrid.monitors.monitor import Monitor
 
 # Share of the largest energy stored so far (kinetic, elastic, contact springs; quasi-static: with what was dissipated)
 GAIN = 0.25
+OF_WORK = 0.02  # of the work from outside, of which a slow plough stores next to nothing
 # Steps at the start of a run in which no gain counts while the stored energy grows by this factor in a step
 START, GROWTH = 5, 1.5
 # Steps for which a gain is above its limit, with and without inertia: where guides take hold of a body between two of them,
@@ -40,7 +41,8 @@ class EnergyBalance(Monitor):
         spent = 0.0 if scheme.inertia else energy.get("plastic", 0.0) + energy.get("friction", 0.0)
         stored = self._largest = max(before, energy["kinetic"] + energy["elastic"] + energy["contact"] + spent)
         scale = max(stored, self._least)
-        above = gain > max(GAIN * scale, ROUND_OFF) and stored > 0
+        work = OF_WORK * sum(abs(energy.get(name, 0.0)) for name in ("drive", "pull", "load"))
+        above = gain > max(GAIN * scale, work, ROUND_OFF) and stored > 0
         self._began = (view.state.time if self._began is None else self._began) if above else None
         self._above = self._above + 1 if above else 0
         if self._above >= LASTING[scheme.inertia] and (self._steps > START or stored <= GROWTH * before):

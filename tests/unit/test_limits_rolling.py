@@ -3,7 +3,9 @@ about it."""
 
 import numpy as np
 import pytest
+from contact_bed import ball, box
 
+from hybrid.monitors.limits.contact import is_round
 from hybrid.monitors.limits.rolling import FORCE, LIMIT, RESOLVED, rolls_on_lattice, towed_roller
 from hybrid.runtime.data import GEOMETRY
 from hybrid.scene import Axis, Body, Faces, Grid, Joint, Load, Material, Motion, Scene, Soil, Stage, Time
@@ -39,6 +41,12 @@ def notes(*given, **more):
 def test_a_sphere_at_rest_on_coarse_cells_is_reported(cell, material, words):
     found, = notes(cell, material, friction=None if material is CLAY else 0.5)
     assert all(word in found for word in words) and "without gaining energy" in found and "soil.held = true" in found
+
+
+def test_a_box_of_eight_vertices_is_not_round():
+    """All of which are as far from its middle; a polyhedron of many faces is."""
+    for surface, found in ((box(), False), (box(half=(0.3, 0.2, 0.5)), False), (ball(rings=6), True)):
+        assert is_round(surface, np.linalg.norm(surface.vertices, axis=1)) == found
 
 
 def test_clay_that_begins_without_strength_is_reported_without_a_warning():

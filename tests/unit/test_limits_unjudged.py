@@ -28,6 +28,17 @@ def test_a_block_of_three_cells_is_told_of_and_one_of_four_is_not(size, count):
     assert all("body is 3 cells of 0.2 m wide across its path down, limit 4" in text for text in found)
 
 
+def test_a_belt_under_the_soil_pushes_none():
+    """It is driven along x below all of it."""
+    belt = box(1.0, 0.6, 0.3, density=1e3, position=(0.0, 0.0, -0.45), held=("y", "z", "rx", "ry", "rz"), driven=("x",),
+               velocity=(0.05, 0.0, 0.0), friction=0.3)
+    for lower, count in ((-0.6, 1), (-0.2, 0)):
+        scene = put_on_soil(belt, size=0.2, x=(-1.2, 1.2), y=(-1.2, 1.2), z=(-1.2, 0.6), steps=5)
+        scene = replace(scene, soil=replace(scene.soil, lower=(-1.2, -1.2, lower), geostatic=False))
+        simulation = build(scene)
+        assert len(list(unjudged(simulation.scene, simulation.model, ()))) == count
+
+
 def test_what_hardly_moves_or_has_its_own_limit_is_not():
     assert not texts(0.2, z=-1e-4)[0] and not texts(0.2, told=["body has 3 cells in its base"])[0]
     assert texts(0.2, told=["other has 3 cells in its base"])[0] and texts(0.2, told=["bodyguard has 3 cells"])[0]

@@ -17,9 +17,9 @@ of the force. A flat disc of 3 to 6 cells in its radius has no such excess: 3 to
 import numpy as np
 
 from hybrid.body.symmetry import copies
-from hybrid.monitors.limits.contact import travel_along
-from hybrid.monitors.limits.rolling import ROUND, contact_radius
+from hybrid.monitors.limits.contact import is_round, travel_along
 from hybrid.monitors.limits.loading import EXCESS, material_at, outline, top_of
+from hybrid.monitors.limits.rolling import contact_radius
 
 HIGHEST = ((0.75, 0.58), (1.06, 0.26), (1.3, 0.18), (1.6, 0.1))     # (a/h, excess [-] at the worst place in a cell)
 COARSE, RESOLVED = HIGHEST[0][0], HIGHEST[-1][0]                    # a/h
@@ -37,7 +37,7 @@ def unresolved_contact(scene, model):
     for described, body in zip(scene.bodies, model.bodies):
         whole, place = outline(described, body, soil)
         distance = np.linalg.norm(place - 0.5 * (place.min(axis=0) + place.max(axis=0)), axis=1)
-        if distance.max() > ROUND * distance.min():
+        if not is_round(whole.surface, distance):
             continue
         radius, travel = distance.mean(), travel_along(scene, described, "z")
         driven = travel < 0.0 and body.guided[2]

@@ -18,7 +18,7 @@ import numpy as np
 
 from hybrid.body.rigid import FREEDOMS
 from hybrid.body.symmetry import copies
-from hybrid.monitors.limits.contact import initial_pose, initial_vertices, travel_along
+from hybrid.monitors.limits.contact import initial_pose, initial_vertices, is_round, travel_along
 from hybrid.monitors.limits.loading import CLAY, material_at, top_of
 from hybrid.runtime.comm import maximum
 
@@ -30,7 +30,6 @@ BEARING = 6.0       # pressure under a round body that has sunk into clay, over 
 # Cylinder of 1 m towed over clay under 17.7 kN/m, s_u = 10 kPa, by its diameter: 60, 105, 115 mm deep, 9.7, 12.3, 12.9 kN/m
 # with 3.4, 5.5, 6.9 cells on the width that a strip would need
 STRIP, CHORD, BARELY = 5.14, 6.5, 0.5
-ROUND = 1.25        # largest over smallest distance of a round body's surface from its centre of mass
 
 
 def rolls_on_lattice(scene, model):
@@ -44,7 +43,8 @@ def rolls_on_lattice(scene, model):
     joined = {name for joint in scene.joints for name in joint.bodies}
     for described, body in zip(scene.bodies, model.bodies):
         distance = np.linalg.norm(body.surface.vertices, axis=1)
-        if body.name in joined or distance.max() > ROUND * distance.min() or not _rests(described, body) or not _rolls(body):
+        rolls = is_round(body.outline, distance) and _rests(described, body) and _rolls(body)
+        if body.name in joined or not rolls:
             continue
         radius, cell = distance.mean(), soil.grid.smallest_cell
         weight = copies(body.mirrors) * body.mass.mass * abs(gravity[2])
@@ -69,7 +69,7 @@ def towed_roller(scene, model):
         distance = np.linalg.norm(initial_vertices(described, body)[:, [across[0], 2]]
                                   - initial_pose(described, body)[0][[across[0], 2]], axis=1)
         moved = travel_along(scene, described, "xy"[across[0]]) or described.velocity[across[0]]
-        if material.law != CLAY or not material.strength or not moved or distance.max() > ROUND * distance.min():
+        if material.law != CLAY or not material.strength or not moved or not is_round(body.outline, distance):
             continue
         forces = [load.force for stage in body.stages or () for load in stage.loads if load.force is not None]
         weight = -body.mass.mass * scene.gravity[2] - min((force.values[:, 2].min() for force in forces), default=0.0)

@@ -5,10 +5,14 @@ forwards, and 7 kN across it, where symmetry has none; with half the cells -7.7 
 downwards. A smooth square of 3 cells bears 12 % too much, of 4 cells 2 %.
 """
 
+import numpy as np
+
 from hybrid.monitors.limits.loading import driven, heading, loaded, narrowest, top_of
+from hybrid.runtime.comm import anywhere
 
 FEW = 4.0       # cells across the travel of a body
 ROUNDED = 0.97  # of FEW, that cells of the size that a text gives may have
+AHEAD = 2.0     # cells that a body pushes beyond its path
 BARELY = 0.05   # cells: bodies that go less deep hardly move the soil
 
 
@@ -16,15 +20,28 @@ def unjudged(scene, model, told):
     """Bodies less than FEW cells wide across their path through soil that yields; told: texts of other limits."""
     cell = model.soil.grid.smallest_cell
     found = {_subject(text, model.bodies) for text in told if " cell" in text}
-    for body, travel, place, *_ in (*driven(scene, model), *loaded(scene, model)):
+    moves = [(body, travel, travel, place) for body, travel, place, _ in driven(scene, model)]
+    moves += [(body, force, cell * force / np.linalg.norm(force), place) for body, force, place, *_ in loaded(scene, model)]
+    for body, travel, moved, place in moves:
         across = narrowest(model.soil.grid, place, travel)
         deep = top_of(model.soil) - place[:, 2].min() - min(travel[2], 0.0)
-        if 0.0 < across < FEW * ROUNDED * cell and deep > BARELY * cell and body.name not in found:
+        few = 0.0 < across < FEW * ROUNDED * cell and deep > BARELY * cell
+        if few and body.name not in found and _pushes(model.soil, place, moved):
             found.add(body.name)
             yield (f"{body.name} is {across / cell:.2g} cells of {cell:.3g} m wide across its path {heading(travel)}, limit "
                    f"{FEW:g}: too few to tell its load (a block of 2 and 3 cells pushed into clay: a quarter too much "
                    "downwards, and the wrong sign sideways). Use cells of at most "
                    f"{across / FEW:.2g} m at it, and compare two sizes of cells")
+
+
+def _pushes(soil, place, moved):
+    """Whether there is soil in front of a body with vertices at `place` (V, 3) [m] that is `moved` (3,) [m]: of a belt under
+    sand there is none."""
+    at, ahead = soil.constants.position, moved + AHEAD * soil.grid.smallest_cell * np.sign(moved)
+    low, high = place.min(axis=0), place.max(axis=0)
+    inside = ((at > low) & (at < high)) | soil.grid.collapsed
+    swept = ((at > low + np.minimum(ahead, 0.0)) & (at < high + np.maximum(ahead, 0.0))) | soil.grid.collapsed
+    return anywhere(swept.all(axis=1) & ~inside.all(axis=1))
 
 
 def _subject(text, bodies):
