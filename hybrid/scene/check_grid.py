@@ -1,6 +1,8 @@
 """The grid of a scene: keys that exclude, need or limit one another, as faults with value, limit and remedy."""
 
-from hybrid.scene.grid import ROUNDED
+from math import ceil
+
+from hybrid.scene.grid import ROUNDED, cells_between
 from hybrid.scene.table import need, shown
 
 
@@ -12,6 +14,30 @@ def grid_faults(scene):
     yield from need(len(collapsed) < 3, "grid", ", ".join(collapsed) + " collapsed",
                     "one axis at least uncollapsed", "set collapsed = false where the soil deforms")
     yield from _moving_grid(scene)
+    yield from _ends_of_soil(scene)
+
+
+def _ends_of_soil(scene):
+    """Faults of an interval `fine` in which no line lies at an end of the soil, because it is no whole number of cells."""
+    soil = scene.soil
+    ends = [("z", "soil.top", soil.top)]
+    for corner in ("lower", "upper"):
+        ends += [(name, f"soil.{corner}[{i}]", x) for i, (name, x) in enumerate(zip("xyz", getattr(soil, corner) or ()))]
+    for name, key, x in ends:
+        axis = getattr(scene.grid, name)
+        if axis.fine is None or x is None or axis.collapsed or None in (axis.start, axis.end, axis.size) or axis.size <= 0:
+            continue
+        low, high = axis.fine
+        if not axis.start <= low < x < high <= axis.end:
+            continue
+        cells = cells_between(low, high, axis.size)
+        place = (x - low) / (high - low) * cells
+        fine = x - ceil((x - low) / axis.size) * axis.size, x + ceil((high - x) / axis.size) * axis.size
+        fine = max(fine[0], axis.start), min(fine[1], axis.end)
+        yield from need(abs(place - round(place)) < ROUNDED, key, x,
+                        f"on a line of the grid, because points fill whole cells, and grid.{name}.fine = {shown(axis.fine)} "
+                        f"has {cells} cells of {(high - low) / cells:.4g} m without one there",
+                        f"use grid.{name}.fine = {shown(tuple(round(end, 9) for end in fine))}")
 
 
 def _axis(key, axis):

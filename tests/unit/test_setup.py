@@ -67,8 +67,10 @@ def test_soil_ends_on_grid_lines(soil, words):
 
 
 def test_fine_cells_of_a_graded_axis_do_not_end_on_the_surface():
-    with pytest.raises(SceneError, match=r"a line lies at 0 m, with whole cells between the ends of grid\.z\.fine"):
+    with pytest.raises(SceneError, match=r"soil.top = 0: .* use grid\.z\.fine = \[-0.6, 1\]"):
         build(scene(z=Axis(-2.0, 1.0, 0.2, fine=(-0.5, 1.0), growth=1.3)))
+    with pytest.raises(SceneError, match=r"a line lies at 0 m, with whole cells between the ends of grid\.z\.fine"):
+        build(scene(z=Axis(-2.0, 1.0, 0.2, fine=(-1.5, -0.5), growth=1.3)))
 
 
 def test_the_box_of_soil_is_cut_by_the_grid():
