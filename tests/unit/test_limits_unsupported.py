@@ -136,7 +136,7 @@ def hinged(rise=0.2, angle=0.0, point=(-0.2, 0.0, 0.1), joint=None, **table):
 
 
 @pytest.mark.parametrize("changed", [{}, {"angle": 20.0, "rise": 0.4}, {"joint": {"kind": "ball", "axis": None}},
-                                     {"joint": {"bodies": ("arm",)}}, {"joint": {"friction_moment": 1.0}}])
+                                     {"joint": {"friction_moment": 1.0}}])
 def test_an_arm_that_hangs_on_a_hinge_above_the_soil(changed):
     text, = hinged(**changed)
     assert text.startswith("arm hangs on pin, 0.") and "weight turns it" in text and "body.held" in text

@@ -140,7 +140,10 @@ def _pushed(scene, body, axis):
 
 def swinging_bodies(scene, model):
     """Bodies above the soil on a single hinge or ball joint, about which their weight turns them."""
-    if model.scheme.inertia or not np.any(scene.gravity):
+    stage, pair = scene.stages[0], [number for joint in model.joints for number in joint.bodies if number is not None]
+    staged = model.for_stage(stage.held, number=0)
+    others = set(range(len(model.bodies))) - set(pair)      # on which it may lie
+    if model.scheme.inertia or not np.any(scene.gravity) or staged.guides or others:
         return
     top, cell = top_of(model.soil), model.soil.grid.smallest_cell
     joined = [number for joint in model.joints for number in joint.bodies]
@@ -148,11 +151,11 @@ def swinging_bodies(scene, model):
         for number, point in zip(joint.bodies, joint.points):
             if number is None or joint.length is not None or len(joint.pairs) > 2 or joined.count(number) > 1:
                 continue
-            body, of_scene = model.bodies[number], scene.bodies[number]
+            body, of_scene = staged.bodies[number], scene.bodies[number]
             gap = initial_vertices(of_scene, body)[:, 2].min() - top
             moment = np.cross(initial_pose(of_scene, body)[1] @ -point, scene.gravity) * body.free[3:]   # of a unit of mass
             along = [described.axis / np.linalg.norm(described.axis)] if described.axis else np.eye(3)
-            free = (body.free[:3] | model.soil.grid.collapsed).all() and body.line is None
+            free = (body.free[:3] | model.soil.grid.collapsed).all() and body.line is None and not body.loads
             turning = max(abs(moment @ axis) for axis in along)
             held = joint.friction > body.mass.mass * turning or joint.limits is not None
             if free and not held and gap > FLUSH * cell and turning > BALANCED * body.radius * np.linalg.norm(scene.gravity):
