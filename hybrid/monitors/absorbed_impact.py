@@ -14,7 +14,7 @@ ABSORBED = 0.15     # of the largest kinetic energy of the bodies, over a run
 FALLING = 0.5       # smallest share of the energy that stored so far is that of the bodies' motion
 AT_ONCE = 0.6       # of the loss, in one step: steps that resolve an impact spread it over some
 STOPPED = 0.5       # of the largest energy of their motion, below which an impact has stopped bodies
-BROUGHT = ("pull", "drive", "load")
+BROUGHT, STORED = ("pull", "drive", "load"), ("kinetic", "elastic", "contact")
 SMALL = 0.01        # of the energy of a fall from the radius of the bodies: what has less settles on soil or contact springs
 
 
@@ -29,19 +29,23 @@ class AbsorbedImpact(Monitor):
         self._falling = self._stored = 0.0 if state is None else motion_energy(model.bodies, state.bodies)
         self._sudden = False                # whether most of what is lost at first is lost in one step
         self._error = self._at_once = 0.0   # [J], of the balance at the last step, and its largest loss in a step
+        self._base, self._work = 0.0, [0.0] * len(BROUGHT)      # [J], error and work when others last moved the bodies
 
     def warnings(self, view):
         """Energy, share, limit and remedy."""
         energy, soil = view.energy, view.model.soil
         if not view.scheme.inertia or view.scheme.first_order or soil.held or not soil.law.plastic:
             return
-        moving = motion_energy(view.model.bodies, view.state.bodies)
+        moving, stored = motion_energy(view.model.bodies, view.state.bodies), sum(energy[name] for name in STORED)
+        work = [energy.get(name, 0.0) for name in BROUGHT]
+        if work != self._work and not self.given("absorbed"):     # what a drive has lifted falls from now on
+            self._falling, self._stored, self._at_once, self._base = moving, stored, 0.0, energy["error"]
+            self._error, self._work = energy["error"], work
         self._falling = max(self._falling, moving)
         self._at_once, self._error = max(self._at_once, self._error - energy["error"]), energy["error"]
-        self._stored = max(self._stored, energy["kinetic"] + energy["elastic"] + energy["contact"])
-        brought, lost = view.struck or any(energy.get(name, 0.0) for name in BROUGHT), -energy["error"]
+        self._stored, lost = max(self._stored, stored), self._base - energy["error"]
         fell = max(self._falling, least_energy(view.model))
-        impact = not brought and self._falling > FALLING * self._stored and lost > ABSORBED * fell > 0.0
+        impact = not view.struck and self._falling > FALLING * self._stored and lost > ABSORBED * fell > 0.0
         impact = impact and moving < STOPPED * self._falling    # a ball that rolls down clay goes faster and faster
         if impact and not self.given("absorbed"):
             self._sudden = self._at_once > AT_ONCE * lost

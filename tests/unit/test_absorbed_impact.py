@@ -10,21 +10,22 @@ from hybrid.monitors.absorbed_impact import AbsorbedImpact
 
 
 def notes(errors, elastic=0.0, plastic=True, first_order=False, inertia=True, monitor=None, gravity=9.81, then=0.0,
-          **energy):
+          until=99, speeds=(), **energy):
     """Of steps with these errors [J] of a body of 2 kg that falls with 10 m/s, 100 J, and stands still from the second
-    step on, or has a speed `then`."""
+    step on, or has a speed `then`, or these speeds. Work from outside grows `until` a step."""
     body = SimpleNamespace(mass=SimpleNamespace(mass=2.0, inertia=np.eye(3)), radius=0.5)
     model = SimpleNamespace(bodies=(body,), soil=SimpleNamespace(held=False, law=SimpleNamespace(plastic=plastic)),
                             gravity=np.array([0.0, 0.0, -gravity]))
     monitor, found = monitor or AbsorbedImpact(None, None), []
     for time, error in enumerate(errors):
-        velocity = np.array([0.0, 0.0, then if time else -10.0])
+        velocity = np.array([0.0, 0.0, speeds[time] if speeds else then if time else -10.0])
         motion = SimpleNamespace(velocity=velocity, spin=np.zeros(3), rotation=np.eye(3))
         found += monitor.notes(StepView(
             model=model, state=SimpleNamespace(time=float(time), bodies=(motion,)),
             scheme=SimpleNamespace(inertia=inertia, first_order=first_order),
             report=SimpleNamespace(error=None, evaluation=SimpleNamespace(contacts=(None,), pairs=None)),
-            energy={"kinetic": 0.0 if time else 100.0, "elastic": elastic, "contact": 0.0, "error": error} | energy))
+            energy={"kinetic": 0.0 if time else 100.0, "elastic": elastic, "contact": 0.0, "error": error}
+            | {name: value * min(time, until) for name, value in energy.items()}))
     return found
 
 
@@ -32,6 +33,14 @@ def test_small_losses_that_add_up_are_reported_once():
     assert notes([0.0, -7.0, -14.0]) == []
     text, = notes([0.0, -7.0, -16.0, -24.0])
     assert "16 J of the 100 J" in text and "t = 2 s (16%, limit 15%)" in text and "smaller cells" in text
+
+
+def test_a_body_that_a_drive_has_lifted_is_judged_from_there_on():
+    """30 % of the energy of a ram that was lifted and dropped were lost; so is what a drive does in each step not."""
+    lifted = {"errors": [0.0, -40.0, -40.0, -70.0], "drive": 1.0, "speeds": [0.0, 0.0, -10.0, 0.0]}
+    text, = notes(**lifted, until=1)
+    assert "30 J of the 100 J" in text
+    assert notes(**lifted) == []
 
 
 def test_a_body_that_goes_on_has_hit_nothing():
