@@ -34,6 +34,16 @@ def facets(points, contact, surface):
     return facet
 
 
+def hold(closest, y, facet, surface):
+    """Put the ClosestPoints of contact points at y (m, 3) [m] in the body frame on the planes of the facets (m,) to which
+    they are held."""
+    held = np.flatnonzero(facet >= 0)
+    normal = surface.tree.normals[facet[held], 0]
+    gap = np.einsum("ci,ci->c", y[held] - surface.vertices[surface.triangles[facet[held], 0]], normal)
+    closest.gap[held], closest.triangle[held], closest.feature[held] = gap, facet[held], 0
+    closest.foot[held] = y[held] - gap[:, None] * normal
+
+
 def facet_error(points, contact, position, centre, rotation, surface):
     """Largest difference of the gap to a held facet from that to the surface, relative to the overlap that gives the
     pressure [-]. position: (m, 3) [m] of the points; centre, rotation: pose of the body."""

@@ -41,6 +41,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hybrid.body.closest import gap_geometry
+from hybrid.contact import held_facets
 from hybrid.contact.closest_points import CLOSED, closest_points
 from hybrid.contact.interface import RAMP, PlaceLimits, shear_limit, work_to_break
 from hybrid.runtime.comm import maximum, total
@@ -156,7 +157,7 @@ def evaluate(points, position, centre, rotation, surface, friction, tangential):
     left = _past_an_edge(points, closest, rotation, surface)
     closest.gap[left] = np.inf
     if points.facet is not None:
-        _hold(closest, y, points.facet, surface)
+        held_facets.hold(closest, y, points.facet, surface)
     rest = np.minimum(np.maximum(points.rest, closest.gap), 0.0)    # a point that comes out will press as any other
     rest[left] = points.rest[left]
     active = np.flatnonzero(np.isfinite(closest.gap))
@@ -186,26 +187,17 @@ def evaluate(points, position, centre, rotation, surface, friction, tangential):
 
 
 def _past_an_edge(points, closest, rotation, surface):
-    """Contact points that touched a side of the body and are now closest to a plane face at a right angle to it, at which
-    the face of the soil that they are on does not look: an edge of the body has left them behind. Numbers of such points."""
-    if points.outward is None:
-        return np.zeros(0, int)
-    touching = np.flatnonzero(points.touching & np.isfinite(closest.gap))
+    """Numbers of contact points that touched a side of the body and are now closest to a plane face at a right angle to it,
+    at which the face of the soil that they are on does not look: an edge of the body has left them behind."""
+    touching = np.flatnonzero(points.touching & np.isfinite(closest.gap) & (points.outward is not None))
+    if not len(touching):
+        return touching
     triangle = closest.triangle[touching]
     normal = surface.normals[triangle]
     turned = np.einsum("ci,ci->c", normal, points.side[touching]) < BESIDE
     looks = -np.einsum("ci,ci->c", points.outward[touching], normal @ rotation.T) > BESIDE
     past = touching[turned & ~looks & ~surface.curved[triangle]]
     return past[points.limits.tension[past] == 0.0] if len(points.limits.tension) else past
-
-
-def _hold(closest, y, facet, surface):
-    """Put the closest points of held points on the planes of their facets (contact/held_facets.py)."""
-    held = np.flatnonzero(facet >= 0)
-    normal = surface.tree.normals[facet[held], 0]
-    gap = np.einsum("ci,ci->c", y[held] - surface.vertices[surface.triangles[facet[held], 0]], normal)
-    closest.gap[held], closest.triangle[held], closest.feature[held] = gap, facet[held], 0
-    closest.foot[held] = y[held] - gap[:, None] * normal
 
 
 def commit(points, position, contact):

@@ -19,8 +19,6 @@ TANGENTIAL_RATIO = 0.3      # ε_T/ε_N [-]: below it a rolling sphere creeps by
 SPACINGS = 2.0              # width of a body over the spacing of contact points [-]: below it too few sample the body
 # Thickness of a wall with clay on both sides, in cells: thinner ones may have no grid line free of soil between
 ROUNDED = 0.99  # of a limit, as a text gives the size of cells to two digits
-ROUND = 1.25    # largest over smallest distance of a round body's surface from its middle
-SIDES = 12      # different normals of a round body
 THICKNESS = 2.0
 THIN_SHARE = 0.25           # of the surface in clay, that is thinner
 ACROSS = 0.3                # cosine: faces that a driven body moves along are not parted from the soil
@@ -275,12 +273,6 @@ def levelled(soil, place):
         return place
     height = np.minimum(heights_at(soil.heights[0], place[:, :2]), soil.heights[1])
     return place + np.array([0.0, 0.0, 1.0]) * (top_of(soil) - height)[:, None]
-
-
-def is_round(outline, distance):
-    """Whether a body is, by distances (V,) [m] of its vertices from its middle and the SIDES of its `outline`, a
-    ContactSurface: the corners of a box are all as far from its middle."""
-    return distance.max() <= ROUND * distance.min() and len(np.unique(outline.normals.round(3), axis=0)) >= SIDES
 
 
 def initial_vertices(described, body):

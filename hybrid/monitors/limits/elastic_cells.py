@@ -17,8 +17,8 @@ of the force. A flat disc of 3 to 6 cells in its radius has no such excess: 3 to
 import numpy as np
 
 from hybrid.body.symmetry import copies
-from hybrid.monitors.limits.contact import is_round, travel_along
-from hybrid.monitors.limits.loading import EXCESS, material_at, outline, top_of
+from hybrid.monitors.limits.contact import travel_along
+from hybrid.monitors.limits.loading import EXCESS, is_round, material_at, outline, top_of
 from hybrid.monitors.limits.rolling import contact_radius
 
 HIGHEST = ((0.75, 0.58), (1.06, 0.26), (1.3, 0.18), (1.6, 0.1))     # (a/h, excess [-] at the worst place in a cell)

@@ -20,6 +20,8 @@ ASKEW = 0.75                    # the same of a travel askew to the face: a plat
 ASIDE = 0.05 * (1.0 + 1e-6)     # not decided by round-off
 ACROSS = 0.1                    # cosine between a travel and an axis of the grid that is across it
 STEEP = 1.5                     # cells: a lower step of the ground is a slope
+ROUND = 1.25    # largest over smallest distance of a round body's surface from its middle
+SIDES = 12      # different normals of a round body
 CLAY, SAND = "von-mises", {"drucker-prager", "mohr-coulomb", "willam-warnke"}
 
 
@@ -131,6 +133,12 @@ def _largest_load(body, rotation):
                 moment = moment + _largest_row(load.moment)
         found.append((force, moment))
     return max(found, key=lambda pair: np.linalg.norm(pair[0]))
+
+
+def is_round(outline, distance):
+    """Whether a body is, by distances (V,) [m] of its vertices from its middle and the SIDES of its `outline`, a
+    ContactSurface: the corners of a box are all as far from its middle."""
+    return distance.max() <= ROUND * distance.min() and len(np.unique(outline.normals.round(3), axis=0)) >= SIDES
 
 
 def outline(described, body, soil):

@@ -18,8 +18,8 @@ import numpy as np
 
 from hybrid.body.rigid import FREEDOMS
 from hybrid.body.symmetry import copies
-from hybrid.monitors.limits.contact import initial_pose, initial_vertices, is_round, travel_along
-from hybrid.monitors.limits.loading import CLAY, material_at, top_of
+from hybrid.monitors.limits.contact import initial_pose, initial_vertices, travel_along
+from hybrid.monitors.limits.loading import CLAY, is_round, material_at, top_of
 from hybrid.runtime.comm import maximum
 
 # (a/h, tangential force over the weight times r/a)
