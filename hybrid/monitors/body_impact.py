@@ -62,7 +62,7 @@ class BodyImpact(ImpactLoss):
 
     def __init__(self, model, state):
         super().__init__(model, state)
-        self._limit, self._hit = LOST, False    # since bodies came near, and whether they have
+        self._limit, self._hit = LOST, False    # since bodies came near, and whether they have pressed one another
 
     def warnings(self, view):
         """Energy, time, share, limit and remedy."""
@@ -71,7 +71,7 @@ class BodyImpact(ImpactLoss):
         loss, found = self.follow(view, view.struck)
         on_soil = anywhere([len(contact) for contact in view.contacts])
         self._limit = ON_SOIL if on_soil else self._limit
-        self._hit |= view.struck or near(view)
+        self._hit |= view.struck    # on soil, where bodies that stand near one another lose energy to it
         found = found and loss > self._limit * self._largest and (self._hit or self._limit < ON_SOIL)
         on_ground = on_soil and view.model.soil.held
         if found and not on_ground:

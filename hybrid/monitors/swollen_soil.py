@@ -11,12 +11,13 @@ import numpy as np
 from hybrid.monitors.monitor import Monitor
 from hybrid.runtime.comm import anywhere, total
 
-SWOLLEN = 0.02      # of the volume of sand under pressure
+# Of the volume of sand under pressure: of sand without dilation, and of sand that dilates where it is sheared
+SWOLLEN, DILATES = 0.02, 0.1
 EVERY = 10          # steps
 
 
 class SwollenSoil(Monitor):
-    """Warns once of sand without dilation that is larger than at the start."""
+    """Warns once of sand that is larger than at the start, by more than its dilation gives."""
 
     grows = True
 
@@ -25,26 +26,26 @@ class SwollenSoil(Monitor):
         model, points = view.model, view.state.points
         if not view.scheme.inertia or model.soil.held or not (view.last or view.state.step % EVERY == 0):
             return
-        sand = _without_dilation(model.soil.law)
-        if sand is None:
+        sand, limit = _sand(model.soil.law)
+        if not anywhere(sand):
             return
         pressed = sand & (np.trace(points.stress, axis1=1, axis2=2) < 0.0)
         if points.inactive is not None:
             pressed &= ~points.inactive
         volume = model.soil.constants.volume[pressed]
         before, after = (float(total(v)) for v in (volume, volume * np.linalg.det(points.deformation[pressed])))
-        if after > (1.0 + SWOLLEN) * before:
+        if after > limit * before:
             yield "swollen", (
-                f"sand that does not dilate has swollen: what carries pressure at t = {view.state.time:.4g} s has "
-                f"{after / before:.2f} of its volume at the start, limit {1.0 + SWOLLEN:g}. Soil that has opened, as where "
+                f"sand has swollen: what carries pressure at t = {view.state.time:.4g} s has {after / before:.2f} of its "
+                f"volume at the start, limit {limit:g}. Soil that has opened, as where "
                 "it falls, splashes or is lifted, does not close again when it is pressed: heaps are too high, and bodies "
                 "on it stand too high. Forces and run-out of what has not opened are not concerned")
 
 
-def _without_dilation(law):
-    """(n,) bool, points of a cone with friction and without dilation; None where there are none."""
+def _sand(law):
+    """(n,) bool, points of a cone with friction, and the volume from which on they are swollen; none of other laws."""
     if not law.plastic or not hasattr(law, "undrained") or not hasattr(law, "parameters"):
-        return None
+        return np.zeros(0, bool), np.inf
     slope, dilation = law.parameters[:, 2:4].T
-    sand = ~law.undrained & (slope > 0.0) & (dilation == 0.0)
-    return sand if anywhere(sand) else None
+    sand = ~law.undrained & (slope > 0.0)
+    return sand, 1.0 + (DILATES if anywhere(sand & (dilation > 0.0)) else SWOLLEN)

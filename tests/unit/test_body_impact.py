@@ -67,6 +67,7 @@ def test_bodies_that_hit_one_another_on_soil_are_told_of_larger_losses():
     text, = notes(lost, struck=(2,), touching=3)
     assert "40 J of the 100 J" in text and "(40%, limit 30%)" in text
     assert notes(lost, touching=3) == notes(lost, struck=(2,), touching=3, held=True) == []
+    assert notes(lost, near=(1, 2, 3), touching=3) == []
     assert notes([0.0, 0.0, *[-25.0] * 8], struck=(2,), touching=3) == []
 
 

@@ -13,7 +13,8 @@ from hybrid.monitors.swollen_soil import EVERY, SwollenSoil
 
 YOUNG = np.full(4, 1e7)
 SAND = MohrCoulomb(YOUNG, 0.3, 33.0, 0.0, 0.0)
-SWELLING = np.array([1.0, 1.0, 1.04, 1.4])
+DILATING = MohrCoulomb(YOUNG, 0.3, 33.0, 5.0, 0.0)
+SWELLING = np.array([1.0, 1.0, 1.04, 1.3])
 
 
 def notes(law=SAND, volumes=SWELLING, pressures=(1e3, 1e3, 1e3, -1.0), step=EVERY, inertia=True, held=False, last=False,
@@ -34,8 +35,14 @@ def test_sand_that_carries_pressure_swollen_is_reported():
     assert len(notes(pressures=[1e3] * 4, step=1, last=True)) == 1
 
 
+def test_sand_that_dilates_may_swell_more():
+    """It is told from 1.1 of its volume on."""
+    more = np.array([1.2, 1.2, 1.1, 1.4])
+    assert "limit 1.1." in notes(DILATING, volumes=more)[0] and notes(DILATING, volumes=0.9 * more) == ()
+
+
 @pytest.mark.parametrize("other", [
-    {"law": MohrCoulomb(YOUNG, 0.3, 33.0, 5.0, 0.0)}, {"law": VonMises(YOUNG, 0.3, np.full(4, 1e4), "plane strain")},
+    {"law": DILATING}, {"law": VonMises(YOUNG, 0.3, np.full(4, 1e4), "plane strain")},
     {"law": Hencky(YOUNG, 0.3)}, {"law": SimpleNamespace(plastic=True)}, {"step": 1}, {"inertia": False}, {"held": True},
     {"inactive": np.array([False, False, False, True])}])
 def test_other_soil_may_have_another_volume(other):
