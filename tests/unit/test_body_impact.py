@@ -96,6 +96,11 @@ def test_an_impact_on_held_ground_is_reported_with_all_that_follow():
     assert "66 J of the 100 J" in later[text] and "time.accuracy = 1e-4" in text
 
 
+def test_what_bodies_lose_by_one_another_in_the_air_is_not_of_the_ground_on_which_they_land():
+    """`BodyImpact` has it: two balls that hit one another and fall on the ground three steps later."""
+    assert on_ground([0.0, -40.0, -44.0, *[-44.0] * 12], touching=range(5, 15), struck=(1, 2)) == ([], {})
+
+
 @pytest.mark.parametrize("where", [{"struck": (1,)}, {"near": (2,)}])
 def test_a_body_on_held_ground_that_another_hits_is_told_as_that(where):
     """A ball hit by a driven one in steps of 2 ms lost 15 % in this way; one that falls afterwards hits the ground."""

@@ -34,6 +34,14 @@ def test_a_point_that_slides_past_the_surface_may_touch_on_the_way():
         assert not side.any()
 
 
+def test_a_point_that_leaves_the_body_is_not_moved_before_its_start():
+    """One that is 1 mm inside, by whatever history, and is predicted outside at the end."""
+    surface, body, start = box(), body_at(), np.array([[0.1, 0.2, 0.499]])
+    anchor, _ = predicted_contact_points(
+        start, start + (0.004, 0.0, 0.01), body, (body.position, body.rotation), surface, np.array([-0.001]))
+    np.testing.assert_allclose(anchor, start, atol=1e-12)
+
+
 def test_rolling_without_sliding_has_no_friction():
     """From where it touches, a corner under a rolling ball hardly moves along the surface; from where it
     stood at the start of the step it moves a³/(3r²)."""

@@ -101,6 +101,15 @@ def test_layers_are_looked_at_for_their_own_values():
 # ------------------------------------------------------------------ places
 
 
+def test_a_line_of_the_second_body_is_named_by_its_number():
+    near, far = (replace(box(0.2, 0.2, 0.2, name=name), position=(x, 1.0, 0.0), rest_on=0.0,
+                         pull=Pull((reach, 0.0, 0.0), (1.0, 0.0, 0.0), 1e6, 10.0))
+                 for name, x, reach in (("near", 0.5, 0.1), ("far", 1.5, 3.0)))
+    simulation = build(soil_scene([near, far], x=(0.0, 2.0), y=(0.0, 2.0), gravity=(0.0, 0.0, -9.81), time=Time(0.01)))
+    text, = odd_points(simulation.scene, simulation.model)
+    assert text.startswith("body.1.pull.point of far lies 2.9 m outside its bounding box")
+
+
 def places(**body):
     """Notes about a cube of 0.2 m over soil of 2 m x 2 m x 0.4 m."""
     cube = replace(box(0.2, 0.2, 0.2, name="cube"), **{"position": (1.0, 1.0, 0.0), "rest_on": 0.0, **body})
