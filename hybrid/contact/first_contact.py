@@ -8,11 +8,12 @@ frame of a rolling body the point comes down a curved path: before it touches it
 sphere of radius r, a being its distance from the point of rest. At a = 50 mm and r = 0.25 m that is 0.7 mm, more than a
 stiff tangential spring needs to slip: with the anchor at the place of the point at the start of the step, a rolling
 sphere creeps by 1-2 %. With the anchor at the end of the step, the friction of the step in which the contact closes
-would be lost. So it is for a point that is not predicted to close and does, unless it slides along the surface, nearer
-to it than GRAZING of its path: it may touch anywhere on the way, and it counts from early on. A block towed over
-elastic ground rocks on a few rows of points, of which others bear it every few steps: with their anchors at the end of
-the path, friction was down to a third of μ N in such a step, 16 % too low on average. The predicted motion is constant
-in a step, so the anchor adds nothing to the tangent. Without motion the anchor is the place at the start.
+would be lost. A point that is predicted to stay open may close all the same. If it slides along the surface, nearer to
+it than GRAZING of its path, it may do so anywhere on the path, and its anchor is near the start; else at the end. A
+block towed over elastic ground rocks on a few rows of points, of which others bear it every few steps: with their
+anchors at the end of the path, friction was down to a third of μ N in such a step, 16 % too low on average. The
+predicted motion is constant in a step, so the anchor adds nothing to the tangent. Without motion the anchor is the
+place at the start.
 
 The side of the body by which the path enters is remembered: in a thin body the opposite side may soon be nearer.
 

@@ -78,7 +78,9 @@ class BodyImpact(ImpactLoss):
             yield "impact", self.text(view, loss, "impact of bodies",
                                       ", whose time `check` shows. Use a smaller time.step, a tenth of that keeps 96 %",
                                       self._limit)
-        if on_ground or found or self._quiet >= QUIET and not near(view):
+        # bodies that stay near one another on soil lose a little to it in all that time
+        over = self._quiet >= QUIET and (self._limit == ON_SOIL or not near(view))
+        if on_ground or found or over:
             self.forget()
             self._limit, self._hit = LOST, False
 

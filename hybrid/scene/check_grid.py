@@ -1,6 +1,6 @@
 """The grid of a scene: keys that exclude, need or limit one another, as faults with value, limit and remedy."""
 
-from math import ceil
+from math import floor
 
 from hybrid.scene.grid import ROUNDED, cells_between
 from hybrid.scene.table import need, shown
@@ -22,7 +22,9 @@ def _ends_of_soil(scene):
     soil = scene.soil
     ends = [("z", "soil.top", soil.top)]
     for corner in ("lower", "upper"):
-        ends += [(name, f"soil.{corner}[{i}]", x) for i, (name, x) in enumerate(zip("xyz", getattr(soil, corner) or ()))]
+        given = enumerate(zip("xyz", getattr(soil, corner) or ()))
+        ends += [(name, f"soil.{corner}[{i}]", x) for i, (name, x) in given
+                 if (name, corner) != ("z", "upper") or soil.top is None]     # soil.top takes its place
     for name, key, x in ends:
         axis = getattr(scene.grid, name)
         if axis.fine is None or x is None or axis.collapsed or None in (axis.start, axis.end, axis.size) or axis.size <= 0:
@@ -32,8 +34,9 @@ def _ends_of_soil(scene):
             continue
         cells = cells_between(low, high, axis.size)
         place = (x - low) / (high - low) * cells
-        fine = x - ceil((x - low) / axis.size) * axis.size, x + ceil((high - x) / axis.size) * axis.size
-        fine = max(fine[0], axis.start), min(fine[1], axis.end)
+        below = min(cells_between(low, x, axis.size), floor((x - axis.start) / axis.size + ROUNDED))
+        above = min(cells_between(x, high, axis.size), floor((axis.end - x) / axis.size + ROUNDED))
+        fine = x - below * axis.size, x + above * axis.size
         yield from need(abs(place - round(place)) < ROUNDED, key, x,
                         f"on a line of the grid, because points fill whole cells, and grid.{name}.fine = {shown(axis.fine)} "
                         f"has {cells} cells of {(high - low) / cells:.4g} m without one there",

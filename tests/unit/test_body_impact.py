@@ -69,6 +69,8 @@ def test_bodies_that_hit_one_another_on_soil_are_told_of_larger_losses():
     assert notes(lost, touching=3) == notes(lost, struck=(2,), touching=3, held=True) == []
     assert notes(lost, near=(1, 2, 3), touching=3) == []
     assert notes([0.0, 0.0, *[-25.0] * 8], struck=(2,), touching=3) == []
+    # a little at each of two touches of bodies that stay near one another
+    assert notes([0.0, 0.0, *[-20.0] * 8, *[-40.0] * 8], struck=(2, 10), near=range(18), touching=3) == []
 
 
 def on_ground(errors, touching=(), held=True, radius=0.5, gravity=9.81, struck=(), near=(),

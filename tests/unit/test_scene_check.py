@@ -166,16 +166,17 @@ def test_every_field_of_the_scene_is_explained():
 
 
 @pytest.mark.parametrize("fine, size, remedy", [((-0.53, 0.2), 0.1, "[-0.6, 0.2]"), ((-0.5, 0.27), 0.1, "[-0.5, 0.3]"),
+                                                ((-0.97, 0.5), 0.3, "[-0.9, 0.3]"),
                                                 ((-0.5, 0.2), 0.1, None), ((-0.5, -0.1), 0.1, None)])
 def test_an_interval_of_fine_cells_without_a_line_at_the_top_of_the_soil_is_refused_with_one_that_has(fine, size, remedy):
     """Outside of it the lines depend on how the cells grow."""
-    def faults(fine):
+    def faults(fine, **given):
         grid = Grid(Axis(0.0, 1.0, 0.1), Axis(0.0, 1.0, 0.1), Axis(-1.0, 0.5, size, fine=fine), Faces())
-        soil = Soil(Material(law="hencky", young=1e6, poisson=0.3, density=1e3), top=0.0)
+        soil = Soil(Material(law="hencky", young=1e6, poisson=0.3, density=1e3), **{"top": 0.0} | given)
         return list(grid_faults(Scene(name="soil", grid=grid, soil=soil, time=Time(0.1), stages=(Stage("go", 1),))))
 
     found = faults(fine)
-    assert len(found) == bool(remedy)
+    assert len(found) == bool(remedy) == len(faults(fine, upper=(1.0, 1.0, 0.123)))     # whose z soil.top replaces
     if remedy:
         assert found[0].startswith("soil.top = 0: must be on a line of the grid") and remedy in found[0]
         assert not faults(tuple(float(end) for end in remedy.strip("[]").split(",")))

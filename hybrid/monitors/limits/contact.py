@@ -191,7 +191,7 @@ def light_body(scene, model):
         if levelled(soil, initial_vertices(described, body))[:, 2].max() < top_of(soil):
             continue        # it does not hit the soil that it is in
         if body.interface and np.isinf(body.interface.tension) and not np.any(described.velocity):
-            continue        # nor that on which it lies for ever
+            continue        # nor the soil to which it is bonded
         halves = copies([mirror for mirror in body.mirrors if not mirror.cut])      # beside those that `across` measures
         rows = halves * body.mass.mass / (density * across.prod() * grid.smallest_cell)
         if rows < CELL_ROWS and body.free[:3].any():
