@@ -43,6 +43,7 @@ from hybrid.runtime.errors import LawError
 from hybrid.runtime.jit import njit, prange
 
 UNLIMITED = 1e300  # [Pa] strength of points that never yield
+ROUND_OFF = 1e-14   # length of a deviator that is round-off, over the trace
 NO_HISTORY = np.zeros(0)
 
 
@@ -191,9 +192,7 @@ def _return_map(strain, history, parameters, stress, elastic, tangent):
     hardens = len(history) > 0
     for p in prange(len(strain)):
         K, G, eta, eta_bar, k, ratio, h, residual, dilation_ratio, corner = parameters[p]
-        trace = strain[p, 0] + strain[p, 1] + strain[p, 2]
-        e = (strain[p, 0] - trace / 3, strain[p, 1] - trace / 3, strain[p, 2] - trace / 3)
-        norm = np.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2])
+        trace, e, norm = _split(strain[p])
         root = np.sqrt(2.0) * G * norm  # √J2 of the trial stress
         pressure = K * trace
         g, slope = _section(e, norm, ratio, corner) if ratio != 1.0 or corner > 0.0 else (1.0, 0.0)
@@ -229,6 +228,18 @@ def _return_map(strain, history, parameters, stress, elastic, tangent):
             mean_m = dilation_slope * (K * multiplier / norm)
             flow_m = slope * (root - G * multiplier) / norm - eta * mean_m
             _flow_tangent(tangent[p], K, G, eta, eta_bar, g, flow_m, mean_m, scale, e, norm, denominator)
+
+
+@njit(cache=True)
+def _split(strain):
+    """Trace, deviator and its length of principal strains (3,). A deviator of round-off is none: its sum is not zero, so that
+    it has no Lode angle."""
+    trace = strain[0] + strain[1] + strain[2]
+    e = (strain[0] - trace / 3, strain[1] - trace / 3, strain[2] - trace / 3)
+    norm = np.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2])
+    if norm <= ROUND_OFF * abs(trace):
+        return trace, (0.0, 0.0, 0.0), 0.0
+    return trace, e, norm
 
 
 @njit(cache=True)

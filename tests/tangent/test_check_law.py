@@ -133,6 +133,21 @@ def test_equal_principal_values(name, size):
     assert response.stress[0, 0] == pytest.approx(min(3 * law.parameters[0, 0] * size, limit), abs=1e-6)
 
 
+@pytest.mark.parametrize("name", PLASTIC)
+def test_equal_principal_values_but_for_round_off(name):
+    """A deviator of round-off has no Lode angle, as its sum is not zero: taken for one, g came out negative, and tangents of
+    1e23 Pa or none at all in soil that is pulled evenly."""
+    rng = np.random.default_rng(3)
+    size = rng.choice([-1.0, 1.0], N) * 10 ** rng.uniform(-8, -1, N)
+    law = LAWS[name]
+    for ulps in range(4):
+        strain = size[:, None] * (1 + rng.integers(-ulps, ulps + 1, (N, 3)) * np.finfo(float).eps)
+        response = law.respond(strain, np.zeros(N))
+        assert np.abs(response.tangent).max() < 2 * np.abs(LAWS["hencky"].respond(strain).tangent).max()
+        mean = law.parameters[:, 0] * response.elastic.sum(axis=1)
+        np.testing.assert_allclose(response.stress.mean(axis=1), mean, rtol=1e-6, atol=1e-6)
+
+
 def test_section_is_smooth_convex_and_meets_both_meridians():
     """Around the deviatoric plane: 1/g is e in extension and 1 in compression, and the section turns one way only."""
     law = LAWS["willam-warnke, steep"]
