@@ -11,6 +11,7 @@
 | b_e    | Points.b_elastic         | (n, 3, 3) | -      |
 | σ      | Points.stress (Cauchy)   | (n, 3, 3) | Pa     |
 | α      | Points.plastic_strain    | (n,)      | -      |
+| o      | Points.opened            | (n,)      | -      |
 | C      | Points.affine            | (n, k, 3, 3) | 1/s, 1/s² |
 | -      | Points.inactive          | (n,) bool | -      |
 | c      | BodyState.position       | (3,)      | m      |
@@ -21,6 +22,7 @@
 
 `affine`, the gradients C of velocity, acceleration and algorithmic acceleration, is None unless soil.transfer is
 "affine". `inactive` marks points that have been deactivated (`hybrid.soil.lost_points`), None if there are none.
+`opened`, the volume strain by which soil has opened (`hybrid.soil.closing`), is None where none has.
 `algorithmic`, the acceleration a of `hybrid.scheme`, is None for schemes that do not carry it.
 
 A step computes a new State and never writes into the committed one, so rejecting it costs nothing.
@@ -46,6 +48,7 @@ class Points:
     algorithmic: np.ndarray | None = None
     affine: np.ndarray | None = None
     inactive: np.ndarray | None = None
+    opened: np.ndarray | None = None
 
     def __len__(self):
         return len(self.position)

@@ -39,6 +39,7 @@ class Response:
     stress: (n, 3) principal Kirchhoff stress [Pa]
     elastic: (n, 3) principal elastic logarithmic strain after the return
     tangent: (n, 3, 3) d stress_i / d trial strain_j [Pa]
+    opened: (n,) volume strain that was returned to the apex of a cone, or None: soil then opens for good
     failed: (n,) bool, points without a valid response, or None if there are none. The increment is then halved; the
     other fields are not used at these points.
     """
@@ -47,6 +48,7 @@ class Response:
     elastic: np.ndarray
     tangent: np.ndarray
     failed: np.ndarray | None = None
+    opened: np.ndarray | None = None
 
 
 def plastic_increment(strain, elastic):

@@ -90,8 +90,9 @@ class Cone(Hencky):
         if self.hardens:
             history = np.zeros(len(strain)) if plastic_strain is None else plastic_strain
         stress, elastic, tangent = np.empty_like(strain), np.empty_like(strain), np.empty((len(strain), 3, 3))
-        _return_map(strain, history, self.parameters, stress, elastic, tangent)
-        return Response(stress, elastic, tangent)
+        opened = np.zeros(len(strain))
+        _return_map(strain, history, self.parameters, stress, elastic, tangent, opened)
+        return Response(stress, elastic, tangent, opened=opened)
 
     def energy(self, elastic):
         return stored(elastic, self.parameters)
@@ -100,6 +101,12 @@ class Cone(Hencky):
         """k(α) (n,) [Pa] after accumulated plastic strain, (n,) or a number."""
         strength, slope, residual = self.parameters.T[[4, 6, 7]]
         return np.maximum(strength + slope * plastic_strain, residual)
+
+    def without_dilation(self, ids):
+        """The law of some of the points, whose flow keeps the volume."""
+        other = self.with_rows(self.rows[ids])
+        other.parameters[:, 3] = 0.0
+        return other
 
     @property
     def undrained(self):
@@ -188,7 +195,7 @@ def _line(theta, ratio, corner):
 
 
 @njit(cache=True, parallel=True)
-def _return_map(strain, history, parameters, stress, elastic, tangent):
+def _return_map(strain, history, parameters, stress, elastic, tangent, opened):
     hardens = len(history) > 0
     for p in prange(len(strain)):
         K, G, eta, eta_bar, k, ratio, h, residual, dilation_ratio, corner = parameters[p]
@@ -221,6 +228,7 @@ def _return_map(strain, history, parameters, stress, elastic, tangent):
                 if k < residual:
                     k, h = residual, 0.0
             _set_elastic(stress[p], elastic[p], tangent[p], K, G, e, 0.0, k / eta)
+            opened[p] = trace - k / (eta * K)
             _apex_tangent(tangent[p], e, norm, np.sqrt(2.0 / 3.0) * h / eta if hardens else 0.0)
         else:
             scale = max(1.0 - G * multiplier / root, 0.0)
@@ -232,8 +240,8 @@ def _return_map(strain, history, parameters, stress, elastic, tangent):
 
 @njit(cache=True)
 def _split(strain):
-    """Trace, deviator and its length of principal strains (3,). A deviator of round-off is none: its sum is not zero, so that
-    it has no Lode angle."""
+    """Trace, deviator and its length of principal strains (3,). A deviator of round-off is none: its sum is not zero, so
+    that it has no Lode angle."""
     trace = strain[0] + strain[1] + strain[2]
     e = (strain[0] - trace / 3, strain[1] - trace / 3, strain[2] - trace / 3)
     norm = np.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2])

@@ -15,7 +15,6 @@
 | PlasticIncrement | an increment without inertia adds too much plastic strain               |
 | FlowingSoil      | soil that no body moves flows under its weight, without inertia         |
 | CreepingSoil     | soil at rest creeps, with inertia, as the ghost penalty lets it         |
-| SwollenSoil      | sand that has opened carries pressure without having closed             |
 | BodyOverlap      | bodies are pressed deep into one another                                |
 | GroundImpact     | bodies that hit held ground lose energy without a cause                 |
 | IdleAdhesion     | clay that touches a body has too little pressure to bear its adhesion   |
@@ -48,13 +47,12 @@ from hybrid.monitors.missed_contact import MissedContact
 from hybrid.monitors.monitor import StepView
 from hybrid.monitors.penetration import Penetration
 from hybrid.monitors.plastic_increment import PlasticIncrement
-from hybrid.monitors.swollen_soil import SwollenSoil
 from hybrid.monitors.untouched import Untouched
 
 MONITORS = (
     DomainExit, LostContact, LostPoints, MissedContact, Penetration, ForceOscillation, EnergyBalance, PlasticIncrement,
     FlowingSoil, CreepingSoil, BodyOverlap, JudgedIncrements, AbsorbedImpact, BodyImpact, GroundImpact,
-    IdleAdhesion, Untouched, DampedVibration, SwollenSoil)
+    IdleAdhesion, Untouched, DampedVibration)
 
 __all__ = ["MONITORS", "Monitors", "StepView", *(kind.__name__ for kind in MONITORS)]
 

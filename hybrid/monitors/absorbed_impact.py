@@ -50,8 +50,8 @@ class AbsorbedImpact(Monitor):
         if impact and not self.given("absorbed"):
             self._sudden = self._at_once > AT_ONCE * lost
         if impact or self.given("absorbed"):
-            # bodies that fall again and again lose more than they ever had at a time
-            fallen = max(self._falling, lost)
+            # what has been lifted since falls again
+            fallen = max(self._falling + max(sum(work) - sum(self._work), 0.0), lost)
             yield "absorbed", (
                 f"impact: {lost:.3g} J of the {fallen:.3g} J of moving bodies are lost without a cause in the balance "
                 f"up to t = {view.state.time:.4g} s ({lost / fallen:.0%}, limit {ABSORBED:.0%}): "

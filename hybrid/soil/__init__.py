@@ -7,6 +7,7 @@
     kinematics.py, principal.py      deformation of the points; principal values of symmetric matrices
     forces.py                        internal force
     tangent.py, stiffness.py         tangent of one point; of all, added into the soil block, by boxes.py
+    closing.py                       soil that has opened closes before it carries pressure again
     fbar.py                          volume change shared by the cells around a point, against locking
     ghost.py, filled_cells.py        stiffness for cells that are hardly filled; which cells those are
     restriction.py, workspace.py     the soil that a few nodes feel; memory that evaluations share

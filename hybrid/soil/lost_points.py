@@ -91,8 +91,8 @@ def deactivate(old, new, leaving):
     for name, value in fields.items():
         if value is not None and name != "inactive":
             keep = inactive.reshape(-1, *[1] * (value.ndim - 1))
-            rate = name in ("velocity", "acceleration", "algorithmic", "affine")
-            fields[name] = np.where(keep, 0.0 if rate else getattr(old, name), value)
+            before = None if name in ("velocity", "acceleration", "algorithmic", "affine") else getattr(old, name)
+            fields[name] = np.where(keep, 0.0 if before is None else before, value)
     return dataclasses.replace(new, **fields | {"inactive": inactive})
 
 

@@ -21,7 +21,7 @@ from hybrid.grid.colouring import Slabs, make_slabs
 from hybrid.laws import Response, plastic_increment
 from hybrid.runtime.comm import count, largest, number, total
 from hybrid.scene import Soil as SoilScene
-from hybrid.soil import fbar, ghost, lost_points, transfer
+from hybrid.soil import closing, fbar, ghost, lost_points, transfer
 from hybrid.soil.basis import Basis, evaluate_basis
 from hybrid.soil.domains import updated_half
 from hybrid.soil.filled_cells import fill_cells
@@ -49,13 +49,15 @@ class Refusal:
 
 @dataclass(frozen=True)
 class SoilTrial:
-    """Soil at trial displacements: strain, the law's response, Kirchhoff stress (n, 3, 3) [Pa] and internal force
-    (N, 3) [N]. Its strain is valid until the next evaluation, unless that one keeps it."""
+    """Soil at trial displacements: strain, the law's response, Kirchhoff stress (n, 3, 3) [Pa], internal force (N, 3) [N]
+    and the volume strain by which it is open (n,), None where none is (`hybrid.soil.closing`). Its strain is valid until the
+    next evaluation, unless that one keeps it."""
 
     strain: TrialStrain
     response: Response
     stress: np.ndarray
     force: np.ndarray
+    opened: np.ndarray | None = None
 
 
 @dataclass(frozen=True)
@@ -102,7 +104,7 @@ class Soil:
     fbar           with the cure for locking (`hybrid.soil.fbar`)
     ghost_factor   [-] on Young's modulus in the cure for small cuts (`hybrid.soil.ghost`), 0 without
     stray          policy for points that leave the grid or are detached: "stop" | "freeze" | "remove"
-    allow_detached whether soil may be detached from all supports, as it may with inertia (`hybrid.soil.lost_points`)
+    allow_detached whether soil may be detached from all supports and open, as with inertia (`hybrid.soil.closing`)
     transfer, blend  of the nodes' motion to the points (`hybrid.soil.transfer`)
     heights        (`hybrid.scene.ground.heights` of the ground, top [m]) where they are given
     """
@@ -171,7 +173,7 @@ class Soil:
                                              points.inactive, keep and keep.strain)
         if number(strain.inverted):
             return Refusal(f"turns soil inside out at {lost_points.list_points(self.constants.named(strain.inverted))}")
-        response = self.law.respond(strain.strain, points.plastic_strain)
+        response, opened = closing.respond(self.law, strain.strain, points, self.allow_detached)
         failed = () if response.failed is None else np.flatnonzero(_active_only(points, response.failed))
         if number(failed):
             return Refusal("leaves the soil's law without a stress at "
@@ -182,7 +184,7 @@ class Soil:
                                fbar.mean_dilatation(step.mean, self.grid.collapsed, strain))
         if step.cuts:
             ghost.add_force(step.cuts, self.grid, displacement, force)
-        return SoilTrial(strain, response, stress, force)
+        return SoilTrial(strain, response, stress, force, opened)
 
     def fill_stiffness(self, step, trial, pattern, values, error=1.0):
         """Put the tangent of `trial` into the soil block (entries `values`).
@@ -239,6 +241,7 @@ class Soil:
             plastic_strain=old.plastic_strain + plastic_increment(trial.strain.strain, elastic),
             algorithmic=None if algorithmic is None else history[1],
             affine=affine,
+            opened=trial.opened,
         )
         return lost_points.deactivate(old, new, left)
 

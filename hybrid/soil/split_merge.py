@@ -130,7 +130,8 @@ def merge(first, second, axis, law):
         position=by_mass(p.position, q.position), velocity=by_mass(p.velocity, q.velocity),
         acceleration=by_mass(p.acceleration, q.acceleration), half_width=p.half_width * double, deformation=deformation,
         b_elastic=p.b_elastic, stress=p.stress, plastic_strain=by_volume(p.plastic_strain, q.plastic_strain),
-        algorithmic=by_mass(p.algorithmic, q.algorithmic), affine=by_mass(p.affine, q.affine), inactive=p.inactive)
+        algorithmic=by_mass(p.algorithmic, q.algorithmic), affine=by_mass(p.affine, q.affine), inactive=p.inactive,
+        opened=by_volume(p.opened, q.opened))
     stress = by_volume(_kirchhoff(p), _kirchhoff(q))
     return _stressed(Population(points, constants, by_volume(first.rows, second.rows)), stress, law)
 

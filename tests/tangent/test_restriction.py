@@ -82,7 +82,7 @@ def test_sand_before_an_anchor_takes_fewer_iterations(monkeypatch):
     monkeypatch.setattr(sticking, "turned_round", lambda *given: None)
 
     def most():
-        simulation = build(anchor.scene(h=0.4, drag=0.5))
+        simulation = build(anchor.scene(h=0.3, drag=0.5))
         steps = simulation.steps()
         return max(next(steps).iterations for _ in range(20)), simulation.state.bodies[0].position
 

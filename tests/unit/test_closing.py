@@ -1,0 +1,99 @@
+"""Soil that has opened closes without pressure, at the volume at which it opened; its tangent is that of its response."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from hybrid.laws.hencky import Hencky
+from hybrid.laws.mohr_coulomb import MohrCoulomb
+from hybrid.laws.von_mises import VonMises
+from hybrid.soil import closing
+
+N = 400
+YOUNG = np.full(N, 1e7)
+
+LAWS = {"sand": MohrCoulomb(YOUNG, 0.3, 33.0, 0.0, 0.0), "dilating": MohrCoulomb(YOUNG, 0.3, 33.0, 8.0, 0.0),
+        "cohesive": MohrCoulomb(YOUNG, 0.3, 25.0, 0.0, 5e3), "softening": MohrCoulomb(
+            YOUNG, 0.3, 25.0, 4.0, 5e3, hardening=-1e5, residual_cohesion=1e3)}
+
+
+def respond(law, strain, plastic_strain, opened):
+    return closing.respond(law, strain, SimpleNamespace(plastic_strain=plastic_strain, opened=opened))
+
+
+def walk(law, volumes, shear=0.0):
+    """Mean stresses [Pa] and openings along a path of volume strains, each a row of the points, and the work [J/m³]."""
+    elastic, alpha, opened, before, means, openings, work = np.zeros((N, 3)), np.zeros(N), None, 0.0, [], [], 0.0
+    for volume in volumes:
+        step = (volume - before) / 3 + shear * np.array([1.0, 0.0, -1.0])
+        response, opened = respond(law, elastic + step, alpha, opened)
+        work += float(response.stress[0] @ (step * np.ones(3)))
+        elastic, before = response.elastic, volume
+        means.append(response.stress[0].mean())
+        openings.append(0.0 if opened is None else opened[0])
+    return np.array(means), np.array(openings), work
+
+
+@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("shear", [0.0, 1e-4])
+def test_it_closes_where_it_opened(name, shear):
+    """Pulled apart by 5 %, pressed together to 1 % beyond: no pressure until it has closed."""
+    law = LAWS[name]
+    there, back = np.linspace(0.0, 0.05, 51)[1:], np.linspace(0.05, -0.01, 61)[1:]
+    means, opened, _ = walk(law, [*there, *back], shear)
+    open_again = back > 1.1e-3 + 100 * shear * law.parameters[0, 3]    # sheared, it dilates
+    assert opened[49] == pytest.approx(0.05, rel=0.05) and (np.abs(means[50:][open_again][5:]) < 1e-6).all()
+    assert means[-1] < -0.5 * 0.01 * law.parameters[0, 0] and opened[-1] == 0.0
+
+
+def test_without_a_memory_it_resists_at_once(monkeypatch):
+    law = LAWS["sand"]
+    monkeypatch.setattr("hybrid.soil.closing._any", lambda opened: None)
+    means, *_ = walk(law, [0.05, 0.049])
+    assert means[-1] == pytest.approx(-1e-3 * law.parameters[0, 0], rel=1e-3)
+
+
+def test_a_crack_of_cohesive_soil_gains_no_energy():
+    """It unloads from its tensile strength before it closes: the work of two cycles is that of opening twice."""
+    law = LAWS["cohesive"]
+    K, strength = law.parameters[0, 0], law.parameters[0, 4] / law.parameters[0, 2]
+    cycle = [*np.linspace(0.0, 0.02, 401)[1:], *np.linspace(0.02, 0.0, 401)[1:]]
+    means, _, work = walk(law, cycle + cycle)
+    assert means.max() == pytest.approx(strength) and means.min() >= -1e-6
+    assert work == pytest.approx(2 * strength * (0.02 - strength / K), rel=0.02)
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_tangent_equals_central_differences(name):
+    rng = np.random.default_rng(7)
+    law, opened = LAWS[name], rng.choice([0.0, 4e-3], N)
+    strain = 1e-3 * rng.standard_normal((N, 3)) - rng.choice([3e-3, 1e-3, 0.0, -1e-3], (N, 1))
+    alpha, h = rng.uniform(0.0, 0.01, N), 1e-9
+
+    def stress(change):
+        return respond(law, strain + change, alpha, opened)[0].stress
+
+    tangent = respond(law, strain.copy(), alpha, opened)[0].tangent
+    closes = (strain.sum(axis=1) < 0.0) & (-strain.sum(axis=1) < opened)
+    numeric = np.stack([(stress(h * e) - stress(-h * e)) / (2 * h) for e in np.eye(3)], axis=2)
+    error = np.abs(tangent - numeric).max(axis=(1, 2)) / law.parameters[:, 0]
+    assert np.sort(error)[-8:].max() < 1e-5 or np.mean(error > 1e-5) < 0.01      # a point may cross an edge of yielding
+    assert 0.15 < closes.mean() < 0.5
+    kept = law.respond(strain + np.clip(-strain.sum(axis=1), 0.0, opened)[:, None] / 3, alpha).tangent
+    assert np.mean(np.abs(kept - numeric).max(axis=(1, 2))[closes] > 1e-3 * law.parameters[0, 0]) > 0.5
+
+
+@pytest.mark.parametrize("law", [VonMises(YOUNG, 0.3, 1e4), Hencky(YOUNG, 0.3)])
+def test_soil_without_an_apex_does_not_open(law):
+    strain = np.full((N, 3), 0.05)
+    assert respond(law, strain, np.zeros(N), None)[1] is None
+
+
+def test_opening_and_closing_keep_the_volume():
+    """Of what has opened, c is taken up; what is returned to the apex is added."""
+    law = LAWS["sand"]
+    opened = np.linspace(0.0, 0.02, N)
+    for volume in (0.01, -0.01):
+        response, after = respond(law, np.full((N, 3), volume / 3), np.zeros(N), opened)
+        np.testing.assert_allclose(after + response.elastic.sum(axis=1), opened + volume, atol=1e-15)
