@@ -1,7 +1,8 @@
 """Contact of a body with the soil of a scene: where it is evaluated, how stiff it is, and its part in plane strain.
 
 Spacing of the places on the faces of domains    s = 2 l / k <= r/16, on held soil r/32      k from 4 to 32
-penalty on elastic soil                           p_f = 500 / h, 2000 / h of a body of planes driven into it
+penalty on elastic soil                           p_f = 500 / h, 2000 / h of a body of planes driven into it, 100 / h of
+                                                  one with friction that shears it
 penalty on soil that yields                       p_f = 20 / h
 penalty on held soil                              p_f E = W / (π r δ²),  δ = 2 s²/r
 of a curved body that rests on elastic soil       the softer one of 500 / h and that on held soil,  s <= r/32
@@ -42,6 +43,7 @@ CURVATURE, REST_CURVATURE = 16, 32  # spacings in a radius of curvature; of bodi
 ACROSS = 32
 STIFFNESS = {False: 500.0, True: 20.0}  # p_f h, by whether the soil yields
 PRESSED = 2000.0                    # the same of planes driven into elastic soil: their force is wanted, and cells follow
+SHEARED = 100.0                     # of planes with friction that shear it: all points in contact stick
 PATCH = 2.0                         # spacings in the radius of a contact patch on held soil
 PUBLISHED = 50.0                    # [1/m] p_f
 SHARP = 0.1                         # of the area: fillets and tips, which cells do not resolve either
@@ -129,8 +131,7 @@ def _penalty(described, body, soil, spacing, radius, gravity):
         return described.penalty * factor
     if described.contact == "corners":
         return PUBLISHED * factor
-    pressed = body.driven.any() and not (np.isfinite(radius) or soil.law.plastic or _carried(body, soil, gravity))
-    stiff = (PRESSED if pressed else STIFFNESS[soil.law.plastic]) / soil.grid.smallest_cell
+    stiff = _stiffness(described, body, soil, radius, gravity) / soil.grid.smallest_cell
     weight = copies(body.mirrors) * body.mass.mass * np.linalg.norm(gravity)
     rests = _rests(body, soil, radius, gravity)
     if weight == 0.0 or not (soil.held or rests):
@@ -141,6 +142,16 @@ def _penalty(described, body, soil, spacing, radius, gravity):
         weight *= 4.0 * radius / np.prod(np.ptp(soil.grid.extent[soil.grid.collapsed], axis=1))
     felt = weight / (np.pi * radius * overlap**2)
     return felt if soil.held else min(stiff, felt / young)
+
+
+def _stiffness(described, body, soil, radius, gravity):
+    """p_f h of a body on soil that deforms, which it shears where it is driven along two axes, or along one under a load."""
+    if soil.law.plastic or np.isfinite(radius) or not body.driven.any():
+        return STIFFNESS[soil.law.plastic]
+    axes = np.count_nonzero(body.driven[:3]) + any(control.loads for control in body.stages)
+    if axes > 1 and friction_of(described) > 0.0:
+        return SHEARED
+    return STIFFNESS[False] if _carried(body, soil, gravity) else PRESSED
 
 
 def _rests(body, soil, radius, gravity):
