@@ -75,11 +75,12 @@ class Model:
         gravity, bodies, work = self.loads.on_bodies(state.time), [], dict(state.work)
         if guides:
             state = joint_rates.released(self, state, guides)
-        for body, motion in zip(self.bodies, state.bodies, strict=True):
+        joined = {number for joint in self.joints for number in joint.bodies}
+        for i, (body, motion) in enumerate(zip(self.bodies, state.bodies, strict=True)):
             if self.scheme.inertia:
                 motion = stage_start.release_guides(body, motion)
             before = motion
-            motion, impulse_work = stage_start.engage_guides(body, motion, gravity, self.scheme)
+            motion, impulse_work = stage_start.engage_guides(body, motion, gravity, self.scheme, i in joined)
             if impulse_work:
                 work["drive"] = work.get("drive", 0.0) + impulse_work
                 for name, done in by_component(body, rigid.jolt(body, before, motion)):

@@ -61,7 +61,14 @@ def test_a_moment_turns_a_body_that_is_free():
 def test_elastic_soil_and_bodies_above_the_clay_are_not_judged():
     assert not notes(BLADE, material=replace(clay.clay(2e4), law="hencky", strength=None), **TURNED, adhesion=None,
                      tension=None)
-    assert not notes(BLADE, top=0.75)
+    assert not notes(BLADE, top=1.01)
+
+
+def test_what_stands_above_the_clay_bears_nothing():
+    """A blade of 1 m, three quarters of it above the clay: that of one of 0.25 m."""
+    text, = notes(BLADE, top=0.75)
+    expected = (1 + 1.3 * 0.125) ** 2 * (1 + 1.3 * 0.125 / 0.25) - 1
+    assert f"about {expected:.0%} too high" in text
 
 
 def test_check_and_runs_ask_for_it():

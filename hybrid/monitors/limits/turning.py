@@ -29,8 +29,10 @@ def turned(scene, model):
     for described, body in zip(scene.bodies, model.bodies):
         axes = [axis for axis in range(3) if _turns(scene, described, body, axis)]
         whole, place = outline(described, body, soil)
+        top = top_of(soil)      # what stands above the ground bears nothing
+        place = np.column_stack([place[:, :2], np.minimum(place[:, 2], top)])
         middle = 0.5 * (place[:, 2].min() + place[:, 2].max())
-        if middle >= top_of(soil) or law_at(scene, soil, middle) != CLAY:
+        if middle >= top or law_at(scene, soil, middle) != CLAY:
             continue
         for axis in axes:
             yield from _torque(whole, place, axis, soil.grid.smallest_cell)
