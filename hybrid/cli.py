@@ -262,9 +262,12 @@ def mesh(options):
     parameters = geometry_parameters(options.overrides)
     from hybrid.body.mesh import generate  # late: a mistake in the arguments is reported at once
     from hybrid.body.smooth_mass import mass_and_surface
+    from hybrid.runtime.data import shipped_geometry
 
     volumes = tuple(density) if isinstance(density, dict) else ()
-    body = generate(options.geometry, parameters, None, options.scale, options.symmetry, volumes)
+    given = options.geometry
+    path = given if given.exists() else shipped_geometry(given) or given
+    body = generate(path, parameters, None, options.scale, options.symmetry, volumes)
     mass, _ = mass_and_surface(body, density)
     print(format_sheet(mesh_sheet(body, mass, density)))
     if options.out:

@@ -46,6 +46,17 @@ def copy_demo(name, folder):
     return scene
 
 
+def shipped_geometry(name):
+    """Path of the shipped geometry of this file name; None of others, and of paths with a folder."""
+    path = GEOMETRY / name
+    return path if len(Path(name).parts) == 1 and path.is_file() else None
+
+
+def shipped_names():
+    """File names of the shipped geometries."""
+    return sorted(path.name for path in GEOMETRY.iterdir() if path.suffix in (".geo", ".step"))
+
+
 def shipped_hint(path):
     """Advice where a scene file does not exist: how to get the shipped scene of this name; empty if there is none."""
     name = Path(path).stem

@@ -42,7 +42,8 @@ class Body:
     """A rigid body meshed from a file of gmsh or CAD."""
 
     geometry: Path = key("path of the geometry (.geo), or of a solid, triangles or a mesh (.step, .iges, .brep, .stl, "
-                         ".msh); in a scene file relative to that file",
+                         ".msh); in a scene file relative to that file, or the name of one that hybrid comes with, such as "
+                         "box.geo",
                          also=("file", "mesh", "stl", "path", "shape"))
     density: float | dict[str, float] = key(
         "density of the body, or of each of its physical volumes by name, such as { shank = 7850.0, fluke = 7200.0 }",

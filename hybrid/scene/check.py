@@ -7,6 +7,7 @@ module has what relates several keys, or a key to names and files.
 import re
 from math import hypot
 
+from hybrid.runtime.data import shipped_names
 from hybrid.runtime.errors import SceneError
 from hybrid.scene.check_contact import contact_faults
 from hybrid.scene.check_grid import grid_faults
@@ -14,7 +15,7 @@ from hybrid.scene.check_joint import joint_faults
 from hybrid.scene.check_material import material_faults
 from hybrid.scene.check_stage import spatial_spin, stage_faults
 from hybrid.scene.defaults import resolve
-from hybrid.scene.read import clipped
+from hybrid.scene.read import clipped, did_you_mean
 from hybrid.scene.soil import laws
 from hybrid.scene.table import TINY, need, range_faults, shown
 from hybrid.scheme import Scheme
@@ -147,8 +148,10 @@ def _ground(key, soil, grid, top):
 def _body(key, body, inertia):
     yield from _plain_name(f"{key}.name", body.name)
     yield from need(body.name != "soil", f"{key}.name", body.name, "other than 'soil'", "output labels the soil by it")
-    yield from need(body.geometry.is_file(), f"{key}.geometry", body.geometry, "an existing file",
-                    "the path is relative to the scene file, or to the working folder from Python")
+    if not body.geometry.is_file():
+        yield from need(False, f"{key}.geometry", body.geometry, "an existing file",
+                        "the path is relative to the scene file, or to the working folder from Python; hybrid comes with "
+                        f"{', '.join(shipped_names())}, which go by name{did_you_mean(body.geometry.name, shipped_names())}")
     if body.rotation is not None:
         yield from need(hypot(*body.rotation[:3]) > TINY, f"{key}.rotation", body.rotation, "an axis other than zero",
                         "write [ax, ay, az, degrees], such as [0, 1, 0, 30]")

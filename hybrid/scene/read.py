@@ -12,6 +12,7 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import Literal, Union, get_args, get_origin, get_type_hints
 
+from hybrid.runtime.data import shipped_geometry
 from hybrid.runtime.errors import SceneError
 from hybrid.scene.table import described, file_name
 
@@ -149,7 +150,7 @@ def _path(value, path, base):
     try:
         reason or os.stat(place)
     except (FileNotFoundError, NotADirectoryError):     # whether there has to be a file is checked with the whole scene
-        pass
+        place = shipped_geometry(value) or place
     except OSError as error:    # too long; links in a circle
         reason = error.strerror
     if reason:

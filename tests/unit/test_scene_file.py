@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from small_scene import SCENE, refused
 
+from hybrid.runtime.data import GEOMETRY
 from hybrid.runtime.errors import SceneError
 from hybrid.scene import Axis, Body, Grid, Material, Pull, Scene, Soil, Stage, Time
 from hybrid.scene.file import load_scene, scene_from_dict, toml_value, validate
@@ -205,3 +206,18 @@ def test_dicts_are_read_relative_to_a_folder(path):
     assert scene_from_dict(tables, path.parent).bodies[0].geometry.is_file()
     with pytest.raises(SceneError, match="existing file"):
         scene_from_dict(tables, path.parent / "elsewhere")
+
+
+def test_shipped_geometries_go_by_name(path):
+    """In a scene file of any folder, and from Python; a file beside the scene comes first."""
+    shipped = validate(from_python("sphere.geo")).bodies[0].geometry
+    assert shipped == GEOMETRY / "sphere.geo"
+    path.write_text(SCENE.replace("ball.geo", "sphere.geo"))
+    assert load_scene(path).bodies[0].geometry == shipped
+    own = path.with_name("sphere.geo")
+    own.write_text("")
+    assert load_scene(path).bodies[0].geometry == own
+    path.write_text(SCENE.replace("ball.geo", "folder/box.geo"))
+    assert "folder/box.geo: must be an existing file" in refused(path)
+    path.write_text(SCENE.replace("ball.geo", "spere.geo"))
+    assert "did you mean 'sphere.geo'?" in refused(path) and "hybrid comes with" in refused(path)
