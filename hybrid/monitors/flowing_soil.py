@@ -19,15 +19,10 @@ Cuts of a height H, E = 1, 5, 100 MPa, 8 and 16 cells high, gravity growing in 1
 import numpy as np
 
 from hybrid.monitors.monitor import Monitor
-from hybrid.runtime.comm import anywhere, largest, maximum, minimum
+from hybrid.runtime.comm import anywhere, maximum, minimum
 
 LIMIT = 0.005       # of the height of the soil
 STILL = 0.1         # of what the soil moves by in a step: a body that touches it and moves more has a share in that
-
-
-def largest_move(before, after):
-    """Largest displacement of a point [m] between two states of the same Points."""
-    return largest(np.linalg.norm(after.position - before.position, axis=1))
 
 
 class FlowingSoil(Monitor):

@@ -8,14 +8,8 @@ short, converged to 1e-6 (failure mode plastic_step).
 """
 
 from hybrid.monitors.monitor import Monitor
-from hybrid.runtime.comm import largest
 
 LIMIT = 0.1     # [-] that an increment may add to the plastic strain of a point; at 0.15 the bank was wrong by 31 %
-
-
-def largest_increment(before, after):
-    """Largest growth of the plastic strain of a point [-] between two states of the same Points."""
-    return largest(after.plastic_strain - before.plastic_strain)
 
 
 class PlasticIncrement(Monitor):

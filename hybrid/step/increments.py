@@ -13,8 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hybrid.monitors.flowing_soil import largest_move
-from hybrid.monitors.plastic_increment import largest_increment
+from hybrid.runtime.comm import largest
 from hybrid.runtime.errors import StepError
 from hybrid.soil.model import Soil
 from hybrid.step import failure_message, newton, processes
@@ -178,5 +177,5 @@ class Report:
 
     def flow(self, before, after):
         """Add what an accepted increment did to the Points that it led from `before` to `after`."""
-        self.plastic_increment = max(self.plastic_increment, largest_increment(before, after))
-        self.moved += largest_move(before, after)
+        self.plastic_increment = max(self.plastic_increment, largest(after.plastic_strain - before.plastic_strain))
+        self.moved += largest(np.linalg.norm(after.position - before.position, axis=1))
