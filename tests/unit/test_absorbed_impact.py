@@ -89,6 +89,15 @@ def test_no_more_than_all_is_lost_and_the_motion_before_the_first_step_counts():
     assert "200 J of the 400 J" in text
 
 
+def test_what_is_lifted_again_falls_again():
+    """A ram that a drive has given 300 J more after the first note has had 400 J to lose."""
+    monitor = AbsorbedImpact(None, None)
+    notes([0.0, -20.0], monitor=monitor)
+    notes([-20.0, -20.0, -20.0, -20.0, -60.0], monitor=monitor, drive=100.0, until=3)
+    (_, last), = monitor.later().items()
+    assert "60 J of the 400 J" in last
+
+
 def test_an_impact_within_a_step_needs_smaller_steps_and_no_smaller_cells():
     text, = notes([0.0, -40.0])
     assert "most of it in a single step" in text and "smaller time.step, or time.accuracy = 1e-3" in text
