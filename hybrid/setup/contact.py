@@ -2,7 +2,7 @@
 
 Spacing of the places on the faces of domains    s = 2 l / k <= r/16, on held soil r/32      k from 4 to 32
 penalty on elastic soil                           p_f = 500 / h, 2000 / h of a body of planes driven into it, 100 / h of
-                                                  one with friction that shears it
+                                                  one with friction that shears it in plane strain
 penalty on soil that yields                       p_f = 20 / h
 penalty on held soil                              p_f E = W / (π r δ²),  δ = 2 s²/r
 of a curved body that rests on elastic soil       the softer one of 500 / h and that on held soil,  s <= r/32
@@ -43,7 +43,7 @@ CURVATURE, REST_CURVATURE = 16, 32  # spacings in a radius of curvature; of bodi
 ACROSS = 32
 STIFFNESS = {False: 500.0, True: 20.0}  # p_f h, by whether the soil yields
 PRESSED = 2000.0                    # the same of planes driven into elastic soil: their force is wanted, and cells follow
-SHEARED = 100.0                     # of planes with friction that shear it: all points in contact stick
+SHEARED = 100.0                     # of planes with friction that shear it in plane strain: all points in contact stick
 PATCH = 2.0                         # spacings in the radius of a contact patch on held soil
 PUBLISHED = 50.0                    # [1/m] p_f
 SHARP = 0.1                         # of the area: fillets and tips, which cells do not resolve either
@@ -145,11 +145,11 @@ def _penalty(described, body, soil, spacing, radius, gravity):
 
 
 def _stiffness(described, body, soil, radius, gravity):
-    """p_f h of a body on soil that deforms, which it shears where it is driven along two axes, or along one under a load."""
+    """p_f h of a body on soil that deforms, which it shears where it is driven in two ways, or in one under a load."""
     if soil.law.plastic or np.isfinite(radius) or not body.driven.any():
         return STIFFNESS[soil.law.plastic]
-    axes = np.count_nonzero(body.driven[:3]) + any(control.loads for control in body.stages)
-    if axes > 1 and friction_of(described) > 0.0:
+    axes = np.count_nonzero(body.driven[:3]) + body.driven[3:].any() + any(control.loads for control in body.stages)
+    if axes > 1 and friction_of(described) > 0.0 and soil.grid.collapsed.any():
         return SHEARED
     return STIFFNESS[False] if _carried(body, soil, gravity) else PRESSED
 

@@ -49,8 +49,8 @@ class Refusal:
 
 @dataclass(frozen=True)
 class SoilTrial:
-    """Soil at trial displacements: strain, the law's response, Kirchhoff stress (n, 3, 3) [Pa], internal force (N, 3) [N]
-    and the volume strain by which it is open (n,), None where none is (`hybrid.soil.closing`). Its strain is valid until the
+    """Soil at trial displacements: strain, the law's response, Kirchhoff stress (n, 3, 3) [Pa], internal force (N, 3) [N];
+    volume strains by which it is open and has closed (n,), or None (`hybrid.soil.closing`). Its strain is valid until the
     next evaluation, unless that one keeps it."""
 
     strain: TrialStrain
@@ -58,6 +58,7 @@ class SoilTrial:
     stress: np.ndarray
     force: np.ndarray
     opened: np.ndarray | None = None
+    closed: np.ndarray | None = None
 
 
 @dataclass(frozen=True)
@@ -137,8 +138,7 @@ class Soil:
         """
         half = points.half_width if self.basis == "gimp" else np.zeros_like(points.half_width)
         basis = evaluate_basis(points.position, half, self.grid.axes)
-        if not self.allow_detached:
-            points = self._without_detached(points, basis)
+        points = points if self.allow_detached else self._without_detached(points, basis)
         slabs = make_slabs(basis.first, self.grid.shape)
         carried = [values for values in (points.velocity, points.acceleration, points.algorithmic)
                    if values is not None]
@@ -173,7 +173,7 @@ class Soil:
                                              points.inactive, keep and keep.strain)
         if number(strain.inverted):
             return Refusal(f"turns soil inside out at {lost_points.list_points(self.constants.named(strain.inverted))}")
-        response, opened = closing.respond(self.law, strain.strain, points, self.allow_detached)
+        response, *volume_strains = closing.respond(self.law, strain.strain, points, self.allow_detached)
         failed = () if response.failed is None else np.flatnonzero(_active_only(points, response.failed))
         if number(failed):
             return Refusal("leaves the soil's law without a stress at "
@@ -184,7 +184,7 @@ class Soil:
                                fbar.mean_dilatation(step.mean, self.grid.collapsed, strain))
         if step.cuts:
             ghost.add_force(step.cuts, self.grid, displacement, force)
-        return SoilTrial(strain, response, stress, force, opened)
+        return SoilTrial(strain, response, stress, force, *volume_strains)
 
     def fill_stiffness(self, step, trial, pattern, values, error=1.0):
         """Put the tangent of `trial` into the soil block (entries `values`).
@@ -275,7 +275,7 @@ class Soil:
 
     def plastic_work(self, step, trial):
         """Work dissipated by plastic flow in the step [J]: Σ τ · Δε_p V0."""
-        plastic = trial.strain.strain - trial.response.elastic
+        plastic = trial.strain.strain - trial.response.elastic - (0.0 if trial.closed is None else trial.closed[:, None] / 3)
         volume = _active_only(step.points, self.constants.volume)
         return float(total(np.sum(trial.response.stress * plastic, axis=1) * volume))
 

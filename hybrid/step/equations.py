@@ -281,8 +281,7 @@ def begin(model, state, dt, pulling, workspace):
     active, small_support = np.ones(grid.node_count, bool), None
     with phase("transfer"):
         if not model.soil.held:
-            load = model.loads.on_points(state.time + dt, model.soil.constants.position)
-            soil = model.soil.begin(points, load, workspace.soil)
+            soil = soil_terms.begin(model, state, dt, workspace.soil)
             points, active, small_support = soil.points, soil.active, model.soil.small_support(soil)
         pattern, system = workspace.systems.get(active & ~grid.fixed.all(axis=1), small_support)
     domains = Domains.of(points, model.soil.constants, model.soil.basis, model.soil.ground)

@@ -11,6 +11,7 @@ import numpy as np
 
 from hybrid.runtime import comm
 from hybrid.runtime.timing import phase
+from hybrid.soil import closing
 from hybrid.soil.model import Refusal, SoilTrial
 
 ROUNDING = 1e-14  # relative, of positions and increments: forces that this alone explains are not residual
@@ -24,6 +25,17 @@ class SoilTerms:
     trial: SoilTrial
     rates: tuple
     forces: dict
+
+
+def begin(model, state, dt, workspace):
+    """SoilStep of an increment of `dt` [s] from a committed State; workspace: a SoilWorkspace. Raises StepError as
+    `Soil.begin` does."""
+    soil = model.soil
+    load = model.loads.on_points(state.time + dt, soil.constants.position)
+    touching = [contact.point[contact.touching & (contact.point >= 0)] for contact in state.contacts]
+    points = closing.shared(state.points, soil.grid, soil.constants.volume, np.linalg.norm(model.gravity), dt,
+                            np.concatenate([np.zeros(0, np.int64), *touching]))
+    return soil.begin(points, load, workspace)
 
 
 def evaluate(step, displacement, keep=None):

@@ -9,6 +9,8 @@ from hybrid.laws.hencky import Hencky
 from hybrid.laws.mohr_coulomb import MohrCoulomb
 from hybrid.laws.von_mises import VonMises
 from hybrid.soil import closing
+from hybrid.soil.lost_points import deactivate
+from hybrid.state import Points
 
 N = 400
 YOUNG = np.full(N, 1e7)
@@ -19,7 +21,7 @@ LAWS = {"sand": MohrCoulomb(YOUNG, 0.3, 33.0, 0.0, 0.0), "dilating": MohrCoulomb
 
 
 def respond(law, strain, plastic_strain, opened):
-    return closing.respond(law, strain, SimpleNamespace(plastic_strain=plastic_strain, opened=opened))
+    return closing.respond(law, strain, SimpleNamespace(plastic_strain=plastic_strain, opened=opened))[:2]
 
 
 def walk(law, volumes, shear=0.0):
@@ -97,3 +99,86 @@ def test_opening_and_closing_keep_the_volume():
     for volume in (0.01, -0.01):
         response, after = respond(law, np.full((N, 3), volume / 3), np.zeros(N), opened)
         np.testing.assert_allclose(after + response.elastic.sum(axis=1), opened + volume, atol=1e-15)
+
+
+def test_work_of_closing_is_that_of_the_pressure_behind_it():
+    """`Soil.plastic_work` takes τ · (ε - ε_e - c/3 1): the strain that the law has seen is larger by c/3."""
+    law, given = LAWS["sand"], np.full((N, 3), -0.01)
+    strain = given.copy()
+    points = SimpleNamespace(plastic_strain=np.zeros(N), opened=np.full(N, 0.02))
+    response, opened, closed = closing.respond(law, strain, points)
+    assert opened is None and (closed == 0.02).all()
+    np.testing.assert_allclose(strain - closed[:, None] / 3, given)
+    np.testing.assert_allclose(response.elastic, strain)
+
+
+def test_each_point_has_its_own_plastic_strain():
+    """Softening by the strain of that point, also of the few that stay open."""
+    law, opened = LAWS["softening"], np.where(np.arange(N) % 3 == 2, 0.02, 0.0)
+    alpha = np.linspace(0.0, 0.03, N)
+    strain = np.tile([0.004, -0.001, -0.004], (N, 1))
+    response, _ = respond(law, strain, alpha, opened)
+    still = law.without_dilation(np.arange(N)).respond(np.tile([0.004, -0.001, -0.004], (N, 1)) + 1e-3 / 3, alpha)
+    np.testing.assert_allclose(response.stress[opened > 0], still.stress[opened > 0])
+
+
+def test_without_inertia_nothing_is_remembered():
+    points = SimpleNamespace(plastic_strain=np.zeros(N), opened=None)
+    assert closing.respond(LAWS["sand"], np.full((N, 3), 0.01), points, opens=False)[1:] == (None, None)
+    points.opened = np.full(N, 0.05)
+    response, opened, closed = closing.respond(LAWS["sand"], np.full((N, 3), -0.001), points, opens=False)
+    assert (response.stress < 0.0).all() and opened is points.opened and closed is None
+
+
+def test_points_that_leave_keep_what_they_had():
+    old, new, leaving = cells(), cells(), np.arange(8) == 2
+    new.opened = np.full(8, 0.03)
+    assert list(deactivate(old, new, leaving).opened) == [0.03, 0.03, 0.02, *[0.03] * 5]
+    old.opened = None
+    assert list(deactivate(old, new, leaving).opened) == [0.03, 0.03, 0.0, *[0.03] * 5]
+
+
+# ------------------------------------------------------------------ shared in cells
+
+GRID = SimpleNamespace(lines=(np.linspace(0.0, 1.0, 3), np.array([0.0, 1.0]), np.linspace(0.0, 1.0, 3)), smallest_cell=0.5)
+G = 9.81
+
+
+def cells(inactive=None):
+    """Points of one volume: two in each of the four cells, the first one open by 0.02, the second one pressed by 0.01."""
+    position = np.repeat([[0.2, 0.5, 0.2], [0.7, 0.5, 0.2], [0.2, 0.5, 0.7], [0.7, 0.5, 0.7]], 2, axis=0)
+    volume = np.tile([0.0, -0.01], 4)
+    zero = np.zeros((8, 3))
+    return Points(position, zero, zero, zero, np.tile(np.eye(3), (8, 1, 1)),
+                  np.exp(2 / 3 * volume)[:, None, None] * np.eye(3), np.zeros((8, 3, 3)), np.zeros(8), inactive=inactive,
+                  opened=np.tile([0.02, 0.0], 4))
+
+
+def volumes(points):
+    """Volume strain (n,) of points, open or elastic."""
+    return points.opened + 0.5 * np.log(np.linalg.det(points.b_elastic))
+
+
+@pytest.mark.parametrize("time, left", [(1.0, 0.0), (0.25 * np.sqrt(2 * 0.5 / G), 0.75), (0.0, 1.0)])
+def test_points_share_what_is_open_in_their_cell(time, left):
+    """Volume is kept; after the time of a fall by a cell all have its mean, before that some of the difference is left."""
+    before = cells()
+    after = closing.shared(before, GRID, np.full(8, 0.1), G, time, [])
+    assert volumes(after).sum() == pytest.approx(volumes(before).sum())
+    np.testing.assert_allclose(volumes(after) - 0.005, left * (volumes(before) - 0.005), atol=1e-15)
+    assert ((after.opened == 0.0) | np.isclose(np.linalg.det(after.b_elastic), 1.0)).all()
+
+
+def test_cells_with_points_of_one_kind_or_at_a_body_share_nothing():
+    def changed(points, touching=()):
+        after = closing.shared(points, GRID, np.full(8, 0.1), G, 1.0, list(touching))
+        return np.flatnonzero(volumes(after) != volumes(points))
+
+    assert list(changed(cells(), [3, 4])) == [0, 1, 6, 7]
+    assert list(changed(cells(np.arange(8) == 1))) == [2, 3, 4, 5, 6, 7]
+    one = cells()
+    one.opened[:2] = 0.02, 0.01
+    one.b_elastic[1] = np.eye(3)
+    assert list(changed(one)) == [2, 3, 4, 5, 6, 7]
+    one.opened = None
+    assert closing.shared(one, GRID, np.full(8, 0.1), G, 1.0, []) is one

@@ -30,7 +30,7 @@ def population():
         position=constants.position + rng.uniform(-0.1, 0.1, (COUNT, 3)), velocity=rng.normal(size=(COUNT, 3)),
         acceleration=rng.normal(size=(COUNT, 3)), half_width=half.copy(), deformation=deformation, b_elastic=elastic,
         stress=stress / np.linalg.det(deformation)[:, None, None], plastic_strain=rng.uniform(0, 1, COUNT),
-        affine=rng.normal(size=(COUNT, 2, 3, 3)))
+        affine=rng.normal(size=(COUNT, 2, 3, 3)), opened=rng.uniform(0, 0.1, COUNT))
     return Population(points, constants, LAW.rows)
 
 
@@ -42,6 +42,7 @@ def held(population):
         "mass": c.mass.sum(), "volume": c.volume.sum(), "volume now": now.sum(), "momentum": c.mass @ p.velocity,
         "force": c.mass @ p.acceleration, "centre": c.mass @ p.position, "first centre": c.mass @ c.position,
         "stress": np.einsum("n,nij->ij", now, p.stress), "plastic": c.volume @ p.plastic_strain,
+        "opened": c.volume @ p.opened,
         "modulus": c.volume @ population.rows,
     }
 
