@@ -27,7 +27,7 @@ def errors(case, method, *settings):
      lambda: errors("thin_wall", "corners (published)", 4.6, 2.6, 1.5)),
     (r"Newmark \(0.5625, 1\) at most {} and {} % of the oscillation remain",
      lambda: [max(errors("force_oscillation", method)) for method in ("generalised-alpha, ρ∞ = 0", "Newmark (0.5625, 1)")]),
-    ("its speed is right to {} %, with Newmark's undamped scheme to {} %",
+    ("its velocity is correct to {} %, with Newmark's undamped scheme to {} %",
      lambda: [max(errors("light_body", method, 3.0, 10.0, 100.0, 1000.0, 1e5))
               for method in ("Newmark (0.5625, 1)", "Newmark")]),
     ("weight is applied in one step converges to 1e-6 and is {} % short",
