@@ -27,13 +27,13 @@ class GroundImpact(ImpactLoss):
         self._touched |= anywhere([len(contact) for contact in view.contacts])
         self._hit |= view.struck or near(view)
         if found and self._touched and self._largest > least_energy(view.model):
-            yield self._told(view, loss)
+            yield self._message(view, loss)
         self._hit = self._quiet < QUIET and self._hit
         if self._quiet >= QUIET or view.struck and not self._touched:       # by one another: `BodyImpact`
             self._touched = False
             self.forget()
 
-    def _told(self, view, loss):
+    def _message(self, view, loss):
         """(key, text) about an impact that cost `loss` [J]."""
         if self._hit:
             return "bodies", self.text(view, loss, "impact of bodies with one another on held ground",

@@ -68,14 +68,14 @@ def pushed_walls(scene, model):
             yield from _retained(body, depth.behind, model.soil.grid.smallest_cell, "moves away from", "its load is")
 
 
-def pushed(scene, model, laws, told):
+def pushed(scene, model, laws, wedge):
     """Texts of a Wedge about walls that end in soil of one of the `laws` and are driven against it."""
-    spaces = (1,) if told.in_space is None else (0, 1)
+    spaces = (1,) if wedge.in_space is None else (0, 1)
     for body, travel, place, _ in driven(scene, model):
         depth = depths(scene, model.soil, place, travel, laws, spaces)
         angle = None if depth is None else _angle(body, place, travel)
         if angle is not None and angle >= INCLINED and depth.behind <= PASSIVE * depth.ahead:
-            yield from _wedge(told, body, depth.ahead, model.soil.grid, angle)
+            yield from _wedge(wedge, body, depth.ahead, model.soil.grid, angle)
 
 
 def _angle(body, place, travel):
@@ -146,21 +146,21 @@ def _rising(material):
     return " and rising with the distance moved as the sand dilates" if material.dilation_angle else ""
 
 
-def _wedge(told, body, depth, grid, angle):
+def _wedge(wedge, body, depth, grid, angle):
     """Text, if any, about a wall at an `angle` [deg] to the ground that pushes soil as deep as `depth` [m]. In space the
     law is known without friction only."""
     cell, in_plane_strain = grid.smallest_cell, grid.collapsed.any()
-    excess = told.foot * cell / max(depth, cell)
+    excess = wedge.foot * cell / max(depth, cell)
     if depth < LAID * cell or excess <= EXCESS:
         return
     verb = "is" if in_plane_strain or not body.friction else "without friction would be"
     if angle < LEANING:
         remedy = (f"Its face is at {angle:.0f} degrees to the ground, limit {LEANING:.0f}, and drags more: smooth "
-                  f"faces at 75 and 60 degrees measured {told.inclined}. Extrapolate two sizes of cells to none")
+                  f"faces at 75 and 60 degrees measured {wedge.inclined}. Extrapolate two sizes of cells to none")
     else:
-        remedy = (f"Use cells of at most {EXCESS / told.foot * depth:.2g} m, or extrapolate two sizes of cells to "
-                  f"none{told.upright if in_plane_strain else told.in_space}")
-    yield (f"{body.name} ends {depth:.3g} m deep in {told.soil}, {depth / cell:.2g} cells of {cell:.3g} m, and drags the "
+        remedy = (f"Use cells of at most {EXCESS / wedge.foot * depth:.2g} m, or extrapolate two sizes of cells to "
+                  f"none{wedge.upright if in_plane_strain else wedge.in_space}")
+    yield (f"{body.name} ends {depth:.3g} m deep in {wedge.soil}, {depth / cell:.2g} cells of {cell:.3g} m, and drags the "
            f"next cell along: the resistance of the soil ahead of it {verb} at least {excess:.0%} too high, limit "
            f"{EXCESS:.0%}. {remedy}")
 
