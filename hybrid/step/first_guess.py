@@ -52,11 +52,11 @@ def first_evaluation(step):
 def landed(step, evaluation):
     """Evaluation with free bodies that touch nothing, or hardly, put down on soil that does not move: their weight, which
     no contact resists yet, would press them into it by a part of a cell."""
-    loose = [number for number, terms in enumerate(evaluation.bodies) if terms.loose and terms.residual.any()]
-    if not loose:
+    unsupported = [number for number, terms in enumerate(evaluation.bodies) if terms.unsupported and terms.residual.any()]
+    if not unsupported:
         return evaluation
     unknowns = evaluation.unknowns
-    for number in loose:
+    for number in unsupported:
         unknowns = _put_down(step, unknowns, number)
     return step.evaluate(unknowns)
 
