@@ -49,7 +49,7 @@ def first_evaluation(step):
     return resting
 
 
-def landed(step, evaluation):
+def lowered_to_contact(step, evaluation):
     """Evaluation with free bodies that touch nothing, or hardly, put down on soil that does not move: their weight, which
     no contact resists yet, would press them into it by a part of a cell."""
     unsupported = [number for number, terms in enumerate(evaluation.bodies) if terms.unsupported and terms.residual.any()]
@@ -57,11 +57,11 @@ def landed(step, evaluation):
         return evaluation
     unknowns = evaluation.unknowns
     for number in unsupported:
-        unknowns = _put_down(step, unknowns, number)
+        unknowns = _lowered(step, unknowns, number)
     return step.evaluate(unknowns)
 
 
-def _put_down(step, unknowns, number):
+def _lowered(step, unknowns, number):
     """Unknowns after a body has gone the way that what is out of balance pushes it, by a cell at most, until contact bears
     that; as they are where nothing does."""
     free, nodes = step.bodies[number].free[:3], unknowns.displacement
