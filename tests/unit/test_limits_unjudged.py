@@ -1,4 +1,4 @@
-"""A body of few cells is told of where no other limit knows by how much its load is wrong."""
+"""A body of few cells has a message where no other limit knows by how much its load is wrong."""
 
 from dataclasses import replace
 

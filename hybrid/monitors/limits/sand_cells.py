@@ -22,7 +22,7 @@ from hybrid.monitors.limits.loading import (CLAY, EXCESS, SAND, STEEP, driven, f
 from hybrid.runtime.comm import maximum, minimum
 
 FOOT, ACTIVE = 2.3, 1.65
-# Degrees from the ground of a face that is judged as a wall, and below which what inclined ones measured is told.
+# Degrees from the ground of a face that is judged as a wall, and below which the message has what inclined ones measured.
 INCLINED, LEANING = 45.0, 85.0
 WEIGHT, ORDER = 3.1, 0.6         # of the part of a footing's load that the sand's weight carries
 SQUARE = 4.2                    # of a square one: 377 and 280 kPa with 4 and 8 cells, φ = 30°, ψ = 5°, B = 1.6 m, N_γ 184
@@ -35,9 +35,9 @@ PASSIVE = 3.0
 
 
 class Wedge(NamedTuple):
-    """What is told of a wall that ends in soil and is pushed against it: the name of the soil; by how many cells over its
-    depth the load is too high at least; what inclined faces measured; what else is told of upright ones in plane strain,
-    and in space, where None is told of none."""
+    """Parts of the message about a wall that ends in soil and is pushed against it: the name of the soil; by how many cells
+    over its depth the load is too high at least; what inclined faces measured; what is added for upright ones in plane
+    strain, and in space, where None gives no message."""
 
     soil: str
     foot: float
