@@ -6,6 +6,9 @@ from hybrid.bench import rank_model
 from hybrid.bench.table import markdown, number, paragraph
 
 SIZES = ("points", "unknowns", "entries")
+SOLVERS = {"sweeps": "SSOR", "incomplete": "ILU(0)", "damped": "ILU(0), 1.5 D", "direct": "LU"}     # by the record's names
+COUNTS = {"with": "preconditioner used", "in vain": "iterations of abandoned solvers",
+          "copied / own": "ghost / owned unknowns", "kB a preconditioner": "kB a preconditioner application"}
 
 
 def tables(record):
@@ -98,30 +101,33 @@ def _ranks(case):
     keys = ["steps", "iterations", "krylov", "s", "gain",
             *sorted(phases, key=lambda key: -sum(row[key] for row in case["rows"]))]
     rows = [[key if key not in phases else f"{key} [s]", *(row[key] for row in case["rows"])] for key in keys]
-    commit = f" Measured at commit {case['commit']}." if "commit" in case else ""
     return (paragraph("One process, two threads and two processes (`--ranks 2`) on the machine of the stamp, one after "
                       "the other: three steps of a block of 106 000 unknowns, and the first of the anchor. Gain: time of "
-                      f"one process over that of the column.{commit}")
+                      "one process over that of the column."
+                      + (f" Measured at commit {case['commit']}." if "commit" in case else ""))
             + "\n" + markdown(["", *(f"{row['scene']}, {row['way']}" for row in case["rows"])], rows))
 
 
 def _exchange(case):
-    keys = [key for key in case["rows"][0] if key not in ("soil", "ranks")]
-    heads = ["", *(f"{row['soil']}, {row['ranks']}" for row in case["rows"])]
+    rows = [{**row, "with": SOLVERS.get(row["with"], row["with"])} for row in case["rows"]]
+    heads, keys = ["", *(f"{row['soil']}, {row['ranks']}" for row in rows)], list(rows[0])[2:]
     return (paragraph("Three steps of a block of sand, and of clay (ν = 0.49), both with F-bar, by ranks, which share the "
-                      "cores of the machine: all are counts. `in vain`: iterations of solvers that were given up. From "
-                      "`copied / own` on: of the process that has or sends most. A product K x fills the copies and adds "
-                      "them up at their owners; a vector field is one of the grid's nodes, whose copies are filled."
+                      "cores of the machine: all are counts, from `ghost / owned unknowns` on of the process with the most. "
+                      "A product K x fills the copies (ghosts) and adds them up at their owners; a vector field is one of "
+                      "the grid's nodes, whose copies are filled."
                       + (f" Counted at commit {case['commit']}." if "commit" in case else ""))
-            + "\n" + markdown(heads, [[key, *(row[key] for row in case["rows"])] for key in keys]))
+            + "\n" + markdown(heads, [[COUNTS.get(key, key), *(row[key] for row in rows)] for key in keys]))
 
 
 def _solvers(case):
-    keys = ["tangent", "unknowns", "solver", "iterations", "factor [s]", "solve [s]", "failed"]
-    keys = keys if any(row["failed"] for row in case["rows"]) else keys[:-1]
-    return (paragraph("Iterations to a residual of 1e-3 for one tangent with each preconditioner. A run takes the "
-                      "cheapest by what it counts, sweeps first where the tangent is symmetric.")
-            + "\n" + markdown(keys, [[row[key] for key in keys] for row in case["rows"]]))
+    rows = [{**row, "solver": SOLVERS[row["solver"]], "iterations": None if row["failed"] else row["iterations"]}
+            for row in case["rows"]]
+    keys = ["tangent", "unknowns", "solver", "iterations", "factor [s]", "solve [s]",
+            *["failed"] * any(row["failed"] for row in rows)]
+    return (paragraph("Iterations to a residual of 1e-3 for one tangent with SSOR (symmetric Gauss-Seidel), ILU(0), ILU(0) "
+                      "with the diagonal D times 1.5, and a direct factor LU (MUMPS). A run takes the cheapest by its own "
+                      "counts, SSOR first where the tangent is symmetric.")
+            + "\n" + markdown(keys, [[row[key] for key in keys] for row in rows]))
 
 
 SECTIONS = {

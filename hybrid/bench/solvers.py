@@ -14,7 +14,7 @@ import numpy as np
 from hybrid.bench.kernels import pressed
 from hybrid.bench.scenes import ELASTIC, SAND, block, contracted
 from hybrid.bench.timed_steps import warm
-from hybrid.linalg.solver_choice import DAMPED, DIRECT, INCOMPLETE, SWEEPS, Single
+from hybrid.linalg.solver_choice import DIRECT, ILU0, ILU0_SHIFTED, SSOR, Single
 from hybrid.runtime.errors import StepError
 from hybrid.setup.build import build
 from hybrid.step.equations import Unknowns, begin
@@ -23,7 +23,7 @@ from hybrid.step.workspace import Workspace
 SMALL, LARGE = (26, 26, 9), (36, 36, 14)    # 20 000 and 60 000 unknowns
 CUBE = 0.3  # [m]
 CLAY = {**ELASTIC, "law": "von-mises", "poisson": 0.49, "strength": 1e3}
-SOLVERS = {"sweeps": SWEEPS, "incomplete": INCOMPLETE, "damped": DAMPED, "direct": DIRECT}
+SOLVERS = {"sweeps": SSOR, "incomplete": ILU0, "damped": ILU0_SHIFTED, "direct": DIRECT}
 
 
 def cases(quick):

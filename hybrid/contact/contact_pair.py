@@ -89,7 +89,7 @@ class ContactPair:
         if self.points.shared is not None:
             self.points = replace(self.points, limits=self._limits)
 
-    def parted(self, contact):
+    def separated(self, contact):
         """Numbers of the points that touched when the step began, and of those of them that do not in `contact`."""
         touching = self.points.touching.copy()
         before = count(touching)

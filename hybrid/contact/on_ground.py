@@ -123,7 +123,7 @@ class GroundPair:
         """Number of places that the step carried through the ground."""
         return self._step.passed(contact.found, (pose, AT_REST), depth)
 
-    def parted(self, contact):
+    def separated(self, contact):
         """As in ContactPair."""
         touching = self._step.touching.copy()
         before = count(touching)

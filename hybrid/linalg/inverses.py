@@ -16,22 +16,22 @@ of one cell, the factor of 15 600 unknowns takes 0.04 s instead of 0.35 s, and G
 
 import numpy as np
 
-from hybrid.linalg.solver_choice import DAMPED, DIRECT, INCOMPLETE, SWEEPS
+from hybrid.linalg.solver_choice import DIRECT, ILU0, ILU0_SHIFTED, SSOR
 
 # PETSc options of M^-1. A node that domains hardly overlap has a row with very small entries and an even smaller pivot.
 # Elimination without pivoting does not depend on the scale of rows and columns, so only a pivot of exactly zero is an
 # error. Sweeps go forward and backward, PETSc's default. PETSc inverts the diagonal block of each node (its rows have the
 # same sparsity) unless a shift or relaxation is set, but treats a scalar pivot below 2e-14 as zero: diagonals are raised
 # to SMALLEST_DIAGONAL [N/m]. An exact zero would be an error; it is replaced by ZERO_DIAGONAL, with which sweeps diverge.
-INCOMPLETE_FACTOR = {"ksp_type": "preonly", "pc_type": "ilu", "pc_factor_zeropivot": 0.0}
+ILU_OPTIONS = {"ksp_type": "preonly", "pc_type": "ilu", "pc_factor_zeropivot": 0.0}
 INVERSES = {
-    SWEEPS: {"ksp_type": "preonly", "pc_type": "sor"},
-    INCOMPLETE: INCOMPLETE_FACTOR,
-    DAMPED: INCOMPLETE_FACTOR,
+    SSOR: {"ksp_type": "preonly", "pc_type": "sor"},
+    ILU0: ILU_OPTIONS,
+    ILU0_SHIFTED: ILU_OPTIONS,
     DIRECT: {"ksp_type": "preonly", "pc_type": "lu", "pc_factor_mat_solver_type": "mumps"},
 }
 SMALLEST_DIAGONAL, ZERO_DIAGONAL = 1e-13, 1e-300
-# Factor on the diagonal before the damped factor. Iterations for clay (von Mises, ν = 0.49, F-bar) of 4 800, 17 600 and
+# Factor on the diagonal before ILU0_SHIFTED. Iterations for clay (von Mises, ν = 0.49, F-bar) of 4 800, 17 600 and
 # 52 600 unknowns, to 1e-3: 1.2 stagnates; 1.3: 66, 114, 133; 1.5: 76, 142, 167; 2: 99, 198, 193.
 RAISED = 1.5
 

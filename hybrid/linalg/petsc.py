@@ -25,7 +25,7 @@ from petsc4py import PETSc
 from hybrid.linalg.inverses import INVERSES, RAISED, lift
 from hybrid.linalg.precond_pattern import ReducedMatrix
 from hybrid.linalg.product import Product
-from hybrid.linalg.solver_choice import DAMPED, DIRECT, MOST, SolverChoice
+from hybrid.linalg.solver_choice import DIRECT, ILU0_SHIFTED, MOST, SolverChoice
 from hybrid.linalg.stencil_pattern import diagonal_places
 from hybrid.runtime.errors import StepError
 from hybrid.runtime.stop_signals import held_back
@@ -165,7 +165,7 @@ class BlockSystem:
             self._solvers[solver] = self._make_solver(solver)
         ksp, options = self._solvers[solver]
         if solver != DIRECT:
-            self._fill_reduced(RAISED if solver == DAMPED else 1.0)
+            self._fill_reduced(RAISED if solver == ILU0_SHIFTED else 1.0)
         ksp.setOperators(*self._operators(solver))
         ksp.max_it = most
         with _options_set(options):  # the parts of a field split read their options at the first set-up

@@ -16,7 +16,7 @@ from petsc4py import PETSc
 from hybrid.linalg.inverses import INVERSES, RAISED, lift
 from hybrid.linalg.precond_pattern import ReducedMatrix
 from hybrid.linalg.product import Product
-from hybrid.linalg.solver_choice import DAMPED, DIRECT, MOST
+from hybrid.linalg.solver_choice import DIRECT, ILU0_SHIFTED, MOST
 from hybrid.linalg.stencil_pattern import diagonal_places
 from hybrid.runtime import comm, ranks
 from hybrid.runtime.errors import StepError
@@ -182,7 +182,7 @@ class DistributedSystem:
             unassembled.assemble()
             unassembled.convert("aij", matrix)
         else:
-            self._fill_reduced(matrix := matrices[0], RAISED if solver == DAMPED else 1.0)
+            self._fill_reduced(matrix := matrices[0], RAISED if solver == ILU0_SHIFTED else 1.0)
         ksp.setOperators(matrix)
         ksp.setUp()
         if solver == DIRECT:

@@ -5,12 +5,12 @@ factor. Costs are in GMRES iterations, the unit in which they are counted, not i
 bit for bit on every machine. For n soil unknowns, m body unknowns and a reduction of the residual by D decades for each
 tangent (with all its right-hand sides):
 
-| solver      | set-up           | solution                     |
-|-------------|------------------|------------------------------|
-| SWEEPS      | 0                | iterations counted           |
-| INCOMPLETE  | 5                | iterations counted           |
-| DAMPED      | 5                | iterations counted           |
-| DIRECT      | f + 15 m         | 15 for a reduction by 1000   |
+| solver       | set-up           | solution                     |
+|--------------|------------------|------------------------------|
+| SSOR         | 0                | iterations counted           |
+| ILU0         | 5                | iterations counted           |
+| ILU0_SHIFTED | 5                | iterations counted           |
+| DIRECT       | f + 15 m         | 15 for a reduction by 1000   |
 
 f is √n with a collapsed axis: a factor of 3 600 and 25 600 unknowns takes as long as 100 and 160 iterations. In space it is
 n / 52, at least 300 or 5 √n: a factor of 4 300, 6 900, 19 100, 22 500, 52 200 unknowns takes as long as 280, 320, 370, 375,
@@ -34,7 +34,7 @@ import numpy as np
 from hybrid.runtime import comm
 from hybrid.runtime.memory import available_memory, direct_factor_memory
 
-SWEEPS, INCOMPLETE, DAMPED, DIRECT = range(4)
+SSOR, ILU0, ILU0_SHIFTED, DIRECT = range(4)
 SET_UP = 5.0                    # [iterations] of an incomplete factor
 DIRECT_SOLUTION = 15.0          # [iterations] of a solution with a direct factor
 PRIOR = (0.0, 10.0, 20.0)       # iterations a decade of the first, second and third solver, as long as it is not tried
@@ -99,16 +99,16 @@ class SolverChoice:
         limits = [_limit(costs[after]) for after in order[1:]] + [MOST]
         known = [*zip(order, limits[:len(order)], strict=True)]
         if not fits:
-            return known + [(SWEEPS, MOST)]
+            return known + [(SSOR, MOST)]
         return known + [(solver, LAST) for solver in ranked if math.isinf(costs[solver])]
 
     def _costs(self, unknowns, bodies, symmetric):
         """{solver: iterations that the next tangent is expected to cost}."""
-        usual = [SWEEPS, INCOMPLETE, DAMPED] if symmetric else [INCOMPLETE, SWEEPS, DAMPED]
+        usual = [SSOR, ILU0, ILU0_SHIFTED] if symmetric else [ILU0, SSOR, ILU0_SHIFTED]
         costs = {}
         for solver, prior in zip(usual, PRIOR, strict=True):
             rate = self._rates[solver]
-            costs[solver] = (solver != SWEEPS) * SET_UP + self._decades * (prior if np.isnan(rate) else rate)
+            costs[solver] = (solver != SSOR) * SET_UP + self._decades * (prior if np.isnan(rate) else rate)
         costs[DIRECT] = _factor_cost(unknowns, self.plane) + DIRECT_SOLUTION * (bodies + self._decades / DECADES)
         return costs
 

@@ -45,7 +45,7 @@ class AbsorbedImpact(Monitor):
         self._at_once, self._error = max(self._at_once, self._error - energy["error"]), energy["error"]
         self._stored, lost = max(self._stored, stored), self._base - energy["error"]
         fell = max(self._falling, least_energy(view.model))
-        impact = not view.struck and self._falling > FALLING * self._stored and lost > ABSORBED * fell > 0.0
+        impact = not view.bodies_in_contact and self._falling > FALLING * self._stored and lost > ABSORBED * fell > 0.0
         impact = impact and moving < STOPPED * self._falling    # a ball that rolls down clay goes faster and faster
         if impact and not self.given("absorbed"):
             self._sudden = self._at_once > AT_ONCE * lost

@@ -32,14 +32,14 @@ class ImpactLoss(Monitor):
         self._largest, self._quiet = 0.0, 0
         self._lost = self._of = 0.0             # [J], in all impacts that were reported, and the largest energy before one
 
-    def follow(self, view, struck):
-        """(loss of the present impact [J], whether it is over and too large) at a StepView; struck: whether forces act."""
+    def follow(self, view, in_contact):
+        """(loss of the present impact [J], whether it is over and too large) at a StepView; in_contact: forces act."""
         error, kinetic = view.energy["error"], motion_energy(view.model.bodies, view.state.bodies)
         change = abs(error - self._error)
         if self._before is None:    # steps apart cost nothing, so each begins afresh
             self._before, self._largest, self._quiet = self._error, self._kinetic, 0
         self._error, self._kinetic, self._largest = error, kinetic, max(self._largest, kinetic)
-        self._quiet = 0 if struck or change > STEADY * self._largest else self._quiet + 1
+        self._quiet = 0 if in_contact or change > STEADY * self._largest else self._quiet + 1
         loss = self._before - error
         return loss, self._quiet >= QUIET and loss > LOST * self._largest > 0.0
 
@@ -68,10 +68,10 @@ class BodyImpact(ImpactLoss):
         """Energy, time, share, limit and remedy."""
         if not view.model.pairs or not view.scheme.inertia or view.scheme.first_order:
             return
-        loss, found = self.follow(view, view.struck)
+        loss, found = self.follow(view, view.bodies_in_contact)
         on_soil = anywhere([len(contact) for contact in view.contacts])
         self._limit = ON_SOIL if on_soil else self._limit
-        self._hit |= view.struck    # on soil, where bodies that stand near one another lose energy to it
+        self._hit |= view.bodies_in_contact    # on soil, where bodies that stand near one another lose energy to it
         found = found and loss > self._limit * self._largest and (self._hit or self._limit < ON_SOIL)
         on_ground = on_soil and view.model.soil.held
         if found and not on_ground:

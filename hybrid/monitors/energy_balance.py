@@ -48,7 +48,7 @@ class EnergyBalance(Monitor):
         if self._above >= LASTING[scheme.inertia] and (self._steps > START or stored <= GROWTH * before):
             yield "gain", (f"energy balance: unaccounted gain of {gain:.3g} J since t = {self._began:.4g} s "
                            f"({_share(gain, stored, GAIN)}). {_remedy(view)}")
-        if scheme.inertia and not scheme.first_order and not view.struck and loss > LOSS * scale > 0:
+        if scheme.inertia and not scheme.first_order and not view.bodies_in_contact and loss > LOSS * scale > 0:
             yield "loss", (f"energy balance: unaccounted loss of {loss:.3g} J in the step to t = "
                            f"{view.state.time:.4g} s ({_share(loss, max(stored, loss), LOSS)}). {_remedy(view)}")
 

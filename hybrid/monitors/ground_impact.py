@@ -23,17 +23,17 @@ class GroundImpact(ImpactLoss):
         """Energy, time, share, limit and remedy."""
         if not view.model.soil.held or not view.scheme.inertia or view.scheme.first_order:
             return
-        loss, found = self.follow(view, view.struck)
+        loss, found = self.follow(view, view.bodies_in_contact)
         self._touched |= anywhere([len(contact) for contact in view.contacts])
-        self._hit |= view.struck or near(view)
+        self._hit |= view.bodies_in_contact or near(view)
         if found and self._touched and self._largest > least_energy(view.model):
-            yield self._told(view, loss)
+            yield self._message(view, loss)
         self._hit = self._quiet < QUIET and self._hit
-        if self._quiet >= QUIET or view.struck and not self._touched:       # by one another: `BodyImpact`
+        if self._quiet >= QUIET or view.bodies_in_contact and not self._touched:       # by one another: `BodyImpact`
             self._touched = False
             self.forget()
 
-    def _told(self, view, loss):
+    def _message(self, view, loss):
         """(key, text) about an impact that cost `loss` [J]."""
         if self._hit:
             return "bodies", self.text(view, loss, "impact of bodies with one another on held ground",

@@ -66,10 +66,10 @@ def _at_once(name, force, yields):
     """Text about a constant force (3,) [N] that a run without inertia begins with, on soil that yields or on elastic
     soil."""
     row, carried = ", ".join(f"{value:.6g}" for value in force), ", or it exceeds what the soil can carry" if yields else ""
-    told = ", and the message then says how much is carried" if yields else ""
+    message = ", and the message then says how much is carried" if yields else ""
     return (f"The load on {name}, {components_of(force)}, acts at once, and the first step may not find its "
             f"equilibrium{carried}: let the load grow, force = [[0, 0, 0, 0], [T, {row}]] with T the length of the "
-            f"stage{told}")
+            f"stage{message}")
 
 
 def _sign(step, body, force):

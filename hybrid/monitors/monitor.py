@@ -33,7 +33,7 @@ class StepView:
         return zip(range(len(self.contacts)), self.model.bodies, self.state.bodies, self.contacts)
 
     @property
-    def struck(self):
+    def bodies_in_contact(self):
         """Whether bodies touch one another: the scheme hands an impulse on over some steps, so that energy is missing for
         a while."""
         pairs = getattr(getattr(self.report, "evaluation", None), "pairs", None)

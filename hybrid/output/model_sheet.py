@@ -24,6 +24,7 @@ def model_sheet(scene, model, imbalance=None, level="", most_points=0, decisions
     """
     soil = model.soil
     block, points = sizes(soil), number(soil.constants)
+    nodes = int(np.prod([len(line) for line in soil.grid.lines]))
     growth = max(1.0, most_points / max(1, points))
     memory = (LIBRARIES + PICTURES * bool(scene.output.pictures)
               + growth * growing_memory(soil, points, block.entries, block.unknowns, model.solver))
@@ -37,6 +38,7 @@ def model_sheet(scene, model, imbalance=None, level="", most_points=0, decisions
         "soil unknowns": block.unknowns,
         "body unknowns": model.body_unknowns,
         "entries of the soil block": block.entries,
+        **({} if soil.held else {"inactive nodes": f"{nodes - block.nodes} of {nodes} (no soil, or fixed)"}),
         "bodies": [_body(*pair) for pair in zip(scene.bodies, model.bodies)] or "none",
         **_parts(model.bodies),
         **({"joints": [_joint(joint) for joint in scene.joints]} if scene.joints else {}),
@@ -58,7 +60,7 @@ def model_sheet(scene, model, imbalance=None, level="", most_points=0, decisions
         modelled["initial imbalance"] = str(imbalance)
     if scene.soil.layers:
         modelled["soil layers"] = [_layer(layer, scene, soil) for layer in scene.soil.layers]
-    return {"modelled": modelled, "not modelled": not_modelled(scene, model, block)}
+    return {"modelled": modelled, "not modelled": not_modelled(scene, model)}
 
 
 def _moving_grid(scene):
@@ -232,15 +234,12 @@ def _schemes(scene, scheme):
     return "; ".join([str(scheme), *(f"{name}: {other}" for name, other in own if other != str(scheme))])
 
 
-def not_modelled(scene, model, block):
+def not_modelled(scene, model):
     """List of texts about what this scene leaves out, and the key that sets it where there is one."""
     soil, out = model.soil, []
     if soil.held:
         out.append("soil unknowns, stresses and transfers: the soil is held")
     else:
-        nodes = int(np.prod([len(line) for line in soil.grid.lines]))
-        empty = nodes - block.nodes
-        out.append(f"{empty} of {nodes} nodes: they have no soil, or are held")
         out.append(f"soil outside the grid: its faces are {_faces(scene.grid.faces, soil.grid.collapsed)}")
         out += _outside_the_window(scene.grid, soil)
     if not model.scheme.inertia:
@@ -259,8 +258,6 @@ def not_modelled(scene, model, block):
             out.append("F-bar: soil.fbar = false")
         if not scene.soil.ghost:
             out.append("ghost penalty: soil.ghost = 0")
-    if model.bodies:
-        out.append("assembly of body mass in each step: the mass is assembled once and rotates with the body")
     return out
 
 

@@ -25,7 +25,7 @@ class Pull:
     tension_only: bool = key("the line goes slack instead of pushing", default=True)
     diameter: float | None = key(
         "of the wire, or of the bars of the chain, that cuts through the soil between the ground and the point: it is "
-        "pulled at the ground, and its force on the body is smaller and steeper; left out: the line feels no soil. Of a "
+        "pulled at the ground, and its force on the body is smaller and steeper; left out: no soil acts on the line. Of a "
         "half body half of the line is modelled", "m", default=None,
         above=0, remedy="0.05 is a chain of 50 mm")
     chain: bool = key("with `diameter`: a chain, which bears on 2.5 diameters; else a wire, on one", default=True)

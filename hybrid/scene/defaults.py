@@ -1,8 +1,8 @@
 """Keys that a scene leaves out and whose values follow from its physics: the one place where they are decided.
 
-A rule is a function of the scene and of the table that the key is in. It gives the value and the reason for it, which
-the model sheet shows. A value that the scene gives is never changed. With method = "published" the keys left out have
-the values of the published method instead, all at once.
+A rule is a function of the scene and of the table that the key is in. It returns the value and the reason, which the
+model sheet shows (no reason: the value has no effect). A value that the scene gives is never changed. With method =
+"published" the keys left out have the values of the published method instead.
 
 `RULES` is in the order in which keys are decided: a rule may read the keys above its own, which are no longer None.
 """
@@ -42,7 +42,7 @@ def resolve(scene):
     decisions = []
     for cls, name in RULES:
         scene = _decide(scene, cls, name, decisions)
-    return scene, tuple(decisions)
+    return scene, tuple(decision for decision in decisions if decision.reason)
 
 
 def _decide(scene, cls, name, decisions):
@@ -56,7 +56,7 @@ def _decide(scene, cls, name, decisions):
         if value is None:       # nothing in the scene uses it
             return table
         if scene.method == "published" and published is not None:
-            value, reason = published, "the published method"
+            value, reason = published, reason and "the published method"
         decisions.append(Decision(f"{path}.{name}", value, reason))
         return replace(table, **{name: value})
 
@@ -175,7 +175,7 @@ def _scheme(scene, time):
     if time.beta is not None or time.gamma is not None:
         return "newmark", "beta and gamma are those of Newmark's scheme"
     if not time.inertia:
-        return SCHEME, "not used without inertia"
+        return SCHEME, ""
     return SCHEME, "of second order; oscillations too fast for the step die out, and contact throws no body back"
 
 

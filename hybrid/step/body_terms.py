@@ -169,7 +169,7 @@ class BodyTerms:
         return np.where(self.step.free, 0.0, self.total)
 
     @property
-    def loose(self):
+    def unsupported(self):
         """Whether contact with the soil bears nothing yet, or hardly anything of what is out of balance."""
         left = np.linalg.norm(np.where(self.step.free, self.total, 0.0)[:3])
         return np.linalg.norm(self.terms["contact"][:3]) <= LIGHT * left
@@ -209,11 +209,11 @@ class BodyTerms:
 
     def _against_nothing(self, cell):
         """[N/m] added against motions that nothing resists, or less than nothing: a pipe on a single point rolls off it, and
-        the tangent alone leads back onto it. Without inertia a loose body has no stiffness: that of a `cell` leads it back
-        to the soil under its weight."""
+        the tangent alone leads back onto it. Without inertia an unsupported body has no stiffness: that of a `cell` leads it
+        back to the soil under its weight."""
         if self.step.scheme.inertia:
             return 0.0
-        if self.loose and not self.beside:
+        if self.unsupported and not self.beside:
             return cell
         return self._pace() or cell
 

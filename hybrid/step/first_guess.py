@@ -21,7 +21,7 @@ from hybrid.soil.model import Refusal
 
 # Share of the points that touched from which on a body leaves the soil behind in the first guess of a quasi-static
 # increment.
-PARTED = 0.1
+SEPARATED = 0.1
 # A body is put down to FINE cells; its contact is looked for at PACES of a cell.
 FINE, PACES = 1e-12, 16
 # Share of the soil at the apex, from which the predictor is no good start. Sand that opens everywhere has no tangent:
@@ -49,19 +49,19 @@ def first_evaluation(step):
     return resting
 
 
-def landed(step, evaluation):
+def lowered_to_contact(step, evaluation):
     """Evaluation with free bodies that touch nothing, or hardly, put down on soil that does not move: their weight, which
     no contact resists yet, would press them into it by a part of a cell."""
-    loose = [number for number, terms in enumerate(evaluation.bodies) if terms.loose and terms.residual.any()]
-    if not loose:
+    unsupported = [number for number, terms in enumerate(evaluation.bodies) if terms.unsupported and terms.residual.any()]
+    if not unsupported:
         return evaluation
     unknowns = evaluation.unknowns
-    for number in loose:
-        unknowns = _put_down(step, unknowns, number)
+    for number in unsupported:
+        unknowns = _lowered(step, unknowns, number)
     return step.evaluate(unknowns)
 
 
-def _put_down(step, unknowns, number):
+def _lowered(step, unknowns, number):
     """Unknowns after a body has gone the way that what is out of balance pushes it, by a cell at most, until contact bears
     that; as they are where nothing does."""
     free, nodes = step.bodies[number].free[:3], unknowns.displacement
@@ -98,7 +98,7 @@ def starts(step, evaluation):
     where it yields, in a LONG step: soil that flows on is no guess there."""
     unknowns, error, yields = evaluation.unknowns, evaluation.error, step.model.soil.law.plastic
     resting = not step.model.scheme.inertia and step.soil is not None
-    leave, far = resting and _parts(evaluation), resting and yields and error > NEAR
+    leave, far = resting and _separates(evaluation), resting and yields and error > NEAR
     if leave or far:
         left, best = min(candidates(step, evaluation, leave, far), key=lambda found: found[0], default=(np.inf, None))
         if best and (left < LESS * error or not yields):
@@ -128,10 +128,10 @@ def candidates(step, evaluation, leave, far):
             yield found.error, found.unknowns
 
 
-def _parts(evaluation):
-    """Whether bodies leave PARTED of the points that touched before, or more."""
-    before, parted = np.sum([terms.step.pair.parted(terms.contact) for terms in evaluation.bodies] or [(0, 0)], axis=0)
-    return parted > PARTED * before
+def _separates(evaluation):
+    """Whether SEPARATED or more of the points that touched before no longer touch."""
+    before, separated = np.sum([terms.step.pair.separated(terms.contact) for terms in evaluation.bodies] or [(0, 0)], axis=0)
+    return separated > SEPARATED * before
 
 
 def followed(step, evaluation):

@@ -22,7 +22,7 @@ from hybrid.contact.assembly import Tangent
 from hybrid.runtime import comm
 from hybrid.soil.model import Refusal
 from hybrid.step.equations import Step
-from hybrid.step.first_guess import first_evaluation, landed, starts
+from hybrid.step.first_guess import first_evaluation, lowered_to_contact, starts
 from hybrid.step.iteration import PATIENCE, Outcome, Updates, iterate
 
 # Full updates are given up sooner than PATIENCE, because backtracking is tried then. Iterations of four collapses of
@@ -53,7 +53,7 @@ def solve(step: Step, short=False, backtrack=False):
     if isinstance(evaluation, Refusal):
         return Outcome(None, 0, 0, (), f"the first guess {evaluation.reason}")
     if not step.model.scheme.inertia:   # the first guess is then at rest
-        evaluation = landed(step, evaluation)
+        evaluation = lowered_to_contact(step, evaluation)
         step = replace(step, reference=evaluation.internal)
     outcome = Outcome(None, 0, 0, ())
     for start in starts(step, evaluation):

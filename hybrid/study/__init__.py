@@ -1,1 +1,1 @@
-"""Studies of the method: speed against accuracy (precision), and the known ways in which runs fail (failure)."""
+"""Studies of the method: error against time (precision), known ways of failing (failure), problems not tuned to (random)."""

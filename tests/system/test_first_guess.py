@@ -57,7 +57,7 @@ def test_a_mat_is_put_down_by_its_weight(monkeypatch):
     found = records(MAT)
     assert sum(record.iterations for record in found) <= 8 and all(record.rejections == 0 for record in found)
     assert found[-1].bodies[0].contact_force[2] == pytest.approx(0.8 * 0.5 * 2400 * 9.81, rel=1e-3)
-    monkeypatch.setattr(newton, "landed", lambda step, evaluation: evaluation)
+    monkeypatch.setattr(newton, "lowered_to_contact", lambda step, evaluation: evaluation)
     monkeypatch.setattr(increments.Support, "at_start", lambda step, length: None)
     with pytest.raises(StepError):
         records(MAT)
@@ -74,7 +74,7 @@ def test_a_body_above_the_soil_is_put_down_however_light_it_is(cells, monkeypatc
     assert record.iterations <= 8 and record.rejections == 0
     assert record.bodies[0].contact_force[2] == pytest.approx(2500.0 * 0.25 * 0.5**2 * 9.81, rel=1e-3)
     if cells == 0.5:
-        monkeypatch.setattr(first_guess, "_put_down", lambda step, unknowns, number: unknowns)
+        monkeypatch.setattr(first_guess, "_lowered", lambda step, unknowns, number: unknowns)
         with pytest.raises(StepError, match="No point of the soil touches body"):
             records(above)
 

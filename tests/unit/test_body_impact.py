@@ -11,14 +11,14 @@ from hybrid.monitors.body_impact import QUIET, BodyImpact
 from hybrid.monitors.ground_impact import GroundImpact
 
 
-def notes(errors, struck=(), near=(), touching=0, pairs=1, accuracy=None, monitor=None, held=False, **scheme):
-    """Of steps with these errors [J] of a body of 2 kg with 10 m/s, 100 J; struck, near: steps at whose ends bodies
+def notes(errors, in_contact=(), near=(), touching=0, pairs=1, accuracy=None, monitor=None, held=False, **scheme):
+    """Of steps with these errors [J] of a body of 2 kg with 10 m/s, 100 J; in_contact, near: steps at whose ends bodies
     press, or are near one another; touching: number of contacts with the soil."""
     body = SimpleNamespace(mass=SimpleNamespace(mass=2.0, inertia=np.eye(3)))
     motion = SimpleNamespace(velocity=np.array([10.0, 0.0, 0.0]), spin=np.zeros(3), rotation=np.eye(3))
     monitor, found = monitor or BodyImpact(None, None), []
     for step, error in enumerate(errors):
-        of_pairs = SimpleNamespace(energy=1.0 * (step in struck), contacts=(None,) * (step in struck or step in near))
+        of_pairs = SimpleNamespace(energy=1.0 * (step in in_contact), contacts=(None,) * (step in {*in_contact, *near}))
         report = SimpleNamespace(error=accuracy, evaluation=SimpleNamespace(contacts=(range(touching),), pairs=of_pairs))
         found += monitor.notes(StepView(
             model=SimpleNamespace(bodies=(body,), pairs=(None,) * pairs, soil=SimpleNamespace(held=held)),
@@ -32,16 +32,16 @@ AFTER = [-13.0] * (QUIET + 1)
 
 
 def test_an_impact_within_a_step_or_over_some_is_reported_once():
-    for errors, struck in (([0.0, 0.0, *AFTER, *AFTER], ()), ([0.0, -4.0, -9.0, *AFTER], (1, 2))):
-        text, = notes(errors, struck, near=(0, 1, 2))
+    for errors, in_contact in (([0.0, 0.0, *AFTER, *AFTER], ()), ([0.0, -4.0, -9.0, *AFTER], (1, 2))):
+        text, = notes(errors, in_contact, near=(0, 1, 2))
         assert "13 J of the 100 J" in text and "(13%, limit 12%)" in text and "smaller time.step" in text
         assert "time.accuracy = 1e-4" in text
     assert "a smaller time.accuracy" in notes([0.0, 0.0, *AFTER], near=(0, 1, 2), accuracy=1e-6)[0]
 
 
 def test_energy_that_the_scheme_holds_back_is_not_lost():
-    assert notes([0.0, -40.0, -30.0, *[-8.0] * 8], struck=(1,)) == []
-    assert notes([0.0, *[-40.0] * 10], struck=range(11)) == []      # still pressed together
+    assert notes([0.0, -40.0, -30.0, *[-8.0] * 8], in_contact=(1,)) == []
+    assert notes([0.0, *[-40.0] * 10], in_contact=range(11)) == []      # still pressed together
 
 
 def test_losses_of_two_impacts_add_up_while_bodies_stay_near_and_not_when_they_were_apart():
@@ -64,23 +64,23 @@ def test_bodies_that_hit_one_another_on_soil_are_told_of_larger_losses():
     """Soil that deforms takes some of their energy, and all of what is lost before they have come near; `GroundImpact` has
     held ground."""
     lost = [0.0, 0.0, -40.0, *[-40.0] * 8]
-    text, = notes(lost, struck=(2,), touching=3)
+    text, = notes(lost, in_contact=(2,), touching=3)
     assert "40 J of the 100 J" in text and "(40%, limit 30%)" in text
-    assert notes(lost, touching=3) == notes(lost, struck=(2,), touching=3, held=True) == []
+    assert notes(lost, touching=3) == notes(lost, in_contact=(2,), touching=3, held=True) == []
     assert notes(lost, near=(1, 2, 3), touching=3) == []
-    assert notes([0.0, 0.0, *[-25.0] * 8], struck=(2,), touching=3) == []
+    assert notes([0.0, 0.0, *[-25.0] * 8], in_contact=(2,), touching=3) == []
     # a little at each of two touches of bodies that stay near one another
-    assert notes([0.0, 0.0, *[-20.0] * 8, *[-40.0] * 8], struck=(2, 10), near=range(18), touching=3) == []
+    assert notes([0.0, 0.0, *[-20.0] * 8, *[-40.0] * 8], in_contact=(2, 10), near=range(18), touching=3) == []
 
 
-def on_ground(errors, touching=(), held=True, radius=0.5, gravity=9.81, struck=(), near=(),
+def on_ground(errors, touching=(), held=True, radius=0.5, gravity=9.81, in_contact=(), near=(),
               **scheme):
     """The same of the monitor of held ground, for a body that touches it at the steps `touching`."""
     body = SimpleNamespace(mass=SimpleNamespace(mass=2.0, inertia=np.eye(3)), radius=radius)
     motion = SimpleNamespace(velocity=np.array([10.0, 0.0, 0.0]), spin=np.zeros(3), rotation=np.eye(3))
     monitor, found = GroundImpact(None, None), []
     for step, error in enumerate(errors):
-        pairs = SimpleNamespace(energy=1.0 * (step in struck), contacts=(None,) * (step in near))
+        pairs = SimpleNamespace(energy=1.0 * (step in in_contact), contacts=(None,) * (step in near))
         report = SimpleNamespace(error=None, evaluation=SimpleNamespace(contacts=(range(step in touching),), pairs=pairs))
         model = SimpleNamespace(bodies=(body,), pairs=(), soil=SimpleNamespace(held=held),
                                 gravity=np.array([0.0, 0.0, -gravity]))
@@ -100,13 +100,13 @@ def test_an_impact_on_held_ground_is_reported_with_all_that_follow():
 
 def test_what_bodies_lose_by_one_another_in_the_air_is_not_of_the_ground_on_which_they_land():
     """`BodyImpact` has it: two balls that hit one another and fall on the ground three steps later."""
-    assert on_ground([0.0, -40.0, -44.0, *[-44.0] * 12], touching=range(5, 15), struck=(1, 2)) == ([], {})
+    assert on_ground([0.0, -40.0, -44.0, *[-44.0] * 12], touching=range(5, 15), in_contact=(1, 2)) == ([], {})
 
 
-@pytest.mark.parametrize("where", [{"struck": (1,)}, {"near": (2,)}])
+@pytest.mark.parametrize("where", [{"in_contact": (1,)}, {"near": (2,)}])
 def test_a_body_on_held_ground_that_another_hits_is_told_as_that(where):
     """A ball hit by a driven one in steps of 2 ms lost 15 % in this way; one that falls afterwards hits the ground."""
-    assert "44 J of" in on_ground([0.0, 0.0, *[-44.0] * 9], touching=range(12), struck=(1, 2))[0][0]     # in that step
+    assert "44 J of" in on_ground([0.0, 0.0, *[-44.0] * 9], touching=range(12), in_contact=(1, 2))[0][0]     # in that step
     text, = on_ground([0.0, 0.0, -40.0, *[-44.0] * 8], touching=range(12), **where)[0]
     assert text.startswith("impact of bodies with one another on held ground: 44 J") and "time `check` shows" in text
     first, then = on_ground([0.0, 0.0, *[-44.0] * 8, *[-88.0] * 8], touching=range(20), **where)[0]
@@ -114,7 +114,7 @@ def test_a_body_on_held_ground_that_another_hits_is_told_as_that(where):
 
 
 @pytest.mark.parametrize("other", [{"touching": ()}, {"held": False}, {"first_order": True}, {"inertia": False},
-                                   {"struck": range(20)}, {"radius": 1e3}])
+                                   {"in_contact": range(20)}, {"radius": 1e3}])
 def test_other_losses_are_no_impact_on_held_ground(other):
     """In the air, on soil that yields, by schemes that damp, without inertia, by other bodies, of what settles on its
     springs."""

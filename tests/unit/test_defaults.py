@@ -173,13 +173,19 @@ def test_the_ghost_penalty_of_clay_with_inertia_goes_by_its_strength(material, s
     ({"beta": 0.3}, {}, "newmark", "beta and gamma"),
     ({}, {"gamma": 1.0, "beta": 0.5625}, "generalised-alpha", "second order"),
     ({"spectral_radius": 0.5}, {}, "generalised-alpha", "second order"),
-    ({"inertia": False}, {}, "generalised-alpha", "not used without inertia"),
 ])
 def test_the_scheme_follows_from_its_parameters(values, stages, scheme, reason):
     described = replace(soil_scene(time=Time(0.1, **values)), stages=(Stage("one", 1, **stages),))
     validate(described)
     value, why = decided(described)["time.scheme"]
     assert value == scheme and reason in why
+
+
+@pytest.mark.parametrize("method, scheme", [("default", "generalised-alpha"), ("published", "newmark")])
+def test_the_scheme_is_not_listed_without_inertia(method, scheme):
+    """It has a value, as every key, and no effect."""
+    scene, decisions = resolve(replace(soil_scene(time=Time(0.1, inertia=False)), method=method))
+    assert scene.time.scheme == scheme and "time.scheme" not in {decision.key for decision in decisions}
 
 
 def test_parameters_of_two_schemes_are_refused():

@@ -46,7 +46,7 @@ def test_each_stage_has_its_way_and_those_of_one_direction_are_one():
     assert travels(drive("still")) == []
 
 
-def told(limit, scene):
+def messages(limit, scene):
     simulation = build(scene)
     return list(limit(simulation.scene, simulation.model))
 
@@ -55,7 +55,7 @@ def told(limit, scene):
     [drive("press", z=-0.005)], [drive("press", z=-0.005), drive("drag", x=0.005)], [drive("press", x=0.001, z=-0.005)],
     [drive("drag", x=0.005), drive("press", z=-0.005)]])
 def test_a_strip_on_sand_is_told_the_same_whatever_it_does_besides(stages):
-    text, = told(sand_cells.footings, described(*stages))
+    text, = messages(sand_cells.footings, described(*stages))
     assert "a base 8 cells of 0.25 m wide" in text and "about 89%" in text
 
 
@@ -66,7 +66,7 @@ def test_a_plate_that_clay_sticks_to_is_judged_across_its_normal(angle, excess):
     scene = described(material=CLAY, rotation=(0.0, 1.0, 0.0, angle), velocity=tuple(0.005 * normal), z=-3.0,
                       size=(1.0, 0.25), adhesion=1.0, tension="full")
     scene = replace(scene, grid=replace(scene.grid, x=Axis(-4.0, 4.0, 0.125), z=Axis(-6.0, 1.0, 0.125)))
-    text, = told(cells.few_cells, scene)
+    text, = messages(cells.few_cells, scene)
     assert "is 8 cells of 0.125 m wide" in text and f"about {excess}%" in text
 
 
@@ -83,5 +83,5 @@ def test_sides_of_a_way_between_the_axes_lie_in_its_plane():
 def test_notes_about_several_travels_of_a_body_name_them():
     scene = described(drive("up", z=0.005), drive("aside", x=0.005), material=CLAY, z=-3.0, size=(1.0, 0.5), adhesion=1.0,
                       tension="full")
-    up, aside = told(cells.few_cells, scene)
+    up, aside = messages(cells.few_cells, scene)
     assert up.startswith("strip, moved up, stays attached") and aside.startswith("strip, moved along x, stays attached")

@@ -1,4 +1,4 @@
-"""A body of few cells is told of where no other limit knows by how much its load is wrong."""
+"""A body of few cells has a message where no other limit knows by how much its load is wrong."""
 
 from dataclasses import replace
 
@@ -12,13 +12,13 @@ from hybrid.setup.build import build
 from hybrid.study.scenes import box
 
 
-def texts(size, z=-0.01, told=(), **given):
+def texts(size, z=-0.01, messages=(), **given):
     """About a smooth block of 0.6 m x 0.6 m that is driven along z, its edges a quarter of a cell from lines of the grid."""
     block = box(0.6, 0.6, 0.3, density=1e3, position=(0.05, 0.05, 0.0), rest_on=0.0, held=("x", "y", "rx", "ry", "rz"),
                 driven=("z",), velocity=(0.0, 0.0, z), friction=0.0)
     scene = put_on_soil(block, size=size, x=(-1.2, 1.2), y=(-1.2, 1.2), z=(-1.2, 0.6), steps=5, **given)
     simulation = build(scene)
-    return list(unjudged(simulation.scene, simulation.model, told)), limit_warnings(simulation.scene, simulation.model)
+    return list(unjudged(simulation.scene, simulation.model, messages)), limit_warnings(simulation.scene, simulation.model)
 
 
 @pytest.mark.parametrize("size, count", [(0.2, 1), (0.15, 0)])
@@ -40,8 +40,8 @@ def test_a_belt_under_the_soil_pushes_none():
 
 
 def test_what_hardly_moves_or_has_its_own_limit_is_not():
-    assert not texts(0.2, z=-1e-4)[0] and not texts(0.2, told=["body has 3 cells in its base"])[0]
-    assert texts(0.2, told=["other has 3 cells in its base"])[0] and texts(0.2, told=["bodyguard has 3 cells"])[0]
+    assert not texts(0.2, z=-1e-4)[0] and not texts(0.2, messages=["body has 3 cells in its base"])[0]
+    assert texts(0.2, messages=["other has 3 cells in its base"])[0] and texts(0.2, messages=["bodyguard has 3 cells"])[0]
 
 
 def test_a_block_that_is_pushed_down_and_forwards_at_once():

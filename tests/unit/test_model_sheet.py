@@ -23,6 +23,7 @@ def test_held_soil_leaves_six_unknowns():
     assert sheet["modelled"]["soil unknowns"] == 0 and sheet["modelled"]["body unknowns"] == 6
     assert any("the soil is held" in line for line in sheet["not modelled"])
     assert sheet["modelled"]["time integration"] == "generalised-alpha, spectral radius 0"
+    assert "inactive nodes" not in sheet["modelled"]
 
 
 @pytest.mark.parametrize("friction", [0.45, 0.0])
@@ -33,6 +34,8 @@ def test_sizes_are_those_of_the_first_step(friction):
     assert sheet["modelled"]["soil unknowns"] == step.pattern.size
     assert sheet["modelled"]["entries of the soil block"] == len(step.pattern.indices)
     assert sheet["modelled"]["material points"] == len(simulation.state.points)
+    nodes, active = step.pattern.free.size // 3, step.pattern.free.reshape(-1, 3).any(axis=1).sum()
+    assert sheet["modelled"]["inactive nodes"] == f"{nodes - active} of {nodes} (no soil, or fixed)"
     assert sheet["modelled"]["body unknowns"] == 3
     assert any("friction" in line for line in sheet["not modelled"]) == (friction == 0.0)
 

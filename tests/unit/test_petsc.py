@@ -14,7 +14,7 @@ from hybrid.linalg import inverses, solver_choice
 from hybrid.linalg.petsc import BlockSystem
 from hybrid.linalg.precond_pattern import ReducedMatrix
 from hybrid.linalg.product import Product
-from hybrid.linalg.solver_choice import DAMPED, INCOMPLETE, SWEEPS, Single, SolverChoice
+from hybrid.linalg.solver_choice import ILU0, ILU0_SHIFTED, SSOR, Single, SolverChoice
 from hybrid.runtime.errors import StepError
 from hybrid.runtime.stop_signals import Stopped, stop_signals
 from hybrid.scene import Solver, Time
@@ -109,14 +109,14 @@ def test_sweeps_take_the_unknowns_of_a_node_together(monkeypatch, m):
     """Shear that outweighs the diagonal, as where sand flows, is nothing to the inverse of a block."""
     uu, counts = nodes(200, np.array([[1.0, 3.0, 2.0], [-3.0, 1.0, 3.0], [-2.0, -3.0, 1.0]])), []
     for shift in ({}, {"pc_sor_diagonal_shift": 1e-300}):   # with which PETSc takes every row by itself
-        monkeypatch.setitem(inverses.INVERSES, SWEEPS, {**inverses.INVERSES[SWEEPS], **shift})
+        monkeypatch.setitem(inverses.INVERSES, SSOR, {**inverses.INVERSES[SSOR], **shift})
         system = BlockSystem(uu.indptr, uu.indices, m, "auto", 1e-8, sweeps=True)
         counts.append(pushed(system, uu))
     assert counts[0] < 15 and counts[1] > 2 * counts[0]
 
 
 @pytest.mark.parametrize("part", [False, True])
-@pytest.mark.parametrize("least, solver", [(inverses.SMALLEST_DIAGONAL, SWEEPS), (0.0, INCOMPLETE)])
+@pytest.mark.parametrize("least, solver", [(inverses.SMALLEST_DIAGONAL, SSOR), (0.0, ILU0)])
 def test_a_node_with_hardly_any_stiffness_does_not_stop_the_sweeps(monkeypatch, least, solver, part):
     """A lone component of 1e-17 N/m, among nodes whose blocks PETSc inverts."""
     monkeypatch.setattr(inverses, "SMALLEST_DIAGONAL", least)
@@ -278,14 +278,14 @@ def test_where_an_incomplete_factor_is_unstable_a_raised_diagonal_damps_it(m):
     """Volumetric stiffness of cells, 3000 times that of the springs between nodes, as of clay that flows. The damped factor
     needs fewer iterations than sweeps, and is remembered."""
     uu, counts = nearly_incompressible(9, 3000.0), {}
-    for solver in (SWEEPS, INCOMPLETE, DAMPED):
+    for solver in (SSOR, ILU0, ILU0_SHIFTED):
         system = BlockSystem(uu.indptr, uu.indices, m, "auto", 1e-3, sweeps=True, choice=Single(solver))
         try:
             counts[solver] = pushed(system, uu, atol=np.inf)
         except StepError:
             counts[solver] = np.inf
         system.destroy()
-    assert counts[INCOMPLETE] == np.inf and counts[DAMPED] < 0.8 * counts[SWEEPS]
+    assert counts[ILU0] == np.inf and counts[ILU0_SHIFTED] < 0.8 * counts[SSOR]
 
 
 def nearly_incompressible(cells, ratio):
@@ -360,7 +360,7 @@ def test_where_the_direct_factor_finds_a_pivot_of_zero_solvers_that_failed_are_t
     """Unknowns of sand that has opened have no stiffness, and no residual: a Krylov method leaves them where they are."""
     choice = SolverChoice("auto")
     choice.begin(200)
-    for solver in (SWEEPS, INCOMPLETE, DAMPED):
+    for solver in (SSOR, ILU0, ILU0_SHIFTED):
         choice.failed(solver)
     _, K = filled(200, 0, "auto")
     K[:, 7] = K[7] = 0.0

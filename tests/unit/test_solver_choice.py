@@ -8,14 +8,14 @@ import pytest
 from hybrid.linalg import solver_choice
 from hybrid.linalg.solver_choice import (
     ASKED,
-    DAMPED,
     DIRECT,
-    INCOMPLETE,
+    ILU0,
+    ILU0_SHIFTED,
     LEAST,
     MARGIN,
     MOST,
     RETRY,
-    SWEEPS,
+    SSOR,
     SolverChoice,
 )
 from hybrid.runtime.memory import available_memory, direct_factor_memory
@@ -25,7 +25,7 @@ def order(choice, unknowns=10_000, symmetric=True):
     return [solver for solver, _ in choice.begin(unknowns, 1, symmetric)]
 
 
-@pytest.mark.parametrize("symmetric, first", [(True, SWEEPS), (False, INCOMPLETE)])
+@pytest.mark.parametrize("symmetric, first", [(True, SSOR), (False, ILU0)])
 def test_a_solver_that_takes_few_iterations_stays(symmetric, first):
     choice = SolverChoice("auto")
     for _ in range(3 * RETRY):
@@ -35,19 +35,19 @@ def test_a_solver_that_takes_few_iterations_stays(symmetric, first):
 
 def test_the_first_tangent_tries_all_solvers_and_no_one_for_long():
     (first, second, third, last) = SolverChoice("auto").begin(10_000, 1, True)
-    assert [first[0], second[0], third[0], last[0]] == [SWEEPS, INCOMPLETE, DAMPED, DIRECT]
+    assert [first[0], second[0], third[0], last[0]] == [SSOR, ILU0, ILU0_SHIFTED, DIRECT]
     assert first[1] == LEAST <= second[1] < 2 * LEAST and third[1] == int(MARGIN * (300 + 15 + 15)) < last[1] == MOST
 
 
 def test_a_solver_that_failed_is_left_out_until_all_are_tried_again():
     choice = SolverChoice("auto")
     choice.begin(10_000, 1, True)
-    choice.failed(SWEEPS)
-    choice.failed(INCOMPLETE)
+    choice.failed(SSOR)
+    choice.failed(ILU0)
     for _ in range(RETRY - 1):
-        choice.solved(DAMPED, 150, 1e-3)
-        assert order(choice) == [DAMPED, DIRECT, SWEEPS, INCOMPLETE]     # the last two if that finds the matrix singular
-    assert order(choice) == [SWEEPS, INCOMPLETE, DAMPED, DIRECT]
+        choice.solved(ILU0_SHIFTED, 150, 1e-3)
+        assert order(choice) == [ILU0_SHIFTED, DIRECT, SSOR, ILU0]     # the last two if that finds the matrix singular
+    assert order(choice) == [SSOR, ILU0, ILU0_SHIFTED, DIRECT]
 
 
 @pytest.mark.parametrize("plane, tangents", [(False, [4, 7, 13, 25, 25, 25]), (True, [8, 16, 31, 50, 50, 50])])
@@ -57,7 +57,7 @@ def test_all_solvers_that_failed_are_tried_again_soon_and_then_ever_later(plane,
     choice = SolverChoice("auto", plane)
 
     def tangents_until_tried():
-        for solver in (SWEEPS, INCOMPLETE, DAMPED):
+        for solver in (SSOR, ILU0, ILU0_SHIFTED):
             choice.failed(solver)
         choice.solved(DIRECT, 1, 1e-3)
         count = 1
@@ -69,29 +69,29 @@ def test_all_solvers_that_failed_are_tried_again_soon_and_then_ever_later(plane,
     choice.begin(10_000, 1, True)
     waited = [tangents_until_tried() for _ in range(6)]
     assert waited == tangents
-    choice.solved(SWEEPS, 12, 1e-3)
-    assert order(choice)[0] == SWEEPS and tangents_until_tried() == tangents[0]
+    choice.solved(SSOR, 12, 1e-3)
+    assert order(choice)[0] == SSOR and tangents_until_tried() == tangents[0]
 
 
 def test_a_slow_solver_is_compared_with_one_that_was_not_tried():
     """Sweeps with 100 iterations a tangent lose to the prior of the next one, with 40 they do not."""
-    for iterations, first in ((40, SWEEPS), (100, INCOMPLETE)):
+    for iterations, first in ((40, SSOR), (100, ILU0)):
         choice = SolverChoice("auto")
         choice.begin(10_000, 1, True)
-        choice.solved(SWEEPS, iterations, 1e-3)
+        choice.solved(SSOR, iterations, 1e-3)
         assert order(choice)[0] == first
 
 
 def test_a_direct_factor_is_taken_where_iterations_cost_more():
     """In a plane it costs a fifth of one in space; the more right-hand sides a tangent has, the sooner it pays."""
-    for plane, solutions, first in ((False, 1, DAMPED), (True, 1, DIRECT), (False, 4, DIRECT)):
+    for plane, solutions, first in ((False, 1, ILU0_SHIFTED), (True, 1, DIRECT), (False, 4, DIRECT)):
         choice = SolverChoice("auto", plane)
         for _ in range(8):
             order(choice)
-            choice.failed(SWEEPS)
-            choice.failed(INCOMPLETE)
+            choice.failed(SSOR)
+            choice.failed(ILU0)
             for _ in range(solutions):
-                choice.solved(DAMPED, 250, 1e-3)
+                choice.solved(ILU0_SHIFTED, 250, 1e-3)
         assert order(choice)[0] == first, (plane, solutions)
 
 
@@ -100,12 +100,12 @@ def test_a_run_that_is_continued_decides_as_if_it_had_not_stopped():
     for choice_of_both, count in ((choice, 51), (choice, 140), (choice, 17)):
         first = order(choice_of_both)[0]
         choice.failed(first)
-        choice.solved(DAMPED, count, 0.02)
+        choice.solved(ILU0_SHIFTED, count, 0.02)
     copy.restore(choice.memory())
     for count in range(2 * RETRY):
         assert choice.begin(10_000, 1, True) == copy.begin(10_000, 1, True)
         for one in (choice, copy):
-            one.solved(DAMPED, count, 1e-2)
+            one.solved(ILU0_SHIFTED, count, 1e-2)
         np.testing.assert_array_equal(choice.memory(), copy.memory())
 
 
@@ -115,7 +115,7 @@ def test_a_factor_is_taken_while_it_fits(monkeypatch):
     monkeypatch.setattr(solver_choice, "available_memory", lambda: 2**30)
     assert not choice.refusal(20_000) and "limit 819 MiB" in choice.refusal(50_000)
     assert order(choice, 20_000)[-1] == DIRECT
-    assert choice.begin(50_000, 0, True)[-2:] == [(DAMPED, MOST), (SWEEPS, MOST)]
+    assert choice.begin(50_000, 0, True)[-2:] == [(ILU0_SHIFTED, MOST), (SSOR, MOST)]
     assert not SolverChoice("auto", plane=True).refusal(50_000) and not SolverChoice("direct").refusal(50_000)
     assert order(SolverChoice("direct"), 50_000) == [DIRECT]
 
@@ -145,13 +145,13 @@ def test_memory_is_asked_for_now_and_then_and_always_where_a_factor_did_not_fit(
     order(choice, unknowns=11_000)
     assert len(asked) == 3
     left = 2**20
-    assert order(choice, unknowns=12_000)[-1] == SWEEPS
+    assert order(choice, unknowns=12_000)[-1] == SSOR
     left = 2**40
     assert order(choice, unknowns=12_000)[-1] == DIRECT
 
 
 def test_a_failure_is_told_by_the_last_iterative_solver_and_the_direct_factor(monkeypatch):
-    choice, failures = SolverChoice("auto"), {INCOMPLETE: "a diagonal block is singular", DAMPED: "no convergence"}
+    choice, failures = SolverChoice("auto"), {ILU0: "a diagonal block is singular", ILU0_SHIFTED: "no convergence"}
     assert choice.describe(failures, 100) == "no convergence"
     assert choice.describe({**failures, DIRECT: "it is singular"}, 100) == "no convergence, and it is singular"
     monkeypatch.setattr(solver_choice, "available_memory", lambda: 0)

@@ -20,5 +20,5 @@ LIMITS = tuple(limit for module in MODULES for limit in module.LIMITS)
 
 def limit_warnings(scene, model):
     """Texts about numbers of a `scene` that look wrong, and about limits that it exceeds with its Model."""
-    told = [text for limit in LIMITS for text in limit(scene, model)]
-    return *sense_notes(scene), *told, *unjudged(scene, model, told)
+    messages = [text for limit in LIMITS for text in limit(scene, model)]
+    return *sense_notes(scene), *messages, *unjudged(scene, model, messages)

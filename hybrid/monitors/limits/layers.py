@@ -35,18 +35,18 @@ def off_lines(scene, model):
     floor = minimum(soil.constants.position[:, 2] - soil.constants.half_width[:, 2])
     modulus, present = _moduli(soil, lines, ends)
     exact, modelled = _compliance(lines, top, ends, modulus, present)
-    told = []
+    messages = []
     if abs(modelled / exact - 1.0) > EXCESS:
-        told.append(f"cells take the mean stiffness of the layers that share them, and under a load the soil settles by "
-                    f"{modelled / exact:.2g} times what it should, limit {EXCESS:.0%}")
+        messages.append("cells take the mean stiffness of the layers that share them, and under a load the soil settles by "
+                        f"{modelled / exact:.2g} times what it should, limit {EXCESS:.0%}")
     for layer, (bottom, upper), points in zip(layers, ends, present):
         thick = float(points / np.maximum(present.sum(axis=0), 1) @ np.diff(lines))
         given = min(upper, top) - max(bottom, floor)
         if abs(thick / given - 1.0) > EXCESS:
-            told.append(f"the points of {layer.name} are {thick:.3g} m thick, {given:.3g} m given, limit {EXCESS:.0%}")
-    if told:
+            messages.append(f"the points of {layer.name} are {thick:.3g} m thick, {given:.3g} m given, limit {EXCESS:.0%}")
+    if messages:
         yield (f"soil.layer: ends at z = {' and '.join(f'{end:g}' for end in off)} m, between lines of the grid: "
-               f"{'; '.join(told)}. {_remedy(scene, ends, top)}")
+               f"{'; '.join(messages)}. {_remedy(scene, ends, top)}")
 
 
 def _off(lines, end, top):

@@ -22,7 +22,7 @@ from hybrid.monitors.limits.loading import (CLAY, EXCESS, SAND, STEEP, driven, f
 from hybrid.runtime.comm import maximum, minimum
 
 FOOT, ACTIVE = 2.3, 1.65
-# Degrees from the ground of a face that is judged as a wall, and below which what inclined ones measured is told.
+# Degrees from the ground of a face that is judged as a wall, and below which the message has what inclined ones measured.
 INCLINED, LEANING = 45.0, 85.0
 WEIGHT, ORDER = 3.1, 0.6         # of the part of a footing's load that the sand's weight carries
 SQUARE = 4.2                    # of a square one: 377 and 280 kPa with 4 and 8 cells, φ = 30°, ψ = 5°, B = 1.6 m, N_γ 184
@@ -35,9 +35,9 @@ PASSIVE = 3.0
 
 
 class Wedge(NamedTuple):
-    """What is told of a wall that ends in soil and is pushed against it: the name of the soil; by how many cells over its
-    depth the load is too high at least; what inclined faces measured; what else is told of upright ones in plane strain,
-    and in space, where None is told of none."""
+    """Parts of the message about a wall that ends in soil and is pushed against it: the name of the soil; by how many cells
+    over its depth the load is too high at least; what inclined faces measured; what is added for upright ones in plane
+    strain, and in space, where None gives no message."""
 
     soil: str
     foot: float
@@ -68,14 +68,14 @@ def pushed_walls(scene, model):
             yield from _retained(body, depth.behind, model.soil.grid.smallest_cell, "moves away from", "its load is")
 
 
-def pushed(scene, model, laws, told):
+def pushed(scene, model, laws, wedge):
     """Texts of a Wedge about walls that end in soil of one of the `laws` and are driven against it."""
-    spaces = (1,) if told.in_space is None else (0, 1)
+    spaces = (1,) if wedge.in_space is None else (0, 1)
     for body, travel, place, _ in driven(scene, model):
         depth = depths(scene, model.soil, place, travel, laws, spaces)
         angle = None if depth is None else _angle(body, place, travel)
         if angle is not None and angle >= INCLINED and depth.behind <= PASSIVE * depth.ahead:
-            yield from _wedge(told, body, depth.ahead, model.soil.grid, angle)
+            yield from _wedge(wedge, body, depth.ahead, model.soil.grid, angle)
 
 
 def _angle(body, place, travel):
@@ -146,21 +146,21 @@ def _rising(material):
     return " and rising with the distance moved as the sand dilates" if material.dilation_angle else ""
 
 
-def _wedge(told, body, depth, grid, angle):
+def _wedge(wedge, body, depth, grid, angle):
     """Text, if any, about a wall at an `angle` [deg] to the ground that pushes soil as deep as `depth` [m]. In space the
     law is known without friction only."""
     cell, in_plane_strain = grid.smallest_cell, grid.collapsed.any()
-    excess = told.foot * cell / max(depth, cell)
+    excess = wedge.foot * cell / max(depth, cell)
     if depth < LAID * cell or excess <= EXCESS:
         return
     verb = "is" if in_plane_strain or not body.friction else "without friction would be"
     if angle < LEANING:
         remedy = (f"Its face is at {angle:.0f} degrees to the ground, limit {LEANING:.0f}, and drags more: smooth "
-                  f"faces at 75 and 60 degrees measured {told.inclined}. Extrapolate two sizes of cells to none")
+                  f"faces at 75 and 60 degrees measured {wedge.inclined}. Extrapolate two sizes of cells to none")
     else:
-        remedy = (f"Use cells of at most {EXCESS / told.foot * depth:.2g} m, or extrapolate two sizes of cells to "
-                  f"none{told.upright if in_plane_strain else told.in_space}")
-    yield (f"{body.name} ends {depth:.3g} m deep in {told.soil}, {depth / cell:.2g} cells of {cell:.3g} m, and drags the "
+        remedy = (f"Use cells of at most {EXCESS / wedge.foot * depth:.2g} m, or extrapolate two sizes of cells to "
+                  f"none{wedge.upright if in_plane_strain else wedge.in_space}")
+    yield (f"{body.name} ends {depth:.3g} m deep in {wedge.soil}, {depth / cell:.2g} cells of {cell:.3g} m, and drags the "
            f"next cell along: the resistance of the soil ahead of it {verb} at least {excess:.0%} too high, limit "
            f"{EXCESS:.0%}. {remedy}")
 

@@ -16,10 +16,10 @@ AHEAD = 2.0     # cells that a body pushes beyond its path
 BARELY = 0.05   # cells: bodies that go less deep hardly move the soil
 
 
-def unjudged(scene, model, told):
-    """Bodies less than FEW cells wide across their path through soil that yields; told: texts of other limits."""
+def unjudged(scene, model, messages):
+    """Bodies less than FEW cells wide across their path through soil that yields; messages: texts of other limits."""
     cell = model.soil.grid.smallest_cell
-    found = {_subject(text, model.bodies) for text in told if " cell" in text}
+    found = {_subject(text, model.bodies) for text in messages if " cell" in text}
     moves = [(body, travel, travel, place) for body, travel, place, _ in driven(scene, model)]
     moves += [(body, force, cell * force / np.linalg.norm(force), place) for body, force, place, *_ in loaded(scene, model)]
     for body, travel, moved, place in moves:

@@ -21,13 +21,13 @@ def errors(case, method, *settings):
 @pytest.mark.parametrize("text, found", [
     ("footing is {} % too strong with two cells under half its width, {} % with eight, {} to {} % with the defaults",
      lambda: errors("flow_locking", "no F-bar", 2, 8) + sorted(errors("flow_locking", "F-bar"))[::4]),
-    ("with springs of ε_T/ε_N = 1e-3 it is {} to {} % off",
+    ("with springs of ε_T/ε_N = 1e-3 it is {} to {} %",
      lambda: sorted(errors("stick_threshold", "ε_T/ε_N = 1e-3", 0.99, 1.0, 1.01))[::2]),
     ("spacings of corners thick is {} to {} % too large or too small, depending on its position, of 1.5 spacings {} %",
      lambda: errors("thin_wall", "corners (published)", 4.6, 2.6, 1.5)),
     (r"Newmark \(0.5625, 1\) at most {} and {} % of the oscillation remain",
      lambda: [max(errors("force_oscillation", method)) for method in ("generalised-alpha, ρ∞ = 0", "Newmark (0.5625, 1)")]),
-    ("its speed is right to {} %, with Newmark's undamped scheme to {} %",
+    ("its velocity is correct to {} %, with Newmark's undamped scheme to {} %",
      lambda: [max(errors("light_body", method, 3.0, 10.0, 100.0, 1000.0, 1e5))
               for method in ("Newmark (0.5625, 1)", "Newmark")]),
     ("weight is applied in one step converges to 1e-6 and is {} % short",
