@@ -4,7 +4,6 @@ A key declared in the classes of `hybrid.scene` needs nothing here. Whole number
 tuples; booleans are not numbers; NaN, infinity and numbers beyond LARGEST and MOST are refused everywhere.
 """
 
-import difflib
 import math
 import os
 from dataclasses import MISSING, fields, is_dataclass
@@ -14,7 +13,7 @@ from typing import Literal, Union, get_args, get_origin, get_type_hints
 
 from hybrid.runtime.data import shipped_geometry
 from hybrid.runtime.errors import SceneError
-from hybrid.scene.table import described, file_name
+from hybrid.scene.table import described, did_you_mean, file_name
 
 LARGEST = 1e30      # of any quantity in SI units: squares and products of such numbers stay finite
 MOST = 10**9        # whole numbers, which count things
@@ -199,12 +198,6 @@ def _sequence(value, hint, path, base):
 
 def _join(path, name):
     return f"{path}.{name}" if path else str(name)
-
-
-def did_you_mean(name, choices):
-    """A hint at the nearest of some names, or nothing."""
-    near = difflib.get_close_matches(str(name)[:SHOWN].lower(), list(choices), 1, 0.5)
-    return f" (did you mean {near[0]!r}?)" if near else ""
 
 
 def clipped(value):

@@ -8,14 +8,19 @@
 
 The declaration is the only home of a key's type, unit, default, range and meaning. From it come the reading of files
 (`hybrid.scene.read`), the check of ranges (`range_faults`), the JSON schema and the page demos/scene-reference.md
-(`hybrid.scene.reference`), and the list of keys in the docstring of the class. The classes check nothing when they are
-made, so scenes are cheap to build and change in Python; `hybrid.validate` and `hybrid.build` check the whole.
+(`hybrid.scene.reference`), and the list of keys in the docstring of the class. The classes check nothing but names when
+they are made, so scenes are cheap to build and change in Python; `hybrid.validate` and `hybrid.build` check the whole.
 """
 
 import textwrap
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass
+from difflib import get_close_matches
+from functools import wraps
 from typing import dataclass_transform
 
+from hybrid.runtime.errors import SceneError
+
+NAME = 80       # characters of a name that are looked at for the nearest one
 TINY = 1e-30    # smallest number that is above zero: products and ratios of such numbers stay finite
 
 
@@ -86,9 +91,29 @@ def table(cls=None, *, kw_only=False):
     if cls is None:
         return lambda cls: table(cls, kw_only=kw_only)
     cls = dataclass(frozen=True, kw_only=kw_only)(cls)
+    cls.__init__ = _refusing_unknown(cls, cls.__init__)
     if cls.__doc__:     # None under python -OO
         cls.__doc__ = cls.__doc__.rstrip() + "\n\n" + "\n".join(_line(f) for f in fields(cls))
     return cls
+
+
+def _refusing_unknown(cls, init):
+    """`init` of a table, with a SceneError for an argument that it does not have, such as `motion` of a Stage."""
+    @wraps(init)
+    def checked(self, *args, **given):
+        names = {f.name: (file_name(f), *described(f).also) for f in fields(cls)}
+        for name in given.keys() - names.keys():
+            meant = next((own for own, others in names.items() if name.lower() in others), None)
+            hint = f" (did you mean {meant!r}?)" if meant else did_you_mean(name, names)
+            raise SceneError(f"{cls.__name__}({name}=...): unknown argument{hint}; valid: {', '.join(names)}")
+        init(self, *args, **given)
+    return checked
+
+
+def did_you_mean(name, choices):
+    """A hint at the nearest of some names, or nothing."""
+    near = get_close_matches(str(name)[:NAME].lower(), list(choices), 1, 0.5)
+    return f" (did you mean {near[0]!r}?)" if near else ""
 
 
 def _line(f):

@@ -7,9 +7,11 @@ from typing import get_args, get_type_hints
 import pytest
 
 from hybrid.runtime.errors import SceneError
+from hybrid.scene.body import Body
 from hybrid.scene.read import build_table
 from hybrid.scene.reference import tables
 from hybrid.scene.soil import Material, Soil
+from hybrid.scene.stage import Stage
 from hybrid.scene.table import Range, described, file_name, key, need, range_faults, required_in_file, shown, table
 
 
@@ -132,3 +134,15 @@ def test_words_for_a_kind_of_soil_lead_to_its_law():
     for word, law in (("clay", "von-mises"), ("Sand", "mohr-coulomb"), ("Linear-Elastic", "hencky")):
         with pytest.raises(SceneError, match=f"soil.material.law = '{word}': write '{law}'; hencky: elastic; drucker"):
             build_table(Material, {"law": word, "density": 1.0}, "soil.material", Path())
+
+
+@pytest.mark.parametrize("make, words", [
+    (lambda: Stage("press", 3, motion=()), "Stage(motion=...): unknown argument (did you mean 'motions'?)"),
+    (lambda: Stage("press", 3, load=()), "did you mean 'loads'?"),
+    (lambda: Body("box.geo", 2400.0, frictoin=0.3), "Body(frictoin=...): unknown argument (did you mean 'friction'?)"),
+    (lambda: Material(qqqq=1), "Material(qqqq=...): unknown argument; valid: law,")])
+def test_unknown_arguments_are_refused_with_the_nearest_name(make, words):
+    """In Python as in a file; names of a file are known too."""
+    with pytest.raises(SceneError) as error:
+        make()
+    assert words in str(error.value)
