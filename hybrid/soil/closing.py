@@ -13,7 +13,8 @@ Trans. Graph. 36 (2017) 105.
 
 The grid gives all points in a cell about the same volume strain: the first one to close stops them, and the others
 would stay without stress. So they share what is open in the cell in the time in which soil falls by its height,
-√(2 h/g). In cells in which soil touches a body they do not: what is open behind it would take the pressure before it.
+√(2 h/g). In longer steps, in which no fall is resolved, they do not, nor in cells in which soil touches a body: what is
+open behind it would take the pressure before it.
 
 Only with inertia: without it nothing resists soil that closes, and its displacement is not determined.
 """
@@ -56,7 +57,8 @@ def shared(points, grid, volume, gravity, dt, touching):
     The volume strain v of a point is o where it is open, else that of b_e where it is pressed; v goes to its mean over the
     cell, where a cell has points of both kinds. So the volume is kept, and a pressed point gives up pressure.
     """
-    if points.opened is None:
+    share = dt * np.sqrt(gravity / (2 * grid.smallest_cell))
+    if points.opened is None or share > 1.0:
         return points
     is_open, elastic = points.opened > 0.0, 0.5 * np.log(np.linalg.det(points.b_elastic))
     pressed = ~is_open & (elastic < 0.0)
@@ -70,7 +72,6 @@ def shared(points, grid, volume, gravity, dt, touching):
     apart[cell[touching]] = True
     both = ((one > 0.0) & (other > 0.0) & ~apart)[cell] & (is_open | pressed)
     mean = np.divide(total, whole, out=np.zeros(number), where=whole > 0.0)[cell]
-    share = min(dt * np.sqrt(gravity / (2 * grid.smallest_cell)), 1.0)
     new = np.where(both, found + share * (mean - found), found)
     gain = np.where(both, np.minimum(new, 0.0) - np.minimum(found, 0.0), 0.0)
     return replace(points, b_elastic=points.b_elastic * np.exp(2 / 3 * gain)[:, None, None],
