@@ -102,6 +102,11 @@ class Cone(Hencky):
         strength, slope, residual = self.parameters.T[[4, 6, 7]]
         return np.maximum(strength + slope * plastic_strain, residual)
 
+    @property
+    def opens(self):
+        """(n,) bool, points whose cone has an apex."""
+        return self.parameters[:, 2] > 0.0
+
     def without_dilation(self, ids):
         """The law of some of the points, whose flow keeps the volume."""
         other = self.with_rows(self.rows[ids])

@@ -50,21 +50,22 @@ def respond(law, strain, points, opens=True):
     return response, _any(opened - closed + response.opened), closed
 
 
-def shared(points, grid, volume, gravity, dt, touching):
-    """Points that share what is open in their cell, as far as they do in a time `dt` [s]; volume: (n,) [m³] at the start;
-    gravity: its magnitude [m/s²]; touching: indices of points that touch bodies, whose cells do not share.
+def shared(points, soil, gravity, dt, touching):
+    """Points of a Soil that share what is open in their cell, as far as they do in a time `dt` [s]; gravity: its magnitude
+    [m/s²]; touching: indices of points that touch bodies, whose cells do not share.
 
-    The volume strain v of a point is o where it is open, else that of b_e where it is pressed; v goes to its mean over the
-    cell, where a cell has points of both kinds. So the volume is kept, and a pressed point gives up pressure.
+    The volume strain v of a point is o where it is open, else that of b_e where it is pressed and has an apex to open at;
+    v goes to its mean over the cell, where a cell has points of both kinds. So the volume is kept, and a pressed point
+    gives up pressure.
     """
-    share = dt * np.sqrt(gravity / (2 * grid.smallest_cell))
+    volume, share = soil.constants.volume, dt * np.sqrt(gravity / (2 * soil.grid.smallest_cell))
     if points.opened is None or share > 1.0:
         return points
     is_open, elastic = points.opened > 0.0, 0.5 * np.log(np.linalg.det(points.b_elastic))
-    pressed = ~is_open & (elastic < 0.0)
+    pressed = ~is_open & (elastic < 0.0) & soil.law.opens
     if points.inactive is not None:
         is_open, pressed = is_open & ~points.inactive, pressed & ~points.inactive
-    cell, number = _cells(points.position, grid.lines)
+    cell, number = _cells(points.position, soil.grid.lines)
     found = np.where(is_open, points.opened, np.where(pressed, elastic, 0.0))
     whole, total, one, other = (np.bincount(cell, values, number) for values in (
         volume * (is_open | pressed), volume * found, is_open, pressed))

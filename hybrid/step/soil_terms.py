@@ -33,7 +33,7 @@ def begin(model, state, dt, workspace):
     soil = model.soil
     load = model.loads.on_points(state.time + dt, soil.constants.position)
     touching = [contact.point[contact.touching & (contact.point >= 0)] for contact in state.contacts]
-    points = closing.shared(state.points, soil.grid, soil.constants.volume, np.linalg.norm(model.gravity), dt,
+    points = closing.shared(state.points, soil, np.linalg.norm(model.gravity), dt,
                             np.concatenate([np.zeros(0, np.int64), *touching]))
     return soil.begin(points, load, workspace)
 

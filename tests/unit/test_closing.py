@@ -145,6 +145,11 @@ G = 9.81
 FALL = np.sqrt(2 * 0.5 / G) * (1.0 - 1e-12)     # [s]
 
 
+def shared(points, time=FALL, touching=(), opens=True):
+    soil = SimpleNamespace(grid=GRID, constants=SimpleNamespace(volume=np.full(8, 0.1)), law=SimpleNamespace(opens=opens))
+    return closing.shared(points, soil, G, time, list(touching))
+
+
 def cells(inactive=None):
     """Points of one volume: two in each of the four cells, the first one open by 0.02, the second one pressed by 0.01."""
     position = np.repeat([[0.2, 0.5, 0.2], [0.7, 0.5, 0.2], [0.2, 0.5, 0.7], [0.7, 0.5, 0.7]], 2, axis=0)
@@ -165,22 +170,25 @@ def test_points_share_what_is_open_in_their_cell(time, left):
     """Volume is kept; after the time of a fall by a cell all have its mean, before that some of the difference is left.
     Longer steps resolve no fall, and share nothing."""
     before = cells()
-    after = closing.shared(before, GRID, np.full(8, 0.1), G, time, [])
+    after = shared(before, time)
     assert volumes(after).sum() == pytest.approx(volumes(before).sum())
     np.testing.assert_allclose(volumes(after) - 0.005, left * (volumes(before) - 0.005), atol=1e-12)
     assert ((after.opened == 0.0) | np.isclose(np.linalg.det(after.b_elastic), 1.0)).all()
 
 
-def test_cells_with_points_of_one_kind_or_at_a_body_share_nothing():
-    def changed(points, touching=()):
-        after = closing.shared(points, GRID, np.full(8, 0.1), G, FALL, list(touching))
+def test_cells_with_points_of_one_kind_or_clay_or_at_a_body_share_nothing():
+    def changed(points, touching=(), opens=True):
+        after = shared(points, touching=touching, opens=opens)
         return np.flatnonzero(volumes(after) != volumes(points))
 
     assert list(changed(cells(), [3, 4])) == [0, 1, 6, 7]
+    clay = np.arange(8) != 7
+    assert list(changed(cells(), opens=clay)) == [0, 1, 2, 3, 4, 5] and LAWS["sand"].opens.all()
+    assert not VonMises(YOUNG, 0.3, 1e4).opens.any()
     assert list(changed(cells(np.arange(8) == 1))) == [2, 3, 4, 5, 6, 7]
     one = cells()
     one.opened[:2] = 0.02, 0.01
     one.b_elastic[1] = np.eye(3)
     assert list(changed(one)) == [2, 3, 4, 5, 6, 7]
     one.opened = None
-    assert closing.shared(one, GRID, np.full(8, 0.1), G, FALL, []) is one
+    assert shared(one) is one
