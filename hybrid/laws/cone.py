@@ -35,6 +35,8 @@ plane towards larger θ and D the denominator of Δγ,
 Equations: FORMULATION (15) to (18).
 """
 
+import copy
+
 import numpy as np
 
 from hybrid.laws import Response
@@ -109,7 +111,8 @@ class Cone(Hencky):
 
     def without_dilation(self, ids):
         """The law of some of the points, whose flow keeps the volume."""
-        other = self.with_rows(self.rows[ids])
+        other = copy.copy(self)
+        other.young, other.parameters = self.young[ids], self.parameters[ids]
         other.parameters[:, 3] = 0.0
         return other
 

@@ -38,7 +38,8 @@ def respond(law, strain, points, opens=True):
     trial, trace, closed = strain.copy(), strain[:, 0] + strain[:, 1] + strain[:, 2], opened.copy()
     strain += opened[:, None] / 3
     response = law.respond(strain, plastic_strain)
-    some = np.flatnonzero((opened > 0.0) & (response.stress.sum(axis=1) >= 0.0))
+    some = np.flatnonzero(opened)
+    some = some[response.stress[some].sum(axis=1) >= 0.0]
     if len(some):
         closed[some] = np.minimum(np.maximum(-trace[some], 0.0), opened[some])
         strain[some] = trial[some] + closed[some, None] / 3
