@@ -63,12 +63,19 @@ def buried(kind="cylinder.geo", values=(("radius", 1.0), ("height", 0.4), ("size
 
 
 def test_a_plate_in_a_block_with_a_held_top_is_deep_and_both_sides_count():
-    """A free top 1.9 widths above it lets the clay heave."""
+    """A free top 1.9 widths above it lets the clay heave: less of it goes around the plate."""
     text, = texts(cells.few_cells, buried())
     assert "is 5 cells of 0.4 m wide" in text and "about 69%" in text and "0.066 m" in text
     text, = texts(cells.few_cells, buried("box.geo", (("length", 2.0), ("width", 2.0), ("height", 0.4), ("size", 1.0))))
     assert "about 82%" in text
-    assert not texts(cells.few_cells, buried(top="free"))
+    text, = texts(cells.few_cells, buried(top="free"))
+    assert "is 5 cells of 0.4 m wide" in text and "about 39%" in text
+
+
+@pytest.mark.parametrize("across, found, exact", [(4.5, 15.9, 12.4), (8.5, 14.2, 12.4), (12.5, 13.5, 12.4), (8, 14.8, 11.0)])
+def test_the_law_of_plates_that_are_not_deep_is_within_a_sixth_of_what_was_measured(across, found, exact):
+    """Squares that clay sticks to, 1.4 widths under the ground, the last one 1 and with its edges on lines of the grid."""
+    assert found / exact == pytest.approx((1 + cells.SHALLOW_PLATE / across) ** 2, rel=1 / 6)
 
 
 def footing(half=0.8, mirrored=True, size=0.4, **table):
@@ -89,6 +96,22 @@ def test_a_footing_with_edges_on_lines_of_the_grid(half, mirrored, count):
     warnings = texts(cells.few_cells, footing(half, mirrored))
     assert len(warnings) == count
     assert all("is 4 cells wide" in text and "along x" in text and "up to 15%" in text for text in warnings)
+
+
+@pytest.mark.parametrize("across, sides, found", [
+    (4.5, 2, 9.5 / 7.4), (8.5, 2, 8.5 / 7.4), (4.5, 1, 7.6 / 6.3), (8.5, 1, 6.8 / 6.3), (16.5, 1, 6.5 / 6.3)])
+def test_the_law_of_what_goes_deep_is_what_was_measured(across, sides, found):
+    """Blocks pressed down by 0.36 of their width, edges off lines of the grid."""
+    assert found == pytest.approx((1 + cells.SUNK * 0.36 / across) ** sides, abs=0.07)
+
+
+@pytest.mark.parametrize("half, depth, words", [
+    (0.9, 0.36, None), (0.9, 0.5, "is 4.5 cells wide and goes 0.28 of this deep, where"), (0.9, 0.9, "up to 22%"),
+    (0.9, 2.7, "goes 1 of this deep"), (0.8, 0.4, "goes 0.25 of this deep and has edges on lines of the grid along x"),
+    (1.7, 0.9, None)])
+def test_a_footing_that_goes_deep(half, depth, words):
+    found = texts(cells.few_cells, footing(half, velocity=(0.0, 0.0, -depth)))
+    assert [words in text for text in found] == ([True] if words else [])
 
 
 @pytest.mark.parametrize("size, count", [(0.2, 1), (0.1, 0)])

@@ -153,6 +153,32 @@ def test_a_cylinder_that_clay_stays_attached_to_is_judged_by_its_own_law():
     assert "about 16% too high" in text
 
 
+@pytest.mark.parametrize("number, cells, found", [
+    (clay_cells.PRISM, 3, 1.65), (clay_cells.PRISM, 6, 1.30), (clay_cells.PRISM, 6, 1.26), (clay_cells.PRISM, 12, 1.11),
+    (clay_cells.PRISM, 24, 1.04), (clay_cells.OFF_LINES, 3, 1.41), (clay_cells.OFF_LINES, 6, 1.20)])
+def test_the_law_of_plates_lifted_out_of_clay_is_what_was_measured(number, cells, found):
+    assert found == pytest.approx(1 + number / cells, abs=0.12 if cells == 3 else 0.04)
+
+
+def lifted(depth=0.75, half=1.0, speed=0.01, gravity=0.0, **table):
+    """Warnings about a half of a strip under so much clay, on cells of 0.25 m."""
+    plate = body("box.geo", {"length": 2 * half, "width": 1.0, "height": 0.5, "size": 20.0},
+                 position=(0.0, 0.5, -depth - 0.25), driven=("z",), velocity=(0.0, 0.0, speed), **table)
+    grid = Grid(Axis(start=0.0, end=4.0, size=0.25), slice_(), Axis(start=-12.0, end=0.5, size=0.25), Faces(z_min="fixed"))
+    clay = Soil(Material(law="von-mises", young=5e6, poisson=0.49, density=1600.0, strength=1e4), top=0.0, geostatic=False)
+    simulation = build(scene("plate", grid, clay, [plate], Time(1.0, inertia=False), 10, (0.0, 0.0, gravity)))
+    return list(clay_cells.lifted_plates(simulation.scene, simulation.model))
+
+
+def test_a_plate_lifted_out_of_clay_on_few_cells():
+    text, = lifted()
+    assert "0.75 m of it, 3 cells of 0.25 m" in text and "about 53% too high" in text and "at most 0.047 m" in text
+    assert "about 40%" in lifted(half=1.06)[0]      # edges off lines of the grid
+    assert "about 21%" in lifted(gravity=-9.81)[0]  # of its load, 0.39 of which the strength of the clay bears
+    assert "about 11%" in lifted(3.75)[0]
+    assert not lifted(6.5) and not lifted(speed=-0.01) and not lifted(adhesion=1.0, tension="full")
+
+
 def balls(cells, depth=3.0, velocity=(0.0, 0.0, -0.01), **shape):
     """Warnings about a quarter of a ball, 1 m and so many cells wide, driven in clay with its centre at a `depth` [m]."""
     size = 1.0 / cells

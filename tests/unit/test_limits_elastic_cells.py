@@ -1,5 +1,5 @@
-"""Limit of spheres on elastic soil whose cells do not resolve the contact: the law is what was measured, and only such
-spheres have the note."""
+"""Limits of contact on soil that is elastic or hardly yields: the laws are what was measured, and only spheres and bases
+that they are about have the notes."""
 
 from dataclasses import replace
 
@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hybrid.monitors.limits import LIMITS, elastic_cells
-from hybrid.scene import Axis, Faces, Grid, Load, Material, Soil, Time
+from hybrid.scene import Axis, Faces, Grid, Load, Material, Soil, Stage, Time
 from hybrid.setup.build import build
 from hybrid.study.random.fresh.problem import PUSHED, WEIGHTLESS, body, scene
 
@@ -60,4 +60,36 @@ def test_other_bodies(table):
 
 
 def test_check_and_runs_ask_for_it():
-    assert elastic_cells.unresolved_contact in LIMITS
+    assert elastic_cells.unresolved_contact in LIMITS and elastic_cells.soft_springs in LIMITS
+
+
+@pytest.mark.parametrize("plane_strain, tilted, found", [
+    (False, 0, {4: 0.28, 8: 0.14}), (False, 1, {4: 0.66, 8: 0.29}), (True, 0, {4: 0.08, 8: 0.04, 16: 0.02}),
+    (True, 1, {4: 0.37, 8: 0.22, 16: 0.15})])
+def test_the_law_of_soft_springs_is_what_was_measured(plane_strain, tilted, found):
+    for across, excess in found.items():
+        assert elastic_cells.SOFT[plane_strain][tilted] / across == pytest.approx(excess, abs=0.05)
+
+
+def pads(depth=0.0, force=0.0, arm=0.0, size=0.25, law="von-mises", **table):
+    """Notes about a square pad of 2 m on soil with 6 s_u B/E = 24 mm, driven by a `depth` [m] or with a `force` [N]."""
+    side = Axis(start=-3.0, end=3.0, size=size)
+    given = {"strength": 10e3} if law == "von-mises" else {"friction_angle": 30.0, "dilation_angle": 0.0, "cohesion": 5e3}
+    soil = Soil(Material(law=law, young=5e6, poisson=0.45, density=1700.0, **given), top=0.0, geostatic=False)
+    how = {"velocity": (0.0, 0.0, -depth)} | PUSHED if depth else {"held": ("x", "y", "rx", "rz")}
+    pad = body("box.geo", {"length": 2.0, "width": 2.0, "height": 0.5, "size": 5.0}, rest_on=0.0, **how | table)
+    load = Load(force=(0.0, 0.0, -force), point=(arm, 0.0, 0.0))
+    described = scene("pad", Grid(side, side, Axis(start=-3.0, end=0.5, size=size), Faces(z_min="fixed")), soil, [pad],
+                      Time(1.0, inertia=False), 1, WEIGHTLESS)
+    if force:
+        described = replace(described, stages=(Stage("load", 1, loads=(load,)),))
+    simulation = build(described)
+    return list(elastic_cells.soft_springs(simulation.scene, simulation.model))
+
+
+def test_a_base_that_soft_springs_let_settle_too_much():
+    text, = pads(depth=0.01)
+    assert "8 cells of 0.25 m wide" in text and "settles by about 14% too much" in text and "penalty = 2000," in text
+    assert "settles by about 14%" in pads(force=50e3)[0] and "tilts by about 32%" in pads(force=50e3, arm=0.5)[0]
+    assert pads(force=500e3, law="mohr-coulomb") and not pads(force=150e3) and not pads(depth=0.05)
+    assert not pads(depth=0.01, law="mohr-coulomb") and not pads(depth=0.01, penalty=2e3) and not pads(depth=-0.01)

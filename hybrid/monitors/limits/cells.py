@@ -3,8 +3,10 @@
     attached to clay on all sides, deep                   Π (1 + 1.75/n)     over the sides, n cells across;
                                                                              1.5 for 1.75 of round outlines
     attached, round, pushed in from its surface           Π (1 + 0.5/n)      over the sides
-    pushed into clay, with edges on lines of the grid     Π (1 + 0.3 e/n)    over the sides, e = 0, 1, 2 of whose edges are
-    attached and lifted from its surface                  the same
+    pushed into clay by a depth z, its width B            Π (1 + (0.3 e + 2 z/B)/n)    over the sides, e = 0, 1, 2 of whose
+                                                                             edges are on lines of the grid; z <= B
+    attached and lifted from its surface                  the same, z = 0
+    the same one to two widths under it, in space         Π (1 + 0.9/n)
     the same under an inclined load                       2.7 times that excess; in space of an eccentric one too
     the same under an eccentric load, plane strain        1 + 1.3/(n (1 - 2 e/B))    edges on lines of the grid or not
     the same where s_u grows by k with the depth          1 + 0.3 (k B/s_u)^0.65 times it, plane strain, k B/s_u to 5
@@ -21,8 +23,8 @@ from collections import Counter
 
 import numpy as np
 
-from hybrid.monitors.limits.loading import (CLAY, EXCESS, SAND, STEEP, driven, faces, feet, heading, law_at, leads, loaded,
-                                         material_at, narrowest, sides, step_of_ground, top_of)
+from hybrid.monitors.limits.loading import (CLAY, EXCESS, ON_LINE, SAND, STEEP, driven, faces, feet, heading, law_at, leads,
+                                         loaded, material_at, narrowest, sides, step_of_ground, top_of)
 from hybrid.runtime.comm import maximum, minimum
 from hybrid.scene.ground import heights, heights_at
 
@@ -36,6 +38,12 @@ DILATING = 0.1      # for each degree of ψ
 SLOPE, SLOPE_DILATING = 1.0, 0.006      # SLOPE_DILATING for each square of a degree of ψ
 # Of a strip at 30 and 45° to the grid: 14.1, 13.2 s_u B with 8, 16 cells, where 0 and 90° have 15.1, towards 12.2
 TURNED = 1.25
+# Squares lifted, n = 4.5, 8.5, 12.5 across, 1.4 widths under the ground, α = 1: 15.9, 14.2, 13.5 s_u A where it has 12.4 at
+# most: 0.6; on lines of the grid, 8, one width: 14.8 of 10 to 11.5: 1.3
+SHALLOW_PLATE = 0.9
+# Blocks pressed down by 0.36 of their width, smooth, lines a quarter of a cell beside the edges: 9.5, 8.5 s_u A of a square
+# with 4.5, 8.5 cells, towards 7.4; 7.6, 6.8, 6.5 of a strip with 4.5, 8.5, 16.5, towards 6.3
+SUNK, MEASURED = 2.0, 3.9       # MEASURED: cells across, of narrower ones `unjudged` tells
 # Round, two widths deep, α = 1: 14.6, 13.7, 13.1 s_u A with 4, 6, 8 cells pushed in, 12.7, 12.6, 12.3 lifted
 SHALLOW_ROUND = 0.5
 # Factor on EDGE: an inclined load at V = 4 of 5.14, one at an eighth of the width beside the centre
@@ -46,11 +54,11 @@ ECCENTRIC = 1.3
 # Factor on EDGE 1 + GROWTH (k B/s_u)^GROWING, s_u under the base; measured up to 20 (9, 4 % with 16, 32 cells). From WEAK on
 # FROM_NONE, that of clay without strength at its top: 65, 36 % over k B²/4 with 16, 32 cells, smooth
 GROWTH, GROWING, WEAK, FROM_NONE = 0.3, 0.65, 50.0, 17.0
-ON_LINE = 0.15                  # cells between an edge and a line of the grid: contact sees the edge there as on it
 SLOPES = 35.0, 55.0             # degrees from the ground of the faces of what counts as a wedge of about 90°
 LEVEL = 0.5         # up or down over its travel, below which a body is pushed sideways
 DEEP = 1.0                      # widths: flow of clay around a body that goes deeper closes behind it
 DEEP_PLATE = 2.0                # widths under the ground: a shallower plate lifts the clay above it
+SHALLOW = 0.05                  # of a width: a depth that is not told
 NOTHING = 0.0, "", ""           # no excess
 
 
@@ -58,16 +66,16 @@ def few_cells(scene, model):
     """Bodies driven through clay with a plane face, or loaded until they go through it, so few cells wide that their load
     is more than EXCESS too high."""
     cell = model.soil.grid.smallest_cell
-    pushed = [(*found, False, 0.0) for found in driven(scene, model)]
-    pushed += [(body, cell * force / np.linalg.norm(force), *others) for body, force, *others in loaded(scene, model)]
+    pushed = [(*found, False, 0.0, -found[1][2]) for found in driven(scene, model)]
+    pushed += [(body, cell * force / np.linalg.norm(force), *others, 0.0) for body, force, *others in loaded(scene, model)]
     several = Counter(body.name for body, *_ in pushed)
-    for body, travel, place, plane, inclined, arm in pushed:
+    for body, travel, place, plane, inclined, arm, depth in pushed:
         if not plane:
             continue
         combined = inclined or arm > 0.0
         eccentric, attached = (of(scene, model, body, travel, place, arm) for of in (_eccentric, _attached))
         other = attached[0] or eccentric[0] and not inclined
-        lines = NOTHING if other else _on_lines(scene, model, body, travel, place)
+        lines = NOTHING if other else _on_lines(scene, model, body, travel, place, depth)
         for how, factor, found in (("about", 1.0, attached), ("about", 1.0, eccentric),
                                    ("up to", COMBINED if combined else 1.0, lines)):
             excess, what, cure = found
@@ -201,8 +209,11 @@ def _attached(scene, model, body, travel, place, _):
     width = min((width for width, *_ in across), default=np.inf)
     if not across or body.interface is None or not np.isinf(body.interface.tension):
         return NOTHING
-    if place[:, 2].max() <= top_of(soil) - DEEP_PLATE * width or _covered(scene, soil):
+    above = top_of(soil) - place[:, 2].max()
+    if above >= DEEP_PLATE * width or _covered(scene, soil):
         across = [(width, TURNED if turned else ATTACHED if straight else ROUND) for width, straight, turned in across]
+    elif above >= DEEP * width and not soil.grid.collapsed.any():
+        across = [(width, SHALLOW_PLATE) for width, *_ in across]
     else:       # of straight ones `_on_lines` tells
         across = [(width, 0.0 if straight or travel[2] >= 0.0 else SHALLOW_ROUND) for width, straight, _ in across]
     excess = np.prod([1.0 + number * cell / width for width, number in across]) - 1.0
@@ -217,32 +228,38 @@ def _covered(scene, soil):
     return scene.grid.faces.z_max != "free" and top_of(soil) > soil.grid.extent[2, 1] - 1e-6 * soil.grid.smallest_cell
 
 
-def _on_lines(scene, model, body, travel, place):
-    """(Excess, text, remedy) of a body pushed into clay, or lifted from clay that stays on it, whose edges are on lines of
-    the grid: the mean over its feet."""
+def _on_lines(scene, model, body, travel, place, depth):
+    """(Excess, text, remedy) of a body pushed into clay by a `depth` [m], or lifted from clay that stays on it, by how deep
+    it is then and whether its edges are on lines of the grid: the mean over its feet."""
     attached = body.interface is not None and body.interface.tension
     if travel[2] == 0.0 or travel[2] > 0.0 and not attached:
         return NOTHING
-    parts = [(area, *_foot_on_lines(scene, model, body, travel, place, foot))
+    parts = [(area, *_foot_on_lines(scene, model, body, travel, place, foot, depth))
              for area, foot in feet(body, place, np.where(travel[2] > 0.0, -travel, travel), top_of(model.soil))]
     excess = sum(area * each for area, each, *_ in parts) / sum(area for area, *_ in parts) if parts else 0.0
     if not excess:
         return NOTHING
-    _, _, narrow, on, growing = max(parts, key=lambda part: part[0] * part[1])
+    _, _, narrow, on, growing, sunk = max(parts, key=lambda part: part[0] * part[1])
     wide = f"{narrow:.2g} cells wide"
-    has = f"is {wide} and has" if len(parts) == 1 else f"has {len(parts)} parts ahead, {wide}, with"
+    has = f"is {wide} and" if len(parts) == 1 else f"has {len(parts)} parts ahead, {wide}, which"
+    go = " goes" if len(parts) == 1 else " go"
+    deep = f"{go} {sunk:.2g} of this deep" if sunk > SHALLOW else ""
+    lines = f" {'has' if len(parts) == 1 else 'have'} edges on lines of the grid along {', '.join(on)}" if on else ""
     return (excess,
-            f"{has} edges on lines of the grid along {', '.join(on)}, where it drives the clay of the next cell too"
+            f"{has}{deep}{' and' if deep and lines else ''}{lines}, where it drives the clay of the next cell too"
             + (", more so as its strength grows with the depth" if growing else ""),
-            "Move the lines of the grid by a quarter of a cell against it, or use smaller cells")
+            ("Move the lines of the grid by a quarter of a cell against it, or use" if on else "Use") + " smaller cells")
 
 
-def _foot_on_lines(scene, model, body, travel, place, foot):
-    """(Excess, cells across, axes along which edges are on lines, whether the strength grows) of a foot with its vertices
-    at (V, 3) [m] of a body pushed into clay."""
+def _foot_on_lines(scene, model, body, travel, place, foot, depth):
+    """(Excess, cells across, axes along which edges are on lines, whether the strength grows, depth in the end over the
+    width) of a foot with its vertices at (V, 3) [m] of a body pushed into clay."""
     grid, excess, on, narrow = model.soil.grid, 1.0, [], np.inf
     if law_at(scene, model.soil, foot[:, 2].min() - 0.5 * grid.smallest_cell) != CLAY:
-        return 0.0, narrow, on, False
+        return 0.0, narrow, on, False, 0.0
+    width, sunk = narrowest(grid, foot, travel), 0.0
+    if travel[2] < 0.0 and width > MEASURED * grid.smallest_cell:
+        sunk = np.clip((top_of(model.soil) - foot[:, 2].min() + depth) / width, 0.0, DEEP)
     growing = _growing(scene, model.soil, foot, travel)
     for width, ends, direction, axis in sides(grid, foot, travel):
         if axis is None or not leads(body, place, direction):   # a round outline crosses lines of the grid everywhere
@@ -250,11 +267,11 @@ def _foot_on_lines(scene, model, body, travel, place, foot):
         nodes, cell = grid.lines[axis], np.diff(grid.lines[axis]).min()
         lying = sum(np.abs(nodes - end).min() < ON_LINE * cell and _soil_beside(model.soil, foot, axis, end)
                     for end in ends)
-        excess *= 1.0 + EDGE * growing * lying * cell / width
+        excess *= 1.0 + (EDGE * growing * lying + SUNK * sunk) * cell / width
+        narrow = min(narrow, width / cell)
         if lying:
             on.append("xyz"[axis])
-            narrow = min(narrow, width / cell)
-    return excess - 1.0, narrow, on, growing > 1.0
+    return excess - 1.0, narrow, on, growing > 1.0, sunk
 
 
 def _soil_beside(soil, place, axis, end):

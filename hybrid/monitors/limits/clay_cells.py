@@ -12,14 +12,24 @@ A wedge that moves with the wall bounds the force from below whether clay hangs 
 Rankine's stress γ z - 2 s_u is tension. No other mechanism gives more than 2 % of γ H²/2 above it (linear programme of
 limit analysis at γ H / s_u = 5, 6.4 and 10). As in sand (`sand_cells`) nodes at the foot stay behind, and the wedge is
 as much lower.
+
+A plate lifted out of clay that parts from its lower side lifts the prism over it, s_u on its sides of a height H:
+1 + 1.6 h/H with edges on lines of the grid, whatever its width. Weightless, smooth, E = 500 s_u, over s_u times those sides:
+
+| h/H                      | 1/3  | 1/6  | 1/12 | 1/24 |
+|--------------------------|------|------|------|------|
+| strips, H/B = 3/8        | 1.65 | 1.26 | 1.11 |      |
+| strips, H/B = 3/4        |      | 1.30 | 1.11 | 1.04 |
+| squares, H/B = 3/8, 3/4  | 1.64 | 1.28 |      |      |
+| 1/4 cell beside the lines| 1.41 | 1.20 |      |      |
 """
 
 import numpy as np
 
 from hybrid.body.symmetry import copies
 from hybrid.monitors.limits.sand_cells import PASSIVE, Wedge, beside, depths, free_walls, pushed
-from hybrid.monitors.limits.loading import (CLAY, EXCESS, STEEP, driven, facing, law_at, material_at, narrowest, outline,
-                                         top_of)
+from hybrid.monitors.limits.loading import (CLAY, EXCESS, ON_LINE, STEEP, driven, facing, law_at, loaded, material_at,
+                                         narrowest, outline, sides, top_of)
 from hybrid.runtime.comm import anywhere, total
 
 LOWER = 1.4         # cells that the wedge is lower than the wall
@@ -33,6 +43,8 @@ BALL, PARTED = 1.6, 0.75
 PENETRATED, RESOLVED = 0.55, 4.0    # 1.05, 0.95, 0.55, 0.2, 0.05 with 2, 2.5, 3, 3.5, 4 cells (demos/random/README.md)
 SHAFT, DEEP = 1.5, 1.0      # widths: length of a body, and depth of its tip in the end, from which on a shaft follows it
 BEARING = 10.0      # of s_u, what stops a body that falls into clay
+PRISM, OFF_LINES = 1.6, 1.2     # of h/H, by whether an edge is on a line of the grid
+FLOWS = 3.0         # widths: around a plate so far under the ground clay flows
 COVERED = 1.0       # widths of clay above a body that all of the clay flows around
 SHORT = 0.05        # of its length: a strip that slides by 0.04 bears α s_u B to 5 %, on 10 and 20 cells, α = 1 and 0.5
 SUNK = 0.25         # of its length: a body that has its base deeper in the clay does not slide over it
@@ -102,6 +114,32 @@ def _around(body):
 def _attached(body):
     """Whether clay never breaks away from a body."""
     return body.interface is not None and np.isinf(body.interface.tension)
+
+
+def lifted_plates(scene, model):
+    """Plates lifted out of clay that parts from their lower side, on so few cells above them that their load is more than
+    EXCESS too high."""
+    soil, up = model.soil, np.array([0.0, 0.0, 1.0])
+    if soil.held or soil.grid.collapsed.sum() > 1 or soil.grid.collapsed[2]:
+        return
+    cell = soil.grid.smallest_cell
+    for body, travel, place, plane in [*driven(scene, model), *(found[:4] for found in loaded(scene, model))]:
+        across, depth = list(sides(soil.grid, place, up)), top_of(soil) - place[:, 2].max()
+        material = material_at(scene, soil, top_of(soil) - 0.5 * depth)
+        parts = plane and travel[2] > 0.0 and not _attached(body) and material.law == CLAY
+        if not parts or not across or not cell < depth < FLOWS * min(side.width for side in across):
+            continue
+        # s_u H on the sides over γ H on the area, both for a height of one
+        sheared = material.strength * sum(2.0 / side.width for side in across)
+        on_line = any(np.abs(soil.grid.lines[side.axis] - end).min() < ON_LINE * cell
+                      for side in across if side.axis is not None for end in side.ends)
+        share = sheared / (sheared - material.density * min(scene.gravity[2], 0.0))
+        excess = (PRISM if on_line else OFF_LINES) * cell / depth * share
+        if excess > EXCESS:
+            yield (f"{body.name} is lifted out of clay with {depth:.3g} m of it, {depth / cell:.2g} cells of {cell:.3g} m, "
+                   f"above it: its load is about {excess:.0%} too high, limit {EXCESS:.0%}, as the clay is sheared in the "
+                   f"cells beside the plate and over it. Use cells of at most {EXCESS / excess * cell:.2g} m there, or "
+                   "extrapolate two sizes of cells to none")
 
 
 def balls(scene, model):
@@ -195,4 +233,4 @@ def _critical_height(scene, soil, place, travel):
     return 4.0 * strength / (mass * -scene.gravity[2]) if volume else None
 
 
-LIMITS = (drawn_walls, pushed_walls, clay_walls, attached_slides, flow_around, balls, penetrators)
+LIMITS = (drawn_walls, pushed_walls, clay_walls, attached_slides, flow_around, lifted_plates, balls, penetrators)

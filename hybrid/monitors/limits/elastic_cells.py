@@ -1,4 +1,5 @@
-"""Spheres pressed into elastic soil whose cells do not resolve the contact: the force is above Hertz's.
+"""Contact on soil that is elastic, or hardly yields, on few cells: spheres pressed into elastic soil are too stiff, bases on
+soil that can yield too soft.
 
 Excess [%] of the force of a smooth sphere pressed into a block 40 contact radii wide and deep by δ = a²/R, a up to 0.1 R,
 ν = 0.3, over 4/3 E/(1 - ν²) √(R δ³), at three places of its axis between a node and the middle of a cell; 3.6 % of them
@@ -12,16 +13,33 @@ are the block's and those of strains that are not small:
 
 a is the radius of contact, h the cell. A sphere that carries a given load sinks in by less, as δ goes with the power 2/3
 of the force. A flat disc of 3 to 6 cells in its radius has no such excess: 3 to 4 % pressed, -7 to -3 % rocked.
+
+Soil that can yield has contact springs of 20/h, whose overlap is out of sight where it flows (`hybrid.setup.contact`). As
+long as it does not, they let a base sink in at its edges. Displacement [%] above that with 500/h, which is the same with 4
+and 8 cells, of a square and a strip on clay, n cells in the width, far below what they can carry:
+
+| n                  |  4 |  8 | 16 | law    |
+|--------------------|----|----|----|--------|
+| square, pressed    | 28 | 14 |    | 1.15/n |
+| square, tilted     | 66 | 29 |    | 2.6/n  |
+| strip, pressed     |  8 |  4 |  2 | 0.35/n |
+| strip, tilted      | 37 | 22 | 15 | 1.6/n  |
+
+Pressed with a third of what it can carry the square has 28 and 15 % too.
 """
 
 import numpy as np
 
 from hybrid.body.symmetry import copies
 from hybrid.monitors.limits.contact import travel_along
-from hybrid.monitors.limits.loading import EXCESS, is_round, material_at, outline, top_of
+from hybrid.monitors.limits.loading import (CLAY, EXCESS, driven, is_round, loaded, material_at, narrowest, outline, sides,
+                                            top_of)
 from hybrid.monitors.limits.rolling import contact_radius
 
 HIGHEST = ((0.75, 0.58), (1.06, 0.26), (1.3, 0.18), (1.6, 0.1))     # (a/h, excess [-] at the worst place in a cell)
+SOFT = {False: (1.15, 2.6), True: (0.35, 1.6)}  # pressed and tilted, in space and in plane strain
+SOFTEST, STIFF = 40.0, 500.0        # p_f h: of stiffer ones nothing is said; of those that are right
+BEARING, USED = 6.0, 0.5            # of s_u, what clay under a base carries; share of it from which on flow lets it sink
 COARSE, RESOLVED = HIGHEST[0][0], HIGHEST[-1][0]                    # a/h
 
 
@@ -73,4 +91,37 @@ def _text(body, a, cell, driven):
             f"most {a / RESOLVED:.2g} m under it")
 
 
-LIMITS = (unresolved_contact,)
+def soft_springs(scene, model):
+    """Bodies pressed on soil that can yield, by less than it carries, on so few cells that they settle or tilt by EXCESS too
+    much."""
+    soil, down = model.soil, np.array([0.0, 0.0, -1.0])
+    if soil.held or soil.grid.collapsed.sum() > 1 or soil.grid.collapsed[2]:
+        return
+    pressed = [(body, -travel[2], None, place, plane, 0.0) for body, travel, place, plane in driven(scene, model)]
+    pressed += [(body, None, -force[2], place, plane, arm) for body, force, place, plane, _, arm in loaded(scene, model)]
+    for body, depth, force, place, plane, arm in pressed:
+        cell, width, bottom = soil.grid.smallest_cell, narrowest(soil.grid, place, down), place[:, 2].min()
+        stands = plane and width > 0.0 and bottom < top_of(soil) + cell and max(depth or 0.0, force or 0.0) > 0.0
+        if not stands or body.places.at_corners or body.penalty * cell > SOFTEST:
+            continue
+        area = np.prod([side.width for side in sides(soil.grid, place, down)])
+        area *= np.prod(np.ptp(soil.grid.extent, axis=1)[soil.grid.collapsed])
+        excess = SOFT[bool(soil.grid.collapsed.any())][int(arm > 0.0)] * cell / width
+        if excess > EXCESS and _little(material_at(scene, soil, bottom - 0.5 * cell), depth, force, width, area):
+            does = "tilts" if arm > 0.0 else "settles"
+            yield (f"{body.name} is pressed on soil that can yield, on a base {width / cell:.2g} cells of {cell:.3g} m "
+                   f"wide, with soft contact springs: as long as the soil hardly yields it {does} by about {excess:.0%} too "
+                   f"much, limit {EXCESS:.0%}. Set body.penalty = {STIFF / cell:.4g}, which takes more iterations where the "
+                   f"soil flows, or use cells of at most {EXCESS / excess * cell:.2g} m under it")
+
+
+def _little(material, depth, force, width, area):
+    """Whether a base of a `width` [m] and an `area` [m²] is driven by a `depth` [m], or pressed by a `force` [N], of which
+    soil carries most without yielding; None for the other one. Of sand only forces count."""
+    if material.law != CLAY:
+        return depth is None
+    strength = BEARING * material.strength
+    return force < USED * strength * area if depth is None else depth < strength * width / (material.young or np.inf)
+
+
+LIMITS = (unresolved_contact, soft_springs)

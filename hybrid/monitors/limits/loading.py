@@ -19,6 +19,7 @@ ASKEW = 0.75                    # the same of a travel askew to the face: a plat
 # Share of a load across its main direction, or of the size that it acts beside the centre: inclined or eccentric
 ASIDE = 0.05 * (1.0 + 1e-6)     # not decided by round-off
 ACROSS = 0.1                    # cosine between a travel and an axis of the grid that is across it
+ON_LINE = 0.15                  # cells between an edge and a line of the grid: contact sees the edge there as on it
 STEEP = 1.5                     # cells: a lower step of the ground is a slope
 ROUND = 1.25    # largest over smallest distance of a round body's surface from its middle
 SIDES = 12      # different normals of a round body
