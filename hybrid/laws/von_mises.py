@@ -17,6 +17,9 @@ import numpy as np
 from hybrid.laws.cone import Cone
 from hybrid.laws.drucker_prager import cone_constants
 
+# Of s_u, what clay bears under a base; share of it from which on a base sinks by flow more than by what is elastic
+BEARING, USED = 6.0, 0.5
+
 
 class VonMises(Cone):
     """Values per point, scalars or (n,) arrays: strength s_u, hardening ds_u/dα and floor of softening, all [Pa]."""

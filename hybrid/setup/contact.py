@@ -3,7 +3,8 @@
 Spacing of the places on the faces of domains    s = 2 l / k <= r/16, on held soil r/32      k from 4 to 32
 penalty on elastic soil                           p_f = 500 / h, 2000 / h of a body of planes driven into it, 100 / h of
                                                   one with friction that shears it in plane strain
-penalty on soil that yields                       p_f = 20 / h
+penalty on soil that yields                       p_f = 20 / h, 500 / h of a body of planes that stages press on clay with
+                                                  less than half of what that bears
 penalty on held soil                              p_f E = W / (π r δ²),  δ = 2 s²/r
 of a curved body that rests on elastic soil       the softer one of 500 / h and that on held soil,  s <= r/32
 
@@ -32,6 +33,7 @@ from hybrid.contact import places
 from hybrid.contact.cover import Cover
 from hybrid.contact.interface import Interface
 from hybrid.laws.drucker_prager import cone_constants
+from hybrid.laws.von_mises import BEARING, USED
 from hybrid.runtime.comm import anywhere, largest, minimum
 from hybrid.runtime.errors import SceneError
 
@@ -63,7 +65,7 @@ def connect_to_soil(described, body, rotation, soil, gravity, cone):
         edges = find_edges(body.surface, soil.grid.smallest_cell, rotation[soil.grid.collapsed])
         body = replace(body, surface=round_off(body.surface, edges),
                        narrowest=narrowest_face(edges, soil.grid.smallest_cell))
-    body = replace(body, places=chosen, penalty=_penalty(described, body, soil, spacing, radius, gravity))
+    body = replace(body, places=chosen, penalty=_penalty(described, body, rotation, soil, spacing, radius, gravity))
     if interface and not chosen.at_corners:
         interface = replace(interface, sharp=None if body.surface is sharp else sharp, cover=_cover(sharp, soil, rotation))
     body = replace(body, friction=friction_of(described, mixed), interface=interface)
@@ -124,14 +126,14 @@ def _blocks(wanted):
     return int(places.BLOCK * np.ceil(np.clip(wanted * (1.0 + ROUND_OFF), FEWEST, MOST) / places.BLOCK))
 
 
-def _penalty(described, body, soil, spacing, radius, gravity):
+def _penalty(described, body, rotation, soil, spacing, radius, gravity):
     """p_f [1/m], or on held soil p_f E [N/m³]."""
     young, factor = largest(soil.law.young), largest(soil.law.young) if soil.held else 1.0
     if described.penalty is not None:
         return described.penalty * factor
     if described.contact == "corners":
         return PUBLISHED * factor
-    stiff = _stiffness(described, body, soil, radius, gravity) / soil.grid.smallest_cell
+    stiff = _stiffness(described, body, rotation, soil, radius, gravity) / soil.grid.smallest_cell
     weight = copies(body.mirrors) * body.mass.mass * np.linalg.norm(gravity)
     rests = _rests(body, soil, radius, gravity)
     if weight == 0.0 or not (soil.held or rests):
@@ -144,14 +146,29 @@ def _penalty(described, body, soil, spacing, radius, gravity):
     return felt if soil.held else min(stiff, felt / young)
 
 
-def _stiffness(described, body, soil, radius, gravity):
+def _stiffness(described, body, rotation, soil, radius, gravity):
     """p_f h of a body on soil that deforms, which it shears where it is driven in two ways, or in one under a load."""
+    if soil.law.plastic and np.isinf(radius) and not described.pull and _bears(body, rotation, soil, gravity):
+        return STIFFNESS[False]
     if soil.law.plastic or np.isfinite(radius) or not body.driven.any():
         return STIFFNESS[soil.law.plastic]
     axes = np.count_nonzero(body.driven[:3]) + body.driven[3:].any() + any(control.loads for control in body.stages)
     if axes > 1 and friction_of(described) > 0.0 and soil.grid.collapsed.any():
         return SHEARED
     return STIFFNESS[False] if _carried(body, soil, gravity) else PRESSED
+
+
+def _bears(body, rotation, soil, gravity):
+    """Whether soil is clay that bears the forces of all stages and the weight of a body, at an initial `rotation`, without
+    flowing."""
+    loads = [load for control in body.stages for load in control.loads if load.force is not None]
+    if not loads or body.driven.any() or any(control.points for control in body.stages) or anywhere(~soil.law.undrained):
+        return False
+    level = np.ptp(body.surface.vertices @ rotation.T, axis=0)
+    part = 0.5 ** sum(not mirror.cut for mirror in body.mirrors)     # of the base, as of the load and the weight
+    area = part * np.where(soil.grid.collapsed, np.ptp(soil.grid.extent, axis=1), level)[:2].prod()
+    force = max(np.linalg.norm(load.force.values, axis=1).max() for load in loads) + body.mass.mass * np.linalg.norm(gravity)
+    return force < USED * BEARING * minimum(soil.law.cohesion(0.0), np.inf) * area
 
 
 def _rests(body, soil, radius, gravity):

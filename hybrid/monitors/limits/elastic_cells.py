@@ -31,6 +31,7 @@ Pressed with a third of what it can carry the square has 28 and 15 % too.
 import numpy as np
 
 from hybrid.body.symmetry import copies
+from hybrid.laws.von_mises import BEARING, USED
 from hybrid.monitors.limits.contact import travel_along
 from hybrid.monitors.limits.loading import (CLAY, EXCESS, driven, is_round, loaded, material_at, narrowest, outline, sides,
                                             top_of)
@@ -39,7 +40,6 @@ from hybrid.monitors.limits.rolling import contact_radius
 HIGHEST = ((0.75, 0.58), (1.06, 0.26), (1.3, 0.18), (1.6, 0.1))     # (a/h, excess [-] at the worst place in a cell)
 SOFT = {False: (1.15, 2.6), True: (0.35, 1.6)}  # pressed and tilted, in space and in plane strain
 SOFTEST, STIFF = 40.0, 500.0        # p_f h: of stiffer ones nothing is said; of those that are right
-BEARING, USED = 6.0, 0.5            # of s_u, what clay under a base carries; share of it from which on flow lets it sink
 COARSE, RESOLVED = HIGHEST[0][0], HIGHEST[-1][0]                    # a/h
 
 
@@ -98,7 +98,8 @@ def soft_springs(scene, model):
     if soil.held or soil.grid.collapsed.sum() > 1 or soil.grid.collapsed[2]:
         return
     pressed = [(body, -travel[2], None, place, plane, 0.0) for body, travel, place, plane in driven(scene, model)]
-    pressed += [(body, None, -force[2], place, plane, arm) for body, force, place, plane, _, arm in loaded(scene, model)]
+    pressed += [(body, None, -copies(body.mirrors) * force[2], place, plane, arm)
+                for body, force, place, plane, _, arm in loaded(scene, model)]
     for body, depth, force, place, plane, arm in pressed:
         cell, width, bottom = soil.grid.smallest_cell, narrowest(soil.grid, place, down), place[:, 2].min()
         stands = plane and width > 0.0 and bottom < top_of(soil) + cell and max(depth or 0.0, force or 0.0) > 0.0

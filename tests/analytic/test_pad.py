@@ -1,0 +1,55 @@
+"""A rough square pad on clay that carries its load without flowing is as stiff as on elastic soil, on few cells already."""
+
+from dataclasses import replace
+
+import pytest
+
+from hybrid.runtime.data import GEOMETRY
+from hybrid.scene import Axis, Body, Faces, Grid, Load, Material, Pull, Scene, Soil, Stage, Time
+from hybrid.setup.build import build
+from hybrid.study.scenes import NO_OUTPUT
+
+WIDTH, LOAD, STRENGTH = 2.0, 5e3, 1e4      # [m]; [N] on a quarter, a twelfth of what it can carry; s_u [Pa]
+
+
+def pad(cells, law="von-mises", load=LOAD, **table):
+    """Quarter of a pad with so many cells in its width, on a block twice as wide and deep as it."""
+    size, far = WIDTH / cells, Axis(0.0, 4.0, WIDTH / cells)
+    strength = {"strength": STRENGTH} if law == "von-mises" else {}
+    soil = Soil(Material(law=law, young=5e6, poisson=0.45, density=1700.0, **strength), top=0.0)
+    body = Body(GEOMETRY / "box.geo", 7850.0, name="pad", rest_on=0.0, held=("x", "y", "rx", "ry", "rz"), friction=1.0,
+                parameters={"length": WIDTH, "width": WIDTH, "height": 0.5, "size": 5.0}, **table)
+    load = Load(force=((0.0, 0.0, 0.0, 0.0), (1.0, 0.0, 0.0, -load)))
+    return build(Scene(name="pad", gravity=(0.0, 0.0, 0.0), soil=soil, bodies=(body,), output=NO_OUTPUT,
+                       grid=Grid(far, far, Axis(-4.0, 2 * size, size), Faces(z_min="fixed")),
+                       time=Time(1.0, inertia=False), stages=(Stage("press", 1, loads=(load,)),)))
+
+
+def settlement(*given, **more):
+    """[m] under LOAD."""
+    simulation = pad(*given, **more)
+    start = simulation.state.bodies[0].position[2]
+    list(simulation.steps())
+    return start - simulation.state.bodies[0].position[2]
+
+
+def test_four_cells_settle_as_on_elastic_soil_and_as_six_do():
+    found, elastic = settlement(4), settlement(4, "hencky")
+    assert found == pytest.approx(elastic, rel=0.01) == pytest.approx(settlement(6), rel=0.03)
+
+
+def test_with_the_springs_of_soil_that_flows_it_settles_too_much():
+    assert settlement(4, penalty=20 * 4 / WIDTH) > 1.2 * settlement(4, "hencky")
+
+
+@pytest.mark.parametrize("load, more, expected", [
+    (LOAD, {}, 500), (0.49 * 6 * STRENGTH, {}, 500), (0.6 * 6 * STRENGTH, {}, 20),
+    (LOAD, {"driven": ("z",), "held": ("x", "y", "rx", "ry", "rz"), "velocity": (0.0, 0.0, -1e-3)}, 20),
+    (LOAD, {"pull": Pull((0.0, 0.0, 0.0), (0.1, 0.0, 0.0), 1e5, 5.0)}, 20)])
+def test_what_may_flow_has_softer_springs(load, more, expected):
+    """The quarter has 1 m² on the clay."""
+    body = pad(4, load=load).scene.bodies[0]
+    scene = replace(pad(4, load=load).scene, bodies=(replace(body, **more),))
+    if "driven" in more:
+        scene = replace(scene, stages=(Stage("press", 1),))
+    assert build(scene).model.bodies[0].penalty == pytest.approx(expected * 4 / WIDTH)
