@@ -27,6 +27,8 @@ class Progress:
         self.first = self.step = simulation.state.step
         if not self.first:
             planes = part_of_whole(getattr(simulation, "mirrors", ()))
+            if planes and any(stage.loads for stage in getattr(getattr(simulation, "scene", None), "stages", ())):
+                planes += f"; loads of stages act on this part, {copies(simulation.mirrors)} times as much on the whole"
             for text in [*getattr(simulation, "start", {}).get(IN_PLACE, ()), *([f"symmetry: {planes}"] if planes else [])]:
                 self._print(text)
         self._show("starting the first step")

@@ -49,7 +49,7 @@ class Load:
         "the centre of mass", "m", default=None)
     force: Vector | Rows | Path | None = key(
         "three numbers, a list of [time, x, y, z], or the path of a CSV file with these columns; times count from the start "
-        "of the stage", "N", default=None)
+        "of the stage; in half or quarter models that on the part that is modelled", "N", default=None)
     moment: Vector | Rows | Path | None = key("the same for a moment", "N m", default=None, also=("torque",))
 
 

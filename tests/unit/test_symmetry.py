@@ -12,7 +12,7 @@ import hybrid
 from hybrid.body.symmetry import Mirror, whole_columns
 from hybrid.output import history, progress, summary
 from hybrid.runtime.errors import SceneError
-from hybrid.scene import Axis, Body, Faces, Grid, Joint, Material, Motion, Output, Scene, Soil, Stage, Time
+from hybrid.scene import Axis, Body, Faces, Grid, Joint, Load, Material, Motion, Output, Scene, Soil, Stage, Time
 from hybrid.setup.build import build
 
 GEOMETRY = Path(hybrid.__file__).parents[1] / "geometry"
@@ -152,7 +152,11 @@ def test_a_chain_that_leaves_the_plane_is_whole(beside, mirrored):
 def test_a_run_says_first_that_half_is_modelled():
     stream = io.StringIO()
     progress.Progress(stream).start(build(pressed(y=HALF)))
-    assert "symmetry: y = 0 m: half of the whole is modelled" in stream.getvalue()
+    assert "symmetry: y = 0 m: half of the whole is modelled\n" in stream.getvalue()
+    scene = pressed(**FREE | {"y": HALF})
+    stages = replace(scene.stages[0], loads=(Load(force=(0.0, 0.0, -1.0)),)),
+    progress.Progress(stream).start(build(replace(scene, stages=stages)))
+    assert "is modelled; loads of stages act on this part, 2 times as much on the whole" in stream.getvalue()
 
 
 @pytest.mark.parametrize("scene", [
