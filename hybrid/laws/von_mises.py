@@ -17,8 +17,9 @@ import numpy as np
 from hybrid.laws.cone import Cone
 from hybrid.laws.drucker_prager import cone_constants
 
-# Of s_u, what clay bears under a base; share of it from which on a base sinks by flow more than by what is elastic
-BEARING, USED = 6.0, 0.5
+# Of s_u, pressure that clay bears under a base, and moment over its area and width; share of what it bears from which on a
+# base moves by flow more than by what is elastic
+BEARING, TIPPED, USED = 6.0, 0.7, 0.5
 
 
 class VonMises(Cone):

@@ -33,7 +33,7 @@ from hybrid.contact import places
 from hybrid.contact.cover import Cover
 from hybrid.contact.interface import Interface
 from hybrid.laws.drucker_prager import cone_constants
-from hybrid.laws.von_mises import BEARING, USED
+from hybrid.laws.von_mises import BEARING, TIPPED, USED
 from hybrid.runtime.comm import anywhere, largest, minimum
 from hybrid.runtime.errors import SceneError
 
@@ -148,7 +148,8 @@ def _penalty(described, body, rotation, soil, spacing, radius, gravity):
 
 def _stiffness(described, body, rotation, soil, radius, gravity):
     """p_f h of a body on soil that deforms, which it shears where it is driven in two ways, or in one under a load."""
-    if soil.law.plastic and np.isinf(radius) and not described.pull and _bears(body, rotation, soil, gravity):
+    moves = described.pull or any(described.velocity or ())
+    if soil.law.plastic and np.isinf(radius) and not moves and _bears(body, rotation, soil, gravity):
         return STIFFNESS[False]
     if soil.law.plastic or np.isfinite(radius) or not body.driven.any():
         return STIFFNESS[soil.law.plastic]
@@ -161,14 +162,25 @@ def _stiffness(described, body, rotation, soil, radius, gravity):
 def _bears(body, rotation, soil, gravity):
     """Whether soil is clay that bears the forces of all stages and the weight of a body, at an initial `rotation`, without
     flowing."""
-    loads = [load for control in body.stages for load in control.loads if load.force is not None]
-    if not loads or body.driven.any() or any(control.points for control in body.stages) or anywhere(~soil.law.undrained):
+    stages = [[_largest(load, rotation) for load in control.loads] for control in body.stages if control.loads]
+    if not stages or body.driven.any() or any(control.points for control in body.stages) or anywhere(~soil.law.undrained):
         return False
     level = np.ptp(body.surface.vertices @ rotation.T, axis=0)
     part = 0.5 ** sum(not mirror.cut for mirror in body.mirrors)     # of the base, as of the load and the weight
-    area = part * np.where(soil.grid.collapsed, np.ptp(soil.grid.extent, axis=1), level)[:2].prod()
-    force = max(np.linalg.norm(load.force.values, axis=1).max() for load in loads) + body.mass.mass * np.linalg.norm(gravity)
-    return force < USED * BEARING * minimum(soil.law.cohesion(0.0), np.inf) * area
+    width = np.where(soil.grid.collapsed, np.ptp(soil.grid.extent, axis=1), level)[:2]
+    most = USED * minimum(soil.law.cohesion(0.0), np.inf) * part * width.prod()
+    down, along, moment = np.max([np.sum(loads, axis=0) for loads in stages], axis=0)
+    down += body.mass.mass * np.linalg.norm(gravity)
+    narrow = width[~soil.grid.collapsed[:2]].min(initial=np.inf)
+    return down < BEARING * most and along < most and moment < TIPPED * most * narrow
+
+
+def _largest(load, rotation):
+    """Largest force along z and across it [N], and moment about the centre across z [N m], of a PointLoad."""
+    force, moment = (np.zeros((1, 3)) if table is None else table.values for table in (load.force, load.moment))
+    arm = np.cross(rotation @ load.point, force)
+    across = np.linalg.norm(arm[:, :2], axis=1).max() + np.linalg.norm(moment[:, :2], axis=1).max()
+    return np.abs(force[:, 2]).max(), np.linalg.norm(force[:, :2], axis=1).max(), across
 
 
 def _rests(body, soil, radius, gravity):

@@ -42,14 +42,27 @@ def test_with_the_springs_of_soil_that_flows_it_settles_too_much():
     assert settlement(4, penalty=20 * 4 / WIDTH) > 1.2 * settlement(4, "hencky")
 
 
+@pytest.mark.parametrize("load, expected", [
+    (Load(force=(0.0, 0.0, -1e4)), 500), (Load(force=(4.9e3, 0.0, -1e4)), 500), (Load(force=(5.1e3, 0.0, -1e4)), 20),
+    (Load(force=(0.0, 0.0, -1e4), moment=(0.0, 6.9e3, 0.0)), 500),
+    (Load(force=(0.0, 0.0, -1e4), point=(0.8, 0.0, 0.25)), 20),
+    (Load(force=(0.0, 0.0, -1e4), moment=(0.0, 7.1e3, 0.0)), 20)])
+def test_what_may_slide_or_tip_has_softer_springs(load, expected):
+    """s_u A = 10 kN on the quarter, 0.7 s_u A B = 14 kN m."""
+    scene = replace(pad(4).scene, stages=(Stage("load", 1, loads=(load,)),))
+    assert build(scene).model.bodies[0].penalty == pytest.approx(expected * 4 / WIDTH)
+
+
 @pytest.mark.parametrize("load, more, expected", [
     (LOAD, {}, 500), (0.49 * 6 * STRENGTH, {}, 500), (0.6 * 6 * STRENGTH, {}, 20),
     (LOAD, {"driven": ("z",), "held": ("x", "y", "rx", "ry", "rz"), "velocity": (0.0, 0.0, -1e-3)}, 20),
-    (LOAD, {"pull": Pull((0.0, 0.0, 0.0), (0.1, 0.0, 0.0), 1e5, 5.0)}, 20)])
+    (LOAD, {"velocity": (0.0, 0.0, -0.1)}, 20), (LOAD, {"pull": Pull((0.0, 0.0, 0.0), (0.1, 0.0, 0.0), 1e5, 5.0)}, 20)])
 def test_what_may_flow_has_softer_springs(load, more, expected):
     """The quarter has 1 m² on the clay."""
     body = pad(4, load=load).scene.bodies[0]
     scene = replace(pad(4, load=load).scene, bodies=(replace(body, **more),))
     if "driven" in more:
         scene = replace(scene, stages=(Stage("press", 1),))
+    elif "velocity" in more:
+        scene = replace(scene, time=Time(0.01))
     assert build(scene).model.bodies[0].penalty == pytest.approx(expected * 4 / WIDTH)
