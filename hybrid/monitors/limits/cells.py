@@ -67,7 +67,8 @@ def few_cells(scene, model):
     is more than EXCESS too high."""
     cell = model.soil.grid.smallest_cell
     pushed = [(*found, False, 0.0, -found[1][2]) for found in driven(scene, model)]
-    pushed += [(body, cell * force / np.linalg.norm(force), *others, 0.0) for body, force, *others in loaded(scene, model)]
+    pushed += [(body, cell * force / np.linalg.norm(force), *others, -np.inf)
+               for body, force, *others in loaded(scene, model)]
     several = Counter(body.name for body, *_ in pushed)
     for body, travel, place, plane, inclined, arm, depth in pushed:
         if not plane:
@@ -229,8 +230,8 @@ def _covered(scene, soil):
 
 
 def _on_lines(scene, model, body, travel, place, depth):
-    """(Excess, text, remedy) of a body pushed into clay by a `depth` [m], or lifted from clay that stays on it, by how deep
-    it is then and whether its edges are on lines of the grid: the mean over its feet."""
+    """(Excess, text, remedy) of a body pushed into clay by a `depth` [m], -inf where that is not known, or lifted from clay
+    that stays on it, by how deep it is then and whether its edges are on lines of the grid: the mean over its feet."""
     attached = body.interface is not None and body.interface.tension
     if travel[2] == 0.0 or travel[2] > 0.0 and not attached:
         return NOTHING
