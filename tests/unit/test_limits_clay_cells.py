@@ -160,12 +160,13 @@ def test_the_law_of_plates_lifted_out_of_clay_is_what_was_measured(number, cells
     assert found == pytest.approx(1 + number / cells, abs=0.12 if cells == 3 else 0.04)
 
 
-def lifted(depth=0.75, half=1.0, speed=0.01, gravity=0.0, **table):
+def lifted(depth=0.75, half=1.0, speed=0.01, gravity=0.0, strength=1e4, strength_gradient=0.0, **table):
     """Warnings about a half of a strip under so much clay, on cells of 0.25 m."""
     plate = body("box.geo", {"length": 2 * half, "width": 1.0, "height": 0.5, "size": 20.0},
                  position=(0.0, 0.5, -depth - 0.25), driven=("z",), velocity=(0.0, 0.0, speed), **table)
     grid = Grid(Axis(start=0.0, end=4.0, size=0.25), slice_(), Axis(start=-12.0, end=0.5, size=0.25), Faces(z_min="fixed"))
-    clay = Soil(Material(law="von-mises", young=5e6, poisson=0.49, density=1600.0, strength=1e4), top=0.0, geostatic=False)
+    clay = Soil(Material(law="von-mises", young=5e6, poisson=0.49, density=1600.0, strength=strength,
+                         strength_gradient=strength_gradient), top=0.0, geostatic=False)
     simulation = build(scene("plate", grid, clay, [plate], Time(1.0, inertia=False), 10, (0.0, 0.0, gravity)))
     return list(clay_cells.lifted_plates(simulation.scene, simulation.model))
 
@@ -176,6 +177,8 @@ def test_a_plate_lifted_out_of_clay_on_few_cells():
     assert "about 40%" in lifted(half=1.06)[0]      # edges off lines of the grid
     assert "about 21%" in lifted(gravity=-9.81)[0]  # of its load, 0.39 of which the strength of the clay bears
     assert "about 11%" in lifted(3.75)[0]
+    assert "about 53%" in lifted(strength=5e3, strength_gradient=1e3)[0] and lifted(strength=0.0, strength_gradient=1e3)
+    assert not lifted(-0.25)    # on the ground
     assert not lifted(6.5) and not lifted(speed=-0.01) and not lifted(adhesion=1.0, tension="full")
 
 

@@ -259,7 +259,7 @@ def _foot_on_lines(scene, model, body, travel, place, foot, depth):
     if law_at(scene, model.soil, foot[:, 2].min() - 0.5 * grid.smallest_cell) != CLAY:
         return 0.0, narrow, on, False, 0.0
     width, sunk = narrowest(grid, foot, travel), 0.0
-    if travel[2] < 0.0 and width > MEASURED * grid.smallest_cell:
+    if travel[2] < 0.0 and width > MEASURED * grid.smallest_cell and scene.soil.ground is None:
         sunk = np.clip((top_of(model.soil) - foot[:, 2].min() + depth) / width, 0.0, DEEP)
     growing = _growing(scene, model.soil, foot, travel)
     for width, ends, direction, axis in sides(grid, foot, travel):

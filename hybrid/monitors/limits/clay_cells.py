@@ -122,15 +122,18 @@ def lifted_plates(scene, model):
     soil, up = model.soil, np.array([0.0, 0.0, 1.0])
     if soil.held or soil.grid.collapsed.sum() > 1 or soil.grid.collapsed[2]:
         return
-    cell = soil.grid.smallest_cell
+    cell, started = soil.grid.smallest_cell, {}
     for body, travel, place, plane in [*driven(scene, model), *(found[:4] for found in loaded(scene, model))]:
         across, depth = list(sides(soil.grid, place, up)), top_of(soil) - place[:, 2].max()
+        if started.setdefault(body.name, depth) <= 0.0:     # what it has been pressed into before is an open hole
+            continue
         material = material_at(scene, soil, top_of(soil) - 0.5 * depth)
         parts = plane and travel[2] > 0.0 and not _attached(body) and material.law == CLAY
         if not parts or not across or not cell < depth < FLOWS * min(side.width for side in across):
             continue
         # s_u H on the sides over γ H on the area, both for a height of one
-        sheared = material.strength * sum(2.0 / side.width for side in across)
+        strength = material.strength + 0.5 * depth * (material.strength_gradient or 0.0)
+        sheared = max(strength, 1e-9) * sum(2.0 / side.width for side in across)
         on_line = any(np.abs(soil.grid.lines[side.axis] - end).min() < ON_LINE * cell
                       for side in across if side.axis is not None for end in side.ends)
         share = sheared / (sheared - material.density * min(scene.gravity[2], 0.0))

@@ -102,6 +102,7 @@ def soft_springs(scene, model):
                 for body, force, place, plane, _, arm in loaded(scene, model)]
     for body, depth, force, place, plane, arm in pressed:
         cell, width, bottom = soil.grid.smallest_cell, narrowest(soil.grid, place, down), place[:, 2].min()
+        depth = None if depth is None else min(depth, top_of(soil) - bottom + depth)     # of that what is in the soil
         stands = plane and width > 0.0 and bottom < top_of(soil) + cell and max(depth or 0.0, force or 0.0) > 0.0
         if not stands or body.places.at_corners or body.penalty * cell > SOFTEST:
             continue
