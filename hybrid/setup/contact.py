@@ -3,8 +3,8 @@
 Spacing of the places on the faces of domains    s = 2 l / k <= r/16, on held soil r/32      k from 4 to 32
 penalty on elastic soil                           p_f = 500 / h, 2000 / h of a body of planes driven into it, 100 / h of
                                                   one with friction that shears it in plane strain
-penalty on soil that yields                       p_f = 20 / h, 500 / h of a body of planes that stages press on clay with
-                                                  less than half of what that bears
+penalty on soil that yields                       p_f = 20 / h, 500 / h of a plane base that stages press on clay with less
+                                                  than half of what that bears
 penalty on held soil                              p_f E = W / (π r δ²),  δ = 2 s²/r
 of a curved body that rests on elastic soil       the softer one of 500 / h and that on held soil,  s <= r/32
 
@@ -149,7 +149,7 @@ def _penalty(described, body, rotation, soil, spacing, radius, gravity):
 def _stiffness(described, body, rotation, soil, radius, gravity):
     """p_f h of a body on soil that deforms, which it shears where it is driven in two ways, or in one under a load."""
     moves = described.pull or any(described.velocity or ())
-    if soil.law.plastic and np.isinf(radius) and not moves and _bears(body, rotation, soil, gravity):
+    if soil.law.plastic and not moves and _bears(body, rotation, soil, gravity):
         return STIFFNESS[False]
     if soil.law.plastic or np.isfinite(radius) or not body.driven.any():
         return STIFFNESS[soil.law.plastic]
@@ -160,19 +160,32 @@ def _stiffness(described, body, rotation, soil, radius, gravity):
 
 
 def _bears(body, rotation, soil, gravity):
-    """Whether soil is clay that bears the forces of all stages and the weight of a body, at an initial `rotation`, without
-    flowing."""
+    """Whether soil is clay that bears the forces of all stages and the weight of a body with a plane base, at an initial
+    `rotation`, without flowing."""
     stages = [[_largest(load, rotation) for load in control.loads] for control in body.stages if control.loads]
-    if not stages or body.driven.any() or any(control.points for control in body.stages) or anywhere(~soil.law.undrained):
+    filled = _base(body.outline, rotation)
+    guided = body.driven.any() or any(control.points for control in body.stages)
+    if not stages or not filled or guided or anywhere(~soil.law.undrained):
         return False
     level = np.ptp(body.surface.vertices @ rotation.T, axis=0)
     part = 0.5 ** sum(not mirror.cut for mirror in body.mirrors)     # of the base, as of the load and the weight
     width = np.where(soil.grid.collapsed, np.ptp(soil.grid.extent, axis=1), level)[:2]
-    most = USED * minimum(soil.law.cohesion(0.0), np.inf) * part * width.prod()
+    most = USED * minimum(soil.law.cohesion(0.0), np.inf) * part * filled * width.prod()
     down, along, moment = np.max([np.sum(loads, axis=0) for loads in stages], axis=0)
     down += body.mass.mass * np.linalg.norm(gravity)
     narrow = width[~soil.grid.collapsed[:2]].min(initial=np.inf)
     return down < BEARING * most and along < most and moment < TIPPED * most * narrow
+
+
+def _base(surface, rotation):
+    """Share [-] of the rectangle around a surface, seen from below, that it covers; 0 where less than all but SHARP of it is
+    one plane."""
+    corners, normals = surface.vertices @ rotation.T, surface.normals @ rotation.T
+    edges = np.diff(corners[surface.triangles], axis=1)[..., :2]
+    below = np.where(normals[:, 2] < -STRAIGHT, 0.5 * np.abs(np.cross(edges[:, 0], edges[:, 1])), 0.0)
+    plane = max((below[normals @ normal > 1.0 - STRAIGHT].sum() for normal in normals[below > 0.0]), default=0.0)
+    covered = below.sum()
+    return covered / np.ptp(corners[:, :2], axis=0).prod() if plane > (1.0 - SHARP) * covered else 0.0
 
 
 def _largest(load, rotation):

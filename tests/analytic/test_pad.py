@@ -42,6 +42,28 @@ def test_with_the_springs_of_soil_that_flows_it_settles_too_much():
     assert settlement(4, penalty=20 * 4 / WIDTH) > 1.2 * settlement(4, "hencky")
 
 
+@pytest.mark.parametrize("geometry, parameters, rotation, expected", [
+    ("cylinder.geo", {"radius": 1.0, "height": 0.5, "size": 0.3}, None, 500),
+    ("cylinder.geo", {"radius": 0.5, "height": 2.0, "size": 0.3}, (1.0, 0.0, 0.0, 90.0), 20),
+    ("cone.geo", {"size": 0.3}, None, 20), ("sphere.geo", {"size": 0.1}, None, 20),
+    ("box.geo", {"length": 2.0, "width": 2.0, "height": 0.5, "size": 5.0}, (0.0, 1.0, 0.0, 5.0), 500),
+    ("box.geo", {"length": 2.0, "width": 2.0, "height": 2.0, "size": 5.0}, (0.0, 1.0, 0.0, 45.0), 20)])
+def test_a_body_needs_a_plane_base(geometry, parameters, rotation, expected):
+    more = {} if rotation is None else {"rotation": rotation}
+    whole = pad(4, load=50.0).scene
+    body = replace(whole.bodies[0], geometry=GEOMETRY / geometry, parameters=parameters, **more)
+    assert build(replace(whole, bodies=(body,))).model.bodies[0].penalty == pytest.approx(expected * 4 / WIDTH)
+
+
+def test_a_disc_has_its_own_area_on_the_clay():
+    """30 kN, half of what a square carries, is 0.64 of that of a disc."""
+    cylinder = {"geometry": GEOMETRY / "cylinder.geo", "parameters": {"radius": 1.0, "height": 0.5, "size": 0.3}}
+    for load, expected in ((0.45 * 6 * STRENGTH, 20), (0.35 * 6 * STRENGTH, 500)):
+        scene = pad(4, load=load).scene
+        scene = replace(scene, bodies=(replace(scene.bodies[0], **cylinder),))
+        assert build(scene).model.bodies[0].penalty == pytest.approx(expected * 4 / WIDTH)
+
+
 @pytest.mark.parametrize("load, expected", [
     (Load(force=(0.0, 0.0, -1e4)), 500), (Load(force=(4.9e3, 0.0, -1e4)), 500), (Load(force=(5.1e3, 0.0, -1e4)), 20),
     (Load(force=(0.0, 0.0, -1e4), moment=(0.0, 6.9e3, 0.0)), 500),
