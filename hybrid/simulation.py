@@ -34,6 +34,8 @@ from hybrid.step.increments import Control, outer_step
 from hybrid.step.records import step_record
 from hybrid.step.workspace import Workspace
 
+AFRESH = 10     # steps after which no tangent is carried on, where no checkpoints are written
+
 
 class Simulation:
     """Scene, model and committed state; made by `hybrid.setup.build.build`.
@@ -246,6 +248,8 @@ class Simulation:
                 if moved:
                     model = model.with_soil(self.model.soil)
                     workspace.renew(model)
+            if self.state.step % (self.scene.output.checkpoint or AFRESH) == 0:
+                workspace.systems.assemble_afresh()     # as a run does that is continued from a checkpoint
             try:
                 self.state, report = outer_step(model, workspace, self.state, length, stage.pull, control)
             except StepError as failure:

@@ -1,5 +1,7 @@
-"""Reuse of the sparsity pattern while the set of active nodes is unchanged, and of the matrices while the set of nodes
-with small support is unchanged too."""
+"""Reuse of the sparsity pattern while the set of active nodes is unchanged, of the matrices while the set of nodes with
+small support is unchanged too, and of the tangent in them while it serves."""
+
+import math
 
 import numpy as np
 
@@ -10,15 +12,39 @@ from hybrid.linalg.stencil_pattern import make_pattern
 from hybrid.runtime.comm import anywhere
 
 COPIED = 5000       # unknowns up to which each process has the whole system that is to be factored
+FAILURES = 2        # of carried tangents until none is carried any more
+
+
+class CarriedTangent:
+    """Whether the tangent that a system holds serves in the next increment, if it is as long: until FAILURES have not."""
+
+    def __init__(self):
+        self._length, self._failures = None, 0
+
+    def drop(self):
+        """Forget it: the system holds another one."""
+        self._length = None
+
+    def take(self, length):
+        """Whether the first update of an increment of this `length` [s] is made with it. It is then dropped."""
+        serves = self._length is not None and math.isclose(length, self._length, rel_tol=1e-9)
+        self.drop()
+        return serves
+
+    def keep(self, length, serves, failed):
+        """Carry it from an increment of this `length` [s] if it `serves`; failed: whether one carried into it did not."""
+        self._failures += failed
+        self._length = length if serves and self._failures < FAILURES else None
 
 
 class Systems:
-    """Pattern and BlockSystem of the last call of `get`; `choice`: SolverChoice of all its systems."""
+    """Pattern and BlockSystem of the last call of `get`, and the CarriedTangent in it; `choice`: SolverChoice of all its
+    systems."""
 
     def __init__(self, model):
         self._model = model
         self._active, self._small_support, self._pattern, self._system = None, None, None, None
-        self.choice = _choice(model)
+        self.choice, self.carried = _choice(model), CarriedTangent()
 
     def renew(self, model):
         """Use another model, whose pattern may differ, from the next call of `get` on."""
@@ -29,6 +55,10 @@ class Systems:
     def follow_points(self, model):
         """Use a model whose points have moved from process to process, and nothing else has changed."""
         self._model = model
+
+    def assemble_afresh(self):
+        """Carry no tangent to the next increment."""
+        self.carried = CarriedTangent()
 
     def destroy(self):
         """Release the matrices. PETSc keeps them until they are destroyed, even if Python holds no reference."""
@@ -48,6 +78,7 @@ class Systems:
             grid = self._model.soil.grid
             self._pattern = pattern or make_pattern(active, grid.fixed, grid.shape)
             self._system = self._make_system(small_support)
+            self.carried.drop()
             self._active, self._small_support = active.copy(), small_support.copy()
         return self._pattern, self._system
 

@@ -18,6 +18,7 @@ from hybrid.contact.assembly import Tangent
 from hybrid.contact.search import Domains
 from hybrid.linalg.petsc import BlockSystem
 from hybrid.linalg.stencil_pattern import Pattern
+from hybrid.linalg.system_cache import CarriedTangent
 from hybrid.runtime import comm
 from hybrid.runtime.timing import phase
 from hybrid.soil.model import Refusal, SoilStep, SoilTrial
@@ -75,7 +76,8 @@ class Evaluation:
 
 @dataclass(frozen=True)
 class Step:
-    """One increment of `dt` [s] from the committed `state`, frozen but for the points of contact (`ContactPair`).
+    """One increment of `dt` [s] from the committed `state`, frozen but for the points of contact (`ContactPair`) and
+    `carried`.
 
     soil: None where it is held; reference: norm [N] of internal forces that the errors of the soil are relative to if
     all forces of a trial are smaller (`hybrid.step.newton` sets it)
@@ -87,6 +89,7 @@ class Step:
     soil: SoilStep | None
     pattern: Pattern
     system: BlockSystem
+    carried: CarriedTangent
     bodies: tuple[BodyStep, ...]
     reference: float = 0.0
     joints: JointStep | None = None
@@ -156,6 +159,7 @@ class Step:
 
     def assemble(self, evaluation, kind=Tangent.CONSISTENT):
         """Fill the block system with the tangent at an evaluation, of a `kind` for contact, and factor it."""
+        self.carried.drop()
         self.system.clear()
         stiffness = comm.largest(self.model.soil.law.young) * self.model.soil.grid.smallest_cell
         if self.soil is not None:   # no process waits for another between soil and contact: they share the sum of both
@@ -288,12 +292,10 @@ def begin(model, state, dt, pulling, workspace):
     nodal = None if soil is None else soil.velocity, _predicted(model, soil, dt)
     with phase("contact search"):
         bodies = body_terms.begin_bodies(model, state, dt, pulling, domains, active, nodal)
-    return Step(model, state, dt, soil, pattern, system, bodies, joints=joint_terms.begin_joints(model, state, dt),
-                pairs=pair_terms.begin_pairs(model, state, bodies, dt))
+    joints, pairs = joint_terms.begin_joints(model, state, dt), pair_terms.begin_pairs(model, state, bodies, dt)
+    return Step(model, state, dt, soil, pattern, system, workspace.systems.carried, bodies, joints=joints, pairs=pairs)
 
 
 def _predicted(model, soil, dt):
     """Nodal increments (N, 3) [m] at constant velocity, none without inertia; None for held soil."""
-    if soil is None:
-        return None
-    return dt * soil.velocity if model.scheme.inertia else 0 * soil.velocity
+    return None if soil is None else (dt if model.scheme.inertia else 0.0) * soil.velocity

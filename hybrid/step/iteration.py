@@ -2,13 +2,16 @@
 
     K δ = -R      u <- u + s δ      s = 1, or by backtracking 1, 1/2, ... 1/16 until |R| falls enough
 
-Where an update leaves most of the residual in a few nodes, these are solved for by themselves before the next one
-(`hybrid.step.restriction`). Contact points that such an update carries from slip in one direction to slip in the other
-are held in stick for the next one (`hybrid.contact.reversals`). The linear systems K δ = -R are solved to FORMULATION (48).
+The first update is made with the tangent of the last increment while that serves (`CarriedTangent`). Where an update leaves
+most of the residual in a few nodes, these are solved for by themselves before the next one (`hybrid.step.restriction`).
+Contact points that such an update carries from slip in one direction to slip in the other are held in stick for the next one
+(`hybrid.contact.reversals`). The linear systems K δ = -R are solved to FORMULATION (48).
 The settings are those of the scene, `hybrid.scene.Solver`.
 """
 
 from dataclasses import dataclass, replace
+
+import numpy as np
 
 from hybrid.contact import held_facets
 from hybrid.contact.assembly import Tangent
@@ -46,6 +49,9 @@ FAR = 0.05
 # yields (anchor, 60 steps: 383 to 401 iterations with 0.15, 259 to 269 with 0.01), GOOD for elastic soil, which then
 # assembles half as often.
 GOOD, GOOD_YIELDING = 0.15, 0.01
+# The next increment begins with the tangent of this one where the first update left less than SERVES and CALM updates were
+# enough. One that is carried has failed where its update leaves more than is good for a second one.
+SERVES, CALM = 0.3, 3
 
 
 @dataclass(frozen=True)
@@ -97,6 +103,7 @@ def iterate(step, solver, evaluation, updates):
         errors.append(evaluation.error)
         best = evaluation if evaluation.error < best.error else best
         if evaluation.error <= solver.tolerance:
+            safeguards.keep_tangent(len(errors) - 1)
             return ended(evaluation, "", backtracked=backtracked)
         if len(errors) > MOST or not progressing(errors, updates.patience) or _diverged(evaluation, best, solver, updates):
             return ended(best, _no_progress(best, errors, solver, updates), jumping=safeguards.jumping())
@@ -106,6 +113,9 @@ def iterate(step, solver, evaluation, updates):
             return ended(best, str(failure))
         krylov += count
         trial, scale = line_search(step, evaluation, soil, body, updates.backtrack)
+        if safeguards.misled(evaluation, trial):
+            evaluation = step.evaluate(evaluation.unknowns)
+            continue
         if isinstance(trial, Refusal):
             return ended(best, f"the update {trial.reason}")
         backtracked = backtracked or scale < 1.0
@@ -113,14 +123,16 @@ def iterate(step, solver, evaluation, updates):
 
 
 class Safeguards:
-    """What helps updates along: the last tangent used again, contact points held in stick for an update, few rough nodes
-    solved for by themselves; and whether contact points jump between facets."""
+    """What helps updates along: the last tangent used again, also that of the last increment, contact points held in stick
+    for an update, few rough nodes solved for by themselves; and whether contact points jump between facets."""
 
     def __init__(self, step, solver, updates):
         self.step, self.solver, self.updates = step, solver, updates
         self.finest = max(solver.linear_tolerance / max(1.0, step.contact_stiffness_ratio() / STIFF), FINEST)
         self.stick = None       # contact points held in stick in the next update
         self.reuse = False      # of the tangent in the next update
+        self.carried = False    # whether the update is made with the tangent of the last increment
+        self.first = None       # whether the tangent of the first update serves the next increment; a carried one failed
         self.jumps = []         # whether contact points jumped, for each update
 
     def solve(self, evaluation):
@@ -129,11 +141,28 @@ class Safeguards:
         step = self.step
         self.stick = self.stick or sticking.drifting(step, evaluation)
         held = sticking.held_in_stick(step, evaluation, self.stick) if self.stick else evaluation
-        if self.stick or not self.reuse:
+        ready = self.first is None and not self.stick and not self.updates.backtrack and step.system.soil_unknowns
+        self.carried = bool(ready) and step.carried.take(step.dt)
+        if self.stick or not (self.reuse or self.carried):
             near = step.model.scheme.inertia or held.error <= FAR
             step.assemble(held, self.updates.near if near else self.updates.far)
         with phase("solve"):
             return step.system.solve(held.soil, held.body, linear_tolerance(self.solver, self.finest, held.error))
+
+    def misled(self, before, trial):
+        """Whether the first update, from `before` to `trial`, was made with a tangent that no longer serves and is not to be
+        taken."""
+        if self.first is not None:
+            return False
+        left = np.inf if isinstance(trial, Refusal) else trial.error / before.error
+        self.first = left < SERVES, self.carried and left >= _good(self.step)
+        return self.carried and left > SLOW
+
+    def keep_tangent(self, updates):
+        """Let the next increment begin with the tangent of this one, which has converged in so many `updates`."""
+        if self.first:
+            serves, failed = self.first
+            self.step.carried.keep(self.step.dt, serves and updates <= CALM, failed)
 
     def follow(self, before, trial):
         """Evaluation to go on from after an update from `before` to `trial`."""
@@ -155,8 +184,12 @@ class Safeguards:
 def _tangent_serves(step, before, after):
     """Whether the tangent of the update between two evaluations is used for the next one. Assembling and factoring the soil
     block costs several solutions; the bodies' few unknowns cost nothing."""
-    good = GOOD_YIELDING if step.model.soil.law.plastic else GOOD
-    return bool(step.system.soil_unknowns) and after.error < good * before.error
+    return bool(step.system.soil_unknowns) and after.error < _good(step) * before.error
+
+
+def _good(step):
+    """Share of the residual that the update of a tangent leaves which is used again."""
+    return GOOD_YIELDING if step.model.soil.law.plastic else GOOD
 
 
 def _diverged(evaluation, best, solver, updates):

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from hybrid.linalg.stencil_pattern import make_pattern
-from hybrid.linalg.system_cache import direct_system
+from hybrid.linalg.system_cache import CarriedTangent, direct_system
 from hybrid.runtime import comm
 from hybrid.soil import restriction
 
@@ -50,4 +50,4 @@ def restricted(step, nodes, evaluation):
     system = direct_system(pattern, part, step.system.body_unknowns, solver.linear_tolerance)
     begun = tuple(replace(terms.step, pair=terms.step.pair.near(nodes, terms.contact)) for terms in evaluation.bodies)
     return replace(step, model=replace(model, soil=part, bodies=bodies), soil=soil, pattern=pattern, system=system,
-                   bodies=begun)
+                   bodies=begun, carried=CarriedTangent())

@@ -126,14 +126,15 @@ def test_the_tangent_of_a_load_by_differences():
 
 def pressed_and_dragged():
     """A plate over all of the soil, loaded with 1 kN, then dragged by 2 cm under that load, on elastic soil with
-    friction; quasi-static."""
+    friction; quasi-static, with a checkpoint due after step 4."""
     side = Axis(start=-0.4, end=0.4, size=0.2)
     down = Load(force=(0.0, 0.0, -1000.0))
     plate = box(1.06, 1.06, 0.1, size=0.2, rest_on=0.0, held=("x", "y", *TURNS), friction=0.3)
     stages = [Stage("press", 2, loads=(Load(force=((0.0, 0.0, 0.0, 0.0), (1.0, 0.0, 0.0, -1000.0))),)),
               Stage("drag", 4, motions=(Motion(component="x", displacement=((0.0, 0.0), (2.0, 0.02))),), loads=(down,))]
-    return scene("drag", Grid(side, side, Axis(start=-0.4, end=0.2, size=0.2), Faces()), elastic(1e6, 0.25), [plate],
+    made = scene("drag", Grid(side, side, Axis(start=-0.4, end=0.2, size=0.2), Faces()), elastic(1e6, 0.25), [plate],
                  0.5, stages, soil={"top": 0.0}, time={"inertia": False}, solver={"linear": "direct", "tolerance": 1e-9})
+    return replace(made, output=replace(made.output, checkpoint=4))
 
 
 def test_a_pressed_plate_is_dragged_with_the_force_of_friction(tmp_path):

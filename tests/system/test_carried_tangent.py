@@ -1,0 +1,118 @@
+"""The tangent of a step serves in the next ones of a block of sand that falls: a third of the assemblies, the same motion;
+a run goes on bit for bit from each step after which it is assembled afresh."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import hybrid.simulation
+from hybrid.bench.scenes import block
+from hybrid.linalg.system_cache import CarriedTangent, Systems
+from hybrid.scene import Stage
+from hybrid.setup.build import build
+from hybrid.step.equations import Step
+
+STEPS, CELLS = 14, (8, 8, 4)
+
+
+def falling(checkpoint=5, stages=(Stage("fall", STEPS),)):
+    """Simulation of a block of sand, in whose first steps points begin to yield."""
+    scene = block(CELLS, 1 / CELLS[0], steps=STEPS)
+    return build(replace(scene, stages=stages, output=replace(scene.output, checkpoint=checkpoint)))
+
+
+@pytest.fixture
+def assembled(monkeypatch):
+    """Numbers of the steps in which a tangent was assembled, in order."""
+    steps, assemble = [], Step.assemble
+
+    def counted(step, *given):
+        steps.append(step.state.step + 1)
+        assemble(step, *given)
+
+    monkeypatch.setattr(Step, "assemble", counted)
+    return steps
+
+
+def without(monkeypatch):
+    """Carry no tangent from now on."""
+    monkeypatch.setattr(CarriedTangent, "take", lambda carried, length: False)
+
+
+def test_few_steps_assemble_a_tangent_and_the_motion_is_the_same(assembled, monkeypatch):
+    carried = falling()
+    iterations = sum(record.iterations for record in carried.steps())
+    few = assembled.copy()
+    without(monkeypatch)
+    fresh = falling()
+    each = sum(record.iterations for record in fresh.steps())
+    assert 3 * len(few) < 1.2 * (len(assembled) - len(few)) and iterations <= each + 3
+    sunk = fresh.initial_position - fresh.state.points.position
+    error = np.abs(carried.state.points.position - fresh.state.points.position).max()
+    assert error < 2 * fresh.scene.solver.tolerance * np.abs(sunk).max()
+
+
+@pytest.mark.parametrize("checkpoint, due", [(5, (1, 6, 11)), (4, (1, 5, 9, 13)), (0, (1, 11))])
+def test_a_tangent_is_assembled_after_each_checkpoint_that_is_due(assembled, checkpoint, due):
+    list(falling(checkpoint).steps())
+    assert set(due) <= set(assembled) and len(set(assembled)) < STEPS
+
+
+@pytest.mark.parametrize("stopped, exact", [(5, True), (7, False)])
+def test_a_run_goes_on_to_the_last_bit_from_a_checkpoint_that_is_due(stopped, exact):
+    whole, first, rest = falling(), falling(), falling()
+    list(whole.steps())
+    for record in first.steps():
+        if record.step == stopped:
+            break
+    rest.resume(first.state, first.increment, first.shorten, first.solver_memory)
+    list(rest.steps())
+    one, other = whole.state.points.position, rest.state.points.position
+    assert (one == other).all() == exact
+    np.testing.assert_allclose(one, other, rtol=0, atol=1e-6)
+
+
+def test_another_stage_begins_with_a_tangent_of_its_own(assembled):
+    list(falling(stages=(Stage("fall", 2), Stage("damp", 2, beta=0.5, gamma=0.9))).steps())
+    assert 3 in assembled
+
+
+def test_an_update_that_leads_astray_is_not_taken(monkeypatch):
+    """Here a carried tangent has a thousandth of its stiffness: the first update is a thousand times too long."""
+    fresh = falling()
+    list(fresh.steps())
+    begin = Systems.get
+    spoilt = []
+
+    def softened(systems, *given):
+        pattern, system = begin(systems, *given)
+        if systems.carried._length is not None:
+            system.values *= 1e-3
+            system.factor()
+            spoilt.append(True)
+        return pattern, system
+
+    monkeypatch.setattr(Systems, "get", softened)
+    simulation = falling()
+    records = list(simulation.steps())
+    assert len(spoilt) >= 2 and not any(record.rejections for record in records)
+    np.testing.assert_allclose(simulation.state.points.position, fresh.state.points.position, rtol=0, atol=1e-6)
+    monkeypatch.setattr("hybrid.step.iteration.SLOW", np.inf)      # and would lead far away
+    assert sum(r.iterations for r in falling().steps()) > 1.3 * sum(r.iterations for r in records)
+
+
+def test_a_tangent_is_carried_until_two_have_failed():
+    carried = CarriedTangent()
+    assert not carried.take(0.1)
+    carried.keep(0.1, True, False)
+    assert not carried.take(0.05) and not carried.take(0.1)     # of another length, and then dropped
+    carried.keep(0.1, True, False)
+    assert carried.take(0.1 * (1 + 1e-12))
+    carried.keep(0.1, False, False)
+    assert not carried.take(0.1)
+    carried.keep(0.1, True, True)
+    assert carried.take(0.1)
+    carried.keep(0.1, True, True)
+    assert not carried.take(0.1)
+    assert hybrid.simulation.AFRESH == 10
