@@ -49,7 +49,7 @@ from hybrid.step.energy import energies
 from hybrid.step.equations import begin
 from hybrid.step.workspace import Workspace
 
-ITERATIONS = {"held": (2, 2), "elastic": (3, 1), "plastic": (6, 4)}    # (n, m) by soil
+ITERATIONS = {"held": (2, 2), "elastic": (3, 0.5), "plastic": (6, 4)}      # (n, m) by soil
 PARTS = ("begin", "evaluation", "tangent", "solution", "end")
 DRAWN = 1e-3    # of the soil's size
 LOWERED = 0.05  # of the smallest cell

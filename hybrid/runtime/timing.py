@@ -4,6 +4,7 @@ import time
 from collections import defaultdict
 from contextlib import contextmanager
 
+PHASES = ("transfer", "contact search", "soil", "contact", "assemble", "factor", "solve", "update", "energy")    # of a step
 seconds = defaultdict(float)
 
 

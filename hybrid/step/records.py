@@ -18,7 +18,7 @@ def step_record(stage, state, report, energies, copies, notes):
         step=state.step, stage=stage[0], stage_step=stage[1], time=state.time, dt=report.dt,
         increments=report.increments, iterations=report.iterations, rejections=report.rejections,
         residual=evaluation.error, contacts=int(comm.total([len(terms.contact) for terms in evaluation.bodies])),
-        seconds=timing.collect(), energies=energies,
+        seconds=dict.fromkeys(timing.PHASES, 0.0) | timing.collect(), energies=energies,
         bodies=[body_record(terms, state, evaluation.joints) for terms in evaluation.bodies],
         joints=joint_records(evaluation), pairs=pair_records(evaluation), time_error=report.error,
         krylov=report.krylov, judged=report.judged, copies=copies, notes=notes)

@@ -48,7 +48,7 @@ def test_springs_in_series(penalty):
     found, (force, height) = press(penalty), in_series(penalty)
     assert found.force == pytest.approx(force, rel=5e-4)
     assert found.height == pytest.approx(height, rel=5e-4)
-    assert set(found.iterations) <= {3, 4}
+    assert set(found.iterations) <= {3, 4, 5}
 
 
 def test_published():

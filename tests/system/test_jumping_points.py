@@ -8,6 +8,7 @@ import pytest
 
 from hybrid.body.surface import build_surface
 from hybrid.contact import held_facets, soil_to_body
+from hybrid.linalg.system_cache import CarriedTangent
 from hybrid.runtime.data import DEMOS
 from hybrid.runtime.errors import StepError
 from hybrid.scene import Solver
@@ -74,7 +75,8 @@ def test_jumps_that_smoothing_takes_back_count(monkeypatch):
 
     model = SimpleNamespace(soil=SimpleNamespace(law=SimpleNamespace(plastic=True)), scheme=SimpleNamespace(inertia=True))
     system = SimpleNamespace(solve=lambda *system: (None, None, 1), soil_unknowns=1)
-    step = SimpleNamespace(model=model, system=system, contact_stiffness_ratio=lambda: 0.0, assemble=lambda *tangent: None)
+    step = SimpleNamespace(model=model, system=system, contact_stiffness_ratio=lambda: 0.0, assemble=lambda *tangent: None,
+                           carried=CarriedTangent(), dt=0.1)
     monkeypatch.setattr(sticking, "turned_round", lambda *evaluations: None)
     monkeypatch.setattr(sticking, "drifting", lambda *evaluations: None)
     monkeypatch.setattr(held_facets, "switched", lambda before, after, surface: before != after)

@@ -11,6 +11,7 @@ from scipy.special import ellipk
 
 from hybrid.contact import held_facets
 from hybrid.contact.assembly import Tangent
+from hybrid.linalg.system_cache import CarriedTangent
 from hybrid.runtime.data import DEMOS
 from hybrid.runtime.errors import StepError
 from hybrid.scene import Axis, Faces, Grid, Load, Material, Scene, Soil, Solver, Stage, Time
@@ -146,7 +147,7 @@ def test_updates_that_go_astray_are_not_followed(monkeypatch):
         model=SimpleNamespace(soil=SimpleNamespace(law=SimpleNamespace(plastic=True)), scheme=SimpleNamespace(inertia=True)),
         contact_stiffness_ratio=lambda: 0.0,
         system=SimpleNamespace(solve=lambda *system: (None, None, 1), soil_unknowns=1),
-        assemble=lambda evaluation, kind: tangents.append(kind))
+        assemble=lambda evaluation, kind: tangents.append(kind), carried=CarriedTangent(), dt=0.1)
     monkeypatch.setattr(sticking, "turned_round", lambda *evaluations: None)
     monkeypatch.setattr(sticking, "drifting", lambda *evaluations: None)
     monkeypatch.setattr(held_facets, "switched", lambda *contacts: False)

@@ -59,7 +59,7 @@ def thrown_at_wall(geometry, cell):
     simulation = build(soil_scene(
         [wall], x=(-0.2, 1.2), y=across, z=across, size=cell, faces=FREE, top=0.05, lower=(0.0, -0.05, -0.05),
         upper=(1.0, 0.05, 0.05), young=YOUNG, steps=int(2.8 / WAVE / step), time=Time(step=step, scheme="newmark"),
-        ghost=0.0))
+        ghost=0.0, solver=Solver(linear="direct", tolerance=1e-9)))
     assert simulation.sheet()["modelled"]["body unknowns"] == 0
     points, mass = simulation.state.points, simulation.model.soil.constants.mass
     points.velocity[:, 0] = -SPEED

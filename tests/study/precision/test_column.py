@@ -44,12 +44,12 @@ def test_labels_and_values():
 
 def test_the_peer_agrees(recorded):
     """Two programs, one discretisation without ghost penalty: errors the same within a hundredth. Theirs ends with a
-    residual of 1e-6, ours with 1e-4 by default, for two thirds of the iterations."""
+    residual of 1e-6, ours with 1e-4 by default, for seven tenths of the iterations."""
     theirs = {r.setting: r for r in column.peers() if r.curve == "AMPLE, GIMP"}
     for ours in recorded(column, PUBLISHED):
         setting = ours.setting
         assert ours.errors["stress"] == pytest.approx(theirs[setting].errors["stress"], rel=0.01)
-        assert ours.newton == pytest.approx(0.65 * theirs[setting].newton, rel=0.1)
+        assert ours.newton == pytest.approx(0.7 * theirs[setting].newton, rel=0.1)
         assert theirs[setting].unknowns == 2 * ours.unknowns and theirs[setting].source
 
 
