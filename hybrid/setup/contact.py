@@ -65,7 +65,9 @@ def connect_to_soil(described, body, rotation, soil, gravity, cone):
         edges = find_edges(body.surface, soil.grid.smallest_cell, rotation[soil.grid.collapsed])
         body = replace(body, surface=round_off(body.surface, edges),
                        narrowest=narrowest_face(edges, soil.grid.smallest_cell))
-    body = replace(body, places=chosen, penalty=_penalty(described, body, rotation, soil, spacing, radius, gravity))
+    moves = described.pull or any(described.velocity or ())
+    body = replace(body, borne=not (soil.held or moves) and _bears(body, rotation, soil, gravity))
+    body = replace(body, places=chosen, penalty=_penalty(described, body, soil, spacing, radius, gravity))
     if interface and not chosen.at_corners:
         interface = replace(interface, sharp=None if body.surface is sharp else sharp, cover=_cover(sharp, soil, rotation))
     body = replace(body, friction=friction_of(described, mixed), interface=interface)
@@ -126,14 +128,14 @@ def _blocks(wanted):
     return int(places.BLOCK * np.ceil(np.clip(wanted * (1.0 + ROUND_OFF), FEWEST, MOST) / places.BLOCK))
 
 
-def _penalty(described, body, rotation, soil, spacing, radius, gravity):
+def _penalty(described, body, soil, spacing, radius, gravity):
     """p_f [1/m], or on held soil p_f E [N/m³]."""
     young, factor = largest(soil.law.young), largest(soil.law.young) if soil.held else 1.0
     if described.penalty is not None:
         return described.penalty * factor
     if described.contact == "corners":
         return PUBLISHED * factor
-    stiff = _stiffness(described, body, rotation, soil, radius, gravity) / soil.grid.smallest_cell
+    stiff = _stiffness(described, body, soil, radius, gravity) / soil.grid.smallest_cell
     weight = copies(body.mirrors) * body.mass.mass * np.linalg.norm(gravity)
     rests = _rests(body, soil, radius, gravity)
     if weight == 0.0 or not (soil.held or rests):
@@ -146,10 +148,9 @@ def _penalty(described, body, rotation, soil, spacing, radius, gravity):
     return felt if soil.held else min(stiff, felt / young)
 
 
-def _stiffness(described, body, rotation, soil, radius, gravity):
+def _stiffness(described, body, soil, radius, gravity):
     """p_f h of a body on soil that deforms, which it shears where it is driven in two ways, or in one under a load."""
-    moves = described.pull or any(described.velocity or ())
-    if soil.law.plastic and not moves and _bears(body, rotation, soil, gravity):
+    if body.borne:
         return STIFFNESS[False]
     if soil.law.plastic or np.isfinite(radius) or not body.driven.any():
         return STIFFNESS[soil.law.plastic]

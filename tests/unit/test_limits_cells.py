@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from hybrid.monitors.limits import cells
+from hybrid.monitors.limits import cells, ground_cells
 from hybrid.scene import Axis, Faces, Grid, Joint, Load, Motion, Soil
 from hybrid.setup.build import build
 from hybrid.study.random import afresh
@@ -49,6 +49,28 @@ def test_a_plate_attached_to_clay_on_few_cells(across, count):
 def test_the_law_of_round_plates_is_what_was_measured(across, found):
     """In space, 0.2 diameters thick; 13.2 is what both extrapolate to, 13.11 that of a thin rough one."""
     assert found / 13.2 == pytest.approx((1 + cells.ROUND / across) ** 2, abs=0.02)
+
+
+@pytest.mark.parametrize("across, shallow, deep", [(4, 7.56, 9.26), (6, 6.96, 8.39), (8, 6.79, 8.28)])
+def test_the_law_of_round_bases_is_what_was_measured(across, shallow, deep):
+    """Smooth discs pressed 0.1 and 0.3 diameters into clay, over what 4 and 8 cells extrapolate to."""
+    for found, exact in ((shallow, 6.02), (deep, 7.3)):
+        assert found / exact == pytest.approx((1 + cells.ROUND_BASE / across) ** 2, abs=0.04)
+
+
+def test_a_disc_pressed_into_clay_on_few_cells():
+    """Square ones are told by their edges and depth; a disc that is lifted parts from the clay."""
+    def pressed(speed, size=0.5):
+        side = Axis(start=0.0, end=4.0, size=size)
+        disc = body("cylinder.geo", {"radius": 1.0, "height": 0.5, "size": 0.3}, rest_on=0.0, **PUSHED | {
+            "velocity": (0.0, 0.0, speed)})
+        grid = Grid(side, side, Axis(start=-4.0, end=1.0, size=size), Faces(z_min="fixed"))
+        soil = Soil(clay.clay(1e4), top=0.0, geostatic=False)
+        return texts(cells.few_cells, scene("disc", grid, soil, [disc], clay.Time(1.0, inertia=False), 20, WEIGHTLESS))
+
+    text, = pressed(-0.01)
+    assert "is 4 cells wide" in text and "about" not in text and "up to 27% too high" in text and "Use smaller cells" in text
+    assert not pressed(-0.01, 0.125) and not pressed(0.01)
 
 
 def buried(kind="cylinder.geo", values=(("radius", 1.0), ("height", 0.4), ("size", 0.5)), top="fixed"):
@@ -252,10 +274,21 @@ def test_a_pile_deep_in_clay_that_is_pushed_sideways(z, count):
     assert len(texts(cells.flow_around, described)) == count
 
 
+@pytest.mark.parametrize("length, count", [(1.2, 0), (0.6, 1)])
+def test_a_bar_deep_in_clay_that_is_pulled_down(length, count):
+    """Clay flows around a long one in its sections."""
+    side = Axis(start=0.0, end=1.6, size=0.2)
+    bar = body("cylinder.geo", {"radius": 0.15, "height": length, "size": 0.15}, position=(0.8, 0.8, -0.4),
+               rotation=(1.0, 0.0, 0.0, 90.0), driven=("z",), held=("x", "y", "rx", "ry", "rz"), velocity=(0.0, 0.0, -0.8))
+    described = scene("bar", Grid(side, side, Axis(start=-2.4, end=0.4, size=0.2)), Soil(clay.clay(1e4), top=0.0),
+                      [bar], clay.Time(1.0, inertia=False), 1)
+    assert len(texts(cells.flow_around, described)) == count
+
+
 @pytest.mark.parametrize("across, found", [(8, 1.13), (16, 1.07), (32, 1.05)])
 def test_the_law_of_upright_cuts_is_what_was_measured(across, found):
     """Share of gravity at which a cut 4 m high fails over that of γ H/s_u = 3.78 (limit analysis)."""
-    assert found == pytest.approx(1 + cells.CUT / across, abs=0.02)
+    assert found == pytest.approx(1 + ground_cells.CUT / across, abs=0.02)
 
 
 @pytest.mark.parametrize("size, ground, law, count", [
@@ -267,8 +300,8 @@ def test_an_upright_cut_in_clay(size, ground, law, count):
     material = material if law == "von-mises" else replace(material, law=law, strength=None)
     grid = Grid(Axis(start=-4.0, end=4.0, size=size), Axis(start=0.0, end=1.0, collapsed=True),
                 Axis(start=-6.0, end=0.5, size=size), Faces(z_min="fixed"))
-    warnings = texts(cells.upright_cut, scene("cut", grid, Soil(material, top=0.0, ground=ground, geostatic=False), [],
-                                              clay.Time(1.0, inertia=False), 9))
+    soil = Soil(material, top=0.0, ground=ground, geostatic=False)
+    warnings = texts(ground_cells.upright_cut, scene("cut", grid, soil, [], clay.Time(1.0, inertia=False), 9))
     assert len(warnings) == count
     assert all("4 m high, 8 cells of 0.5 m" in text and "about 13% too high" in text and "at most 0.38 m" in text
                for text in warnings)
@@ -278,7 +311,7 @@ def test_an_upright_cut_in_clay(size, ground, law, count):
     (20, 12, 0.16, 0.20), (20, 24, 0.12, 0.14), (30, 12, 0.36, 0.40), (30, 24, 0.18, 0.22)])
 def test_the_law_of_cuts_in_soil_that_dilates_is_within_six_per_cent_of_what_was_measured(angle, across, low, high):
     """ψ = φ, over 3.83 c/γ tan(45° + φ/2); it flows from the lower share on and is lost from the higher one."""
-    assert low - 0.06 < (cells.CUT + cells.DILATING * angle) / across < high + 0.06
+    assert low - 0.06 < (ground_cells.CUT + ground_cells.DILATING * angle) / across < high + 0.06
 
 
 @pytest.mark.parametrize("dilation, percent", [(20.0, "38%"), (0.0, "13%")])
@@ -288,7 +321,7 @@ def test_an_upright_cut_in_soil_with_friction(dilation, percent):
     grid = Grid(Axis(start=-4.0, end=4.0, size=0.5), Axis(start=0.0, end=1.0, collapsed=True),
                 Axis(start=-6.0, end=0.5, size=0.5), Faces(z_min="fixed"))
     soil = Soil(material, top=0.0, ground=((0.0, 0.0), (0.001, -4.0)), geostatic=False)
-    text, = texts(cells.upright_cut, scene("cut", grid, soil, [], clay.Time(1.0, inertia=False), 9))
+    text, = texts(ground_cells.upright_cut, scene("cut", grid, soil, [], clay.Time(1.0, inertia=False), 9))
     assert f"in soil with friction: the weight under which it stands is about {percent} too high" in text
 
 
@@ -297,7 +330,7 @@ def test_an_upright_cut_in_soil_with_friction(dilation, percent):
     (30, 16, 0.36, 0.36)])
 def test_the_law_of_slopes_in_soil_that_dilates_is_within_six_per_cent_of_what_was_measured(angle, across, low, high):
     """ψ = φ, over Chen's numbers of stability (1975) for 45 and 60°."""
-    number = max(cells.SLOPE, cells.SLOPE_DILATING * angle**2)
+    number = max(ground_cells.SLOPE, ground_cells.SLOPE_DILATING * angle**2)
     assert low - 0.06 < number / across < high + 0.06
 
 
@@ -312,7 +345,7 @@ def test_a_slope_in_soil_with_friction(run, dilation, cohesion, size, percent):
                 Axis(start=-6.0, end=0.5, size=size), Faces(z_min="fixed"))
     soil = Soil(material, top=0.0, geostatic=False,
                 ground=((0.0, 0.0), (run, -4.0)) if run > 0.0 else ((-10.0, -4.0), (-6.0, 0.0), (30.0, 0.0)))
-    found = texts(cells.frictional_slope, scene("slope", grid, soil, [], clay.Time(1.0, inertia=False), 9))
+    found = texts(ground_cells.frictional_slope, scene("slope", grid, soil, [], clay.Time(1.0, inertia=False), 9))
     assert len(found) == bool(percent)
     assert all(re.search(f"is about {percent} too high, limit 10%", text) for text in found)
 

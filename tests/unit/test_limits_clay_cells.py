@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hybrid.monitors.limits import clay_cells
-from hybrid.scene import Axis, Faces, Grid, Layer, Material, Soil, Time
+from hybrid.scene import Axis, Faces, Grid, Layer, Load, Material, Soil, Stage, Time
 from hybrid.setup.build import build
 from hybrid.study import plasticity
 from hybrid.study.random.fresh.problem import body, scene, slice_
@@ -145,8 +145,9 @@ def test_a_cylinder_that_clay_stays_attached_to_is_judged_by_its_own_law():
     for adhesion, measured in ((0.0, {4: 0.5, 5: 0.34, 8: 0.15}), (1.0, {4: 0.25, 5: 0.14, 8: 0.06}),
                                (0.5, {5: 0.23, 10: 0.05})):
         pipe = SimpleNamespace(interface=SimpleNamespace(adhesion=adhesion, tension=np.inf))
+        clay = SimpleNamespace(law=SimpleNamespace(parameters=np.full((1, 5), 1e4)))
         for across, excess in measured.items():
-            assert clay_cells._around(pipe) / across**2 == pytest.approx(excess, abs=0.07)
+            assert clay_cells._around(pipe, clay) / across**2 == pytest.approx(excess, abs=0.07)
     buried = plasticity.buried(5, adhesion=1.0)
     simulation = build(replace(buried, bodies=(replace(buried.bodies[0], tension="full"),)))
     text, = clay_cells.flow_around(simulation.scene, simulation.model)
@@ -160,14 +161,17 @@ def test_the_law_of_plates_lifted_out_of_clay_is_what_was_measured(number, cells
     assert found == pytest.approx(1 + number / cells, abs=0.12 if cells == 3 else 0.04)
 
 
-def lifted(depth=0.75, half=1.0, speed=0.01, gravity=0.0, strength=1e4, strength_gradient=0.0, **table):
+def lifted(depth=0.75, half=1.0, speed=0.01, gravity=0.0, strength=1e4, strength_gradient=0.0, height=0.5, stages=None,
+           **table):
     """Warnings about a half of a strip under so much clay, on cells of 0.25 m."""
-    plate = body("box.geo", {"length": 2 * half, "width": 1.0, "height": 0.5, "size": 20.0},
-                 position=(0.0, 0.5, -depth - 0.25), driven=("z",), velocity=(0.0, 0.0, speed), **table)
+    moves = {"driven": ("z",), "velocity": (0.0, 0.0, speed)} | table
+    plate = body("box.geo", {"length": 2 * half, "width": 1.0, "height": height, "size": 20.0},
+                 position=(0.0, 0.5, -depth - 0.5 * height), **moves)
     grid = Grid(Axis(start=0.0, end=4.0, size=0.25), slice_(), Axis(start=-12.0, end=0.5, size=0.25), Faces(z_min="fixed"))
     clay = Soil(Material(law="von-mises", young=5e6, poisson=0.49, density=1600.0, strength=strength,
                          strength_gradient=strength_gradient), top=0.0, geostatic=False)
-    simulation = build(scene("plate", grid, clay, [plate], Time(1.0, inertia=False), 10, (0.0, 0.0, gravity)))
+    described = scene("plate", grid, clay, [plate], Time(1.0, inertia=False), 10, (0.0, 0.0, gravity))
+    simulation = build(replace(described, stages=stages or described.stages))
     return list(clay_cells.lifted_plates(simulation.scene, simulation.model))
 
 
@@ -180,6 +184,16 @@ def test_a_plate_lifted_out_of_clay_on_few_cells():
     assert "about 53%" in lifted(strength=5e3, strength_gradient=1e3)[0] and lifted(strength=0.0, strength_gradient=1e3)
     assert not lifted(-0.25)    # on the ground
     assert not lifted(6.5) and not lifted(speed=-0.01) and not lifted(adhesion=1.0, tension="full")
+    assert not lifted(tension=1e6) and lifted(tension=1e5)      # one that clay of s_u = 10 kPa never reaches
+    assert not lifted(height=0.25) and lifted(height=0.3)       # soil on both sides of it shares nodes, which is told
+
+
+@pytest.mark.parametrize("force, told", [(0.9, False), (1.2, True)])
+def test_a_force_below_its_weight_lifts_no_plate(force, told):
+    """Half of a plate of 2 x 1 x 0.5 m of steel."""
+    load = Stage("lift", 1, loads=(Load(force=(0.0, 0.0, force * 7850 * 0.5 * 9.81)),))
+    free = {"driven": (), "velocity": (0.0, 0.0, 0.0), "held": ("x", "ry"), "density": 7850.0}
+    assert bool(lifted(gravity=-9.81, stages=(load,), **free)) == told
 
 
 def balls(cells, depth=3.0, velocity=(0.0, 0.0, -0.01), **shape):

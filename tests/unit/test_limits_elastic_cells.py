@@ -71,13 +71,17 @@ def test_the_law_of_soft_springs_is_what_was_measured(plane_strain, tilted, foun
         assert elastic_cells.SOFT[plane_strain][tilted] / across == pytest.approx(excess, abs=0.05)
 
 
-def pads(depth=0.0, force=0.0, arm=0.0, size=0.25, law="von-mises", **table):
-    """Notes about a square pad of 2 m on soil with 6 s_u B/E = 24 mm, driven by a `depth` [m] or with a `force` [N]."""
+def pads(depth=0.0, force=0.0, arm=0.0, size=0.25, law="von-mises", kind="box.geo", **table):
+    """Notes about a square or round pad of 2 m on soil with 6 s_u B/E = 24 mm, driven by a `depth` [m] or with a `force`
+    [N]."""
     side = Axis(start=-3.0, end=3.0, size=size)
     given = {"strength": 10e3} if law == "von-mises" else {"friction_angle": 30.0, "dilation_angle": 0.0, "cohesion": 5e3}
     soil = Soil(Material(law=law, young=5e6, poisson=0.45, density=1700.0, **given), top=0.0, geostatic=False)
     how = {"velocity": (0.0, 0.0, -depth)} | PUSHED if depth else {"held": ("x", "y", "rx", "rz")}
-    pad = body("box.geo", {"length": 2.0, "width": 2.0, "height": 0.5, "size": 5.0}, **{"rest_on": 0.0} | how | table)
+    shape = {"length": 2.0, "width": 2.0, "height": 0.5, "size": 5.0}
+    if kind == "cylinder.geo":
+        shape = {"radius": 1.0, "height": 0.5, "size": 0.3}
+    pad = body(kind, shape, **{"rest_on": 0.0} | how | table)
     load = Load(force=(0.0, 0.0, -force), point=(arm, 0.0, 0.0))
     described = scene("pad", Grid(side, side, Axis(start=-3.0, end=0.5, size=size), Faces(z_min="fixed")), soil, [pad],
                       Time(1.0, inertia=False), 1, WEIGHTLESS)
@@ -92,6 +96,9 @@ def test_a_base_that_soft_springs_let_settle_too_much():
     assert "8 cells of 0.25 m wide" in text and "settles by about 14% too much" in text and "penalty = 2000," in text
     loaded = {"force": 50e3, "law": "mohr-coulomb"}
     assert "settles by about 14%" in pads(**loaded)[0] and "tilts by about 32%" in pads(**loaded, arm=0.5)[0]
+    assert not pads(depth=0.01, kind="cylinder.geo")    # 8 %
+    assert "settles by about 17%" in pads(depth=0.01, kind="cylinder.geo", size=0.5)[0]
+    assert "tilts by about 65%" in pads(**loaded, arm=0.5, kind="cylinder.geo", size=0.5)[0]
     assert not pads(force=50e3) and not pads(force=150e3) and not pads(depth=0.05)     # clay that bears it; that flows
     assert not pads(depth=0.01, position=(0.0, 0.0, 0.3), rest_on=None)     # it does not reach the ground
     assert not pads(depth=0.01, law="mohr-coulomb") and not pads(depth=0.01, penalty=2e3) and not pads(depth=-0.01)

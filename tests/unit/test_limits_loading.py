@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from hybrid.monitors.limits import cells, sand_cells
-from hybrid.monitors.limits.loading import sides, travels_of
+from hybrid.monitors.limits.loading import law_at, sides, stays_attached, travels_of
 from hybrid.runtime.data import GEOMETRY
-from hybrid.scene import Axis, Body, Faces, Grid, Material, Motion, Scene, Soil, Stage, Time
+from hybrid.scene import Axis, Body, Faces, Grid, Layer, Load, Material, Motion, Scene, Soil, Stage, Time
 from hybrid.setup.build import build
 
 SAND = Material(young=5e7, poisson=0.3, density=1700.0, friction_angle=30.0, dilation_angle=0.0, cohesion=0.0)
@@ -85,3 +85,29 @@ def test_notes_about_several_travels_of_a_body_name_them():
                       tension="full")
     up, aside = messages(cells.few_cells, scene)
     assert up.startswith("strip, moved up, stays attached") and aside.startswith("strip, moved along x, stays attached")
+
+
+@pytest.mark.parametrize("stages", [
+    (Stage("both", 10, loads=(Load(force=(0.0, 0.0, -3e4), moment=(0.0, 6e3, 0.0)),)),),
+    (Stage("first", 10, loads=(Load(force=(0.0, 0.0, -3e4)),)),
+     Stage("then", 10, loads=(Load(force=(0.0, 0.0, -3e4), moment=(0.0, 6e3, 0.0)),)))])
+def test_a_moment_counts_that_comes_after_the_force(stages):
+    scene = described(*stages, material=CLAY, rest_on=0.0)
+    strip = replace(scene.bodies[0], driven=(), position=(0.0, 0.5, 0.5), held=("x",))
+    text, = messages(cells.few_cells, replace(scene, bodies=(strip,)))
+    assert "0.1 of its width beside its middle" in text
+
+
+@pytest.mark.parametrize("height, law", [(1.0, "mohr-coulomb"), (-0.5, "mohr-coulomb"), (-2.0, "von-mises")])
+def test_soil_above_the_top_is_that_of_the_top(height, law):
+    scene = described(material=CLAY)
+    sand = Layer("sand", bottom=-1.0, law="mohr-coulomb",
+                 material={"friction_angle": 30.0, "dilation_angle": 0.0, "cohesion": 0.0})
+    scene = replace(scene, soil=replace(scene.soil, layers=(sand,)))
+    assert law_at(scene, build(described(material=CLAY)).model.soil, height) == law
+
+
+@pytest.mark.parametrize("tension, stays", [(None, False), (1e5, False), (1e6, True), ("full", True)])
+def test_clay_stays_on_a_body_whose_tension_it_never_reaches(tension, stays):
+    model = build(described(material=CLAY, tension=tension)).model
+    assert stays_attached(model.bodies[0], model.soil) == stays

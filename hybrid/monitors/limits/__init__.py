@@ -1,20 +1,20 @@
 """Limits of the methods: `hybrid check`, and the first step of a run, warn of a scene that exceeds one.
 
 Each limit is a generator of texts (none or one, or one for each body) over (scene, model). The failure study
-(`hybrid.study.failure`), or problems set up afresh (`cells`, `clay_cells`, `sand_cells`, `footing_cells`, `elastic_cells`,
-`turning`), measure what happens beyond its number, and tests hold the two together. A text names the value, the limit and
-the remedy, and one about a body begins with its name, by which `unjudged` knows what has been said. Numbers that are
-merely unlikely come first (`hybrid.scene.check_sense`, `place`).
+(`hybrid.study.failure`), or problems set up afresh (`cells`, `clay_cells`, `sand_cells`, `footing_cells`,
+`ground_cells`, `elastic_cells`, `turning`), measure what happens beyond its number, and tests hold the two together. A
+text names the value, the limit and the remedy, and one about a body begins with its name, by which `unjudged` knows
+what has been said. Numbers that are merely unlikely come first (`hybrid.scene.check_sense`, `place`).
 """
 
-from hybrid.monitors.limits import (base, cells, clay_cells, contact, elastic_cells, footing_cells, guided, layers,
-                                    margins, place, rolling, sand_cells, shear_gap, soil, stages, stepping, turning,
-                                    unsupported)
+from hybrid.monitors.limits import (base, cells, clay_cells, contact, elastic_cells, footing_cells, ground_cells,
+                                    guided, layers, margins, place, rolling, sand_cells, shear_gap, soil, stages,
+                                    stepping, turning, unsupported)
 from hybrid.monitors.limits.unjudged import unjudged
 from hybrid.scene.check_sense import sense_notes
 
 MODULES = (place, unsupported, soil, layers, contact, base, rolling, cells, clay_cells, sand_cells, footing_cells,
-           elastic_cells, turning, guided, margins, shear_gap, stages, stepping)
+           ground_cells, elastic_cells, turning, guided, margins, shear_gap, stages, stepping)
 LIMITS = tuple(limit for module in MODULES for limit in module.LIMITS)
 
 

@@ -29,7 +29,7 @@ import numpy as np
 from hybrid.body.symmetry import copies
 from hybrid.monitors.limits.sand_cells import PASSIVE, Wedge, beside, depths, free_walls, pushed
 from hybrid.monitors.limits.loading import (CLAY, EXCESS, ON_LINE, STEEP, driven, facing, law_at, loaded, material_at,
-                                         narrowest, outline, sides, top_of)
+                                         narrowest, outline, sides, stays_attached, top_of)
 from hybrid.runtime.comm import anywhere, total
 
 LOWER = 1.4         # cells that the wedge is lower than the wall
@@ -44,6 +44,7 @@ PENETRATED, RESOLVED = 0.55, 4.0    # 1.05, 0.95, 0.55, 0.2, 0.05 with 2, 2.5, 3
 SHAFT, DEEP = 1.5, 1.0      # widths: length of a body, and depth of its tip in the end, from which on a shaft follows it
 BEARING = 10.0      # of s_u, what stops a body that falls into clay
 PRISM, OFF_LINES = 1.6, 1.2     # of h/H, by whether an edge is on a line of the grid
+SHARED = 1.05       # cells: soil on both sides of a thinner plate shares nodes
 FLOWS = 3.0         # widths: around a plate so far under the ground clay flows
 COVERED = 1.0       # widths of clay above a body that all of the clay flows around
 SHORT = 0.05        # of its length: a strip that slides by 0.04 bears α s_u B to 5 %, on 10 and 20 cells, α = 1 and 0.5
@@ -74,11 +75,13 @@ def clay_walls(scene, model):
 
 def attached_slides(scene, model):
     """Bodies driven along the top of clay that never breaks away from them."""
+    soil = model.soil
     for body, travel, place, _ in driven(scene, model):
         across, bottom = np.ptp(place @ travel) / np.linalg.norm(travel), place[:, 2].min()
-        along = abs(travel[2]) < ALONG * np.linalg.norm(travel) and bottom > top_of(model.soil) - SUNK * across
+        along = abs(travel[2]) < ALONG * np.linalg.norm(travel) and bottom > top_of(soil) - SUNK * across
         along &= np.linalg.norm(travel) > SHORT * across
-        if _attached(body) and along and law_at(scene, model.soil, bottom - 0.5 * model.soil.grid.smallest_cell) == CLAY:
+        law = law_at(scene, soil, bottom - 0.5 * soil.grid.smallest_cell)
+        if stays_attached(body, soil) and along and law == CLAY:
             yield (f'{body.name} is driven along the top of clay by {np.linalg.norm(travel) / across:.2g} of its length, '
                    f'limit {SHORT:g}, with body.tension = "full": what its rear edge leaves stays on it and holds it back, '
                    "a strip on 10 and 20 cells by up to 14 and 26 % of α s_u B with α = 1, by 33 and 45 % with 0.5, after "
@@ -93,27 +96,22 @@ def flow_around(scene, model):
         return
     for body, travel, place, plane in driven(scene, model):
         width = narrowest(soil.grid, place, travel)
-        above = top_of(soil) - place[:, 2].max()
+        above = np.inf if soil.grid.collapsed[2] else top_of(soil) - place[:, 2].max()
         if plane or not width or above < COVERED * width or facing(body, place, travel) is not None or law_at(
                 scene, soil, place[:, 2].mean()) != CLAY:
             continue
-        factor, cells = _around(body), width / soil.grid.smallest_cell
+        factor, cells = _around(body, soil), width / soil.grid.smallest_cell
         if factor / cells**2 > EXCESS:
             yield (f"{body.name} is round and {cells:.2g} cells of {soil.grid.smallest_cell:.3g} m wide, deep in the clay "
                    f"that it moves through: its load is about {factor / cells**2:.0%} too high, limit {EXCESS:.0%}. Use "
                    f"cells of at most {width * np.sqrt(EXCESS / factor):.2g} m")
 
 
-def _around(body):
+def _around(body, soil):
     """Excess of the load on a round body times the square of the number of cells across it."""
     if body.interface is None:
         return AROUND
-    return STUCK - BY_ADHESION * min(body.interface.adhesion or 0.0, 1.0) if _attached(body) else ROUGH
-
-
-def _attached(body):
-    """Whether clay never breaks away from a body."""
-    return body.interface is not None and np.isinf(body.interface.tension)
+    return STUCK - BY_ADHESION * min(body.interface.adhesion or 0.0, 1.0) if stays_attached(body, soil) else ROUGH
 
 
 def lifted_plates(scene, model):
@@ -123,12 +121,14 @@ def lifted_plates(scene, model):
     if soil.held or soil.grid.collapsed.sum() > 1 or soil.grid.collapsed[2]:
         return
     cell, started = soil.grid.smallest_cell, {}
-    for body, travel, place, plane in [*driven(scene, model), *(found[:4] for found in loaded(scene, model))]:
+    raised = [found[:4] for found in loaded(scene, model) if found[1][2] > -scene.gravity[2] * found[0].mass.mass]
+    for body, travel, place, plane in [*driven(scene, model), *raised]:
         across, depth = list(sides(soil.grid, place, up)), top_of(soil) - place[:, 2].max()
         if started.setdefault(body.name, depth) <= 0.0:     # what it has been pressed into before is an open hole
             continue
         material = material_at(scene, soil, top_of(soil) - 0.5 * depth)
-        parts = plane and travel[2] > 0.0 and not _attached(body) and material.law == CLAY
+        parts = plane and travel[2] > 0.0 and not stays_attached(body, soil) and material.law == CLAY
+        parts &= np.ptp(place[:, 2]) > SHARED * cell        # what does not is told by `contact.thin_wall`
         if not parts or not across or not cell < depth < FLOWS * min(side.width for side in across):
             continue
         # s_u H on the sides over γ H on the area, both for a height of one
@@ -159,7 +159,7 @@ def balls(scene, model):
         if not known or above < COVERED * width or facing(body, place, travel) is not None or law_at(
                 scene, soil, place[:, 2].mean() + min(travel[2], 0.0)) != CLAY:
             continue
-        factor, cells = BALL if _attached(body) else PARTED, width / soil.grid.smallest_cell
+        factor, cells = BALL if stays_attached(body, soil) else PARTED, width / soil.grid.smallest_cell
         if factor / cells > EXCESS:
             yield (f"{body.name} is round and {cells:.2g} cells of {soil.grid.smallest_cell:.3g} m wide, deep in the clay "
                    f"that it moves through: its load is about {factor / cells:.0%} too high, limit {EXCESS:.0%}. Use cells "

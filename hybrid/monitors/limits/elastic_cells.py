@@ -24,6 +24,8 @@ and 8 cells, of a square and a strip on clay, n cells in the width, far below wh
 | square, tilted     | 66 | 29 |    | 2.6/n  |
 | strip, pressed     |  8 |  4 |  2 | 0.35/n |
 | strip, tilted      | 37 | 22 | 15 | 1.6/n  |
+| disc, pressed      | 17 |  8 |    | 0.68/n |
+| disc, tilted       | 64 | 30 |    | 2.6/n  |
 
 Pressed with a third of what it can carry the square has 28 and 15 % too.
 """
@@ -31,14 +33,15 @@ Pressed with a third of what it can carry the square has 28 and 15 % too.
 import numpy as np
 
 from hybrid.body.symmetry import copies
-from hybrid.laws.von_mises import BEARING, USED
+from hybrid.laws.von_mises import BEARING
 from hybrid.monitors.limits.contact import travel_along
-from hybrid.monitors.limits.loading import (CLAY, EXCESS, driven, is_round, loaded, material_at, narrowest, outline, sides,
-                                            top_of)
+from hybrid.monitors.limits.loading import (CLAY, EXCESS, driven, is_round, leads, loaded, material_at, narrowest, outline,
+                                            sides, top_of)
 from hybrid.monitors.limits.rolling import contact_radius
 
 HIGHEST = ((0.75, 0.58), (1.06, 0.26), (1.3, 0.18), (1.6, 0.1))     # (a/h, excess [-] at the worst place in a cell)
 SOFT = {False: (1.15, 2.6), True: (0.35, 1.6)}  # pressed and tilted, in space and in plane strain
+ROUND = 0.68                    # pressed
 SOFTEST, STIFF = 40.0, 500.0        # p_f h: of stiffer ones nothing is said; of those that are right
 COARSE, RESOLVED = HIGHEST[0][0], HIGHEST[-1][0]                    # a/h
 
@@ -97,33 +100,33 @@ def soft_springs(scene, model):
     soil, down = model.soil, np.array([0.0, 0.0, -1.0])
     if soil.held or soil.grid.collapsed.sum() > 1 or soil.grid.collapsed[2]:
         return
-    pressed = [(body, -travel[2], None, place, plane, 0.0) for body, travel, place, plane in driven(scene, model)]
-    pressed += [(body, None, -copies(body.mirrors) * force[2], place, plane, arm)
-                for body, force, place, plane, _, arm in loaded(scene, model)]
-    for body, depth, force, place, plane, arm in pressed:
+    pressed = [(body, travel, -travel[2], place, plane, 0.0) for body, travel, place, plane in driven(scene, model)]
+    pressed += [(body, force, None, place, plane, arm) for body, force, place, plane, _, arm in loaded(scene, model)]
+    for body, travel, depth, place, plane, arm in pressed:
         cell, width, bottom = soil.grid.smallest_cell, narrowest(soil.grid, place, down), place[:, 2].min()
-        depth = None if depth is None else min(depth, top_of(soil) - bottom + depth)     # of that what is in the soil
-        stands = plane and width > 0.0 and bottom < top_of(soil) + cell and max(depth or 0.0, force or 0.0) > 0.0
+        stands = plane and width > 0.0 and bottom < top_of(soil) + cell and travel[2] < 0.0
+        if depth is not None:
+            depth = min(depth, top_of(soil) - bottom + depth)       # of that what is in the soil
+            stands &= depth > 0.0
         if not stands or body.places.at_corners or body.penalty * cell > SOFTEST:
             continue
-        area = np.prod([side.width for side in sides(soil.grid, place, down)])
-        area *= np.prod(np.ptp(soil.grid.extent, axis=1)[soil.grid.collapsed])
-        excess = SOFT[bool(soil.grid.collapsed.any())][int(arm > 0.0)] * cell / width
-        if excess > EXCESS and _little(material_at(scene, soil, bottom - 0.5 * cell), depth, force, width, area):
-            does = "tilts" if arm > 0.0 else "settles"
+        space, tilted = not soil.grid.collapsed.any(), arm > 0.0
+        disc = space and not any(leads(body, place, side.direction) for side in sides(soil.grid, place, down))
+        excess = (ROUND if disc and not tilted else SOFT[not space][int(tilted)]) * cell / width
+        if excess > EXCESS and _little(body, material_at(scene, soil, bottom - 0.5 * cell), depth, width):
+            does = "tilts" if tilted else "settles"
             yield (f"{body.name} is pressed on soil that can yield, on a base {width / cell:.2g} cells of {cell:.3g} m "
                    f"wide, with soft contact springs: as long as the soil hardly yields it {does} by about {excess:.0%} too "
                    f"much, limit {EXCESS:.0%}. Set body.penalty = {STIFF / cell:.4g}, which takes more iterations where the "
                    f"soil flows, or use cells of at most {EXCESS / excess * cell:.2g} m under it")
 
 
-def _little(material, depth, force, width, area):
-    """Whether a base of a `width` [m] and an `area` [m²] is driven by a `depth` [m], or pressed by a `force` [N], of which
-    soil carries most without yielding; None for the other one. Of sand only forces count."""
+def _little(body, material, depth, width):
+    """Whether a base of a `width` [m] is driven by a `depth` [m], or pressed by forces, None, of which soil carries most
+    without yielding. Of sand only forces count, whatever they are."""
     if material.law != CLAY:
         return depth is None
-    strength = BEARING * material.strength
-    return force < USED * strength * area if depth is None else depth < strength * width / (material.young or np.inf)
+    return body.borne if depth is None else depth < BEARING * material.strength * width / (material.young or np.inf)
 
 
 LIMITS = (unresolved_contact, soft_springs)

@@ -10,6 +10,7 @@ from scipy.sparse.csgraph import connected_components
 
 from hybrid.laws.sand import material_values
 from hybrid.monitors.limits.contact import initial_pose, initial_vertices, levelled, path_along, top_of
+from hybrid.runtime.comm import maximum
 from hybrid.scene.ground import heights
 from hybrid.scene.soil import NUMBERS, of_layer
 
@@ -23,6 +24,7 @@ ON_LINE = 0.15                  # cells between an edge and a line of the grid: 
 STEEP = 1.5                     # cells: a lower step of the ground is a slope
 ROUND = 1.25    # largest over smallest distance of a round body's surface from its middle
 SIDES = 12      # different normals of a round body
+UNBROKEN = 20.0                 # of s_u: a tension that clay, which bears 12 s_u around a body, never reaches
 CLAY, SAND = "von-mises", {"drucker-prager", "mohr-coulomb", "willam-warnke"}
 
 
@@ -107,6 +109,12 @@ def loaded(scene, model):
                arm if arm > ASIDE * np.ptp(place, axis=0).max() else 0.0)
 
 
+def stays_attached(body, soil):
+    """Whether clay never breaks away from a body."""
+    tension = body.interface.tension if body.interface is not None else 0.0
+    return tension > UNBROKEN * maximum(soil.law.parameters[:, 4], 0.0)
+
+
 def _largest_row(table):
     """Row (3,) of the values of a Table that has the largest norm."""
     return table.values[np.argmax(np.linalg.norm(table.values, axis=1))]
@@ -118,9 +126,9 @@ def _change(guide):
 
 
 def _largest_load(body, rotation):
-    """(force [N], moment [N m] about the centre) (3,) of the stage with the largest force on a body at a `rotation`
-    (3, 3), at the rows of its tables that are largest. A stage that drives points of it has the forces of 1 N along their
-    travels."""
+    """(force [N], moment [N m] about the centre) (3,) of the stage that loads a body at a `rotation` (3, 3) most, moments
+    over its radius, at the rows of its tables that are largest. A stage that drives points of it has the forces of 1 N along
+    their travels."""
     found = [(np.zeros(3), np.zeros(3))]
     for stage in body.stages or ():
         force, moment = np.zeros(3), np.zeros(3)
@@ -133,7 +141,7 @@ def _largest_load(body, rotation):
             if load.moment is not None:
                 moment = moment + _largest_row(load.moment)
         found.append((force, moment))
-    return max(found, key=lambda pair: np.linalg.norm(pair[0]))
+    return max(found, key=lambda pair: np.linalg.norm(pair[0]) + np.linalg.norm(pair[1]) / body.radius)
 
 
 def is_round(outline, distance):
@@ -248,9 +256,10 @@ def law_at(scene, soil, height):
 
 
 def material_at(scene, soil, height):
-    """Material of the soil at a height [m], the top included, with the values of its relative density: that of its layer,
-    or soil.material."""
+    """Material of the soil at a height [m], above the top that of the top, with the values of its relative density: that of
+    its layer, or soil.material."""
     top, material = top_of(soil), scene.soil.material
+    height = min(height, top)
     for layer in scene.soil.layers:
         end = top if layer.top is None else layer.top
         if (layer.bottom is None or height >= layer.bottom) and (height < end or height == end == top):
