@@ -33,6 +33,7 @@ from hybrid.contact import places
 from hybrid.contact.cover import Cover
 from hybrid.contact.interface import Interface
 from hybrid.laws.drucker_prager import cone_constants
+from hybrid.laws.user import is_of_user
 from hybrid.laws.von_mises import BEARING, TIPPED, USED
 from hybrid.runtime.comm import anywhere, largest, minimum
 from hybrid.runtime.errors import SceneError
@@ -161,12 +162,12 @@ def _stiffness(described, body, soil, radius, gravity):
 
 
 def _bears(body, rotation, soil, gravity):
-    """Whether soil is clay that bears the forces of all stages and the weight of a body with a plane base, at an initial
-    `rotation`, without flowing."""
+    """Whether the cohesion of soil that can yield bears the forces of all stages and the weight of a body with a plane base,
+    at an initial `rotation`, without flowing: friction bears more."""
     stages = [[_largest(load, rotation) for load in control.loads] for control in body.stages if control.loads]
     filled = _base(body.outline, rotation)
     guided = body.driven.any() or any(control.points for control in body.stages)
-    if not stages or not filled or guided or anywhere(~soil.law.undrained):
+    if not stages or not filled or guided or not soil.law.plastic or is_of_user(soil.law):
         return False
     level = np.ptp(body.surface.vertices @ rotation.T, axis=0)
     part = 0.5 ** sum(not mirror.cut for mirror in body.mirrors)     # of the base, as of the load and the weight
@@ -179,14 +180,19 @@ def _bears(body, rotation, soil, gravity):
 
 
 def _base(surface, rotation):
-    """Share [-] of the rectangle around a surface, seen from below, that it covers; 0 where less than all but SHARP of it is
-    one plane."""
+    """Share [-] of the rectangle around a surface, seen from below, that it covers; 0 where less than all but SHARP of what
+    is seen is the plane of its lowest triangle."""
     corners, normals = surface.vertices @ rotation.T, surface.normals @ rotation.T
-    edges = np.diff(corners[surface.triangles], axis=1)[..., :2]
+    triangles = corners[surface.triangles]
+    edges, centres = np.diff(triangles, axis=1)[..., :2], triangles.mean(axis=1)
     below = np.where(normals[:, 2] < -STRAIGHT, 0.5 * np.abs(np.cross(edges[:, 0], edges[:, 1])), 0.0)
-    plane = max((below[normals @ normal > 1.0 - STRAIGHT].sum() for normal in normals[below > 0.0]), default=0.0)
-    covered = below.sum()
-    return covered / np.ptp(corners[:, :2], axis=0).prod() if plane > (1.0 - SHARP) * covered else 0.0
+    covered, size = below.sum(), np.ptp(corners[:, :2], axis=0)
+    if not covered:
+        return 0.0
+    lowest = np.argmin(np.where(below > 0.0, centres[:, 2], np.inf))
+    normal, level = normals[lowest], np.abs((centres - centres[lowest]) @ normals[lowest])
+    plane = below[(normals @ normal > 1.0 - STRAIGHT) & (level < STRAIGHT * size.min())].sum()
+    return covered / size.prod() if plane > (1.0 - SHARP) * covered else 0.0
 
 
 def _largest(load, rotation):

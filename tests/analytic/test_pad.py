@@ -1,12 +1,15 @@
 """A rough square pad on clay that carries its load without flowing is as stiff as on elastic soil, on few cells already."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from hybrid.runtime.data import GEOMETRY
 from hybrid.scene import Axis, Body, Faces, Grid, Load, Material, Pull, Scene, Soil, Stage, Time
 from hybrid.setup.build import build
+from hybrid.setup.contact import _base
 from hybrid.study.scenes import NO_OUTPUT
 
 WIDTH, LOAD, STRENGTH = 2.0, 5e3, 1e4      # [m]; [N] on a quarter, a twelfth of what it can carry; s_u [Pa]
@@ -88,3 +91,27 @@ def test_what_may_flow_has_softer_springs(load, more, expected):
     elif "velocity" in more:
         scene = replace(scene, time=Time(0.01))
     assert build(scene).model.bodies[0].penalty == pytest.approx(expected * 4 / WIDTH)
+
+
+@pytest.mark.parametrize("cohesion, expected", [(10e3, 500), (100.0, 20), (0.0, 20)])
+def test_the_cohesion_of_soil_with_friction_bears_a_load(cohesion, expected):
+    """5 kN on a quarter; 6 c A is 60 kN and 0.6 kN. What friction alone bears is not known."""
+    scene = pad(4, "hencky").scene
+    material = Material(law="mohr-coulomb", young=5e6, poisson=0.3, density=1700.0, friction_angle=30.0, dilation_angle=0.0,
+                        cohesion=cohesion)
+    scene = replace(scene, soil=replace(scene.soil, material=material))
+    assert build(scene).model.bodies[0].penalty == pytest.approx(expected * 4 / WIDTH)
+
+
+def squares(*rows):
+    """Surface seen from below of squares; rows: (corner, width, height)."""
+    corner = np.array([(0.0, 0.0), (0.0, 1.0), (1.0, 1.0), (1.0, 0.0)])
+    vertices = np.concatenate([np.column_stack([start + width * corner, np.full(4, z)]) for start, width, z in rows])
+    triangles = np.concatenate([4 * i + np.array([(0, 1, 2), (0, 2, 3)]) for i in range(len(rows))])
+    return SimpleNamespace(vertices=vertices, triangles=triangles, normals=np.tile([0.0, 0.0, -1.0], (len(triangles), 1)))
+
+
+@pytest.mark.parametrize("height, share", [(0.0, 0.5), (1.0, 0.0)])
+def test_a_stem_under_a_slab_is_the_base(height, share):
+    """A unit square and another beside it, as high or higher: they fill half of the rectangle around them."""
+    assert _base(squares((0.0, 1.0, 0.0), (1.0, 1.0, height)), np.eye(3)) == share

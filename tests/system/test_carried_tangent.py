@@ -2,6 +2,7 @@
 a run goes on bit for bit from each step after which it is assembled afresh."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,9 +10,13 @@ import pytest
 import hybrid.simulation
 from hybrid.bench.scenes import block
 from hybrid.linalg.system_cache import CarriedTangent, Systems
-from hybrid.scene import Stage
+from hybrid.scene import Solver, Stage
 from hybrid.setup.build import build
-from hybrid.step.equations import Step
+from hybrid.soil.model import Refusal
+from hybrid.step import sticking
+from hybrid.step.equations import Step, begin
+from hybrid.step.iteration import Safeguards, Updates
+from hybrid.step.workspace import Workspace
 
 STEPS, CELLS = 14, (8, 8, 4)
 
@@ -100,6 +105,66 @@ def test_an_update_that_leads_astray_is_not_taken(monkeypatch):
     np.testing.assert_allclose(simulation.state.points.position, fresh.state.points.position, rtol=0, atol=1e-6)
     monkeypatch.setattr("hybrid.step.iteration.SLOW", np.inf)      # and would lead far away
     assert sum(r.iterations for r in falling().steps()) > 1.3 * sum(r.iterations for r in records)
+
+
+def safeguards(monkeypatch, updates=Updates(5), stick=None, unknowns=1):
+    """Safeguards of a stand-in for a step of 0.1 s with a carried tangent; `assembled` of the step: its assemblies."""
+    carried, assembled = CarriedTangent(), []
+    carried.keep(0.1, True, False)
+    law, scheme = SimpleNamespace(plastic=False), SimpleNamespace(inertia=True)
+    step = SimpleNamespace(carried=carried, dt=0.1, assembled=assembled, contact_stiffness_ratio=lambda: 0.0,
+                           model=SimpleNamespace(scheme=scheme, soil=SimpleNamespace(law=law)),
+                           system=SimpleNamespace(soil_unknowns=unknowns, solve=lambda *given: (None, None, 1)),
+                           assemble=lambda *given: assembled.append(True))
+    monkeypatch.setattr(sticking, "drifting", lambda *given: stick)
+    monkeypatch.setattr(sticking, "held_in_stick", lambda step, evaluation, points: evaluation)
+    return Safeguards(step, Solver(), updates)
+
+
+def at(error):
+    return SimpleNamespace(error=error, soil=None, body=None)
+
+
+@pytest.mark.parametrize("how, fresh", [
+    ({}, False), ({"stick": "points"}, True), ({"updates": Updates(5, backtrack=True)}, True), ({"unknowns": 0}, True)])
+def test_which_first_updates_take_a_carried_tangent(monkeypatch, how, fresh):
+    """Not one with points held in stick, with backtracking, or of bodies alone; and no second one."""
+    found = safeguards(monkeypatch, **how)
+    found.solve(at(1.0))
+    assert bool(found.step.assembled) == fresh == (not found.carried)
+    assert not found.misled(at(1.0), at(0.1))
+    found.step.assembled.clear()
+    found.solve(at(0.1))
+    assert found.step.assembled
+
+
+@pytest.mark.parametrize("left, updates, keeps", [(0.29, 3, True), (0.31, 3, False), (0.29, 4, False)])
+def test_which_tangents_are_carried_on(monkeypatch, left, updates, keeps):
+    found = safeguards(monkeypatch)
+    found.solve(at(1.0))
+    found.misled(at(1.0), at(left))
+    found.keep_tangent(updates)
+    assert found.step.carried.take(0.1) == keeps
+
+
+def test_a_refused_update_with_a_carried_tangent_is_not_the_end(monkeypatch):
+    found = safeguards(monkeypatch)
+    found.solve(at(1.0))
+    assert found.misled(at(1.0), Refusal("turns soil inside out"))
+    fresh = safeguards(monkeypatch, stick="points")
+    fresh.solve(at(1.0))
+    assert not fresh.misled(at(1.0), at(0.9))
+
+
+def test_another_assembly_drops_it():
+    """As that of `first_guess.followed` does, whose contact holds on to the soil."""
+    simulation = falling()
+    workspace = Workspace(simulation.model)
+    step = begin(simulation.model, simulation.state, 0.01, False, workspace)
+    step.carried.keep(0.01, True, False)
+    step.assemble(step.evaluate(step.at_rest()))
+    assert not step.carried.take(0.01)
+    workspace.destroy()
 
 
 def test_a_tangent_is_carried_until_two_have_failed():

@@ -151,11 +151,12 @@ def test_bodies_pulled_over_the_end_of_the_grid(pulling, count):
 
 
 @pytest.mark.parametrize("density, more, count", [
-    (760.0, {}, 0), (740.0, {}, 1), (740.0, {"held": ("x", "y", "z")}, 0), (740.0, {"tension": "full"}, 0),
+    (760.0, {}, 0), (740.0, {}, 1), (740.0, {"held": ("x", "y", "z")}, 0), (740.0, {"held": ("z",), "rest_on": 0.1}, 0),
+    (740.0, {"held": ("z",), "rest_on": -0.1}, 1), (740.0, {"tension": "full"}, 0),
     (740.0, {"tension": "full", "velocity": (0.0, 0.0, -1.0)}, 1)])
 def test_bodies_lighter_than_the_soil_under_them(density, more, count):
     """A box 0.4 m high on soil of 1000 kg/m³ in cells of 0.2 m."""
-    described = plane(box(0.5, 0.5, 0.4, rest_on=0.0, density=density, **more), 1, 0.01, cell=0.2,
+    described = plane(box(0.5, 0.5, 0.4, density=density, **{"rest_on": 0.0} | more), 1, 0.01, cell=0.2,
                       soil={"held": False})
     simulation = build(described)
     warnings = list(contact.light_body(simulation.scene, simulation.model))

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hybrid.monitors.limits import cells, sand_cells
+from hybrid.laws.von_mises import VonMises
+from hybrid.monitors.limits import cells, limit_warnings, sand_cells
 from hybrid.monitors.limits.loading import law_at, sides, stays_attached, travels_of
 from hybrid.runtime.data import GEOMETRY
 from hybrid.scene import Axis, Body, Faces, Grid, Layer, Load, Material, Motion, Scene, Soil, Stage, Time
@@ -111,3 +112,19 @@ def test_soil_above_the_top_is_that_of_the_top(height, law):
 def test_clay_stays_on_a_body_whose_tension_it_never_reaches(tension, stays):
     model = build(described(material=CLAY, tension=tension)).model
     assert stays_attached(model.bodies[0], model.soil) == stays
+
+
+@pytest.mark.parametrize("table", [{"velocity": (0.0, 0.0, -0.01)}, {"velocity": (0.01, 0.0, 0.0)},
+                                   {"driven": (), "held": ("x",), "position": (0.0, 0.5, 0.5)}])
+def test_bodies_in_soil_with_a_law_of_the_user_have_no_notes_about_clay(table):
+    """Such a law has no parameters by which these could judge."""
+    load = Load(force=(0.0, 0.0, -1e3))
+    loads = () if "velocity" in table else (load,)
+    scene = described(Stage("one", 10, loads=loads), material=Material(law="user", density=1700.0))
+    strip = replace(scene.bodies[0], tension=1e3, **table)
+
+    def law(points, stress):
+        return VonMises(*(np.full(len(stress), value) for value in (1e7, 0.3, 1e4)))
+
+    simulation = build(replace(scene, bodies=(strip,)), law=law)
+    assert not any("clay" in text for text in limit_warnings(simulation.scene, simulation.model))

@@ -3,6 +3,7 @@ it."""
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from hybrid.monitors.limits import clay_cells, sand_cells
@@ -219,6 +220,32 @@ def test_a_strip_in_a_slice_that_is_not_left_out_is_no_square():
     short = replace(sliced.bodies[0], parameters=sliced.bodies[0].parameters | {"width": 0.5})
     text, = texts(sand_cells.footings, replace(sliced, bodies=(short,)))
     assert "load of cells half as large less the difference" in text
+
+
+@pytest.mark.parametrize("depth, found, exact", [
+    (0.1, {4: 98.5, 8: 75.4, 12: 70.2, 16: 65.4, 24: 62.6}, 56.0),
+    (0.2, {4: 153.3, 8: 117.9, 12: 100.1, 16: 96.3, 24: 92.0}, 82.0)])
+def test_the_law_of_pipes_on_sand_is_what_was_measured(depth, found, exact):
+    """kN/m at a depth in diameters, φ = ψ = 30°, over what the last two extrapolate to; that of few cells is a mean of both
+    depths and of smooth pipes, which have more."""
+    chord = 2.0 * np.sqrt(depth * (1.0 - depth))
+    for cells, load in found.items():
+        assert load / exact == pytest.approx(1.0 + sand_cells.PIPE / (cells * chord), rel=0.17)
+
+
+@pytest.mark.parametrize("z, speed, law, count", [
+    (0.5, -0.02, "mohr-coulomb", 1), (0.5, 0.02, "mohr-coulomb", 0), (0.5, -0.02, "von-mises", 0),
+    (-0.5, -0.02, "mohr-coulomb", 0), (0.9, -0.02, "mohr-coulomb", 0)])
+def test_a_pipe_pressed_on_sand(z, speed, law, count):
+    """By 0.2 of its diameter, with the chord 0.8 of it; not one that is lifted, buried, or does not reach the sand."""
+    pipe = body("cylinder.geo", {"radius": 0.5, "height": 1.0, "size": 0.1}, rotation=(1.0, 0.0, 0.0, 90.0),
+                position=(0.0, 0.5, z), driven=("z",), held=("x", "ry"), velocity=(0.0, 0.0, speed))
+    grid = Grid(Axis(start=-4.0, end=4.0, size=0.125), slice_(), Axis(start=-3.0, end=2.0, size=0.125), Faces(z_min="fixed"))
+    values = {"strength": 1e5} if law == "von-mises" else {"friction_angle": 30.0, "dilation_angle": 5.0, "cohesion": 0.0}
+    soil = Soil(Material(law=law, young=3e7, poisson=0.3, density=1700.0, **values), top=0.0)
+    found = texts(sand_cells.pipes, scene("pipe", grid, soil, [pipe], clay.Time(1.0, inertia=False), 10))
+    assert len(found) == count
+    assert all("on 6.3 cells of 0.125 m" in text and "about 40%" in text and "less the difference" in text for text in found)
 
 
 def test_a_footing_on_sand_that_does_not_dilate_is_not_said_to_rise():

@@ -188,8 +188,9 @@ def light_body(scene, model):
     density = float(total(soil.constants.mass) / total(soil.constants.volume))
     for described, body in zip(scene.bodies, model.bodies):
         across = np.minimum(np.ptp(initial_vertices(described, body), axis=0), np.ptp(grid.extent, axis=1))[:2]
-        if levelled(soil, initial_vertices(described, body))[:, 2].max() < top_of(soil):
-            continue        # it does not hit the soil that it is in
+        height = levelled(soil, initial_vertices(described, body))[:, 2]
+        if height.max() < top_of(soil) or not body.free[2] and height.min() >= top_of(soil):
+            continue        # it does not hit the soil that it is in, or is held above
         if body.interface and np.isinf(body.interface.tension) and not np.any(described.velocity):
             continue        # nor the soil to which it is bonded
         halves = copies([mirror for mirror in body.mirrors if not mirror.cut])      # beside those that `across` measures

@@ -110,13 +110,16 @@ def soft_springs(scene, model):
             stands &= depth > 0.0
         if not stands or body.places.at_corners or body.penalty * cell > SOFTEST:
             continue
-        space, tilted = not soil.grid.collapsed.any(), arm > 0.0
-        disc = space and not any(leads(body, place, side.direction) for side in sides(soil.grid, place, down))
-        excess = (ROUND if disc and not tilted else SOFT[not space][int(tilted)]) * cell / width
+        space = not soil.grid.collapsed.any()
+        settled, tilted = SOFT[not space]
+        if space and not any(leads(body, place, side.direction) for side in sides(soil.grid, place, down)):
+            settled = ROUND
+        moves = {"settles": settled * cell / width, "tilts": (arm > 0.0) * tilted * cell / width}
+        excess = max(moves.values())
         if excess > EXCESS and _little(body, material_at(scene, soil, bottom - 0.5 * cell), depth, width):
-            does = "tilts" if tilted else "settles"
+            does = " and ".join(f"{how} by about {much:.0%}" for how, much in moves.items() if much > EXCESS)
             yield (f"{body.name} is pressed on soil that can yield, on a base {width / cell:.2g} cells of {cell:.3g} m "
-                   f"wide, with soft contact springs: as long as the soil hardly yields it {does} by about {excess:.0%} too "
+                   f"wide, with soft contact springs: as long as the soil hardly yields it {does} too "
                    f"much, limit {EXCESS:.0%}. Set body.penalty = {STIFF / cell:.4g}, which takes more iterations where the "
                    f"soil flows, or use cells of at most {EXCESS / excess * cell:.2g} m under it")
 

@@ -9,6 +9,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from hybrid.laws.sand import material_values
+from hybrid.laws.user import is_of_user
 from hybrid.monitors.limits.contact import initial_pose, initial_vertices, levelled, path_along, top_of
 from hybrid.runtime.comm import maximum
 from hybrid.scene.ground import heights
@@ -112,6 +113,8 @@ def loaded(scene, model):
 def stays_attached(body, soil):
     """Whether clay never breaks away from a body."""
     tension = body.interface.tension if body.interface is not None else 0.0
+    if is_of_user(soil.law) or np.isinf(tension):
+        return np.isinf(tension)
     return tension > UNBROKEN * maximum(soil.law.parameters[:, 4], 0.0)
 
 

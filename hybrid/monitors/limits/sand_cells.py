@@ -7,6 +7,7 @@
     wall that sand behind it follows, on rock or in the sand, the same   (1 - 1.65/n)²            n cells in its height
     footing pressed on sand that has weight, plane strain                N_γ (1 + 3.1/n^0.6)         n cells in its width
     the same in space, square                                            1 + 4.2/n
+    pipe pressed on such sand, plane strain                              1 + 2.5/n         n cells in the chord it touches
 
 A foot holds the next nodes back. Sand that a wall pushes takes them along, and the wedge is a cell deeper than the
 wall; sand that follows a wall stays on them, and the wedge is as much lower.
@@ -26,6 +27,9 @@ FOOT, ACTIVE = 2.3, 1.65
 INCLINED, LEANING = 45.0, 85.0
 WEIGHT, ORDER = 3.1, 0.6         # of the part of a footing's load that the sand's weight carries
 SQUARE = 4.2                    # of a square one: 377 and 280 kPa with 4 and 8 cells, φ = 30°, ψ = 5°, B = 1.6 m, N_γ 184
+# Pipes, μ = 0.4, φ = ψ = 30°, 0.1 and 0.2 D deep, 4, 8, 12, 16, 24 cells in D: 98, 75, 70, 65, 63 and 153, 118, 100, 96,
+# 92 kN/m; smooth, φ = 33°, ψ = 5°: 42, 27, 24, 22, 20 and 57, 42, 37, 37, 31
+PIPE = 2.5
 LAID = 0.25                     # cells: a body that goes less deep lies on the ground
 SHALLOW = 1.0                   # widths under the ground: what goes deeper is no footing
 DEEP = 1.5                      # widths under a footing: of sand one wide over clay it bore 3 % too much with 10 cells
@@ -134,6 +138,24 @@ def footings(scene, model):
                    f"half as large less {less}")
 
 
+def pipes(scene, model):
+    """Round bodies driven into sand with weight in plane strain: their load, which its own weight lets it carry."""
+    soil = model.soil
+    if soil.held or scene.gravity[2] >= 0.0 or soil.grid.collapsed.sum() != 1 or soil.grid.collapsed[2]:
+        return
+    cell, top = soil.grid.smallest_cell, top_of(soil)
+    for body, travel, place, plane in driven(scene, model):
+        bottom = place[:, 2].min()
+        round_one = not plane and travel[2] < 0.0 and facing(body, place, travel) is None
+        if not round_one or bottom < top - LAID * cell or law_at(scene, soil, bottom - 0.5 * cell) not in SAND:
+            continue
+        chord = narrowest(soil.grid, place[place[:, 2] + travel[2] < top], travel) if bottom + travel[2] < top else 0.0
+        if chord and PIPE * cell > EXCESS * chord:
+            yield (f"{body.name} is round and pressed on sand, which it touches on {chord / cell:.2g} cells of {cell:.3g} m "
+                   f"in the end: its load is about {PIPE * cell / chord:.0%} too high then, more before, limit "
+                   f"{EXCESS:.0%}. Extrapolate two sizes of cells to none: load of cells half as large less the difference")
+
+
 def clay_under(scene, soil, bottom, width):
     """Whether there is clay within DEEP of a `width` [m] under a footing with its base at `bottom` [m]."""
     lowest = max(bottom - DEEP * width, soil.grid.extent[2, 0])
@@ -201,4 +223,4 @@ def beside(soil, reach, axis):
     return (x > low - 2 * cell) & (x < low), (x > high) & (x < high + 2 * cell)
 
 
-LIMITS = (footings, pushed_walls, retaining_walls)
+LIMITS = (footings, pipes, pushed_walls, retaining_walls)
