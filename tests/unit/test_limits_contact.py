@@ -164,6 +164,16 @@ def test_bodies_lighter_than_the_soil_under_them(density, more, count):
     assert all("1.5 rows of cells" in text and "limit 1.5" in text and "at most 0.2 m" in text for text in warnings)
 
 
+@pytest.mark.parametrize("height, count", [(0.3, 0), (0.1, 1)])
+def test_a_light_body_that_hangs_on_a_joint_hits_nothing(height, count):
+    """More than a cell above the soil."""
+    bob = box(0.5, 0.5, 0.4, rest_on=height, density=100.0)
+    described = plane(bob, 1, 0.01, cell=0.2, soil={"held": False})
+    joint = Joint("rod", "ball", (described.bodies[0].name,), (0.0, 0.0, 2.0))
+    simulation = build(replace(described, joints=(joint,)))
+    assert len(list(contact.light_body(simulation.scene, simulation.model))) == count
+
+
 @pytest.mark.parametrize("density, count", [(760.0, 0), (740.0, 1)])
 def test_half_a_body_is_as_light_as_the_whole(density, count):
     described = plane(box(0.5, 0.5, 0.4, rest_on=0.0, density=density), 1, 0.01, cell=0.2, soil={"held": False})

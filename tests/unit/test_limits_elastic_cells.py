@@ -75,7 +75,7 @@ def pads(depth=0.0, force=0.0, arm=0.0, size=0.25, law="von-mises", kind="box.ge
     """Notes about a square or round pad of 2 m on soil with 6 s_u B/E = 24 mm, driven by a `depth` [m] or with a `force`
     [N]."""
     side = Axis(start=-3.0, end=3.0, size=size)
-    given = {"strength": 10e3} if law == "von-mises" else {"friction_angle": 30.0, "dilation_angle": 0.0, "cohesion": 5e3}
+    given = {"strength": 10e3} if law == "von-mises" else {"friction_angle": 30.0, "dilation_angle": 0.0, "cohesion": 5e2}
     soil = Soil(Material(law=law, young=5e6, poisson=0.45, density=1700.0, **given), top=0.0, geostatic=False)
     how = {"velocity": (0.0, 0.0, -depth)} | PUSHED if depth else {"held": ("x", "y", "rx", "rz")}
     shape = {"length": 2.0, "width": 2.0, "height": 0.5, "size": 5.0}

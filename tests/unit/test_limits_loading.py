@@ -7,7 +7,7 @@ import pytest
 
 from hybrid.laws.von_mises import VonMises
 from hybrid.monitors.limits import cells, limit_warnings, sand_cells
-from hybrid.monitors.limits.loading import law_at, sides, stays_attached, travels_of
+from hybrid.monitors.limits.loading import law_at, loaded, sides, stays_attached, travels_of
 from hybrid.runtime.data import GEOMETRY
 from hybrid.scene import Axis, Body, Faces, Grid, Layer, Load, Material, Motion, Scene, Soil, Stage, Time
 from hybrid.setup.build import build
@@ -128,3 +128,14 @@ def test_bodies_in_soil_with_a_law_of_the_user_have_no_notes_about_clay(table):
 
     simulation = build(replace(scene, bodies=(strip,)), law=law)
     assert not any("clay" in text for text in limit_warnings(simulation.scene, simulation.model))
+
+
+@pytest.mark.parametrize("point, says", [((0.0, 0.0, -0.5), False), ((0.0, 0.0, 0.0), True), ((0.2, 0.0, -0.5), True)])
+def test_a_load_beside_the_middle_of_the_base_is_eccentric(point, says):
+    """A force along the base of a strip 1 m high tilts it where it acts above the base only."""
+    scene = described(Stage("one", 10, loads=(Load(force=(1e4, 0.0, -3e4), point=point),)), material=CLAY, rest_on=0.0)
+    strip = replace(scene.bodies[0], driven=(), position=(0.0, 0.5, 0.5), held=())
+    simulation = build(replace(scene, bodies=(strip,)))
+    (*_, arm), = loaded(simulation.scene, simulation.model)
+    assert (arm > 0.0) == says
+    assert not says or arm == pytest.approx(0.5 / 3 if point[0] == 0.0 else 0.2)

@@ -124,7 +124,11 @@ def places(**body):
     ({"position": (2.05, 1.0, 0.0)}, "is half outside the grid: its middle is at x = 2.05 m"),
     ({"position": (1.95, 1.0, 0.0)}, "reaches 0.05 m past the end of the grid at x = 2 m, 25% of its length"),
     ({"position": (1.95, 1.0, 0.0), "rest_on": 0.3}, ""),      # higher than a cell above the soil
-    ({"position": (1.9005, 1.0, 0.0)}, ""),
+    ({"position": (1.9005, 1.0, 0.0)}, "ends on the face x_max of the grid and may leave it"),
+    ({"position": (1.0, 0.1, 0.0)}, "lay the whole one across y = 0 m, with its middle there, or hold y, rx and rz"),
+    ({"position": (1.0, 0.1, 0.0), "held": ("y", "rx", "rz")}, ""),
+    ({"position": (1.9, 1.0, 0.0), "driven": ("x",), "held": ("y", "z", "rx", "ry", "rz"), "velocity": (-0.1, 0.0, 0.0)},
+     ""),
     ({"position": (1.0, 0.05, 0.0), "parameters": {"length": 2.2, "width": 0.2, "height": 0.2, "size": 3.0}},
      "reaches 0.05 m past the start of the grid at y = 0 m"),
     ({"parameters": {"length": 2.2, "width": 0.2, "height": 0.2, "size": 3.0}}, ""),     # a platen

@@ -186,11 +186,13 @@ def light_body(scene, model):
     if soil.held or not model.scheme.inertia:
         return
     density = float(total(soil.constants.mass) / total(soil.constants.volume))
+    joined = {name for joint in scene.joints for name in joint.bodies}
     for described, body in zip(scene.bodies, model.bodies):
         across = np.minimum(np.ptp(initial_vertices(described, body), axis=0), np.ptp(grid.extent, axis=1))[:2]
         height = levelled(soil, initial_vertices(described, body))[:, 2]
-        if height.max() < top_of(soil) or not body.free[2] and height.min() >= top_of(soil):
-            continue        # it does not hit the soil that it is in, or is held above
+        above = height.min() >= top_of(soil) + (body.name in joined) * grid.smallest_cell
+        if height.max() < top_of(soil) or above and (body.name in joined or not body.free[2]):
+            continue        # it does not hit the soil that it is in, or is held or hangs above
         if body.interface and np.isinf(body.interface.tension) and not np.any(described.velocity):
             continue        # nor the soil to which it is bonded
         halves = copies([mirror for mirror in body.mirrors if not mirror.cut])      # beside those that `across` measures

@@ -90,13 +90,14 @@ def heading(travel):
 
 def loaded(scene, model):
     """(RigidBody, travel (3,), places (V, 3) [m], whether a plane face leads, whether the load is inclined, arm [m] on which
-    it acts beside the centre) of each body that is free to follow forces of a stage, or that a point of it drives, and that
-    no other body carries above the soil; the travel is the largest component [N] of the largest force."""
+    it acts beside the centre, of the base where it presses that) of each body that is free to follow forces of a stage, or
+    that a point of it drives, and that no other body carries above the soil; the travel is the largest component [N] of the largest force."""
     if model.soil.held or not model.soil.law.plastic:
         return
     joined = {name for joint in scene.joints for name in joint.bodies}
     for described, body in zip(scene.bodies, model.bodies):
-        force, moment = _largest_load(body, initial_pose(described, body)[1])
+        rotation = initial_pose(described, body)[1]
+        force, moment = _largest_load(body, rotation)
         axis = int(np.argmax(np.abs(force)))
         if not force[axis] or not body.free[axis] or model.soil.grid.collapsed[axis]:
             continue
@@ -105,6 +106,8 @@ def loaded(scene, model):
             continue        # others carry it
         travel = np.where(np.arange(3) == axis, force, 0.0)
         inclined = np.abs(np.where(body.free[:3], force - travel, 0.0)).max() > ASIDE * abs(force[axis])
+        if axis == 2 and force[2] < 0.0:    # about the middle of the base
+            moment = moment + np.cross([0.0, 0.0, body.surface.extent(-rotation[2])], force)
         arm = np.abs(np.where(body.free[3:], moment, 0.0)).max() / abs(force[axis])
         yield (whole, travel, place, leads(whole, place, travel), inclined,
                arm if arm > ASIDE * np.ptp(place, axis=0).max() else 0.0)

@@ -28,6 +28,26 @@ def odd_places(scene, model):
             yield f"{body.name} {text}"
 
 
+def beside_roller(scene, model):
+    """Free bodies that end on one roller of the soil, as parts of bodies do in other programs, but are whole ones here."""
+    soil, joined = model.soil, {name for joint in scene.joints for name in joint.bodies}
+    for described, body in zip(scene.bodies, model.bodies):
+        if soil.held or body.name in joined:
+            continue
+        place, planes = initial_vertices(described, body), {mirror.axis for mirror in body.mirrors}
+        for a in np.flatnonzero(~soil.grid.collapsed[:2] & body.free[:2] & ~body.driven[:2]):
+            ends, found = soil.grid.extent[a], np.array([place[:, a].min(), place[:, a].max()])
+            at = np.flatnonzero(np.abs(found - ends) < FLUSH * soil.grid.smallest_cell)
+            name = "xy"[a]
+            side = f"{name}_{('min', 'max')[at[0]]}" if len(at) == 1 else ""
+            if side and getattr(scene.grid.faces, side) == "roller" and name not in planes:
+                turns = " and ".join("r" + other for other in "xyz" if other != name)
+                yield (f"{body.name} ends on the face {side} of the grid and may leave it: it is a whole body beside a plane of "
+                       f"symmetry. For a part of a body lay the whole one across {name} = {ends[at[0]]:.4g} m, with its middle "
+                       f"there, or hold {name}, {turns}")
+                break
+
+
 def outside_window(scene, model):
     """Bodies that stand, at the start or at the end, where a grid that moves with another body has no soil or coarse
     cells."""
@@ -203,4 +223,4 @@ def odd_halves(scene, model):
                    "face on the end of the grid, or model the whole body")
 
 
-LIMITS = (odd_places, outside_window, odd_points, odd_penalty, odd_halves)
+LIMITS = (odd_places, beside_roller, outside_window, odd_points, odd_penalty, odd_halves)
