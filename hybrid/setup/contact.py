@@ -3,8 +3,8 @@
 Spacing of the places on the faces of domains    s = 2 l / k <= r/16, on held soil r/32      k from 4 to 32
 penalty on elastic soil                           p_f = 500 / h, 2000 / h of a body of planes driven into it, 100 / h of
                                                   one with friction that shears it in plane strain
-penalty on soil that yields                       p_f = 20 / h, 500 / h of a plane base that stages press on clay with less
-                                                  than half of what that bears
+penalty on soil that yields                       p_f = 20 / h, 500 / h of a plane base that stages press with less than half
+                                                  of what the cohesion of the soil bears
 penalty on held soil                              p_f E = W / (π r δ²),  δ = 2 s²/r
 of a curved body that rests on elastic soil       the softer one of 500 / h and that on held soil,  s <= r/32
 
@@ -164,10 +164,11 @@ def _stiffness(described, body, soil, radius, gravity):
 def _bears(body, rotation, soil, gravity):
     """Whether the cohesion of soil that can yield bears the forces of all stages and the weight of a body with a plane base,
     at an initial `rotation`, without flowing: friction bears more."""
-    stages = [[_largest(load, rotation) for load in control.loads] for control in body.stages if control.loads]
-    filled = _base(body.outline, rotation)
+    height = body.outline.extent(-rotation[2])
+    stages = [[_largest(load, rotation, height) for load in control.loads] for control in body.stages if control.loads]
+    filled = _base(body.outline, rotation) if stages else 0.0
     guided = body.driven.any() or any(control.points for control in body.stages)
-    if not stages or not filled or guided or not soil.law.plastic or is_of_user(soil.law):
+    if not filled or guided or not soil.law.plastic or is_of_user(soil.law):
         return False
     level = np.ptp(body.surface.vertices @ rotation.T, axis=0)
     part = 0.5 ** sum(not mirror.cut for mirror in body.mirrors)     # of the base, as of the load and the weight
@@ -195,10 +196,11 @@ def _base(surface, rotation):
     return covered / size.prod() if plane > (1.0 - SHARP) * covered else 0.0
 
 
-def _largest(load, rotation):
-    """Largest force along z and across it [N], and moment about the centre across z [N m], of a PointLoad."""
+def _largest(load, rotation, height):
+    """Largest force along z and across it [N], and moment across z about the base [N m], a `height` [m] under the centre,
+    of a PointLoad."""
     force, moment = (np.zeros((1, 3)) if table is None else table.values for table in (load.force, load.moment))
-    arm = np.cross(rotation @ load.point, force)
+    arm = np.cross(rotation @ load.point + (0.0, 0.0, height), force)
     across = np.linalg.norm(arm[:, :2], axis=1).max() + np.linalg.norm(moment[:, :2], axis=1).max()
     return np.abs(force[:, 2]).max(), np.linalg.norm(force[:, :2], axis=1).max(), across
 

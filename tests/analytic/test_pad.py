@@ -71,6 +71,7 @@ def test_a_disc_has_its_own_area_on_the_clay():
     (Load(force=(0.0, 0.0, -1e4)), 500), (Load(force=(4.9e3, 0.0, -1e4)), 500), (Load(force=(5.1e3, 0.0, -1e4)), 20),
     (Load(force=(0.0, 0.0, -1e4), moment=(0.0, 6.9e3, 0.0)), 500),
     (Load(force=(0.0, 0.0, -1e4), point=(0.8, 0.0, 0.25)), 20),
+    (Load(force=(2e3, 0.0, -1e4), point=(0.0, 0.0, 3.0)), 500), (Load(force=(2e3, 0.0, -1e4), point=(0.0, 0.0, 3.5)), 20),
     (Load(force=(0.0, 0.0, -1e4), moment=(0.0, 7.1e3, 0.0)), 20)])
 def test_what_may_slide_or_tip_has_softer_springs(load, expected):
     """s_u A = 10 kN on the quarter, 0.7 s_u A B = 14 kN m."""
@@ -109,6 +110,12 @@ def squares(*rows):
     vertices = np.concatenate([np.column_stack([start + width * corner, np.full(4, z)]) for start, width, z in rows])
     triangles = np.concatenate([4 * i + np.array([(0, 1, 2), (0, 2, 3)]) for i in range(len(rows))])
     return SimpleNamespace(vertices=vertices, triangles=triangles, normals=np.tile([0.0, 0.0, -1.0], (len(triangles), 1)))
+
+
+def test_a_body_that_nothing_presses_has_soft_springs_whatever_its_base():
+    """Its weight alone is no load of a stage."""
+    scene = replace(pad(4).scene, stages=(Stage("rest", 1),))
+    assert build(scene).model.bodies[0].penalty == pytest.approx(20 * 4 / WIDTH)
 
 
 @pytest.mark.parametrize("height, share", [(0.0, 0.5), (1.0, 0.0)])

@@ -147,6 +147,18 @@ def test_which_tangents_are_carried_on(monkeypatch, left, updates, keeps):
     assert found.step.carried.take(0.1) == keeps
 
 
+def test_tangents_whose_updates_leave_too_much_for_a_second_one_fail(monkeypatch):
+    """In elastic soil 0.15 of the residual: 0.2 is taken, and counts as a failure."""
+    found = safeguards(monkeypatch)
+    for carries in (True, False):
+        found.first = None
+        found.solve(at(1.0))
+        assert found.carried and not found.misled(at(1.0), at(0.2))
+        found.keep_tangent(2)
+        assert found.step.carried.take(0.1) == carries
+        found.step.carried.keep(0.1, carries, False)
+
+
 def test_a_refused_update_with_a_carried_tangent_is_not_the_end(monkeypatch):
     found = safeguards(monkeypatch)
     found.solve(at(1.0))

@@ -91,7 +91,8 @@ def heading(travel):
 def loaded(scene, model):
     """(RigidBody, travel (3,), places (V, 3) [m], whether a plane face leads, whether the load is inclined, arm [m] on which
     it acts beside the centre, of the base where it presses that) of each body that is free to follow forces of a stage, or
-    that a point of it drives, and that no other body carries above the soil; the travel is the largest component [N] of the largest force."""
+    that a point of it drives, and that no other body carries above the soil; the travel is the largest
+    component [N] of the largest force."""
     if model.soil.held or not model.soil.law.plastic:
         return
     joined = {name for joint in scene.joints for name in joint.bodies}
