@@ -31,10 +31,13 @@ class CarriedTangent:
         self.drop()
         return serves
 
-    def keep(self, length, serves, failed):
-        """Carry it from an increment of this `length` [s] if it `serves`; failed: whether one carried into it did not."""
-        self._failures += failed
-        self._length = length if serves and self._failures < FAILURES else None
+    def fail(self):
+        """Count one that has not served."""
+        self._failures += 1
+
+    def keep(self, length):
+        """Carry it from an increment of this `length` [s]."""
+        self._length = length if self._failures < FAILURES else None
 
 
 class Systems:

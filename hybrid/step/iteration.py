@@ -132,7 +132,7 @@ class Safeguards:
         self.stick = None       # contact points held in stick in the next update
         self.reuse = False      # of the tangent in the next update
         self.carried = False    # whether the update is made with the tangent of the last increment
-        self.first = None       # whether the tangent of the first update serves the next increment; a carried one failed
+        self.first = None       # whether the tangent of the first update may serve the next increment
         self.jumps = []         # whether contact points jumped, for each update
 
     def solve(self, evaluation):
@@ -155,14 +155,15 @@ class Safeguards:
         if self.first is not None:
             return False
         left = np.inf if isinstance(trial, Refusal) else trial.error / before.error
-        self.first = left < SERVES, self.carried and left >= _good(self.step)
+        self.first = left < SERVES
+        if self.carried and left >= _good(self.step):
+            self.step.carried.fail()
         return self.carried and left > SLOW
 
     def keep_tangent(self, updates):
         """Let the next increment begin with the tangent of this one, which has converged in so many `updates`."""
-        if self.first:
-            serves, failed = self.first
-            self.step.carried.keep(self.step.dt, serves and updates <= CALM, failed)
+        if self.first and updates <= CALM:
+            self.step.carried.keep(self.step.dt)
 
     def follow(self, before, trial):
         """Evaluation to go on from after an update from `before` to `trial`."""

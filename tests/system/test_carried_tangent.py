@@ -10,6 +10,7 @@ import pytest
 import hybrid.simulation
 from hybrid.bench.scenes import block
 from hybrid.linalg.system_cache import CarriedTangent, Systems
+from hybrid.runtime.timing import PHASES
 from hybrid.scene import Solver, Stage
 from hybrid.setup.build import build
 from hybrid.soil.model import Refusal
@@ -78,6 +79,13 @@ def test_a_run_goes_on_to_the_last_bit_from_a_checkpoint_that_is_due(stopped, ex
     np.testing.assert_allclose(one, other, rtol=0, atol=1e-6)
 
 
+def test_each_step_has_the_time_of_each_phase(assembled):
+    records = list(falling().steps())
+    without = [record.seconds for record in records if record.step not in assembled]
+    assert without and all(set(record.seconds) == set(PHASES) for record in records)
+    assert all(seconds["assemble"] == seconds["factor"] == 0.0 < seconds["solve"] for seconds in without)
+
+
 def test_another_stage_begins_with_a_tangent_of_its_own(assembled):
     list(falling(stages=(Stage("fall", 2), Stage("damp", 2, beta=0.5, gamma=0.9))).steps())
     assert 3 in assembled
@@ -110,7 +118,7 @@ def test_an_update_that_leads_astray_is_not_taken(monkeypatch):
 def safeguards(monkeypatch, updates=Updates(5), stick=None, unknowns=1):
     """Safeguards of a stand-in for a step of 0.1 s with a carried tangent; `assembled` of the step: its assemblies."""
     carried, assembled = CarriedTangent(), []
-    carried.keep(0.1, True, False)
+    carried.keep(0.1)
     law, scheme = SimpleNamespace(plastic=False), SimpleNamespace(inertia=True)
     step = SimpleNamespace(carried=carried, dt=0.1, assembled=assembled, contact_stiffness_ratio=lambda: 0.0,
                            model=SimpleNamespace(scheme=scheme, soil=SimpleNamespace(law=law)),
@@ -156,7 +164,7 @@ def test_tangents_whose_updates_leave_too_much_for_a_second_one_fail(monkeypatch
         assert found.carried and not found.misled(at(1.0), at(0.2))
         found.keep_tangent(2)
         assert found.step.carried.take(0.1) == carries
-        found.step.carried.keep(0.1, carries, False)
+        found.step.carried.keep(0.1)
 
 
 def test_a_refused_update_with_a_carried_tangent_is_not_the_end(monkeypatch):
@@ -173,7 +181,7 @@ def test_another_assembly_drops_it():
     simulation = falling()
     workspace = Workspace(simulation.model)
     step = begin(simulation.model, simulation.state, 0.01, False, workspace)
-    step.carried.keep(0.01, True, False)
+    step.carried.keep(0.01)
     step.assemble(step.evaluate(step.at_rest()))
     assert not step.carried.take(0.01)
     workspace.destroy()
@@ -182,14 +190,10 @@ def test_another_assembly_drops_it():
 def test_a_tangent_is_carried_until_two_have_failed():
     carried = CarriedTangent()
     assert not carried.take(0.1)
-    carried.keep(0.1, True, False)
+    carried.keep(0.1)
     assert not carried.take(0.05) and not carried.take(0.1)     # of another length, and then dropped
-    carried.keep(0.1, True, False)
-    assert carried.take(0.1 * (1 + 1e-12))
-    carried.keep(0.1, False, False)
-    assert not carried.take(0.1)
-    carried.keep(0.1, True, True)
-    assert carried.take(0.1)
-    carried.keep(0.1, True, True)
-    assert not carried.take(0.1)
+    for carries in (True, True, False):
+        carried.keep(0.1)
+        assert carried.take(0.1 * (1 + 1e-12)) == carries
+        carried.fail()
     assert hybrid.simulation.AFRESH == 10

@@ -133,6 +133,18 @@ def test_a_cylinder_deep_in_clay_on_few_cells(across, adhesion, said):
     assert all(said in text and f"{across} cells of" in text and "limit 10%" in text for text in found)
 
 
+def test_a_pile_in_plan_is_deep_in_clay():
+    """The slice has no top."""
+    pile = body("cylinder.geo", {"radius": 0.5, "height": 1.0, "size": 0.1}, position=(0.0, 0.0, 0.5), driven=("x",),
+                held=("y", "rz"), velocity=(0.01, 0.0, 0.0), tension="full")
+    across = Axis(start=-4.0, end=4.0, size=0.25)
+    clay = Soil(Material(law="von-mises", young=5e6, poisson=0.49, density=1600.0, strength=1e4), geostatic=False)
+    grid = Grid(across, across, Axis(start=0.0, end=1.0, collapsed=True))
+    simulation = build(scene("pile", grid, clay, [pile], Time(1.0, inertia=False), 10, (0.0, 0.0, 0.0)))
+    text, = clay_cells.flow_around(simulation.scene, simulation.model)
+    assert "is round and 4 cells of 0.25 m wide" in text and "about 56%" in text
+
+
 @pytest.mark.parametrize("factor, measured", [(clay_cells.AROUND, {4: 0.183, 6: 0.085, 8: 0.051, 12: 0.029, 16: 0.018}),
                                               (clay_cells.ROUGH, {4: 0.094, 6: 0.049, 8: 0.033, 12: 0.016})])
 def test_the_law_of_flow_around_a_cylinder_is_what_was_measured(factor, measured):
@@ -145,7 +157,7 @@ def test_a_cylinder_that_clay_stays_attached_to_is_judged_by_its_own_law():
     for adhesion, measured in ((0.0, {4: 0.5, 5: 0.34, 8: 0.15}), (1.0, {4: 0.25, 5: 0.14, 8: 0.06}),
                                (0.5, {5: 0.23, 10: 0.05})):
         pipe = SimpleNamespace(interface=SimpleNamespace(adhesion=adhesion, tension=np.inf))
-        clay = SimpleNamespace(law=SimpleNamespace(parameters=np.full((1, 5), 1e4)))
+        clay = SimpleNamespace(law=None)
         for across, excess in measured.items():
             assert clay_cells._around(pipe, clay) / across**2 == pytest.approx(excess, abs=0.07)
     buried = plasticity.buried(5, adhesion=1.0)

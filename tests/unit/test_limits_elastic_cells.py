@@ -100,6 +100,7 @@ def test_a_base_that_soft_springs_let_settle_too_much():
     assert not pads(depth=0.01, kind="cylinder.geo")    # 8 %
     assert "settles by about 17%" in pads(depth=0.01, kind="cylinder.geo", size=0.5)[0]
     assert "settles by about 17% and tilts by about 65%" in pads(**loaded, arm=0.5, kind="cylinder.geo", size=0.5)[0]
+    assert not pads(force=-50e3, law="mohr-coulomb")    # it is lifted
     assert not pads(force=50e3) and not pads(force=150e3) and not pads(depth=0.05)     # clay that bears it; that flows
     assert not pads(depth=0.01, position=(0.0, 0.0, 0.3), rest_on=None)     # it does not reach the ground
     assert not pads(depth=0.01, law="mohr-coulomb") and not pads(depth=0.01, penalty=2e3) and not pads(depth=-0.01)
