@@ -43,8 +43,8 @@ def beside_roller(scene, model):
             if side and getattr(scene.grid.faces, side) == "roller" and name not in planes:
                 turns = " and ".join("r" + other for other in "xyz" if other != name)
                 yield (f"{body.name} ends on the face {side} of the grid and may leave it: it is a whole body beside a "
-                       f"plane of symmetry. For a part of a body lay the whole one across {name} = {ends[at[0]]:.4g} m, with its middle "
-                       f"there, or hold {name}, {turns}")
+                       f"plane of symmetry. For a part of a body lay the whole one across {name} = {ends[at[0]]:.4g} m, "
+                       f"with its middle there, or hold {name}, {turns}")
                 break
 
 
