@@ -33,7 +33,8 @@ SHALLOW_PLATE = 0.9
 # Blocks pressed down by 0.36 of their width, smooth, lines a quarter of a cell beside the edges: 9.5, 8.5 s_u A of a square
 # with 4.5, 8.5 cells, towards 7.4; 7.6, 6.8, 6.5 of a strip with 4.5, 8.5, 16.5, towards 6.3
 SUNK, MEASURED = 2.0, 3.9       # MEASURED: cells across, of narrower ones `unjudged` tells
-# Smooth discs of 4, 6, 8 cells, E = 500 s_u: 7.6, 7.0, 6.8 s_u A at z = 0.1 B, 9.3, 8.4, 8.3 at 0.3 B, towards 6.0 and 7.3
+# Smooth discs of 4, 6, 8 cells, E = 500 s_u: 7.6, 7.0, 6.8 s_u A at z = 0.1 B, 9.3, 8.4, 8.3 at 0.3 B, towards 6.0 and 7.3;
+# half of that excess with 5 and 7 cells, an outline that ends between lines of the grid
 ROUND_BASE = 0.5
 # Round, two widths deep, α = 1: 14.6, 13.7, 13.1 s_u A with 4, 6, 8 cells pushed in, 12.7, 12.6, 12.3 lifted
 SHALLOW_ROUND = 0.5
