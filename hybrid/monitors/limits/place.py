@@ -34,13 +34,13 @@ def beside_roller(scene, model):
     for described, body in zip(scene.bodies, model.bodies):
         if soil.held or body.name in joined:
             continue
-        place, planes = initial_vertices(described, body), {mirror.axis for mirror in body.mirrors}
+        place = initial_vertices(described, body)       # one that is cut there is held, it cannot leave the plane
         for a in np.flatnonzero(~soil.grid.collapsed[:2] & body.free[:2] & ~body.driven[:2]):
             ends, found = soil.grid.extent[a], np.array([place[:, a].min(), place[:, a].max()])
             at = np.flatnonzero(np.abs(found - ends) < FLUSH * soil.grid.smallest_cell)
             name = "xy"[a]
             side = f"{name}_{('min', 'max')[at[0]]}" if len(at) == 1 else ""
-            if side and getattr(scene.grid.faces, side) == "roller" and name not in planes:
+            if side and getattr(scene.grid.faces, side) == "roller":
                 turns = " and ".join("r" + other for other in "xyz" if other != name)
                 yield (f"{body.name} ends on the face {side} of the grid and may leave it: it is a whole body beside a "
                        f"plane of symmetry. For a part of a body lay the whole one across {name} = {ends[at[0]]:.4g} m, "
