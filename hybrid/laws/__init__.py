@@ -6,6 +6,7 @@ The interface of a law, of a user's law too:
     plastic                                        whether the law has plastic strain
     symmetric                                      whether all tangents are symmetric; those of a user's law are
                                                    taken for unsymmetric
+    opens                                          (n,) bool, points that open under tension; of a user's law none
     respond(strain, plastic_strain) -> Response    strain (n, 3) trial principal logarithmic strain,
                                                    plastic_strain (n,) accumulated up to the committed state
     energy(elastic) -> (n,)                        [J/m³ of initial volume] stored by principal elastic strain (n, 3)

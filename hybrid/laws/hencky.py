@@ -30,6 +30,11 @@ class Hencky:
         return np.zeros(len(self.parameters), bool)
 
     @property
+    def opens(self):
+        """(n,) bool, points that open under tension: none of elastic soil."""
+        return np.zeros(len(self.parameters), bool)
+
+    @property
     def rows(self):
         """(n, 1 + k) Young's modulus and parameters of each point."""
         return np.column_stack([self.young, self.parameters])

@@ -35,7 +35,7 @@ class CheckedLaw:
     is derived from another one inherits `symmetric` from it, right or wrong. rows: (n, 11) what the user's function
     `make` was given of each point: FIELDS and its initial stress."""
 
-    symmetric = False
+    symmetric = opens = False
 
     def __init__(self, law, n, make=None, rows=None):
         self.law, self.n, self.make, self.rows = law, n, make, rows

@@ -65,10 +65,6 @@ class Solver:
         default=1e-2, at_least=0, below=1, remedy="0 switches it off")
     line_search: bool = key("where full Newton updates make no progress, backtrack from those that leave more than 80 % of "
                             "the residual, as long as that lowers it", default=True)
-    elastic_share: float = key(
-        "share of the elastic stiffness mixed into the plastic tangent: 0 is Newton's method; 0.1 saves a tenth of the "
-        "iterations of the anchor at 0.2 m cells and costs a tenth at 0.4 m", "-", default=0.0, at_least=0, below=1,
-        remedy="0 is the consistent tangent, 0.1 helps loose sand")
 
 
 @table

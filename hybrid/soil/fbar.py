@@ -11,7 +11,15 @@ hat functions N_v are ½, and the centre of the soil in one that it fills by les
 (`hybrid.soil.filled_cells`). At the centre of a cell that a body cuts the gradient is partly that of the body's side, so
 the soil in it lost volume at no cost: a cylinder of 6 cells, moved through clay under a pressure of 20 s_u, left 14 % of
 the soil in its way nowhere, and under 60 s_u all of it. The nodes are those of the point's basis; a linear displacement
-gives ΔF_0 = ΔF; and the weight of a cell that a point enters grows continuously from zero. The internal force is the
+gives ΔF_0 = ΔF; and the weight of a cell that a point enters grows continuously from zero.
+
+Volume changes that cancel in each cell cost no energy then. Clay resists them by its shear stiffness; sand that flows
+without dilating as its friction allows has none against some of them, and its strength falls where they open it. So a
+point of soil that can open (`opens` of its law) keeps a share OWN of its own volume change:
+
+    m_v = (1 - OWN) Σ_K ... + OWN S_v, in each of the two directions
+
+The internal force is the
 derivative of the stored energy of F̄, so energy and both momenta are conserved as without F-bar, and the elastic tangent
 is symmetric:
 
@@ -49,16 +57,18 @@ from hybrid.soil.boxes import STRIDE
 from hybrid.soil.tangent import combine
 
 CUT = 0.1       # share of a cell that is empty, from which on it counts as cut
+OWN = 0.1       # share of its own volume change that a point of soil keeps which can open
 COUNT = 110                                         # numbers that the tangent of a point follows from
 C_AT, E_AT, INVERSE_AT, SCALARS_AT = 81, 90, 99, 108        # where ĉ, ê, ΔF_0^-1, and κ and q begin among them
 
 
-def mean_basis(basis, cells):
+def mean_basis(basis, cells, opens):
     """Basis with the values m_v and the gradients of `basis`: evaluated as `basis` for ∇_n S_v, it gives ∇_n M_v. cells:
-    FilledCells of the same points."""
+    FilledCells of the same points; opens: (n,) bool, points of soil that can open, or one for all."""
     value, cut = np.zeros_like(basis.value), np.clip((1.0 - cells.share) / CUT, 0.0, 1.0)
     _mean_values(cells.first, basis.count, cells.parts, 0.5 + cut * (cells.centre - 0.5), value)
-    return Basis(basis.first, basis.count, value, basis.gradient)
+    own = np.reshape(np.where(opens, OWN, 0.0), (-1, 1, 1))
+    return Basis(basis.first, basis.count, value + own * (basis.value - value), basis.gradient)
 
 
 @njit(cache=True, parallel=True)

@@ -156,7 +156,7 @@ class Soil:
                                self.grid)
         return SoilStep(
             points, basis, slabs, mass, velocity, acceleration, mass[:, None] * load, *algorithmic,
-            mean=fbar.mean_basis(basis, cells) if self.fbar else None,
+            mean=fbar.mean_basis(basis, cells, self.law.opens) if self.fbar else None,
             cuts=ghost.find_faces(cells, self.grid, self.ghost_factor) if self.ghost_factor else None,
             workspace=workspace or SoilWorkspace(self))
 
@@ -186,8 +186,8 @@ class Soil:
             ghost.add_force(step.cuts, self.grid, displacement, force)
         return SoilTrial(strain, response, stress, force, *volume_strains)
 
-    def fill_stiffness(self, step, trial, pattern, values, error=1.0):
-        """Put the tangent of `trial` into the soil block (entries `values`).
+    def fill_stiffness(self, step, trial, pattern, values, error=1.0, elastic=0.0):
+        """Put the tangent of `trial` into the soil block (entries `values`), with a share of the `elastic` one.
 
         Where tangents are kept within an increment, changes are left out that are too small to matter at a relative
         residual of `error`: fewer as it falls, so that Newton's method converges faster than linearly.
@@ -195,17 +195,17 @@ class Soil:
         kept = step.workspace.kept
         if kept is None:
             values[...] = 0.0
-            self.add_stiffness(step, trial, pattern, values)
+            self.add_stiffness(step, trial, pattern, values, elastic)
             return
         volume, tangent = _active_only(step.points, self.constants.volume), trial.response.tangent
-        kept.update(step, self.grid, trial.strain, trial.response.stress, step.workspace.law_tangent(tangent),
+        kept.update(step, self.grid, trial.strain, trial.response.stress, step.workspace.law_tangent(tangent, elastic),
                     volume, pattern, np.sqrt(min(error, 1.0)))
         copy_values(kept.values, values)
 
-    def add_stiffness(self, step, trial, pattern, values):
+    def add_stiffness(self, step, trial, pattern, values, elastic=0.0):
         """Add the tangent of `trial` at all points to the soil block (entries `values`)."""
         volume = _active_only(step.points, self.constants.volume)
-        tangent = step.workspace.law_tangent(trial.response.tangent)
+        tangent = step.workspace.law_tangent(trial.response.tangent, elastic)
         add_stiffness(step, self.grid, trial.strain, trial.response.stress, tangent, volume, pattern, values)
         if step.cuts:
             ghost.add_stiffness(step.cuts, self.grid, pattern, values)

@@ -1,12 +1,12 @@
-"""Memory that the evaluations of one soil share, and the tangent as the solver's settings want it.
+"""Memory that the evaluations of one soil share, and the tangent as Newton's method wants it.
 
 The soil model and the points are never written to. What changes from one evaluation to the next lies here: the buffers
 of trial strains (`hybrid.soil.kinematics`) and, with `solver.tangent_tolerance`, the tangent that is kept within an
 increment (`hybrid.soil.stiffness`).
 
-At the apex of a cone the consistent tangent is zero, and loose sand at the surface changes between no stiffness and its
-full stiffness from one Newton iteration to the next. A share s of the elastic tangent mixed into the plastic one,
-D + s (D_e - D), damps that; it changes the iterations, not the solution (`solver.elastic_share`).
+At the apex of a cone the consistent tangent is zero, and sand changes between no stiffness and its full stiffness from
+one Newton iteration to the next. A share s of the elastic tangent mixed into the plastic one, D + s (D_e - D), damps
+that; it changes the iterations, not the solution. Newton's method sets it (`hybrid.step.iteration.ELASTIC`).
 """
 
 import numpy as np
@@ -29,15 +29,15 @@ class SoilWorkspace:
     def __init__(self, soil, solver=None):
         n = len(soil.constants)
         self.trial_strain = Kinematics(0 if soil.held else n, soil.fbar)
-        self.kept, self._share, self._elastic = None, 0.0, None
-        if solver is None or soil.held:
-            return
-        if keeps_tangents(soil, solver):
+        self.kept, self._law, self._elastic = None, soil.law, None
+        if solver is not None and keeps_tangents(soil, solver):
             self.kept = KeptStiffness(solver.tangent_tolerance, soil.law.young, soil.fbar)
-        if solver.elastic_share and soil.law.plastic:
-            self._share = solver.elastic_share
-            self._elastic = soil.law.respond(np.zeros((n, 3)), np.zeros(n)).tangent
 
-    def law_tangent(self, tangent):
-        """The law's D (n, 3, 3) [Pa] with its share of the elastic one."""
-        return tangent + self._share * (self._elastic - tangent) if self._share else tangent
+    def law_tangent(self, tangent, share):
+        """The `tangent` D (n, 3, 3) [Pa] of the law with a `share` [-] of the elastic one."""
+        if not (share and self._law.plastic):
+            return tangent
+        if self._elastic is None:
+            at_rest = np.zeros((len(tangent), 3))
+            self._elastic = self._law.respond(self._law.strain(at_rest), np.zeros(len(tangent))).tangent
+        return tangent + share * (self._elastic - tangent)

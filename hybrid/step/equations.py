@@ -157,13 +157,14 @@ class Step:
         return Evaluation(unknowns, residual, np.concatenate(on_bodies), error, norms, internal, soil and soil.trial,
                           soil and soil.rates, bodies, joints, pairs)
 
-    def assemble(self, evaluation, kind=Tangent.CONSISTENT):
-        """Fill the block system with the tangent at an evaluation, of a `kind` for contact, and factor it."""
+    def assemble(self, evaluation, kind=Tangent.CONSISTENT, elastic=0.0):
+        """Fill the block system with the tangent at an evaluation, of a `kind` for contact and with a share of the `elastic`
+        one for soil, and factor it."""
         self.carried.drop()
         self.system.clear()
         stiffness = comm.largest(self.model.soil.law.young) * self.model.soil.grid.smallest_cell
         if self.soil is not None:   # no process waits for another between soil and contact: they share the sum of both
-            soil_terms.add_tangent(self, evaluation.soil_trial, evaluation.error)
+            soil_terms.add_tangent(self, evaluation.soil_trial, evaluation.error, elastic)
         with phase("contact"):
             for terms in evaluation.bodies:
                 terms.add_tangent(self.pattern, self.system, stiffness, kind)

@@ -18,6 +18,7 @@ from scipy.optimize import brentq
 from hybrid.runtime.comm import anywhere
 from hybrid.runtime.errors import StepError
 from hybrid.soil.model import Refusal
+from hybrid.step.iteration import elastic_share
 
 # Share of the points that touched from which on a body leaves the soil behind in the first guess of a quasi-static
 # increment.
@@ -148,7 +149,7 @@ def followed(step, evaluation):
             contacts.enter_context(terms.step.pair.bilateral())
         try:
             start = step.evaluate(unknowns)
-            step.assemble(start)
+            step.assemble(start, elastic=elastic_share(step, start.error))
             soil, body, _ = step.system.solve(start.soil, start.body, step.model.solver.linear_tolerance)
         except StepError:
             return None

@@ -2,7 +2,8 @@
 
     K δ = -R      u <- u + s δ      s = 1, or by backtracking 1, 1/2, ... 1/16 until |R| falls enough
 
-The first update is made with the tangent of the last increment while that serves (`CarriedTangent`). Where an update leaves
+K is the consistent tangent, without inertia with a share of the elastic one that vanishes with the residual (ELASTIC). The
+first update is made with the tangent of the last increment while that serves (`CarriedTangent`). Where an update leaves
 most of the residual in a few nodes, these are solved for by themselves before the next one (`hybrid.step.restriction`).
 Contact points that such an update carries from slip in one direction to slip in the other are held in stick for the next one
 (`hybrid.contact.reversals`). The linear systems K δ = -R are solved to FORMULATION (48).
@@ -40,6 +41,10 @@ PATIENCE, FALL, MOST = 10, 0.8, 100
 # Full updates have diverged where the error is DIVERGED times the smallest one, and LOST or more: soil has opened
 # that was not to open, and a tangent there takes a thousand Krylov iterations.
 DIVERGED, LOST = 20.0, 0.3
+# Share of the elastic tangent in that of soil that yields, times the error, without inertia: points change between no
+# stiffness and their full one from one update to the next, and full updates go to and fro. With the factor of the error the
+# end remains quadratic.
+ELASTIC = 0.3
 # Nodes that carry most of the residual are solved for by themselves where an update leaves more than SLOW of it, until
 # SMOOTH of theirs is left or BRIEF iterations make no progress.
 SLOW, SMOOTH, BRIEF = 0.5, 0.1, 4
@@ -145,7 +150,7 @@ class Safeguards:
         self.carried = bool(ready) and step.carried.take(step.dt)
         if self.stick or not (self.reuse or self.carried):
             near = step.model.scheme.inertia or held.error <= FAR
-            step.assemble(held, self.updates.near if near else self.updates.far)
+            step.assemble(held, self.updates.near if near else self.updates.far, elastic_share(step, held.error))
         with phase("solve"):
             return step.system.solve(held.soil, held.body, linear_tolerance(self.solver, self.finest, held.error))
 
@@ -180,6 +185,12 @@ class Safeguards:
     def jumping(self):
         """Whether contact points have jumped between facets in more than one of the last updates."""
         return sum(self.jumps[-self.updates.patience:]) > 1
+
+
+def elastic_share(step, error):
+    """Share [-] of the elastic tangent in that of soil that yields, at an evaluation of this `error`; none with inertia, which
+    is stiffness where soil has opened."""
+    return 0.0 if step.model.scheme.inertia else ELASTIC * min(error, 1.0)
 
 
 def _tangent_serves(step, before, after):

@@ -82,11 +82,12 @@ def residual(step, terms, displacement, springs):
     return left, norms["internal"], norm, max(norm - noise, 0.0) / scale if scale > 0 else 0.0
 
 
-def add_tangent(step, trial, error):
-    """Fill the soil block with stiffness and inertia; error: relative residual at the trial."""
+def add_tangent(step, trial, error, elastic):
+    """Fill the soil block with stiffness and inertia; error: relative residual at the trial; elastic: share [-] of the
+    elastic tangent in the stiffness of soil that yields."""
     pattern, values = step.pattern, step.system.values
     with phase("assemble"):
-        step.model.soil.fill_stiffness(step.soil, trial, pattern, values, error)
+        step.model.soil.fill_stiffness(step.soil, trial, pattern, values, error, elastic)
         mass = np.repeat(step.soil.mass[:, None], 3, axis=1)[pattern.free]
         own = step.model.soil.grid.own_unknowns(pattern.free)     # each process adds its own nodes' mass
         values[pattern.diagonal[own]] += step.model.scheme.mass_factor(step.dt) * mass[own]

@@ -42,12 +42,12 @@ def bank(steps):
 
 
 def test_a_collapse_takes_whole_updates(monkeypatch):
-    """Up to 7 iterations a step; with backtracking from the start, 19, and 143 instead of 87 in all."""
+    """Up to 7 iterations a step; with backtracking from the start 124 instead of 86 in all."""
     records = bank(20)
     assert sum(r.rejections for r in records) == 0
     monkeypatch.setattr(newton, "_newton", lambda step, solver, start, shorten: iteration.iterate(
         step, solver, start, iteration.Updates(iteration.PATIENCE, backtrack=True)))
-    assert sum(r.iterations for r in bank(20)) > 1.5 * sum(r.iterations for r in records)
+    assert sum(r.iterations for r in bank(20)) > 1.3 * sum(r.iterations for r in records)
 
 
 def test_a_long_step_needs_many_iterations_and_no_halving(monkeypatch):
@@ -147,7 +147,7 @@ def test_updates_that_go_astray_are_not_followed(monkeypatch):
         model=SimpleNamespace(soil=SimpleNamespace(law=SimpleNamespace(plastic=True)), scheme=SimpleNamespace(inertia=True)),
         contact_stiffness_ratio=lambda: 0.0,
         system=SimpleNamespace(solve=lambda *system: (None, None, 1), soil_unknowns=1),
-        assemble=lambda evaluation, kind: tangents.append(kind), carried=CarriedTangent(), dt=0.1)
+        assemble=lambda evaluation, kind, elastic: tangents.append(kind), carried=CarriedTangent(), dt=0.1)
     monkeypatch.setattr(sticking, "turned_round", lambda *evaluations: None)
     monkeypatch.setattr(sticking, "drifting", lambda *evaluations: None)
     monkeypatch.setattr(held_facets, "switched", lambda *contacts: False)
@@ -162,7 +162,9 @@ def test_updates_that_go_astray_are_not_followed(monkeypatch):
 
 def test_far_from_the_solution_the_tangent_of_a_step_without_inertia_does_not_soften(monkeypatch):
     """A quarter of a box pressed into clay, by a tenth of a cell a step: 33 iterations in four steps. With the softening of
-    its edges from the start of a step on, updates go to and fro: 50."""
+    its edges from the start of a step on, updates go to and fro: 50. A share of the elastic tangent damps that too (41 and
+    45), and is left out here."""
+    monkeypatch.setattr(iteration, "ELASTIC", 0.0)
     quarter = box(1.0, 1.0, 0.5, size=20.0, density=2000.0, position=(0.0, 0.0, 0.0), rest_on=0.0, friction=0.5,
                   held=("x", "y", "rx", "ry", "rz"), driven=("z",), velocity=(0.0, 0.0, -0.025))
     clay = Material(law="von-mises", young=1e7, poisson=0.49, density=1700.0, strength=2e4)

@@ -117,10 +117,10 @@ def two(tmp_path_factory):
 
 
 def test_few_nodes_of_all_ranks_are_solved_for_by_themselves(two, tmp_path):
-    """Nonlinear elimination: as few iterations a step as on one rank (4 at most, 8 without), to the same place."""
+    """Nonlinear elimination: as few iterations as on one rank (6 a step at most), to the same place."""
     hybrid("run", *coarse_anchor("stage.0.steps=6", "stage.1.steps=8"), "--out", tmp_path, "--ranks", 1)
     one = read_history(tmp_path)
-    assert two["iterations"].max() <= 5 and two["iterations"].sum() <= 1.05 * one["iterations"].sum()
+    assert two["iterations"].max() <= 6 and two["iterations"].sum() <= 1.05 * one["iterations"].sum()
     assert two["anchor_z_m"] == pytest.approx(one["anchor_z_m"], abs=1e-5)
     assert two["anchor_tension_N"][-1] == pytest.approx(one["anchor_tension_N"][-1], rel=1e-4)
 

@@ -291,12 +291,12 @@ def test_a_share_of_the_elastic_stiffness_is_mixed_in():
     """K(s) = (1 - s) K + s K_elastic, where points flow."""
     def stiffness(share, **law):
         material = Material(young=YOUNG, poisson=0.3, density=1800.0, **law)
-        described = soil_scene(gravity=(0.0, 0.0, -9.81), solver=Solver(elastic_share=share, tangent_tolerance=0.0))
+        described = soil_scene(gravity=(0.0, 0.0, -9.81), solver=Solver(tangent_tolerance=0.0))
         simulation = build(replace(described, soil=replace(described.soil, material=material)))
         step = begin(simulation.model, simulation.state, 0.01, False, Workspace(simulation.model))
         shaken = 0.004 * np.random.default_rng(0).normal(size=step.predictor().displacement.shape)
         evaluation = step.evaluate(replace(step.predictor(), displacement=shaken))
-        step.assemble(evaluation)
+        step.assemble(evaluation, elastic=share)
         return step.system.values.copy()
 
     sand = {"law": "drucker-prager", "friction_angle": 30.0, "dilation_angle": 5.0, "cohesion": 1e3}

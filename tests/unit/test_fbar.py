@@ -24,12 +24,12 @@ def bases(name, standard=False):
     return axes, basis, mean_basis(position, half, axes, basis)
 
 
-def mean_basis(position, half, axes, basis, volume=None):
+def mean_basis(position, half, axes, basis, volume=None, opens=False):
     """Mean basis of points with a `volume` (n,) [m³], else that of their domains."""
     extent = np.array([(a[0], a[-1]) if len(a) > 1 else (0.0, 1.0) for a in axes])
     grid = make_grid(axes, extent, dict.fromkeys(FACES, "free"))
     volume = 8 * half.prod(axis=1) if volume is None else volume
-    return fbar.mean_basis(basis, fill_cells(basis, position, half, volume, np.ones(len(position)), grid))
+    return fbar.mean_basis(basis, fill_cells(basis, position, half, volume, np.ones(len(position)), grid), opens)
 
 
 def gradients(basis, shape, displacement):
@@ -74,6 +74,19 @@ def test_mean_gradient_is_that_of_the_middle_of_the_soil_in_a_cut_cell():
         mean = mean_basis(place, half, axes, basis, scale * volume)
         wanted = gradients(evaluate_basis(at[None], np.zeros((1, 3)), axes), (3, 3, 3), displacement)
         np.testing.assert_allclose(gradients(mean, (3, 3, 3), displacement), np.repeat(wanted, 2, axis=0), atol=1e-12)
+
+
+def test_points_that_can_open_keep_a_share_of_their_own_gradient():
+    """In plane strain, where the gradient is linear in m_v; in clay beside them, none."""
+    axes, rng = (np.linspace(0.0, 1.0, 6), np.linspace(0.0, 1.0, 5), np.array([0.0])), np.random.default_rng(6)
+    place, half = np.column_stack([rng.uniform(0.1, 0.9, (50, 2)), np.zeros(50)]), np.tile([0.05, 0.05, 0.5], (50, 1))
+    basis, opens = evaluate_basis(place, half, axes), np.arange(50) < 20
+    displacement = rng.standard_normal((30, 3)) * (1, 1, 0)
+    own, mean, found = (gradients(one, (6, 5, 1), 0.01 * displacement) for one in (
+        basis, mean_basis(place, half, axes, basis), mean_basis(place, half, axes, basis, opens=opens)))
+    share = np.where(opens, fbar.OWN, 0.0)[:, None, None]
+    np.testing.assert_allclose(found, mean + share * (own - mean), atol=1e-14)
+    assert np.abs(own - mean)[opens].max() > 1e-2
 
 
 def test_only_axes_that_deform_are_scaled():

@@ -27,7 +27,7 @@ SETTLE, DRAG, SPEED = 1.0, 0.6, 0.5     # [s], [s], [m/s] of the far end
 FINE = {    # [m] around the path, by size of the cells; all hold z = 0
     0.4: ((-0.8, 3.6), (0.0, 1.6), (-1.2, 0.8)), 0.3: ((-0.6, 3.9), (0.0, 1.5), (-1.5, 0.9)),
     0.25: ((-0.75, 3.75), (0.0, 1.5), (-1.5, 0.75)), 0.2: ((-0.6, 3.8), (0.0, 1.4), (-1.4, 0.8))}
-LOOSE = {"tolerance": 1e-3, "elastic_share": 0.1, "tangent_tolerance": 0.1}
+LOOSE = {"tolerance": 1e-3, "tangent_tolerance": 0.1}
 
 
 def curves(quick):
