@@ -188,8 +188,8 @@ class Safeguards:
 
 
 def elastic_share(step, error):
-    """Share [-] of the elastic tangent in that of soil that yields, at an evaluation of this `error`; none with inertia, which
-    is stiffness where soil has opened."""
+    """Share [-] of the elastic tangent in that of soil that yields, at an evaluation of this `error`; none with inertia,
+    which is stiffness where soil has opened."""
     return 0.0 if step.model.scheme.inertia else ELASTIC * min(error, 1.0)
 
 
