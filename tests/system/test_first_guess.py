@@ -12,7 +12,7 @@ from hybrid.runtime.errors import StepError
 from hybrid.scene import Body, Faces, Layer, Load, Material, Motion, Stage, Time
 from hybrid.scene.file import load_scene
 from hybrid.setup.build import build
-from hybrid.step import body_terms, first_guess, increments, newton
+from hybrid.step import body_terms, first_guess, increments, iteration, newton
 from hybrid.study.scenes import box
 
 MAT = put_on_soil(
@@ -53,12 +53,14 @@ def records(described):
 
 
 def test_a_mat_is_put_down_by_its_weight(monkeypatch):
-    """Its weight, on the stiffness of one cell, would press it into the soil by 4 cm at once."""
+    """Its weight, on the stiffness of one cell, would press it into the soil by 4 cm at once. A share of the elastic tangent
+    gets over that too, and is left out there."""
     found = records(MAT)
     assert sum(record.iterations for record in found) <= 8 and all(record.rejections == 0 for record in found)
     assert found[-1].bodies[0].contact_force[2] == pytest.approx(0.8 * 0.5 * 2400 * 9.81, rel=1e-3)
     monkeypatch.setattr(newton, "lowered_to_contact", lambda step, evaluation: evaluation)
     monkeypatch.setattr(increments.Support, "at_start", lambda step, length: None)
+    monkeypatch.setattr(iteration, "ELASTIC", 0.0)
     with pytest.raises(StepError):
         records(MAT)
 
@@ -126,12 +128,12 @@ def drawn_back():
 
 def test_soil_follows_a_wall_that_is_drawn_back(monkeypatch):
     """Its springs are pressed by less than it moves: with the soil where it was it would leave clay behind that cannot
-    stand by itself (116 iterations in 6 increments instead of 3 in one)."""
+    stand by itself (9 iterations instead of 2; 116 in 6 increments without a share of the elastic tangent)."""
     record, force = drawn_back()
     assert record.iterations <= 10 and record.rejections == 0
     monkeypatch.setattr(first_guess, "followed", lambda step, evaluation: None)
     without, same = drawn_back()
-    assert without.iterations > 5 * record.iterations
+    assert without.iterations > 3 * record.iterations
     assert same == pytest.approx(force, rel=0.06)       # cut into increments, by 2 to 4 % with the libraries
 
 
