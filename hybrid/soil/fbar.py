@@ -13,11 +13,11 @@ the soil in it lost volume at no cost: a cylinder of 6 cells, moved through clay
 the soil in its way nowhere, and under 60 s_u all of it. The nodes are those of the point's basis; a linear displacement
 gives ΔF_0 = ΔF; and the weight of a cell that a point enters grows continuously from zero.
 
-Volume changes that cancel in each cell cost no energy then. Clay resists them by its shear stiffness; sand that flows
-without dilating as its friction allows has none against some of them, and its strength falls where they open it. So a
-point of soil that can open (`opens` of its law) keeps a share OWN of its own volume change:
+Volume changes that cancel in each cell cost no energy then. Clay resists them by its shear stiffness. Sand whose flow
+dilates less than its friction asks for has no stiffness against some of them, and loses strength where they open it. So a
+point of soil that can open (`opens` of its law) keeps a share OWN of its own volume change: for it,
 
-    m_v = (1 - OWN) Σ_K ... + OWN S_v, in each of the two directions
+    m_v = (1 - OWN) (m_v above) + OWN S_v, in each of the two directions across
 
 The internal force is the
 derivative of the stored energy of F̄, so energy and both momenta are conserved as without F-bar, and the elastic tangent
