@@ -1,6 +1,7 @@
 """Sand that flows without dilating, without inertia: a strip footing, of which half is modelled, pressed into it."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
@@ -41,6 +42,14 @@ def test_a_share_that_does_not_vanish_with_the_residual_converges_slowly(monkeyp
     iterations, _, _ = pressed(0.25, 0.004)
     monkeypatch.setattr(iteration, "elastic_share", lambda step, error: iteration.ELASTIC)
     assert pressed(0.25, 0.004)[0] > 1.5 * iterations
+
+
+def test_the_share_follows_the_error_and_is_none_with_inertia():
+    """Relative to the forces acting, an error may exceed 1."""
+    still, moving = (SimpleNamespace(model=SimpleNamespace(scheme=SimpleNamespace(inertia=one))) for one in (False, True))
+    found = [iteration.elastic_share(still, error) for error in (0.0, 0.01, 1.0, 7.0)]
+    assert found == [0.0, 0.01 * iteration.ELASTIC, iteration.ELASTIC, iteration.ELASTIC]
+    assert iteration.elastic_share(moving, 1.0) == 0.0
 
 
 def test_volume_changes_that_cancel_in_a_cell_are_resisted(monkeypatch):
