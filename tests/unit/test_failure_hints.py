@@ -61,14 +61,21 @@ def test_round_off_grows_with_stiffness_and_size():
 def test_long_plastic_increments_are_reported_once():
     monitor = PlasticIncrement(None, None)
 
-    def notes(time, added):
+    def notes(step, added):
         report = SimpleNamespace(plastic_increment=added)
-        return monitor.notes(StepView(None, SimpleNamespace(time=time), None, report, {}))
+        return monitor.notes(StepView(None, SimpleNamespace(time=float(step), step=step), None, report, {}))
 
-    assert notes(1.0, LIMIT) == ()
-    (text,) = notes(2.0, 0.15)
-    assert "0.15" in text and f"limit {LIMIT:g}" in text and "stage.steps" in text
-    assert notes(3.0, 1.0) == ()
+    assert notes(1, LIMIT) == ()
+    (text,) = notes(2, 0.15)
+    assert "0.15" in text and f"limit {LIMIT:g}" in text and "stage.steps" in text and "stage.load" not in text
+    assert notes(3, 1.0) == ()
+
+
+def test_a_weight_that_yields_in_the_first_step_is_to_be_let_down():
+    """More steps are no remedy for what acts at once."""
+    view = StepView(None, SimpleNamespace(time=1.0, step=1), None, SimpleNamespace(plastic_increment=2 * LIMIT), {})
+    (text,) = PlasticIncrement(None, None).notes(view)
+    assert "stage.load" in text
 
 
 def quasi_static(**more):

@@ -9,7 +9,7 @@ from hybrid.laws.von_mises import VonMises
 from hybrid.monitors.limits import cells, limit_warnings, sand_cells
 from hybrid.monitors.limits.loading import law_at, loaded, sides, stays_attached, travels_of
 from hybrid.runtime.data import GEOMETRY
-from hybrid.scene import Axis, Body, Faces, Grid, Layer, Load, Material, Motion, Scene, Soil, Stage, Time
+from hybrid.scene import Axis, Body, Faces, Grid, Joint, Layer, Load, Material, Motion, Scene, Soil, Stage, Time
 from hybrid.setup.build import build
 
 SAND = Material(young=5e7, poisson=0.3, density=1700.0, friction_angle=30.0, dilation_angle=0.0, cohesion=0.0)
@@ -139,6 +139,20 @@ def test_a_load_beside_the_middle_of_the_base_is_eccentric(point, says):
     (*_, arm), = loaded(simulation.scene, simulation.model)
     assert (arm > 0.0) == says
     assert not says or arm == pytest.approx(0.5 / 3 if point[0] == 0.0 else 0.2)
+
+
+def test_a_load_on_a_body_that_is_joined_is_not_eccentric():
+    """How much of its moment the joint hands on to the other body is known only when both are in equilibrium."""
+    scene = described(Stage("one", 10, loads=(Load("strip", force=(0.0, 0.0, -3e4), point=(0.4, 0.0, 0.5)),)),
+                      material=CLAY, rest_on=0.0)
+    strip = replace(scene.bodies[0], driven=(), position=(0.0, 0.5, 0.5), held=())
+    twin = replace(strip, name="twin", position=(2.1, 0.5, 0.5))
+    hinge = Joint("hinge", "hinge", ("strip", "twin"), point=(1.0, 0.0, 0.5), axis=(0.0, 1.0, 0.0))
+    arms = []
+    for joints in (), (hinge,):
+        simulation = build(replace(scene, bodies=(strip, twin), joints=joints))
+        arms += [arm for *_, arm in loaded(simulation.scene, simulation.model)]
+    assert arms == [pytest.approx(0.4), 0.0]
 
 
 @pytest.mark.parametrize("load, told", [(2e4, 0), (6e4, 1)])

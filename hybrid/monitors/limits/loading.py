@@ -109,7 +109,8 @@ def loaded(scene, model):
         inclined = np.abs(np.where(body.free[:3], force - travel, 0.0)).max() > ASIDE * abs(force[axis])
         if axis == 2 and force[2] < 0.0:    # about the middle of the base
             moment = moment + np.cross([0.0, 0.0, body.surface.extent(-rotation[2])], force)
-        arm = np.abs(np.where(body.free[3:], moment, 0.0)).max() / abs(force[axis])
+        # joints to others share a moment with the base, by how much the soil decides
+        arm = 0.0 if body.name in joined else np.abs(np.where(body.free[3:], moment, 0.0)).max() / abs(force[axis])
         yield (whole, travel, place, leads(whole, place, travel), inclined,
                arm if arm > ASIDE * np.ptp(place, axis=0).max() else 0.0)
 

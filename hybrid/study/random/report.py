@@ -61,5 +61,10 @@ def line(r):
     run = f"{r.family}, seed {r.seed}: {r.kind}"
     if r.kind == "failed":
         return f"{run}; {r.reason}"
-    return f"{run}, " + ", ".join(f"{name} {value:+.2%}" for name, value in r.errors.items()) + (
+    return f"{run}, " + ", ".join(_quoted(*error, FAMILIES[r.family]) for error in r.errors.items()) + (
         f"; {r.newton} iterations" + "".join(f"; {text}" for text in r.messages))
+
+
+def _quoted(name, value, family):
+    """Text of a value: an error that has an aim in percent, others, such as a cone's q/s_u, as they are."""
+    return f"{name} {value:+.2%}" if name in family.aims else f"{name} {value:.3g}"

@@ -79,6 +79,11 @@ def test_nothing_is_drawn_without_rides(tmp_path):
     assert report.draw(path, tmp_path) == []
 
 
+def test_values_that_are_no_errors_are_not_in_percent():
+    found = record.Record("cone", 0, {}, "right", {"jitter": 0.025, "q/s_u": 9.4181}, newton=7)
+    assert report.line(found) == "cone, seed 0: right, jitter +2.50%, q/s_u 9.42; 7 iterations"
+
+
 def test_the_shipped_records_are_those_of_the_seeds():
     _, records = record.load(report.RECORDED)
     assert {r.family for r in records} <= set(FAMILIES) and len({r.key for r in records}) == len(records)
