@@ -16,16 +16,21 @@ Mesh.MeshSizeMax = size;
 
 height = radius / Tan(angle * Pi / 360);
 
-Cone(1) = {0, 0, 0, 0, 0, height, 0, radius};
+// In eight sectors that stay faces of their own, so that at least eight triangles meet at the tip: three, which a single face
+// may have there, are flat where the cone goes around them.
+Geometry.OCCUnionUnify = 0;
+For i In {0:7}
+  Cone(10 + i) = {0, 0, 0, 0, 0, height, 0, radius, Pi / 4};
+  Rotate {{0, 0, 1}, {0, 0, 0}, i * Pi / 4} { Volume{10 + i}; }
+EndFor
 If (sleeve > 0)
-  Geometry.OCCUnionUnify = 0;    // tip, sleeve and shaft stay faces of their own
   Cylinder(2) = {0, 0, height, 0, 0, extension, radius};
   Cylinder(4) = {0, 0, height + extension, 0, 0, sleeve, radius};
   Cylinder(5) = {0, 0, height + extension + sleeve, 0, 0, shaft - extension - sleeve, radius};
-  BooleanUnion(3) = { Volume{1}; Delete; }{ Volume{2, 4, 5}; Delete; };
+  BooleanUnion(3) = { Volume{10:17}; Delete; }{ Volume{2, 4, 5}; Delete; };
 Else
   Cylinder(2) = {0, 0, height, 0, 0, shaft, radius};
-  BooleanUnion(3) = { Volume{1}; Delete; }{ Volume{2}; Delete; };
+  BooleanUnion(3) = { Volume{10:17}; Delete; }{ Volume{2}; Delete; };
   extension = 0;
 EndIf
 

@@ -27,6 +27,7 @@ from hybrid.output.observers import finish, notify
 from hybrid.runtime import comm, ranks, timing
 from hybrid.runtime.errors import HybridError, OutputError, StepError
 from hybrid.runtime.memory import map_large_arrays
+from hybrid.soil.model import Refusal
 from hybrid.step import processes
 from hybrid.step.energy import balance_error, energies
 from hybrid.step.equations import begin
@@ -62,6 +63,8 @@ class Simulation:
         workspace = Workspace(model)
         step = begin(model, state, scene.time.step, False, workspace)
         evaluation = step.evaluate(step.at_rest())
+        if isinstance(evaluation, Refusal):
+            raise StepError(f"the state at the start {evaluation.reason}")
         self._start_energy = energies(model, state, evaluation)     # a body may start with a small overlap
         self.imbalance = initial_imbalance(step, evaluation)
         workspace.destroy()

@@ -44,7 +44,7 @@ from hybrid.body.closest import gap_geometry
 from hybrid.contact import held_facets
 from hybrid.contact.closest_points import CLOSED, closest_points
 from hybrid.contact.interface import RAMP, PlaceLimits, shear_limit, work_to_break
-from hybrid.runtime.comm import maximum, total
+from hybrid.runtime.comm import largest, total
 from hybrid.runtime.jit import njit
 from hybrid.state import ContactHistory
 
@@ -102,7 +102,7 @@ class PointContact:
     @property
     def largest_overlap(self):
         """Largest overlap [m], 0 without contact."""
-        return maximum(-self.gap)
+        return largest(-self.gap)
 
 
 class ClosedPoints(NamedTuple):

@@ -173,7 +173,8 @@ def make_grid(axes, extent, faces, all_fixed=False):
             jump = np.max(np.maximum(cells[1:] / cells[:-1], cells[:-1] / cells[1:]))
             if jump > 2 * (1 + 1e-9):
                 raise SceneError(f"grid.{name}: the sizes of neighbouring cells differ by a factor of {jump:.3g}, the "
-                                 f"limit is 2; lower grid.{name}.growth, or move grid.{name}.fine away from the ends")
+                                 f"limit is 2; lower grid.{name}.growth, move grid.{name}.fine away from the ends, or add "
+                                 f"grid.{name}.nodes between them")
     shape = tuple(len(a) for a in axes)
     fixed = np.zeros(shape + (3,), dtype=bool)
     for axis in range(3):

@@ -151,6 +151,8 @@ class BlockSystem:
 
     def factor(self):
         """Prepare the preconditioner after assembly."""
+        if not self._blocks:
+            return      # no unknowns
         for block in self._blocks:
             block.assemble()
         for matrix in (self._matrix, self._applied):

@@ -1,6 +1,7 @@
-"""Increments whose residual ended above the tolerance: a hair above it, or within round-off of the soil's stiffness.
+"""Increments whose residual ended above the tolerance, a hair above it or within round-off of the soil's stiffness, or in
+which a contact point is carried by a facet that is not the nearest.
 
-Newton's method accepts such a residual once it makes no progress any more (`hybrid.step.newton`). One of them in a run
+Newton's method accepts them once it makes no progress any more (`hybrid.step.newton`). One of them in a run
 is of no interest. Many show that the tolerance is below what the forces of this scene can be solved to, as of soil that
 is very stiff beside its loads.
 """
@@ -27,4 +28,5 @@ class JudgedIncrements(Monitor):
             f"residuals above the tolerance: up to t = {view.state.time:.4g} s {self._judged} of {self._all} increments "
             f"ended above solver.tolerance = {tolerance:.0e} and could not be solved any better. Their residuals are at "
             "most three times the tolerance, or round-off of the stiffness of the soil and at most 1e-3 of the forces "
-            "acting. If the loads are small beside the modulus, set a looser solver.tolerance, or a lower modulus")
+            "acting, or a contact point is between two facets of a body. If the loads are small beside the modulus, set a "
+            "looser solver.tolerance, or a lower modulus")

@@ -132,7 +132,8 @@ class Record:
     step            from 1 over all stages; stage_step: from 1 in its stage
     time, dt        [s] end of the step, smallest increment used
     increments      their number; rejections: number of increments rejected; judged: number of those accepted with a
-                    residual a hair above the tolerance, or within round-off of the soil's stiffness
+                    residual a hair above the tolerance, or within round-off of the soil's stiffness, or with a contact point
+                    between two facets of a body
     iterations      of Newton's method in all increments; krylov: of the linear solver in them
     residual        [-] last relative residual
     contacts        number of points and samples in contact

@@ -237,17 +237,21 @@ def initial_stress(described, constants, density, k0, vertical, gravity):
 
 
 def _refuse_yielding(law, stress, depth):
-    """SceneError where the law cannot carry the stress at rest, about the point where it misses most."""
+    """SceneError where the law cannot carry the stress at rest, about the point where it misses most, or has none there."""
     response = law.respond(law.strain(stress), np.zeros(len(stress)))
     excess = np.abs(response.stress - stress).max(axis=1) - 1e-9 * largest(np.abs(stress))
+    excess[~np.isfinite(excess) | (False if response.failed is None else response.failed)] = np.inf
     worst = maximum(excess)
 
     def refuse():
         p = int(np.argmax(excess)) if len(excess) else 0
         if len(excess) and excess[p] == worst:
             shown = ", ".join(f"{value / 1e3:.4g}" for value in stress[p])
-            raise SceneError(f"soil.geostatic: the stress at rest at a depth of {depth[p]:.3g} m, ({shown}) kPa along x, y "
-                             f"and z, is more than the law can carry; {_remedy(law, stress)}")
+            at = f"soil.geostatic: the stress at rest at a depth of {depth[p]:.3g} m, ({shown}) kPa along x, y and z, "
+            if np.isinf(worst):
+                raise SceneError(f"{at}has no finite response of the law there; correct the law, or set "
+                                 "soil.geostatic = false for soil that begins without stress")
+            raise SceneError(f"{at}is more than the law can carry; {_remedy(law, stress)}")
 
     if worst > 0:
         ranks.together(refuse)

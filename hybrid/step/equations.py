@@ -226,12 +226,13 @@ class Step:
         return 0.0 if self.soil is None else self.model.soil.apex_fraction(evaluation.soil_trial)
 
     def within_rounding(self, evaluation):
-        """Whether the residual of the soil is no larger than the round-off of its stiffness, and that of every body
-        within the tolerance."""
-        soil, free = self.model.soil, self.pattern.free
+        """Whether the residual of the soil is no larger than the round-off of its stiffness, and those of every body and
+        of the joints are within the tolerance."""
+        soil, free, tolerance = self.model.soil, self.pattern.free, self.model.solver.tolerance
         limit = soil.roundoff_force(soil.grid.count_unknowns(free)) if self.soil is not None else 0.0
-        return evaluation.norms.get("soil [N]", 0.0) <= limit and all(
-            terms.error()[1] <= self.model.solver.tolerance for terms in evaluation.bodies)
+        others = [terms.error()[1] for terms in evaluation.bodies]
+        others += [evaluation.joints.error()] if evaluation.joints else []
+        return evaluation.norms.get("soil [N]", 0.0) <= limit and max(others, default=0.0) <= tolerance
 
     # -------------------------------------------------------------- acceptance
 

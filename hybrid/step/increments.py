@@ -144,7 +144,7 @@ class Report:
     dt          [s] its smallest increment
     error       [m] sum of the local errors of its increments, None without time.accuracy
     increments, rejections  accepted and rejected trials; judged: accepted with a residual a hair above the tolerance or
-                within round-off (`hybrid.step.newton`)
+                within round-off, or with a contact point between two facets (`hybrid.step.newton`)
     iterations, krylov      of Newton's method and of the linear solver, in all trials
     plastic_increment       largest growth of the plastic strain of a point in an increment, 0 with inertia
     moved       [m] sum over increments of the largest displacement of a point, 0 with inertia

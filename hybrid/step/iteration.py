@@ -75,8 +75,9 @@ class Updates:
 @dataclass(frozen=True)
 class Outcome:
     """evaluation: of the smallest error, None when none exists; reason: empty when converged, else why there is no
-    solution; judged: whether it converged to a bound beyond the tolerance (`_judge`); jumping: whether contact points jumped
-    back and forth between facets when progress ended; backtracked: whether the line search took less than a full update."""
+    solution; judged: whether it converged to a bound beyond the tolerance (`_judge`), or with a contact point carried by a
+    facet that is not the nearest (`AMBIGUOUS`); jumping: whether contact points jumped back and forth between facets when
+    progress ended; backtracked: whether the line search took less than a full update."""
 
     evaluation: Evaluation | None
     iterations: int

@@ -66,7 +66,7 @@ def solve(step: Step, short=False, backtrack=False):
     change = step.share_interface(outcome.evaluation)
     if change > SHARED:
         outcome = _shared(step, solver, outcome)
-    return replace(outcome, reason=rejection(step, outcome.evaluation))
+    return replace(outcome, reason=rejection(step, outcome.evaluation)) if outcome.converged else outcome
 
 
 def _shared(step, solver, outcome):

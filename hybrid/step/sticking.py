@@ -34,7 +34,8 @@ def drifting(step, evaluation):
 
 
 def _drifts(terms):
-    """Whether all contact points of a body slip on one plane and nothing draws it along."""
+    """Whether all contact points of a body slip on one plane and neither a guide, a line nor another body draws it
+    along: under a load that friction carries it has an equilibrium too."""
     body, contact = terms.step.body, terms.contact
     drawn = not body.free[:2].any() or body.drive[:2].any() or body.line is not None or terms.beside
     if drawn or not comm.anywhere(contact.slip) or comm.anywhere(~contact.slip):

@@ -365,3 +365,18 @@ def test_an_increment_is_what_it_was_where_adhesion_shared_anew_has_no_solution(
     outcome = newton._shared(step, SimpleNamespace(tolerance=1e-4), first)
     assert outcome.converged == converged and outcome.iterations == 5
     assert not converged or outcome.evaluation.error == error
+
+
+@pytest.mark.parametrize("reason", ["", "no progress"])
+def test_a_solution_lost_when_adhesion_is_shared_anew_is_not_accepted(reason, monkeypatch):
+    """Nor is its evaluation looked at for what else may reject it: there may be none."""
+    found = SimpleNamespace(error=1e-6, unknowns=None, internal=None)
+    first, again = iteration.Outcome(found, 3, 9, (1.0,)), iteration.Outcome(None if reason else found, 2, 5, (1.0,), reason)
+    monkeypatch.setattr(newton, "_solution", lambda *given: first)
+    monkeypatch.setattr(newton, "_shared", lambda *given: again)
+    monkeypatch.setattr(newton, "first_evaluation", lambda step: found)
+    monkeypatch.setattr(newton, "starts", lambda step, evaluation: [found])
+    monkeypatch.setattr(newton, "rejection", lambda step, evaluation: "" if evaluation is found else "looked at")
+    step = SimpleNamespace(rotation_too_large=lambda: "", pairs=None, share_interface=lambda evaluation: 1.0,
+                           model=SimpleNamespace(solver=None, scheme=SimpleNamespace(inertia=True)))
+    assert newton.solve(step).reason == reason

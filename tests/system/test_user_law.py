@@ -104,6 +104,26 @@ def test_points_without_a_stress_reject_the_step_and_are_named():
     assert np.abs(np.log(np.linalg.eigvalsh(simulation.state.points.b_elastic)) / 2)[1::2].max() <= Brittle.LIMIT
 
 
+@pytest.mark.parametrize("geostatic, error, words", [
+    (True, SceneError, "has no finite response of the law there"),
+    (False, StepError, "the state at the start leaves the soil's law without a stress"),
+])
+def test_a_law_without_a_stress_at_the_start_is_refused(geostatic, error, words):
+    class Late(Brittle):
+        LIMIT = -1.0 if not geostatic else 1e-6
+
+        def respond(self, strain, plastic_strain):
+            return super().respond(strain, plastic_strain) if geostatic or self.called() else Hencky.respond(self, strain)
+
+        def called(self):
+            self.calls = getattr(self, "calls", 0) + 1
+            return self.calls > 1       # a law without a stress at no strain is refused before
+
+    described = replace(USER, soil=replace(USER.soil, geostatic=geostatic, k0=0.5 if geostatic else None))
+    with pytest.raises(error, match=words):
+        build(described, law=lambda points, stress: Late(np.full(len(points), 1e6), 0.2))
+
+
 def test_halving_cures_what_fails_at_long_increments():
     """Two refusals are two rejections; the step is then made in shorter increments."""
     class Moody(Hencky):
