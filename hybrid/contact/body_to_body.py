@@ -140,8 +140,9 @@ class SideStep:
         points = closest_points.ClosestPoints.empty(len(y))
         on_face = self.side.samples.first_edge > self.places.number
         _project(y, outward, on_face, self.start, self.places.clearance, surface.radius, *surface.tree.parts, points)
-        touches, rest = self.stiffness * (self.rest - points.gap) > 0.0, np.minimum(np.maximum(self.rest, points.gap), 0.0)
-        active, kept = np.flatnonzero(touches), np.flatnonzero(touches | (rest < 0.0))
+        touches, free = self.stiffness * (self.rest - points.gap) > 0.0, -self.places.depth
+        rest = np.minimum(np.maximum(self.rest, points.gap), free)
+        active, kept = np.flatnonzero(touches), np.flatnonzero(touches | (rest < free))
         points = points.select(active)
         origin = np.where(self.touching[active, None], self.anchor[active], self.start[active])
         sticking = soil_to_body.NOWHERE if self.sticking is None else self.sticking[active]
@@ -189,7 +190,7 @@ def begin(side, poses, predicted, reach, history, stiffness, law, collapsed):
     places = side.samples.near(turn, way, side.surface, reach)
     start, m = places.point @ turn.T + way, len(places.number)
     number, known, rests = history
-    anchor, rest, touching = start.copy(), np.zeros(m), np.isin(places.number, number)
+    anchor, rest, touching = start.copy(), -places.depth, np.isin(places.number, number)
     order = np.argsort(number)
     at = order[np.searchsorted(number[order], places.number[touching])]
     anchor[touching], rest[touching] = known[at], rests[at]

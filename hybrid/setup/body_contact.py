@@ -9,8 +9,9 @@
 
 with 1/r the sum of both curvatures, d the size of the smaller body and b the thickness of the slice. So a sphere sinks by a
 thousandth of its diameter into what it rests on, and its patch of contact has a radius of two spacings. Edges count with
-a width and corners with an area with which they alone carry F at an overlap of d/1000. An impact overlaps bodies by at
-most IMPACT d.
+a width and corners with an area with which they alone carry F at an overlap of d/1000. In space they begin to press
+later than faces (`hybrid.contact.samples.flat_overlap`), which so carry alone when they lie flat. An impact overlaps
+bodies by at most IMPACT d.
 
 Equations: FORMULATION (60), (63).
 """
@@ -22,7 +23,7 @@ import numpy as np
 from hybrid.contact import body_to_body
 from hybrid.contact.bodies import TOUCH, depth_of_overlap, volume_of_overlap
 from hybrid.contact.body_to_body import Side
-from hybrid.contact.samples import sample
+from hybrid.contact.samples import flat_overlap, sample
 from hybrid.contact.soil_to_body import Coulomb
 from hybrid.runtime.errors import SceneError
 from hybrid.scene.defaults import ROLLING
@@ -32,6 +33,7 @@ from hybrid.step.pair_terms import IMPACT, BodyPair
 
 CURVED, PLANE = 32, 16      # spacings in a radius of curvature; in the size of bodies of planes
 SINKS = 1e-3                # of the size: overlap under F
+DEEPER = 1.0                # times the overlap of faces that lie flat: overlap from which on edges and corners press
 STANDARD = 9.81             # [m/s²] where a scene has no gravity
 
 
@@ -87,13 +89,15 @@ def _pair(numbers, described, own, bodies, surfaces, motions, grid, g):
     stiffness = load / (_area(overlap, radius, size, slice_width) * overlap)
     carried = 2.0 * load / (stiffness * SINKS * size)     # [m²]; by places of one side, which have half of the stiffness
     width = carried / (size / 2 if slice_width is None else slice_width)
+    depth = DEEPER * max(flat_overlap(surface, load, stiffness) for surface in surfaces) if slice_width is None else 0.0
     sides = []
     for a, b in ((0, 1), (1, 0)):
         flat, share = None, 1.0
         if collapsed.any():
             flat = motions[a].rotation[collapsed]
             share = slice_width / np.prod([np.ptp(surfaces[a].vertices @ axis) for axis in flat])
-        sides.append(Side(numbers[a], numbers[b], sample(surfaces[a], spacing, width, carried, flat, share), surfaces[b]))
+        samples = sample(surfaces[a], spacing, width, carried, depth, flat, share)
+        sides.append(Side(numbers[a], numbers[b], samples, surfaces[b]))
     impact = 1.5 / sum(1.0 / mass for mass in moving) / (
         _area(IMPACT * size, radius, size, slice_width) * (IMPACT * size)**2)
     friction = own.friction if own and own.friction is not None else min(body.friction or 0.0 for body in described)

@@ -3,10 +3,10 @@
     k = F / ((d/4)² δ)      F the weight of the body, d its size, δ = d/80 000 its overlap on a face of d/4
 
 in plane strain F / (b d/4 δ), b the thickness of the slice. Edges count with a width, and corners with an area, with which
-they alone carry F at an overlap of 8 δ, less in space, where corners stand beside an edge. Where bodies meet, overlaps are
-ten times that (`hybrid.setup.body_contact`): a block of 0.2 x 0.6 m that slides with 0.9 of the friction at which it tips
-then does tip, as what it rests on swings when friction sets in. With eight times the width and area, edges and corners would
-carry most of the weight, so that friction resists turning about the vertical by 37 % more than under even pressure.
+they alone carry F at an overlap of 8 δ, less in space, where corners stand beside an edge. In space they begin to
+press somewhat later than faces, so that these carry alone when they lie flat. Where bodies meet, overlaps are ten times
+that (`hybrid.setup.body_contact`): a block of 0.2 x 0.6 m that slides with 0.9 of the friction at which it tips then does
+tip, as what it rests on swings when friction sets in.
 With a given penalty, p_f E for each area of the ground, points of the ground are in contact, exactly so.
 
 Equations: FORMULATION (60).
@@ -18,12 +18,13 @@ from hybrid.body import rigid
 from hybrid.body.surface import build_surface
 from hybrid.contact.body_to_body import Side
 from hybrid.contact.on_ground import Ground, PlacesOverPlane
-from hybrid.contact.samples import sample
+from hybrid.contact.samples import flat_overlap, sample
 from hybrid.runtime.comm import maximum, minimum
 
 PLACES = 16         # in the size of a body
 SINKS = 1.25e-5     # of the size: overlap under F
 EDGE, CORNER = 1 / 64, 1 / 128      # of the size: width of edges; of its square: area of corners
+DEEPER = 4.0        # times the overlap of faces that lie flat: overlap from which on edges and corners press
 IN_SLICE = 6.0      # times that width in plane strain, where no corners stand beside an edge
 STANDARD = 9.81     # [m/s²] where a scene has no gravity
 FAR = 1e3           # sizes that the ground goes down, and along a collapsed axis
@@ -48,11 +49,12 @@ def ground_of(body, rotation, soil, gravity):
     weight = body.mass.mass * (float(np.linalg.norm(gravity)) or STANDARD)
     face = (size / 4)**2 if thickness is None else thickness * size / 4
     stiffness, surface, flat, share, width = weight / (face * SINKS * size), body.surface, None, 1.0, EDGE * size
+    depth = DEEPER * flat_overlap(surface, weight, stiffness)
     if collapsed.any():
-        flat, width = rotation[collapsed], IN_SLICE * width
+        flat, width, depth = rotation[collapsed], IN_SLICE * width, 0.0
         surface = _thin(surface, flat, size)
         share = thickness / np.prod([np.ptp(surface.vertices @ axis) for axis in flat])
-    samples = sample(surface, size / PLACES, width, CORNER * size**2, flat, share)
+    samples = sample(surface, size / PLACES, width, CORNER * size**2, depth, flat, share)
     (low, high), block = _ends(soil), _block(soil, FAR * size)
     places = PlacesOverPlane(samples.near(np.eye(3), np.zeros(3), block, np.inf), high[2])
     faces = _faces(samples, surface) if body.parts else None

@@ -174,8 +174,14 @@ class BodyTerms:
         left = np.linalg.norm(np.where(self.step.free, self.total, 0.0)[:3])
         return np.linalg.norm(self.terms["contact"][:3]) <= LIGHT * left
 
-    def error(self):
-        """Norms of the residual {name: value}, and the larger of force and moment relative to the largest terms.
+    @property
+    def largest_force(self):
+        """[N], of all terms."""
+        return self._largest(self.terms, slice(3))
+
+    def error(self, least=0.0):
+        """Norms of the residual {name: value}, and the larger of force and moment relative to the largest terms, to a force
+        `least` [N] at least.
 
         A moment is compared with the moments acting and with the forces of contact, joints and line on the arm of the
         body. If none of them acts, as in free flight, it is compared with that of the loads, or with FLIGHT times those of
@@ -184,11 +190,12 @@ class BodyTerms:
         body = self.step.body
         free = np.where(self.step.free, self.total, 0.0)
         force, moment = np.linalg.norm(free[:3]), np.linalg.norm(free[3:])
-        scale, touch = self._largest(self.terms, slice(3)), self._largest(TOUCHING, slice(3))
+        scale, touch = max(self.largest_force, least), self._largest(TOUCHING, slice(3))
         if touch > 0:
             arm = max(self._largest(self.terms, slice(3, 6)), touch * body.radius)
         else:
             arm = max(self._largest(["loads"], slice(3, 6)), FLIGHT * self.trial.own_moment)
+        arm = max(arm, least * body.radius)
         noise = soil_terms.ROUNDING * (self.step.scheme.mass_factor(self.step.dt) * body.mass.mass + self.springs) * (
             np.linalg.norm(self.pose[0]) + body.radius)
         error = max((force - noise) / scale if scale > 0 else 0.0,
@@ -199,23 +206,23 @@ class BodyTerms:
         """Largest norm of some `components` of the terms of these names."""
         return max(np.linalg.norm(self.terms[name][components]) for name in names if name in self.terms)
 
-    def add_tangent(self, pattern, system, stiffness, kind=Tangent.CONSISTENT):
+    def add_tangent(self, pattern, system, stiffness, kind=Tangent.CONSISTENT, carried=False):
         """Add contact, with a `kind` of Tangent, inertia and line to the block system; stiffness: [N/m] of a cell of the
-        soil."""
+        soil; carried: whether joints hold the body to one that is supported."""
         own, free = self.step.unknowns, self.step.free
         ww = self.step.pair.add_tangent(self.contact, pattern, system.values, system.uw[:, own], system.wu[own], kind)
-        unresisted = self._against_nothing(stiffness) * np.diag([1.0, 1.0, 1.0, *[self.step.body.radius**2] * 3])
+        unresisted = self._against_nothing(stiffness, carried) * np.diag([1.0, 1.0, 1.0, *[self.step.body.radius**2] * 3])
         system.ww[own, own] += (ww + unresisted + self.trial.tangent)[np.ix_(free, free)]
 
-    def _against_nothing(self, cell):
+    def _against_nothing(self, cell, carried):
         """[N/m] added against motions that nothing resists, or less than nothing: a pipe on a single point rolls off it, and
         the tangent alone leads back onto it. Without inertia an unsupported body has no stiffness: that of a `cell` leads it
-        back to the soil under its weight."""
+        back to the soil under its weight, unless it is `carried`: a mast welded to a footing would hold that back."""
         if self.step.scheme.inertia:
             return 0.0
-        if self.unsupported and not self.beside:
+        if self.unsupported and not self.beside and not carried:
             return cell
-        return self._pace() or cell
+        return self._pace() or (REST if carried else 1.0) * cell
 
     def _pace(self):
         """[N/m] with which the residual moves the body by PACE of its size; it vanishes with the residual."""

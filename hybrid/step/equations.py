@@ -147,8 +147,7 @@ class Step:
         if soil is not None:
             residual, internal, norms["soil [N]"], error = soil_terms.residual(
                 self, soil, unknowns.displacement, [terms.springs for terms in bodies])
-        for terms in bodies:
-            own, own_error = terms.error()
+        for own, own_error in self._body_errors(bodies):
             norms, error = norms | own, max(error, own_error)
         on_bodies = [np.zeros(0), *(terms.residual for terms in bodies)]
         if joints:
@@ -156,6 +155,11 @@ class Step:
             norms, error = norms | {"joints [m]": joints.opened()}, max(error, joints.error())
         return Evaluation(unknowns, residual, np.concatenate(on_bodies), error, norms, internal, soil and soil.trial,
                           soil and soil.rates, bodies, joints, pairs)
+
+    def _body_errors(self, bodies):
+        """[(norms, error)] of BodyTerms."""
+        least = joint_terms.least_forces(self.model.joints, [terms.largest_force for terms in bodies])
+        return [terms.error(force) for terms, force in zip(bodies, least)]
 
     def assemble(self, evaluation, kind=Tangent.CONSISTENT, elastic=0.0):
         """Fill the block system with the tangent at an evaluation, of a `kind` for contact and with a share of the `elastic`
@@ -166,8 +170,9 @@ class Step:
         if self.soil is not None:   # no process waits for another between soil and contact: they share the sum of both
             soil_terms.add_tangent(self, evaluation.soil_trial, evaluation.error, elastic)
         with phase("contact"):
-            for terms in evaluation.bodies:
-                terms.add_tangent(self.pattern, self.system, stiffness, kind)
+            supported = [not terms.unsupported for terms in evaluation.bodies]
+            for terms, carried in zip(evaluation.bodies, joint_terms.carried(self.model.joints, supported)):
+                terms.add_tangent(self.pattern, self.system, stiffness, kind, carried)
             if evaluation.pairs:
                 evaluation.pairs.add_tangent(self.system.ww)
             if evaluation.joints:
@@ -230,7 +235,7 @@ class Step:
         of the joints are within the tolerance."""
         soil, free, tolerance = self.model.soil, self.pattern.free, self.model.solver.tolerance
         limit = soil.roundoff_force(soil.grid.count_unknowns(free)) if self.soil is not None else 0.0
-        others = [terms.error()[1] for terms in evaluation.bodies]
+        others = [error for _, error in self._body_errors(evaluation.bodies)]
         others += [evaluation.joints.error()] if evaluation.joints else []
         return evaluation.norms.get("soil [N]", 0.0) <= limit and max(others, default=0.0) <= tolerance
 

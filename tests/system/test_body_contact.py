@@ -10,8 +10,9 @@ from put_on_soil import put_on_soil
 
 from hybrid.output.checkpoint import load, save
 from hybrid.runtime.errors import SceneError
-from hybrid.scene import Contact, Joint
+from hybrid.scene import Contact, Joint, Time
 from hybrid.scene.file import load_scene, validate
+from hybrid.setup import body_contact
 from hybrid.setup.build import build
 from hybrid.study.scenes import NO_OUTPUT, box, collapsed, plane, sphere
 
@@ -126,6 +127,21 @@ def test_a_sphere_rolls():
                                                           rel=0.03)
 
 
+def test_a_box_turned_on_another_one_meets_the_friction_of_an_even_pressure(monkeypatch):
+    """M = μ W (√2 + ln(1 + √2))/6 of a square of 1 m. The broken variant: edges and corners that carry from the start."""
+    low = box(1.4, 1.4, 0.3, name="low", position=(0.0, 0.0, 2.0), held=HELD, friction=0.3)
+    high = box(1.0, 1.0, 0.2, name="high", position=(0.0, 0.0, 2.25), driven=("rz",), held=("x", "y", "rx", "ry"),
+               spin=(0.0, 0.0, 0.01), friction=0.3)
+    described = replace(scene([low, high], 3, 1.0), time=Time(step=1.0, inertia=False))
+    found = []
+    for deeper in (body_contact.DEEPER, 0.0):
+        monkeypatch.setattr(body_contact, "DEEPER", deeper)
+        simulation, records = run(described)
+        even = 0.3 * simulation.masses[1].mass * G * (np.sqrt(2.0) + np.log(1.0 + np.sqrt(2.0))) / 6
+        found.append(records[-1].bodies[1].reaction["rz"] / even)
+    assert found[0] == pytest.approx(1.0, abs=0.01) and found[1] > 1.2
+
+
 def test_a_sphere_slides_and_spins():
     """μ < 2/7 tan θ: a = g (sin θ - μ cos θ), ω = 5/2 μ g cos θ t/r."""
     ball = sphere(0.25, 0.1, name="ball", position=(0.0, 0.0, 2.5), friction=0.2)
@@ -137,7 +153,8 @@ def test_a_sphere_slides_and_spins():
 
 @pytest.mark.parametrize("friction, slides", [(0.3, True), (0.4, False)])
 def test_a_box_slides_above_the_angle_of_friction_only(friction, slides):
-    """20 degrees: tan = 0.364."""
+    """20 degrees: tan = 0.364. The brick that stands goes down by 26 micrometres, as its springs, which overlap by 80, are
+    sheared and it swings."""
     brick = box(0.4, 0.3, 0.2, name="brick", position=(0.0, 0.0, 2.35), friction=friction)
     simulation, records = on_slope(brick, 20.0, 40, 0.01, friction)
     s, c, t, state = np.sin(np.radians(20.0)), np.cos(np.radians(20.0)), 0.4, simulation.state.bodies[1]
@@ -146,7 +163,7 @@ def test_a_box_slides_above_the_angle_of_friction_only(friction, slides):
         work = friction * records[-1].pairs[0].force[2] * state.position[0]
         assert records[-1].energies["friction"] == pytest.approx(-work, rel=0.02)
     else:
-        assert abs(state.position[0]) < 2e-5 and np.abs(state.velocity).max() < 1e-5
+        assert abs(state.position[0]) < 4e-5 and np.abs(state.velocity).max() < 1e-5
     assert abs(records[-1].energies["error"]) < 0.02
 
 

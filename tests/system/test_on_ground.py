@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hybrid.body.attitude import exp_so3
-from hybrid.scene import Axis, Load, Stage
+from hybrid.scene import Axis, Load, Stage, Time
 from hybrid.setup import on_ground
 from hybrid.setup.build import build
 from hybrid.step.equations import begin
@@ -55,6 +55,21 @@ def test_a_corner_strikes_alike_wherever_it_does():
         again, _ = dropped(**corner, **given)
         np.testing.assert_allclose(again.spin, first.spin, rtol=1e-6, atol=1e-9)
         assert again.velocity[2] == pytest.approx(first.velocity[2], rel=1e-6)
+
+
+@pytest.mark.parametrize("length, width, mean", [(1.0, 1.0, 0.38260), (2.0, 0.05, 0.50054)])
+def test_friction_resists_turning_as_under_an_even_pressure(length, width, mean, monkeypatch):
+    """M = μ W times the mean distance from the middle, ∫ r dA/A. The broken variant: edges and corners that carry from the
+    start."""
+    turned = box(length, width, 0.2, density=2000.0, rest_on=0.0, friction=0.3, driven=("rz",), held=("x", "y", "rx", "ry"),
+                 spin=(0.0, 0.0, 0.01))
+    described, found = replace(plane(turned, 3, 1.0, cells=(10, 10)), time=Time(step=1.0, inertia=False)), []
+    for deeper in (on_ground.DEEPER, 0.0):
+        monkeypatch.setattr(on_ground, "DEEPER", deeper)
+        simulation = build(replace(described, gravity=(0.0, 0.0, -G)))
+        records = list(simulation.steps())
+        found.append(records[-1].bodies[0].reaction["rz"] / (0.3 * simulation.masses[0].mass * G * mean))
+    assert found[0] == pytest.approx(1.0, abs=0.01) and found[1] > 1.07
 
 
 def slender(**values):

@@ -1,0 +1,73 @@
+"""Bodies that touch nothing and are carried by others through joints, without inertia: a mast on a strip footing."""
+
+from dataclasses import replace
+
+import pytest
+
+from hybrid.runtime.data import GEOMETRY
+from hybrid.runtime.errors import StepError
+from hybrid.scene import Body, Joint, Load, Material, Stage
+from hybrid.setup.build import build
+from hybrid.step import joint_terms
+from tests.helpers.put_on_soil import put_on_soil
+
+CLAY = Material(law="von-mises", young=5e6, poisson=0.49, density=1800.0, strength=1e4)
+STEPS = 4
+
+
+def block(name, length, height, centre):
+    """A block whose middle is at `centre` (x, z) [m]."""
+    return Body(geometry=GEOMETRY / "box.geo", name=name, density=500.0, position=(centre[0], 0.5, centre[1]),
+                parameters={"length": length, "width": 1.0, "height": height, "size": 20.0})
+
+
+def loaded(gravity, kind="weld", force=5e3):
+    """(Newton iterations of each step, settlement [m]) of a footing under a `force` [N] in its middle that carries a mast."""
+    footing, mast = block("footing", 2.0, 0.5, (0.06, 0.25)), block("mast", 0.4, 0.5, (0.06, 1.0))
+    axis = {"axis": (0.0, 1.0, 0.0)} if kind == "hinge" else {}
+    joint = Joint(name="foot", kind=kind, bodies=("mast", "footing"), point=(0.0, 0.0, -0.25), **axis)
+    scene = put_on_soil(footing, size=0.25, x=(-4.0, 4.0), z=(-2.0, 0.5), material=CLAY, steps=STEPS)
+    load = Load(body="footing", force=((0.0, 0.0, 0.0, 0.0), (float(STEPS), 0.0, 0.0, -force)))
+    scene = replace(scene, bodies=(footing, mast), joints=(joint,), gravity=(0.0, 0.0, -gravity),
+                    stages=(Stage("press", STEPS, loads=(load,)),))
+    records = list(build(scene).steps())
+    return [record.iterations for record in records], 0.25 - records[-1].bodies[0].position[2]
+
+
+@pytest.mark.parametrize("kind", ["weld", "ball"])
+@pytest.mark.parametrize("gravity", [0.0, 9.81])
+def test_a_mast_on_a_footing_costs_no_iterations(gravity, kind):
+    iterations, settlement = loaded(gravity, kind)
+    assert max(iterations) <= 5 and settlement > 0.0
+
+
+def test_the_stiffness_of_unsupported_bodies_would_hold_it_back(monkeypatch):
+    """The broken variant: the mast counts as a body that has left the soil."""
+    few, settlement = loaded(9.81, force=2e3)
+    monkeypatch.setattr(joint_terms, "carried", lambda joints, supported: [False] * len(supported))
+    many, same = loaded(9.81, force=2e3)
+    assert sum(many) > 2 * sum(few)
+    assert settlement == pytest.approx(same, rel=0.01)
+
+
+def test_a_body_on_which_nothing_acts_has_no_scale_of_its_own(monkeypatch):
+    """The broken variant: round-off of the joint's force is compared with itself."""
+    monkeypatch.setattr(joint_terms, "FAINT", 0.0)
+    with pytest.raises(StepError, match="mast"):
+        loaded(0.0)
+
+
+@pytest.mark.parametrize("links, carried", [
+    ([], [True, False, False]), ([(1, 0)], [True, True, False]), ([(1, 2), (0, 1)], [True, True, True]),
+    ([(2, None)], [True, False, True]),
+])
+def test_support_and_forces_are_those_of_all_that_joints_connect(links, carried):
+    """Over any number of others, and from the ground."""
+    ends = [(i, [[0.0] * 3] * 2) for i in links]
+    joints = [joint_terms.Joint("joint", bodies, points, at_point=True) for bodies, points in ends]
+    assert joint_terms.carried(joints, [True, False, False]) == carried
+    forces = joint_terms.least_forces(joints, [4.0, 0.0, 0.0])
+    on_one = {0}.union(*(set(pair) for pair in links if None not in pair)) if links else {0}
+    assert forces == [4.0 * joint_terms.FAINT * (i in on_one) for i in range(3)]
+    slack = [replace(joint, at_point=False) for joint in joints]
+    assert joint_terms.carried(slack, [True, False, False]) == [True, False, False]
