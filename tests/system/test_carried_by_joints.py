@@ -22,7 +22,8 @@ def block(name, length, height, centre):
 
 
 def loaded(gravity, kind="weld", force=5e3):
-    """(Newton iterations of each step, settlement [m]) of a footing under a `force` [N] in its middle that carries a mast."""
+    """(Newton iterations of each step, settlement [m]) of a footing that carries a mast, under a `force` [N] in its
+    middle."""
     footing, mast = block("footing", 2.0, 0.5, (0.06, 0.25)), block("mast", 0.4, 0.5, (0.06, 1.0))
     axis = {"axis": (0.0, 1.0, 0.0)} if kind == "hinge" else {}
     joint = Joint(name="foot", kind=kind, bodies=("mast", "footing"), point=(0.0, 0.0, -0.25), **axis)
