@@ -134,4 +134,4 @@ def test_a_strip_that_squeezes_a_thin_layer_of_clay_on_a_harder_one(thick, below
                              time=Time(1.0, inertia=False), stages=(Stage("press", 2),)))
     found = list(base.squeezed_layer(simulation.scene, simulation.model))
     assert len(found) == count
-    assert all("presses 0.4 m of clay, 2 cells of 0.2 m" in text and "about 18% too high" in text for text in found)
+    assert all("presses 0.4 m of clay, 2 cells of 0.2 m" in text and "out is about 18% too high" in text for text in found)

@@ -13,8 +13,8 @@ SOFT = Material(law="hencky", young=40e6, poisson=0.3, density=1.0)
 
 
 def texts(*ends, stiffness=1e6, size=0.25, held=False, lower=-3.0, material=SOFT, seam=None):
-    """Of a column of 40 MPa, or a `material`, with one softer layer, or a `seam`, or 10 MPa above that, between these heights
-    [m]."""
+    """Of a column of 40 MPa, or a `material`, with one softer layer, or a `seam`, or 10 MPa above that, between these
+    heights [m]."""
     names = ("upper", "seam")[2 - len(ends) // 2:]
     layers = tuple(Layer(name, top=ends[2 * i], bottom=ends[2 * i + 1],
                          material=seam or {"young": stiffness if name == "seam" else 10e6}) for i, name in enumerate(names))
@@ -48,7 +48,8 @@ def test_layers_on_lines_or_hardly_different_or_held_are_not_told():
     assert not texts(-1.1, -1.3, size=0.05)
 
 
-@pytest.mark.parametrize("top, bottom, ratio", [(-1.0, -1.125, 5.5), (-1.125, -1.375, 5.5), (-1.0, -1.25, None), (0.0, -0.125, None)])
+@pytest.mark.parametrize("top, bottom, ratio", [(-1.0, -1.125, 5.5), (-1.125, -1.375, 5.5), (-1.0, -1.25, None),
+                                                (0.0, -0.125, None)])
 def test_a_weak_seam_that_fills_no_row_of_cells_is_too_strong(top, bottom, ratio):
     """Of 6 kPa in 60: half a cell, two halves, a whole one, and at the surface, where bodies slide on its points."""
     clay = Material(law="von-mises", young=2e7, poisson=0.49, density=1800.0, strength=6e4)

@@ -124,8 +124,8 @@ def squeezed_layer(scene, model):
         thick, excess = bottom - top, SQUEEZED * cell / (bottom - top)
         if thick < THIN * narrowest(soil.grid, place, travel) and excess > EXCESS:
             yield (f"{body.name} presses {thick:.3g} m of clay, {thick / cell:.2g} cells of {cell:.3g} m, on a harder layer:"
-                   f" its load is about {excess:.0%} too high, limit {EXCESS:.0%}. Use cells of at most "
-                   f"{EXCESS / SQUEEZED * thick:.2g} m under it, or extrapolate two sizes of cells to none")
+                   f" the load that squeezes it out is about {excess:.0%} too high, limit {EXCESS:.0%}. Use cells of at "
+                   f"most {EXCESS / SQUEEZED * thick:.2g} m under it, or extrapolate two sizes of cells to none")
 
 
 LIMITS = (body_on_base, squeezed_layer)

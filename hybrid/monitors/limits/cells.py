@@ -11,6 +11,7 @@
     the same under an eccentric load, plane strain        1 + 1.3/(n (1 - 2 e/B))    edges on lines of the grid or not
     the same where s_u grows by k with the depth          1 + 0.3 (k B/s_u)^0.65 times it, plane strain, k B/s_u to 5
     wedge of 90° pressed into it, smooth, plane strain    1 + 0.7/n          n cells in its depth under the ground
+    trapdoor lowered under it, as deep as wide            1 - 2.3/n          plane strain
 
 Nodes at the edge of a face move with it, and the clay is sheared in the cell beyond (DESIGN, "The foot of a blade drags
 on the next nodes"). Those of sand are in `sand_cells`, of soil with cohesion and friction in `footing_cells`.
@@ -25,6 +26,8 @@ from hybrid.monitors.limits.loading import (CLAY, EXCESS, ON_LINE, driven, faces
 from hybrid.runtime.comm import maximum, minimum
 
 ATTACHED, ROUND, EDGE, WEDGE = 1.75, 1.5, 0.3, 0.7
+# Door of 2 m under 2 m of clay, s_u = 10 kPa, that weighs 31.4 kPa: 8.1, 10.0, 11.0 kPa with 8, 16, 32 cells, exact 11.7
+TRAPDOOR = 2.3
 # Of a strip at 30 and 45° to the grid: 14.1, 13.2 s_u B with 8, 16 cells, where 0 and 90° have 15.1, towards 12.2
 TURNED = 1.25
 # Squares lifted, n = 4.5, 8.5, 12.5 across, 1.4 widths under the ground, α = 1: 15.9, 14.2, 13.5 s_u A where it has 12.4 at
@@ -93,6 +96,29 @@ def _eccentric(scene, model, body, travel, place, arm):
             f"is pressed on clay by a load {arm / width:.2g} of its width beside its middle, and stands on a width of "
             f"{left / cell:.2g} cells",
             f"Use cells of at most {EXCESS / ECCENTRIC * left:.2g} m under it, or extrapolate two sizes of cells to none")
+
+
+def trapdoors(scene, model):
+    """Bodies lowered under clay in plane strain, so few cells wide that too little of it rests on them."""
+    soil = model.soil
+    if soil.held or soil.grid.collapsed.sum() != 1:
+        return
+    cell = soil.grid.smallest_cell
+    for body, travel, place, plane in driven(scene, model):
+        width, top = narrowest(soil.grid, place, travel), place[:, 2].max()
+        door = plane and travel[2] < 0.0 and width and _under_all(soil, place)
+        excess = TRAPDOOR * cell / width if door and law_at(scene, soil, top + 0.5 * cell) == CLAY else 0.0
+        if excess > EXCESS:
+            yield (f"{body.name} is {width / cell:.2g} cells wide and is lowered under clay, which is sheared in the cells "
+                   f"beside its edges: its load is about {excess:.0%} too low under a cover of its own width, limit "
+                   f"{EXCESS:.0%}. Use cells of at most {EXCESS / TRAPDOOR * width:.2g} m at its edges, or extrapolate two "
+                   "sizes of cells to none")
+
+
+def _under_all(soil, place):
+    """Whether a body with its vertices at `place` (V, 3) [m] is below all of the soil."""
+    lowest = minimum(soil.constants.position[:, 2] - soil.constants.half_width[:, 2], np.inf)
+    return place[:, 2].max() <= lowest + ON_LINE * soil.grid.smallest_cell
 
 
 def flow_around(scene, model):
@@ -174,7 +200,7 @@ def _on_lines(scene, model, body, travel, place, depth):
     """(Excess, text, remedy) of a body pushed into clay by a `depth` [m], -inf where that is not known, or lifted from clay
     that stays on it, by how deep it is then and whether its edges are on lines of the grid: the mean over its feet."""
     attached = body.interface is not None and body.interface.tension
-    if travel[2] == 0.0 or travel[2] > 0.0 and not attached:
+    if travel[2] == 0.0 or travel[2] > 0.0 and not attached or _under_all(model.soil, place):
         return NOTHING
     parts = [(area, *_foot_on_lines(scene, model, body, travel, place, foot, depth))
              for area, foot in feet(body, place, np.where(travel[2] > 0.0, -travel, travel), top_of(model.soil))]
@@ -243,4 +269,4 @@ def _growing(scene, soil, place, travel):
     return FROM_NONE if ratio > WEAK else 1.0 + GROWTH * ratio ** GROWING
 
 
-LIMITS = (few_cells, flow_around, wedges)
+LIMITS = (few_cells, flow_around, wedges, trapdoors)

@@ -26,6 +26,7 @@ STEEP = 1.5                     # cells: a lower step of the ground is a slope
 ROUND = 1.25    # largest over smallest distance of a round body's surface from its middle
 SIDES = 12      # different normals of a round body
 UNBROKEN = 20.0                 # of s_u: a tension that clay, which bears 12 s_u around a body, never reaches
+AT_POINT = "hinge", "ball", "weld"
 CLAY, SAND = "von-mises", {"drucker-prager", "mohr-coulomb", "willam-warnke"}
 
 
@@ -95,24 +96,35 @@ def loaded(scene, model):
     component [N] of the largest force."""
     if model.soil.held or not model.soil.law.plastic:
         return
-    joined = {name for joint in scene.joints for name in joint.bodies}
-    for described, body in zip(scene.bodies, model.bodies):
+    outlines = [outline(described, body, model.soil) for described, body in zip(scene.bodies, model.bodies)]
+    above = [place[:, 2].min() > top_of(model.soil) + model.soil.grid.smallest_cell for _, place in outlines]
+    for i, (described, body, (whole, place)) in enumerate(zip(scene.bodies, model.bodies, outlines)):
+        others = _joined(scene, i)
+        if others and above[i]:
+            continue        # others carry it
         rotation = initial_pose(described, body)[1]
         force, moment = _largest_load(body, rotation)
         axis = int(np.argmax(np.abs(force)))
         if not force[axis] or not body.free[axis] or model.soil.grid.collapsed[axis]:
             continue
-        whole, place = outline(described, body, model.soil)
-        if body.name in joined and place[:, 2].min() > top_of(model.soil) + model.soil.grid.smallest_cell:
-            continue        # others carry it
         travel = np.where(np.arange(3) == axis, force, 0.0)
         inclined = np.abs(np.where(body.free[:3], force - travel, 0.0)).max() > ASIDE * abs(force[axis])
         if axis == 2 and force[2] < 0.0:    # about the middle of the base
             moment = moment + np.cross([0.0, 0.0, body.surface.extent(-rotation[2])], force)
-        # joints to others share a moment with the base, by how much the soil decides
-        arm = 0.0 if body.name in joined else np.abs(np.where(body.free[3:], moment, 0.0)).max() / abs(force[axis])
+        # where others that it is joined to touch soil too, that decides how they share a moment
+        arm = np.abs(np.where(body.free[3:], moment, 0.0)).max() / abs(force[axis]) if all(above[j] for j in others) else 0.0
         yield (whole, travel, place, leads(whole, place, travel), inclined,
                arm if arm > ASIDE * np.ptp(place, axis=0).max() else 0.0)
+
+
+def _joined(scene, number):
+    """Numbers of the bodies that joints at points connect with a body, over any number of others."""
+    names, found = [body.name for body in scene.bodies], {number}
+    pairs = [[names.index(name) for name in joint.bodies] for joint in scene.joints if joint.kind in AT_POINT]
+    for _ in pairs:
+        for pair in pairs:
+            found |= set(pair) if found & set(pair) else set()
+    return sorted(found - {number})
 
 
 def stays_attached(body, soil):
