@@ -50,8 +50,8 @@ def off_lines(scene, model):
                         f"{modelled / exact:.2g} times what it should, limit {EXCESS:.0%}")
     for layer, (_, upper), ratio in zip(layers, ends, _strengths(soil, lines, top, ends)):
         if ratio > 1.0 + EXCESS and upper < top - ON_LINE:
-            messages.append(f"cells are sheared as one, and sliding along {layer.name} meets {ratio:.2g} times its strength, "
-                            f"limit {EXCESS:.0%}")
+            messages.append(f"cells are sheared as one, and sliding along {layer.name} meets {ratio:.2g} times its "
+                            f"strength, limit {EXCESS:.0%}")
     for layer, (bottom, upper), points in zip(layers, ends, present):
         thick = float(points / np.maximum(present.sum(axis=0), 1) @ np.diff(lines))
         given = min(upper, top) - max(bottom, floor)
