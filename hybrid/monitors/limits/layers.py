@@ -69,8 +69,8 @@ def _off(lines, end, top):
 
 
 def _strengths(soil, lines, top, ends):
-    """[-] of each layer, the least share over its own of the strength of a row of cells that it is in, under the weight of the
-    soil above; 0 of a layer without points."""
+    """[-] of each layer, the least strength of a row of cells that it is in over its own there, under the weight of the soil
+    above; 0 of a layer without points."""
     parameters, points = soil.law.parameters, soil.constants
     if parameters.shape[1] <= STRENGTH:     # an elastic law
         return [0.0] * len(ends)
