@@ -104,7 +104,7 @@ class GroundPair:
             active=found.active, gap=found.gap, normal=normal, force=-found.force, tangent=found.tangent,
             turning=np.zeros((m, 3, 3)), ramp=np.zeros((m, 3, 3)), arm=found.arm_a, slip=found.slip,
             anchor=np.zeros((m, 3)), side=side, pressure=np.einsum("mi,mi->m", found.force, normal), triangle=triangle,
-            weights=np.zeros((m, 3)), energy=float(total([found.energy])), dissipated=float(total([found.dissipated])),
+            energy=float(total([found.energy])), dissipated=float(total([found.dissipated])),
             rest=np.zeros(m), opened=np.zeros(m, bool), found=found)
 
     def springs(self, contact):

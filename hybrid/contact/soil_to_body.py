@@ -62,7 +62,7 @@ class PointContact:
     turns with the surface; ramp: (m, 3, 3) [N/m] of it, by which shear on the ramp of adhesion follows the pressure
     arm: (m, 3) [m] from the body's centre; slip: (m,) bool
     anchor: (m, 3) [m] body frame, the anchor of the history once the state is accepted; side: (m, 3) N, body frame
-    pressure: (m,) p [N]; triangle: (m,) of the closest point, weights: (m, 3) of its vertices there
+    pressure: (m,) p [N]; triangle: (m,) of the closest point
     energy: stored in the springs [J]; dissipated: friction work of the step [J]
     rest: of all ContactPoints, as there, once the state is accepted; opened: (m,) bool, whether the bond breaks in the step
     """
@@ -80,7 +80,6 @@ class PointContact:
     side: np.ndarray
     pressure: np.ndarray
     triangle: np.ndarray
-    weights: np.ndarray
     energy: float
     dissipated: float
     rest: np.ndarray
@@ -182,8 +181,7 @@ def evaluate(points, position, centre, rotation, surface, friction, tangential):
     return PointContact(
         active, closest.gap, found.side @ rotation.T, found.force @ rotation.T, rotation @ found.tangent @ rotation.T,
         turning, ramp, position[active] - centre, found.slip, found.anchor, found.side,
-        pressure, closest.triangle, closest.weights,
-        float(total(found.energy)), float(total(found.dissipated)), rest, found.opened)
+        pressure, closest.triangle, float(total(found.energy)), float(total(found.dissipated)), rest, found.opened)
 
 
 def _past_an_edge(points, closest, rotation, surface):

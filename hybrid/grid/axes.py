@@ -73,13 +73,11 @@ class Grid:
     axes: three increasing arrays of node coordinates [m]; length 1 when collapsed.
     extent: (3, 2) lower and upper end of each axis [m]; a collapsed axis keeps its thickness here.
     fixed: (N, 3) bool, displacement components of the nodes that the boundary conditions of the faces fix.
-    closed: (3, 2) bool, whether the lower and the upper face of each axis fix at least the normal displacement.
     """
 
     axes: tuple[np.ndarray, np.ndarray, np.ndarray]
     extent: np.ndarray
     fixed: np.ndarray
-    closed: np.ndarray
 
     @property
     def shape(self):
@@ -190,6 +188,4 @@ def make_grid(axes, extent, faces, all_fixed=False):
                 fixed[index] = True
     if all_fixed:
         fixed[...] = True
-    closed = np.array([faces[face] != "free" for face in FACES]).reshape(3, 2)
-    closed[np.array(shape) == 1] = True
-    return Grid(axes, np.asarray(extent, dtype=float), fixed.reshape(-1, 3), closed)
+    return Grid(axes, np.asarray(extent, dtype=float), fixed.reshape(-1, 3))

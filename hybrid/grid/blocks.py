@@ -194,7 +194,6 @@ def block_of(grid, boxes, rank, fullest=0.0, layers=1):
     x, y, z = (plane[one] for plane, one in zip(planes, part))
     fixed = (x[:, None, None] | y[:, None] | z).reshape(-1, 3)
     block = Block(tuple(np.ascontiguousarray(nodes[one]) for nodes, one in zip(lines, part)), grid.extent, fixed,
-                  grid.closed,
                   lines=lines, planes=planes, boxes=boxes, rank=rank, layers=layers, fullest=fullest,
                   nodes=Exchange(own, with_nodes, rank), cells=Exchange(boxes, around, rank))
     widths = [each[one] for each, one in zip(node_widths(lines, grid.extent), part)]

@@ -178,9 +178,10 @@ def test_points_that_come_in_when_the_body_sinks():
 def test_a_face_where_the_window_ends_holds_the_soil_back():
     scene = flown_over()
     free = replace(scene, grid=replace(scene.grid, faces=Faces(*["free"] * 6)))
-    closed = build(free).model.soil.grid.closed
-    assert closed[0].tolist() == [False, True]      # the window begins where the axis does, and ends before it
-    assert not closed[1:].any()
+    grid = build(free).model.soil.grid
+    fixed = grid.fixed.reshape(*grid.shape, 3)
+    assert fixed[-1, ..., 0].all()      # the window begins where the axis does, and ends before it
+    assert not fixed[:-1].any() and not fixed[..., 1:].any()
 
 
 def test_contact_points_keep_their_soil_points_and_their_order():

@@ -90,7 +90,8 @@ def _means(soil, lines, ends, values):
         owner[(height >= bottom) & (height < upper)] = i
     row, shape = np.clip(np.searchsorted(lines, height) - 1, 0, len(lines) - 2), (len(ends) + 1, len(lines) - 1)
     flat = owner * shape[1] + row
-    present, summed = (total(np.bincount(flat, weights, shape[0] * shape[1]).reshape(1, *shape)) for weights in (None, values))
+    present, summed = (total(np.bincount(flat, weights, shape[0] * shape[1]).reshape(1, *shape))
+                       for weights in (None, values))
     return summed / np.maximum(present, 1), present
 
 
