@@ -2,10 +2,10 @@
 
     N = min(cores, points / PER_PROCESS, (memory left - memory of the soil) / LIBRARIES), rounded down; one where N < FEWEST
 
-Each process makes its own block of the initial state. On two cores two processes take 1.05 of the time of
-two threads for a block of 256 000 points and 1.08 for the anchor (demos/speed/README.md), and start 6 s later. So two are
-not worth it. Threads share only the products of the linear solver, a quarter of the work:
-they cannot be faster than four times one, and processes can. One process runs held soil, whose points cost nothing, and a
+Each process makes its own block of the initial state. On two cores two processes take 0.85 of the time of two threads for a
+block of 106 000 unknowns and 0.95 for the anchor (demos/speed/README.md), and start 6 s later, which most runs on two cores
+do not make good. Threads share only the products of the linear solver, a quarter of the work: they cannot be faster than
+four times one, and processes can. One process runs held soil, whose points cost nothing, and a
 grid that follows a body, whose number of points is not known from the scene.
 """
 

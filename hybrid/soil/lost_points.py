@@ -21,7 +21,7 @@ from hybrid.runtime.jit import njit, prange
 from hybrid.soil.kinematics import determinant
 
 TOUCH = np.ones((3, 3, 3))   # cells are neighbours if they share a corner
-DISTORTION_LIMIT = 10.0  # [-] principal stretch of F or its inverse: beyond it a point no longer represents soil
+DISTORTION_LIMIT = 10.0  # [-] norm |F|, or volume ratio or its inverse: beyond it a point no longer represents soil
 
 
 def outside_grid(position, grid):

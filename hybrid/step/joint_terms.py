@@ -3,10 +3,10 @@
     | K_ww - C  -Gᵀ s | | δw |       | R_w - Gᵀ λ |        λ = s μ      C = ∂(Gᵀ λ)/∂w
     |   -s G     -c   | | δμ |  = -  |   -s φ     |        a row at a bound of λ has  k δμ = -(λ - bound) k/s  instead
 
-s = k, times a length r for rows of angles, with k a stiffness of the bodies, so that all entries are in N/m. Rows that the
-others imply, such as those along components that guides hold, are left out: their λ is zero, but that of friction between
-bodies that guides turn, which is at its bound. c = CREEP k for rows of
-friction, which may stick where a stop acts along them too, else 0.
+s = k, times a length r for rows of angles, with k a stiffness of the bodies, so that all entries are in N/m. Rows that
+others imply, such as those along components that guides hold, are left out and have λ = 0; friction between bodies that
+guides turn stays at its bound. Rows of friction, which may stick where a stop acts along them too, have c = CREEP k, all
+others c = 0.
 
 Multipliers are forces at the end of the increment. Newmark's scheme without damping makes them oscillate, so scenes with
 joints need one that damps. Velocities that rows allow, and impulses: `hybrid.step.joint_rates`. The rows of joints are

@@ -96,7 +96,7 @@ def test_quarter_of_the_spacing(mu):
     assert distance < 0.5 and spin < 1.5
 
 
-@pytest.mark.slow   # tests/study/test_sphere.py has it over the first halving
+@pytest.mark.slow   # tests/study/precision/test_sphere.py has it over the first halving
 def test_errors_fall_with_spacing_and_facets():
     assert (scatter(4, shifts=(0.0,)) < scatter(1) / 3).all()
 
