@@ -11,7 +11,8 @@ from hybrid.contact.contact_pair import ContactPair
 from hybrid.contact.search import Domains
 from hybrid.setup.build import build
 from hybrid.soil.basis import evaluate_basis
-from hybrid.step.equations import Unknowns, begin
+from hybrid.step.equations import begin
+from hybrid.step.evaluation import Unknowns
 from hybrid.step.workspace import Workspace
 
 REPEAT = 7

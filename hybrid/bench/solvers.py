@@ -17,7 +17,8 @@ from hybrid.bench.timed_steps import warm
 from hybrid.linalg.solver_choice import DIRECT, ILU0, ILU0_SHIFTED, SSOR, Single
 from hybrid.runtime.errors import StepError
 from hybrid.setup.build import build
-from hybrid.step.equations import Unknowns, begin
+from hybrid.step.equations import begin
+from hybrid.step.evaluation import Unknowns
 from hybrid.step.workspace import Workspace
 
 SMALL, LARGE = (26, 26, 9), (36, 36, 14)    # 20 000 and 60 000 unknowns

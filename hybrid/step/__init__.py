@@ -20,6 +20,8 @@ increments.outer_step               until the end of the step is reached:
     soil_terms.py                    internal force, inertia and loads of the soil
     body_terms.py                    inertia, weight, line of a body, and the soil's contact with it
     joint_terms.py, pair_terms.py    joints between bodies; bodies that touch one another
+    assemblies.py                    support and scale of forces over joints
+    evaluation.py                    trial values, and the residual there
     loads.py, search_reach.py        gravity and given loads; how far from a body contact is searched for
 3 newton.py         Newton's method: what is tried in turn; iteration.py: updates in one way until they converge
     first_guess.py, rolling.py       where it starts; a round body then rolls

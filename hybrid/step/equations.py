@@ -21,57 +21,19 @@ from hybrid.linalg.stencil_pattern import Pattern
 from hybrid.linalg.system_cache import CarriedTangent
 from hybrid.runtime import comm
 from hybrid.runtime.timing import phase
-from hybrid.soil.model import Refusal, SoilStep, SoilTrial
+from hybrid.soil.model import Refusal, SoilStep
 from hybrid.soil.transfer import interpolate
 from hybrid.state import State
-from hybrid.step import body_terms, joint_rates, joint_terms, pair_terms, soil_terms
-from hybrid.step.body_terms import BodyStep, BodyTerms
-from hybrid.step.joint_terms import JointStep, JointTerms
+from hybrid.step import assemblies, body_terms, joint_rates, joint_terms, pair_terms, soil_terms
+from hybrid.step.body_terms import BodyStep
+from hybrid.step.evaluation import Evaluation, Unknowns
+from hybrid.step.joint_terms import JointStep
 from hybrid.step.model import Model
-from hybrid.step.pair_terms import PairsStep, PairTerms
+from hybrid.step.pair_terms import PairsStep
 from hybrid.step.search_reach import travel_ratio
 from hybrid.step.work import work_after
 
 LARGEST_ROTATION = 2.0  # [rad] of a body in a step; beyond π it equals a smaller rotation in the opposite direction
-
-
-@dataclass(frozen=True)
-class Unknowns:
-    """Trial values: nodal displacement increments (N, 3) [m] (None for held soil), poses of the bodies, multipliers (n,) of
-    their joints (None without joints)."""
-
-    displacement: np.ndarray | None
-    poses: tuple
-    multipliers: np.ndarray | None = None
-
-
-@dataclass(frozen=True)
-class Evaluation:
-    """Residual and its terms at trial unknowns. Its soil trial is valid until the next evaluation, unless that one
-    keeps it.
-
-    soil (n,) [N] and body (m,) [N, N m]: residual on the unknowns; error: largest residual of soil and bodies relative
-    to the forces acting on each; norms: the same in physical units, by name; internal: norm [N] of the internal forces;
-    rates: `Scheme.advance` of the nodes; bodies: BodyTerms of each body; joints: JointTerms, None without joints;
-    pairs: PairTerms, None where no bodies may touch one another.
-    """
-
-    unknowns: Unknowns
-    soil: np.ndarray
-    body: np.ndarray
-    error: float
-    norms: dict
-    internal: float
-    soil_trial: SoilTrial | None
-    rates: tuple | None
-    bodies: tuple[BodyTerms, ...]
-    joints: JointTerms | None = None
-    pairs: PairTerms | None = None
-
-    @property
-    def contacts(self):
-        """Contact of each body."""
-        return tuple(terms.contact for terms in self.bodies)
 
 
 @dataclass(frozen=True)
@@ -158,7 +120,7 @@ class Step:
 
     def _body_errors(self, bodies):
         """[(norms, error)] of BodyTerms."""
-        least = joint_terms.least_forces(self.model.joints, [terms.largest_force for terms in bodies])
+        least = assemblies.least_forces(self.model.joints, [terms.largest_force for terms in bodies])
         return [terms.error(force) for terms, force in zip(bodies, least)]
 
     def assemble(self, evaluation, kind=Tangent.CONSISTENT, elastic=0.0):
@@ -171,7 +133,7 @@ class Step:
             soil_terms.add_tangent(self, evaluation.soil_trial, evaluation.error, elastic)
         with phase("contact"):
             supported = [not terms.unsupported for terms in evaluation.bodies]
-            for terms, carried in zip(evaluation.bodies, joint_terms.carried(self.model.joints, supported)):
+            for terms, carried in zip(evaluation.bodies, assemblies.carried(self.model.joints, supported)):
                 terms.add_tangent(self.pattern, self.system, stiffness, kind, carried)
             if evaluation.pairs:
                 evaluation.pairs.add_tangent(self.system.ww)

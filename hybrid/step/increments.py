@@ -17,7 +17,8 @@ from hybrid.runtime.comm import largest
 from hybrid.runtime.errors import StepError
 from hybrid.soil.model import Soil
 from hybrid.step import failure_message, newton, processes
-from hybrid.step.equations import Evaluation, begin
+from hybrid.step.equations import begin
+from hybrid.step.evaluation import Evaluation
 from hybrid.step.error_estimate import even, following, local_error, shorter
 from hybrid.step.support import ROUND_OFF, Support
 

@@ -21,7 +21,7 @@ from hybrid.runtime.errors import StepError
 from hybrid.runtime.timing import phase
 from hybrid.soil.model import Refusal
 from hybrid.step import sticking
-from hybrid.step.equations import Evaluation
+from hybrid.step.evaluation import Evaluation
 from hybrid.step.restriction import restricted, rough_nodes
 
 SHORTEST = 1 / 16  # of a Newton update, tried by the line search

@@ -30,7 +30,6 @@ CREEP = 1e-9        # of sticking friction
 IMPLIED = 1e-8      # share of a row that others leave over, below which it is implied by them
 DRIVEN = 1e-12      # [rad] of a hinge in an increment, from which guides turn it
 EXACT = 1e-3        # a tolerance of 1e-4 means 1e-7 radii, or rad
-FAINT = 1e-3        # share of the forces on other bodies of an assembly that a force is compared with at least
 RELEASED = 1e-9     # difference of λ from its bound, relative to the largest λ
 
 
@@ -205,30 +204,6 @@ def kept_rows(model, poses):
     bounds, angular, radius = rows_of(model)
     gradients = gradients_of(model.constraints, columns, size, poses)
     return independent(gradients / np.where(angular, 1.0, radius)[:, None], bounds)
-
-
-def carried(joints, supported):
-    """[bool] of all bodies, whether joints at points hold them, over any number of others, to one that is `supported`, or to
-    the ground; supported: [bool] of all bodies."""
-    return _most([joint for joint in joints if joint.at_point], supported, True)
-
-
-def least_forces(joints, forces):
-    """[N] that the residual of each body is compared with at least, FAINT of the largest of the `forces` [N] on those that
-    joints connect it with: one that nothing acts on would have no scale of its own."""
-    return [FAINT * force for force in _most(joints, forces, 0.0)]
-
-
-def _most(joints, values, ground):
-    """[largest] for each body, of the `values` of all that joints connect it with; ground: that of the ground."""
-    found = list(values)
-    for _ in joints:
-        for a, b in (joint.bodies for joint in joints):
-            most = max(found[a], ground if b is None else found[b])
-            found[a] = most
-            if b is not None:
-                found[b] = most
-    return found
 
 
 def implied_guides(model, bodies):

@@ -4,11 +4,12 @@ from dataclasses import replace
 
 import pytest
 
+from hybrid.body.joints import Joint as Constraint
 from hybrid.runtime.data import GEOMETRY
 from hybrid.runtime.errors import StepError
 from hybrid.scene import Body, Joint, Load, Material, Stage
 from hybrid.setup.build import build
-from hybrid.step import joint_terms
+from hybrid.step import assemblies
 from tests.helpers.put_on_soil import put_on_soil
 
 CLAY = Material(law="von-mises", young=5e6, poisson=0.49, density=1800.0, strength=1e4)
@@ -45,7 +46,7 @@ def test_a_mast_on_a_footing_costs_no_iterations(gravity, kind):
 def test_the_stiffness_of_unsupported_bodies_would_hold_it_back(monkeypatch):
     """The broken variant: the mast counts as a body that has left the soil."""
     few, settlement = loaded(9.81, force=2e3)
-    monkeypatch.setattr(joint_terms, "carried", lambda joints, supported: [False] * len(supported))
+    monkeypatch.setattr(assemblies, "carried", lambda joints, supported: [False] * len(supported))
     many, same = loaded(9.81, force=2e3)
     assert sum(many) > 2 * sum(few)
     assert settlement == pytest.approx(same, rel=0.01)
@@ -53,7 +54,7 @@ def test_the_stiffness_of_unsupported_bodies_would_hold_it_back(monkeypatch):
 
 def test_a_body_on_which_nothing_acts_has_no_scale_of_its_own(monkeypatch):
     """The broken variant: round-off of the joint's force is compared with itself."""
-    monkeypatch.setattr(joint_terms, "FAINT", 0.0)
+    monkeypatch.setattr(assemblies, "FAINT", 0.0)
     with pytest.raises(StepError, match="mast"):
         loaded(0.0)
 
@@ -65,10 +66,10 @@ def test_a_body_on_which_nothing_acts_has_no_scale_of_its_own(monkeypatch):
 def test_support_and_forces_are_those_of_all_that_joints_connect(links, carried):
     """Over any number of others, and from the ground."""
     ends = [(i, [[0.0] * 3] * 2) for i in links]
-    joints = [joint_terms.Joint("joint", bodies, points, at_point=True) for bodies, points in ends]
-    assert joint_terms.carried(joints, [True, False, False]) == carried
-    forces = joint_terms.least_forces(joints, [4.0, 0.0, 0.0])
+    joints = [Constraint("joint", bodies, points, at_point=True) for bodies, points in ends]
+    assert assemblies.carried(joints, [True, False, False]) == carried
+    forces = assemblies.least_forces(joints, [4.0, 0.0, 0.0])
     on_one = {0}.union(*(set(pair) for pair in links if None not in pair)) if links else {0}
-    assert forces == [4.0 * joint_terms.FAINT * (i in on_one) for i in range(3)]
+    assert forces == [4.0 * assemblies.FAINT * (i in on_one) for i in range(3)]
     slack = [replace(joint, at_point=False) for joint in joints]
-    assert joint_terms.carried(slack, [True, False, False]) == [True, False, False]
+    assert assemblies.carried(slack, [True, False, False]) == [True, False, False]

@@ -15,7 +15,8 @@ from hybrid.runtime.errors import SceneError
 from hybrid.scene import Axis, Faces, Grid, Joint, Load, Motion, Stage
 from hybrid.scene.file import load_scene, validate
 from hybrid.setup.build import build
-from hybrid.step.equations import Unknowns, begin
+from hybrid.step.equations import begin
+from hybrid.step.evaluation import Unknowns
 from hybrid.step.workspace import Workspace
 from hybrid.study.scenes import box, elastic, plane
 from hybrid.study.scenes import scene as soil_box

@@ -11,7 +11,8 @@ from hybrid.contact import soil_to_body
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Scene, Soil, Stage, Time
 from hybrid.setup.build import build
 from hybrid.state import ContactHistory
-from hybrid.step.equations import Unknowns, begin
+from hybrid.step.equations import begin
+from hybrid.step.evaluation import Unknowns
 from hybrid.step.workspace import Workspace
 
 
