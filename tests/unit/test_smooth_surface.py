@@ -12,6 +12,7 @@ from hybrid.body.mesh import generate
 from hybrid.body.smooth import corner_normals
 from hybrid.body.surface import build_surface
 from hybrid.contact.search import distances
+from hybrid.runtime.data import GEOMETRY
 
 SHAPES = {"sphere": sphere, "ellipsoid": ellipsoid, "torus": torus}
 
@@ -282,6 +283,18 @@ def test_places_around_a_tip_are_inside_by_the_smooth_surface_if_by_facets(geome
         places = tip + spread * size * np.random.default_rng(0).normal(size=(3000, 3))
         smooth, plain = (np.array([query(y, s.tree)[4] for y in places]) for s in (surface, facets))
         assert np.abs(smooth - plain).max() < 2 * bulge < 0.15 * size
+
+
+@pytest.mark.parametrize("angle, size", [(47.3, 0.3), (58.1, 0.3), (80.2, 0.3), (60.0, 0.2)])
+def test_a_cone_has_eight_triangles_and_more_around_its_tip(angle, size):
+    """Where only three met, one of them might span 156 degrees of the circumference."""
+    mesh = generate(GEOMETRY / "cone.geo", {"radius": 1.0, "angle": angle, "shaft": 2.0, "size": size})
+    corners = mesh.points[mesh.contact]
+    at_tip = np.abs(corners).max(axis=2) < 1e-9
+    around = corners[at_tip.any(axis=1)][~at_tip[at_tip.any(axis=1)]].reshape(-1, 2, 3)
+    direction = np.arctan2(around[..., 1], around[..., 0])
+    spans = np.abs(np.angle(np.exp(1j * np.diff(direction, axis=1)))).ravel()
+    assert len(spans) >= 8 and np.degrees(spans.max()) < 46.0 and spans.sum() == pytest.approx(2 * np.pi, rel=1e-6)
 
 
 def test_stray_normals_are_replaced_by_those_of_the_facets():
