@@ -61,8 +61,9 @@ def closest_facing(y, outward, least, beyond, tree):
     """As `closest`, for a point y on the surface of another body with the normal `outward` there, a tuple of three: where
     it is inside, the closest point on a side that looks at it, N·outward < -least; gap inf where there is none.
 
-    beyond: whether a side that looks at it counts although another one is nearer. At the edge of a body whose flank lies in
-    that of the other one it does not: the side would come and go with round-off."""
+    beyond: [m] that y may be behind a side that looks at it for this to count although another one is nearer. A flank
+    that overlaps the edge of a body by a hair is far behind that body's other flank. At the edge of a body whose flank
+    lies in that of the other one none counts: the side would come and go with round-off."""
     found = closest(y, math.inf, tree, NO_SIDE)
     triangle, feature, foot, weights, gap = found
     if gap >= 0.0:
@@ -70,13 +71,15 @@ def closest_facing(y, outward, least, beyond, tree):
     N, _, _ = gap_geometry(y, foot, weights, gap, triangle, feature, tree)
     if dot(N, outward) < -least:
         return found
-    if not beyond:
-        return -1, 0, (y[0], y[1], y[2]), (0.0, 0.0, 0.0), math.inf
+    none = -1, 0, (y[0], y[1], y[2]), (0.0, 0.0, 0.0), math.inf
+    if beyond <= 0.0:
+        return none
     side = -outward[0], -outward[1], -outward[2]
     slot, feature, v, w, _ = search(y[0], y[1], y[2], math.inf, tree, side, least)
     if slot < 0 or not _behind(y[0], y[1], y[2], slot, feature, tree):
-        return -1, 0, (y[0], y[1], y[2]), (0.0, 0.0, 0.0), math.inf
-    return _place((y[0], y[1], y[2]), slot, feature, v, w, side, least, math.inf, tree)
+        return none
+    found = _place((y[0], y[1], y[2]), slot, feature, v, w, side, least, math.inf, tree)
+    return found if found[4] > -beyond else none
 
 
 @njit(cache=True)

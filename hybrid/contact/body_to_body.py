@@ -38,12 +38,18 @@ FINEST = 0.02   # of the depth that counts as passing through: shortest step alo
 
 @dataclass(frozen=True)
 class Side:
-    """One body's places against the surface of the other one: numbers a and b of the bodies in the model."""
+    """One body's places against the surface of the other one: numbers a and b of the bodies in the model; beyond: [m] that
+    places on faces may be behind a side that is not the nearest one (`closest_facing`)."""
 
     a: int
     b: int
     samples: Samples
     surface: ContactSurface
+    beyond: float = 0.0
+
+    def beyond_of(self, places):
+        """(m,) [m] of Places; 0 of those on edges."""
+        return np.where(places.number < self.samples.first_edge, self.beyond, 0.0)
 
 
 class Path(NamedTuple):
@@ -138,10 +144,10 @@ class SideStep:
         turn, way = relative(pose_a, pose_b, self.collapsed)
         y, outward, surface = self.places.point @ turn.T + way, self.places.normal @ turn.T, self.side.surface
         points = closest_points.ClosestPoints.empty(len(y))
-        on_face = self.side.samples.first_edge > self.places.number
-        _project(y, outward, on_face, self.start, self.places.clearance, surface.radius, *surface.tree.parts, points)
+        _project(y, outward, self.side.beyond_of(self.places), self.start, self.places.clearance, surface.radius,
+                 *surface.tree.parts, points)
         touches, free = self.stiffness * (self.rest - points.gap) > 0.0, -self.places.depth
-        rest = np.minimum(np.maximum(self.rest, points.gap), free)
+        rest = np.minimum(np.maximum(self.rest, points.gap + free), free)
         active, kept = np.flatnonzero(touches), np.flatnonzero(touches | (rest < free))
         points = points.select(active)
         origin = np.where(self.touching[active, None], self.anchor[active], self.start[active])
@@ -193,10 +199,10 @@ def begin(side, poses, predicted, reach, history, stiffness, law, collapsed):
     anchor, rest, touching = start.copy(), -places.depth, np.isin(places.number, number)
     order = np.argsort(number)
     at = order[np.searchsorted(number[order], places.number[touching])]
-    anchor[touching], rest[touching] = known[at], rests[at]
+    anchor[touching], rest[touching] = known[at], np.minimum(rests[at], rest[touching])
     if m:
         path = _path(poses[side.a], poses[side.b], predicted[side.a], predicted[side.b], collapsed)
-        _first_contact(places.point, places.normal, side.samples.first_edge > places.number, touching, path,
+        _first_contact(places.point, places.normal, side.beyond_of(places), places.depth, touching, path,
                        side.surface.radius, side.surface.tree, anchor)
     return SideStep(side, places, start, touching, anchor, rest, stiffness * places.area, law, collapsed)
 
@@ -225,8 +231,8 @@ def _path(start_a, start_b, end_a, end_b, collapsed):
 
 
 @njit(cache=True, parallel=True)
-def _project(y, outward, on_face, start, clearance, radius, arrays, patches, points):
-    """Fill `points` (ClosestPoints) for places now at y (m, 3); on_face: (m,) bool, not on edges."""
+def _project(y, outward, beyond, start, clearance, radius, arrays, patches, points):
+    """Fill `points` (ClosestPoints) for places now at y (m, 3); beyond: (m,) [m] as in `closest_facing`."""
     gap, triangle, feature, foot, weights = points
     for lane in prange(LANES):
         tree = joined(arrays, patches)
@@ -237,25 +243,26 @@ def _project(y, outward, on_face, start, clearance, radius, arrays, patches, poi
                 gap[n] = np.inf
                 continue
             normal = outward[n, 0], outward[n, 1], outward[n, 2]
-            t, f, x, w, g = closest_facing((y[n, 0], y[n, 1], y[n, 2]), normal, FACING, on_face[n], tree)
+            t, f, x, w, g = closest_facing((y[n, 0], y[n, 1], y[n, 2]), normal, FACING, beyond[n], tree)
             triangle[n], feature[n], gap[n] = t, f, g
             for i in range(3):
                 foot[n, i], weights[n, i] = x[i], w[i]
 
 
 @njit(cache=True)
-def _first_contact(point, normal, on_face, touching, path, radius, tree, anchor):
+def _first_contact(point, normal, beyond, depth, touching, path, radius, tree, anchor):
     """Replace the `anchor` (m, 3) of places that do not touch by the place where they are predicted to touch first, or to
     be at the end."""
     for n in range(len(point)):
         if touching[n]:
             continue
         y = _at(path, point, n, 1.0)
-        if not outside_bounds(y[0], y[1], y[2], radius, tree) and _gap(path, point, normal, on_face, n, 1.0, tree) < 0.0:
+        outside = outside_bounds(y[0], y[1], y[2], radius, tree)
+        if not outside and _gap(path, point, normal, beyond, n, 1.0, tree) < -depth[n]:
             before, after = 0.0, 1.0
             for _ in range(HALVINGS):
                 middle = 0.5 * (before + after)
-                if _gap(path, point, normal, on_face, n, middle, tree) < 0.0:
+                if _gap(path, point, normal, beyond, n, middle, tree) < -depth[n]:
                     after = middle
                 else:
                     before = middle
@@ -265,9 +272,9 @@ def _first_contact(point, normal, on_face, touching, path, radius, tree, anchor)
 
 
 @njit(cache=True)
-def _gap(path, point, normal, on_face, n, fraction, tree):
+def _gap(path, point, normal, beyond, n, fraction, tree):
     outward = _turned(path, normal, n, fraction, 0.0)
-    return closest_facing(_at(path, point, n, fraction), outward, FACING, on_face[n], tree)[4]
+    return closest_facing(_at(path, point, n, fraction), outward, FACING, beyond[n], tree)[4]
 
 
 @njit(cache=True)

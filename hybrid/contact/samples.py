@@ -30,7 +30,7 @@ SPREAD = 1.5    # spacings in the longest edge of a part of a triangle
 # in those the other way. Bodies have round sizes, so that the edge of one would lie exactly over a row of centroids of the
 # other one, all of which come and go as it moves by 1e-6 of its size: without inertia stacks had no solution.
 ASIDE = 1.3e-3, 0.7e-3
-FACES = 5.0     # of a body, as large as the one that it lies on
+FACES = 5.0     # surface of a body over the area of the face that it lies on
 BEND = np.radians(20.0)     # between the faces at a sharp edge, as in `hybrid.body.sharp_edges`
 
 

@@ -33,7 +33,8 @@ from hybrid.step.pair_terms import IMPACT, BodyPair
 
 CURVED, PLANE = 32, 16      # spacings in a radius of curvature; in the size of bodies of planes
 SINKS = 1e-3                # of the size: overlap under F
-DEEPER = 1.0                # times the overlap of faces that lie flat: overlap from which on edges and corners press
+DEEPEST = 1.25e-3           # of the size: largest overlap from which on edges and corners press
+BEHIND = 10.0               # times the largest overlap of an impact: of places behind a side that is not the nearest one
 STANDARD = 9.81             # [m/s²] where a scene has no gravity
 
 
@@ -89,7 +90,9 @@ def _pair(numbers, described, own, bodies, surfaces, motions, grid, g):
     stiffness = load / (_area(overlap, radius, size, slice_width) * overlap)
     carried = 2.0 * load / (stiffness * SINKS * size)     # [m²]; by places of one side, which have half of the stiffness
     width = carried / (size / 2 if slice_width is None else slice_width)
-    depth = DEEPER * max(flat_overlap(surface, load, stiffness) for surface in surfaces) if slice_width is None else 0.0
+    depth = 0.0
+    if slice_width is None:
+        depth = min(max(flat_overlap(surface, load, stiffness) for surface in surfaces), DEEPEST * size)
     sides = []
     for a, b in ((0, 1), (1, 0)):
         flat, share = None, 1.0
@@ -97,7 +100,7 @@ def _pair(numbers, described, own, bodies, surfaces, motions, grid, g):
             flat = motions[a].rotation[collapsed]
             share = slice_width / np.prod([np.ptp(surfaces[a].vertices @ axis) for axis in flat])
         samples = sample(surfaces[a], spacing, width, carried, depth, flat, share)
-        sides.append(Side(numbers[a], numbers[b], samples, surfaces[b]))
+        sides.append(Side(numbers[a], numbers[b], samples, surfaces[b], BEHIND * IMPACT * size))
     impact = 1.5 / sum(1.0 / mass for mass in moving) / (
         _area(IMPACT * size, radius, size, slice_width) * (IMPACT * size)**2)
     friction = own.friction if own and own.friction is not None else min(body.friction or 0.0 for body in described)
@@ -127,5 +130,6 @@ def _history(pair, motions):
         begun = body_to_body.begin(side, poses, poses, TOUCH * pair.size, empty.side(i), pair.stiffness, pair.law,
                                    pair.collapsed)
         found = begun.evaluate(poses)
-        parts += [begun.places.number[found.active], begun.start[found.active], found.gap]
+        rest = found.gap - begun.places.depth[found.active]
+        parts += [begun.places.number[found.active], begun.start[found.active], rest]
     return PairHistory(*parts, np.ones(1))

@@ -4,7 +4,7 @@ Without inertia a body that touches nothing gets the stiffness of a cell, with w
 (`hybrid.step.body_terms`). A mast welded to a footing touches nothing either, and would hold that footing back.
 """
 
-FAINT = 1e-3    # share of the forces on other bodies of an assembly that a force is compared with at least
+FAINT = 1e-5    # share of the forces on other bodies of an assembly that a force is compared with at least
 
 
 def carried(joints, supported):
@@ -15,8 +15,8 @@ def carried(joints, supported):
 
 def least_forces(joints, forces):
     """[N] that the residual of each body is compared with at least, FAINT of the largest of the `forces` [N] on those that
-    joints connect it with: one that nothing acts on would have no scale of its own."""
-    return [FAINT * force for force in _most(joints, forces, 0.0)]
+    joints at points connect it with: without inertia one that nothing acts on would have no scale of its own."""
+    return [FAINT * force for force in _most([joint for joint in joints if joint.at_point], forces, 0.0)]
 
 
 def _most(joints, values, ground):

@@ -120,7 +120,8 @@ class Step:
 
     def _body_errors(self, bodies):
         """[(norms, error)] of BodyTerms."""
-        least = assemblies.least_forces(self.model.joints, [terms.largest_force for terms in bodies])
+        forces = [0.0 if self.model.scheme.inertia else terms.largest_force for terms in bodies]
+        least = assemblies.least_forces(self.model.joints, forces)
         return [terms.error(force) for terms, force in zip(bodies, least)]
 
     def assemble(self, evaluation, kind=Tangent.CONSISTENT, elastic=0.0):

@@ -73,3 +73,4 @@ def test_support_and_forces_are_those_of_all_that_joints_connect(links, carried)
     assert forces == [4.0 * assemblies.FAINT * (i in on_one) for i in range(3)]
     slack = [replace(joint, at_point=False) for joint in joints]
     assert assemblies.carried(slack, [True, False, False]) == [True, False, False]
+    assert assemblies.least_forces(slack, [4.0, 0.0, 0.0]) == [4.0 * assemblies.FAINT, 0.0, 0.0]

@@ -155,6 +155,29 @@ def test_a_load_on_a_body_that_is_joined_is_not_eccentric():
     assert arms == [pytest.approx(0.4), 0.0]
 
 
+def test_arms_count_where_nothing_else_of_an_assembly_touches_soil():
+    """A mast above hands on nothing, a chain of two to a strip beside it does, and so does the ground."""
+    load = Load("strip", force=(0.0, 0.0, -3e4), point=(0.4, 0.0, 0.5))
+    scene = described(Stage("one", 10, loads=(load,)), material=CLAY, rest_on=0.0)
+    strip = replace(scene.bodies[0], driven=(), position=(0.0, 0.5, 0.5), held=())
+    small = {**strip.parameters, "length": 0.2, "height": 0.2}
+    mast = replace(strip, name="mast", rest_on=1.0, parameters=small)
+    twin = replace(strip, name="twin", position=(2.1, 0.5, 0.5))
+
+    def weld(name, *bodies):
+        return Joint(name, "weld", bodies, point=(0.0, 0.0, 0.0))
+
+    arms = []
+    chain = weld("b", "mast", "twin"), weld("a", "strip", "mast")
+    for joints in (weld("a", "mast", "strip"),), chain, (weld("g", "strip"),):
+        simulation = build(replace(scene, bodies=(strip, mast, twin), joints=joints))
+        arms += [arm for body, *_, arm in loaded(simulation.scene, simulation.model) if body.name == "strip"]
+    assert arms == [pytest.approx(0.4), 0.0, 0.0]
+    hinge = Joint("h", "hinge", ("strip",), point=(-1.0, 0.0, -0.5), axis=(0.0, 1.0, 0.0))
+    simulation = build(replace(scene, bodies=(strip, mast, twin), joints=(hinge,)))
+    assert [arm for body, *_, arm in loaded(simulation.scene, simulation.model) if body.name == "strip"] == [0.0]
+
+
 @pytest.mark.parametrize("load, told", [(2e4, 0), (6e4, 1)])
 def test_clay_that_bears_a_load_by_far_has_no_note_about_what_it_carries(load, told):
     """Of a strip of 2 m on 4 cells, s_u = 10 kPa: half of what it carries is 60 kN, with its weight of 39 kN."""

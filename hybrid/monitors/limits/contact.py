@@ -74,9 +74,10 @@ def narrow_body(scene, model):
 
 def narrow_face(scene, model):
     """Faces between sharp edges, narrower than a cell: contact sees an edge with a radius of a few centimetres there."""
-    cell = model.soil.grid.smallest_cell
+    cell, joined = model.soil.grid.smallest_cell, {name for joint in scene.joints for name in joint.bodies}
     for described, body in zip(scene.bodies, model.bodies):
-        if body.narrowest < cell and not _lid(scene, model.soil, described, body):
+        hangs = body.name in joined and initial_vertices(described, body)[:, 2].min() > top_of(model.soil) + cell
+        if body.narrowest < cell and not hangs and not _lid(scene, model.soil, described, body):
             yield (f"{body.name} has a face {body.narrowest:.2g} m wide between sharp edges, limit {cell:.3g} m, one "
                    "cell: the grid does not resolve it, its load depends on where it stands in a cell, and Newton's "
                    "method may need many iterations for it. Round it off in the geometry, or use cells of at most "

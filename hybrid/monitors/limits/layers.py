@@ -25,6 +25,7 @@ EXCESS = 0.1        # of the settlement of the whole soil, or of the thickness o
 ON_LINE = 1e-6      # of a cell
 FRICTION, STRENGTH = 2, 4   # columns of a law's parameters, as in `hybrid.laws.cone`
 STANDARD = 9.81     # [m/s²] of the stress at which strengths are compared
+LARGEST = 99.0      # ratio of strengths that is told
 TINY = 1e-3         # [Pa] of a strength that is one
 FINEST = 8          # times as many cells as given, among which a size is looked for
 
@@ -48,8 +49,9 @@ def off_lines(scene, model):
     if abs(modelled / exact - 1.0) > EXCESS:
         messages.append("cells take the mean stiffness of the layers that share them, and under a load the soil settles by "
                         f"{modelled / exact:.2g} times what it should, limit {EXCESS:.0%}")
-    for layer, (_, upper), ratio in zip(layers, ends, _strengths(soil, lines, top, ends)):
-        if ratio > 1.0 + EXCESS and upper < top - ON_LINE:
+    for layer, (_, upper), least in zip(layers, ends, _strengths(soil, lines, top, ends)):
+        ratio = min(least, LARGEST)
+        if ratio > 1.0 + EXCESS and upper < top - ON_LINE * np.diff(lines).min():
             messages.append(f"cells are sheared as one, and sliding along {layer.name} meets {ratio:.2g} times its "
                             f"strength, limit {EXCESS:.0%}")
     for layer, (bottom, upper), points in zip(layers, ends, present):
@@ -69,14 +71,14 @@ def _off(lines, end, top):
 
 
 def _strengths(soil, lines, top, ends):
-    """[-] of each layer, the least strength of a row of cells that it is in over its own there, under the weight of the soil
-    above; 0 of a layer without points."""
+    """[-] of each layer, the least strength of a row of cells that it is in over its own there, under the weight of as
+    much of its own soil as there is above; 0 of a layer without points."""
     parameters, points = soil.law.parameters, soil.constants
     if parameters.shape[1] <= STRENGTH:     # an elastic law
         return [0.0] * len(ends)
     weight = STANDARD * points.mass / points.volume * (top - points.position[:, 2])
     strength, present = _means(soil, lines, ends, parameters[:, STRENGTH] + parameters[:, FRICTION] * weight)
-    row = (strength * present).sum(axis=0) / np.maximum(present.sum(axis=0), 1)
+    row = np.einsum("lr,lr->r", strength, present) / np.maximum(present.sum(axis=0), 1)
     return [float(np.min((row / np.maximum(own, TINY))[there > 0], initial=np.inf)) if there.any() else 0.0
             for own, there in zip(strength[:-1], present[:-1])]
 

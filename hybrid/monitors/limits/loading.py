@@ -92,16 +92,15 @@ def heading(travel):
 def loaded(scene, model):
     """(RigidBody, travel (3,), places (V, 3) [m], whether a plane face leads, whether the load is inclined, arm [m] on which
     it acts beside the centre, of the base where it presses that) of each body that is free to follow forces of a stage, or
-    that a point of it drives, and that no other body carries above the soil; the travel is the largest
+    that a point of it drives, and that neither another body nor the ground carries above the soil; the travel is the largest
     component [N] of the largest force."""
     if model.soil.held or not model.soil.law.plastic:
         return
     outlines = [outline(described, body, model.soil) for described, body in zip(scene.bodies, model.bodies)]
     above = [place[:, 2].min() > top_of(model.soil) + model.soil.grid.smallest_cell for _, place in outlines]
     for i, (described, body, (whole, place)) in enumerate(zip(scene.bodies, model.bodies, outlines)):
-        others = _joined(scene, i)
-        if others and above[i]:
-            continue        # others carry it
+        if above[i] and any(body.name in joint.bodies for joint in scene.joints):
+            continue        # others carry it, or the ground
         rotation = initial_pose(described, body)[1]
         force, moment = _largest_load(body, rotation)
         axis = int(np.argmax(np.abs(force)))
@@ -111,20 +110,22 @@ def loaded(scene, model):
         inclined = np.abs(np.where(body.free[:3], force - travel, 0.0)).max() > ASIDE * abs(force[axis])
         if axis == 2 and force[2] < 0.0:    # about the middle of the base
             moment = moment + np.cross([0.0, 0.0, body.surface.extent(-rotation[2])], force)
-        # where others that it is joined to touch soil too, that decides how they share a moment
-        arm = np.abs(np.where(body.free[3:], moment, 0.0)).max() / abs(force[axis]) if all(above[j] for j in others) else 0.0
+        arm = 0.0       # where the ground or others that touch soil share a moment: how, the soil decides
+        if all(j is not None and above[j] for j in _joined(scene, i)):
+            arm = np.abs(np.where(body.free[3:], moment, 0.0)).max() / abs(force[axis])
         yield (whole, travel, place, leads(whole, place, travel), inclined,
                arm if arm > ASIDE * np.ptp(place, axis=0).max() else 0.0)
 
 
 def _joined(scene, number):
-    """Numbers of the bodies that joints at points connect with a body, over any number of others."""
+    """Numbers of the bodies that joints at points connect with a body, over any number of others; None of the ground."""
     names, found = [body.name for body in scene.bodies], {number}
-    pairs = [[names.index(name) for name in joint.bodies] for joint in scene.joints if joint.kind in AT_POINT]
+    pairs = [{*map(names.index, joint.bodies), *([None] if len(joint.bodies) == 1 else [])}
+             for joint in scene.joints if joint.kind in AT_POINT]
     for _ in pairs:
         for pair in pairs:
-            found |= set(pair) if found & set(pair) else set()
-    return sorted(found - {number})
+            found |= pair if (found & pair) - {None} else set()
+    return found - {number}
 
 
 def stays_attached(body, soil):
