@@ -18,6 +18,8 @@ from hybrid.state import JointState
 from hybrid.step.joint_terms import columns_of, gradients_of, independent, kept_rows, poses_of, rows_of
 from hybrid.step.work import drive_name
 
+AT_REST = 1e-12     # [rad/s] of a hinge
+
 
 def start(model):
     """JointState before the first step, None without joints."""
@@ -113,7 +115,7 @@ def begin_stage(model, bodies, joints):
         active = independent(gradients, bounds) & (~np.isfinite(bounds).any(axis=1) | joints.active)
         if model.scheme.inertia:
             before = bodies
-            bodies, joints, _ = consistent(bare, before, joints, active)
+            bodies, joints = with_friction(bare, *consistent(bare, before, joints, active)[:2], active)
             # not p·G v of the rows: what they do to driven components is borne by the guides
             lost = -sum(float(rigid.jolt(*one).sum()) for one in zip(model.bodies, before, bodies))
     if model.guides:
@@ -121,6 +123,47 @@ def begin_stage(model, bodies, joints):
         more = np.zeros(_count(model.guides))
         joints = JointState(np.concatenate([joints.multipliers, more]), np.concatenate([joints.active, more > 0]))
     return bodies, joints, lost
+
+
+def with_friction(model, bodies, joints, active):
+    """(bodies, JointState) whose accelerations are those with the friction of hinges that turn, and of those at rest that
+    begin to. active: (n,) bool, rows that `consistent` has satisfied.
+
+    Friction of a hinge that turns is at its bound; at rest it is what keeps the hinge so, up to that bound. It is found by
+    rows that stick and are given their bound where they would need more.
+    """
+    bounds, rates = rows_of(model)[0], rates_of_rows(model.constraints, bodies)
+    friction = np.isfinite(bounds).all(axis=1) & ~active
+    most, turns = np.where(friction, bounds[:, 1], 0.0), friction & (np.abs(rates) > AT_REST)
+    given, sticks = np.where(turns, -np.sign(rates) * most, joints.multipliers), friction & ~turns
+    found = bodies, joints
+    for _ in range(1 + np.count_nonzero(friction)):
+        moved = _pushed(model, bodies, np.where(friction & ~sticks, given - joints.multipliers, 0.0))
+        pushed = replace(joints, multipliers=np.where(friction & ~sticks, given, joints.multipliers))
+        found = consistent(model, moved, pushed, active | sticks)[:2]
+        beyond = sticks & (np.abs(found[1].multipliers) > most * (1.0 + 1e-9))
+        if not beyond.any():
+            break
+        given = np.where(beyond, np.sign(found[1].multipliers) * most, given)
+        sticks &= ~beyond
+    return found
+
+
+def _pushed(model, bodies, multipliers):
+    """Bodies accelerated by `multipliers` (n,) [N, N m] of the rows, as well."""
+    if not multipliers.any():
+        return bodies
+    columns, size = columns_of(model)
+    gradients = gradients_of(model.constraints, columns, size, [motion.pose for motion in bodies])
+    change = np.linalg.solve(_masses(model, bodies, size), gradients.T @ multipliers)
+    return _accelerated(model, bodies, change)
+
+
+def _accelerated(model, bodies, change):
+    """Bodies whose accelerations, the algorithmic ones too, change by (m,) on the unknowns."""
+    found = _with_rates(model, bodies, change, "acceleration", "spin_rate")
+    return [motion if motion.algorithmic is None else replace(motion, algorithmic=motion.algorithmic + np.concatenate(
+        [motion.acceleration - old.acceleration, motion.spin_rate - old.spin_rate])) for motion, old in zip(found, bodies)]
 
 
 def released(model, state, guides):
@@ -133,11 +176,7 @@ def released(model, state, guides):
     columns, size = columns_of(before)
     force = gradients_of(guides, columns, size, poses).T @ state.joints.multipliers[-len(guides):]
     change = -np.linalg.solve(_masses(model, state.bodies, size), force)
-    bodies = _with_rates(before, state.bodies, change, "acceleration", "spin_rate")
-    return replace(state, bodies=[motion if motion.algorithmic is None else replace(
-        motion, algorithmic=motion.algorithmic + np.concatenate([motion.acceleration - old.acceleration,
-                                                                 motion.spin_rate - old.spin_rate]))
-        for motion, old in zip(bodies, state.bodies)])
+    return replace(state, bodies=_accelerated(before, state.bodies, change))
 
 
 def engage_guides(model, state, dt):

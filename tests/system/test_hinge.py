@@ -9,6 +9,7 @@ from scipy.integrate import solve_ivp
 from hybrid.body import stage_start
 from hybrid.scene import Joint, Load, Motion, Stage
 from hybrid.setup.build import build
+from hybrid.step import joint_rates
 from tests.helpers.joined import CENTRE, G, LENGTHS, arm, bar, joined, pendulum
 
 
@@ -108,3 +109,28 @@ def test_work_of_a_pendulum_that_is_driven_from_the_first_step(monkeypatch, reme
     *_, last = build(replace(pendulum(10, 0.02), stages=(drive,))).steps()
     wrong = abs(last.energies["error"]) > 0.1 * last.energies["kinetic"]
     assert wrong != remember
+
+
+@pytest.mark.parametrize("share, held_first", [(0.98, False), (0.98, True), (1.02, False)])
+def test_friction_of_a_hinge_acts_from_the_start(share, held_first, monkeypatch):
+    """An arm let go level against a moment of `share` of its weight's: I φ'' = m g l/2 cos φ - M, or rest. Without friction
+    in the accelerations at the start the velocity is wrong by Δt M/2I for good: 43 % of the angle after a second."""
+    (mass, inertia), length = bar(LENGTHS[0]), LENGTHS[0]
+    moment = 0.5 * mass * G * length
+    described = pendulum(50, 0.01, friction_moment=share * moment)
+    if held_first:
+        hold = Stage("hold", 2, held=("ry",))
+        described = replace(described, stages=(hold, *described.stages))
+    whole = inertia + mass * (length / 2)**2
+    exact = solve_ivp(lambda t, y: (y[1], max(moment * np.cos(y[0]) - share * moment, 0.0) / whole), (0.0, 0.5), (0.0, 0.0),
+                      rtol=1e-10, atol=1e-12).y[0, -1]
+
+    def angle():
+        simulation = build(described)
+        *_, last = simulation.steps()
+        return 2.0 * np.arccos(min(1.0, abs(last.bodies[0].quaternion[0])))
+
+    assert angle() == pytest.approx(exact, rel=0.01, abs=1e-9)
+    monkeypatch.setattr(joint_rates, "with_friction", lambda model, bodies, joints, active: (bodies, joints))
+    if share < 1.0:
+        assert angle() > 1.2 * exact
