@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hybrid.monitors.limits import LIMITS, elastic_cells
-from hybrid.scene import Axis, Faces, Grid, Load, Material, Soil, Stage, Time
+from hybrid.scene import Axis, Faces, Grid, Joint, Load, Material, Soil, Stage, Time
 from hybrid.setup.build import build
 from hybrid.study.random.fresh.problem import PUSHED, WEIGHTLESS, body, scene
 
@@ -89,6 +89,24 @@ def pads(depth=0.0, force=0.0, arm=0.0, size=0.25, law="von-mises", kind="box.ge
         described = replace(described, stages=(Stage("load", 1, loads=(load,)),))
     simulation = build(described)
     return list(elastic_cells.soft_springs(simulation.scene, simulation.model))
+
+
+@pytest.mark.parametrize("inertia, told", [(False, 1), (True, 0)])
+def test_a_base_on_which_joints_hand_on_what_others_carry(inertia, told):
+    """A pad of 2 m, eight cells, welded to a mast that is loaded; without inertia, where settlement is asked for."""
+    side = Axis(start=-3.0, end=3.0, size=0.25)
+    soil = Soil(Material(law="von-mises", young=5e6, poisson=0.45, density=1700.0, strength=10e3), top=0.0, geostatic=False)
+    pad = body("box.geo", {"length": 2.0, "width": 2.0, "height": 0.5, "size": 5.0}, name="pad", rest_on=0.0)
+    mast = body("box.geo", {"length": 0.4, "width": 0.4, "height": 1.0, "size": 5.0}, name="mast", rest_on=0.5)
+    grid = Grid(side, side, Axis(start=-3.0, end=0.5, size=0.25), Faces(z_min="fixed"))
+    described = scene("mast", grid, soil, [pad, mast], Time(1.0, inertia=inertia), 1, WEIGHTLESS)
+    load = Load("mast", force=(0.0, 0.0, -50e3))
+    weld = Joint("weld", "weld", ("mast", "pad"), point=(0.0, 0.0, -0.5))
+    described = replace(described, joints=(weld,), stages=(Stage("load", 1, loads=(load,)),))
+    simulation = build(described)
+    found = list(elastic_cells.soft_springs(simulation.scene, simulation.model))
+    assert len(found) == told
+    assert all(text.startswith("pad") and "settles by about 14% too much" in text for text in found)
 
 
 def test_a_base_that_soft_springs_let_settle_too_much():

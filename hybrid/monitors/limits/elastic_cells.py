@@ -27,7 +27,8 @@ and 8 cells, of a square and a strip on clay, n cells in the width, far below wh
 | disc, pressed      | 17 |  8 |    | 0.68/n |
 | disc, tilted       | 64 | 30 |    | 2.6/n  |
 
-Pressed with a third of what it can carry the square has 28 and 15 % too.
+Pressed with a third of what it can carry the square has 28 and 15 % too. What joints hand on is not known before the run:
+legs of 1 m, two cells wide, under a hull of 5.4 t settle by 4.29 mm with these springs and by 2.66 mm with 500/h.
 """
 
 import numpy as np
@@ -35,8 +36,8 @@ import numpy as np
 from hybrid.body.symmetry import copies
 from hybrid.laws.von_mises import BEARING
 from hybrid.monitors.limits.contact import travel_along
-from hybrid.monitors.limits.loading import (CLAY, EXCESS, driven, is_round, leads, loaded, material_at, narrowest, outline,
-                                            sides, top_of)
+from hybrid.monitors.limits.loading import (CLAY, EXCESS, driven, is_round, joined, leads, loaded, material_at, narrowest,
+                                            outline, sides, top_of)
 from hybrid.monitors.limits.rolling import contact_radius
 
 HIGHEST = ((0.75, 0.58), (1.06, 0.26), (1.3, 0.18), (1.6, 0.1))     # (a/h, excess [-] at the worst place in a cell)
@@ -102,6 +103,8 @@ def soft_springs(scene, model):
         return
     pressed = [(body, travel, -travel[2], place, plane, 0.0) for body, travel, place, plane in driven(scene, model)]
     pressed += [(body, force, None, place, plane, arm) for body, force, place, plane, _, arm in loaded(scene, model)]
+    known = {body.name for body, *_ in pressed}
+    pressed += [] if model.scheme.inertia else _under_joints(scene, model, known)
     for body, travel, depth, place, plane, arm in pressed:
         cell, width, bottom = soil.grid.smallest_cell, narrowest(soil.grid, place, down), place[:, 2].min()
         stands = plane and width > 0.0 and bottom < top_of(soil) + cell and travel[2] < 0.0
@@ -116,12 +119,24 @@ def soft_springs(scene, model):
             settled = ROUND
         moves = {"settles": settled * cell / width, "tilts": (arm > 0.0) * tilted * cell / width}
         excess = max(moves.values())
-        if excess > EXCESS and _little(body, material_at(scene, soil, bottom - 0.5 * cell), depth, width):
+        material = material_at(scene, soil, bottom - 0.5 * cell)
+        if excess > EXCESS and (body.name not in known or _little(body, material, depth, width)):
             does = " and ".join(f"{how} by about {much:.0%}" for how, much in moves.items() if much > EXCESS)
             yield (f"{body.name} is pressed on soil that can yield, on a base {width / cell:.2g} cells of {cell:.3g} m "
                    f"wide, with soft contact springs: as long as the soil hardly yields it {does} too "
                    f"much, limit {EXCESS:.0%}. Set body.penalty = {STIFF / cell:.4g}, which takes more iterations where the "
                    f"soil flows, or use cells of at most {EXCESS / excess * cell:.2g} m under it")
+
+
+def _under_joints(scene, model, known):
+    """As bodies `loaded` along z, those of which it is not `known` because joints hand on to them what others carry."""
+    found = []
+    for i, (described, body) in enumerate(zip(scene.bodies, model.bodies)):
+        if joined(scene, i) - {None} and body.free[2] and body.name not in known:
+            whole, place = outline(described, body, model.soil)
+            travel = np.array([0.0, 0.0, -1.0])
+            found.append((whole, travel, None, place, leads(whole, place, travel), 0.0))
+    return found
 
 
 def _little(body, material, depth, width):

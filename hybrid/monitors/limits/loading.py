@@ -111,13 +111,13 @@ def loaded(scene, model):
         if axis == 2 and force[2] < 0.0:    # about the middle of the base
             moment = moment + np.cross([0.0, 0.0, body.surface.extent(-rotation[2])], force)
         arm = 0.0       # where the ground or others that touch soil share a moment: how, the soil decides
-        if all(j is not None and above[j] for j in _joined(scene, i)):
+        if all(j is not None and above[j] for j in joined(scene, i)):
             arm = np.abs(np.where(body.free[3:], moment, 0.0)).max() / abs(force[axis])
         yield (whole, travel, place, leads(whole, place, travel), inclined,
                arm if arm > ASIDE * np.ptp(place, axis=0).max() else 0.0)
 
 
-def _joined(scene, number):
+def joined(scene, number):
     """Numbers of the bodies that joints at points connect with a body, over any number of others; None of the ground."""
     names, found = [body.name for body in scene.bodies], {number}
     pairs = [{*map(names.index, joint.bodies), *([None] if len(joint.bodies) == 1 else [])}
