@@ -202,4 +202,5 @@ def test_the_shoulder_of_a_cone_and_its_top_stay_where_they_are():
         place = (0.03 * r * np.cos(angle), 0.03 * r * np.sin(angle), sharp.upper[2] + 1e-3)
         assert gap(body, *place) == pytest.approx(1e-3, abs=1e-12)
     assert body.extent(np.array([0.0, 0.0, 1.0])) == pytest.approx(sharp.upper[2], abs=1e-12)
-    assert np.all(body.upper <= sharp.upper + 1e-4)
+    for z, angle in np.ndindex(9, 20):      # from the shoulder to the top: nowhere outside of the shaft, whose radius is 0.1
+        assert gap(body, 0.11 * np.cos(angle), 0.11 * np.sin(angle), sharp.upper[2] - 0.05 * z) > 0.01 - 1e-4
