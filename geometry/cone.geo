@@ -16,8 +16,8 @@ Mesh.MeshSizeMax = size;
 
 height = radius / Tan(angle * Pi / 360);
 
-// In eight sectors that stay faces of their own, so that at least eight triangles meet at the tip: three, which a single face
-// may have there, are flat where the cone goes around them.
+// In eight sectors that stay faces of their own, so that at least eight triangles meet at the tip. A single face may have three
+// there, of which one spans most of the circumference and cuts through the cone.
 Geometry.OCCUnionUnify = 0;
 For i In {0:7}
   Cone(10 + i) = {0, 0, 0, 0, 0, height, 0, radius, Pi / 4};

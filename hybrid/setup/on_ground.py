@@ -3,10 +3,10 @@
     k = F / ((d/4)² δ)      F the weight of the body, d its size, δ = d/80 000 its overlap on a face of d/4
 
 in plane strain F / (b d/4 δ), b the thickness of the slice. Edges count with a width, and corners with an area, with which
-they alone carry F at an overlap of 8 δ, less in space, where corners stand beside an edge. In space they begin to
-press somewhat later than faces, so that these carry alone when they lie flat. Where bodies meet, overlaps are ten times
-that (`hybrid.setup.body_contact`): a block of 0.2 x 0.6 m that slides with 0.9 of the friction at which it tips then does
-tip, as what it rests on swings when friction sets in.
+they alone carry F at an overlap of 8 δ, less in space, where corners stand beside an edge. In space they press
+from an overlap on that is DEEPER times that of a face of a fifth of the surface, so that such a face carries alone when it
+lies flat. Where bodies meet, overlaps are ten times as large (`hybrid.setup.body_contact`): a block of 0.2 x 0.6 m that
+slides with 0.9 of the friction at which it tips then does tip, as what it rests on swings when friction sets in.
 With a given penalty, p_f E for each area of the ground, points of the ground are in contact, exactly so.
 
 Equations: FORMULATION (60).
