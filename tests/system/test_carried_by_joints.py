@@ -1,6 +1,7 @@
 """Bodies that touch nothing and are carried by others through joints, without inertia: a mast on a strip footing."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
@@ -9,7 +10,8 @@ from hybrid.runtime.data import GEOMETRY
 from hybrid.runtime.errors import StepError
 from hybrid.scene import Body, Joint, Load, Material, Stage
 from hybrid.setup.build import build
-from hybrid.step import assemblies
+from hybrid.step import assemblies, body_terms
+from hybrid.step.equations import Step
 from tests.helpers.put_on_soil import put_on_soil
 
 CLAY = Material(law="von-mises", young=5e6, poisson=0.49, density=1800.0, strength=1e4)
@@ -74,3 +76,20 @@ def test_support_and_forces_are_those_of_all_that_joints_connect(links, carried)
     slack = [replace(joint, at_point=False) for joint in joints]
     assert assemblies.carried(slack, [True, False, False]) == [True, False, False]
     assert assemblies.least_forces(slack, [4.0, 0.0, 0.0]) == [4.0 * assemblies.FAINT, 0.0, 0.0]
+
+
+@pytest.mark.parametrize("carried, expected", [(False, 1.0), (True, body_terms.REST)])
+def test_what_is_carried_without_any_force_has_hardly_a_stiffness_of_its_own(carried, expected):
+    """Enough for an equation that can be solved where a ball leaves its rotation free."""
+    still = SimpleNamespace(unsupported=True, beside=False, _pace=lambda: 0.0,
+                            step=SimpleNamespace(scheme=SimpleNamespace(inertia=False)))
+    assert body_terms.BodyTerms._against_nothing(still, 1e6, carried) == expected * 1e6
+
+
+@pytest.mark.parametrize("error, within", [(0.5e-4, True), (1.0, False)])
+def test_a_residual_within_round_off_counts_where_joints_are_within_the_tolerance(error, within):
+    """Soil is held here; a hinge whose friction is off its bound is not solved."""
+    step = SimpleNamespace(soil=None, pattern=SimpleNamespace(free=None), _body_errors=lambda bodies: [({}, 0.0)],
+                           model=SimpleNamespace(soil=None, solver=SimpleNamespace(tolerance=1e-4)))
+    evaluation = SimpleNamespace(bodies=(), norms={}, joints=SimpleNamespace(error=lambda: error))
+    assert Step.within_rounding(step, evaluation) == within

@@ -72,6 +72,22 @@ def test_friction_resists_turning_as_under_an_even_pressure(length, width, mean,
     assert found[0] == pytest.approx(1.0, abs=0.01) and found[1] > 1.07
 
 
+def test_edges_press_at_once_in_plane_strain_and_a_little_later_in_space():
+    """Later by the sinking of a cube that lies on an edge, and in a slice, where nothing turns about the vertical, not at
+    all; those of a cube that lies flat are kept by no history."""
+    cube = box(0.3, 0.3, 0.3, rest_on=0.0, friction=0.3)
+    simulation, _ = run(cube, 3, 0.01)
+    ground = simulation.model.bodies[0].ground
+    places, size = ground.side.samples.places, 2.0 * simulation.model.bodies[0].radius
+    later = places.depth[places.depth > 0.0]
+    assert later == pytest.approx(4.0 * 5.0 / 6.0 * (size / 4)**2 / 0.3**2 * on_ground.SINKS * size, rel=1e-6)
+    kept = np.isin(places.number, simulation.state.contacts[0].place)
+    assert kept.any() and not (kept & (places.depth > 0.0)).any()
+    slice_ = plane(replace(cube, position=(0.0, 0.0, 0.0)), 1, 0.01)
+    slice_ = replace(slice_, grid=replace(slice_.grid, y=Axis(start=-0.5, end=0.5, collapsed=True)))
+    assert not build(slice_).model.bodies[0].ground.side.samples.places.depth.any()
+
+
 def slender(**values):
     return box(0.2, 0.3, 0.6, density=1000.0, rest_on=0.0, **values)
 
