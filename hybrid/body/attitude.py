@@ -29,6 +29,7 @@ import math
 import numpy as np
 
 from hybrid.runtime.errors import SceneError
+from hybrid.runtime.jit import njit
 
 # Below this angle (θ - sinθ)/θ³ loses digits; five terms of its series are then exact to round-off.
 SERIES_ANGLE = 0.3
@@ -139,3 +140,13 @@ def rotation_from_axis_angle(axis, angle):
             "give for example (0, 0, 1) for a rotation about the vertical"
         )
     return exp_so3(angle / length * axis)
+
+
+@njit(cache=True)
+def turned(x, axis, angle):
+    """The tuple x (3,) turned about a unit `axis` (3,) by `angle` [rad], by Rodrigues' formula."""
+    c, s = math.cos(angle), math.sin(angle)
+    along = (1.0 - c) * (axis[0] * x[0] + axis[1] * x[1] + axis[2] * x[2])
+    return (c * x[0] + s * (axis[1] * x[2] - axis[2] * x[1]) + along * axis[0],
+            c * x[1] + s * (axis[2] * x[0] - axis[0] * x[2]) + along * axis[1],
+            c * x[2] + s * (axis[0] * x[1] - axis[1] * x[0]) + along * axis[2])

@@ -11,7 +11,7 @@
   interface.py      clay that sticks: adhesion, tension until it breaks away
   interface_shares.py  the points that bear them
 5 assembly.py       forces and tangent into the residual and the block system, through the nodes of their cells
-6 contact_pair.py   does 2 to 5 for one body; tunnelling.py rejects a step that carried contact points through it
+6 contact_pair.py   does 2 to 5 for one body, as pair.py asks; tunnelling.py rejects a step that carried points through it
 
 samples.py, body_to_body.py: places on the surfaces of two bodies, and their contact with one another
 (`hybrid.step.pair_terms`);

@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hybrid.body.attitude import log_so3, skews
+from hybrid.body.attitude import log_so3, skews, turned
 from hybrid.body.closest import closest_facing
 from hybrid.body.facet_tree import LANES, joined, outside_bounds
 from hybrid.body.surface import ContactSurface
@@ -137,6 +137,9 @@ class SideStep:
     law: soil_to_body.Coulomb
     collapsed: np.ndarray
     sticking: np.ndarray | None = None
+
+    def __len__(self):
+        return len(self.start)
 
     def evaluate(self, poses):
         """PairContact at poses of all bodies."""
@@ -273,37 +276,27 @@ def _first_contact(point, normal, beyond, depth, touching, path, radius, tree, a
 
 @njit(cache=True)
 def _gap(path, point, normal, beyond, n, fraction, tree):
-    outward = _turned(path, normal, n, fraction, 0.0)
+    outward = _carried(path, normal, n, fraction, 0.0)
     return closest_facing(_at(path, point, n, fraction), outward, FACING, beyond[n], tree)[4]
 
 
 @njit(cache=True)
 def _at(path, point, n, fraction):
     """Place n in the frame of body b at a fraction of the path."""
-    return _turned(path, point, n, fraction, 1.0)
+    return _carried(path, point, n, fraction, 1.0)
 
 
 @njit(cache=True)
-def _turned(path, vector, n, fraction, moved):
+def _carried(path, vector, n, fraction, moved):
     """Vector n of body a in the frame of body b, with `moved` times the way between their centres."""
     R = path.turn_a
     x = (R[0, 0] * vector[n, 0] + R[0, 1] * vector[n, 1] + R[0, 2] * vector[n, 2],
          R[1, 0] * vector[n, 0] + R[1, 1] * vector[n, 1] + R[1, 2] * vector[n, 2],
          R[2, 0] * vector[n, 0] + R[2, 1] * vector[n, 1] + R[2, 2] * vector[n, 2])
-    x = _rotated(x, path.axis_a, fraction * path.angle_a)
+    x = turned(x, path.axis_a, fraction * path.angle_a)
     x = (x[0] + moved * (path.way[0] + fraction * path.change[0]), x[1] + moved * (path.way[1] + fraction * path.change[1]),
          x[2] + moved * (path.way[2] + fraction * path.change[2]))
-    x = _rotated(x, path.axis_b, -fraction * path.angle_b)
+    x = turned(x, path.axis_b, -fraction * path.angle_b)
     R = path.turn_b
     return (R[0, 0] * x[0] + R[1, 0] * x[1] + R[2, 0] * x[2], R[0, 1] * x[0] + R[1, 1] * x[1] + R[2, 1] * x[2],
             R[0, 2] * x[0] + R[1, 2] * x[1] + R[2, 2] * x[2])
-
-
-@njit(cache=True)
-def _rotated(x, axis, angle):
-    """Rodrigues' formula."""
-    c, s = np.cos(angle), np.sin(angle)
-    along = (1.0 - c) * (axis[0] * x[0] + axis[1] * x[1] + axis[2] * x[2])
-    return (c * x[0] + s * (axis[1] * x[2] - axis[2] * x[1]) + along * axis[0],
-            c * x[1] + s * (axis[2] * x[0] - axis[0] * x[2]) + along * axis[1],
-            c * x[2] + s * (axis[0] * x[1] - axis[1] * x[0]) + along * axis[2])

@@ -25,7 +25,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hybrid.body.attitude import log_so3
+from hybrid.body.attitude import log_so3, turned
 from hybrid.body.closest import closest
 from hybrid.body.facet_tree import LANES, NO_SIDE, joined, outside_bounds
 from hybrid.runtime.jit import njit, prange
@@ -107,15 +107,10 @@ def _gap(y, tree):
 
 @njit(cache=True)
 def _position(n, motion, fraction):
-    """Place (3,) of point n in the body frame at a `fraction` of the step; Rodrigues' formula turns it back."""
-    arm, displacement, axis, rotation = motion.arm, motion.displacement, motion.axis, motion.rotation
-    x0, x1 = arm[n, 0] + fraction * displacement[n, 0], arm[n, 1] + fraction * displacement[n, 1]
-    x2 = arm[n, 2] + fraction * displacement[n, 2]
-    c, s = math.cos(fraction * motion.angle), math.sin(fraction * motion.angle)
-    along = (1.0 - c) * (axis[0] * x0 + axis[1] * x1 + axis[2] * x2)
-    y0 = c * x0 - s * (axis[1] * x2 - axis[2] * x1) + along * axis[0]
-    y1 = c * x1 - s * (axis[2] * x0 - axis[0] * x2) + along * axis[1]
-    y2 = c * x2 - s * (axis[0] * x1 - axis[1] * x0) + along * axis[2]
-    return (rotation[0, 0] * y0 + rotation[1, 0] * y1 + rotation[2, 0] * y2,
-            rotation[0, 1] * y0 + rotation[1, 1] * y1 + rotation[2, 1] * y2,
-            rotation[0, 2] * y0 + rotation[1, 2] * y1 + rotation[2, 2] * y2)
+    """Place (3,) of point n in the body frame at a `fraction` of the step."""
+    arm, displacement, R = motion.arm, motion.displacement, motion.rotation
+    x = (arm[n, 0] + fraction * displacement[n, 0], arm[n, 1] + fraction * displacement[n, 1],
+         arm[n, 2] + fraction * displacement[n, 2])
+    y = turned(x, motion.axis, -fraction * motion.angle)
+    return (R[0, 0] * y[0] + R[1, 0] * y[1] + R[2, 0] * y[2], R[0, 1] * y[0] + R[1, 1] * y[1] + R[2, 1] * y[2],
+            R[0, 2] * y[0] + R[1, 2] * y[1] + R[2, 2] * y[2])

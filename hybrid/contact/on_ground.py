@@ -8,21 +8,21 @@ it: a cube that fell on its edge was pushed sideways and gained 30 % of its ener
 the ground's own plane the force is upright, and follows from a potential. A curved face rolls on points of the ground more
 evenly than on places of its own (`hybrid.contact.contact_pair`).
 
-`GroundPair` does what ContactPair does, as long as all of the body is over the ground: its ends, and what is beside it, are
-left to points of the ground. Where several processes run, the first one has all places.
+`GroundPair` does what ContactPair does (`hybrid.contact.pair`), as long as all of the body is over the ground: its ends,
+and what is beside it, are left to points of the ground. Where several processes run, the first one has all places.
 """
 
-from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from hybrid.contact import assembly, body_to_body
 from hybrid.contact.body_to_body import PairContact, Side
+from hybrid.contact.pair import Pair
 from hybrid.contact.samples import Places
 from hybrid.contact.soil_to_body import Coulomb, PointContact
 from hybrid.runtime import ranks
-from hybrid.runtime.comm import count, total
+from hybrid.runtime.comm import total
 from hybrid.state import ContactHistory
 
 AT_REST = np.zeros(3), np.eye(3)    # pose of the ground
@@ -78,28 +78,26 @@ class PlaceContact(PointContact):
     found: PairContact | None = None
 
 
-class GroundPair:
-    """A body and its places near the ground, frozen during a step."""
+class GroundPair(Pair):
+    """A body and its places near the ground."""
 
     def __init__(self, body, state, history, reach, expected):
         """body: RigidBody with its Ground; state: BodyState; history: ContactHistory, whose `place` numbers places of the
         body and whose anchors are in space; reach: Reach; expected: pose to which the body is predicted to move."""
         ground = body.ground
-        self.body = body
         if len(history.point) and history.point[0] != OF_BODY:
             history = ContactHistory.empty()
         near = reach.farthest(state, body.radius) if ranks.rank() == 0 else -np.inf
-        self._step = body_to_body.begin(ground.side, (state.pose, AT_REST), (expected, AT_REST), near,
-                                        (history.place, history.anchor, history.rest), ground.stiffness,
-                                        Coulomb(body.friction, body.tangential), ground.collapsed)
+        super().__init__(body, body_to_body.begin(
+            ground.side, (state.pose, AT_REST), (expected, AT_REST), near, (history.place, history.anchor, history.rest),
+            ground.stiffness, Coulomb(body.friction, body.tangential), ground.collapsed))
 
     def evaluate(self, displacement, pose):
-        """PlaceContact at a pose; displacement: None, as the ground is held."""
-        found = self._step.evaluate((pose, AT_REST))
+        found = self.points.evaluate((pose, AT_REST))
         m, normal = len(found.active), -found.normal
         side, triangle = normal @ pose[1], np.zeros(m, np.int64)
         if self.body.parts:
-            triangle = self.body.ground.triangles(self._step.places.number[found.active], side, self.body.surface)
+            triangle = self.body.ground.triangles(self.points.places.number[found.active], side, self.body.surface)
         return PlaceContact(
             active=found.active, gap=found.gap, normal=normal, force=-found.force, tangent=found.tangent,
             turning=np.zeros((m, 3, 3)), ramp=np.zeros((m, 3, 3)), arm=found.arm_a, slip=found.slip,
@@ -108,65 +106,19 @@ class GroundPair:
             rest=np.zeros(m), opened=np.zeros(m, bool), found=found)
 
     def springs(self, contact):
-        """As in ContactPair."""
         return float(np.sqrt(total([contact.found.springs**2])))
 
     def add_residual(self, contact, force):
-        """The body's residual (6,) [N, N m about its centre]."""
         return assembly.add_residual(contact, None, None)
 
     def add_tangent(self, contact, pattern, values, uw, wu, kind=assembly.Tangent.CONSISTENT):
-        """K_ww (6, 6)."""
         return total([contact.found.stiffness()[:6, :6]])
 
     def tunnelled(self, contact, displacement, pose, depth):
-        """Number of places that the step carried through the ground."""
-        return self._step.passed(contact.found, (pose, AT_REST), depth)
-
-    def separated(self, contact):
-        """As in ContactPair."""
-        touching = self._step.touching.copy()
-        before = count(touching)
-        touching[contact.active] = False
-        return before, count(touching)
-
-    @contextmanager
-    def bilateral(self):
-        """Nothing changes: the ground under a body that lifts off is no soil that could follow it."""
-        yield
-
-    @contextmanager
-    def sticking(self, chosen):
-        """Context in which the shear of `chosen`, an index of places, has no limit."""
-        step, mask = self._step, np.zeros(len(self._step.start), bool)
-        mask[chosen] = True
-        self._step = replace(step, sticking=mask)
-        try:
-            yield
-        finally:
-            self._step = step
-
-    def share_interface(self, contact):
-        """There is no interface to share."""
-        return 0.0
-
-    def restore_interface(self):
-        """As `share_interface`."""
-
-    def hold_facets(self, contact):
-        """A place has no choice of facets."""
-        return np.full(len(self._step.start), -1)
-
-    def release_facets(self):
-        """As `hold_facets`."""
-
-    def facet_error(self, contact, displacement, pose):
-        """As `hold_facets`."""
-        return 0.0
+        return self.points.passed(contact.found, (pose, AT_REST), depth)
 
     def commit(self, contact, displacement):
-        """ContactHistory after acceptance."""
-        number, anchor, rest = self._step.history(contact.found)
+        number, anchor, rest = self.points.history(contact.found)
         m = len(number)
         return ContactHistory(np.full(m, OF_BODY), number, anchor, np.ones(m, bool), anchor, np.zeros((m, 3)), rest)
 
