@@ -20,6 +20,7 @@ from itertools import combinations
 
 import numpy as np
 
+from hybrid.body.curvature import curvature_radius
 from hybrid.contact import body_to_body
 from hybrid.contact.bodies import TOUCH, depth_of_overlap, volume_of_overlap
 from hybrid.contact.body_to_body import Side
@@ -27,7 +28,7 @@ from hybrid.contact.samples import flat_overlap, sample
 from hybrid.contact.soil_to_body import Coulomb
 from hybrid.runtime.errors import SceneError
 from hybrid.scene.defaults import ROLLING
-from hybrid.setup.contact import curvature_radius, section
+from hybrid.setup.plane_strain import section
 from hybrid.state import PairHistory
 from hybrid.step.pair_terms import IMPACT, BodyPair
 

@@ -16,7 +16,8 @@ from hybrid.contact.search import Domains, overlap
 from hybrid.laws.user import is_of_user
 from hybrid.runtime.comm import anywhere, joined, maximum, number, total
 from hybrid.runtime.errors import SceneError
-from hybrid.setup.contact import section, smallest_domain
+from hybrid.setup.contact import smallest_domain
+from hybrid.setup.plane_strain import section
 from hybrid.setup.cut_boxes import SLIVER, UNCUT, Boxes, cut_out, near_boxes, soil_shares
 from hybrid.setup.exposed_faces import first_contact_points
 from hybrid.setup.ground import depth_in_ground

@@ -8,8 +8,8 @@ import pytest
 
 from hybrid.runtime.data import GEOMETRY
 from hybrid.scene import Axis, Body, Faces, Grid, Load, Material, Pull, Scene, Soil, Stage, Time
+from hybrid.setup.bearing import base_share
 from hybrid.setup.build import build
-from hybrid.setup.contact import _base
 from hybrid.study.scenes import NO_OUTPUT
 
 WIDTH, LOAD, STRENGTH = 2.0, 5e3, 1e4      # [m]; [N] on a quarter, a twelfth of what it can carry; s_u [Pa]
@@ -51,7 +51,7 @@ def test_with_the_springs_of_soil_that_flows_it_settles_too_much():
     ("cone.geo", {"size": 0.3}, None, 20), ("sphere.geo", {"size": 0.1}, None, 20),
     ("box.geo", {"length": 2.0, "width": 2.0, "height": 0.5, "size": 5.0}, (0.0, 1.0, 0.0, 5.0), 500),
     ("box.geo", {"length": 2.0, "width": 2.0, "height": 2.0, "size": 5.0}, (0.0, 1.0, 0.0, 45.0), 20)])
-def test_a_body_needs_a_plane_base(geometry, parameters, rotation, expected):
+def test_a_body_needs_a_planebase_share(geometry, parameters, rotation, expected):
     more = {} if rotation is None else {"rotation": rotation}
     whole = pad(4, load=50.0).scene
     body = replace(whole.bodies[0], geometry=GEOMETRY / geometry, parameters=parameters, **more)
@@ -112,13 +112,13 @@ def squares(*rows):
     return SimpleNamespace(vertices=vertices, triangles=triangles, normals=np.tile([0.0, 0.0, -1.0], (len(triangles), 1)))
 
 
-def test_a_body_that_nothing_presses_has_soft_springs_whatever_its_base():
+def test_a_body_that_nothing_presses_has_soft_springs_whatever_itsbase_share():
     """Its weight alone is no load of a stage."""
     scene = replace(pad(4).scene, stages=(Stage("rest", 1),))
     assert build(scene).model.bodies[0].penalty == pytest.approx(20 * 4 / WIDTH)
 
 
 @pytest.mark.parametrize("height, share", [(0.0, 0.5), (1.0, 0.0)])
-def test_a_stem_under_a_slab_is_the_base(height, share):
+def test_a_stem_under_a_slab_is_thebase_share(height, share):
     """A unit square and another beside it, as high or higher: they fill half of the rectangle around them."""
-    assert _base(squares((0.0, 1.0, 0.0), (1.0, 1.0, height)), np.eye(3)) == share
+    assert base_share(squares((0.0, 1.0, 0.0), (1.0, 1.0, height)), np.eye(3)) == share

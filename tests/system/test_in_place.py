@@ -13,7 +13,7 @@ from hybrid.runtime.data import GEOMETRY
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Scene, Soil, Stage, Time
 from hybrid.scene.file import load_scene
 from hybrid.setup.build import build
-from hybrid.setup.contact import section
+from hybrid.setup.plane_strain import section
 
 CLAY = Material(law="von-mises", young=5e6, poisson=0.49, density=1700.0, strength=1e4, cone="plane strain")
 HELD = ("x", "y", "z", "rx", "ry", "rz")

@@ -101,7 +101,7 @@ def test_a_pad_that_sticks_shears_the_soil(tmp_path):
 
 
 def test_stiffer_springs_of_a_pad_find_no_equilibrium(tmp_path, monkeypatch):
-    monkeypatch.setattr("hybrid.setup.contact.SHEARED", 2000.0)
+    monkeypatch.setattr("hybrid.setup.penalty.SHEARED", 2000.0)
     with pytest.raises(StepError):
         list(pad(tmp_path).steps())
 

@@ -13,7 +13,7 @@ import hybrid
 from hybrid.output.history import read_history
 from hybrid.scene import Motion, Stage
 from hybrid.setup import contact
-from hybrid.setup.contact import interface_of
+from hybrid.setup.interface import interface_of
 from hybrid.step import newton
 from hybrid.study.scenes import box
 

@@ -26,7 +26,7 @@ from hybrid.scene import Axis, Body, Faces, Grid, Layer, Material, Pull, Scene, 
 from hybrid.scene.file import validate
 from hybrid.setup import contact
 from hybrid.setup.build import build
-from hybrid.setup.contact import friction_of, interface_of
+from hybrid.setup.interface import friction_of, interface_of
 from hybrid.state import ContactHistory
 
 SHEAR = 2e3     # [Pa]

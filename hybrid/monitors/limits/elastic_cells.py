@@ -14,7 +14,7 @@ are the block's and those of strains that are not small:
 a is the radius of contact, h the cell. A sphere that carries a given load sinks in by less, as δ goes with the power 2/3
 of the force. A flat disc of 3 to 6 cells in its radius has no such excess: 3 to 4 % pressed, -7 to -3 % rocked.
 
-Soil that can yield has contact springs of 20/h, whose overlap is out of sight where it flows (`hybrid.setup.contact`). As
+Soil that can yield has contact springs of 20/h, whose overlap is out of sight where it flows (`hybrid.setup.penalty`). As
 long as it does not, they let a base sink in at its edges. Displacement [%] above that with 500/h, which is the same with 4
 and 8 cells, of a square and a strip on clay, n cells in the width, far below what they can carry:
 

@@ -1,0 +1,55 @@
+"""Whether soil that can yield bears what stages put on a body without flowing: contact may then be as stiff as on elastic
+soil."""
+
+import numpy as np
+
+from hybrid.laws.user import is_of_user
+from hybrid.laws.von_mises import BEARING, TIPPED, USED
+from hybrid.runtime.comm import minimum
+
+OTHER = 0.1     # share of a base that need not be plane, as fillets
+LEVEL = 0.02    # sine of the angle between triangles of one plane, and of its size, their distance from it
+
+
+def bears(body, rotation, soil, gravity):
+    """Whether the cohesion of soil that can yield bears the forces of all stages and the weight of a body with a plane base,
+    at an initial `rotation`, without flowing: friction bears more."""
+    height = body.outline.extent(-rotation[2])
+    stages = [[_largest_of(load, rotation, height) for load in control.loads] for control in body.stages if control.loads]
+    filled = base_share(body.outline, rotation) if stages else 0.0
+    guided = body.driven.any() or any(control.points for control in body.stages)
+    if not filled or guided or not soil.law.plastic or is_of_user(soil.law):
+        return False
+    level = np.ptp(body.surface.vertices @ rotation.T, axis=0)
+    part = 0.5 ** sum(not mirror.cut for mirror in body.mirrors)     # of the base, as of the load and the weight
+    width = np.where(soil.grid.collapsed, np.ptp(soil.grid.extent, axis=1), level)[:2]
+    most = USED * minimum(soil.law.cohesion(0.0), np.inf) * part * filled * width.prod()
+    down, along, moment = np.max([np.sum(loads, axis=0) for loads in stages], axis=0)
+    down += body.mass.mass * np.linalg.norm(gravity)
+    narrow = width[~soil.grid.collapsed[:2]].min(initial=np.inf)
+    return down < BEARING * most and along < most and moment < TIPPED * most * narrow
+
+
+def base_share(surface, rotation):
+    """Share [-] of the rectangle around a surface, seen from below, that it covers; 0 where less than all but OTHER of what
+    is seen is the plane of its lowest triangle."""
+    corners, normals = surface.vertices @ rotation.T, surface.normals @ rotation.T
+    triangles = corners[surface.triangles]
+    edges, centres = np.diff(triangles, axis=1)[..., :2], triangles.mean(axis=1)
+    below = np.where(normals[:, 2] < -LEVEL, 0.5 * np.abs(np.cross(edges[:, 0], edges[:, 1])), 0.0)
+    covered, size = below.sum(), np.ptp(corners[:, :2], axis=0)
+    if not covered:
+        return 0.0
+    lowest = np.argmin(np.where(below > 0.0, centres[:, 2], np.inf))
+    normal, level = normals[lowest], np.abs((centres - centres[lowest]) @ normals[lowest])
+    plane = below[(normals @ normal > 1.0 - LEVEL) & (level < LEVEL * size.min())].sum()
+    return covered / size.prod() if plane > (1.0 - OTHER) * covered else 0.0
+
+
+def _largest_of(load, rotation, height):
+    """Largest force along z and across it [N], and moment across z about the base [N m], a `height` [m] under the centre,
+    of a PointLoad."""
+    force, moment = (np.zeros((1, 3)) if table is None else table.values for table in (load.force, load.moment))
+    arm = np.cross(rotation @ load.point + (0.0, 0.0, height), force)
+    across = np.linalg.norm(arm[:, :2], axis=1).max() + np.linalg.norm(moment[:, :2], axis=1).max()
+    return np.abs(force[:, 2]).max(), np.linalg.norm(force[:, :2], axis=1).max(), across
