@@ -58,7 +58,7 @@ class Simulation:
         self.scene, self.model, self.state, self.meshes = scene, model, state, meshes
         self.moving_grid, self.level, self.decisions, self.start = moving_grid, level, decisions, start or {}
         self.initial_bodies = list(state.bodies)
-        self.evaluation, self.increment, self.shorten, self.solver_memory = None, None, None, None
+        self.evaluation, self.increment, self.backtrack, self.solver_memory = None, None, None, None
         self._initial_position = None
         workspace = Workspace(model)
         step = begin(model, state, scene.time.step, False, workspace)
@@ -99,15 +99,15 @@ class Simulation:
         """(n, 3) [m] of the points."""
         return self._initial_position if self._initial_position is not None else self.model.soil.constants.position
 
-    def resume(self, state, increment=None, shorten=None, solver_memory=None, remembered=None, number=None):
+    def resume(self, state, increment=None, backtrack=None, solver_memory=None, remembered=None, number=None):
         """Continue from `state`, with an increment of `increment` [s] first, with backtracking in Newton's method first
-        where `shorten`, and with what the choice of the linear solver and the monitors remember: `solver_memory` (9,) and
+        where `backtrack`, and with what the choice of the linear solver and the monitors remember: `solver_memory` (9,) and
         `remembered`.
 
         Of several processes each is given what it `keeps`, with the numbers (n,) of its points, increasing
         (`hybrid.output.checkpoint_parts.share`)."""
         self.warned     # found now, where the scene starts: the grid has moved on since
-        self.increment, self.shorten, self.solver_memory = increment, bool(shorten), solver_memory
+        self.increment, self.backtrack, self.solver_memory = increment, bool(backtrack), solver_memory
         if remembered is not None:
             self._monitors.restore(str(remembered))
         if self.moving_grid:
@@ -256,9 +256,8 @@ class Simulation:
             try:
                 self.state, report = outer_step(model, workspace, self.state, length, stage.pull, control)
             except StepError as failure:
-                self._add_hints(failure)
-                raise
-            self.evaluation, self.increment, self.shorten = report.evaluation, control.dt, control.shorten
+                raise self._with_hints(failure) from failure
+            self.evaluation, self.increment, self.backtrack = report.evaluation, control.dt, control.backtrack
             self.solver_memory = workspace.systems.choice.memory()
             # points have gone to other processes
             if self.model.soil.grid.nodes is not None and report.soil is not self.model.soil:
@@ -268,9 +267,9 @@ class Simulation:
             if lost:
                 raise StepError(f"stopped after step {self.state.step}, whose state is kept: {lost}")
 
-    def _add_hints(self, failure):
-        """Add to the message of a failure what the scene and the state have to do with it."""
-        failure.args = ". ".join([str(failure), *self.warned, *overstretched_domains(self.model, self.state.points)]),
+    def _with_hints(self, failure):
+        """StepError with the message of a failure and what the scene and the state have to do with it."""
+        return StepError(". ".join([str(failure), *self.warned, *overstretched_domains(self.model, self.state.points)]))
 
     def stage_model(self, number, starts):
         """Model of the stage of a `number`, from 0, that starts at a time [s]."""
@@ -282,7 +281,7 @@ class Simulation:
         """Control of a stage with outer steps of `length` [s]; one that has `begun` goes on from its last increment."""
         time, cell = self.scene.time, self.model.soil.grid.smallest_cell
         return Control(begun and self.increment or length, time.smallest or length / (4096 if time.accuracy else 64),
-                       time.accuracy and time.accuracy * cell, bool(begun and self.shorten))
+                       time.accuracy and time.accuracy * cell, bool(begun and self.backtrack))
 
     def _record(self, stage, stage_step, report, scheme):
         """(Record of a step, why the run cannot go on or "")."""

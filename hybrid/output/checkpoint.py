@@ -34,7 +34,7 @@ from hybrid.runtime import comm, ranks
 
 NAME = "checkpoint.npz"
 # Attributes of a Simulation that its next step continues with; functions are called where they are saved
-CONTINUED = ("increment", "shorten", "solver_memory", "remembered")
+CONTINUED = ("increment", "backtrack", "solver_memory", "remembered")
 LONGEST = 600.0     # [s] of computing between two checkpoints
 
 

@@ -42,7 +42,7 @@ def outer_step(model, workspace, state, length, pulling, control):
         model, state = processes.settle(model, state, workspace)
         step = begin(model, state, dt, pulling, workspace)
         step = support.under(step) if support else step
-        outcome = newton.solve(step, dt <= SHORT * length, control.shorten and model.soil.law.plastic)
+        outcome = newton.solve(step, dt <= SHORT * length, control.backtrack and model.soil.law.plastic)
         accepted, error = control.judge(step, outcome)
         report.count(outcome, accepted)
         if not accepted and not support and state.time == start.time:
@@ -85,13 +85,13 @@ class Control:
     dt        [s] that the next increment tries
     smallest  [s] increment below which a step fails
     accuracy  [m] error of positions that an outer step may add, None where convergence alone decides
-    shorten   whether the last increment needed backtracking in Newton's method, so that the next one begins with it
+    backtrack whether the last increment needed backtracking in Newton's method, so that the next one begins with it
     """
 
     dt: float
     smallest: float
     accuracy: float | None = None
-    shorten: bool = False
+    backtrack: bool = False
     _length: float = 0.0        # [s] of the outer step
     _rejected: bool = False     # the last trial
 
@@ -109,7 +109,7 @@ class Control:
 
         Raises StepError where a trial is rejected and the next one would be too short.
         """
-        self.shorten = outcome.converged and outcome.backtracked
+        self.backtrack = outcome.converged and outcome.backtracked
         if not outcome.converged:
             self._reject(step.dt / 2)
             if self.dt < self.smallest:

@@ -72,7 +72,7 @@ def test_a_run_goes_on_to_the_last_bit_from_a_checkpoint_that_is_due(stopped, ex
     for record in first.steps():
         if record.step == stopped:
             break
-    rest.resume(first.state, first.increment, first.shorten, first.solver_memory)
+    rest.resume(first.state, first.increment, first.backtrack, first.solver_memory)
     list(rest.steps())
     one, other = whole.state.points.position, rest.state.points.position
     assert (one == other).all() == exact

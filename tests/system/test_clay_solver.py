@@ -74,7 +74,7 @@ def test_a_run_that_is_continued_takes_the_same_solvers_to_the_last_bit(prepared
     first = len(prepared)
     stopped, rest = pressed(steps=2), pressed(steps=4)
     list(stopped.steps())
-    rest.resume(stopped.state, stopped.increment, stopped.shorten, stopped.solver_memory)
+    rest.resume(stopped.state, stopped.increment, stopped.backtrack, stopped.solver_memory)
     list(rest.steps())
     assert prepared[first:] == prepared[:first]
     np.testing.assert_array_equal(rest.state.points.position, whole.state.points.position)

@@ -44,7 +44,7 @@ def test_shorter_updates_are_remembered_until_an_increment_does_without():
     for backtracked in (False, True, False):
         for converged in (False, True):
             judged(control, 0.5, converged=converged, backtracked=backtracked)
-            assert control.shorten == (converged and backtracked)     # where these fail, too, all ways are tried again
+            assert control.backtrack == (converged and backtracked)     # where these fail, too, all ways are tried again
 
 
 def test_accuracy_sets_the_next_increment_and_a_rejected_trial_stops_its_growth(monkeypatch):
