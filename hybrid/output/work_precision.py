@@ -60,7 +60,7 @@ def _draw(axes, panel):
         x, y = np.array(series.cost), np.array(series.error)
         order = np.argsort(x, kind="stable")
         x, y, spread = x[order], y[order], np.array(series.spread)[order]
-        axes.errorbar(x, y, xerr=[0 * x, x * spread], label=series.label, markersize=3, elinewidth=0.6, **look)
+        axes.errorbar(x, y, xerr=np.array([0 * x, x * spread]), label=series.label, markersize=3, elinewidth=0.6, **look)
         label = series.label + f" ({series.failed} failed)" * bool(series.failed)
         ends.append((label, look["color"], (x[-1], y[-1]) if len(x) else None))
     _widen(axes)

@@ -36,7 +36,7 @@ def base_share(surface, rotation):
     corners, normals = surface.vertices @ rotation.T, surface.normals @ rotation.T
     triangles = corners[surface.triangles]
     edges, centres = np.diff(triangles, axis=1)[..., :2], triangles.mean(axis=1)
-    below = np.where(normals[:, 2] < -LEVEL, 0.5 * np.abs(np.cross(edges[:, 0], edges[:, 1])), 0.0)
+    below = np.where(normals[:, 2] < -LEVEL, 0.5 * np.abs(np.linalg.det(edges)), 0.0)
     covered, size = below.sum(), np.ptp(corners[:, :2], axis=0)
     if not covered:
         return 0.0
