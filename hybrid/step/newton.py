@@ -61,6 +61,9 @@ def solve(step: Step, short=False, backtrack=False):
         if outcome.converged:
             break
         step.release_facets()
+    if not outcome.converged and short and solver.line_search:
+        start = step.evaluate(evaluation.unknowns)
+        outcome = outcome.followed_by(iterate(step, solver, start, Updates(PATIENCE, astray=True)))
     if not outcome.converged:
         return outcome
     change = step.share_interface(outcome.evaluation)
@@ -132,14 +135,15 @@ def _updates(step, solver, evaluation, backtrack=False, far=Tangent.DEFINITE):
     """Outcome with full updates; where they make no progress, from the best iterate with those of a tangent that does not
     soften where convex edges press the soil; and then with backtracking. backtrack: whether to try this first; far: of
     Updates."""
-    full = TRIAL if solver.line_search else PATIENCE
+    yields = step.model.soil.law.plastic
+    full = TRIAL if solver.line_search and yields else PATIENCE
     if backtrack and solver.line_search:
         outcome = iterate(step, solver, evaluation, Updates(PATIENCE, backtrack=True, far=far))
         if outcome.converged:
             return outcome
         return outcome.followed_by(_updates(step, solver, step.evaluate(evaluation.unknowns), far=far))
-    outcome = iterate(step, solver, evaluation, Updates(full, far=far))
-    for updates in (Updates(full, near=far, far=far), Updates(PATIENCE, backtrack=True, far=far)):
+    outcome = iterate(step, solver, evaluation, Updates(full, far=far, astray=not yields))
+    for updates in (Updates(full, near=far, far=far, astray=not yields), Updates(PATIENCE, backtrack=True, far=far)):
         if outcome.converged:
             break
         almost = outcome.evaluation.error <= RELAXED * solver.tolerance      # accepted as it is, backtracking gains nothing
