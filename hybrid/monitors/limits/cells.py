@@ -177,7 +177,7 @@ def _attached(scene, model, body, travel, place, _):
     width = min((width for width, *_ in across), default=np.inf)
     if not across or not stays_attached(body, soil):
         return NOTHING
-    above = top_of(soil) - place[:, 2].max()
+    above = np.inf if soil.grid.collapsed[2] else top_of(soil) - place[:, 2].max()
     if above >= DEEP_PLATE * width or _covered(scene, soil):
         across = [(width, TURNED if turned else ATTACHED if straight else ROUND) for width, straight, turned in across]
     elif above >= DEEP * width and not soil.grid.collapsed.any():
