@@ -34,6 +34,7 @@ from hybrid.runtime.jit import njit, prange
 FACING = 0.1    # cosine between a place's normal and that of the other body, reversed, above which it presses
 HALVINGS = 14   # bisections of the path to the first contact
 FINEST = 0.02   # of the depth that counts as passing through: shortest step along a path
+DEEPER = 1.1    # times its way in an increment beyond its distance, by which the overlap of a place may grow in it
 
 
 @dataclass(frozen=True)
@@ -123,8 +124,9 @@ class SideStep:
     """Places of a Side near the other body, frozen during an increment.
 
     start: (m, 3) [m] in the frame of body b; touching: (m,) bool at the start; anchor: (m, 3) [m] of the history, else
-    where the place is predicted to touch first; rest: (m,) [m] gap without force; stiffness: (m,) [N/m]; sticking: (m,) bool
-    as in ContactPoints, None for none
+    where the place is predicted to touch first; rest: (m,) [m] gap without force; stiffness: (m,) [N/m]; overlap: (m,) [m] at
+    the start, of places that do not touch the largest one of those that do; sticking: (m,) bool as in ContactPoints, None
+    for none
     """
 
     side: Side
@@ -134,6 +136,7 @@ class SideStep:
     anchor: np.ndarray
     rest: np.ndarray
     stiffness: np.ndarray
+    overlap: np.ndarray
     law: soil_to_body.Coulomb
     collapsed: np.ndarray
     sticking: np.ndarray | None = None
@@ -150,13 +153,18 @@ class SideStep:
         _project(y, outward, self.side.beyond_of(self.places), self.start, self.places.clearance, surface.radius,
                  *surface.tree.parts, points)
         touches, free = self.stiffness * (self.rest - points.gap) > 0.0, -self.places.depth
-        rest = np.minimum(np.maximum(self.rest, points.gap + free), free)
+        # one that comes to look at a side deep in which it is, or loses sight of one, would gain energy from nothing
+        moved = np.linalg.norm(y - self.start, axis=1)
+        most = self.overlap + DEEPER * np.maximum(moved - np.maximum(self.places.clearance, 0.0), 0.0)
+        steady = touches & (self.rest - points.gap > most)
+        pressed = np.where(steady, points.gap + most, self.rest)
+        rest = np.minimum(np.maximum(pressed, points.gap + free), free)
         active, kept = np.flatnonzero(touches), np.flatnonzero(touches | (rest < free))
         points = points.select(active)
         origin = np.where(self.touching[active, None], self.anchor[active], self.start[active])
         sticking = soil_to_body.NOWHERE if self.sticking is None else self.sticking[active]
         closed = soil_to_body.ClosedPoints(
-            y[active], self.anchor[active], origin, self.stiffness[active], self.rest[active], NONE, sticking)
+            y[active], self.anchor[active], origin, self.stiffness[active], pressed[active], NONE, sticking, steady[active])
         found = soil_to_body.Response.empty(len(active))
         soil_to_body.contact_law(closed, points, self.law, surface.tree, found)
         R = pose_b[1]
@@ -200,14 +208,15 @@ def begin(side, poses, predicted, reach, history, stiffness, law, collapsed):
     start, m = places.point @ turn.T + way, len(places.number)
     number, known, rests = history
     anchor, rest, touching = start.copy(), -places.depth, np.isin(places.number, number)
+    overlap = np.zeros(m)
     order = np.argsort(number)
     at = order[np.searchsorted(number[order], places.number[touching])]
     anchor[touching], rest[touching] = known[at], np.minimum(rests[at], rest[touching])
     if m:
         path = _path(poses[side.a], poses[side.b], predicted[side.a], predicted[side.b], collapsed)
         _first_contact(places.point, places.normal, side.beyond_of(places), places.depth, touching, path,
-                       side.surface.radius, side.surface.tree, anchor)
-    return SideStep(side, places, start, touching, anchor, rest, stiffness * places.area, law, collapsed)
+                       side.surface.radius, side.surface.tree, anchor, rest, overlap)
+    return SideStep(side, places, start, touching, anchor, rest, stiffness * places.area, overlap, law, collapsed)
 
 
 def closing_speed(begun, rates_a, rates_b, poses, dt):
@@ -253,12 +262,20 @@ def _project(y, outward, beyond, start, clearance, radius, arrays, patches, poin
 
 
 @njit(cache=True)
-def _first_contact(point, normal, beyond, depth, touching, path, radius, tree, anchor):
+def _first_contact(point, normal, beyond, depth, touching, path, radius, tree, anchor, rest, overlap):
     """Replace the `anchor` (m, 3) of places that do not touch by the place where they are predicted to touch first, or to
-    be at the end."""
+    be at the end; and lower the `rest` (m,) of those that are deep in the body when they do, because they looked away until
+    then, or came in by a side at which they do not look: to that of the deepest of those that touch. Fill `overlap` (m,) as
+    in SideStep."""
+    deepest = 0.0
+    for n in range(len(point)):
+        if touching[n]:
+            overlap[n] = max(rest[n] - _gap(path, point, normal, beyond, n, 0.0, tree), 0.0)
+            deepest = max(deepest, overlap[n] if depth[n] == 0.0 else 0.0)
     for n in range(len(point)):
         if touching[n]:
             continue
+        overlap[n] = deepest if depth[n] == 0.0 else 0.0
         y = _at(path, point, n, 1.0)
         outside = outside_bounds(y[0], y[1], y[2], radius, tree)
         if not outside and _gap(path, point, normal, beyond, n, 1.0, tree) < -depth[n]:
@@ -270,6 +287,7 @@ def _first_contact(point, normal, beyond, depth, touching, path, radius, tree, a
                 else:
                     before = middle
             y = _at(path, point, n, after)
+            rest[n] = min(rest[n], _gap(path, point, normal, beyond, n, after, tree) + overlap[n])
         for i in range(3):
             anchor[n, i] = y[i]
 

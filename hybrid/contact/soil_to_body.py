@@ -107,7 +107,8 @@ class PointContact:
 class ClosedPoints(NamedTuple):
     """Points that the law is evaluated at, body frame: y, anchor (m, 3) [m]; origin (m, 3) [m], where the path begins
     along which friction does work in this step; stiffness (m,) ε_N [N/m]; rest (m,) [m] gap without force; limits:
-    PlaceLimits; sticking (m,) bool as in ContactPoints, empty for none."""
+    PlaceLimits; sticking (m,) bool as in ContactPoints, steady (m,) bool whose pressure does not change with the gap, empty
+    for none."""
 
     y: np.ndarray
     anchor: np.ndarray
@@ -116,6 +117,7 @@ class ClosedPoints(NamedTuple):
     rest: np.ndarray
     limits: PlaceLimits
     sticking: np.ndarray = NOWHERE
+    steady: np.ndarray = NOWHERE
 
 
 class Coulomb(NamedTuple):
@@ -215,7 +217,7 @@ def commit(points, position, contact):
 def contact_law(points, closest, coulomb, tree, out):
     """The law of the module's head at every closed point."""
     # unpacked once, because each access in the loop would count references
-    y, y_anchor, origin, stiffness, rest, limits, sticking = points
+    y, y_anchor, origin, stiffness, rest, limits, sticking, steady = points
     gap, triangle, feature, foot, weights = closest
     shear, tension, _ = limits
     force, tangent, turning, ramp, slip, anchor, side, energy, dissipated, opened = out
@@ -224,6 +226,7 @@ def contact_law(points, closest, coulomb, tree, out):
         eps_n, eps_t = stiffness[n], coulomb.ratio * stiffness[n]
         p, slope, bonded = eps_n * (rest[n] - gap[n]), eps_n, bonds and tension[n] > 0.0
         p = p if bonded else max(p, 0.0)    # of one that just touches
+        slope = 0.0 if len(steady) and steady[n] else slope
         energy[n] = 0.5 * p * p / eps_n
         if bonded and p < -tension[n]:
             energy[n] = work_to_break(tension[n], p, eps_n)

@@ -16,6 +16,7 @@ bodies by at most IMPACT d.
 Equations: FORMULATION (60), (63).
 """
 
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -130,7 +131,8 @@ def _history(pair, motions):
     for i, side in enumerate(pair.sides):
         begun = body_to_body.begin(side, poses, poses, TOUCH * pair.size, empty.side(i), pair.stiffness, pair.law,
                                    pair.collapsed)
-        found = begun.evaluate(poses)
-        rest = found.gap - begun.places.depth[found.active]
+        depth = begun.places.depth
+        found = replace(begun, rest=-depth, overlap=np.full(len(depth), np.inf)).evaluate(poses)
+        rest = found.gap - depth[found.active]
         parts += [begun.places.number[found.active], begun.start[found.active], rest]
     return PairHistory(*parts, np.ones(1))

@@ -1,9 +1,12 @@
 """Contact of two bodies with one another: its stiffness by differences, and forces that cancel."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from hybrid.body.attitude import exp_so3
+from hybrid.contact import body_to_body
 from hybrid.setup.build import build
 from hybrid.step.equations import begin
 from hybrid.step.workspace import Workspace
@@ -71,3 +74,21 @@ def test_forces_and_moments_on_both_bodies_cancel(kind, friction, slid):
     moments = on[3:6] + np.cross(poses[0][0], on[:3]) + on[9:] + np.cross(poses[1][0], on[6:9])
     np.testing.assert_allclose(moments, 0.0, atol=1e-11 * scale)
     assert on[2] > 0.0      # minus the force on the lower body, which is pressed down
+
+
+@pytest.mark.parametrize("friction, slid", [(0.0, STICKING), (0.3, SLIDING)])
+def test_stiffness_of_places_whose_overlap_is_bounded(friction, slid, monkeypatch):
+    """Their pressure is that of the bound, here 10 µm however far they have moved."""
+    monkeypatch.setattr(body_to_body, "DEEPER", 0.0)
+    pairs, poses = contact("ball", friction, slid)
+    bounded = tuple(replace(one, sides=tuple(replace(side, overlap=np.full(len(side), 1e-5)) for side in one.sides))
+                    for one in pairs.near)
+    pairs = replace(pairs, near=bounded)
+    terms, K, h = pairs.evaluate(poses), np.zeros((12, 12)), 1e-8
+    terms.add_tangent(K)
+    for side, one in zip(terms.contacts[0], bounded[0].sides):
+        pressure = np.einsum("mi,mi->m", side.force, side.normal)
+        assert np.abs(pressure / one.stiffness[side.active]).max() == pytest.approx(1e-5, rel=1e-9)
+    expected = np.array([(residual(pairs, moved(poses, h * e)) - residual(pairs, moved(poses, -h * e))) / (2 * h)
+                         for e in np.eye(12)]).T
+    assert np.abs(K - expected).max() < 1e-4 * np.abs(K).max()
