@@ -124,9 +124,9 @@ class SideStep:
     """Places of a Side near the other body, frozen during an increment.
 
     start: (m, 3) [m] in the frame of body b; touching: (m,) bool at the start; anchor: (m, 3) [m] of the history, else
-    where the place is predicted to touch first; rest: (m,) [m] gap without force; stiffness: (m,) [N/m]; overlap: (m,) [m] at
-    the start, of places that do not touch the largest one of those that do; sticking: (m,) bool as in ContactPoints, None
-    for none
+    where the place is predicted to touch first; rest: (m,) [m] gap without force; stiffness: (m,) [N/m]; overlap: (m,) [m]
+    at the start, of places on faces that do not touch the largest one of those that do; sticking: (m,) bool as in
+    ContactPoints, None for none
     """
 
     side: Side

@@ -9,9 +9,9 @@
 | Penetration      | a body overlaps the soil by more than a point domain                    |
 | ForceOscillation | the contact force oscillates because the scheme does not damp           |
 | EnergyBalance    | energy is gained, or lost in one step, that the balance cannot explain  |
-| AbsorbedImpact   | falling bodies lose energy, little by little, without a cause           |
+| AbsorbedImpact   | falling bodies, or soil that flows fast, lose energy without a cause    |
 | DampedVibration  | the time integration damps a vibration that the steps resolve           |
-| BodyImpact       | bodies that hit one another lose energy without a cause                 |
+| BodyImpact       | bodies that hit one another lose or gain energy without a cause         |
 | PlasticIncrement | an increment without inertia adds too much plastic strain               |
 | FlowingSoil      | soil that no body moves flows under its weight, without inertia         |
 | CreepingSoil     | soil at rest creeps, with inertia, as the ghost penalty lets it         |

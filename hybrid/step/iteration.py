@@ -208,7 +208,8 @@ def _good(step):
 
 def _diverged(evaluation, best, solver, updates):
     """Whether full updates have led away from the `best` evaluation, where backtracking can be tried from."""
-    return not updates.backtrack and not updates.astray and solver.line_search and evaluation.error > max(DIVERGED * best.error, LOST)
+    given_up = solver.line_search and not (updates.backtrack or updates.astray)
+    return given_up and evaluation.error > max(DIVERGED * best.error, LOST)
 
 
 def _no_progress(best, errors, solver, updates):

@@ -102,3 +102,16 @@ def test_an_impact_within_a_step_needs_smaller_steps_and_no_smaller_cells():
     text, = notes([0.0, -40.0])
     assert "most of it in a single step" in text and "smaller time.step, or time.accuracy = 1e-3" in text
     assert "smaller cells" not in text
+
+
+def test_soil_that_flows_fast_around_what_goes_on_is_reported():
+    """A torpedo that has not slowed down: what is lost is compared with what the soil took."""
+    text, = notes([0.0, -8.0, -12.0, -16.0], then=-10.5, friction=12.0)
+    assert text.startswith("soil flows fast: 16 J of the 52 J") and "t = 3 s (31%, limit 20%)" in text
+
+
+@pytest.mark.parametrize("other", [{"friction": 40.0}, {"friction": 2.0}, {"drive": 1.0}, {"inertia": False},
+                                   {"first_order": True}])
+def test_other_losses_are_none_of_soil_that_flows_fast(other):
+    """Where soil took far more, or next to nothing, as from what rolls; of bodies that are driven; of damped settling."""
+    assert notes([0.0, -6.0, -12.0], then=-10.5, **{"friction": 12.0} | other) == []

@@ -11,18 +11,21 @@ from hybrid.monitors.body_impact import QUIET, BodyImpact
 from hybrid.monitors.ground_impact import GroundImpact
 
 
-def notes(errors, in_contact=(), near=(), touching=0, pairs=1, accuracy=None, monitor=None, held=False, **scheme):
-    """Of steps with these errors [J] of a body of 2 kg with 10 m/s, 100 J; in_contact, near: steps at whose ends bodies
-    press, or are near one another; touching: number of contacts with the soil."""
-    body = SimpleNamespace(mass=SimpleNamespace(mass=2.0, inertia=np.eye(3)))
-    motion = SimpleNamespace(velocity=np.array([10.0, 0.0, 0.0]), spin=np.zeros(3), rotation=np.eye(3))
+def notes(errors, in_contact=(), near=(), touching=0, pairs=1, accuracy=None, monitor=None, held=False, free=False,
+          along=0.0, **scheme):
+    """Of steps with these errors [J] of a body of 2 kg with 10 m/s, 100 J, and of one that stands still, both of which fly
+    `along`; in_contact, near: steps at whose ends bodies press, or are near one another; touching: number of contacts with
+    the soil; free: whether both are."""
+    body = SimpleNamespace(mass=SimpleNamespace(mass=2.0, inertia=np.eye(3)), free=np.full(6, free))
+    motions = [SimpleNamespace(velocity=np.array([speed + along, 0.0, 0.0]), spin=np.zeros(3), rotation=np.eye(3))
+               for speed in (10.0, 0.0)]
     monitor, found = monitor or BodyImpact(None, None), []
     for step, error in enumerate(errors):
         of_pairs = SimpleNamespace(energy=1.0 * (step in in_contact), contacts=(None,) * (step in {*in_contact, *near}))
         report = SimpleNamespace(error=accuracy, evaluation=SimpleNamespace(contacts=(range(touching),), pairs=of_pairs))
         found += monitor.notes(StepView(
-            model=SimpleNamespace(bodies=(body,), pairs=(None,) * pairs, soil=SimpleNamespace(held=held)),
-            state=SimpleNamespace(time=float(step), bodies=(motion,)),
+            model=SimpleNamespace(bodies=(body, body), pairs=(None,) * pairs, soil=SimpleNamespace(held=held)),
+            state=SimpleNamespace(time=float(step), bodies=motions),
             scheme=SimpleNamespace(**{"inertia": True, "first_order": False} | scheme), report=report,
             energy={"error": error}))
     return found
@@ -37,6 +40,21 @@ def test_an_impact_within_a_step_or_over_some_is_reported_once():
         assert "13 J of the 100 J" in text and "(13%, limit 12%)" in text and "smaller time.step" in text
         assert "time.accuracy = 1e-4" in text
     assert "a smaller time.accuracy" in notes([0.0, 0.0, *AFTER], near=(0, 1, 2), accuracy=1e-6)[0]
+
+
+@pytest.mark.parametrize("along", [0.0, 3.0, 1e3])
+def test_an_impact_in_flight_is_judged_by_the_motion_of_bodies_relative_to_one_another(along):
+    """Half of the energy of one that hits another one of its mass takes part, whatever frame they fly in."""
+    text, = notes([0.0, -4.0, -6.5, *[-6.5] * 8], in_contact=(1, 2), near=range(12), free=True, along=along)
+    assert "6.5 J of the 50 J" in text and "(13%, limit 12%)" in text
+    assert notes([0.0, -4.0, -5.5, *[-5.5] * 8], in_contact=(1, 2), near=range(12), free=True, along=along) == []
+
+
+def test_energy_that_bodies_gain_by_an_impact_is_reported():
+    gain = [0.0, 4.0, 13.0, *[13.0] * 8]
+    text, = notes(gain, in_contact=(1, 2), near=range(12))
+    assert "13 J were added to the 87 J" in text and "(15%, limit 12%)" in text and "quarter of the time.step" in text
+    assert notes(gain, near=range(12)) == notes(gain, in_contact=(1, 2), near=range(12), touching=3) == []
 
 
 def test_energy_that_the_scheme_holds_back_is_not_lost():
