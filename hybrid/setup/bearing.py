@@ -5,17 +5,30 @@ import numpy as np
 
 from hybrid.laws.user import is_of_user
 from hybrid.laws.von_mises import BEARING, TIPPED, USED
-from hybrid.runtime.comm import minimum
+from hybrid.runtime.comm import maximum, minimum
 
 OTHER = 0.1     # share of a base that need not be plane, as fillets
+FLUSH = 1e-3    # of a cell between a base and the soil on which it stands
 LEVEL = 0.02    # sine of the angle between triangles of one plane, and of its size, their distance from it
 
 
-def bears(body, rotation, soil, gravity):
+def stands_on(rest_on, soil, gravity):
+    """Whether a body that is put at a height `rest_on` [m], None for none, stands on level soil, and its weight presses it
+    down."""
+    if rest_on is None or soil.held or soil.ground is not None or gravity[2] >= 0.0 or gravity[:2].any():
+        return False
+    top = maximum(soil.constants.position[:, 2] + soil.constants.half_width[:, 2])
+    return abs(rest_on - top) <= FLUSH * soil.grid.smallest_cell
+
+
+def bears(body, rotation, soil, gravity, stands=False):
     """Whether the cohesion of soil that can yield bears the forces of all stages and the weight of a body with a plane base,
-    at an initial `rotation`, without flowing: friction bears more."""
+    at an initial `rotation`, without flowing: friction bears more. stands: whether nothing but its weight presses one
+    without such forces."""
     height = body.outline.extent(-rotation[2])
     stages = [[_largest_of(load, rotation, height) for load in control.loads] for control in body.stages if control.loads]
+    if not stages and stands and body.free[2]:
+        stages = [[(0.0, 0.0, 0.0)]]
     filled = base_share(body.outline, rotation) if stages else 0.0
     guided = body.driven.any() or any(control.points for control in body.stages)
     if not filled or guided or not soil.law.plastic or is_of_user(soil.law):

@@ -17,7 +17,7 @@ from hybrid.body.sharp_edges import find_edges, narrowest_face
 from hybrid.contact import places
 from hybrid.contact.cover import Cover
 from hybrid.runtime.comm import anywhere, minimum
-from hybrid.setup.bearing import bears
+from hybrid.setup.bearing import bears, stands_on
 from hybrid.setup.interface import friction_of, interface_of
 from hybrid.setup.penalty import REST_CURVATURE, carried, penalty, rests
 from hybrid.setup.plane_strain import in_slice
@@ -30,9 +30,9 @@ CURVATURE = 16          # spacings in a radius of curvature; REST_CURVATURE wher
 ACROSS = 32
 
 
-def connect_to_soil(described, body, rotation, soil, gravity, cone):
+def connect_to_soil(described, body, rotation, soil, gravity, cone, alone=False):
     """The body, at an initial `rotation` (3, 3), with all of its contact that follows from `soil`; gravity (3,) [m/s²];
-    cone: soil.material.cone. Raises SceneError."""
+    cone: soil.material.cone; alone: whether there is no other body. Raises SceneError."""
     body = in_slice(body, soil.grid, rotation)
     chosen, spacing, radius = _places(described, body, rotation, soil, gravity)
     if described.adhesion is not None and not anywhere(soil.law.undrained):     # there is no clay in the grid
@@ -43,8 +43,9 @@ def connect_to_soil(described, body, rotation, soil, gravity, cone):
         edges = find_edges(body.surface, soil.grid.smallest_cell, rotation[soil.grid.collapsed])
         body = replace(body, surface=round_off(body.surface, edges),
                        narrowest=narrowest_face(edges, soil.grid.smallest_cell))
-    moves = described.pull or any(described.velocity or ())
-    body = replace(body, borne=not (soil.held or moves) and bears(body, rotation, soil, gravity))
+    moves = described.pull or any((*(described.velocity or ()), *(described.spin or ())))
+    stands = alone and stands_on(described.rest_on, soil, gravity)
+    body = replace(body, borne=not (soil.held or moves) and bears(body, rotation, soil, gravity, stands))
     body = replace(body, places=chosen, penalty=penalty(described, body, soil, spacing, radius, gravity))
     if interface and not chosen.at_corners:
         interface = replace(interface, sharp=None if body.surface is sharp else sharp, cover=_cover(sharp, soil, rotation))

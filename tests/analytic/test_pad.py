@@ -51,7 +51,7 @@ def test_with_the_springs_of_soil_that_flows_it_settles_too_much():
     ("cone.geo", {"size": 0.3}, None, 20), ("sphere.geo", {"size": 0.1}, None, 20),
     ("box.geo", {"length": 2.0, "width": 2.0, "height": 0.5, "size": 5.0}, (0.0, 1.0, 0.0, 5.0), 500),
     ("box.geo", {"length": 2.0, "width": 2.0, "height": 2.0, "size": 5.0}, (0.0, 1.0, 0.0, 45.0), 20)])
-def test_a_body_needs_a_planebase_share(geometry, parameters, rotation, expected):
+def test_a_body_needs_a_plane_base(geometry, parameters, rotation, expected):
     more = {} if rotation is None else {"rotation": rotation}
     whole = pad(4, load=50.0).scene
     body = replace(whole.bodies[0], geometry=GEOMETRY / geometry, parameters=parameters, **more)
@@ -112,10 +112,26 @@ def squares(*rows):
     return SimpleNamespace(vertices=vertices, triangles=triangles, normals=np.tile([0.0, 0.0, -1.0], (len(triangles), 1)))
 
 
-def test_a_body_that_nothing_presses_has_soft_springs_whatever_itsbase_share():
-    """Its weight alone is no load of a stage."""
+def test_a_body_that_nothing_presses_has_soft_springs_whatever_its_base():
+    """Without gravity, and without a load of a stage."""
     scene = replace(pad(4).scene, stages=(Stage("rest", 1),))
     assert build(scene).model.bodies[0].penalty == pytest.approx(20 * 4 / WIDTH)
+
+
+@pytest.mark.parametrize("density, gravity, more, expected", [
+    (3900.0, (0.0, 0.0, -9.81), {}, 500), (7800.0, (0.0, 0.0, -9.81), {}, 20), (3900.0, (1.0, 0.0, -9.7), {}, 20),
+    (3900.0, (0.0, 0.0, -9.81), {"rest_on": 0.1}, 20), (3900.0, (0.0, 0.0, -9.81), {"rest_on": None}, 20),
+    (3900.0, (0.0, 0.0, -9.81), {"held": ("x", "y", "z", "rx", "ry", "rz")}, 20)])
+def test_a_body_that_stands_by_its_weight_is_borne_as_by_a_load(density, gravity, more, expected):
+    """A load of nothing in a later stage changed its settlement by 6 to 17 %. 0.5 m of 3 900 kg/m³ press with 19 kPa, a third of
+    what the clay can carry."""
+    if more.get("rest_on", 0.0) is None:
+        more = more | {"position": (0.0, 0.0, 0.0)}
+    scene = pad(4).scene
+    body = replace(scene.bodies[0], density=density, **more)
+    scene = replace(scene, bodies=(body,), gravity=gravity, stages=(Stage("rest", 1),),
+                    soil=replace(scene.soil, geostatic=False))
+    assert build(scene).model.bodies[0].penalty == pytest.approx(expected * 4 / WIDTH)
 
 
 @pytest.mark.parametrize("height, share", [(0.0, 0.5), (1.0, 0.0)])
