@@ -11,6 +11,7 @@
 | EnergyBalance    | energy is gained, or lost in one step, that the balance cannot explain  |
 | AbsorbedImpact   | falling bodies, or soil that flows fast, lose energy without a cause    |
 | DampedVibration  | the time integration damps a vibration that the steps resolve           |
+| FastRotation     | a body that an impact has set spinning tumbles by too much in a step    |
 | BodyImpact       | bodies that hit one another lose or gain energy without a cause         |
 | PlasticIncrement | an increment without inertia adds too much plastic strain               |
 | FlowingSoil      | soil that no body moves flows under its weight, without inertia         |
@@ -36,6 +37,7 @@ from hybrid.monitors.creeping_soil import CreepingSoil
 from hybrid.monitors.damped_vibration import DampedVibration
 from hybrid.monitors.domain_exit import DomainExit
 from hybrid.monitors.energy_balance import EnergyBalance
+from hybrid.monitors.fast_rotation import FastRotation
 from hybrid.monitors.flowing_soil import FlowingSoil
 from hybrid.monitors.force_oscillation import ForceOscillation
 from hybrid.monitors.ground_impact import GroundImpact
@@ -52,7 +54,7 @@ from hybrid.monitors.untouched import Untouched
 MONITORS = (
     DomainExit, LostContact, LostPoints, MissedContact, Penetration, ForceOscillation, EnergyBalance, PlasticIncrement,
     FlowingSoil, CreepingSoil, BodyOverlap, JudgedIncrements, AbsorbedImpact, BodyImpact, GroundImpact,
-    IdleAdhesion, Untouched, DampedVibration)
+    IdleAdhesion, Untouched, DampedVibration, FastRotation)
 
 __all__ = ["MONITORS", "Monitors", "StepView", *(kind.__name__ for kind in MONITORS)]
 

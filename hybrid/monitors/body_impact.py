@@ -109,7 +109,7 @@ class BodyImpact(ImpactLoss):
 
 
 def _free(bodies):
-    return all(body.free[:3].all() for body in bodies)
+    return len(bodies) > 1 and all(body.free[:3].all() for body in bodies)
 
 
 def of_all_together(bodies, motions):

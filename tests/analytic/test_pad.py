@@ -123,8 +123,8 @@ def test_a_body_that_nothing_presses_has_soft_springs_whatever_its_base():
     (3900.0, (0.0, 0.0, -9.81), {"rest_on": 0.1}, 20), (3900.0, (0.0, 0.0, -9.81), {"rest_on": None}, 20),
     (3900.0, (0.0, 0.0, -9.81), {"held": ("x", "y", "z", "rx", "ry", "rz")}, 20)])
 def test_a_body_that_stands_by_its_weight_is_borne_as_by_a_load(density, gravity, more, expected):
-    """A load of nothing in a later stage changed its settlement by 6 to 17 %. 0.5 m of 3 900 kg/m³ press with 19 kPa, a third
-    of what the clay can carry."""
+    """A load of nothing in a later stage changed its settlement by 6 to 17 %. 0.5 m of 3 900 kg/m³ press with 19 kPa, a
+    third of what the clay can carry."""
     if more.get("rest_on", 0.0) is None:
         more = more | {"position": (0.0, 0.0, 0.0)}
     scene = pad(4).scene

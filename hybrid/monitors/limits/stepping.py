@@ -23,10 +23,10 @@ def large_rotation_step(scene, model):
         return
     for number, (described, body) in enumerate(zip(scene.bodies, model.bodies)):
         spin = np.array(described.spin)
-        if not (_tumbles(spin, body) or _precesses(spin, scene, model, number)):
+        if not (tumbles(spin, body) or _precesses(spin, scene, model, number)):
             continue
-        rotations = [(np.linalg.norm(spin) * scene.step_of(stage), *_limit(model.scheme, stage))
-                 for stage in scene.stages]
+        rotations = [(np.linalg.norm(spin) * scene.step_of(stage),
+                      *rotation_limit(model.scheme.with_pair(stage.beta, stage.gamma))) for stage in scene.stages]
         angle, limit, kind = max(rotations, key=lambda rotation: rotation[0] / rotation[1])
         if angle > limit:
             yield (f"{body.name} rotates by {angle:.3g} rad a step by its spin, limit {limit:g} rad for {kind}: its "
@@ -34,7 +34,7 @@ def large_rotation_step(scene, model):
                    "time.accuracy = 1e-3")
 
 
-def _tumbles(spin, body):
+def tumbles(spin, body):
     """Whether a free body with this spin (3,) [rad/s] does not turn about one axis."""
     momentum = body.mass.inertia @ spin
     aligned = np.linalg.norm(spin) * np.linalg.norm(momentum)
@@ -61,7 +61,7 @@ def large_turn_about_an_axis(scene, model):
         return
     for described, body in zip(scene.bodies, model.bodies):
         spin = np.array(described.spin) * model.scheme.inertia
-        found = [] if _tumbles(spin, body) else [(np.linalg.norm(spin), scene.stages[0], "body.spin")]
+        found = [] if tumbles(spin, body) else [(np.linalg.norm(spin), scene.stages[0], "body.spin")]
         for stage in scene.stages:
             names = [f"r{axis}" for axis in "xyz"]
             found += [(stride_of(scene, stage, described, name) / scene.step_of(stage), stage,
@@ -86,9 +86,8 @@ def _round(body, axis):
     return np.abs(distances(turned, body.outline)[0]).max() < ROUND * body.radius
 
 
-def _limit(scheme, stage):
-    """(limit [rad], which of ROTATION) of the scheme that a stage has."""
-    scheme = scheme.with_pair(stage.beta, stage.gamma)
+def rotation_limit(scheme):
+    """(limit [rad], which of ROTATION) of a Scheme."""
     if scheme.rotation == "cayley":
         kind = "energy-momentum"
     elif scheme.damps:
