@@ -36,8 +36,9 @@ def test_a_body_that_tumbles_after_an_impact_is_told_once():
 
 
 @pytest.mark.parametrize("spins, more", [
-    ([spin * 0.45 for spin in STRUCK], {}), ([np.linalg.norm(spin) * np.eye(3)[2] for spin in STRUCK], {}), (STRUCK[1:], {}),
-    (STRUCK, {"joints": [(0, None)]}), (STRUCK, {"joints": [(0, 1)]}), (STRUCK, {"error": 1e-6}), (STRUCK, {"inertia": False})])
+    ([spin * 0.45 for spin in STRUCK], {}), ([np.linalg.norm(spin) * np.eye(3)[2] for spin in STRUCK], {}),
+    (STRUCK[1:], {}), (STRUCK, {"joints": [(0, None)]}), (STRUCK, {"joints": [(0, 1)]}), (STRUCK, {"error": 1e-6}),
+    (STRUCK, {"inertia": False})])
 def test_others_are_not(spins, more):
     """Slower; about an axis of inertia; from the start, which `check` tells; on a hinge; with time.accuracy."""
     assert notes(spins, **more) == []
