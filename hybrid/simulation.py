@@ -256,7 +256,8 @@ class Simulation:
             try:
                 self.state, report = outer_step(model, workspace, self.state, length, stage.pull, control)
             except StepError as failure:
-                raise self._with_hints(failure) from failure
+                self._add_hints(failure)
+                raise
             self.evaluation, self.increment, self.backtrack = report.evaluation, control.dt, control.backtrack
             self.solver_memory = workspace.systems.choice.memory()
             # points have gone to other processes
@@ -267,9 +268,9 @@ class Simulation:
             if lost:
                 raise StepError(f"stopped after step {self.state.step}, whose state is kept: {lost}")
 
-    def _with_hints(self, failure):
-        """StepError with the message of a failure and what the scene and the state have to do with it."""
-        return StepError(". ".join([str(failure), *self.warned, *overstretched_domains(self.model, self.state.points)]))
+    def _add_hints(self, failure):
+        """Add to the message of a failure, which keeps its kind, what the scene and the state have to do with it."""
+        failure.args = ". ".join([str(failure), *self.warned, *overstretched_domains(self.model, self.state.points)]),
 
     def stage_model(self, number, starts):
         """Model of the stage of a `number`, from 0, that starts at a time [s]."""

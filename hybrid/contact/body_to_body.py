@@ -286,10 +286,18 @@ def _first_contact(point, normal, beyond, depth, touching, path, radius, tree, a
                     after = middle
                 else:
                     before = middle
-            y = _at(path, point, n, after)
-            rest[n] = min(rest[n], _gap(path, point, normal, beyond, n, after, tree) + overlap[n])
+            y, gap = _at(path, point, n, after), _gap(path, point, normal, beyond, n, after, tree)
+            if gap < -depth[n] - 2.0 * _length(path, point, n) / 2**HALVINGS:     # by more than what bisection leaves
+                rest[n] = min(rest[n], gap + overlap[n])
         for i in range(3):
             anchor[n, i] = y[i]
+
+
+@njit(cache=True)
+def _length(path, point, n):
+    """[m] between place n at the start and at the end of the path."""
+    a, b = _at(path, point, n, 0.0), _at(path, point, n, 1.0)
+    return np.sqrt((b[0] - a[0])**2 + (b[1] - a[1])**2 + (b[2] - a[2])**2)
 
 
 @njit(cache=True)

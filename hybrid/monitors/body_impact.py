@@ -116,7 +116,7 @@ def of_all_together(bodies, motions):
     """Kinetic energy [J] of the common centre of mass of bodies."""
     mass = np.array([body.mass.mass for body in bodies])
     momentum = mass @ np.array([motion.velocity for motion in motions])
-    return 0.5 * float(momentum @ momentum) / mass.sum()
+    return 0.5 * float(momentum @ momentum) / sum(mass)
 
 
 def _accuracy(view):

@@ -91,14 +91,13 @@ def laid(place):
 
 def test_a_pipe_on_a_single_point_rolls_off_it(monkeypatch):
     """Its patch is narrower than a cell. Where it stands on one point, the tangent leads it back onto that, from where it
-    falls again: without a stiffness against that it goes to and fro."""
+    falls again: without a stiffness against that it goes to and fro, four times as long."""
     place, record = 0.0, laid(0.0)
     assert record.iterations <= 25 and record.rejections == 0
     assert record.bodies[0].contact_force[2] == pytest.approx(2500.0 * np.pi * 0.25**2 * 9.81, rel=1e-3)
     assert abs(record.bodies[0].position[0] - place) < 0.0625
     monkeypatch.setattr(body_terms, "PACE", {True: np.inf, False: np.inf})
-    with pytest.raises(StepError):
-        laid(place)
+    assert laid(place).iterations > 3 * record.iterations
 
 
 def test_a_cylinder_that_stands_on_two_points_is_put_down(monkeypatch):

@@ -61,6 +61,9 @@ def test_a_long_step_needs_many_iterations_and_no_halving(monkeypatch):
     assert sum(r.iterations for r in counted) > 0.85 * sum(r.iterations for r in records)
 
 
+YIELDS = SimpleNamespace(soil=SimpleNamespace(law=SimpleNamespace(plastic=True)))
+
+
 def test_shorter_updates_start_from_the_best_iterate():
     """Whole updates that overshoot from side to side; the iterate that they were nearest with is not lost."""
     begun, error = [], 1.0
@@ -73,8 +76,8 @@ def test_shorter_updates_start_from_the_best_iterate():
 
     for softened in (False, True):
         begun.clear()
-        step = SimpleNamespace(evaluate=lambda unknowns: unknowns, has_convex_contact=lambda evaluation: softened,
-                               touches_on_ramp=lambda evaluation: False)
+        step = SimpleNamespace(model=YIELDS, evaluate=lambda unknowns: unknowns,
+                               has_convex_contact=lambda evaluation: softened, touches_on_ramp=lambda evaluation: False)
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(newton, "iterate", iterate)
             outcome = newton._newton(step, Solver(), "first")
@@ -103,7 +106,7 @@ def test_where_points_are_on_the_ramp_of_adhesion_all_is_tried_again_with_it(mon
     monkeypatch.setattr(newton, "iterate", iterate)
     for on_ramp in (True, False):
         begun.clear()
-        step = SimpleNamespace(evaluate=lambda unknowns: unknowns, has_convex_contact=lambda evaluation: False,
+        step = SimpleNamespace(model=YIELDS, evaluate=lambda unknowns: unknowns, has_convex_contact=lambda evaluation: False,
                                touches_on_ramp=lambda evaluation: on_ramp)
         outcome = newton._newton(step, Solver(), SimpleNamespace(unknowns="first"))
         assert outcome.converged == on_ramp and outcome.iterations == 3 * len(begun)
@@ -122,7 +125,8 @@ def test_shorter_updates_come_first_after_an_increment_that_needed_them(monkeypa
                                  backtracked=updates.backtrack)
 
     monkeypatch.setattr(newton, "iterate", iterate)
-    step, start = SimpleNamespace(evaluate=lambda unknowns: unknowns), SimpleNamespace(unknowns="first")
+    step = SimpleNamespace(model=YIELDS, evaluate=lambda unknowns: unknowns)
+    start = SimpleNamespace(unknowns="first")
     assert newton._newton(step, Solver(), start, backtrack=True).backtracked and begun == [(start, True)]
     fails = True
     begun.clear()

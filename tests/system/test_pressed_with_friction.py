@@ -100,10 +100,11 @@ def test_a_pad_that_sticks_shears_the_soil(tmp_path):
     assert sum(record.iterations for record in records) < 300
 
 
-def test_stiffer_springs_of_a_pad_find_no_equilibrium(tmp_path, monkeypatch):
+def test_stiffer_springs_of_a_pad_hardly_find_equilibrium(tmp_path, monkeypatch):
+    """In nine times the iterations."""
+    soft = sum(record.iterations for record in pad(tmp_path).steps())
     monkeypatch.setattr("hybrid.setup.penalty.SHEARED", 2000.0)
-    with pytest.raises(StepError):
-        list(pad(tmp_path).steps())
+    assert sum(record.iterations for record in pad(tmp_path).steps()) > 5 * soft
 
 
 def test_stiffer_springs_need_points_held_in_stick(tmp_path, monkeypatch):
