@@ -53,7 +53,8 @@ class Body:
                                        default_factory=dict,
                                        also=("dimensions", "size", "radius", "diameter", "length", "width", "height"))
     scale: float = key("metres in a unit of the geometry's coordinates, 0.001 for triangles in millimetres; .step and "
-                       ".iges are read in metres whatever their unit, and points of loads, joints and lines are in metres", "-", default=1.0, above=0,
+                       ".iges are read in metres whatever their unit, and points of loads, joints and lines are in "
+                       "metres", "-", default=1.0, above=0,
                        remedy="0.001 is for millimetres, 1 for metres")
     symmetry: Literal["x", "y"] | None = key(
         "the file has the whole body, and the half of it at positive x or y of the geometry is modelled; a .geo file cuts "
