@@ -3,7 +3,7 @@
 A cradle of three steel balls, whose contacts last 1 ms, loses 54 % of its energy in two impacts with steps of 2 ms, 32 %
 with 0.5 ms, 33 % with time.accuracy = 1e-3 and 0.3 % with 1e-4. No single loses enough to be reported by `EnergyBalance`,
 and the scheme hands an impulse on over some steps, so the loss is summed while bodies are near one another, and judged
-when nothing has happened for a few steps. Wedges and angles that tumble into one another have gained up to 19 % in steps as
+when nothing has happened for a few steps. Wedges and angles that tumble into one another have gained up to 32 % in steps as
 long as their contact, and nothing in a quarter of that.
 
 Where all bodies are free and none touches the soil, the energy is that of the motion relative to their common centre of
