@@ -6,30 +6,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from flying_bodies import G, kinetic, run, scene
 from put_on_soil import put_on_soil
 
-from hybrid.contact import body_to_body
 from hybrid.output.checkpoint import load, save
 from hybrid.runtime.errors import SceneError
-from hybrid.scene import Body, Contact, Joint, Time
+from hybrid.scene import Contact, Joint, Time
 from hybrid.scene.file import load_scene, validate
 from hybrid.setup import body_contact
 from hybrid.setup.build import build
-from hybrid.study.scenes import NO_OUTPUT, box, collapsed, plane, sphere
+from hybrid.study.scenes import NO_OUTPUT, box, collapsed, sphere
 
-G = 9.81
 ROOT = Path(__file__).parents[2]
 HELD = ("x", "y", "z", "rx", "ry", "rz")
-
-
-def scene(bodies, steps, step, gravity=(0.0, 0.0, -G), contacts=(), **options):
-    """Bodies high above held soil."""
-    return replace(plane(bodies[0], steps, step, gravity=gravity, **options), bodies=tuple(bodies), contacts=tuple(contacts))
-
-
-def run(described):
-    simulation = build(described)
-    return simulation, list(simulation.steps())
 
 
 def momentum(simulation, states):
@@ -38,11 +27,6 @@ def momentum(simulation, states):
     angular = [np.cross(s.position, p) + s.rotation @ m.inertia @ s.spin
                for m, s, p in zip(simulation.masses, states, linear)]
     return sum(linear), sum(angular)
-
-
-def kinetic(simulation, states):
-    return sum(0.5 * m.mass * s.velocity @ s.velocity + 0.5 * s.spin @ m.inertia @ s.spin
-               for m, s in zip(simulation.masses, states))
 
 
 def test_bodies_that_overlap_a_little_at_the_start_stay_where_they_are():
@@ -395,51 +379,3 @@ def test_a_box_of_a_round_size_rests_on_another_without_inertia(upper):
     assert sum(record.iterations for record in records) <= 10
     weight = 2000.0 * 9.81 * (0.6 * 0.6 + upper * 0.4) * 0.3
     assert records[-1].bodies[0].contact_force[2] == pytest.approx(weight, rel=1e-4)
-
-# ------------------------------------------------------------------ edges
-
-
-WEDGE = """SetFactory("OpenCASCADE");
-DefineConstant[ side = {1.0, Name "Parameters/side"} ];
-Mesh.MeshSizeMin = 20; Mesh.MeshSizeMax = 20;
-Point(1) = {-side/2, -side/2, -side/2}; Point(2) = {side/2, -side/2, -side/2}; Point(3) = {-side/2, -side/2, side/2};
-Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 1}; Curve Loop(1) = {1, 2, 3}; Plane Surface(1) = {1};
-out[] = Extrude {0, side, 0} { Surface{1}; };
-Physical Volume("body") = {out[1]}; Physical Surface("contact") = Abs(Boundary{ Volume{out[1]}; });
-"""
-ANGLE = """SetFactory("OpenCASCADE");
-DefineConstant[ side = {1.0, Name "Parameters/side"} ];
-Mesh.MeshSizeMin = 20; Mesh.MeshSizeMax = 20;
-Box(1) = {-side/2, -side/2, -side/2, side, side, 0.4*side}; Box(2) = {-side/2, -side/2, -side/2, 0.4*side, side, side};
-BooleanUnion(3) = { Volume{1}; Delete; }{ Volume{2}; Delete; };
-Physical Volume("body") = {3}; Physical Surface("contact") = Abs(Boundary{ Volume{3}; });
-"""
-
-
-def test_edges_of_bodies_that_tumble_into_one_another_create_no_energy(tmp_path, monkeypatch):
-    """A wedge and an angle. A place that is deep in the other body when it comes to look at one of its sides begins without
-    force; in the broken variant with that of all of its depth."""
-    for name, text in (("wedge", WEDGE), ("angle", ANGLE)):
-        (tmp_path / f"{name}.geo").write_text(text)
-    wedge = Body(tmp_path / "wedge.geo", 510.0, name="wedge", parameters={"side": 0.4119935794185126}, friction=0.0,
-                 position=(0.0, 0.07331236999726828, 2.9012870108162248), velocity=(0.5613436482272174, 0.0, 0.0),
-                 rotation=(-2.13776035232065, -0.03737255129589478, 1.1108587227241173, 110.99700768305132),
-                 spin=(-0.7258823736273858, 1.220882353762482, -0.2878744772998454))
-    angle = Body(tmp_path / "angle.geo", 719.0, name="angle", parameters={"side": 0.34714714847898775}, friction=0.0,
-                 position=(0.75, -0.07781049440439708, 3.0012538103337967), velocity=(-1.0754972672789722, 0.0, 0.0),
-                 rotation=(0.6181252152801249, 1.1860229612831674, -0.6153347881509634, 139.357704102392),
-                 spin=(1.4765713015465716, -2.3899833745231294, -1.2529315260815572))
-    described = scene([wedge, angle], 120, 1e-3, gravity=(0.0, 0.0, 0.0))
-    begin, kept = body_to_body.begin, []
-
-    def unbounded(*given):
-        begun = begin(*given)
-        return replace(begun, rest=np.where(begun.touching, begun.rest, -begun.places.depth),
-                       overlap=np.full(len(begun), np.inf))
-
-    for law in (begin, unbounded):
-        monkeypatch.setattr(body_to_body, "begin", law)
-        simulation, records = run(described)
-        assert any(record.pairs[0].force.any() for record in records)
-        kept.append(kinetic(simulation, simulation.state.bodies) / kinetic(simulation, simulation.initial_bodies))
-    assert kept[0] == pytest.approx(1.0, abs=0.03) and kept[1] > 3.0
