@@ -18,7 +18,7 @@ class FastRotation(Monitor):
 
     def __init__(self, model, state):
         super().__init__(model, state)
-        self._turned = {}       # {number of a body: angle [rad], inf of one that has begun so}
+        self._turned, self._from_start = {}, []     # {number of a body: angle [rad]}; numbers of those that began so
 
     def warnings(self, view):
         """Body, angle a step, limit and remedy."""
@@ -29,8 +29,10 @@ class FastRotation(Monitor):
             angle = view.report.dt * float(np.linalg.norm(motion.spin))
             if angle <= limit or self.given(number) or not tumbles(motion.spin, body) or _led(view.model, number):
                 continue
-            self._turned[number] = self._turned.get(number, np.inf if view.state.step == 1 else 0.0) + angle
-            if FAR < self._turned[number] < np.inf:
+            if view.state.step == 1:
+                self._from_start.append(number)
+            self._turned[number] = self._turned.get(number, 0.0) + angle
+            if number not in self._from_start and self._turned[number] > FAR:
                 yield number, (f"{body.name} tumbles, by {angle:.3g} rad a step at t = {view.state.time:.4g} s, limit "
                                f"{limit:g} rad for {kind}: its attitude is wrong by 0.05 rad or more by now, and the "
                                "energy of bodies that are joined to it goes up and down. Use a smaller time.step, or "

@@ -1,5 +1,6 @@
 """The monitor of bodies that an impact has set spinning."""
 
+from ast import literal_eval
 from types import SimpleNamespace
 
 import numpy as np
@@ -13,9 +14,9 @@ GUIDE = SimpleNamespace(name="guide", free=np.zeros(6, bool), mass=PLATE.mass)
 ASKEW = np.array([0.6, 0.0, 0.8])
 
 
-def notes(spins, dt=0.01, joints=(), error=None, inertia=True):
+def notes(spins, dt=0.01, joints=(), error=None, inertia=True, monitor=None):
     """Of steps of `dt` [s] with these spins (3,) [rad/s] of the plate, beside a guide."""
-    monitor, found = FastRotation(None, None), []
+    monitor, found = monitor or FastRotation(None, None), []
     still = SimpleNamespace(spin=np.zeros(3))
     model = SimpleNamespace(bodies=(PLATE, GUIDE), joints=[SimpleNamespace(bodies=pair) for pair in joints])
     for step, spin in enumerate(spins, 1):
@@ -42,3 +43,11 @@ def test_a_body_that_tumbles_after_an_impact_is_told_once():
 def test_others_are_not(spins, more):
     """Slower; about an axis of inertia; from the start, which `check` tells; on a hinge; with time.accuracy."""
     assert notes(spins, **more) == []
+
+
+def test_what_it_remembers_can_be_read_again():
+    """A number that is not finite cannot, and all monitors of a resumed run would begin afresh."""
+    monitor = FastRotation(None, None)
+    notes(STRUCK[1:], monitor=monitor)
+    memory = monitor.memory()
+    assert memory["_from_start"] == [0] and literal_eval(repr(memory)) == memory
