@@ -119,33 +119,42 @@ class MovingGrid:
             return model, state, False
         if not self._keep:
             self._refuse_return(body.name, state, before, layouts)
-        grid = block = self.grid(layouts)
-        shared = model.soil.grid.nodes is not None
-        here = Population(state.points, model.soil.constants, model.soil.law.rows)
+        grid = self.grid(layouts)
+        here, contacts, made, behind = self._soil_of(layouts, grid, model, state)
+        block, here, contacts = self._refined(grid, model, here, contacts, behind)
+        ground = Ground(_array(layouts, "fine"), _array(layouts, "window"), made, here.constants, here.rows, behind)
+        new = _with_ground(model, block, ground)
+        gone = sum(soil_energies(model, state.points).values()) - sum(soil_energies(new, here.points).values())
+        work = {**state.work, "left": state.work.get("left", 0.0) + gone}
+        return new, replace(state, points=here.points, contacts=contacts, work=work, ground=ground), True
+
+    def _soil_of(self, layouts, grid, model, state):
+        """(Population in the window of a whole `grid`, ContactHistory by its numbers, blocks made by now, Population left
+        behind or None)."""
+        here, shared = Population(state.points, model.soil.constants, model.soil.law.rows), _is_shared(model)
         here, origin, behind = self._inside_window(layouts, here, state.ground.behind)
         here, made = self._fill_new_blocks(layouts, grid, here, state.ground.made, shared)
         contacts = [_renumbered(contact, origin, len(state.points)) for contact in state.contacts]
-        refinement = self._refinement(model.soil)
         if shared:
             here = processes.numbered(here, np.arange(len(here)) >= len(origin), behind)
-            here, contacts = processes.moved(model.soil.grid.owner(refinement.family(here)), here, contacts)
-        free = _without_contact(contacts, len(here))
+            owner = model.soil.grid.owner(self._refinement(model.soil).family(here))
+            here, contacts = processes.moved(owner, here, contacts)
+        return here, contacts, made, behind
+
+    def _refined(self, grid, model, here, contacts, behind):
+        """(`grid` or the block of it that this process has, Population `here` with its points split and merged for it,
+        ContactHistory by its numbers)."""
+        free, before = _without_contact(contacts, len(here)), len(here)
         if here.points.inactive is not None:
             free &= ~here.points.inactive
-        before = len(here)
         with comm.alone():      # each process splits and merges its own points, as often as they need it
-            here, former = refinement.adapt(here, grid, model.soil.law, free)
+            here, former = self._refinement(model.soil).adapt(here, grid, model.soil.law, free)
         contacts = [_renumbered(contact, former, before) for contact in contacts]
         here = replace(here, points=replace(here.points, half_width=updated_half(
             model.soil.domain, here.constants.half_width, here.points.deformation, here.points.position, grid.axes)))
-        if shared:
-            block, here, contacts = processes.on_new_grid(grid, processes.numbered(here, former < 0, behind), contacts)
-        ground = Ground(_array(layouts, "fine"), _array(layouts, "window"), made, here.constants, here.rows, behind)
-        new = _with_ground(model, block, ground)
-        work = dict(state.work)
-        gone = sum(soil_energies(model, state.points).values()) - sum(soil_energies(new, here.points).values())
-        work["left"] = work.get("left", 0.0) + gone
-        return new, replace(state, points=here.points, contacts=contacts, work=work, ground=ground), True
+        if _is_shared(model):
+            return processes.on_new_grid(grid, processes.numbered(here, former < 0, behind), contacts)
+        return grid, here, contacts
 
     def points_when_sunk(self, model, state):
         """Number of points in the grid when the body has sunk below the surface of the soil, where its fine cells are
@@ -225,6 +234,11 @@ def _array(layouts, name):
 def _layouts(ground, moving_axes):
     return {axis: AxisLayout(tuple(ground.fine[axis].tolist()), tuple(ground.window[axis].tolist()))
             for axis in moving_axes}
+
+
+def _is_shared(model):
+    """Whether several processes have a block of the grid each."""
+    return model.soil.grid.nodes is not None
 
 
 def _at_standstill(points):
