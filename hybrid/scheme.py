@@ -1,6 +1,6 @@
 """Time integration: one rule for soil nodes, the centre of a body and its rotation in the body frame.
 
-FORMULATION (26), (27):
+FORMULATION (26) to (27b):
 
     a_{n+1} = (Δu - Δt v_n)/(βΔt²) - (1/(2β) - 1) a_n           v_{n+1} = v_n + Δt [(1-γ) a_n + γ a_{n+1}]
     (1-αf) v̇_{n+1} + αf v̇_n = (1-αm) a_{n+1} + αm a_n
@@ -21,8 +21,14 @@ Equilibrium holds with v̇ at the end of the step for every scheme, so forces ar
 | energy_momentum   | 0, 0                      | 1/2, 1/4, Cayley rotations  | 2             | kept             |
 
 Only generalised alpha carries a besides v̇. Where it is not known yet, at the start or after a stage with another
-scheme, a = v̇. The error of that is O(Δt); it changes v once by O(Δt²), so the scheme stays of second order. The same
-holds for a change of Δt. `hybrid.body.motion` describes rotations with energy-momentum.
+scheme, a = v̇. The error of that is O(Δt); it changes v once by O(Δt²), so the scheme stays of second order.
+
+What generalised alpha takes from the forces is p, by the trapezoidal rule, and v follows over the next increments (27b):
+
+    p = v + (½ - αf) Δt (a - v̇)                 p_{n+1} - p_n = Δt (v̇_n + v̇_{n+1})/2
+
+So where Δt changes, a - v̇ changes in inverse proportion (`following`): p stays, and no impulse counts for more or less
+than it is. The change of v is O(Δt²) here too. `hybrid.body.motion` describes rotations with energy-momentum.
 
 The default of scenes is generalised alpha with ρ∞ = 0: the only one of these that is of second order and never lets
 contact throw a body back faster than it came, however short the contact (DESIGN.md).
@@ -126,6 +132,10 @@ class Scheme:
             return gain, new, None
         mean = (1 - self.alpha_m) * new + self.alpha_m * old
         return gain, (mean - self.alpha_f * second) / (1 - self.alpha_f), new
+
+    def following(self, second, algorithmic, ratio):
+        """a_n for an increment `ratio` times the one that led to v̇_n and a_n, with the same p."""
+        return second + (algorithmic - second) / ratio
 
     def __str__(self):
         if not self.inertia:

@@ -226,6 +226,7 @@ class State:
     ground    Ground, None where the grid does not move
     joints    JointState, None without joints
     pairs     PairHistory of each pair of bodies that may touch one another
+    increment [s] of the increment that led to it, 0 before the first one; `algorithmic` goes with it
     """
 
     time: float
@@ -237,3 +238,4 @@ class State:
     ground: Ground | None = None
     joints: JointState | None = None
     pairs: list[PairHistory] = field(default_factory=list)
+    increment: float = 0.0

@@ -126,7 +126,7 @@ class SideStep:
     start: (m, 3) [m] in the frame of body b; touching: (m,) bool at the start; anchor: (m, 3) [m] of the history, else
     where the place is predicted to touch first; rest: (m,) [m] gap without force; stiffness: (m,) [N/m]; overlap: (m,) [m]
     at the start, of places on faces that do not touch the largest one of those that do; sticking: (m,) bool as in
-    ContactPoints, None for none
+    ContactPoints, None for none; closes: whether one that does not touch is predicted to
     """
 
     side: Side
@@ -140,6 +140,7 @@ class SideStep:
     law: soil_to_body.Coulomb
     collapsed: np.ndarray
     sticking: np.ndarray | None = None
+    closes: bool = False
 
     def __len__(self):
         return len(self.start)
@@ -212,11 +213,23 @@ def begin(side, poses, predicted, reach, history, stiffness, law, collapsed):
     order = np.argsort(number)
     at = order[np.searchsorted(number[order], places.number[touching])]
     anchor[touching], rest[touching] = known[at], np.minimum(rests[at], rest[touching])
+    closes = False
     if m:
         path = _path(poses[side.a], poses[side.b], predicted[side.a], predicted[side.b], collapsed)
-        _first_contact(places.point, places.normal, side.beyond_of(places), places.depth, touching, path,
+        closes = _first_contact(places.point, places.normal, side.beyond_of(places), places.depth, touching, path,
                        side.surface.radius, side.surface.tree, anchor, rest, overlap)
-    return SideStep(side, places, start, touching, anchor, rest, stiffness * places.area, overlap, law, collapsed)
+    return SideStep(side, places, start, touching, anchor, rest, stiffness * places.area, overlap, law, collapsed,
+                    closes=closes)
+
+
+def mean_normal_speed(begun, rates, poses):
+    """Mean speed [m/s] with which places of both SideStep that touch approach the other body, 0 where none does, and the
+    sum of their stiffness [N/m]. rates: {number of a body: (velocity, spin)} in space, or their derivatives in time."""
+    pressing = [one.touching & (one.overlap > 0.0) for one in begun]
+    springs = np.concatenate([one.stiffness[own] for one, own in zip(begun, pressing)])
+    speeds = np.concatenate([_normal_speeds(one, rates[one.side.a], rates[one.side.b], poses)[own]
+                             for one, own in zip(begun, pressing)])
+    return (float(speeds @ springs / springs.sum()) if len(springs) else 0.0), float(springs.sum())
 
 
 def closing_speed(begun, rates_a, rates_b, poses, dt):
@@ -224,12 +237,17 @@ def closing_speed(begun, rates_a, rates_b, poses, dt):
     (velocity, spin) in space of both bodies."""
     if not len(begun.start):
         return 0.0
+    speed = _normal_speeds(begun, rates_a, rates_b, poses)
+    return float(np.max(speed[speed * 2.0 * dt > begun.places.clearance], initial=0.0))
+
+
+def _normal_speeds(begun, rates_a, rates_b, poses):
+    """(m,) [m/s] of the places of a SideStep along their normals, relative to the other body."""
     (c_a, R_a), (c_b, _) = poses[begun.side.a], poses[begun.side.b]
     arm_a = begun.places.point @ R_a.T
     arm_b = arm_a + np.where(begun.collapsed, 0.0, c_a - c_b)
     moving = rates_a[0] + np.cross(rates_a[1], arm_a) - rates_b[0] - np.cross(rates_b[1], arm_b)
-    speed = np.einsum("mi,mi->m", moving, begun.places.normal @ R_a.T)
-    return float(np.max(speed[speed * 2.0 * dt > begun.places.clearance], initial=0.0))
+    return np.einsum("mi,mi->m", moving, begun.places.normal @ R_a.T)
 
 
 def _path(start_a, start_b, end_a, end_b, collapsed):
@@ -266,8 +284,8 @@ def _first_contact(point, normal, beyond, depth, touching, path, radius, tree, a
     """Replace the `anchor` (m, 3) of places that do not touch by the place where they are predicted to touch first, or to
     be at the end; and lower the `rest` (m,) of those that are deep in the body when they do, because they looked away until
     then, or came in by a side at which they do not look: to that of the deepest of those that touch. Fill `overlap` (m,) as
-    in SideStep."""
-    deepest = 0.0
+    in SideStep. Returns whether any is predicted to touch."""
+    deepest, closes = 0.0, False
     for n in range(len(point)):
         if touching[n]:
             overlap[n] = max(rest[n] - _gap(path, point, normal, beyond, n, 0.0, tree), 0.0)
@@ -286,11 +304,13 @@ def _first_contact(point, normal, beyond, depth, touching, path, radius, tree, a
                     after = middle
                 else:
                     before = middle
+            closes = True
             y, gap = _at(path, point, n, after), _gap(path, point, normal, beyond, n, after, tree)
             if gap < -depth[n] - 2.0 * _length(path, point, n) / 2**HALVINGS:     # by more than what bisection leaves
                 rest[n] = min(rest[n], gap + overlap[n])
         for i in range(3):
             anchor[n, i] = y[i]
+    return closes
 
 
 @njit(cache=True)

@@ -1,10 +1,10 @@
-"""Energy that bodies lose when they hit one another, in steps too long for their contact.
+"""Energy that bodies lose when they hit one another, in increments too long for their contact.
 
-A cradle of three steel balls, whose contacts last 1 ms, loses 54 % of its energy in two impacts with steps of 2 ms, 32 %
-with 0.5 ms, 33 % with time.accuracy = 1e-3 and 0.3 % with 1e-4. No single loses enough to be reported by `EnergyBalance`,
-and the scheme hands an impulse on over some steps, so the loss is summed while bodies are near one another, and judged
-when nothing has happened for a few steps. Wedges and angles that tumble into one another have gained up to 32 % in steps as
-long as their contact, and nothing in a quarter of that.
+Increments resolve an impact between bodies (`hybrid.step.pair_terms`), but not light touches, nor one with a third body that is
+held by the ground. Unresolved, a cradle of three steel balls loses 54 % of its energy in two impacts with steps of twice
+their contact, and wedges that tumble into one another gain up to 32 %. No single one may lose enough to be reported
+by `EnergyBalance`, and the scheme hands an impulse on over some steps, so the loss is summed while bodies are near one
+another, and judged when nothing has happened for a few steps.
 
 Where all bodies are free and none touches the soil, the energy is that of the motion relative to their common centre of
 mass: the rest takes no part in an impact.
@@ -16,7 +16,7 @@ from hybrid.monitors.absorbed_impact import motion_energy
 from hybrid.monitors.monitor import Monitor
 from hybrid.runtime.comm import anywhere
 
-LOST = 0.12         # of the kinetic energy of all bodies; ten steps in the contact time lose 4 % (demos/failure/README.md)
+LOST = 0.12         # of the kinetic energy of all bodies; ten increments in the contact time lose 4 %
 ON_SOIL = 0.3       # of soil that deforms, which takes some of it without increments being too long
 QUIET = 5           # steps without a force between bodies
 STEADY = 0.01       # of the kinetic energy: change of the balance in one of them, of an impulse that has been given

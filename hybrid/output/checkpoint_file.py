@@ -26,8 +26,8 @@ from hybrid.state import (
     State,
 )
 
-FORMAT = 5
-IN_PARTS = 6        # of a first file that lists the parts (`hybrid.output.checkpoint_parts`), and of these
+FORMAT = 7
+IN_PARTS = 8        # of a first file that lists the parts (`hybrid.output.checkpoint_parts`), and of these
 NESTED = {"points": Points, "constants": PointConstants, "behind": Population}  # fields that are dataclasses themselves
 # By which a checkpoint may be larger than the last, where contact begins or points are split, and than that of the start,
 # which has no history yet: 2.2 for a box that slides; and bytes.
@@ -110,7 +110,8 @@ def opened(path):
 
 def flattened(state):
     """{name: array or number} of a State."""
-    arrays = {"state/time": state.time, "state/step": state.step, **_fields(state.points, "points")}
+    arrays = {"state/time": state.time, "state/step": state.step, "state/increment": state.increment,
+              **_fields(state.points, "points")}
     if state.ground is not None:
         arrays.update(_fields(state.ground, "ground"))
     if state.joints is not None:
@@ -135,6 +136,7 @@ def restored(arrays):
         ground=_restored(Ground, arrays, "ground") if below(arrays, "ground/") else None,
         joints=_restored(JointState, arrays, "joints") if below(arrays, "joints/") else None,
         pairs=_restored_list(PairHistory, arrays, "pairs"),
+        increment=float(arrays["state/increment"]),
     )
 
 

@@ -177,21 +177,21 @@ def _pairs(scene, model):
     for pair in model.pairs[:PAIRS]:
         one, other = (names[b] for b in pair.numbers)
         rows.append(f"{one} and {other}: friction {pair.law.mu:g}, an overlap of up to {pair.overlap:.3g} m under "
-                    f"{pair.load:.4g} N{_contact_time(scene, model, pair)}")
+                    f"{pair.load:.4g} N{_contact_time(model, pair)}")
     rows += [f"and {len(model.pairs) - PAIRS} more"] if len(model.pairs) > PAIRS else []
     joined = sorted({" and ".join(joint.bodies) for joint in scene.joints if len(joint.bodies) == 2})
     return rows + ([f"none between {', '.join(joined)}: joined"] if joined else [])
 
 
-def _contact_time(scene, model, pair):
-    """How long two bodies touch when they hit one another, beside the step; nothing about bodies that do not move by
-    themselves."""
+def _contact_time(model, pair):
+    """How long two bodies touch when they hit one another, which sets the increments; nothing about bodies that do not move
+    by themselves."""
     moving = [model.bodies[b].mass.mass for b in pair.numbers if model.bodies[b].free[:3].any()]
     if not (model.scheme.inertia and moving):
         return ""
     slow, impact = pair.contact_times(1.0 / sum(1.0 / mass for mass in moving))
     return (f"; a slow touch takes {slow:.2g} s and an impact at v m/s {impact:.2g}/v s if that is less, "
-            f"time.step = {scene.time.step:g} s")
+            "increments in it a twentieth of that")
 
 
 def _symmetry(model):

@@ -242,7 +242,7 @@ class Step:
             work = work_after(self, evaluation, points, bodies, lost)
         time, number = (state.time + self.dt, state.step) if end is None else (end, state.step + 1)
         pairs = evaluation.pairs.histories() if evaluation.pairs else []
-        return State(time, number, points, bodies, contacts, work, state.ground, joints, pairs)
+        return State(time, number, points, bodies, contacts, work, state.ground, joints, pairs, self.dt)
 
 
 def begin(model, state, dt, pulling, workspace):
@@ -250,7 +250,7 @@ def begin(model, state, dt, pulling, workspace):
 
     Raises StepError when a point has left the grid, or is detached and the run is to stop for it.
     """
-    state = joint_rates.engage_guides(model, state, dt)
+    state = joint_rates.engage_guides(model, _for_increment(model.scheme, state, dt), dt)
     soil, grid, points = None, model.soil.grid, state.points
     active, small_support = np.ones(grid.node_count, bool), None
     with phase("transfer"):
@@ -264,6 +264,23 @@ def begin(model, state, dt, pulling, workspace):
         bodies = body_terms.begin_bodies(model, state, dt, pulling, domains, active, nodal)
     joints, pairs = joint_terms.begin_joints(model, state, dt), pair_terms.begin_pairs(model, state, bodies, dt)
     return Step(model, state, dt, soil, pattern, system, workspace.systems.carried, bodies, joints=joints, pairs=pairs)
+
+
+def _for_increment(scheme, state, dt):
+    """`state` with the algorithmic accelerations that keep what impulses have yet to give in an increment of `dt` [s]."""
+    ratio = dt / state.increment if state.increment else 1.0
+    if ratio == 1.0 or not scheme.auxiliary:
+        return state
+    points = state.points
+    if points.algorithmic is not None:
+        affine = points.affine
+        if affine is not None:
+            affine = np.concatenate([affine[:, :2], scheme.following(affine[:, 1:2], affine[:, 2:], ratio)], axis=1)
+        points = replace(points, affine=affine,
+                         algorithmic=scheme.following(points.acceleration, points.algorithmic, ratio))
+    bodies = [body if body.algorithmic is None else replace(body, algorithmic=scheme.following(
+        np.concatenate([body.acceleration, body.spin_rate]), body.algorithmic, ratio)) for body in state.bodies]
+    return replace(state, points=points, bodies=bodies)
 
 
 def _predicted(model, soil, dt):

@@ -23,9 +23,10 @@ from hybrid.step.error_estimate import even, following, local_error, shorter
 from hybrid.step.support import ROUND_OFF, Support
 
 EASY = 6            # Newton iterations up to which the next increment may be twice as long
+# Of an increment that resolves an impact: how much longer one may be, and below which share of it the step fails
+ABOVE, FAILED = 1.25, 1 / 64
+JOLT = 0.02         # share of a body's speed: half of an impulse after which increments do not grow at once
 SHORT = 1 / 8       # share of an outer step up to which an increment is short (`hybrid.step.newton.BETWEEN`)
-# Share of the speed of a body, its rotation included: velocity to come from an impulse above which increments do not grow
-PENDING = 0.02
 
 
 def outer_step(model, workspace, state, length, pulling, control):
@@ -41,8 +42,13 @@ def outer_step(model, workspace, state, length, pulling, control):
         step = outcome = None   # frees the last increment before the next one is begun
         model, state = processes.settle(model, state, workspace)
         step = begin(model, state, dt, pulling, workspace)
+        if control.too_long(dt, step.pairs.longest if step.pairs else np.inf):
+            continue
         step = support.under(step) if support else step
         outcome = newton.solve(step, dt <= SHORT * length, control.backtrack and model.soil.law.plastic)
+        if outcome.converged and step.pairs and control.too_long(dt, step.pairs.unforeseen(outcome.evaluation.pairs)):
+            report.count(outcome, False)
+            continue
         accepted, error = control.judge(step, outcome)
         report.count(outcome, accepted)
         if not accepted and not support and state.time == start.time:
@@ -57,25 +63,31 @@ def outer_step(model, workspace, state, length, pulling, control):
     return state, report
 
 
-def impulse_pending(step, evaluation):
-    """Whether an impulse has yet to give a body a part of its velocity at the end of the increment of an Evaluation.
+def jolted(step, evaluation):
+    """Whether forces other than weight change the speed of a body at the end of the increment of an Evaluation, and have
+    begun to so late that generalised alpha does not show it yet.
 
-    Generalised alpha gives it over the next increments, by the acceleration that the body had in the increment of the
-    impact times their own length: a longer one would give more than the impulse.
+    By the trapezoidal rule (FORMULATION (27b)) they count with half the length of the next increment: if they end in it, a
+    longer one would give more than the impulse.
     """
     if not (step.bodies and step.model.scheme.auxiliary):
         return False
-    fall = np.linalg.norm(step.model.gravity) * step.dt
+    gravity = np.concatenate([step.model.gravity, np.zeros(3)])
     for terms in evaluation.bodies:
-        new, radius = terms.accept(), terms.step.body.radius
+        new, weights = terms.accept(), np.repeat([1.0, terms.step.body.radius], 3)
         if new.algorithmic is None:
             continue
-        left = (np.linalg.norm(new.algorithmic[:3] - new.acceleration)
-                + radius * np.linalg.norm(new.algorithmic[3:] - new.spin_rate))
-        speed = np.linalg.norm(new.velocity) + radius * np.linalg.norm(new.spin)
-        if 0.5 * step.dt * left > PENDING * (speed + fall):
+        now = np.concatenate([new.acceleration, new.spin_rate])
+        change = min(_size(weights * (new.algorithmic - now)), _size(weights * (now - gravity)))
+        speed = _size(weights * np.concatenate([new.velocity, new.spin])) + step.dt * np.linalg.norm(gravity)
+        if 0.5 * step.dt * change > JOLT * speed:
             return True
     return False
+
+
+def _size(motion):
+    """Sum of the sizes of both parts of a (6,) motion."""
+    return np.linalg.norm(motion[:3]) + np.linalg.norm(motion[3:])
 
 
 @dataclass
@@ -93,11 +105,25 @@ class Control:
     accuracy: float | None = None
     backtrack: bool = False
     _length: float = 0.0        # [s] of the outer step
+    _finest: float = 0.0        # [s] increment below which it fails, `smallest` or what an impact needs
+    _impact: float = np.inf     # [s] increment that resolves the impacts of this one
     _rejected: bool = False     # the last trial
+
+    def __post_init__(self):
+        self._finest = self.smallest
 
     def begin(self, length):
         """Start an outer step of `length` [s]."""
-        self.dt, self._length = min(self.dt, length), length
+        self.dt, self._length, self._finest = min(self.dt, length), length, self.smallest
+
+    def too_long(self, dt, impact):
+        """Whether an increment of `dt` [s] does not resolve an impact that one of up to `impact` [s] would, which is tried
+        next then: it may be shorter than `smallest`."""
+        self._impact = impact
+        if dt <= ABOVE * impact:
+            return False
+        self.dt, self._finest = impact, min(self._finest, FAILED * impact)
+        return True
 
     def increment(self, remaining):
         """Increment [s] to try with `remaining` [s] of the outer step left."""
@@ -112,23 +138,23 @@ class Control:
         self.backtrack = outcome.converged and outcome.backtracked
         if not outcome.converged:
             self._reject(step.dt / 2)
-            if self.dt < self.smallest:
-                raise StepError(failure_message.not_converged(step, outcome, self.smallest))
+            if self.dt < self._finest:
+                raise StepError(failure_message.not_converged(step, outcome, self._finest))
             return False, None
-        easy = outcome.iterations <= EASY and not impulse_pending(step, outcome.evaluation)
+        easy = outcome.iterations <= EASY and not jolted(step, outcome.evaluation)
         if not self.accuracy:
-            self._accept(min(2 * self.dt, self._length) if easy else self.dt)
+            self._accept(min(2 * self.dt, self._length, self._impact) if easy else self.dt)
             return True, None
         error = local_error(step, outcome.evaluation)
         allowed = self.accuracy * step.dt / self._length
         ratio = error.length / allowed
         if ratio > 1:
-            if step.dt <= self.smallest * (1 + ROUND_OFF):
-                raise StepError(failure_message.not_accurate(step, error, allowed, self.accuracy, self.smallest))
-            self._reject(max(shorter(step.dt, ratio), self.smallest))
+            if step.dt <= self._finest * (1 + ROUND_OFF):
+                raise StepError(failure_message.not_accurate(step, error, allowed, self.accuracy, self._finest))
+            self._reject(max(shorter(step.dt, ratio), self._finest))
             return False, error
         dt = following(step.dt, ratio, easy and not self._rejected)
-        self._accept(min(max(dt, self.smallest), self._length))
+        self._accept(min(max(dt, self._finest), self._length, self._impact))
         return True, error
 
     def _accept(self, dt):

@@ -24,6 +24,8 @@ IMPACT = 5e-3   # of the size of the smaller body: overlap by an impact
 # Share of the size of the smaller body: reach beyond twice the predicted path, with and without inertia
 MARGIN = {True: 0.02, False: 0.1}
 STRIDE = 0.5    # of the same: longest predicted path of bodies that may meet in an increment
+LIGHT = 2.0     # times the speed that overlaps bodies by as much as the load does: of a touch that is no impact
+RESOLVED = 1 / 20   # of the time that an impact lasts, in an increment
 PASSED = 0.01   # of the same: depth of places on their way that counts as having passed through
 
 
@@ -59,6 +61,15 @@ class BodyPair:
         with the overlap."""
         return float(np.pi * np.sqrt(mass * self.overlap / self.load)), 3.0 * IMPACT * self.size
 
+    def impact_of(self, speed, change, factor, mass, springs):
+        """Increment [s] that resolves an impact in which bodies with an effective `mass` [kg] approach or part at a `speed`
+        [m/s] that changes by `change` [m/s²], with a `factor` on the stiffness and `springs` [N/m] that press: inf for a
+        light touch."""
+        slow, way = self.contact_times(mass)
+        lasts = min(slow / np.sqrt(factor), np.pi * np.sqrt(mass / springs) if springs else np.inf)
+        speed = np.hypot(speed, change * lasts / np.pi)
+        return RESOLVED * min(lasts, way / speed) if speed > LIGHT * np.pi * self.overlap / slow else np.inf
+
     def path(self, poses, others):
         """Upper bound [m] of the way of any place relative to the other body from `poses` to `others`."""
         (a, b), ways = self.numbers, []
@@ -71,13 +82,14 @@ class BodyPair:
 @dataclass(frozen=True)
 class PairStep:
     """A pair near enough to touch, frozen during an increment: index in the model; sides; factor f; reach [m] of the
-    search."""
+    search; longest: [s] increment that resolves an impact which goes on, or may begin, inf where there is none."""
 
     index: int
     pair: BodyPair
     sides: tuple[SideStep, SideStep]
     factor: float
     reach: float
+    longest: float = np.inf
 
 
 @dataclass(frozen=True)
@@ -91,6 +103,17 @@ class PairsStep:
     near: tuple[PairStep, ...]
     columns: np.ndarray
     too_long: str = ""
+
+    @property
+    def longest(self):
+        """[s] increment that resolves the impacts of all pairs that go on, or are predicted to begin."""
+        return min((one.longest for one in self.near if any(side.closes or side.touching.any() for side in one.sides)),
+                   default=np.inf)
+
+    def unforeseen(self, terms):
+        """The same of those in PairTerms that were not predicted."""
+        return min((one.longest for one, sides in zip(self.near, terms.contacts) if any(len(side.active) for side in sides)),
+                   default=np.inf)
 
     def evaluate(self, poses):
         """PairTerms at trial poses of all bodies."""
@@ -207,14 +230,20 @@ def _begin_pair(index, pair, history, bodies, poses, predicted, reach, dt):
                                         pair.law,
                                         pair.collapsed) for i, side in enumerate(pair.sides))
 
-    factor = float(history.factor[0])
-    if not len(history.number_0) and not len(history.number_1):
-        factor = 1.0
-        rates = {b: (bodies[b].state.velocity, bodies[b].state.rotation @ bodies[b].state.spin) for b in pair.numbers}
-        begun = both(1.0)
+    factor, states = float(history.factor[0]), {b: bodies[b].state for b in pair.numbers}
+    rates = {b: (state.velocity, state.rotation @ state.spin) for b, state in states.items()}
+    if len(history.number_0) or len(history.number_1):
+        begun = both(factor)
+        changes = {b: (state.acceleration, state.rotation @ state.spin_rate) for b, state in states.items()}
+        (speed, springs), (change, _) = (body_to_body.mean_normal_speed(begun, of, poses) for of in (rates, changes))
+    else:
+        factor, begun, change, springs = 1.0, both(1.0), 0.0, 0.0
         speed = max(body_to_body.closing_speed(one, rates[one.side.a], rates[one.side.b], poses, dt) for one in begun)
-        if not bodies[0].scheme.inertia or pair.impact * speed**2 <= pair.stiffness:
-            return PairStep(index, pair, begun, factor, reach)
-        factor = pair.impact * speed**2 / pair.stiffness
-        return PairStep(index, pair, tuple(replace(one, stiffness=factor * one.stiffness) for one in begun), factor, reach)
-    return PairStep(index, pair, both(factor), factor, reach)
+        if bodies[0].scheme.inertia and pair.impact * speed**2 > pair.stiffness:
+            factor = pair.impact * speed**2 / pair.stiffness
+            begun = tuple(replace(one, stiffness=factor * one.stiffness) for one in begun)
+    moving = [body.mass.mass for body in (bodies[b].body for b in pair.numbers) if body.free[:3].any()]
+    if not (moving and bodies[0].scheme.inertia):
+        return PairStep(index, pair, begun, factor, reach)
+    return PairStep(index, pair, begun, factor, reach,
+                    pair.impact_of(speed, change, factor, 1.0 / sum(1.0 / mass for mass in moving), springs))

@@ -15,6 +15,7 @@ from hybrid.scene import Contact, Joint, Time
 from hybrid.scene.file import load_scene, validate
 from hybrid.setup import body_contact
 from hybrid.setup.build import build
+from hybrid.step import pair_terms
 from hybrid.study.scenes import NO_OUTPUT, box, collapsed, sphere
 
 ROOT = Path(__file__).parents[2]
@@ -52,11 +53,10 @@ def struck(friction, step, offset=0.1):
     return run(scene([first, second], int(0.25 / step), step, gravity=(0.0, 0.0, 0.0)))
 
 
-def impulse_between(simulation, records):
+def impulse_between(simulation, offset=0.1):
     """(normal impulse, impulse across it) [N s] of the first sphere on the second one; the normal is that of the centres
-    while they touch."""
-    normal = sum(np.linalg.norm(r.pairs[0].force) * (r.bodies[1].position - r.bodies[0].position) for r in records)
-    normal /= np.linalg.norm(normal)
+    when they meet."""
+    normal = np.array([np.sqrt(0.25 - offset**2), offset, 0.0]) / 0.5
     change = simulation.masses[1].mass * simulation.state.bodies[1].velocity
     return change @ normal, float(np.linalg.norm(change - change @ normal * normal))
 
@@ -64,18 +64,18 @@ def impulse_between(simulation, records):
 @pytest.mark.parametrize("friction", [0.0, 0.02])
 @pytest.mark.parametrize("step", [0.01, 0.001])
 def test_spheres_that_collide_keep_momentum_and_gain_no_energy(friction, step):
-    """Momentum is kept to round-off, angular momentum to the error of the scheme. The normal impulse is that of an
+    """Momentum is kept to the tolerance, angular momentum to the error of the scheme. The normal impulse is that of an
     elastic impact, or less by what the scheme damps; friction that slips gives both spheres the spin of μ times it: ω = μ
     P r/J."""
     simulation, records = struck(friction, step)
     before, after = (momentum(simulation, states) for states in (simulation.initial_bodies, simulation.state.bodies))
     mass, inertia = simulation.masses[0].mass, simulation.masses[0].inertia[0, 0]
-    np.testing.assert_allclose(after[0], before[0], atol=1e-11 * mass)
+    np.testing.assert_allclose(after[0], before[0], atol=1e-9 * mass)
     np.testing.assert_allclose(after[1], before[1], atol=2e-3 * mass * 0.1)
     assert kinetic(simulation, simulation.state.bodies) <= 0.5 * mass and records[-1].energies["error"] <= 0.0
-    impulse, across = impulse_between(simulation, records)
+    impulse, across = impulse_between(simulation)
     elastic = mass * np.sqrt(0.25 - 0.1**2) / 0.5
-    assert 0.85 * elastic < impulse < elastic * 1.01
+    assert 0.98 * elastic < impulse < elastic * 1.005
     assert across == pytest.approx(friction * impulse, rel=0.03, abs=1e-3 * impulse)
     for state in simulation.state.bodies:
         assert np.linalg.norm(state.spin) == pytest.approx(friction * impulse * 0.25 / inertia, rel=0.05, abs=0.01)
@@ -86,7 +86,7 @@ def test_friction_that_sticks_stops_the_sliding_of_spheres_that_collide():
     """Without tangential rebound the impulse across is m v_t/7, v_t = 0.2 m/s the velocity across, and twice that with
     all of it."""
     simulation, records = struck(0.5, 0.001)
-    _, across = impulse_between(simulation, records)
+    _, across = impulse_between(simulation)
     assert 0.98 < across / (simulation.masses[0].mass * 0.2 / 7) < 2.0
 
 
@@ -260,12 +260,12 @@ def test_a_stack_that_is_resumed_goes_on_as_in_one_go(tmp_path):
 
 
 def test_boxes_that_tumble_onto_one_another_gain_no_energy():
-    """Corners and edges first: both fall turned by 40 and 30 degrees. After 0.9 s the lower one lies flat on the slab."""
+    """Corners and edges first: both fall turned by 40 and 30 degrees. After 1.8 s the lower one lies flat on the slab."""
     slab = box(3.0, 3.0, 0.5, name="slab", position=(0.0, 0.0, 2.0), held=HELD, friction=0.4)
     low = box(0.5, 0.4, 0.3, name="low", position=(0.0, 0.0, 2.75), rotation=(1.0, 0.4, 0.2, 40.0), friction=0.4)
     high = box(0.6, 0.2, 0.2, name="high", position=(0.05, 0.1, 3.3), rotation=(0.2, 1.0, 0.5, 30.0), friction=0.4,
                spin=(0.0, 0.0, 2.0))
-    simulation, records = run(scene([slab, low, high], 90, 0.01))
+    simulation, records = run(scene([slab, low, high], 180, 0.01))
     assert max(r.energies["error"] for r in records) < 1e-6
     assert max(p.overlap for r in records for p in r.pairs) < 5e-3      # 4.8 mm in steps a 16th as long
     lying = simulation.state.bodies[1]
@@ -352,21 +352,30 @@ def test_joined_bodies_do_not_touch_one_another():
 def test_the_sheet_lists_pairs():
     sheet = build(stack(1)).sheet()["modelled"]["bodies in contact"]
     assert len(sheet) == 6 and sheet[0].startswith("slab and box0: friction 0.5, an overlap of up to")
-    assert "a slow touch takes" in sheet[0] and "time.step = " in sheet[0]
+    assert "a slow touch takes" in sheet[0] and "increments in it" in sheet[0]
 
 
-@pytest.mark.parametrize("share, count", [(2.0, 1), pytest.param(0.05, 0, marks=pytest.mark.slow)])
-def test_a_step_longer_than_the_contact_of_two_balls_is_reported(share, count):
-    """By the contact time of the sheet: two balls of 0.2 m meet with 2 m/s."""
-    balls = [sphere(0.1, 0.04, name=name, position=(x, 0.0, 2.0), velocity=(v, 0.0, 0.0))
-             for name, x, v in (("one", 0.0, 2.0), ("two", 0.23, 0.0))]
-    given = scene(balls, 1, 1.0)
-    _, way = build(given).model.pairs[0].contact_times(1.0)
+@pytest.mark.parametrize("share", [pytest.param(0.05, marks=pytest.mark.slow), 2.0, 40.0])
+def test_a_cradle_keeps_its_energy_in_steps_of_any_length(share, monkeypatch):
+    """By the contact time of the sheet: three balls of 0.2 m, of which the first one meets the others with 2 m/s, and stops.
+    The broken variant: increments that do not resolve an impact, of which a note tells."""
+    balls = [sphere(0.1, 0.04, name=name, position=(x, 0.0, 2.0), velocity=(v, 0.0, 0.0), friction=0.0)
+             for name, x, v in (("one", 0.0, 2.0), ("two", 0.23, 0.0), ("three", 0.46, 0.0))]
+    _, way = build(scene(balls, 1, 1.0)).model.pairs[0].contact_times(1.0)
     step = share * way / 2.0
-    steps = int(np.ceil(0.03 / 2.0 / step)) + 40
-    _, records = run(replace(scene(balls, steps, step), gravity=(0.0, 0.0, 0.0)))
-    found = [note for record in records for note in record.notes if note.startswith("impact of bodies")]
-    assert len(found) == count
+    described = replace(scene(balls, int(np.ceil(0.04 / step)) + 8, step), gravity=(0.0, 0.0, 0.0))
+
+    def notes_and_energy():
+        simulation, records = run(described)
+        found = [note for record in records for note in record.notes if note.startswith("impact of bodies")]
+        return found, kinetic(simulation, simulation.state.bodies) / kinetic(simulation, simulation.initial_bodies)
+
+    found, kept = notes_and_energy()
+    assert found == [] and kept == pytest.approx(0.985, abs=0.006)
+    if share == 2.0:
+        monkeypatch.setattr(pair_terms, "RESOLVED", 1e3)
+        found, kept = notes_and_energy()
+        assert len(found) == 1 and kept < 0.7
 
 
 @pytest.mark.parametrize("upper", [0.4, 0.5])

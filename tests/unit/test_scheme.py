@@ -65,3 +65,26 @@ def test_constant_acceleration_is_exact():
     for scheme in (Scheme(0.3, 0.6), ALPHA, replace(ALPHA, alpha_m=-0.3), CONSERVING):
         gain, second, _ = scheme.advance(0.1 * 2.0 + 0.5 * 0.1**2 * 3.0, 2.0, 3.0, None, 0.1)
         assert (gain, second) == pytest.approx((0.3, 3.0))
+
+
+def driven(scheme, forces, increments, carry):
+    """Velocities that a unit mass has at the start and, after `forces` in increments of any length, when the last impulse
+    has been given; carry: f(v̇, a, ratio of increments) for a."""
+    rate, second, algorithmic, last = 0.3, forces[0], forces[0], None
+    for force, dt in zip([*forces, *100 * [0.0]], [*increments, *100 * [increments[-1]]]):
+        algorithmic = algorithmic if last is None else carry(second, algorithmic, dt / last)
+        increment = (force - scheme.advance(0.0, rate, second, algorithmic, dt)[1]) / scheme.mass_factor(dt)
+        gain, second, algorithmic = scheme.advance(increment, rate, second, algorithmic, dt)
+        rate, last = rate + gain, dt
+    return rate
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.3, 0.8])
+def test_an_impulse_counts_for_what_it_is_in_increments_of_any_length(rho):
+    """The trapezoidal rule for the forces, to round-off. The broken variant: a stays as it is."""
+    rng, scheme = np.random.default_rng(4), Scheme.generalised_alpha(rho)
+    forces, increments = rng.normal(size=12), rng.choice([0.5, 1.0, 2.0], size=12)
+    ends = np.array([forces[0], *forces, 0.0])
+    impulse = 0.5 * np.array([*increments, increments[-1]]) @ (ends[:-1] + ends[1:])
+    assert driven(scheme, forces, increments, scheme.following) == pytest.approx(0.3 + impulse, abs=1e-9)
+    assert abs(driven(scheme, forces, increments, lambda v, a, ratio: a) - 0.3 - impulse) > 0.005
