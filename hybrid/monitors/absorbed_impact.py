@@ -60,15 +60,15 @@ class AbsorbedImpact(Monitor):
         impact = impact and moving < STOPPED * self._falling    # a ball that rolls down clay goes faster and faster
         if impact and not self.given("absorbed"):
             self._sudden = self._at_once > AT_ONCE * lost
-        if impact or self.given("absorbed"):
-            # what has been lifted since falls again
-            fallen = max(self._falling + max(sum(work) - sum(self._work), 0.0), lost)
+        # what has been lifted since falls again
+        fallen = max(self._falling + max(sum(work) - sum(self._work), 0.0), lost)
+        if impact or self.given("absorbed") and lost > ABSORBED * fallen:
             yield "absorbed", (
                 f"impact: {lost:.3g} J of the {fallen:.3g} J of moving bodies are lost without a cause in the balance "
                 f"up to t = {view.state.time:.4g} s ({lost / fallen:.0%}, limit {ABSORBED:.0%}): "
                 f"{self._cause(view)}")
 
-        elif not view.bodies_in_contact:
+        elif not (self.given("absorbed") or view.bodies_in_contact):
             yield from self._flow(view, lost)
 
     def _flow(self, view, lost):

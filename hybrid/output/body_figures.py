@@ -12,17 +12,16 @@ SEEN = 0.05     # of the area of a part: less of it seen against the way counts 
 FELT = 1e-3     # of the largest stress on a part: parts with less are not drawn
 
 
-def resistance(folder, path=None):
+def resistance(folder, initial, path=None):
     """Force of the soil against every driven translation, against the way driven in the last stage; of the whole body
     where half of it is modelled; from history.csv.
 
-    Writes resistance.png in `folder` unless `path` is given, and returns the path; None where no body is driven.
+    initial: {body: (3,) [m] at the start of the run}. Writes resistance.png in `folder` unless `path` is given, and returns the path; None where no body is driven.
     """
     history, path = read_history(folder), Path(path or Path(folder) / "resistance.png")
-    first = max(0, stage_starts(history)[-1] - 1)
-    curves = {}
+    first, curves = stage_starts(history)[-1], {}
     for name in body_names(history):
-        for axis, way in driven_ways(history, name, first):
+        for axis, way in driven_ways(history, name, initial[name]):
             whole = f"{name}_contact_f{axis}_whole_N"
             force = history[whole if whole in history else f"{name}_contact_f{axis}_N"][first:]
             curves[f"{name} along {axis}" + ", whole body" * (whole in history)] = (
@@ -33,7 +32,7 @@ def resistance(folder, path=None):
     with figure(path) as drawing:
         axes = drawing.subplots()
         for (label, (way, force)), colour in zip(curves.items(), COLOURS * len(curves)):
-            axes.plot(way[1:], force[1:] / scale, color=colour, label=label)
+            axes.plot(way, force / scale, color=colour, label=label)
         axes.margins(x=0.02)
         axes.set_xlabel(f"way in stage '{history['stage'][-1]}' [m]")
         axes.set_ylabel(f"resistance of the soil [{unit}]")
@@ -41,25 +40,29 @@ def resistance(folder, path=None):
     return path
 
 
-def driven_ways(history, name, first):
-    """Yields (axis, way (steps,) [m] from step `first` on) of each translation of body `name` that is driven."""
-    for axis in "xyz":
-        way = history[f"{name}_{axis}_m"][first:] - history[f"{name}_{axis}_m"][first]
+def driven_ways(history, name, initial):
+    """Yields (axis, way (steps,) [m] since the last stage began, at its steps) of each translation of body `name` that is
+    driven. initial: (3,) [m] of the body at the start of the run."""
+    first = stage_starts(history)[-1]
+    for axis, start in zip("xyz", initial):
+        position = history[f"{name}_{axis}_m"]
+        way = position[first:] - (position[first - 1] if first else start)
         if f"{name}_drive_{axis}_J" in history and abs(way[-1]) > 0.0:
             yield axis, way
 
 
-def parts(folder, areas, path=None):
+def parts(folder, initial, areas, path=None):
     """Mean stress on every named part of driven bodies against the way driven in the last stage, one panel a part, as the
     tip resistance and the sleeve friction of a cone (of a body driven down against the depth); from history.csv.
 
-    areas: {body: {part: (area [m²], area [m²] seen by what moves along {"x": (down, up), "y": ..., "z": ...})}} of the
+    initial: as of `resistance`; areas: {body: {part: (area [m²], area [m²] seen by what moves along {"x": (down, up), "y": ..., "z": ...})}} of the
     whole. The force along the way is that over the area seen against it, of a part along the way over its own area. Parts
     with less than FELT of the largest stress are left out. Writes parts.png in `folder` unless `path` is given, and
     returns the path; None where no driven body has parts.
     """
     history, path = read_history(folder), Path(path or Path(folder) / "parts.png")
-    curves = [curve for name, own in areas.items() for curve in _part_curves(history, name, own)]
+    curves = [curve for name, own in areas.items()
+              for curve in _part_curves(history, name, initial[name], own)]
     largest = max((np.abs(stress).max() for _, _, _, stress in curves), default=0.0)
     curves = [curve for curve in curves if largest and np.abs(curve[3]).max() > FELT * largest]
     if not curves:
@@ -68,7 +71,7 @@ def parts(folder, areas, path=None):
         for axes, (label, down, way, stress) in zip(drawing.subplots(1, len(curves), squeeze=False)[0], curves):
             scale, unit = force_unit(np.abs(stress).max())
             names = f"way in stage '{history['stage'][-1]}' [m]", f"force over area [{unit.replace('N', 'Pa')}]"
-            values = way[1:], stress[1:] / scale
+            values = way, stress / scale
             axes.plot(*(values[::-1] if down else values))
             axes.set_xlabel(names[down])
             axes.set_ylabel("way down [m]" if down else names[1])
@@ -78,10 +81,11 @@ def parts(folder, areas, path=None):
     return path
 
 
-def _part_curves(history, name, own):
-    """Yields (label, whether driven down, way [m], stress [Pa]) of the parts of body `name`; own: {part: areas}."""
-    first = max(0, stage_starts(history)[-1] - 1)
-    for axis, way in driven_ways(history, name, first):
+def _part_curves(history, name, initial, own):
+    """Yields (label, whether driven down, way [m], stress [Pa]) of the parts of body `name`; initial: (3,) [m] of it; own:
+    {part: areas}."""
+    first = stage_starts(history)[-1]
+    for axis, way in driven_ways(history, name, initial):
         for part, (area, across) in own.items():
             quantity = f"{name}_contact_{part.replace(' ', '_')}_f{axis}"
             force = history[next(c for c in (f"{quantity}_whole_N", f"{quantity}_N") if c in history)][first:]

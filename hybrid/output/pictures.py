@@ -78,8 +78,9 @@ class Pictures:
         figures.trajectory(self.folder)
         if any(np.any(history[f"{name}_tension_N"]) for name in body_names(history)):
             figures.tension(self.folder)
-        body_figures.resistance(self.folder)
-        body_figures.parts(self.folder, _part_areas(simulation))
+        initial = {name: state.position for name, state in zip(simulation.body_names, simulation.initial_bodies)}
+        body_figures.resistance(self.folder, initial)
+        body_figures.parts(self.folder, initial, _part_areas(simulation))
         body_figures.line_in_soil(self.folder, _line_shapes(simulation))
 
     def _collect(self, limit=TIME_LIMIT):

@@ -123,8 +123,23 @@ def test_their_stresses_are_drawn(tmp_path):
     simulation = build(scene)
     simulation.run([History(tmp_path)])
     areas = {"cone": {"tip": (2.0, {axis: (0.8, 0.1) for axis in "xyz"})}}
-    assert body_figures.parts(tmp_path, areas).stat().st_size > 5000
-    assert body_figures.parts(tmp_path, {}) is None
+    initial = {"cone": simulation.initial_bodies[0].position}
+    assert body_figures.parts(tmp_path, initial, areas).stat().st_size > 5000
+    assert body_figures.parts(tmp_path, initial, {}) is None
+
+
+def test_the_way_of_a_figure_begins_where_its_stage_does(tmp_path):
+    """From the start of the run in its first stage, whose first step the history has at its end."""
+    simulation = build(pushed())
+    simulation.run([History(tmp_path)])
+    history, initial = read_history(tmp_path), simulation.initial_bodies[0].position
+    (axis, way), = body_figures.driven_ways(history, "cone", initial)
+    place = "xyz".index(axis)
+    assert way[-1] == simulation.state.bodies[0].position[place] - initial[place] and len(way) == len(history["step"])
+    later = {name: values.copy() for name, values in history.items()}
+    later["stage"][-2:] = "second"
+    (_, way), = body_figures.driven_ways(later, "cone", initial)
+    assert len(way) == 2 and way[-1] == pytest.approx(history[f"cone_{axis}_m"][-1] - history[f"cone_{axis}_m"][-3])
 
 
 def test_parts_of_a_prism_are_those_of_its_slice(tmp_path):
