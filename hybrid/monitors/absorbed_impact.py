@@ -24,6 +24,8 @@ OF_MOTION, TAKEN = 0.05, 0.25   # and of the largest kinetic energy of all: what
 TAKERS = "plastic", "friction", "ghost"
 SMALL = 0.01        # of the energy of a fall from the radius of the bodies: what has less settles on soil or contact springs
 
+BACK = "more was missing before, and has come back or is little beside the work on the bodies since"
+
 
 class AbsorbedImpact(Monitor):
     """Warns once that falling bodies have lost more energy than soil, friction and ghost penalty took up, and once that soil
@@ -60,15 +62,15 @@ class AbsorbedImpact(Monitor):
         impact = impact and moving < STOPPED * self._falling    # a ball that rolls down clay goes faster and faster
         if impact and not self.given("absorbed"):
             self._sudden = self._at_once > AT_ONCE * lost
-        # what has been lifted since falls again
-        fallen = max(self._falling + max(sum(work) - sum(self._work), 0.0), lost)
-        if impact or self.given("absorbed") and lost > ABSORBED * fallen:
+        if impact or self.given("absorbed"):
+            # what has been lifted since falls again
+            fallen = max(self._falling + max(sum(work) - sum(self._work), 0.0), lost)
+            over = "" if lost > ABSORBED * fallen else " within the"
             yield "absorbed", (
                 f"impact: {lost:.3g} J of the {fallen:.3g} J of moving bodies are lost without a cause in the balance "
-                f"up to t = {view.state.time:.4g} s ({lost / fallen:.0%}, limit {ABSORBED:.0%}): "
-                f"{self._cause(view)}")
-
-        elif not (self.given("absorbed") or view.bodies_in_contact):
+                f"up to t = {view.state.time:.4g} s ({lost / fallen:.0%},{over} limit {ABSORBED:.0%}): "
+                f"{BACK if over else self._cause(view)}")
+        elif not view.bodies_in_contact:
             yield from self._flow(view, lost)
 
     def _flow(self, view, lost):

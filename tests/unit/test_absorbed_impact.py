@@ -76,7 +76,7 @@ def test_the_end_of_the_run_has_the_last_value_also_of_energy_that_comes_back():
     assert first == given and "16 J of the 100 J" in first and "22 J of the 100 J" in last
     assert "t = 3 s (22%, limit 15%)" in last
     notes([0.0, -4.0], monitor=monitor)
-    assert "4 J of the 100 J" in monitor.later()[given]
+    assert "4 J of the 100 J" in monitor.later()[given] and "(4%, within the limit 15%)" in monitor.later()[given]
 
 
 def test_no_more_than_all_is_lost_and_the_motion_before_the_first_step_counts():

@@ -130,7 +130,7 @@ def test_their_stresses_are_drawn(tmp_path):
 
 def test_the_way_of_a_figure_begins_where_its_stage_does(tmp_path):
     """From the start of the run in its first stage, whose first step the history has at its end."""
-    simulation = build(pushed())
+    simulation = build(pushed(3))
     simulation.run([History(tmp_path)])
     history, initial = read_history(tmp_path), simulation.initial_bodies[0].position
     (axis, way), = body_figures.driven_ways(history, "cone", initial)
