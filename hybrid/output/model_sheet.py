@@ -6,7 +6,7 @@ from hybrid.body.rigid import FREEDOMS
 from hybrid.body.symmetry import copies, part_of_whole
 from hybrid.laws.sand import material_values
 from hybrid.linalg.solver_choice import SolverChoice
-from hybrid.runtime.comm import anywhere, number
+from hybrid.runtime.comm import anywhere, largest, number
 from hybrid.runtime.memory import direct_factor_memory
 from hybrid.runtime.sandbox import shortcoming
 from hybrid.scene.soil import USES, of_layer, span
@@ -39,7 +39,7 @@ def model_sheet(scene, model, imbalance=None, level="", most_points=0, decisions
         "body unknowns": model.body_unknowns,
         "entries of the soil block": block.entries,
         **({} if soil.held else {"inactive nodes": f"{nodes - block.nodes} of {nodes} (no soil, or fixed)"}),
-        "bodies": [_body(*pair) for pair in zip(scene.bodies, model.bodies)] or "none",
+        "bodies": [_body(*pair, soil) for pair in zip(scene.bodies, model.bodies)] or "none",
         **_parts(model.bodies),
         **({"joints": [_joint(joint) for joint in scene.joints]} if scene.joints else {}),
         **({"bodies in contact": _pairs(scene, model)} if len(scene.bodies) > 1 else {}),
@@ -135,7 +135,7 @@ def _layer(layer, scene, soil):
     return ", ".join(parts)
 
 
-def _body(described, body):
+def _body(described, body, soil):
     """Sizes of a body, its driven components and its contact with the soil."""
     whole = f", the whole {copies(body.mirrors) * body.mass.mass:.6g} kg" if body.mirrors else ""
     parts = [f"{len(body.surface.triangles)} contact triangles", f"{body.mass.mass:.6g} kg{whole}",
@@ -146,6 +146,8 @@ def _body(described, body):
         parts.append(f"contact at places {body.ground.spacing:.2g} m apart on its faces, and on its edges and corners")
     else:
         parts.append(f"contact at {len(body.places)} {described.contact} of each domain")
+    penalty = body.penalty / largest(soil.law.young) if soil.held else body.penalty
+    parts.append(f"penalty {penalty:.3g} /m")
     if described.adhesion:
         parts.append(f"shear at most {described.adhesion:g} s_u" + (
             "" if described.friction is None else f" and {described.friction:g} of the pressure"))

@@ -20,7 +20,7 @@ def load_scene(path, overrides=()):
     path = Path(path)
     try:
         tables = _tables(path)
-        for override in overrides:
+        for override in [overrides] if isinstance(overrides, str) else overrides:
             apply_override(tables, override)
         tables.setdefault("name", path.stem)
         return scene_from_dict(tables, path.parent)
@@ -57,7 +57,7 @@ def _tables(path):
             raise SceneError("must be a file, but is a directory or a device")
         if path.is_file() and path.stat().st_size > LONGEST:
             raise SceneError(f"has {path.stat().st_size} bytes, limit {LONGEST}: this is no scene file")
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")
     except FileNotFoundError:
         raise SceneError("no such scene file" + (_similar_file(path) or shipped_hint(path))) from None
     except UnicodeDecodeError as error:
