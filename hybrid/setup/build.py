@@ -25,7 +25,7 @@ from hybrid.setup.line_soil import line_through_soil
 from hybrid.setup.rolling import with_soft_springs
 from hybrid.setup.settle import settle
 from hybrid.setup.size import refuse_cells, refuse_size
-from hybrid.setup.soil import build_soil, count_points, lay_out
+from hybrid.setup.soil import build_soil
 from hybrid.setup.stages import refuse_implied
 from hybrid.setup.symmetry import in_part, stray_cap, with_symmetry
 from hybrid.simulation import Simulation
@@ -104,8 +104,6 @@ def _put_together(scene, decisions, accuracy, body_force, law):
     refuse_velocities(model, state)
     refuse_implied(scene, model, state)
     if moving_grid is not None:
-        moving_grid.lay_out = lambda grid, cells=None: lay_out(scene.soil, grid, gravity, cells=cells)
-        moving_grid.count = lambda grid: count_points(scene.soil, grid)
         state.ground = moving_grid.first_ground(layouts, soil)
     settled = None
     if taken:

@@ -1,11 +1,14 @@
 """The background grid of a scene: nodes along each axis, held faces, and how the grid moves with a body."""
 
+from functools import partial
+
 import numpy as np
 
 from hybrid.body import rigid
 from hybrid.grid.axes import FACES, graded_nodes, make_grid, uniform_nodes
 from hybrid.grid.moving_axis import MovingAxis
 from hybrid.setup.size import refuse_size
+from hybrid.setup.soil import count_points, lay_out
 from hybrid.step.moving_grid import MovingGrid
 
 
@@ -24,7 +27,8 @@ def build_grid(scene, placed=()):
     names = [body.name for body, _ in placed]
     followed = names.index(scene.grid.follow) if scene.grid.follow else 0
     moving_grid = MovingGrid(followed, moving, axes, extent, faces, np.broadcast_to(scene.soil.points_per_axis, 3),
-                             scene.grid.behind == "freeze")
+                             scene.grid.behind == "freeze", partial(count_points, scene.soil),
+                             partial(lay_out, scene.soil, gravity=np.array(scene.gravity, float)))
     layouts = moving_grid.layouts_for(rigid.bounding_box(*placed[followed]))
     refuse_size(scene, [moving[a].coordinates(moving[a].node_numbers(layouts[a])) if a in moving else nodes
                         for a, nodes in enumerate(axes)])

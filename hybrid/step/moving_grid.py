@@ -40,17 +40,17 @@ class MovingGrid:
     body         number of the body that it follows
     moving_axes  {axis: MovingAxis} of those that move; axes: nodes [m] of the others; extent (3, 2) [m]
     faces        dict face -> condition, as `make_grid` takes it
-    lay_out      function of a Grid, and of the cells (a, b, c) bool whose points are wanted, None for all, that gives
-                 (PointConstants, principal stress at rest (n, 3), law) of soil filling it
-    count        function of a Grid that gives the numbers of these points in its cells (a, b, c)
     per_axis     (3,) points per cell along each axis
     keep         whether soil left behind is frozen, else it is removed
+    count        function of a Grid that gives the numbers of points of soil filling it in its cells (a, b, c)
+    lay_out      function of a Grid, and of the `cells` (a, b, c) bool whose points are wanted, None for all, that gives
+                 (PointConstants, principal stress at rest (n, 3), law) of these points
     """
 
-    def __init__(self, body, moving_axes, axes, extent, faces, per_axis, keep):
+    def __init__(self, body, moving_axes, axes, extent, faces, per_axis, keep, count, lay_out):
         self.body, self.moving_axes, self._axes, self._extent, self._faces = body, moving_axes, axes, extent, faces
         self._per_axis, self._keep = np.array(per_axis), keep
-        self.lay_out = self.count = None    # set once the soil of the scene is known
+        self._count, self._lay_out = count, lay_out
 
     # -------------------------------------------------------------- layout
 
@@ -164,7 +164,7 @@ class MovingGrid:
         depth = box[1, 2] - maximum(points.position[:, 2] + points.half_width[:, 2])
         if depth <= 0.0 or not (body.free[2] or body.driven[2]):
             return number(points)
-        return int(self.count(self.grid(self.layouts_for(box - (0.0, 0.0, depth)))).sum())
+        return int(self._count(self.grid(self.layouts_for(box - (0.0, 0.0, depth)))).sum())
 
     def model_with(self, model, ground):
         """`model` with the points and the grid of a Ground."""
@@ -208,8 +208,8 @@ class MovingGrid:
         cells = None
         if shared:
             new = ~made[np.ix_(*self._blocks_of_cells(grid))]
-            cells = new & processes.share(np.where(new, self.count(grid), 0))
-        constants, stress, law = self.lay_out(grid, cells)
+            cells = new & processes.share(np.where(new, self._count(grid), 0))
+        constants, stress, law = self._lay_out(grid, cells=cells)
         new = np.flatnonzero(~made[tuple(self._block_of(constants.position).T)])
         points = at_rest(constants, stress, law.strain(stress))
         made = made.copy()

@@ -7,13 +7,13 @@ text names the value, the limit and the remedy, and one about a body begins with
 what has been said. Numbers that are merely unlikely come first (`hybrid.scene.check_sense`, `place`).
 """
 
-from hybrid.monitors.limits import (base, cells, clay_cells, contact, elastic_cells, footing_cells, ground_cells,
-                                    guided, layers, margins, place, rolling, sand_cells, shear_gap, soil, stages,
+from hybrid.monitors.limits import (bars, base, cells, clay_cells, contact, elastic_cells, footing_cells,
+                                    ground_cells, guided, layers, margins, place, rolling, sand_cells, shear_gap, soil, stages,
                                     stepping, turning, unsupported)
 from hybrid.monitors.limits.unjudged import unjudged
 from hybrid.scene.check_sense import sense_notes
 
-MODULES = (place, unsupported, soil, layers, contact, base, rolling, cells, clay_cells, sand_cells, footing_cells,
+MODULES = (place, unsupported, soil, layers, contact, base, rolling, cells, bars, clay_cells, sand_cells, footing_cells,
            ground_cells, elastic_cells, turning, guided, margins, shear_gap, stages, stepping)
 LIMITS = tuple(limit for module in MODULES for limit in module.LIMITS)
 

@@ -203,7 +203,7 @@ def _on_lines(scene, model, body, travel, place, depth):
     if travel[2] == 0.0 or travel[2] > 0.0 and not attached or _under_all(model.soil, place):
         return NOTHING
     parts = [(area, *_foot_on_lines(scene, model, body, travel, place, foot, depth))
-             for area, foot in feet(body, place, np.where(travel[2] > 0.0, -travel, travel), top_of(model.soil))]
+             for area, _, foot in feet(body, place, np.where(travel[2] > 0.0, -travel, travel), top_of(model.soil))]
     excess = sum(area * each for area, each, *_ in parts) / sum(area for area, *_ in parts) if parts else 0.0
     if not excess:
         return NOTHING

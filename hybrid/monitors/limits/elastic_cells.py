@@ -35,7 +35,7 @@ import numpy as np
 
 from hybrid.body.symmetry import copies
 from hybrid.laws.von_mises import BEARING
-from hybrid.monitors.limits.contact import travel_along
+from hybrid.monitors.limits.contact import covers, travel_along
 from hybrid.monitors.limits.loading import (CLAY, EXCESS, driven, is_round, joined, leads, loaded, material_at, narrowest,
                                             outline, sides, top_of)
 from hybrid.monitors.limits.rolling import contact_radius
@@ -111,7 +111,8 @@ def soft_springs(scene, model):
         if depth is not None:
             depth = min(depth, top_of(soil) - bottom + depth)       # of that what is in the soil
             stands &= depth > 0.0
-        if not stands or body.places.at_corners or body.penalty * cell > SOFTEST:
+        lid = covers(place, soil.constants, soil.grid)      # of a specimen, which is as soft as its soil
+        if not stands or lid or body.places.at_corners or body.penalty * cell > SOFTEST:
             continue
         space = not soil.grid.collapsed.any()
         settled, tilted = SOFT[not space]

@@ -202,13 +202,19 @@ def facing(body, place, travel):
 
 
 def feet(body, place, travel, top):
-    """[(Area [m²], places (V, 3) [m] of the vertices)] of the plane parts, apart from each other, that lead a body across
-    its travel and are in soil below `top` [m] in the end: one of a block, one of each leg of a table."""
+    """[(Area [m²], length [m] of its edges, places (V, 3) [m] of the vertices)] of the plane parts, apart from each other,
+    that lead a body across its travel and are in soil below `top` [m] in the end: one of a block, one of each leg of a
+    table."""
     normal, area = faces(body, place)
     triangles = body.surface.triangles[normal @ travel > PLANE * area * np.linalg.norm(travel)]
     _, part = np.unique(place.round(9), axis=0, return_inverse=True)     # vertices of a surface may be there twice
     corners = part.ravel()[triangles]
-    edges = np.concatenate([corners[:, :2], corners[:, 1:]])
+    edges = np.sort(np.concatenate([corners[:, :2], corners[:, 1:], corners[:, ::2]]), axis=1)
+    _, first, count = np.unique(edges, axis=0, return_index=True, return_counts=True)
+    outer, at = edges[first[count == 1]], np.zeros((len(place), 3))
+    at[part.ravel()] = place
+    for mirror in body.mirrors:     # a cut is no edge
+        outer = outer[(np.abs(at[outer][:, :, "xyz".index(mirror.axis)] - mirror.at) > 1e-6 * body.radius).any(axis=1)]
     number, group = connected_components(coo_matrix((np.ones(len(edges)), edges.T), (len(place), len(place))), False)
     found = []
     for each in range(number):
@@ -216,7 +222,9 @@ def feet(body, place, travel, top):
         vertices = place[np.unique(mine)]
         if len(mine) and (vertices[:, 2] + min(travel[2], 0.0)).min() < top:
             cross = np.cross(place[mine[:, 1]] - place[mine[:, 0]], place[mine[:, 2]] - place[mine[:, 0]])
-            found.append((0.5 * float(np.linalg.norm(cross, axis=1).sum()), vertices))
+            own = outer[group[outer[:, 0]] == each]
+            length = float(np.linalg.norm(at[own[:, 1]] - at[own[:, 0]], axis=1).sum())
+            found.append((0.5 * float(np.linalg.norm(cross, axis=1).sum()), length, vertices))
     return found
 
 

@@ -1,0 +1,51 @@
+"""Bases with holes, rings and frames on clay, whose bars are so few cells wide that they drive the clay of the next cells
+too, whatever the width of the whole.
+
+    1 + 0.7/n           n cells in the mean width of the bars, twice the area of the base over the length of all its edges
+
+a little more than of a strip with both edges on lines of the grid (`cells`). A mat of 1.6 m with four holes, pressed by 15 mm, E =
+1000 s_u, over what both sizes of cells extrapolate to; a ring of 0.8 m with bars of 0.2 m over 5.14 s_u A:
+
+| base             | n            | found [%] |
+|------------------|--------------|-----------|
+| holes of 0.6 m   | 1.4, 2.8     | 48, 23    |
+| holes of 0.4 m   | 3, 6         | 12, 6     |
+| ring             | 2, 4         | 19, 14    |
+"""
+
+import numpy as np
+
+from hybrid.monitors.limits.loading import CLAY, EXCESS, driven, feet, law_at, loaded, narrowest, sides, top_of
+
+PER_CELL = 0.7
+COMPACT = 0.75      # of its width by that of the rectangle around it: what has less is no rectangle, disc or L of few bars
+
+
+def bars(scene, model):
+    """Bodies pressed on clay with a base of bars, so few cells wide that their load is more than EXCESS too high."""
+    soil = model.soil
+    if soil.held or soil.grid.collapsed.any():
+        return
+    cell = soil.grid.smallest_cell
+    for body, travel, place, plane in [*driven(scene, model), *(found[:4] for found in loaded(scene, model))]:
+        if not plane or travel[2] >= 0.0 or law_at(scene, soil, place[:, 2].min() - 0.5 * cell) != CLAY:
+            continue
+        widths = [_bar(soil.grid, travel, *foot) for foot in feet(body, place, travel, top_of(soil))]
+        width = min((one for one in widths if one), default=np.inf)
+        if PER_CELL * cell / width > EXCESS:
+            yield (f"{body.name} presses clay with a base of bars {width / cell:.2g} cells of {cell:.3g} m wide on average, "
+                   f"twice its area over the length of its edges: its load is up to {PER_CELL * cell / width:.0%} too high, "
+                   f"limit {EXCESS:.0%}, as they drive the clay of the next cells too. Use cells of at most "
+                   f"{EXCESS / PER_CELL * width:.2g} m under it, or extrapolate two sizes of cells to none")
+
+
+def _bar(grid, travel, area, edges, foot):
+    """Mean width [m] of the bars of a base with `edges` [m] and vertices at `foot` (V, 3) [m], 0 where it has none."""
+    across = [side.width for side in sides(grid, foot, travel)]
+    if len(across) != 2 or not edges:
+        return 0.0
+    width, around = 2.0 * area / edges, across[0] * across[1] / sum(across)
+    return width if width < COMPACT * min(around, narrowest(grid, foot, travel)) else 0.0
+
+
+LIMITS = (bars,)
