@@ -137,6 +137,10 @@ def _start_ranks(options, number):
     if number < 1 or ranks.started() > 1:
         raise SceneError(f"--ranks {number}: must be 1 or more, and under mpirun the number of its processes "
                          f"({ranks.started()}); leave it out there")
+    cores = len(os.sched_getaffinity(0))
+    if number > cores:
+        print(f"--ranks {number}: more processes than the {cores} cores of this machine wait for one another, and each needs "
+              f"its own memory; use at most --ranks {cores}", file=sys.stderr, flush=True)
     command, environment = ranks.launch(number, ["-m", "hybrid", *options.arguments])
     try:
         os.execvpe(command[0], command, environment)

@@ -270,7 +270,8 @@ class Simulation:
 
     def _add_hints(self, failure):
         """Add to the message of a failure, which keeps its kind, what the scene and the state have to do with it."""
-        failure.args = ". ".join([str(failure), *self.warned, *overstretched_domains(self.model, self.state.points)]),
+        texts = [str(failure), *self.warned, *overstretched_domains(self.model, self.state.points)]
+        failure.args = (". ".join(texts),)
 
     def stage_model(self, number, starts):
         """Model of the stage of a `number`, from 0, that starts at a time [s]."""
