@@ -8,7 +8,7 @@ that are too far apart to touch in the increment cost a distance of centres.
 f >= 1 is chosen where contact begins, from the speed at which it does, and kept until the bodies have come apart, so that an
 impact overlaps bodies by no more than IMPACT of their size.
 
-Equations: FORMULATION (60) to (63).
+Equations: FORMULATION (60) to (64).
 """
 
 from dataclasses import dataclass, replace

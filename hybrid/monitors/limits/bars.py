@@ -3,8 +3,8 @@ too, whatever the width of the whole.
 
     1 + 0.7/n           n cells in the mean width of the bars, twice the area of the base over the length of all its edges
 
-a little more than of a strip with both edges on lines of the grid (`cells`). A mat of 1.6 m with four holes, pressed by 15 mm, E =
-1000 s_u, over what both sizes of cells extrapolate to; a ring of 0.8 m with bars of 0.2 m over 5.14 s_u A:
+a little more than of a strip with both edges on lines of the grid (`cells`). A mat of 1.6 m with four holes, pressed by
+15 mm, E = 1000 s_u, over what both sizes of cells extrapolate to; a ring of 1.6 m with bars of 0.2 m, over 5.14 s_u A:
 
 | base             | n            | found [%] |
 |------------------|--------------|-----------|
