@@ -139,8 +139,8 @@ def _start_ranks(options, number):
                          f"({ranks.started()}); leave it out there")
     cores = len(os.sched_getaffinity(0))
     if number > cores:
-        print(f"--ranks {number}: more processes than the {cores} cores of this machine wait for one another, and each needs "
-              f"its own memory; use at most --ranks {cores}", file=sys.stderr, flush=True)
+        print(f"--ranks {number}: more processes than the {cores} cores of this machine wait for one another, and each "
+              f"needs its own memory; use at most --ranks {cores}", file=sys.stderr, flush=True)
     command, environment = ranks.launch(number, ["-m", "hybrid", *options.arguments])
     try:
         os.execvpe(command[0], command, environment)

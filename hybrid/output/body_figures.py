@@ -16,7 +16,8 @@ def resistance(folder, initial, path=None):
     """Force of the soil against every driven translation, against the way driven in the last stage; of the whole body
     where half of it is modelled; from history.csv.
 
-    initial: {body: (3,) [m] at the start of the run}. Writes resistance.png in `folder` unless `path` is given, and returns the path; None where no body is driven.
+    initial: {body: (3,) [m] at the start of the run}. Writes resistance.png in `folder` unless `path` is given, and returns
+    the path; None where no body is driven.
     """
     history, path = read_history(folder), Path(path or Path(folder) / "resistance.png")
     first, curves = stage_starts(history)[-1], {}
@@ -55,8 +56,8 @@ def parts(folder, initial, areas, path=None):
     """Mean stress on every named part of driven bodies against the way driven in the last stage, one panel a part, as the
     tip resistance and the sleeve friction of a cone (of a body driven down against the depth); from history.csv.
 
-    initial: as of `resistance`; areas: {body: {part: (area [m²], area [m²] seen by what moves along {"x": (down, up), "y": ..., "z": ...})}} of the
-    whole. The force along the way is that over the area seen against it, of a part along the way over its own area. Parts
+    initial: as of `resistance`; areas: {body: {part: (area [m²], area [m²] seen by what moves along {"x": (down, up), "y":
+    ..., "z": ...})}} of the whole. The force along the way is that over the area seen against it, of a part along the way over its own area. Parts
     with less than FELT of the largest stress are left out. Writes parts.png in `folder` unless `path` is given, and
     returns the path; None where no driven body has parts.
     """

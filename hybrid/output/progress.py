@@ -57,7 +57,8 @@ class Progress:
             self._print(f"at the end: {note}")
         steps, seconds = simulation.state.step - self.first, time.perf_counter() - self.began
         where = f"; results in {self.folder}" if self.folder else ""
-        self._print(f"{simulation.scene.name}: {summary['outcome']}, {steps} steps{self._of(simulation)} in {clock(seconds)}{where}")
+        steps = f"{steps} steps{self._of(simulation)}"
+        self._print(f"{simulation.scene.name}: {summary['outcome']}, {steps} in {clock(seconds)}{where}")
 
     def _of(self, simulation):
         """Which steps those of a resumed run are."""

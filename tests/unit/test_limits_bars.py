@@ -34,8 +34,8 @@ def pressed(tmp_path, geometry, size, law="von-mises"):
     mat = Body(path, 2400.0, name="mat", rest_on=0.0, held=("x", "y", "rx", "ry", "rz"))
     described = Scene(
         name="mat", grid=Grid(side, side, Axis(-1.0, 0.4, size), Faces(z_min="fixed")), bodies=(mat,),
-        soil=Soil(Material(law=law, young=2e7, poisson=0.3, density=1800.0, **strength), top=0.0), time=Time(1.0, inertia=False),
-        gravity=(0.0, 0.0, 0.0),
+        soil=Soil(Material(law=law, young=2e7, poisson=0.3, density=1800.0, **strength), top=0.0),
+        time=Time(1.0, inertia=False), gravity=(0.0, 0.0, 0.0),
         stages=(Stage("press", 1, motions=(Motion(component="z", displacement=((0.0, 0.0), (1.0, -0.015))),)),))
     simulation = build(described)
     return list(bars.bars(simulation.scene, simulation.model))

@@ -8,8 +8,8 @@ what has been said. Numbers that are merely unlikely come first (`hybrid.scene.c
 """
 
 from hybrid.monitors.limits import (bars, base, cells, clay_cells, contact, elastic_cells, footing_cells,
-                                    ground_cells, guided, layers, margins, place, rolling, sand_cells, shear_gap, soil, stages,
-                                    stepping, turning, unsupported)
+                                    ground_cells, guided, layers, margins, place, rolling, sand_cells, shear_gap, soil,
+                                    stages, stepping, turning, unsupported)
 from hybrid.monitors.limits.unjudged import unjudged
 from hybrid.scene.check_sense import sense_notes
 
