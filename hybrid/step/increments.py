@@ -6,7 +6,8 @@
     reject   a shorter increment            otherwise
 
 Newton's method sets the increment: it is halved after a failure and doubled after an easy solution. With time.accuracy
-the estimated error sets it (`hybrid.step.error_estimate`).
+the estimated error sets it (`hybrid.step.error_estimate`). While bodies hit one another it is as short as that needs
+(`hybrid.step.pair_terms`), and one that finds an impact which was not predicted is done again.
 """
 
 from dataclasses import dataclass
