@@ -50,7 +50,7 @@ class MovingGrid:
     def __init__(self, body, moving_axes, axes, extent, faces, per_axis, keep, count, lay_out):
         self.body, self.moving_axes, self._axes, self._extent, self._faces = body, moving_axes, axes, extent, faces
         self._per_axis, self._keep = np.array(per_axis), keep
-        self._count, self._lay_out = count, lay_out
+        self._count, self.lay_out = count, lay_out
 
     # -------------------------------------------------------------- layout
 
@@ -209,7 +209,7 @@ class MovingGrid:
         if shared:
             new = ~made[np.ix_(*self._blocks_of_cells(grid))]
             cells = new & processes.share(np.where(new, self._count(grid), 0))
-        constants, stress, law = self._lay_out(grid, cells=cells)
+        constants, stress, law = self.lay_out(grid, cells=cells)
         new = np.flatnonzero(~made[tuple(self._block_of(constants.position).T)])
         points = at_rest(constants, stress, law.strain(stress))
         made = made.copy()
