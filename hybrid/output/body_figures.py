@@ -58,8 +58,8 @@ def parts(folder, initial, areas, path=None):
 
     initial: as of `resistance`; areas: {body: {part: (area [m²], area [m²] seen by what moves along {"x": (down, up), "y":
     ..., "z": ...})}} of the whole. The force along the way is that over the area seen against it, of a part along the way
-    over its own area. Parts with less than FELT of the largest stress are left out. Writes parts.png in `folder` unless `path` is given, and
-    returns the path; None where no driven body has parts.
+    over its own area. Parts with less than FELT of the largest stress are left out. Writes parts.png in `folder` unless
+    `path` is given, and returns the path; None where no driven body has parts.
     """
     history, path = read_history(folder), Path(path or Path(folder) / "parts.png")
     curves = [curve for name, own in areas.items()
