@@ -250,7 +250,7 @@ def begin(model, state, dt, pulling, workspace):
 
     Raises StepError when a point has left the grid, or is detached and the run is to stop for it.
     """
-    state = joint_rates.engage_guides(model, _for_increment(model.scheme, state, dt), dt)
+    state = joint_rates.engage_guides(model, for_increment(model.scheme, state, dt), dt)
     soil, grid, points = None, model.soil.grid, state.points
     active, small_support = np.ones(grid.node_count, bool), None
     with phase("transfer"):
@@ -266,7 +266,7 @@ def begin(model, state, dt, pulling, workspace):
     return Step(model, state, dt, soil, pattern, system, workspace.systems.carried, bodies, joints=joints, pairs=pairs)
 
 
-def _for_increment(scheme, state, dt):
+def for_increment(scheme, state, dt):
     """`state` with the algorithmic accelerations that keep what impulses have yet to give in an increment of `dt` [s]."""
     ratio = dt / state.increment if state.increment else 1.0
     if ratio == 1.0 or not scheme.auxiliary:

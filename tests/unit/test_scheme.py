@@ -8,6 +8,8 @@ import pytest
 from hybrid.scene import Time
 from hybrid.scheme import Scheme
 from hybrid.setup.build import build_scheme
+from hybrid.state import BodyState, Points, State
+from hybrid.step.equations import for_increment
 
 ALPHA, CONSERVING = Scheme.generalised_alpha(0.5), Scheme.energy_momentum()
 
@@ -88,3 +90,22 @@ def test_an_impulse_counts_for_what_it_is_in_increments_of_any_length(rho):
     impulse = 0.5 * np.array([*increments, increments[-1]]) @ (ends[:-1] + ends[1:])
     assert driven(scheme, forces, increments, scheme.following) == pytest.approx(0.3 + impulse, abs=1e-9)
     assert abs(driven(scheme, forces, increments, lambda v, a, ratio: a) - 0.3 - impulse) > 0.005
+
+
+def test_soil_and_bodies_keep_what_is_to_come_in_an_increment_half_as_long():
+    rng, scheme = np.random.default_rng(5), Scheme.generalised_alpha(0.0)
+    position, velocity, acceleration, algorithmic = rng.normal(size=(4, 6, 3))
+    affine, none = rng.normal(size=(6, 3, 3, 3)), np.zeros((6, 3, 3))
+    points = Points(position, velocity, acceleration, np.ones((6, 3)), none, none, none, np.zeros(6), algorithmic, affine)
+    body = BodyState(np.zeros(3), np.eye(3), *rng.normal(size=(4, 3)), algorithmic=rng.normal(size=6))
+    state = State(0.2, 1, points, [body], [], increment=0.2)
+    new = for_increment(scheme, state, 0.1)
+    second = np.concatenate([body.acceleration, body.spin_rate])
+    for found, before, rate in ((new.points.algorithmic, algorithmic, acceleration),
+                                (new.points.affine[:, 2], affine[:, 2], affine[:, 1]),
+                                (new.bodies[0].algorithmic, body.algorithmic, second)):
+        np.testing.assert_allclose(found - rate, 2.0 * (before - rate))
+    np.testing.assert_array_equal(new.points.affine[:, :2], affine[:, :2])
+    assert for_increment(scheme, state, 0.2) is state and for_increment(Scheme.newmark(), state, 0.1) is state
+    first = replace(state, increment=0.0)
+    assert for_increment(scheme, first, 0.1) is first
