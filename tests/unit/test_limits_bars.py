@@ -51,6 +51,12 @@ def test_the_cells_in_bars_are_judged(tmp_path, size, number):
         assert 1.0 < (1.0 + share / 100) / (FOUND[size] / exact) < 1.1
 
 
-@pytest.mark.parametrize("geometry, law", [(WHOLE, "von-mises"), (MAT, "drucker-prager")])
+TRIANGLE = WHOLE.replace("Box(1) = {-0.8, -0.8, 0, 1.6, 1.6, 0.3};", """
+Point(1) = {-0.5, -0.5, 0}; Point(2) = {0.5, -0.5, 0};
+Point(3) = {0, 0.5, 0}; Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 1}; Curve Loop(1) = {1:3}; Plane Surface(1) = {1};
+Extrude {0, 0, 0.3} { Surface{1}; }""")
+
+
+@pytest.mark.parametrize("geometry, law", [(TRIANGLE, "von-mises"), (WHOLE, "von-mises"), (MAT, "drucker-prager")])
 def test_a_base_without_holes_has_no_bars_and_sand_is_not_judged_so(tmp_path, geometry, law):
     assert pressed(tmp_path, geometry, 0.2, law) == []

@@ -14,11 +14,13 @@ a little more than of a strip with both edges on lines of the grid (`cells`). A 
 """
 
 import numpy as np
+from scipy.spatial import ConvexHull
 
-from hybrid.monitors.limits.loading import CLAY, EXCESS, driven, feet, law_at, loaded, narrowest, sides, top_of
+from hybrid.monitors.limits.loading import CLAY, EXCESS, driven, feet, law_at, loaded, top_of
 
 PER_CELL = 0.7
-COMPACT = 0.75      # of its width by that of the rectangle around it: what has less is no rectangle, disc or L of few bars
+DOWN = 0.5          # of a travel: what goes down by less is pushed sideways
+FRAMED = 1.25       # times the convex outline: edges of a base with holes, or of a cross; an L has 1.08
 
 
 def bars(scene, model):
@@ -28,10 +30,9 @@ def bars(scene, model):
         return
     cell = soil.grid.smallest_cell
     for body, travel, place, plane in [*driven(scene, model), *(found[:4] for found in loaded(scene, model))]:
-        if not plane or travel[2] >= 0.0 or law_at(scene, soil, place[:, 2].min() - 0.5 * cell) != CLAY:
+        if not plane or travel[2] > -DOWN * np.linalg.norm(travel) or law_at(scene, soil, place[:, 2].min() - 0.5 * cell) != CLAY:
             continue
-        widths = [_bar(soil.grid, travel, *foot) for foot in feet(body, place, travel, top_of(soil))]
-        width = min((one for one in widths if one), default=np.inf)
+        width = min((_bar(body, *foot) for foot in feet(body, place, travel, top_of(soil))), default=np.inf)
         if PER_CELL * cell / width > EXCESS:
             yield (f"{body.name} presses clay with a base of bars {width / cell:.2g} cells of {cell:.3g} m wide on average, "
                    f"twice its area over the length of its edges: its load is up to {PER_CELL * cell / width:.0%} too high, "
@@ -39,13 +40,16 @@ def bars(scene, model):
                    f"{EXCESS / PER_CELL * width:.2g} m under it, or extrapolate two sizes of cells to none")
 
 
-def _bar(grid, travel, area, edges, foot):
-    """Mean width [m] of the bars of a base with `edges` [m] and vertices at `foot` (V, 3) [m], 0 where it has none."""
-    across = [side.width for side in sides(grid, foot, travel)]
-    if len(across) != 2 or not edges:
-        return 0.0
-    width, around = 2.0 * area / edges, across[0] * across[1] / sum(across)
-    return width if width < COMPACT * min(around, narrowest(grid, foot, travel)) else 0.0
+def _bar(body, area, edges, foot):
+    """Mean width [m] of the bars of a base of an `area` [m²] with `edges` [m] and vertices at `foot` (V, 3) [m], inf where
+    it has none."""
+    whole = edges
+    for mirror in (one for one in body.mirrors if one.cut):
+        other, axis = foot.copy(), "xyz".index(mirror.axis)
+        other[:, axis] = 2.0 * mirror.at - foot[:, axis]
+        foot, whole = np.concatenate([foot, other]), 2.0 * whole
+    around = ConvexHull(foot[:, :2]).area   # of a plane figure, its perimeter
+    return 2.0 * area / edges if whole > FRAMED * around else np.inf
 
 
 LIMITS = (bars,)
