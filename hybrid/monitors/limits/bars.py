@@ -30,7 +30,8 @@ def bars(scene, model):
         return
     cell = soil.grid.smallest_cell
     for body, travel, place, plane in [*driven(scene, model), *(found[:4] for found in loaded(scene, model))]:
-        if not plane or travel[2] > -DOWN * np.linalg.norm(travel) or law_at(scene, soil, place[:, 2].min() - 0.5 * cell) != CLAY:
+        down = plane and travel[2] <= -DOWN * np.linalg.norm(travel)
+        if not down or law_at(scene, soil, place[:, 2].min() - 0.5 * cell) != CLAY:
             continue
         width = min((_bar(body, *foot) for foot in feet(body, place, travel, top_of(soil))), default=np.inf)
         if PER_CELL * cell / width > EXCESS:
