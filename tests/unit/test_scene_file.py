@@ -221,3 +221,9 @@ def test_shipped_geometries_go_by_name(path):
     assert "folder/box.geo: must be an existing file" in refused(path)
     path.write_text(SCENE.replace("ball.geo", "spere.geo"))
     assert "did you mean 'sphere.geo'?" in refused(path) and "hybrid comes with" in refused(path)
+
+
+def test_a_byte_order_mark_is_left_aside_and_one_override_may_be_a_text(tmp_path):
+    path = tmp_path / "marked.toml"
+    path.write_bytes(b"\xef\xbb\xbf" + (Path(__file__).parents[2] / "demos" / "slope.toml").read_bytes())
+    assert load_scene(path, "time.step=0.5").time.step == 0.5
