@@ -32,7 +32,7 @@ def add_residual(contact, points, force):
     [N, N m about its centre]."""
     if force is not None:
         _scatter(contact.active, points.node, points.weight, contact.force, force)
-    return -np.concatenate([total(contact.force), total(np.cross(contact.arm, contact.force))])
+    return -contact.resultant
 
 
 def derivative(contact, kind):
@@ -54,11 +54,9 @@ def body_tangent(contact, D=None):
     `contact` unless given."""
     F, arm, D = skews(contact.force), skews(contact.arm), contact.tangent if D is None else D
     Q = np.concatenate([-D, D @ arm - F], axis=2)
-    tangent = np.empty((6, 6))
-    tangent[:3] = -total(Q)
-    tangent[3:] = -total(arm @ Q)
-    tangent[3:, :3] -= total(F)
-    return tangent, Q
+    moments = arm @ Q
+    moments[:, :, :3] += F
+    return -total(np.concatenate([Q, moments], axis=1)), Q
 
 
 def add_tangent(contact, points, D, Q, pattern, values, free, uw, wu):

@@ -102,7 +102,7 @@ class GroundPair(Pair):
             active=found.active, gap=found.gap, normal=normal, force=-found.force, tangent=found.tangent,
             turning=np.zeros((m, 3, 3)), ramp=np.zeros((m, 3, 3)), arm=found.arm_a, slip=found.slip,
             anchor=np.zeros((m, 3)), side=side, pressure=np.einsum("mi,mi->m", found.force, normal), triangle=triangle,
-            energy=float(total([found.energy])), dissipated=float(total([found.dissipated])),
+            stored=np.array([found.energy]), lost=np.array([found.dissipated]),
             rest=np.zeros(m), opened=np.zeros(m, bool), found=found)
 
     def springs(self, contact):

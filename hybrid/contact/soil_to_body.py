@@ -63,7 +63,7 @@ class PointContact:
     arm: (m, 3) [m] from the body's centre; slip: (m,) bool
     anchor: (m, 3) [m] body frame, the anchor of the history once the state is accepted; side: (m, 3) N, body frame
     pressure: (m,) p [N]; triangle: (m,) of the closest point
-    energy: stored in the springs [J]; dissipated: friction work of the step [J]
+    stored: (m,) energy of the springs [J]; lost: (m,) friction work of the step [J]
     rest: of all ContactPoints, as there, once the state is accepted; opened: (m,) bool, whether the bond breaks in the step
     """
 
@@ -80,8 +80,8 @@ class PointContact:
     side: np.ndarray
     pressure: np.ndarray
     triangle: np.ndarray
-    energy: float
-    dissipated: float
+    stored: np.ndarray
+    lost: np.ndarray
     rest: np.ndarray
     opened: np.ndarray
 
@@ -96,7 +96,17 @@ class PointContact:
     @property
     def resultant(self):
         """Force (3,) [N] and moment about the body's centre (3,) [N m] of the soil on the body, as (6,)."""
-        return np.concatenate([total(self.force), total(np.cross(self.arm, self.force))])
+        return total(np.concatenate([self.force, np.cross(self.arm, self.force)], axis=1))
+
+    @property
+    def energy(self):
+        """Energy stored in the springs of all processes [J]."""
+        return float(total(self.stored))
+
+    @property
+    def dissipated(self):
+        """Friction work of the step in all processes [J]."""
+        return float(total(self.lost))
 
     @property
     def largest_overlap(self):
@@ -183,7 +193,7 @@ def evaluate(points, position, centre, rotation, surface, friction, tangential):
     return PointContact(
         active, closest.gap, found.side @ rotation.T, found.force @ rotation.T, rotation @ found.tangent @ rotation.T,
         turning, ramp, position[active] - centre, found.slip, found.anchor, found.side,
-        pressure, closest.triangle, float(total(found.energy)), float(total(found.dissipated)), rest, found.opened)
+        pressure, closest.triangle, found.energy, found.dissipated, rest, found.opened)
 
 
 def _past_an_edge(points, closest, rotation, surface):

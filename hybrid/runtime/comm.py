@@ -63,13 +63,13 @@ def largest(values):
 
 def maximum(values, empty=0.0):
     """Largest of values of any sign, over all processes; `empty` if there is no value."""
-    found = float(_over_processes(np.max(values, initial=-np.inf), np.maximum))
+    found = float(_over_processes(np.max(np.asarray(values, float), initial=-np.inf), np.maximum))
     return empty if found == -np.inf else found
 
 
 def minimum(values, empty=0.0):
     """Smallest of values of any sign, over all processes; `empty` if there is no value."""
-    found = float(_over_processes(np.min(values, initial=np.inf), np.minimum))
+    found = float(_over_processes(np.min(np.asarray(values, float), initial=np.inf), np.minimum))
     return empty if found == np.inf else found
 
 

@@ -10,7 +10,8 @@
     closing.py                       soil that has opened closes before it carries pressure again
     fbar.py                          volume change shared by the cells around a point, against locking
     ghost.py, filled_cells.py        stiffness for cells that are hardly filled; which cells those are
-    restriction.py, workspace.py     the soil that a few nodes feel; memory that evaluations share
+    restriction.py                   the soil that a few nodes feel
+    workspace.py, buffers.py         memory that evaluations share; arrays that keep theirs while points come and go
 4 lost_points.py    points that leave the soil
     refinement.py, split_merge.py    points split and merged where cells change
     size.py, parcels.py              memory of a run before it begins; points of several processes put together

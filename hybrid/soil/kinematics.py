@@ -12,6 +12,7 @@ import numpy as np
 from hybrid.grid.numbering import node_number
 from hybrid.runtime.jit import njit, prange
 from hybrid.soil.basis import with_margin
+from hybrid.soil.buffers import resized
 from hybrid.soil.principal import compose, principal, put_principal
 
 # F is reset to an isotropic stretch of the same volume when any |F_ij| > F_LIMIT; that stretch is capped at
@@ -73,6 +74,13 @@ class _Buffers:
         self.strain, self.mean_inverse = np.empty((n, 3)), np.empty((n, 3, 3)) if fbar else None
         self.version = 0
 
+    def resize(self, n):
+        """Room for n points; what was written is lost."""
+        self.increment, self.inverse, self.directions, self.strain = (
+            resized(buffer, n) for buffer in (self.increment, self.inverse, self.directions, self.strain))
+        self.mean_inverse = None if self.mean_inverse is None else resized(self.mean_inverse, n)
+        self.version += 1
+
 
 class _TrialArrays(NamedTuple):
     """ΔF, ΔF^-1 and b_trial (n, 3, 3), and whether det ΔF <= 0 (n,) bool."""
@@ -102,6 +110,14 @@ class Kinematics:
         self._sets = tuple(_Buffers(n, fbar) for _ in range(2))
         self._b_trial, self._inverted = np.empty((n, 3, 3)), np.zeros(n, bool)
         self._mean_volume = np.empty(n if fbar else 0)
+
+    def resize(self, n):
+        """Room for n points; trials of before are no longer valid."""
+        for buffers in self._sets:
+            buffers.resize(n)
+        self._b_trial, self._inverted = resized(self._b_trial, n), resized(self._inverted, n)
+        if self._sets[0].mean_inverse is not None:
+            self._mean_volume = resized(self._mean_volume, n)
 
     def __call__(self, basis, shape, displacement, b_elastic, mean=None, inactive=None, keep=None):
         """TrialStrain from nodal increments (N, 3) [m] and committed b_e (n, 3, 3).

@@ -40,11 +40,16 @@ NO_STIFFNESS = 1e-3     # largest diagonal entry of a tangent over Young's modul
 BLEND = 0.05            # share of the nodes' velocity in transfer = "blended", where the scene gives none
 
 
+INSIDE_OUT, NO_STRESS = "turns soil inside out at", "leaves the soil's law without a stress at"
+
+
 @dataclass(frozen=True)
 class Refusal:
-    """Trial displacements that have no evaluation; reason: what they would do, as a clause."""
+    """Trial displacements that have no evaluation; reason: what they would do, as a clause; points: (k,) numbers in the run
+    of the points that they do it to, in this process."""
 
     reason: str
+    points: np.ndarray = ()
 
 
 @dataclass(frozen=True)
@@ -166,18 +171,17 @@ class Soil:
         return step.mass < SMALL_SUPPORT * densest * self.grid.volumes
 
     def evaluate(self, step, displacement, keep=None):
-        """SoilTrial at nodal increments (N, 3) [m], or a Refusal: a point would turn inside out, or the law has no
-        stress for it. keep: an earlier SoilTrial that stays valid. Its force is that of the points of this process."""
+        """SoilTrial of the points of this process at nodal increments (N, 3) [m], or a Refusal: one would turn inside out,
+        or the law has no stress for it. keep: an earlier SoilTrial that stays valid."""
         points = step.points
         strain = step.workspace.trial_strain(step.basis, self.grid.shape, displacement, points.b_elastic, step.mean,
                                              points.inactive, keep and keep.strain)
-        if number(strain.inverted):
-            return Refusal(f"turns soil inside out at {lost_points.list_points(self.constants.named(strain.inverted))}")
+        if len(strain.inverted):
+            return Refusal(INSIDE_OUT, self.constants.named(strain.inverted))
         response, *volume_strains = closing.respond(self.law, strain.strain, points, self.allow_detached)
         failed = () if response.failed is None else np.flatnonzero(_active_only(points, response.failed))
-        if number(failed):
-            return Refusal("leaves the soil's law without a stress at "
-                           f"{lost_points.list_points(self.constants.named(failed))}")
+        if len(failed):
+            return Refusal(NO_STRESS, self.constants.named(failed))
         stress = from_principal(response.stress, strain.directions)
         volume = _active_only(points, self.constants.volume)
         force = internal_force(step.basis, step.slabs, self.grid.shape, strain, stress, volume,

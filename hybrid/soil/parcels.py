@@ -8,17 +8,17 @@ from dataclasses import fields, replace
 
 import numpy as np
 
-from hybrid.soil.split_merge import concatenate, select
+from hybrid.soil.split_merge import concatenate
 from hybrid.state import ContactHistory
 
 
 def together(parcels):
     """(Population, named contacts), sorted, of parcels with named contacts."""
-    points = parcels[0][0]
-    for more, _ in parcels[1:]:
-        points = concatenate(points, more)
-    points = select(points, np.argsort(points.constants.number, kind="stable"))
-    contacts = []
+    populations, contacts = [points for points, _ in parcels], []
+    number = np.concatenate([points.constants.number for points in populations])
+    place = np.empty(len(number), np.int64)
+    place[np.argsort(number, kind="stable")] = np.arange(len(number))
+    points = concatenate(*populations, places=np.split(place, np.cumsum([len(one) for one in populations])[:-1]))
     for pieces in zip(*(histories for _, histories in parcels)):
         whole = ContactHistory(*(np.concatenate([getattr(piece, field.name) for piece in pieces])
                                  for field in fields(ContactHistory)))

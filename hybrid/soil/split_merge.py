@@ -35,27 +35,27 @@ def select(population, ids):
     return Population(_mapped(of, population.points), _mapped(of, population.constants), population.rows[ids])
 
 
-def concatenate(first, second):
-    """Both populations, the points of the second after those of the first. An array that only one has is zero for the
-    other, and so is the gradient of an algorithmic acceleration that only one carries, as after a stage of another
-    scheme."""
-    def both(a, b):
-        if a is None and b is None:
+def concatenate(*populations, places=None):
+    """All populations in one, one after the other unless `places`, an index array for each, say where their points go. An
+    array that only some have is zero for the others, and so is the gradient of an algorithmic acceleration that only some
+    carry, as after a stage of another scheme."""
+    ends = np.cumsum([0, *map(len, populations)])
+    places = places or [slice(*pair) for pair in zip(ends, ends[1:])]
+
+    def joined(*arrays):
+        shape = max((array.shape[1:] for array in arrays if array is not None), default=None)
+        if shape is None:
             return None
-        a = np.zeros((len(first), *b.shape[1:]), b.dtype) if a is None else a
-        b = np.zeros((len(second), *a.shape[1:]), a.dtype) if b is None else b
-        carried = max(a.shape[1:2], b.shape[1:2])
-        return np.concatenate([_padded(a, carried), _padded(b, carried)])
+        out = np.zeros((ends[-1], *shape), next(array.dtype for array in arrays if array is not None))
+        for array, place in zip(arrays, places):
+            if array is not None and array.shape[1:] == shape:
+                out[place] = array
+            elif array is not None:
+                out[place, :array.shape[1]] = array
+        return out
 
-    return Population(_mapped(both, first.points, second.points), _mapped(both, first.constants, second.constants),
-                      np.concatenate([first.rows, second.rows]))
-
-
-def _padded(values, length):
-    """values (n, k, ...) with zeros up to a `length` (k,) of the second axis."""
-    if values.shape[1:2] == length:
-        return values
-    return np.concatenate([values, np.zeros((len(values), length[0] - values.shape[1], *values.shape[2:]))], axis=1)
+    return Population(_mapped(joined, *(one.points for one in populations)),
+                      _mapped(joined, *(one.constants for one in populations)), joined(*(one.rows for one in populations)))
 
 
 def _mapped(function, *items):

@@ -22,6 +22,7 @@ import numpy as np
 
 from hybrid.runtime.jit import njit, prange
 from hybrid.soil import ghost
+from hybrid.soil.buffers import resized
 from hybrid.soil.boxes import (
     NODES, STRIDE, add_box, add_point, box_widths, columns_reached, contract, empty_box, enter, is_in, move)
 from hybrid.soil.fbar import COUNT, add_mean_terms, mean_dilatation, mean_tangent, project
@@ -81,10 +82,18 @@ class KeptStiffness:
 
     def __init__(self, tolerance, young, fbar=False):
         n = len(young)
-        self._limit, self._changed = tolerance * young, np.empty(n, bool)
+        self._tolerance, self._limit, self._changed = tolerance, tolerance * young, np.empty(n, bool)
         self._numbers = np.empty((n, COUNT if fbar else 81))
         self._origin = Origin(*(np.empty(shape) for shape in ((n, 3, 3), (n, 3), (n, 3, 3), (n, 3, 3))))
         self._increment, self._pattern, self.values = lambda: None, None, np.zeros(0)
+
+    def follow_points(self, young):
+        """Go on with other points, of Young's moduli (n,) [Pa]; the next update assembles all of them."""
+        n = len(young)
+        self._limit, self._changed = self._tolerance * young, resized(self._changed, n)
+        self._numbers = resized(self._numbers, n)
+        self._origin = Origin(*(resized(array, n) for array in self._origin))
+        self._increment = lambda: None
 
     def update(self, increment, grid, trial, principal_stress, tangent, volume, pattern, share=1.0):
         """Bring `values` up to date with a trial strain of an `increment` (SoilStep); the first update of an increment

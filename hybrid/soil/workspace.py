@@ -33,6 +33,13 @@ class SoilWorkspace:
         if solver is not None and keeps_tangents(soil, solver):
             self.kept = KeptStiffness(solver.tangent_tolerance, soil.law.young, soil.fbar)
 
+    def follow_points(self, soil):
+        """Go on with a Soil whose points have moved from process to process."""
+        self.trial_strain.resize(len(soil.constants))
+        self._law, self._elastic = soil.law, None
+        if self.kept:
+            self.kept.follow_points(soil.law.young)
+
     def law_tangent(self, tangent, share):
         """The `tangent` D (n, 3, 3) [Pa] of the law with a `share` [-] of the elastic one."""
         if not (share and self._law.plastic):

@@ -21,7 +21,7 @@ from hybrid.linalg.stencil_pattern import Pattern
 from hybrid.linalg.system_cache import CarriedTangent
 from hybrid.runtime import comm
 from hybrid.runtime.timing import phase
-from hybrid.soil.model import Refusal, SoilStep
+from hybrid.soil.model import SoilStep
 from hybrid.soil.transfer import interpolate
 from hybrid.state import State
 from hybrid.step import assemblies, body_terms, joint_rates, joint_terms, pair_terms, soil_terms
@@ -96,14 +96,14 @@ class Step:
         soil = nodal_contact = None
         if self.soil is not None:
             soil = soil_terms.evaluate(self, unknowns.displacement, keep and keep.soil_trial)
-            if isinstance(soil, Refusal):
-                return soil
             nodal_contact = soil.forces["contact"]
         joints = self.joints and self.joints.evaluate(unknowns.poses, unknowns.multipliers)
         with phase("contact"):
             pairs = self.pairs and self.pairs.evaluate(unknowns.poses)
             bodies = tuple(b.evaluate(unknowns, nodal_contact, joints, pairs) for b in self.bodies)
             if soil is not None:
+                if refusal := soil_terms.refusal(soil):
+                    return refusal
                 soil_terms.add_up(self.model.soil.grid, soil, bool(bodies))
         residual, norms, error, internal = np.zeros(0), {}, 0.0, 0.0
         if soil is not None:

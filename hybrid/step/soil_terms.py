@@ -12,7 +12,8 @@ import numpy as np
 from hybrid.runtime import comm
 from hybrid.runtime.timing import phase
 from hybrid.soil import closing
-from hybrid.soil.model import Refusal, SoilTrial
+from hybrid.soil.lost_points import list_points
+from hybrid.soil.model import INSIDE_OUT, NO_STRESS, Refusal, SoilTrial
 
 ROUNDING = 1e-14  # relative, of positions and increments: forces that this alone explains are not residual
 
@@ -20,9 +21,9 @@ ROUNDING = 1e-14  # relative, of positions and increments: forces that this alon
 @dataclass(frozen=True)
 class SoilTerms:
     """Terms at trial displacements: the trial of the soil, `Scheme.advance` of the nodes, and forces (N, 3) [N] by
-    name, of which "contact" is added by the bodies."""
+    name, of which "contact" is added by the bodies. Of a Refusal, only contact."""
 
-    trial: SoilTrial
+    trial: SoilTrial | Refusal
     rates: tuple
     forces: dict
 
@@ -39,15 +40,26 @@ def begin(model, state, dt, workspace):
 
 
 def evaluate(step, displacement, keep=None):
-    """SoilTerms at nodal increments (N, 3) [m], or a Refusal; keep: an earlier SoilTrial that stays valid."""
+    """SoilTerms of this process's points at nodal increments (N, 3) [m]; keep: an earlier SoilTrial that stays valid."""
     with phase("soil"):
         trial = step.model.soil.evaluate(step.soil, displacement, keep)
+    contact = np.zeros_like(displacement)
     if isinstance(trial, Refusal):
-        return trial
+        return SoilTerms(trial, (), {"contact": contact})
     rates = step.model.scheme.advance(displacement, *step.soil.history, step.dt)
     return SoilTerms(trial, rates, {
         "internal": trial.force, "weight": -step.soil.weight, "inertia": step.soil.mass[:, None] * rates[1],
-        "contact": np.zeros_like(trial.force)})
+        "contact": contact})
+
+
+def refusal(terms):
+    """Refusal of any process, in all of them; None where each has a SoilTrial. Processes wait for one another here, after
+    soil and contact: no one of them is the slowest in both."""
+    own = terms.trial if isinstance(terms.trial, Refusal) else Refusal("")
+    reasons = "", NO_STRESS, INSIDE_OUT
+    reason = reasons[int(comm.largest([reasons.index(own.reason)]))]
+    points = np.asarray(own.points if own.reason == reason else (), np.int64)
+    return Refusal(f"{reason} {list_points(points)}", points) if reason else None
 
 
 def add_up(grid, terms, with_contact):

@@ -20,8 +20,7 @@ class Workspace:
 
     def follow_points(self, model):
         """Go on with a model whose points have moved from process to process."""
-        self.soil = None
-        self.soil = SoilWorkspace(model.soil, model.solver)
+        self.soil.follow_points(model.soil)
         self._model = model
         self.systems.follow_points(model)
 
