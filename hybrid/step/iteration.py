@@ -63,14 +63,14 @@ SERVES, CALM = 0.3, 3
 class Updates:
     """How updates are made: until `patience` of them make no progress; backtrack: with a line search, else in full; smooth:
     with few rough nodes solved for by themselves; near, far: Tangent of contact near the solution and, without inertia, far
-    from it (FAR); astray: go on where they have DIVERGED."""
+    from it (FAR); may_diverge: go on where they have DIVERGED."""
 
     patience: int
     backtrack: bool = False
     smooth: bool = True
     near: Tangent = Tangent.CONSISTENT
     far: Tangent = Tangent.DEFINITE
-    astray: bool = False
+    may_diverge: bool = False
 
 
 @dataclass(frozen=True)
@@ -208,7 +208,7 @@ def _good(step):
 
 def _diverged(evaluation, best, solver, updates):
     """Whether full updates have led away from the `best` evaluation, where backtracking can be tried from."""
-    given_up = solver.line_search and not (updates.backtrack or updates.astray)
+    given_up = solver.line_search and not (updates.backtrack or updates.may_diverge)
     return given_up and evaluation.error > max(DIVERGED * best.error, LOST)
 
 

@@ -28,8 +28,8 @@ from hybrid.step.iteration import PATIENCE, Outcome, Updates, iterate
 # Full updates are given up sooner than PATIENCE, because backtracking is tried then. Iterations of four collapses of
 # clay: 3: 1014, 5: 620, 8: 593; of pipes pushed into clay, a fifth more with 5 than with backtracking from the start.
 TRIAL = 5
-# Errors accepted when progress has ended: RELAXED times the tolerance, or ROUND_OFF where the residual is round-off.
-RELAXED, ROUND_OFF = 3.0, 1e-3
+# Errors accepted when progress has ended: RELAXED times the tolerance, or AT_ROUND_OFF where the residual is round-off.
+RELAXED, AT_ROUND_OFF = 3.0, 1e-3
 # A contact point may be carried by a facet whose overlap differs from that with the nearest one by this share (1e-5 to
 # 1e-2 in spheres that roll over rows of points); it is tried with HOLDS sets of facets.
 AMBIGUOUS, HOLDS = 0.05, 5
@@ -39,6 +39,7 @@ BETWEEN = 1.0
 # Where points of clay come into contact or part in an increment, and the adhesion that those in contact bear changes by
 # more than SHARED of it, it is shared among them anew and solved for again, once.
 SHARED = 0.05
+NOTHING = Outcome(None, 0, 0, ())   # tried yet
 
 
 def solve(step: Step, short=False, backtrack=False):
@@ -46,37 +47,38 @@ def solve(step: Step, short=False, backtrack=False):
     that a contact point may be carried BETWEEN facets; backtrack: whether to begin with backtracking."""
     solver = step.model.solver
     if reason := step.rotation_too_large():
-        return Outcome(None, 0, 0, (), reason)
+        return replace(NOTHING, reason=reason)
     if step.pairs and step.pairs.too_long:
-        return Outcome(None, 0, 0, (), step.pairs.too_long)
+        return replace(NOTHING, reason=step.pairs.too_long)
     evaluation = first_evaluation(step)
     if isinstance(evaluation, Refusal):
-        return Outcome(None, 0, 0, (), f"the first guess {evaluation.reason}")
+        return replace(NOTHING, reason=f"the first guess {evaluation.reason}")
     if not step.model.scheme.inertia:   # the first guess is then at rest
         evaluation = lowered_to_contact(step, evaluation)
         step = replace(step, reference=evaluation.internal)
-    outcome = Outcome(None, 0, 0, ())
+    outcome, ambiguous = NOTHING, BETWEEN if short else AMBIGUOUS
     for start in starts(step, evaluation):
-        outcome = outcome.followed_by(_solution(step, solver, start, backtrack, BETWEEN if short else AMBIGUOUS))
+        outcome = outcome.followed_by(_solution(step, solver, start, ambiguous, backtrack))
         if outcome.converged:
             break
         step.release_facets()
     if not outcome.converged and short and solver.line_search:
         start = step.evaluate(evaluation.unknowns)
-        outcome = outcome.followed_by(iterate(step, solver, start, Updates(PATIENCE, astray=True)))
+        outcome = outcome.followed_by(iterate(step, solver, start, Updates(PATIENCE, may_diverge=True)))
     if not outcome.converged:
         return outcome
     change = step.share_interface(outcome.evaluation)
     if change > SHARED:
-        outcome = _shared(step, solver, outcome)
+        outcome = _shared(step, solver, outcome, ambiguous)
     return replace(outcome, reason=rejection(step, outcome.evaluation)) if outcome.converged else outcome
 
 
-def _shared(step, solver, outcome):
-    """`outcome` with the adhesion of clay shared among the points that touch in it; as it is where that has no solution."""
+def _shared(step, solver, outcome, ambiguous):
+    """`outcome` with the adhesion of clay shared among the points that touch in it; as it is where that has no solution.
+    ambiguous: as in `_solution`."""
     unknowns, error = outcome.evaluation.unknowns, outcome.evaluation.error
     step.release_facets()
-    again = _solution(step, solver, step.evaluate(unknowns))
+    again = _solution(step, solver, step.evaluate(unknowns), ambiguous)
     if again.converged:
         return outcome.followed_by(again)
     step.restore_interface()
@@ -86,7 +88,7 @@ def _shared(step, solver, outcome):
     return again.followed_by(replace(outcome, evaluation=before))
 
 
-def _solution(step, solver, evaluation, backtrack=False, ambiguous=AMBIGUOUS):
+def _solution(step, solver, evaluation, ambiguous, backtrack=False):
     """Outcome from an evaluation. Where contact points jump between facets they are held (`hybrid.contact.held_facets`), and
     may be carried by one whose overlap differs from that with the nearest one by a share of `ambiguous`."""
     step.release_facets()
@@ -116,7 +118,7 @@ def _judge(step, solver, outcome):
     best = step.evaluate(outcome.evaluation.unknowns)
     if step.facet_error(best) > AMBIGUOUS:
         return outcome
-    if best.error <= RELAXED * solver.tolerance or best.error <= ROUND_OFF and step.within_rounding(best):
+    if best.error <= RELAXED * solver.tolerance or best.error <= AT_ROUND_OFF and step.within_rounding(best):
         return replace(outcome, evaluation=best, reason="", judged=True)
     return outcome
 
@@ -135,23 +137,25 @@ def _updates(step, solver, evaluation, backtrack=False, far=Tangent.DEFINITE):
     """Outcome with full updates; where they make no progress, from the best iterate with those of a tangent that does not
     soften where convex edges press the soil; and then with backtracking. backtrack: whether to try this first; far: of
     Updates."""
-    yields = step.model.soil.law.plastic
-    full = TRIAL if solver.line_search and yields else PATIENCE
-    if backtrack and solver.line_search:
-        outcome = iterate(step, solver, evaluation, Updates(PATIENCE, backtrack=True, far=far))
+    search, yields = solver.line_search, step.model.soil.law.plastic
+    full = Updates(TRIAL if search and yields else PATIENCE, far=far, may_diverge=not yields)
+    careful, outcome = Updates(PATIENCE, backtrack=True, far=far), NOTHING
+    if backtrack and search:
+        outcome = iterate(step, solver, evaluation, careful)
         if outcome.converged:
             return outcome
-        return outcome.followed_by(_updates(step, solver, step.evaluate(evaluation.unknowns), far=far))
-    outcome = iterate(step, solver, evaluation, Updates(full, far=far, astray=not yields))
-    for updates in (Updates(full, near=far, far=far, astray=not yields), Updates(PATIENCE, backtrack=True, far=far)):
-        if outcome.converged:
-            break
-        almost = outcome.evaluation.error <= RELAXED * solver.tolerance      # accepted as it is, backtracking gains nothing
-        useful = solver.line_search and not almost if updates.backtrack else step.has_convex_contact(outcome.evaluation)
-        if useful:
-            best = step.evaluate(outcome.evaluation.unknowns)
-            outcome = outcome.followed_by(iterate(step, solver, best, updates))
+        evaluation = step.evaluate(evaluation.unknowns)
+    outcome = outcome.followed_by(iterate(step, solver, evaluation, full))
+    if not outcome.converged and step.has_convex_contact(outcome.evaluation):
+        outcome = _from_best(step, solver, outcome, replace(full, near=far))
+    if not outcome.converged and search and outcome.evaluation.error > RELAXED * solver.tolerance:   # else accepted
+        outcome = _from_best(step, solver, outcome, careful)
     return outcome
+
+
+def _from_best(step, solver, outcome, updates):
+    """`outcome` followed by `updates` from its best iterate."""
+    return outcome.followed_by(iterate(step, solver, step.evaluate(outcome.evaluation.unknowns), updates))
 
 
 def rejection(step, evaluation):

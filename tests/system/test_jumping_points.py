@@ -97,7 +97,7 @@ def test_corners_are_not_held_twice_to_the_same_facets(monkeypatch, facets, trie
                            hold_facets=lambda evaluation: [np.array([next(facets)])], within_rounding=lambda best: False)
     monkeypatch.setattr(newton, "_newton", lambda *start: failed)
     monkeypatch.setattr(newton, "iterate", lambda *start: calls.append(start) or failed)
-    assert not newton._solution(step, Solver(), best).converged and len(calls) == tried
+    assert not newton._solution(step, Solver(), best, newton.AMBIGUOUS).converged and len(calls) == tried
 
 
 def test_a_corner_between_two_facets_is_carried_by_either_in_a_short_increment(monkeypatch):
@@ -107,10 +107,10 @@ def test_a_corner_between_two_facets_is_carried_by_either_in_a_short_increment(m
                            evaluate=lambda unknowns: best, hold_facets=lambda evaluation: held.append(0) or [np.zeros(1)])
     monkeypatch.setattr(newton, "_newton", lambda *start: iteration.Outcome(best, 9, 9, (1.0,), "residual", jumping=True))
     monkeypatch.setattr(newton, "iterate", lambda *start: iteration.Outcome(best, 2, 2, (1.0,)))
-    refused = newton._solution(step, Solver(), best)
+    refused = newton._solution(step, Solver(), best, newton.AMBIGUOUS)
     assert "jump between facets" in refused.reason and len(held) == newton.HOLDS
     held.clear()
-    outcome = newton._solution(step, Solver(), best, False, newton.BETWEEN)
+    outcome = newton._solution(step, Solver(), best, newton.BETWEEN)
     assert outcome.converged and outcome.judged and outcome.iterations == 11 and len(held) == 1
 
 

@@ -246,7 +246,7 @@ def test_a_residual_within_round_off_is_accepted_where_it_is_small_beside_the_fo
     """A weight of 2e-5 N on a stiffness that rounds to 5e-10 N; and of 2e-9 N, of which that is a quarter."""
     records, stress = hardly_loaded(1e-9, 1e-9)
     assert sum(r.judged for r in records) == 2 and sum(r.rejections for r in records) == 0
-    assert all(1e-8 < r.residual <= newton.ROUND_OFF for r in records) and stress == pytest.approx(1.0, abs=1e-3)
+    assert all(1e-8 < r.residual <= newton.AT_ROUND_OFF for r in records) and stress == pytest.approx(1.0, abs=1e-3)
     assert [r.judged for r in hardly_loaded(1.0, 1e-6)[0]] == [0, 0]
     with pytest.raises(StepError, match="round-off of its stiffness"):
         hardly_loaded(1e-13, 1e-9)
@@ -358,16 +358,19 @@ def test_the_order_is_lost_with_a_tolerance_relative_to_the_weight(monkeypatch):
 
 @pytest.mark.parametrize("error, converged", [(0.3, False), (1e-6, True)])
 def test_an_increment_is_what_it_was_where_adhesion_shared_anew_has_no_solution(error, converged, monkeypatch):
-    """If it still is: with other facets than those with which it converged its residual may be large."""
+    """If it still is: with other facets than those with which it converged its residual may be large. It is solved anew
+    with the bound on what carries a point that it converged with."""
+    bounds = []
+
     def evaluated(error):
         return SimpleNamespace(error=error, unknowns=None)
 
     first = iteration.Outcome(evaluated(1e-6), 3, 9, (1.0, 1e-6))
     failed = iteration.Outcome(None, 2, 5, (1.0,), "no progress")
-    monkeypatch.setattr(newton, "_solution", lambda *given: failed)
+    monkeypatch.setattr(newton, "_solution", lambda *given: bounds.append(given[3]) or failed)
     step = SimpleNamespace(release_facets=lambda: None, restore_interface=lambda: None, evaluate=lambda u: evaluated(error))
-    outcome = newton._shared(step, SimpleNamespace(tolerance=1e-4), first)
-    assert outcome.converged == converged and outcome.iterations == 5
+    outcome = newton._shared(step, SimpleNamespace(tolerance=1e-4), first, newton.BETWEEN)
+    assert outcome.converged == converged and outcome.iterations == 5 and bounds == [newton.BETWEEN]
     assert not converged or outcome.evaluation.error == error
 
 
