@@ -242,7 +242,9 @@ class Simulation:
         control, model = self._control(length, begun), self.stage_model(number, starts)
         workspace.renew(model)
         if not begun:
-            self.state = model.begin_stage(self.state, self.stage_model(number - 1, 0.0).guides if number else ())
+            before = self.state
+            self.state = model.begin_stage(before, self.stage_model(number - 1, 0.0) if number else None)
+            control.pushed = model.pushed(before, self.state) if number else ()     # at first no pressure is there yet
         if stage.pull:
             self.state = model.lay_out_lines(self.state)
         for stage_step in range(max(1, self.state.step - first + 1), stage.steps + 1):

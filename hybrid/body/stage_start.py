@@ -7,13 +7,13 @@ import numpy as np
 from hybrid.body import guides, motion, rigid
 
 
-def begin_loads(body, state, time, scheme):
-    """`state` after the loads of another stage begin to act at a `time` [s]: what they change accelerates free components
-    from the start of the next step, and guides of the others take it."""
-    if not body.loads and state.load is None:
+def begin_loads(body, state, time, scheme, gravity=np.zeros(3)):
+    """`state` after the loads of another stage begin to act at a `time` [s], with so much more `gravity` (3,) [m/s²]: what
+    they change accelerates free components from the start of the next step, and guides of the others take it."""
+    if not body.loads and state.load is None and not gravity.any():
         return state
     now = -guides.load_on(body.loads, state.rotation, time)[0]
-    change = now - (np.zeros(6) if state.load is None else state.load)
+    change = now - (np.zeros(6) if state.load is None else state.load) - rigid.weight(body, state.rotation, gravity)
     new = _accelerated(body, state, change) if scheme.inertia else state
     reaction = None if state.reaction is None else state.reaction - np.where(body.free, 0.0, change)
     return replace(new, reaction=reaction, load=now if body.loads else None)
@@ -49,12 +49,28 @@ def engage_guides(body, state, gravity, scheme, joined=False):
     return new, impulse_work
 
 
+def begin_friction(body, state, change):
+    """`state` at the end of an increment at whose start forces began to act, and at whose end friction and adhesion have
+    changed by a force and moment `change` (6,) [N, N m]: as if they had done so at its start. Of generalised alpha, by
+    the momentum that is yet to follow, FORMULATION (27b).
+
+    They answer a force at once, by as much as it takes or they can, and without them the body would have been accelerated as
+    if nothing held it: half a step of that would stay in its velocity.
+    """
+    return replace(state, algorithmic=state.algorithmic + _acceleration(body, state, change))
+
+
 def _accelerated(body, state, load):
     """`state` with the accelerations of free components that a force and moment `load` (6,) [N, N m] adds."""
-    force, moment = np.split(np.where(body.free, load, 0.0), 2)
-    axes, inertia = state.rotation.T[:, body.free[3:]], body.mass.inertia     # free axes, in the body frame
-    spin_rate = axes @ np.linalg.solve(axes.T @ inertia @ axes, axes.T @ (state.rotation.T @ moment))
-    added = np.concatenate([force / body.mass.mass, spin_rate])
+    added = _acceleration(body, state, load)
     return replace(
         state, acceleration=state.acceleration + added[:3], spin_rate=state.spin_rate + added[3:],
         algorithmic=None if state.algorithmic is None else state.algorithmic + added)
+
+
+def _acceleration(body, state, load):
+    """(6,) [m/s²; rad/s², body frame] of free components by a force and moment `load` (6,) [N, N m]."""
+    force, moment = np.split(np.where(body.free, load, 0.0), 2)
+    axes, inertia = state.rotation.T[:, body.free[3:]], body.mass.inertia     # free axes, in the body frame
+    spin_rate = axes @ np.linalg.solve(axes.T @ inertia @ axes, axes.T @ (state.rotation.T @ moment))
+    return np.concatenate([force / body.mass.mass, spin_rate])

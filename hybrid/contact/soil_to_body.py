@@ -99,6 +99,12 @@ class PointContact:
         return total(np.concatenate([self.force, np.cross(self.arm, self.force)], axis=1))
 
     @property
+    def friction(self):
+        """(6,), the part of the resultant that acts along the surface."""
+        shear = self.shear
+        return total(np.concatenate([shear, np.cross(self.arm, shear)], axis=1))
+
+    @property
     def energy(self):
         """Energy stored in the springs of all processes [J]."""
         return float(total(self.stored))

@@ -7,14 +7,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hybrid.body import guides, rigid
+from hybrid.body import guides, rigid, stage_start
 from hybrid.body.rigid import BodyTrial, RigidBody
 from hybrid.contact.assembly import Tangent
 from hybrid.contact.contact_pair import ContactPair
 from hybrid.contact.on_ground import GroundPair, of_soil
 from hybrid.contact.search import Reach
 from hybrid.contact.soil_to_body import PointContact
-from hybrid.runtime.comm import anywhere
+from hybrid.runtime.comm import anywhere, total
 from hybrid.scheme import Scheme
 from hybrid.state import BodyState
 from hybrid.step import joint_terms, soil_terms
@@ -282,3 +282,21 @@ def begin_bodies(model, state, dt, pulling, domains, active, nodal):
         begun.append(BodyStep(number, body, motion, target, pair, reach, unknowns, line_force, gravity, model.scheme,
                               dt, state.time))
     return tuple(begun)
+
+
+def begin_friction(step, evaluation, state, numbers):
+    """`state` at the end of an increment, with its Evaluation, at whose start forces began to act on the bodies `numbers`,
+    as if friction and adhesion had answered them from then on (`stage_start.begin_friction`): FORMULATION (27c).
+
+    Only as far as there was pressure before. One that begins with the forces does so late by the same half of a step, and
+    twice as much of it follows in the next increment, with its friction.
+    """
+    bodies = list(state.bodies)
+    for number in numbers:
+        own, after = step.bodies[number], evaluation.bodies[number].contact
+        before = own.pair.evaluate(step.at_rest().displacement, own.committed_pose())
+        pressed, presses = total(before.pressure), total(after.pressure)
+        share = min(pressed / presses, 1.0) if pressed > 0.0 and presses > 0.0 else 0.0
+        change = share * after.friction - before.friction
+        bodies[number] = stage_start.begin_friction(own.body, bodies[number], change)
+    return replace(state, bodies=bodies)

@@ -17,7 +17,7 @@ import numpy as np
 from hybrid.runtime.comm import largest
 from hybrid.runtime.errors import StepError
 from hybrid.soil.model import Soil
-from hybrid.step import failure_message, newton, processes
+from hybrid.step import body_terms, failure_message, newton, processes
 from hybrid.step.equations import begin
 from hybrid.step.evaluation import Evaluation
 from hybrid.step.error_estimate import even, following, local_error, shorter
@@ -57,6 +57,7 @@ def outer_step(model, workspace, state, length, pulling, control):
         if accepted:
             last = remaining - dt <= ROUND_OFF * length
             before, state = state, step.accept(outcome.evaluation, start.time + length if last else None)
+            state, control.pushed = body_terms.begin_friction(step, outcome.evaluation, state, control.pushed), ()
             report.accept(dt, error)
             if not model.scheme.inertia:
                 report.flow(before.points, state.points)
@@ -99,12 +100,14 @@ class Control:
     smallest  [s] increment below which a step fails
     accuracy  [m] error of positions that an outer step may add, None where convergence alone decides
     backtrack whether the last increment needed backtracking in Newton's method, so that the next one begins with it
+    pushed    numbers of the bodies that forces begin to push at the start of the next increment
     """
 
     dt: float
     smallest: float
     accuracy: float | None = None
     backtrack: bool = False
+    pushed: tuple = ()
     _length: float = 0.0        # [s] of the outer step
     _finest: float = 0.0        # [s] increment below which it fails, `smallest` or what an impact needs
     _impact: float = np.inf     # [s] increment that resolves the impacts of this one

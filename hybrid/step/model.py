@@ -69,27 +69,37 @@ class Model:
         return replace(self, scheme=self.scheme.with_pair(beta, gamma), bodies=bodies, loads=loads or self.loads,
                        guides=guides)
 
-    def begin_stage(self, state, guides=()):
-        """`state` at the start of a stage of this model: guides release bodies or engage them. The work of the impulse
-        that brings a body to the rates of its guides is work of the drive. guides: of points in the stage before."""
+    def begin_stage(self, state, before=None):
+        """`state` at the start of a stage of this model: guides release bodies or engage them, and loads begin to act. The
+        work of the impulse that brings a body to the rates of its guides is work of the drive. before: Model of the stage
+        before, None at the start of a run."""
         gravity, bodies, work = self.loads.on_bodies(state.time), [], dict(state.work)
-        if guides:
-            state = joint_rates.released(self, state, guides)
+        more = gravity - before.loads.on_bodies(state.time) if before else np.zeros(3)
+        if before and before.guides:
+            state = joint_rates.released(self, state, before.guides)
         joined = {number for joint in self.joints for number in joint.bodies}
         for i, (body, motion) in enumerate(zip(self.bodies, state.bodies, strict=True)):
             if self.scheme.inertia:
                 motion = stage_start.release_guides(body, motion)
-            before = motion
+            free = motion
             motion, impulse_work = stage_start.engage_guides(body, motion, gravity, self.scheme, i in joined)
             if impulse_work:
                 work["drive"] = work.get("drive", 0.0) + impulse_work
-                for name, done in by_component(body, rigid.jolt(body, before, motion)):
+                for name, done in by_component(body, rigid.jolt(body, free, motion)):
                     work[name] = work.get(name, 0.0) + done
-            bodies.append(stage_start.begin_loads(body, motion, state.time, self.scheme))
+            bodies.append(stage_start.begin_loads(body, motion, state.time, self.scheme, more))
         bodies, joints, lost = joint_rates.begin_stage(self, bodies, state.joints)
         if lost:
             work["drive"] = work.get("drive", 0.0) - lost
         return replace(state, bodies=bodies, work=work, joints=joints)
+
+    def pushed(self, before, state):
+        """Numbers of the bodies that forces begin to push where a stage turns the state `before` into `state`: not of joined
+        bodies, whose joints bear a part, nor with other schemes than generalised alpha, with which pressure rings."""
+        joined = {number for joint in self.constraints for number in joint.bodies}
+        changed = [np.any(old.acceleration != new.acceleration) or np.any(old.spin_rate != new.spin_rate)
+                   for old, new in zip(before.bodies, state.bodies)]
+        return tuple(i for i, pushed in enumerate(changed) if pushed and i not in joined and self.scheme.auxiliary)
 
     def lay_out_lines(self, state):
         """`state` with the pull lines of all bodies laid out, just taut, where they are not yet."""

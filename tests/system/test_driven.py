@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from hybrid.scene import Axis, Faces, Grid, Pull, Stage
+from hybrid.scene import Axis, Faces, Grid, Load, Pull, Stage
 from hybrid.setup.build import build
+from hybrid.step import body_terms
 from hybrid.study.scenes import SCHEMES, box, elastic, plane, scene
 
 STEP, STEPS = 0.01, 12
@@ -123,6 +124,50 @@ def test_a_moment_that_guides_held_back_turns_the_body_when_they_let_go(options)
     moment = np.cross([0.0, 0.1, 0.0], [records[0].bodies[0].line_tension, 0.0, 0.0])
     expected = np.linalg.solve(simulation.model.bodies[0].mass.inertia, moment) * 1e-4
     np.testing.assert_allclose(motions[1].spin, expected, atol=0.02 * np.linalg.norm(expected))
+
+
+# ------------------------------------------------------------------ forces that begin on a body that friction holds
+
+MU, SLOPE, MASS = 0.2, np.radians(13.0), 0.5 * 0.4 * 0.2 * 2000.0
+ON_SLOPE, LEVEL = (9.81 * np.sin(SLOPE), 0.0, -9.81 * np.cos(SLOPE)), (0.0, 0.0, -9.81)
+
+
+def slid(gravity, stages, step=0.02, steps=20):
+    """Way [m] along x of a block on held ground in the last stage, of `steps` steps."""
+    block = box(0.5, 0.4, 0.2, rest_on=0.0, friction=MU, density=2000.0)
+    described = plane(block, steps, step, gravity=gravity)
+    simulation, way = build(replace(described, stages=stages(steps))), {}
+    for record in simulation.steps():
+        way[record.stage] = simulation.state.bodies[0].position[0]
+    first, last = list(way.values())
+    return last - first
+
+
+def let_go(steps):
+    return Stage("hold", 5, held=("x", "y", "rx", "ry", "rz")), Stage("slide", steps)
+
+
+def pushed_on(steps):
+    """By twice the friction that can act."""
+    load = Load(point=(0.0, 0.0, -0.1), force=(2 * MU * 9.81 * MASS, 0.0, 0.0))
+    return Stage("stand", 5), Stage("slide", steps, loads=(load,))
+
+
+@pytest.mark.parametrize("gravity, stages, acceleration", [
+    (ON_SLOPE, let_go, 9.81 * (np.sin(SLOPE) - MU * np.cos(SLOPE))), (LEVEL, pushed_on, 9.81 * MU)])
+def test_friction_answers_forces_that_begin_with_a_stage_at_once(gravity, stages, acceleration, monkeypatch):
+    """A block let go on a slope, or pushed, slides ½ a t²; without that, by half a step more of what friction takes."""
+    expected = 0.5 * acceleration * 0.4**2
+    assert slid(gravity, stages) == pytest.approx(expected, rel=0.02)
+    monkeypatch.setattr(body_terms, "begin_friction", lambda step, evaluation, state, numbers: state)
+    assert slid(gravity, stages) > 1.04 * expected
+
+
+@every_scheme
+def test_gravity_that_begins_with_a_stage_acts_from_its_start(options):
+    stages = Stage("float", 2, gravity=(0.0, 0.0)), Stage("fall", 3)
+    _, _, motions = flying(options, LEVEL, stages)
+    assert motions[-1].position[2] - motions[0].position[2] == pytest.approx(-0.5 * 9.81 * (3 * STEP)**2, rel=1e-9)
 
 
 # ------------------------------------------------------------------ a plate pressed into elastic soil
