@@ -28,6 +28,7 @@ FULL = "meshing needed more than {:.3g} GiB of memory, the limit; {}"
 LARGEST_ANSWER = 1 << 30       # [bytes]
 TRIANGLE, TETRAHEDRON = 2, 4  # gmsh's numbers of the linear element types
 SEAM = 1e-3                   # between two normals of one node on one surface
+AROUND, BESIDE, ALIKE = 8, 1e-3, 0.02   # of a pole: normals, their distance as a share of the surface, and most difference
 
 
 def main(request):
@@ -280,7 +281,7 @@ def read_normals(entities, triangles):
         if "discrete" in gmsh.model.getType(2, entity).lower() or not len(tags):
             continue
         nodes, _, place = gmsh.model.mesh.getNodes(2, entity, includeBoundary=True, returnParametricCoord=True)
-        normals = np.asarray(gmsh.model.getNormal(entity, place)).reshape(-1, 3)
+        normals = surface_normals(entity, np.asarray(place).reshape(-1, 2))
         nodes, first, row = np.unique(np.asarray(nodes, dtype=np.int64), return_index=True, return_inverse=True)
         # a node on a seam of the surface is listed with both its parameters; at a pole it may have any normal
         agree = np.linalg.norm(np.cross(normals, normals[first][row.reshape(-1)]), axis=1) < SEAM
@@ -289,6 +290,29 @@ def read_normals(entities, triangles):
         np.logical_and.at(sound, row.reshape(-1), agree)
         parts[-1] = np.where(sound[:, None], normals[first], np.nan)[np.searchsorted(nodes, tags)]
     return np.concatenate(parts)
+
+
+def surface_normals(entity, place):
+    """Normals (n, 3) of a surface at parameters `place` (n, 2). At a pole, where all of a parameter is one point, gmsh's may
+    be off, by 63 degrees on a mirrored sphere: there one that differs from the mean of those beside it is replaced by that,
+    and by nan where these differ among themselves, as around an apex."""
+    normals = np.asarray(gmsh.model.getNormal(entity, place.ravel())).reshape(-1, 3)
+    low, high = (np.asarray(ends) for ends in gmsh.model.getParametrizationBounds(2, entity))
+    slopes = np.linalg.norm(np.asarray(gmsh.model.getDerivative(2, entity, place.ravel())).reshape(-1, 2, 3), axis=2)
+    slopes *= high - low
+    for n in np.flatnonzero(slopes.min(axis=1) < SEAM * slopes.max(initial=0.0)):
+        pole = int(slopes[n].argmin())      # the parameter that is one point
+        around = np.repeat(place[n:n + 1], AROUND, axis=0)
+        around[:, pole] = np.linspace(low[pole], high[pole], AROUND, endpoint=False)
+        inwards = 0.5 * (low + high)[1 - pole] - place[n, 1 - pole]
+        around[:, 1 - pole] += BESIDE * inwards
+        near = np.asarray(gmsh.model.getNormal(entity, around.ravel())).reshape(-1, 3)
+        mean = near.mean(axis=0)
+        if np.linalg.norm(near - mean, axis=1).max() > ALIKE:
+            normals[n] = np.nan
+        elif np.linalg.norm(normals[n] - mean) > ALIKE:
+            normals[n] = mean / np.linalg.norm(mean)
+    return normals
 
 
 def read_points(path):

@@ -356,3 +356,19 @@ def test_merged_helper_keeps_the_orientation():
     vertices, triangles, _ = revolved(SHAFT, 12)
     again, numbers = merged(vertices[triangles])
     np.testing.assert_allclose(again[numbers], vertices[triangles])
+
+
+@pytest.mark.parametrize("stretch", [(1.0, -1.0, 1.0), (1.4, 1.0, 0.7), (0.6, 0.6, 1.3)])
+def test_a_mirrored_or_stretched_sphere_has_its_normals_at_the_poles_too(tmp_path, stretch):
+    """gmsh gives unit vectors there that are up to 63 degrees off, alike for all facets of the pole."""
+    path = tmp_path / "stretched.geo"
+    path.write_text('SetFactory("OpenCASCADE");\nMesh.MeshSizeMin = 0.1; Mesh.MeshSizeMax = 0.1;\n'
+                    'Sphere(1) = {0, 0, 0, 0.3};\n'
+                    f'Dilate {{{{0, 0, 0}}, {{{stretch[0]}, {stretch[1]}, {stretch[2]}}}}} {{ Volume{{1}}; }}\n'
+                    'Physical Volume("body") = {1}; Physical Surface("contact") = Abs(Boundary{ Volume{1}; });\n')
+    mesh = generate(path)
+    corners = mesh.points[mesh.contact]
+    exact = corners / np.square(stretch)
+    exact /= np.linalg.norm(exact, axis=2)[:, :, None]
+    sine = np.linalg.norm(np.cross(corner_normals(mesh.points, mesh.contact, mesh.normals), exact), axis=2)
+    assert np.abs(corners[:, :, 2]).max() > 0.99 * 0.3 * stretch[2] and np.degrees(sine.max()) < 0.1
