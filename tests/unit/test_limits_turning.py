@@ -64,6 +64,10 @@ def test_elastic_soil_and_bodies_above_the_clay_are_not_judged():
     assert not notes(BLADE, top=1.01)
 
 
+def test_a_body_that_stands_on_clay_has_no_round_side_in_it():
+    assert not notes(("cylinder.geo", {"radius": 0.5, "height": 0.5, "size": 0.3}), top=0.5, **TURNED, adhesion=1.0)
+
+
 def test_what_stands_above_the_clay_bears_nothing():
     """A blade of 1 m, three quarters of it above the clay: that of one of 0.25 m."""
     text, = notes(BLADE, top=0.75)
@@ -71,5 +75,46 @@ def test_what_stands_above_the_clay_bears_nothing():
     assert f"about {expected:.0%} too high" in text
 
 
+# ------------------------------------------------------------------ turned over
+
+
+def over(depth=0.0, space=False, size=0.125, law="von-mises", spin=0.01, foot=2.5, loads=(), **table):
+    """Texts about a box of 1 m by 1 m by 2 m whose base is at a `depth` [m], turned about y by so many radians a step."""
+    values = {"length": 1.0, "width": 1.0, "height": 2.0, "size": 2.0}
+    table = {"driven": ("ry",), "held": ("x", "y", "z", "rx", "rz"), "spin": (0.0, spin, 0.0)} | table
+    made = body("box.geo", values, position=(0.0, 0.0, 1.0 - depth), **table)
+    side, across = Axis(start=-1.5, end=1.5, size=size), Axis(start=-0.5, end=0.5, collapsed=True)
+    grid = Grid(side, side if space else across, Axis(start=-foot, end=0.25, size=size), Faces(z_min="fixed"))
+    material = clay.clay(2e4) if law == "von-mises" else replace(clay.clay(2e4), law=law, strength=None)
+    described = scene("over", grid, Soil(material, top=0.0, geostatic=False), [made], clay.Time(1.0, inertia=False), 4,
+                      WEIGHTLESS)
+    simulation = build(replace(described, stages=(replace(described.stages[0], loads=loads),)))
+    return list(turning.turned_over(simulation.scene, simulation.model))
+
+
+@pytest.mark.parametrize("moment, limit", [((0.989, 0.883, 0.828), 0.77), ((101.2, 91.7, 85.9), 81.0)])
+def test_the_law_of_bodies_turned_over_is_what_was_measured(moment, limit):
+    """Strips on clay, M/(s_u B²), and walls in it, M [kN m/m], with 8, 16, 32 cells."""
+    for n, found in zip((8, 16, 32), moment):
+        assert found / limit == pytest.approx(1 + turning.OVER / n, abs=0.03)
+
+
+def test_a_footing_or_a_wall_that_is_turned_over_drives_the_next_cells():
+    text, = over()
+    assert "turned about y, 8 cells of 0.125 m across" in text and "up to 28% too high, limit 10%" in text
+    assert "up to 32% too high" in over(space=True, size=0.125)[0]
+    assert "12 cells of 0.125 m across" in over(depth=1.5)[0]
+    assert "up to 28%" in over(spin=0.0, driven=(), held=("x", "y", "z", "rx", "rz"),
+                               loads=(Load(moment=((0.0, 0.0, 0.0, 0.0), (4.0, 0.0, 4e4, 0.0))),))[0]
+
+
+def test_what_is_not_turned_over_in_soil_that_flows_has_no_text():
+    assert not over(spin=1e-5)                  # the clay is elastic
+    assert not over(law="hencky")
+    assert not over(depth=1.5, foot=1.5)        # a wall beside all of the soil
+    assert not over(depth=-1.0)                 # in the air
+    assert not over(depth=1.5, space=True)      # `turned` has one
+
+
 def test_check_and_runs_ask_for_it():
-    assert turning.turned in LIMITS
+    assert turning.turned in LIMITS and turning.turned_over in LIMITS

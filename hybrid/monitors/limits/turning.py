@@ -1,10 +1,21 @@
-"""Bodies that are turned in clay: torque of few cells, measured in space on a vane with D = H and a round pile, set up
-afresh.
+"""Bodies that are turned in soil that flows: torque of few cells, measured on bodies set up afresh.
 
     vane that clay sticks to                 (1 + 1.3/n)³        n cells in its diameter: 1.65, 1.43 with 7, 10;
                                                                   2.44 with 5, whose blades are a cell thick
     round pile along which clay slips        -13, -6, +12 %      with 4, 6, 8 in its diameter, α = 0.5, length 1.5 D;
                                                                   -25 % with 4 where α = 1
+    footing or wall turned over              1 + 2.2/n           n cells in its width, or its depth if that is more
+    footing in space                         1 + 2.6/n
+
+Turned over about a horizontal axis, M/(s_u B²) of strips that clay sticks to, and M [kN m/m] of walls of 1.6 m, about their
+head, in clay and in sand:
+
+| n                            | 8     | 16    | 32    | towards |
+|------------------------------|-------|-------|-------|---------|
+| strip, about its base        | 0.989 | 0.883 | 0.828 | 0.77    |
+| wall in clay, α = 0.5        | 101.2 | 91.7  | 85.9  | 81      |
+| wall in sand                 | 134.5 | 122.4 |       |         |
+| disc, M over π/4 s_u A D     | 1.33  |       |       | < 1     |
 
 Between blades clay is sheared in the cell beyond them (`cells`), so that the torque is that of a body 1.3 cells larger.
 Along a round body it slips, at its outline, and the torque depends on where lines of the grid cut that.
@@ -13,11 +24,14 @@ Along a round body it slips, at its outline, and the torque depends on where lin
 import numpy as np
 
 from hybrid.monitors.limits.stages import stride_of
-from hybrid.monitors.limits.loading import CLAY, EXCESS, law_at, outline, top_of
+from hybrid.monitors.limits.loading import CLAY, EXCESS, ON_LINE, law_at, material_at, outline, top_of
 
 SHEARED = 1.3                   # cells by which the sheared surface is wider, and longer, than the body
 BLADES = 0.1                    # share of its surface with which a body pushes soil as it turns; of a round one 0
 SLIPPING = 16.0                 # cells in the diameter of a round body, twice the most that were measured
+SUNK = 0.05                     # of its width: depth of a round body up to which it stands on the ground
+OVER, OVER_IN_SPACE = 2.2, 2.6  # of bodies turned over
+FLOWS = 0.5                     # s_u/G: angle [rad] of a strip up to which the clay under it is hardly more than elastic
 
 
 def turned(scene, model):
@@ -36,6 +50,39 @@ def turned(scene, model):
             continue
         for axis in axes:
             yield from _torque(whole, place, axis, soil.grid.smallest_cell)
+
+
+def turned_over(scene, model):
+    """Bodies on or in soil that are turned about a horizontal axis, or that a moment turns, with so few cells in them that
+    the moment is more than EXCESS too high. In space those that stand on the ground; of others `turned` tells."""
+    soil, collapsed = model.soil, model.soil.grid.collapsed
+    if soil.held or not soil.law.plastic:
+        return
+    across = [axis for axis in range(2) if collapsed[axis] or not collapsed.any()]
+    for described, body in zip(scene.bodies, model.bodies):
+        whole, place = outline(described, body, soil)
+        top, bottom = top_of(soil), place[:, 2].min()
+        cell, base = soil.grid.smallest_cell, place[place[:, 2] <= max(top, bottom) + ON_LINE * soil.grid.smallest_cell]
+        stands = collapsed.any() or top - bottom <= cell
+        if not stands or not soil.grid.extent[2, 0] + cell < bottom < top + cell:     # over soil, not beside all of it
+            continue
+        for axis in [axis for axis in across if _turns(scene, described, body, axis)]:
+            width = max(np.ptp(base[:, 1 - axis]), top - bottom)
+            excess = (OVER if collapsed.any() else OVER_IN_SPACE) * cell / width if width else 0.0
+            if excess > EXCESS and _pushes(whole, place, axis) > BLADES and _flows(scene, soil, described, bottom, axis):
+                yield (f"{body.name} is turned about {'xy'[axis]}, {width / cell:.2g} cells of {cell:.3g} m across: its moment, "
+                       f"where soil flows under it, is up to {excess:.0%} too high, limit {EXCESS:.0%}, as it drives the next "
+                       f"cells too. Use cells of at most {EXCESS / excess * cell:.2g} m at it, or extrapolate two sizes of "
+                       "cells to none")
+
+
+def _flows(scene, soil, described, height, axis):
+    """Whether a body is turned by enough for clay at a `height` [m] to flow; other soil, and a moment, may do."""
+    material = material_at(scene, soil, height - 0.5 * soil.grid.smallest_cell)
+    angle = sum(stage.steps * stride_of(scene, stage, described, f"r{'xy'[axis]}") for stage in scene.stages)
+    if material.law != CLAY or not angle:
+        return True
+    return angle > FLOWS * material.strength * 2.0 * (1.0 + material.poisson) / material.young
 
 
 def _turns(scene, described, body, axis):
@@ -59,7 +106,7 @@ def _torque(body, place, axis, cell):
                    f"{EXCESS / SHEARED / (2 / across + 1 / length):.2g} m at the body, or take the diameter as "
                    f"{across + SHEARED * cell:.3g} m and the length as {length + SHEARED * cell:.3g} m where s_u follows "
                    "from the torque")
-    elif body.interface and body.interface.adhesion and across < SLIPPING * cell:
+    elif body.interface and body.interface.adhesion and across < SLIPPING * cell and length > SUNK * across:
         yield (f"{begin}, limit {SLIPPING:g}, and the clay slips along its round side: the torque of a pile was 13 % and "
                "6 % too low with 4 and 6 cells, and 12 % too high with 8, with half the clay's strength on it. Use cells "
                f"of at most {across / SLIPPING:.2g} m at the body, or compare several sizes of cells")
@@ -76,4 +123,4 @@ def _pushes(body, place, axis):
     return np.abs((normal * travel).sum(axis=1)).sum() / np.linalg.norm(normal, axis=1).sum()
 
 
-LIMITS = (turned,)
+LIMITS = (turned, turned_over)
