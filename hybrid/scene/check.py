@@ -105,8 +105,6 @@ def _soil(key, soil, grid):
                         "swap the corners")
     if soil.ground is not None:
         yield from _ground(f"{key}.ground", soil, grid, top)
-    yield from need(soil.blend is None or soil.transfer == "blended", f"{key}.blend", soil.blend,
-                    f"left out with transfer = {soil.transfer!r}", "or set transfer = 'blended'")
 
 
 def _line_in_soil(key, pull, soil):

@@ -116,12 +116,9 @@ class Soil:
         "1.5 s_u / E at most, if its steps follow a fall", "-",
         default=None, at_least=0, at_most=1,
         remedy="leave it out; 0 switches it off")
-    transfer: Literal["affine", "increments", "blended"] = key(
-        "how points take the motion of the nodes: their velocity with its gradient (affine), their increments of "
-        "velocity, or these blended with a share of their velocity; without inertia always increments", default="affine")
-    blend: float | None = key('share of the nodes\' velocity per step, with transfer = "blended"; left out: 0.05', "-",
-                              default=None, above=0, at_most=1,
-                              remedy="1 takes the nodes' velocity alone, 0.05 is usual")
+    transfer: Literal["affine", "increments"] = key(
+        "how points take the motion of the nodes: their velocity with its gradient (affine), or their increments of "
+        "velocity; without inertia always increments", default="affine")
     stray: Literal["stop", "freeze", "remove"] = key(
         "points that leave the grid, or that no node carries in a quasi-static scene: stop the run, keep them where "
         "they are and leave them out of all sums (freeze), or remove them", default="stop")

@@ -20,7 +20,7 @@ from hybrid.scene.soil import of_layer
 from hybrid.setup.ground import cut_to_ground
 from hybrid.setup.lattice import Lattice
 from hybrid.setup.law import build_law, coefficient_at_rest
-from hybrid.soil.model import BLEND, Soil
+from hybrid.soil.model import Soil
 from hybrid.soil.points import at_rest, overburden, overburden_of_columns
 from hybrid.state import PointConstants
 from hybrid.step import processes
@@ -55,7 +55,6 @@ def build_soil(scene, grid, loads, law=None):
                 fbar=described.fbar, ghost_factor=described.ghost, stray=described.stray,
                 allow_detached=scene.time.inertia,
                 transfer=described.transfer if scene.time.inertia else "increments",
-                blend=BLEND if described.blend is None else described.blend,
                 heights=_given_heights(described, grid))
     return soil, points
 

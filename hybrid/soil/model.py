@@ -37,7 +37,6 @@ from hybrid.state import Points
 
 SMALL_SUPPORT = 0.1     # mass of a node over its mass in unbroken soil; `hybrid.linalg.precond_pattern` uses it
 NO_STIFFNESS = 1e-3     # largest diagonal entry of a tangent over Young's modulus, below which a point has lost it
-BLEND = 0.05            # share of the nodes' velocity in transfer = "blended", where the scene gives none
 
 
 INSIDE_OUT, NO_STRESS = "turns soil inside out at", "leaves the soil's law without a stress at"
@@ -111,7 +110,7 @@ class Soil:
     ghost_factor   [-] on Young's modulus in the cure for small cuts (`hybrid.soil.ghost`), 0 without
     stray          policy for points that leave the grid or are detached: "stop" | "freeze" | "remove"
     allow_detached whether soil may be detached from all supports and open, as with inertia (`hybrid.soil.closing`)
-    transfer, blend  of the nodes' motion to the points (`hybrid.soil.transfer`)
+    transfer       of the nodes' motion to the points (`hybrid.soil.transfer`)
     heights        (`hybrid.scene.ground.heights` of the ground, top [m]) where they are given
     """
 
@@ -127,7 +126,6 @@ class Soil:
     stray: str = SoilScene.stray
     allow_detached: bool = True
     transfer: str = SoilScene.transfer
-    blend: float = BLEND
     heights: tuple | None = None
 
     @cached_property
@@ -256,11 +254,7 @@ class Soil:
             return transfer.grid_to_points(
                 step.basis, self.grid.axes, old.position, [step.velocity + gain, *accelerations])
         gain_at_points, *rest = (transfer.interpolate(step.basis, self.grid.shape, a) for a in (gain, *accelerations))
-        velocity = old.velocity + gain_at_points
-        if self.transfer == "blended":
-            grid_velocity = transfer.interpolate(step.basis, self.grid.shape, step.velocity + gain)
-            velocity = (1 - self.blend) * velocity + self.blend * grid_velocity
-        return (velocity, *rest), None
+        return (old.velocity + gain_at_points, *rest), None
 
     def _without_detached(self, points, basis):
         """`points` with detached ones inactive. Raises StepError where the run is to stop for them."""

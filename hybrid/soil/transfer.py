@@ -9,7 +9,6 @@ angular momentum, because the basis reproduces positions.
 `soil.transfer` selects how velocities of the points follow from those of the nodes, with Δv_v = v_v,n+1 - v_v,n:
 
     increments   v_p + Σ S_vp Δv_v                                       keeps what the grid does not resolve
-    blended      (1 - s) [v_p + Σ S_vp Δv_v] + s Σ S_vp v_v,n+1          damps this by the share s in each step
     affine       Σ S_vp v_v,n+1, and C_p (x_v - x_p) in the projection   C_p = Σ S_vp v_v ⊗ (x_v - x_p) D_p^-1,
                                                                          D_p = Σ S_vp (x_v - x_p) ⊗ (x_v - x_p)
 
@@ -17,8 +16,7 @@ D_p is diagonal on a tensor-product grid. Accelerations of the points are always
 affine transfer their gradients are too, because projection and interpolation without gradients smooth the
 accelerations, which acts as damping of first order in Δt.
 
-Affine: Jiang, Schroeder, Selle, Teran & Stomakhin, ACM Trans. Graph. 34 (2015) 51; blended: Stomakhin, Schroeder,
-Chai, Teran & Selle, ibid. 32 (2013) 102.
+Affine: Jiang, Schroeder, Selle, Teran & Stomakhin, ACM Trans. Graph. 34 (2015) 51.
 
 Equations: FORMULATION (5) to (7).
 """

@@ -8,15 +8,14 @@ DEMO = demo("transfers")
 
 
 def test_affine_transfer_loses_least():
-    """A quarter turn in 50 steps, and three periods of the swing: in both increments lose more, blended most.
+    """A quarter turn in 50 steps, and three periods of the swing: in both increments lose more.
 
-    Lost of momentum, energy, swing: affine 0.001, 0.002, 0.03; increments 0.03, 0.05, 0.06; blended 0.09, 0.18, 0.14.
+    Lost of momentum, energy, swing: affine 0.001, 0.002, 0.03; increments 0.03, 0.05, 0.06.
     """
     lost = {name: (1 - np.array(DEMO.rotating(name, 50, turns=0.25)), 1 - DEMO.free(name, 96))
             for name in DEMO.TRANSFERS}
-    for better, worse, ratio in (("affine", "increments", 0.1), ("increments", "blended", 0.5)):
-        assert (lost[better][0] < ratio * lost[worse][0]).all() and lost[better][1] < 0.7 * lost[worse][1]
-    assert (0 < lost["affine"][0]).all()
+    (turning, swing), (more_turning, more_swing) = lost["affine"], lost["increments"]
+    assert (0 < turning).all() and (turning < 0.1 * more_turning).all() and swing < 0.7 * more_swing
 
 
 def test_dissipation_is_the_schemes_where_it_is_asked_for():
@@ -30,6 +29,6 @@ def test_dissipation_is_the_schemes_where_it_is_asked_for():
 
 @pytest.mark.slow
 def test_figures_of_the_demo():
-    for name, swing, momentum in (("increments", 0.806, 0.919), ("blended", 0.605, 0.688), ("affine", 0.922, 0.996)):
+    for name, swing, momentum in (("increments", 0.806, 0.919), ("affine", 0.922, 0.996)):
         assert DEMO.free(name) == pytest.approx(swing, abs=0.02)
         assert DEMO.rotating(name)[0] == pytest.approx(momentum, abs=0.01)
