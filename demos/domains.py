@@ -1,6 +1,7 @@
-"""How should the domains of points follow the soil? Four rules, and standard points without domains, in plane strain.
+"""How should the domains of points follow the soil? By second moments or not at all? And standard points,
+without domains; in plane strain.
 
-    none      l = l0            stretch   l = l0 U_ii            diagonal   l = l0 F_ii
+    none      l = l0
     moments   l_i ~ √Σ_j (F_ij l0_j)², of the volume J V0
 
 Prescribed: a block moves homogeneously through the grid (`domains_prescribed.py`).
@@ -85,7 +86,7 @@ def spinning(rule, turns=1, steps=100, period=2.0):
     return stress, left / start, 0.5 * mass @ np.sum(rest**2, axis=1) / start
 
 
-def stretched_bar(stretch, per_cell, rule="stretch", already=0.0, cells=8, steps=60):
+def stretched_bar(stretch, per_cell, rule="moments", already=0.0, cells=8, steps=60):
     """(stretch, error of the stress, empty cells) of a bar whose end is pulled, a row for each step.
 
     The bar lies along x with its lateral strain held, E = 1 MPa, ν = 0: σ = E ln λ / λ everywhere. Nodes in the last
@@ -149,7 +150,7 @@ def empty_cells(points, nodes, rule):
     return int(full[-1] - full[0] + 1 - len(full))
 
 
-def parts(per_cell, rule="stretch", cells=12):
+def parts(per_cell, rule="moments", cells=12):
     """Stretch from which a uniform bar, wherever it lies, may have cells that no domain reaches: there it parts."""
     nodes, start = np.arange(-1.0, 12.0 * cells), (np.arange(cells * per_cell) + 0.5) / per_cell
     half = np.full((len(start), 3), 0.5 / per_cell)
@@ -175,7 +176,7 @@ def show():
         values = *squeezed(rule), *squeezed(rule, 90), *spinning(rule)
         print(f"{rule:9s}" + "".join(f"{v:18.5g}" for v in values))
     print("\nbar stretched: points a cell, largest stretch with no error of the stress, error then, cells empty from")
-    for rule in ("stretch", "none", "mpm"):
+    for rule in RULES:
         for count in (2, 3, 4):
             rows = stretched_bar(1.2 * count, count, rule, steps=60)
             good = rows[rows[:, 1] < 1e-6]

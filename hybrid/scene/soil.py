@@ -105,9 +105,8 @@ class Soil:
     held: bool = key("all displacements of the soil are zero", default=False)
     basis: Literal["gimp", "mpm"] = key("generalised interpolation (gimp) or standard material point (mpm)",
                                         default="gimp")
-    domain: Literal["moments", "stretch", "none", "diagonal"] = key(
-        "how point domains deform: by the second moments of the deformed domain, by the stretch, not at all, or by the "
-        "diagonal of F", default="moments")
+    domain: Literal["moments", "none"] = key(
+        "how point domains deform: by the second moments of the deformed domain, or not at all", default="moments")
     fbar: bool | None = key("points take the volume change of the cells around them, so that nearly incompressible or "
                             "plastic soil does not lock; left out: by the law and Poisson's ratio", default=None)
     ghost: float | None = key(

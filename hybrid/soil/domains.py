@@ -1,13 +1,10 @@
 """Domains of the points: boxes aligned with the axes, whose half-widths l follow the deformation.
 
     none      l_i = l0_i
-    stretch   l_i = l0_i U_ii,  U the right stretch of F = R U
-    diagonal  l_i = l0_i |F_ii|
     moments   l_i = s √Σ_j (F_ij l0_j)²,  s such that Π l = J Π l0 over the axes that deform
 
-U refers to the initial axes: if soil rotates by 90 degrees and is then stretched, its domains widen along the wrong
-axis. With `moments` the box has the second moments Σ_j (F_ij l0_j)²/3 of the deformed domain along the axes, and its
-volume; so it follows rotations, whatever the initial shape of the domain (`demos/domains.py` compares all rules).
+With `moments` the box has the second moments Σ_j (F_ij l0_j)²/3 of the deformed domain along the axes, and its
+volume; so it follows rotations, whatever the initial shape of the domain (`demos/domains.py` compares the rules).
 
 The width of a domain is limited to the cell that contains its centre (so that three nodes an axis suffice) and to the
 grid. With n points a cell along an axis, domains therefore tile a bar only up to a stretch of n.
@@ -20,7 +17,6 @@ import numpy as np
 from hybrid.runtime.jit import njit, prange
 from hybrid.soil.basis import find_cell
 from hybrid.soil.kinematics import determinant
-from hybrid.soil.principal import principal
 
 THINNEST = 1e-3  # of the initial half-width: keeps the basis well defined for a squashed point
 
@@ -31,7 +27,7 @@ def updated_half(rule, initial_half, deformation, position, axes):
         half, deforms = np.empty_like(initial_half), np.array([len(nodes) > 1 for nodes in axes])
         _moments(initial_half, deformation, deforms, int(deforms.sum()), half)
     else:
-        half = initial_half * _stretch(rule, deformation)
+        half = initial_half.copy()
     _limit(initial_half, position, *axes, half)
     return half
 
@@ -48,16 +44,6 @@ def cells_wide(initial_half, deformation, position, axes):
         cell = np.clip(np.searchsorted(nodes, position[:, axis]) - 1, 0, len(nodes) - 2)
         wide[:, axis] /= np.diff(nodes)[cell]
     return wide
-
-
-def _stretch(rule, deformation):
-    """Factors (n, 3) on the half-widths, for the rules that scale each axis independently."""
-    if rule == "diagonal":
-        return np.abs(np.einsum("nii->ni", deformation))
-    if rule == "stretch":
-        values, n = principal(deformation.swapaxes(1, 2) @ deformation)
-        return np.einsum("nij,nj->ni", n**2, np.sqrt(np.maximum(values, 0.0)))
-    return np.ones((len(deformation), 3))
 
 
 @njit(cache=True, parallel=True, fastmath={"contract"})

@@ -21,7 +21,7 @@ YOUNG, DENSITY, GRAVITY, LENGTH = SELF_WEIGHT.young, SELF_WEIGHT.density, SELF_W
 WEIGHT = SELF_WEIGHT.weight
 
 
-def column(cells, steps=50, full=False, basis="gimp", domain="stretch"):
+def column(cells, steps=50, full=False, basis="gimp", domain="moments"):
     """(points, initial heights, height) of a column under gravity in equal increments, without inertia."""
     size = LENGTH / cells
     side = Axis(start=0.0, end=size, size=size, collapsed=not full)

@@ -25,37 +25,31 @@ def worst(rule, name, quantity="force"):
 
 
 @pytest.mark.parametrize("name", ["stretched to 1.5", "squeezed to 0.5"])
-def test_rules_that_follow_a_stretch_are_exact_for_it(name):
+def test_moments_are_exact_for_a_stretch(name):
     """Unchanging domains leave gaps or overlap; standard points are worse still."""
-    assert max(worst(rule, name) for rule in ("stretch", "diagonal", "moments")) < 1e-12
+    assert worst("moments", name) < 1e-12
     assert worst("none", name) > 0.03 and worst("mpm", name) > 2 * worst("none", name)
 
 
-def test_with_the_diagonal_a_rotation_collapses_domains():
-    """F_ii = cos 90° = 0 leaves no domain; the others keep their volume, gaps of a fifth and 3 % of force."""
-    assert worst("diagonal", "turned to 90 deg", "volume") > 0.99
-    for rule in ("none", "stretch", "moments"):
+def test_domains_keep_their_volume_in_a_rotation():
+    """Gaps of a fifth and 3 % of force on the way."""
+    for rule in ("none", "moments"):
         assert worst(rule, "turned to 90 deg", "volume") < 1e-12
         assert worst(rule, "turned to 90 deg", "gap") < 0.25 and worst(rule, "turned to 90 deg") < 0.04
     assert worst("mpm", "turned to 90 deg") > 0.15
 
 
 def test_only_the_moments_rotate_with_the_soil():
-    """U refers to the initial axes: after a quarter turn it widens domains along the wrong axis, as without a rule."""
+    """A stretch after a quarter turn is followed exactly, whereas unchanging domains are wrong by a fifth."""
     name = "turned to 90 deg, stretched to 1.5"
-    assert worst("moments", name) < 1e-12
-    assert worst("stretch", name) == pytest.approx(worst("none", name), rel=1e-6) and worst("stretch", name) > 0.15
-    assert worst("diagonal", name) > 0.4
-    name = "stretched to 1.25, turned to 90 deg"
-    assert worst("moments", name) < 0.8 * worst("stretch", name) < 0.15
+    assert worst("moments", name) < 1e-12 and worst("none", name) > 0.15
 
 
 def test_shear():
-    """The diagonal is exact in simple shear; moments keep the volume; the stretch, with 1.2 of it, is better."""
+    """Moments keep the volume and are better than unchanging domains, though not exact."""
     name = "squeezed to 0.8, sheared to 1"
-    assert worst("diagonal", name) < 1e-12 and worst("diagonal", name, "volume") < 1e-12
-    assert worst("moments", name, "volume") < 1e-12 and worst("stretch", name, "volume") > 0.15
-    assert worst("stretch", name) < worst("moments", name) < worst("none", name) < 0.1 < worst("mpm", name)
+    assert worst("moments", name, "volume") < 1e-12
+    assert worst("moments", name) < worst("none", name) < 0.1 < worst("mpm", name)
 
 
 def test_moments_of_any_box():
@@ -77,23 +71,21 @@ def test_moments_of_any_box():
 @pytest.mark.parametrize("turned", [0, 90])
 def test_a_column_squeezed_and_let_go(turned):
     """The same, solved: turned by 90 degrees before, only moments are as good as they were, and all come back."""
-    loaded, left = np.array([study.squeezed(rule, turned, 16, 20) for rule in ("moments", "stretch", "none", "mpm")]).T
-    assert loaded[0] < 4e-3 and loaded[3] > 0.05
-    assert loaded[1] == pytest.approx(loaded[2 if turned else 0], rel=1e-6) and loaded[2] > 1.5 * loaded[0]
-    assert left[:3].max() < 2e-3 and left[3] > 0.01
+    loaded, left = np.array([study.squeezed(rule, turned, 16, 20) for rule in ("moments", "none", "mpm")]).T
+    assert loaded[0] < 4e-3 and loaded[1] > 1.5 * loaded[0] and loaded[2] > 0.05
+    assert left[:2].max() < 2e-3 and left[2] > 0.01
 
 
 # ------------------------------------------------------------------ domains that outgrow their cell
 
 
-@pytest.mark.parametrize("rule", ["stretch", "moments"])
 @pytest.mark.parametrize("name", GRIDS)
-def test_domains_cut_off_at_their_cell_are_a_basis(name, rule):
+def test_domains_cut_off_at_their_cell_are_a_basis(name):
     """Three nodes an axis at most, partition of unity, linear fields, mass and momentum; wider ones would need more."""
     axes = GRIDS[name]
     position, half = scattered(axes)
     F = np.tile(np.diag([30.0, 20.0, 40.0]), (len(position), 1, 1))
-    cut = updated_half(rule, half, F, position, axes)
+    cut = updated_half("moments", half, F, position, axes)
     basis = evaluate_basis(position, cut, axes)
     assert basis.count.max() == 3
     for axis, nodes in enumerate(axes):
@@ -128,7 +120,7 @@ def test_a_bar_is_exact_up_to_a_stretch_of_the_points_in_a_cell(per_cell):
         assert other[-1, 1] > least
 
 
-@pytest.mark.parametrize("rule, factor, more", [("stretch", 2, 0), ("moments", 2, 0), ("none", 1, 1), ("mpm", 1, 0)])
+@pytest.mark.parametrize("rule, factor, more", [("moments", 2, 0), ("none", 1, 1), ("mpm", 1, 0)])
 @pytest.mark.parametrize("per_cell", [2, 3])
 def test_soil_parts_where_cells_stay_empty(rule, factor, more, per_cell):
     """n points a cell: at a stretch of 2n with domains that grow to their cell, n + 1 with those that do not, n with

@@ -1,10 +1,9 @@
-"""GIMP basis: what its values and slopes reproduce, its limits, and how domains follow the deformation."""
+"""GIMP basis: what its values and slopes reproduce, its limits, and those of domains that follow the deformation."""
 
 import numpy as np
 import pytest
 from scattered_points import COUNT, GRIDS, UNIFORM, clear_of_nodes, scattered
 
-from hybrid.body.attitude import exp_so3
 from hybrid.runtime.errors import StepError
 from hybrid.soil.basis import SNAP, evaluate_basis
 from hybrid.soil.domains import THINNEST, updated_half
@@ -123,37 +122,13 @@ def test_a_domain_that_fills_its_cell_at_the_end_of_the_grid_is_inside():
     assert basis.first[0, 0] == 11 and basis.count[0, 0] == 2
 
 
-def deformations():
-    rng = np.random.default_rng(4)
-    stretch = np.diag([0.9, 1.05, 0.8]) + 0.05 * np.ones((3, 3))
-    return exp_so3(rng.normal(size=3)), stretch
-
-
-@pytest.mark.parametrize("rule", ["none", "stretch", "diagonal"])
-def test_domains_follow_the_deformation(rule):
-    rotation, stretch = deformations()
-    F = rotation @ stretch
-    initial, position = np.array([[0.05, 0.04, 0.03]]), np.array([[0.1, 0.2, 0.3]])
-    wanted = {"none": np.ones(3), "stretch": np.diag(stretch), "diagonal": np.abs(np.diag(F))}[rule]
-    half = updated_half(rule, initial, F[None], position, UNIFORM)
-    np.testing.assert_allclose(half, initial * wanted, rtol=1e-12)
-
-
-def test_a_turning_point_keeps_its_domain_only_with_stretch():
-    F = np.array([exp_so3([0.0, 0.0, angle]) for angle in (0.0, 0.5, 1.5)])
-    initial, position = np.full((3, 3), 0.04), np.full((3, 3), 0.3)
-    np.testing.assert_allclose(updated_half("stretch", initial, F, position, UNIFORM), initial, rtol=1e-12)
-    assert updated_half("diagonal", initial, F, position, UNIFORM)[2, 0] < 0.1 * initial[2, 0]
-
-
-@pytest.mark.parametrize("rule", ["stretch", "diagonal", "moments"])
-def test_domains_are_capped(rule):
+def test_domains_are_capped():
     """No wider than the cell of the centre, inside the grid, not thinner than a thousandth of the start."""
     axes = (UNIFORM[0], np.array([0.5]), UNIFORM[2])
     initial = np.full((3, 3), 0.1)
     position = np.array([[0.3, 0.5, 0.3], [-0.96, 0.5, 1.9], [0.3, 0.5, 0.3]])
     F = np.array([5.0 * np.eye(3), 1.5 * np.eye(3), np.diag([1.0, 1.0, 1e-6])])
-    half = updated_half(rule, initial, F, position, axes)
+    half = updated_half("moments", initial, F, position, axes)
     np.testing.assert_allclose(half[0], [0.125, 0.1, 0.5], rtol=1e-12)          # cells of 0.25 and 1.0
     np.testing.assert_allclose(half[1], [0.04, 0.1, 0.1], rtol=1e-12)           # the ends of the grid
     np.testing.assert_allclose(half[2], [0.1, 0.1, THINNEST * 0.1], rtol=1e-12)

@@ -24,35 +24,17 @@ def crossing(ratio, **soil):
     sinks through about 16 cells. With GIMP the force passes gradually from one cell to the next. Exact: σ_zz = -ρ g (L
     - Z).
     """
-    simulation = build(_column(ratio, Axis(start=0.0, end=1.0, size=1.0, collapsed=True), **soil))
+    simulation = build(_column(ratio, **soil))
     records = list(simulation.steps())
     return Observation(_column_error(simulation), messages(simulation, records))
 
 
-def rotated_domains(angle, **soil):
-    """Domains updated by a part of the deformation that is wrong once the soil has rotated.
-
-    The column of `crossing` with ρgL/E = 1, of soil that has rotated by an angle before and carries no strain: F = R at
-    the start, then F = U R as U compresses the column along z. Updates of the domains:
-
-        diagonal of F    F_zz = U_zz cos θ: at 90 degrees the domains shrink to nothing, which is standard MPM
-        right stretch    √(Fᵀ F) = Rᵀ U R: at 90 degrees they shrink along x instead of z, and overlap
-        moments          those of the deformed domain about the axes of the grid: exact for any rotation
-
-    Exact: σ_zz = -ρ g (L - Z), whatever the rotation.
-    """
-    simulation = build(_column(1.0, collapsed(LENGTH / CELLS), Solver(linear="direct"), **soil))
-    c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
-    simulation.state.points.deformation[:] = [[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]]
-    records = list(simulation.steps())
-    return Observation(_column_error(simulation), messages(simulation, records))
-
-
-def _column(ratio, side, solver=Solver(), **soil):
+def _column(ratio, **soil):
     """Scene of a column with ρgL/E = ratio, loaded by its weight in 20 steps."""
     material = Material(law="hencky", young=DENSITY * GRAVITY * LENGTH / ratio, poisson=0.0, density=DENSITY)
+    side = Axis(start=0.0, end=1.0, size=1.0, collapsed=True)
     grid = Grid(side, side, Axis(start=0.0, end=LENGTH, size=LENGTH / CELLS), Faces())
-    return loaded_by_weight("column", grid, Soil(material, geostatic=False, **soil), 20, -GRAVITY, solver=solver)
+    return loaded_by_weight("column", grid, Soil(material, geostatic=False, **soil), 20, -GRAVITY)
 
 
 def _column_error(simulation):
@@ -233,12 +215,6 @@ MODES = {
         message=r"cells wide, limit .*soil\.points_per_axis|points_per_axis = .*limit 2|"
                 r"soil\.(basis|domain) = .*Set soil\.",
         full=(1.1, 1.5, 1.8, 2.5, 3.5, 5.0), quick=(1.5, 5.0), solve=domain_gap),
-    "rotated_domains": Mode(
-        title="rotated soil", parameters=("rotation before the load [degrees]",),
-        measure="error of the stress over the weight", right=0.01, wrong=0.05,
-        methods={"diagonal of F": {"domain": "diagonal"}, "right stretch": {"domain": "stretch"}, "second moments": {}},
-        default="second moments", message=r'soil\.domain = .*rotate.*Set soil\.domain = "moments"',
-        full=(0, 15, 30, 45, 60, 75, 90), quick=(0, 90), solve=rotated_domains),
     "cuts": Mode(
         title="small cuts", parameters=("weight of a leaning block over its modulus, ρ g L / E",),
         measure="error of the displacement, largest of four positions in the grid", right=0.05, wrong=0.25,

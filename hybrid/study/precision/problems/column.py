@@ -77,7 +77,7 @@ class Settled:
     seconds: float
 
 
-def settle(column, cells, steps=None, domain="stretch", full=False, solver=TIGHT, method="default", **soil):
+def settle(column, cells, steps=None, full=False, solver=TIGHT, method="default", **soil):
     """Settled column on `cells` cells; full: four cells of a three-dimensional grid at each height, else one axis.
 
     solver, soil: values of these tables; method: "default" or "published".
@@ -86,8 +86,7 @@ def settle(column, cells, steps=None, domain="stretch", full=False, solver=TIGHT
     side = Axis(start=0.0, end=2 * size, size=size, collapsed=not full)
     scene = Scene(
         name="column", grid=Grid(side, side, Axis(start=0.0, end=column.length, size=size)),
-        soil=Soil(Material(law="hencky", young=column.young, poisson=0.0, density=column.density), geostatic=False,
-                  domain=domain, **soil),
+        soil=Soil(Material(law="hencky", young=column.young, poisson=0.0, density=column.density), geostatic=False, **soil),
         gravity=(0.0, 0.0, -column.gravity), time=Time(step=1.0, inertia=False),
         stages=(Stage("load", steps or column.steps, gravity=(0.0, 1.0)),),
         method=method, solver=Solver(**solver), output=Output(every=0, checkpoint=0))
@@ -143,7 +142,7 @@ def transfer(values):
 def solve(cells, steps=SOFT.steps, soil=None, solver=None, method="default"):
     """RunResult of the column of 50 m and 10 kPa; soil, solver: values of these tables that differ from the
     defaults."""
-    found = settle(SOFT, cells, steps, **{"domain": "moments", **(soil or {})}, solver=solver or {}, method=method)
+    found = settle(SOFT, cells, steps, **(soil or {}), solver=solver or {}, method=method)
     return RunResult({"stress": float(found.stress_error), "height": float(found.height_error)}, found.iterations,
                  found.unknowns, found.seconds)
 
