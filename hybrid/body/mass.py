@@ -16,7 +16,6 @@ Nothing is reassembled when the body moves: J rotates with it.
 | m        | mass           | -      | kg          |
 |          | centre         | (3,)   | m           |
 | J        | inertia        | (3, 3) | kg m²       |
-| C^T M C  | matrix         | (6, 6) | kg .. kg m² |
 | C^T f    | gravity_load   | (6, 3) | kg, kg m    |
 
 Equations: FORMULATION (30).
@@ -42,14 +41,13 @@ from hybrid.runtime.errors import GeometryError
 class MassProperties:
     """Condensed mass of one body; fields in the module's table.
 
-    `centre` is in the geometry's coordinates; `inertia`, `matrix` and `gravity_load` are about the centre,
-    along the geometry's axes. Gravity g (3,) [m/s²] in those axes gives the load gravity_load @ g [N, N m].
+    `centre` is in the geometry's coordinates; `inertia` and `gravity_load` are about the centre, along
+    the geometry's axes. Gravity g (3,) [m/s²] in those axes gives the load gravity_load @ g [N, N m].
     """
 
     mass: float
     centre: np.ndarray
     inertia: np.ndarray
-    matrix: np.ndarray
     gravity_load: np.ndarray
 
 
@@ -66,13 +64,11 @@ def condensed_mass(mesh, density):
     arm = total[3:] / mass
     offset = 0.5 * np.array([arm[2, 1] - arm[1, 2], arm[0, 2] - arm[2, 0], arm[1, 0] - arm[0, 1]])
     c = condensation(nodes, offset)
-    condensed = c.T @ (matrix @ c)
-    condensed = 0.5 * (condensed + condensed.T)
+    inertia = (c.T @ (matrix @ c))[3:, 3:]
     return MassProperties(
         mass=float(mass),
         centre=middle + offset,
-        inertia=condensed[3:, 3:].copy(),
-        matrix=condensed,
+        inertia=0.5 * (inertia + inertia.T),
         gravity_load=c.T @ loads,
     )
 
@@ -94,9 +90,7 @@ def steiner(mass, arm):
 
 def point_mass(mass, centre, inertia):
     """MassProperties of a mass [kg] at its `centre` (3,) [m] with `inertia` (3, 3) [kg m²] about it."""
-    matrix = np.zeros((6, 6))
-    matrix[:3, :3], matrix[3:, 3:] = mass * np.eye(3), inertia
-    return MassProperties(float(mass), centre, inertia, matrix, mass * np.eye(6, 3))
+    return MassProperties(float(mass), centre, inertia, mass * np.eye(6, 3))
 
 
 def assemble(points, tets, density):

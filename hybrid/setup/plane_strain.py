@@ -28,8 +28,7 @@ def in_slice(body, grid, rotation):
                 f"body across {letter} are equal. Use a prism, such as geometry/box.geo, rotated about {letter} at most, or "
                 f"model the third dimension with grid.{letter}.collapsed = false")
         share = thickness / np.ptp(body.surface.vertices @ rotation[axis])
-        mass = replace(body.mass, **{name: share * getattr(body.mass, name)
-                                     for name in ("mass", "inertia", "matrix", "gravity_load")})
+        mass = replace(body.mass, **{name: share * getattr(body.mass, name) for name in ("mass", "inertia", "gravity_load")})
         fixed = np.array([freedom == letter or (freedom.startswith("r") and freedom != "r" + letter)
                           for freedom in FREEDOMS])
         body = replace(body, mass=mass, free=body.free & ~fixed, surface=_without_ends(body.surface, rotation[axis]))

@@ -114,8 +114,7 @@ def in_part(body, mirrors):
     """The RigidBody with the share of its mass in the part that is modelled: half of it for each plane that it lies
     across."""
     share = 0.5 ** sum(not mirror.cut for mirror in mirrors)
-    mass = replace(body.mass, **{name: share * getattr(body.mass, name)
-                                 for name in ("mass", "inertia", "matrix", "gravity_load")})
+    mass = replace(body.mass, **{name: share * getattr(body.mass, name) for name in ("mass", "inertia", "gravity_load")})
     return replace(body, mass=mass)
 
 

@@ -198,7 +198,7 @@ def test_two_densities_have_the_inertia_of_the_composite(two, name, symmetry):
     assert body.centre == pytest.approx([1.25, 0.25 if symmetry else 0.0, 0.5], abs=1e-9)
     apart = masses @ np.array([0.75, 0.25]) ** 2
     assert body.inertia == pytest.approx(box_inertia(mass, 1, width, 1) + np.diag([0, apart, apart]), abs=1e-6)
-    assert body.matrix[3:, 3:] == pytest.approx(body.inertia) and np.trace(body.gravity_load) == pytest.approx(3 * mass)
+    assert np.trace(body.gravity_load) == pytest.approx(3 * mass)
 
 
 def test_round_parts_of_two_densities_are_as_heavy_as_the_smooth_ones(tmp_path):
