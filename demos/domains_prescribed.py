@@ -13,10 +13,11 @@ import numpy as np
 
 from hybrid.grid.axes import FACES, make_grid
 from hybrid.grid.colouring import make_slabs
+from hybrid.setup.lattice import Lattice
 from hybrid.soil.basis import evaluate_basis
 from hybrid.soil.domains import updated_half
 from hybrid.soil.forces import internal_force
-from hybrid.soil.points import tile
+from hybrid.soil.points import lines_of_points
 
 RULES = ("moments", "none", "mpm")
 SIZE, CELLS = 0.1, 16
@@ -55,7 +56,8 @@ def block():
     ends = (nodes[0], nodes[-1])
     grid = make_grid((nodes, [0.0], nodes), np.array([ends, (-0.5, 0.5), ends]), dict.fromkeys(FACES, "free"))
     edge = CELLS / 2 * SIZE
-    return grid, tile(grid, np.array([-edge, -0.5, -edge]), np.array([edge, 0.5, edge]), (2, 1, 2), 1.0)
+    lattice = Lattice(*lines_of_points(grid, (-edge, -0.5, -edge), (edge, 0.5, edge), (2, 1, 2)))
+    return grid, lattice.points(lattice.chosen(None))
 
 
 def places(count=5):

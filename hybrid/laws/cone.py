@@ -122,15 +122,6 @@ class Cone(Hencky):
         eta, _, strength, ratio, *_, corner = self.parameters[:, 2:].T
         return (eta == 0.0) & (strength < UNLIMITED) & (ratio == 1.0) & (corner == 0.0)
 
-    def yield_function(self, stress, plastic_strain=0.0):
-        """f (n,) [Pa] at principal stresses (n, 3) and accumulated plastic strain (n,)."""
-        eta, ratio, corner = self.parameters.T[[2, 5, 9]]
-        mean = stress.mean(axis=1)
-        deviator = stress - mean[:, None]
-        norm = np.sqrt(np.sum(deviator**2, axis=1))
-        g = np.array([_section(*one)[0] for one in zip(deviator, norm, ratio, corner)])
-        return g * norm / np.sqrt(2) + eta * mean - self.cohesion(plastic_strain)
-
 
 def merge(laws, members):
     """One law from laws of parts of the points; members: their point ids. A Cone if any of them is plastic."""

@@ -29,11 +29,10 @@ from hybrid.soil.forces import internal_force
 from hybrid.soil.ghost import Ghost
 from hybrid.soil.given_ground import GivenGround
 from hybrid.soil.kinematics import TrialStrain, logarithmic, update_strains
-from hybrid.soil.points import PointConstants
 from hybrid.soil.principal import from_principal
 from hybrid.soil.stiffness import add_stiffness, copy_values
 from hybrid.soil.workspace import SoilWorkspace
-from hybrid.state import Points
+from hybrid.state import PointConstants, Points
 
 SMALL_SUPPORT = 0.1     # mass of a node over its mass in unbroken soil; `hybrid.linalg.precond_pattern` uses it
 NO_STIFFNESS = 1e-3     # largest diagonal entry of a tangent over Young's modulus, below which a point has lost it

@@ -6,17 +6,7 @@ Equations: FORMULATION (21).
 import numpy as np
 
 from hybrid.runtime.errors import SceneError
-from hybrid.state import PointConstants, Points
-
-
-def tile(grid, lower, upper, per_axis, density):
-    """PointConstants that tile the cells from `lower` to `upper` (3,) [m], `per_axis` (3,) points along each cell edge.
-    Raises SceneError as `lines_of_points` does."""
-    centres, halves, _ = lines_of_points(grid, lower, upper, per_axis)
-    position, half = (np.stack([a.ravel() for a in np.meshgrid(*lines, indexing="ij")], axis=1)
-                      for lines in (centres, halves))
-    volume = np.prod(2 * half, axis=1)
-    return PointConstants(position, half, volume, density * volume)
+from hybrid.state import Points
 
 
 def lines_of_points(grid, lower, upper, per_axis):
@@ -71,8 +61,8 @@ def overburden(constants, gravity):
 
 
 def overburden_of_columns(constants, gravity):
-    """The same under ground that is not level: weight above in the own column of points, which are in the order of
-    `tile`."""
+    """The same under ground that is not level: weight above in the own column of points, which are numbered along
+    z first."""
     position, half = constants.position, constants.half_width
     weight = constants.mass * gravity / (4 * half[:, 0] * half[:, 1])
     begins = np.flatnonzero(np.any(position[1:, :2] != position[:-1, :2], axis=1)) + 1

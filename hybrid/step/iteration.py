@@ -16,7 +16,6 @@ import numpy as np
 
 from hybrid.contact import held_facets
 from hybrid.contact.assembly import Tangent
-from hybrid.runtime import comm
 from hybrid.runtime.errors import StepError
 from hybrid.runtime.timing import phase
 from hybrid.soil.model import Refusal

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scattered_points import GRIDS, clear_of_nodes, scattered
+from tiled import tile
 
 from hybrid.grid.axes import FACES, make_grid
 from hybrid.laws.hencky import Hencky
@@ -13,7 +14,7 @@ from hybrid.soil import fbar
 from hybrid.soil.filled_cells import fill_cells
 from hybrid.soil.kinematics import Kinematics, invert
 from hybrid.soil.model import Soil as SoilModel
-from hybrid.soil.points import at_rest, tile
+from hybrid.soil.points import at_rest
 
 
 def bases(name, standard=False):

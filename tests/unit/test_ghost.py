@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from scipy.sparse import csr_matrix
+from tiled import tile
 
 from hybrid.grid.axes import FACES, graded_nodes, make_grid
 from hybrid.laws.hencky import Hencky
@@ -13,7 +14,7 @@ from hybrid.soil.basis import evaluate_basis
 from hybrid.soil.filled_cells import FilledCells, fill_cells
 from hybrid.soil.ghost import find_faces
 from hybrid.soil.model import Soil
-from hybrid.soil.points import at_rest, tile
+from hybrid.soil.points import at_rest
 
 YOUNG, FACTOR = 1e6, 0.3
 FREE = dict.fromkeys(FACES, "free")

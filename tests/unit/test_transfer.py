@@ -5,13 +5,14 @@ from dataclasses import replace
 import numba
 import numpy as np
 import pytest
+from tiled import tile
 
 from hybrid.grid.axes import make_grid
 from hybrid.laws.drucker_prager import DruckerPrager
 from hybrid.linalg.stencil_pattern import make_pattern
 from hybrid.soil.basis import evaluate_basis
 from hybrid.soil.model import Soil
-from hybrid.soil.points import at_rest, tile
+from hybrid.soil.points import at_rest
 from hybrid.soil.transfer import grid_to_points, interpolate
 
 FREE = dict.fromkeys(("x_min", "x_max", "y_min", "y_max", "z_min", "z_max"), "free")
