@@ -36,7 +36,7 @@ class StepView:
     def bodies_in_contact(self):
         """Whether bodies touch one another: the scheme hands an impulse on over some steps, so that energy is missing for
         a while."""
-        pairs = getattr(getattr(self.report, "evaluation", None), "pairs", None)
+        pairs = self.report.evaluation.pairs
         return pairs is not None and pairs.energy > 0.0
 
     def surface(self):

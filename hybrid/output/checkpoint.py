@@ -84,7 +84,7 @@ class Checkpoints:
 
     def _noted(self, simulation):
         """(State, numbers of its points in a run by several processes, {name: value} of the CONTINUED)."""
-        extra = {name: getattr(simulation, name, None) for name in CONTINUED}
+        extra = {name: getattr(simulation, name) for name in CONTINUED}
         return simulation.state, None, {k: v for k, v in extra.items() if v is not None}
 
     def _save(self, simulation):

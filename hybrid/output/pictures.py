@@ -27,7 +27,7 @@ from hybrid.body.symmetry import copies
 from hybrid.output import atomic
 from hybrid.output.history import NAME as HISTORY
 from hybrid.output.history import body_names, read_history
-from hybrid.output.record import drawn, initial_bodies, placed
+from hybrid.output.record import drawn, placed
 
 log = logging.getLogger("hybrid")
 
@@ -48,7 +48,7 @@ class Pictures:
         self.folder = Path(folder)
 
     def start(self, simulation):
-        self.initial = initial_bodies(simulation)
+        self.initial = simulation.initial_bodies
         self.drawing = None
 
     def accepted(self, record, simulation):
@@ -137,7 +137,7 @@ def render(path, simulation, caption="", initial=None):
     initial: list of BodyState at the start of the run, default `simulation.initial_bodies`. If nothing can
     be drawn, a warning has cause and remedy and the run continues.
     """
-    return Drawing(path, scene_arrays(simulation, initial or initial_bodies(simulation)), caption).collect()
+    return Drawing(path, scene_arrays(simulation, initial or simulation.initial_bodies), caption).collect()
 
 
 def scene_arrays(simulation, initial):

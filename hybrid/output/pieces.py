@@ -45,8 +45,8 @@ class Pieces:
             self._write(simulation)
 
     def _write(self, simulation):
-        state, held = simulation.state, getattr(simulation.scene.soil, "held", False)
-        if held and state.step:
+        state = simulation.state
+        if simulation.scene.soil.held and state.step:
             return      # it has not moved
         points, initial = drawn(simulation)
         mesh = soil_mesh(points, initial)

@@ -26,10 +26,10 @@ class Progress:
         self.began = self.printed = time.perf_counter()
         self.first = self.step = simulation.state.step
         if not self.first:
-            planes = part_of_whole(getattr(simulation, "mirrors", ()))
-            if planes and any(stage.loads for stage in getattr(getattr(simulation, "scene", None), "stages", ())):
+            planes = part_of_whole(simulation.mirrors)
+            if planes and any(stage.loads for stage in simulation.scene.stages):
                 planes += f"; loads of stages act on this part, {copies(simulation.mirrors)} times as much on the whole"
-            for text in [*getattr(simulation, "start", {}).get(IN_PLACE, ()), *([f"symmetry: {planes}"] if planes else [])]:
+            for text in [*simulation.start.get(IN_PLACE, ()), *([f"symmetry: {planes}"] if planes else [])]:
                 self._print(text)
         self._show("starting the first step")
 
@@ -53,7 +53,7 @@ class Progress:
         return due
 
     def finish(self, summary, simulation):
-        for note in getattr(simulation, "later_notes", {}).values():
+        for note in simulation.later_notes.values():
             self._print(f"at the end: {note}")
         steps, seconds = simulation.state.step - self.first, time.perf_counter() - self.began
         where = f"; results in {self.folder}" if self.folder else ""

@@ -206,12 +206,6 @@ def placed(vertices, body):
     return body.position + vertices @ body.rotation.T
 
 
-def initial_bodies(simulation):
-    """List of BodyState before the first step: `simulation.initial_bodies`, or the present ones without that attribute.
-    """
-    return list(getattr(simulation, "initial_bodies", simulation.state.bodies))
-
-
 def drawn(simulation):
     """Points to draw and their initial positions (n, 3) [m], with those outside the window of a moving grid; without
     inactive points if the scene removes them."""
@@ -234,7 +228,7 @@ def numbers_drawn(simulation):
 
 def _with_behind(simulation):
     """Population of all points, with those outside the window of a moving grid; None where there are none of these."""
-    ground = getattr(simulation.state, "ground", None)
+    ground = simulation.state.ground
     if ground is None or ground.behind is None or not len(ground.behind):
         return None
     return concatenate(Population(simulation.state.points, ground.constants, ground.rows), ground.behind)

@@ -46,7 +46,7 @@ class Summary:
         self.began = time.perf_counter()
         self.resumed_from = simulation.state.step
         self.counts = {"steps": 0, "increments": 0, "iterations": 0, "rejections": 0, "judged": 0}
-        self.seconds, self.notes = {}, list(getattr(simulation, "notes", ()))
+        self.seconds, self.notes = {}, list(simulation.notes)
         if self.resumed_from and (self.folder / HISTORY).exists():
             self._add_history(read_history(self.folder))
 
@@ -68,7 +68,7 @@ class Summary:
             self.seconds[phase] = self.seconds.get(phase, 0.0) + value
 
     def finish(self, summary, simulation):
-        later = getattr(simulation, "later_notes", {})
+        later = simulation.later_notes
         content = {
             "scene": simulation.scene.name,
             "run": self.run,
@@ -77,12 +77,12 @@ class Summary:
             "time_s": simulation.state.time,
             "step": simulation.state.step,
             "resumed_from_step": self.resumed_from,
-            "sizes": simulation.sheet() if hasattr(simulation, "sheet") else {},
+            "sizes": simulation.sheet(),
             "totals": {**self.counts, "seconds": self.seconds},
             "wall_seconds_of_this_session": time.perf_counter() - self.began,
             "work_J": simulation.state.work,
             **_whole(simulation),
-            "versions": versions(getattr(simulation, "versions", None)),
+            "versions": versions(),
             "machine": machine(),
         }
         with atomic(self.folder / NAME) as partial:
@@ -91,7 +91,7 @@ class Summary:
 
 def _whole(simulation):
     """Planes of symmetry, and masses and works of the whole beside those of what is modelled; nothing without one."""
-    mirrors = getattr(simulation, "mirrors", ())
+    mirrors = simulation.mirrors
     if not mirrors:
         return {}
     bodies = {body.name: {"mass_kg": body.mass.mass, "mass_whole_kg": copies(body.mirrors) * body.mass.mass}
@@ -100,8 +100,8 @@ def _whole(simulation):
                          "work_whole_J": {k: copies(mirrors) * work for k, work in simulation.state.work.items()}}}
 
 
-def versions(known=None):
-    """Versions of python and of the packages that a run uses, without importing any; `known` replaces those found.
+def versions():
+    """Versions of python and of the packages that a run uses, without importing any.
 
     They are read from the package metadata, else from a loaded module. gmsh, of which Debian has no metadata, is not
     loaded here: the process that meshed has reported its version.
@@ -110,7 +110,7 @@ def versions(known=None):
     for module, names in PACKAGES.items():
         found[module] = _version(module, names)
     found["gmsh"] = getattr(sys.modules.get("hybrid.body.mesh"), "versions", {}).get("gmsh", found["gmsh"])
-    return {**found, **(known or {})}
+    return found
 
 
 def _version(module, names):

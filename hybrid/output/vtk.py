@@ -23,7 +23,7 @@ import numpy as np
 
 from hybrid.output import atomic
 from hybrid.output.history import read_history
-from hybrid.output.record import drawn, initial_bodies, placed
+from hybrid.output.record import drawn, placed
 from hybrid.scene.check import file_label
 
 SYMMETRIC = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))  # VTK's order of a symmetric tensor
@@ -45,7 +45,7 @@ class Frames:
         if not simulation.scene.output.every:
             return
         self.first = step = simulation.state.step
-        self.initial = initial_bodies(simulation)
+        self.initial = simulation.initial_bodies
         names = [f"body_{file_label(name)}" for name in simulation.body_names]
         self.soil, *self.bodies = [name and Series(self.folder, name, step, simulation.scene.output.every)
                                    for name in (self._with_soil and "soil", *names)]
@@ -62,7 +62,7 @@ class Frames:
 
     def _write(self, simulation):
         state, soil = simulation.state, simulation.scene.soil
-        if self._with_soil and len(state.points) and not (getattr(soil, "held", False) and self.soil.frames):
+        if self._with_soil and len(state.points) and not (soil.held and self.soil.frames):
             self.soil.add(state.step, state.time, soil_mesh(*drawn(simulation)))
         for b, series in enumerate(self.bodies):
             surface, forces = simulation.surfaces[b], simulation.contact_forces(b)

@@ -57,6 +57,9 @@ def open_box(size):
 class FakeSimulation:
     """A lattice of points and a half box that is dragged through it along a path given in closed form."""
 
+    mirrors = notes = ()
+    increment = backtrack = solver_memory = remembered = None
+
     def __init__(self, scene=FakeScene(), shape=(10, 4, 5), spacing=0.1):
         self.scene, self.total_steps = scene, sum(stage.steps for stage in scene.stages)
         lattice = np.stack(np.meshgrid(*map(np.arange, shape), indexing="ij"), axis=-1).reshape(-1, 3)
@@ -64,6 +67,7 @@ class FakeSimulation:
         self.initial_half = np.full_like(self.initial_position, spacing / 2)
         self.surfaces, self.body_names = [open_box(np.array([0.3, 0.3, 0.2]))], ["anchor"]
         self.model = SimpleNamespace(bodies=())
+        self.start, self.later_notes = {}, {}
         self.random = np.random.default_rng(1)
         self.state = self.state_at(0)
         self.initial_bodies = self.state.bodies

@@ -22,7 +22,7 @@ def balance(errors, stored=100.0, bodies=(), inertia=True, damps=False, accuracy
     monitor = EnergyBalance(model((heavy,), 10.0), None)
     view = {"model": SimpleNamespace(bodies=bodies, joints=()),
             "scheme": SimpleNamespace(inertia=inertia, damps=damps, first_order=damps),
-            "report": SimpleNamespace(error=accuracy)}
+            "report": SimpleNamespace(error=accuracy, evaluation=SimpleNamespace(pairs=None))}
     kinetic = np.broadcast_to(stored, len(errors))
     rest = {"elastic": 0.0, "contact": 0.0, "plastic": plastic, "drive": drive}
     return [note for time, error in enumerate(errors) for note in monitor.notes(StepView(
@@ -83,7 +83,7 @@ def test_a_first_step_that_holds_the_impact_loses_no_more_than_all():
     monitor = EnergyBalance(model((body,)), SimpleNamespace(bodies=(motion,)))
     view = StepView(SimpleNamespace(bodies=(body,), joints=()), SimpleNamespace(time=0.1),
                     SimpleNamespace(inertia=True, damps=True, first_order=False),
-                    SimpleNamespace(error=None, evaluation=None),
+                    SimpleNamespace(error=None, evaluation=SimpleNamespace(pairs=None)),
                     {"kinetic": 1.0, "elastic": 0.0, "contact": 0.0, "error": -60.0})
     text, = monitor.notes(view)
     assert "loss of 60 J" in text and "(100% of" in text

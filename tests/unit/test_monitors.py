@@ -25,7 +25,7 @@ def simulation():
 
 
 def view(simulation, state, contacts=()):
-    report = SimpleNamespace(evaluation=SimpleNamespace(contacts=contacts))
+    report = SimpleNamespace(evaluation=SimpleNamespace(contacts=contacts, pairs=None))
     return StepView(simulation.model, state, simulation.model.scheme, report, {})
 
 
