@@ -4,13 +4,18 @@ The interface of a law, of a user's law too:
 
     young                                          (n,) [Pa] Young's modulus, which contact stiffness follows
     plastic                                        whether the law has plastic strain
-    symmetric                                      whether all tangents are symmetric; those of a user's law are
-                                                   taken for unsymmetric
-    opens                                          (n,) bool, points that open under tension; of a user's law none
     respond(strain, plastic_strain) -> Response    strain (n, 3) trial principal logarithmic strain,
                                                    plastic_strain (n,) accumulated up to the committed state
     energy(elastic) -> (n,)                        [J/m³ of initial volume] stored by principal elastic strain (n, 3)
     strain(stress) -> (n, 3)                       elastic strain that carries principal stress (n, 3) at the start
+
+What else a law states; `hybrid.laws.user.CheckedLaw` does so for a user's law, with the values in brackets:
+
+    symmetric     whether all tangents are symmetric                                          (False)
+    opens         (n,) bool, points that open under tension                                   (False)
+    parameters    (n, k) constants of each point, K and G [Pa] first (`hybrid.laws.cone`)     (None)
+    hardens       whether the strength changes with plastic strain                            (False)
+    undrained     (n,) bool, points of clay                                                   (False)
 
 A law is isotropic and keeps no state: it is evaluated many times a step, at trial strains that may be rejected. The
 history of a point is its elastic strain, from which the trial strain is made, and one number, the accumulated

@@ -18,6 +18,7 @@ class Hencky:
 
     plastic = False
     symmetric = True
+    hardens = False
 
     def __init__(self, young, poisson):
         young, poisson = np.broadcast_arrays(np.atleast_1d(np.asarray(young, float)), poisson)

@@ -32,10 +32,11 @@ SAME = 1e-9         # [-] difference that round-off explains
 
 class CheckedLaw:
     """A user's law of `n` points whose results are checked. Its tangents are taken for unsymmetric, because a law that
-    is derived from another one inherits `symmetric` from it, right or wrong. rows: (n, 11) what the user's function
-    `make` was given of each point: FIELDS and its initial stress."""
+    is derived from another one inherits `symmetric` from it, right or wrong; so it does `parameters` and others. rows:
+    (n, 11) what the user's function `make` was given of each point: FIELDS and its initial stress."""
 
-    symmetric = opens = False
+    symmetric = opens = hardens = undrained = False
+    parameters = None
 
     def __init__(self, law, n, make=None, rows=None):
         self.law, self.n, self.make, self.rows = law, n, make, rows

@@ -135,7 +135,7 @@ def _without_stiffness(step):
     if step.state.time > 0.0 or model.scheme.inertia or anywhere(step.state.points.stress) or not model.gravity.any():
         return
     law = model.soil.law
-    if not law.plastic or not hasattr(law, "undrained"):      # a law of the user
+    if not law.plastic or law.parameters is None:      # a law of the user
         return
     if anywhere(~law.undrained & (law.cohesion(0.0) <= 0.0)):
         constants = model.soil.constants

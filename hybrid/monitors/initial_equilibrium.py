@@ -113,7 +113,7 @@ def _largest(size, grid):
 
 def _period(soil):
     """Period [s] of the first vertical mode of a column as high as the soil, None for soil that cannot yield."""
-    if not soil.law.plastic or not hasattr(soil.law, "parameters"):
+    if not soil.law.plastic or soil.law.parameters is None:
         return None
     points, (bulk, shear) = soil.constants, soil.law.parameters[:, :2].T
     z, half, volume = points.position[:, 2], points.half_width[:, 2], points.volume

@@ -254,7 +254,7 @@ def not_modelled(scene, model):
     if not soil.held:
         if not soil.law.plastic:
             out.append("plasticity: the law is elastic")
-        elif not getattr(soil.law, "hardens", True):
+        elif soil.law.parameters is not None and not soil.law.hardens:
             out.append("hardening: the strength is constant")
         if not scene.soil.fbar:
             out.append("F-bar: soil.fbar = false")

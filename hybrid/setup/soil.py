@@ -104,8 +104,7 @@ def lay_out(described, grid, gravity, own_law=None, cells=None):
         return laws[0] if len(laws) == 1 else merge(laws, [s.points for s in strata])
 
     law = ranks.together(law_of_points)
-    if hasattr(law, "hardens"):
-        law.hardens = anywhere(law.hardens)     # points come from other processes
+    law.hardens = anywhere(law.hardens)     # points come from other processes
     if anywhere(stress):
         _refuse_yielding(law, stress, level - constants.position[:, 2])
     return constants, stress, law

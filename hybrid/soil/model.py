@@ -266,8 +266,8 @@ class Soil:
 
     def roundoff_force(self, unknowns):
         """Norm [N] of the forces on so many unknowns that come from strains of a few times the machine precision."""
-        parameters = getattr(self.law, "parameters", None)
-        modulus = self.law.young if parameters is None else np.maximum(self.law.young, parameters[:, 0])
+        young, parameters = self.law.young, self.law.parameters
+        modulus = young if parameters is None else np.maximum(young, parameters[:, 0])
         return 10 * np.finfo(float).eps * largest(modulus * self.constants.volume ** (2 / 3)) * np.sqrt(unknowns)
 
     def plastic_work(self, step, trial):

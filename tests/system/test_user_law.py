@@ -38,7 +38,10 @@ def test_clay_of_the_demo_has_the_force_of_its_closed_form():
     strain = -np.log(points.deformation[:, 2, 2])
     assert np.ptp(strain) < 1e-8 and points.plastic_strain.min() > 0.03
     assert last.bodies[0].contact_force[2] == pytest.approx(DEMO.closed_form(strain.mean()), rel=1e-5)
-    assert simulation.sheet()["modelled"]["soil law"] == "user, HyperbolicClay"
+    law, sheet = simulation.model.soil.law, simulation.sheet()
+    assert law.parameters is None and not (law.hardens or law.undrained)      # whatever it inherits
+    assert sheet["modelled"]["soil law"] == "user, HyperbolicClay"
+    assert not any("hardening" in text for text in sheet["not modelled"])     # which is not known
 
 
 def test_a_user_law_equal_to_one_of_the_package_gives_the_same_run():

@@ -34,7 +34,7 @@ def off_lines(scene, model):
     """Layers whose ends between lines of the grid make the soil too stiff or too soft, or them too strong, too thick or too
     thin, by EXCESS."""
     soil, layers = model.soil, scene.soil.layers
-    if soil.held or not layers or soil.grid.collapsed[2] or not hasattr(soil.law, "parameters"):
+    if soil.held or not layers or soil.grid.collapsed[2] or soil.law.parameters is None:
         return
     lines, top = soil.grid.lines[2], top_of(soil)
     ends = [span(layer, scene.soil, scene.grid) for layer in layers]

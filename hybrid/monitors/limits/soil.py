@@ -34,7 +34,7 @@ def volumetric_locking(scene, model):
 def plastic_locking(scene, model):
     """Plastic strain at nearly constant volume locks without F-bar, as nearly incompressible soil does."""
     law = model.soil.law
-    if model.soil.held or model.soil.fbar or not (law.plastic and hasattr(law, "parameters")):
+    if model.soil.held or model.soil.fbar or not law.plastic or law.parameters is None:
         return
     if anywhere(law.parameters[:, 4] < UNLIMITED):
         names = sorted({f'"{m.law}"' for m in materials(scene.soil) if m.law != "hencky"})
@@ -47,7 +47,7 @@ def plastic_locking(scene, model):
 def softening(scene, model):
     """Softening localises in one row of cells."""
     law = model.soil.law
-    if model.soil.held or not getattr(law, "hardens", False) or minimum(law.parameters[:, 6]) >= 0.0:
+    if model.soil.held or not law.hardens or minimum(law.parameters[:, 6]) >= 0.0:
         return
     softest = law.parameters[law.parameters[:, 6] == minimum(law.parameters[:, 6])][:1]     # of this process, if it has it
     strength, slope, residual = joined(softest[:, [4, 6, 7]])[0]
@@ -65,7 +65,7 @@ def strong_cone(scene, model):
     and Warnke's arc through these, which sand of a relative density has because its angle is that of triaxial
     compression."""
     law = model.soil.law
-    if model.soil.held or not (model.soil.grid.collapsed.sum() == 1 and law.plastic and hasattr(law, "parameters")):
+    if model.soil.held or model.soil.grid.collapsed.sum() != 1 or not law.plastic or law.parameters is None:
         return
     laws = {m.law for m in materials(scene.soil) if m.cone == "compression"}
     if "drucker-prager" in laws:
@@ -90,10 +90,9 @@ def materials(soil):
 
 def _poisson(law):
     """Largest Poisson's ratio of a law's points; 0 of a user's law, whose value is unknown."""
-    parameters = getattr(law, "parameters", None)
-    if parameters is None:
+    if law.parameters is None:
         return 0.0
-    bulk, shear = parameters[:, 0], parameters[:, 1]
+    bulk, shear = law.parameters[:, 0], law.parameters[:, 1]
     return maximum((3 * bulk - 2 * shear) / (6 * bulk + 2 * shear))
 
 
