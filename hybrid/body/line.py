@@ -21,31 +21,21 @@ import math
 import numpy as np
 
 from hybrid.body.attitude import skew
-from hybrid.runtime.errors import SceneError, StepError
-
-
-def _check(length, stiffness):
-    for name, value, unit in (("length", length, "m"), ("stiffness", stiffness, "N/m")):
-        if not (math.isfinite(value) and value > 0.0):
-            raise SceneError(
-                f"pull line: {name} = {value:g} {unit}, but it must be finite and greater than 0; "
-                f"set body.pull.{name} to the {name} of the line in {unit}, or remove the pull"
-            )
+from hybrid.runtime.errors import StepError
 
 
 def line_force(position, rotation, attachment, target, length, stiffness, tension_only=True):
     """Tension, residual, tangent and energy of the line.
 
     position (3,) [m] and rotation (3, 3) of the body; attachment (3,) [m] from its centre in the body
-    frame; target (3,) [m]; length [m], stiffness [N/m]. Returns tension [N], residual (6,) = [N, N m about
+    frame; target (3,) [m]; length [m], stiffness [N/m], both above 0. Returns tension [N], residual (6,) = [N, N m about
     the centre], minus the force and moment of the line on the body, its tangent (6, 6) with respect to (δc,
     spatial δφ), and energy [J].
 
     A slack line (`tension_only` and not longer than `length`) gives zeros, even if both its ends
-    coincide. Raises SceneError unless length and stiffness are positive, StepError when the ends of a line
-    that carries compression coincide, as it then has no direction.
+    coincide. Raises StepError when the ends of a line that carries compression coincide, as it then has no
+    direction.
     """
-    _check(length, stiffness)
     arm = rotation @ attachment
     span = position + arm - target
     distance = math.sqrt(np.dot(span, span))
