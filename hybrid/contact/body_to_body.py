@@ -28,12 +28,11 @@ from hybrid.body.surface import ContactSurface
 from hybrid.contact import closest_points, soil_to_body
 from hybrid.contact.interface import NONE
 from hybrid.contact.samples import Places, Samples
-from hybrid.contact.tunnelling import pierced
+from hybrid.contact.tunnelling import FINEST, FRACTIONS, pierced
 from hybrid.runtime.jit import njit, prange
 
 FACING = 0.1    # cosine between a place's normal and that of the other body, reversed, above which it presses
 HALVINGS = 14   # bisections of the path to the first contact
-FINEST = 0.02   # of the depth that counts as passing through: shortest step along a path
 DEEPER = 1.1    # times its way in an increment beyond its distance, by which the overlap of a place may grow in it
 
 
@@ -195,7 +194,7 @@ class SideStep:
         start, path, surface = self.start[checked], path[checked], self.side.surface
         outside = closest_points.gaps_within_bounds(start + path, surface) >= 0.0
         passed = pierced(start, path, FINEST * depth, surface.tree) & outside
-        for fraction in (0.25, 0.5, 0.75):
+        for fraction in FRACTIONS:
             passed |= (closest_points.gaps_within_bounds(start + fraction * path, surface) < -depth) & outside
         return int(np.count_nonzero(passed))
 

@@ -115,7 +115,7 @@ class GroundPair(Pair):
         return total([contact.found.stiffness()[:6, :6]])
 
     def tunnelled(self, contact, displacement, pose, depth):
-        return self.points.passed(contact.found, (pose, AT_REST), depth)
+        return int(total([self.points.passed(contact.found, (pose, AT_REST), depth)]))
 
     def commit(self, contact, displacement):
         number, anchor, rest = self.points.history(contact.found)

@@ -39,8 +39,8 @@ class Pair:
         raise NotImplementedError
 
     def tunnelled(self, contact, displacement, pose, depth):
-        """Number of contact points that the step carried through the body, or deeper than `depth` [m] into it on their
-        way."""
+        """Number of contact points of all processes that the step carried through the body, or deeper than `depth` [m]
+        into it on their way."""
         raise NotImplementedError
 
     def commit(self, contact, displacement):
