@@ -156,6 +156,10 @@ def soil_box(described, grid):
             upper[axis] = min(upper[axis], x) if key != "soil.top" else x
         if grid.extent[axis, 0] < x < grid.extent[axis, 1]:
             _require_grid_line(key, x, axis, grid.lines[axis])
+    for axis in np.flatnonzero(lower >= upper):
+        name, (start, end) = "xyz"[axis], grid.extent[axis]
+        raise SceneError(f"grid.{name}.window: no soil lies between the ends of the window, {start:g} and {end:g} m; let "
+                         "the body start and stay in the soil, or widen the window")
     return lower, upper
 
 

@@ -13,8 +13,7 @@ def lines_of_points(grid, lower, upper, per_axis):
     """(centres, half-widths [m], cells) along each axis of the whole grid, three arrays each, of points that tile the
     cells from `lower` to `upper` (3,) [m], `per_axis` (3,) points along each cell edge.
 
-    Raises SceneError when the box does not end on grid lines or contains no cell. For the soil of a scene
-    `hybrid.setup.soil.soil_box` has checked the ends before, and names the one key.
+    The box ends on grid lines, which `hybrid.setup.soil.soil_box` has checked. Raises SceneError when it contains no cell.
     """
     centres, halves, cells = [], [], []
     for axis, nodes in enumerate(grid.lines):
@@ -24,8 +23,8 @@ def lines_of_points(grid, lower, upper, per_axis):
             halves.append(np.array([0.5 * (ends[1] - ends[0])]))
             cells.append(np.zeros(1, int))
             continue
-        first = _line(nodes, lower[axis], axis)
-        edges = nodes[first:_line(nodes, upper[axis], axis) + 1]
+        first = _line(nodes, lower[axis])
+        edges = nodes[first:_line(nodes, upper[axis]) + 1]
         if len(edges) < 2:
             raise SceneError(f"the soil contains no cell along {'xyz'[axis]}: it reaches from {lower[axis]:g} to "
                              f"{upper[axis]:g} m; set soil.lower and soil.upper (or soil.top) at least a cell apart")
@@ -37,14 +36,9 @@ def lines_of_points(grid, lower, upper, per_axis):
     return tuple(centres), tuple(halves), tuple(cells)
 
 
-def _line(nodes, x, axis):
+def _line(nodes, x):
     nearest = int(np.argmin(np.abs(nodes - x)))
-    if abs(nodes[nearest] - x) > 1e-6 * np.diff(nodes).min():
-        name = "xyz"[axis]
-        key = f"soil.lower[{axis}] or soil.upper[{axis}]{' (soil.top)' * (axis == 2)}"
-        raise SceneError(f"{key} = {x:g}: must be on a grid line, because points fill whole cells, and the nearest "
-                         f"line along {name} is at {nodes[nearest]:.6g} m; set the end of the soil to that, or choose "
-                         f"grid.{name}.start and grid.{name}.size so that a line lies at {x:g} m")
+    assert abs(nodes[nearest] - x) <= 1e-6 * np.diff(nodes).min(), "the soil ends inside a cell"
     return nearest
 
 

@@ -217,6 +217,15 @@ def test_grids_that_cannot_travel_are_refused(change, text):
         validate(change(flown_over()))
 
 
+@pytest.mark.parametrize("ends", [{"lower": (9.6, 0.0, -3.2)}, {"upper": (0.0, 3.2, 0.0), "lower": (-3.2, 0.0, -3.2)}])
+def test_a_window_without_soil_is_refused(ends):
+    """Soil that begins behind it or ends before it, which another part of the grid has."""
+    described = flown_over(**ends)
+    axis = replace(described.grid.x, start=-6.4)
+    with pytest.raises(SceneError, match=r"grid\.x\.window: no soil lies between .* and .* m; let the body start"):
+        build(replace(described, grid=replace(described.grid, x=axis)))
+
+
 def test_a_plate_that_slides_along_elastic_soil_carries_what_one_that_stands_does(monkeypatch):
     """Soil that passes under its front edge comes to press; if it did not, the plate would sink in."""
     sliding = plough(inertia=False)
