@@ -1,4 +1,7 @@
-"""The processes of a run: how many there are, which one this is, and how they end together. The only module that starts MPI.
+"""The processes of a run: how many there are, which one this is, and how they end together.
+
+The only module that gives the communicator of all of them, through which `hybrid.runtime.comm` exchanges data. dolfinx
+starts MPI in every run with a body.
 
 One process is the rule; several are started by mpirun (`hybrid run --ranks`). A fault that all of them find, such as a
 mistake in the scene, is reported once and ends them all; one that a single process meets ends the others, which would
@@ -32,7 +35,7 @@ def world():
     """Communicator of all processes, None where one was started."""
     if not any(name in os.environ for name in STARTED):
         return None
-    from mpi4py import MPI  # its import starts MPI, which a run by one process leaves out
+    from mpi4py import MPI  # its import starts MPI, which one process needs for dolfinx only
 
     return MPI.COMM_WORLD if MPI.COMM_WORLD.size > 1 else None
 

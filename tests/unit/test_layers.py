@@ -35,7 +35,7 @@ def test_contracts_hold():
         ("laws/hencky.py", "import hybrid.soil.basis", "Imports only downwards"),
         ("soil/basis.py", "import hybrid.body.surface", "Imports only downwards"),
         ("stranger.py", "", "Imports only downwards"),
-        ("contact/soil_to_body.py", "from petsc4py import PETSc", "Each outside library in one module"),
+        ("contact/soil_to_body.py", "from petsc4py import PETSc", "Each outside library in one module or two"),
     ],
 )
 def test_a_broken_rule_is_seen(tmp_path, module, line, contract):
