@@ -49,8 +49,8 @@ class AbsorbedImpact(Monitor):
             return
         moving, stored = motion_energy(view.model.bodies, view.state.bodies), sum(energy[name] for name in STORED)
         work = [energy.get(name, 0.0) for name in BROUGHT]
-        told = self.given("absorbed") or self.given("flow")
-        if work != self._work and not told:     # what a drive has lifted falls from now on
+        reported = self.given("absorbed") or self.given("flow")
+        if work != self._work and not reported:     # what a drive has lifted falls from now on
             self._falling, self._stored, self._at_once, self._base = moving, stored, 0.0, energy["error"]
             self._error, self._work = energy["error"], work
             self._fastest, self._taken = energy["kinetic"], sum(energy.get(name, 0.0) for name in TAKERS)

@@ -28,5 +28,5 @@ increments.outer_step               until the end of the step is reached:
     restriction.py, sticking.py      few nodes solved for by themselves; contact points held in stick for an update
 4 joint_rates.py    rates that joints allow, and the impulses of stops
     work.py, energy.py, records.py   what the balance and the history keep of an accepted increment
-    failure_message.py               what is said of one that failed
+    failure_message.py               message of a failed increment
 """

@@ -24,7 +24,7 @@ def texts(size, z=-0.01, messages=(), **given):
 @pytest.mark.parametrize("size, count", [(0.2, 1), (0.15, 0)])
 def test_a_block_of_three_cells_is_told_of_and_one_of_four_is_not(size, count):
     found, all_texts = texts(size)
-    assert len(found) == count == sum("too few to tell its load" in text for text in all_texts)
+    assert len(found) == count == sum("too few to predict its load" in text for text in all_texts)
     assert all("body is 3 cells of 0.2 m wide across its path down, limit 4" in text for text in found)
 
 
@@ -50,4 +50,4 @@ def test_a_block_that_is_pushed_down_and_forwards_at_once():
     scene = put_on_soil(block, size=0.2, x=(-1.2, 1.2), y=(-1.2, 1.2), z=(-1.2, 0.6), steps=5)
     plough = Stage("plough", 5, motions=(Motion(component="z", velocity=0.0),))
     simulation = build(replace(scene, stages=(*scene.stages, plough)))
-    assert sum("too few to tell its load" in text for text in limit_warnings(simulation.scene, simulation.model)) == 1
+    assert sum("too few to predict its load" in text for text in limit_warnings(simulation.scene, simulation.model)) == 1

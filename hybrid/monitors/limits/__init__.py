@@ -3,8 +3,8 @@
 Each limit is a generator of texts (none or one, or one for each body) over (scene, model). The failure study
 (`hybrid.study.failure`), or problems set up afresh (`cells`, `clay_cells`, `sand_cells`, `footing_cells`,
 `ground_cells`, `elastic_cells`, `turning`), measure what happens beyond its number, and tests hold the two together. A
-text names the value, the limit and the remedy, and one about a body begins with its name, by which `unjudged` knows
-what has been said. Numbers that are merely unlikely come first (`hybrid.scene.check_sense`, `place`).
+text names the value, the limit and the remedy, and one about a body begins with its name, by which `unjudged`
+skips bodies already reported. Numbers that are merely unlikely come first (`hybrid.scene.check_sense`, `place`).
 """
 
 from hybrid.monitors.limits import (bars, base, cells, clay_cells, contact, elastic_cells, footing_cells,

@@ -35,7 +35,7 @@ TURNED = 1.25
 SHALLOW_PLATE = 0.9
 # Blocks pressed down by 0.36 of their width, smooth, lines a quarter of a cell beside the edges: 9.5, 8.5 s_u A of a square
 # with 4.5, 8.5 cells, towards 7.4; 7.6, 6.8, 6.5 of a strip with 4.5, 8.5, 16.5, towards 6.3
-SUNK, MEASURED = 2.0, 3.9       # MEASURED: cells across, of narrower ones `unjudged` tells
+SUNK, MEASURED = 2.0, 3.9       # MEASURED: cells across, narrower ones are reported by `unjudged`
 # Smooth discs of 4, 6, 8 cells, E = 500 s_u: 7.6, 7.0, 6.8 s_u A at z = 0.1 B, 9.3, 8.4, 8.3 at 0.3 B, towards 6.0 and 7.3;
 # half of that excess with 5 and 7 cells, an outline that ends between lines of the grid
 ROUND_BASE = 0.5
@@ -54,7 +54,7 @@ LEVEL = 0.5         # up or down over its travel, below which a body is pushed s
 LONG = 3.0                      # widths: around a bar that long clay flows in its sections
 DEEP = 1.0                      # widths: flow of clay around a body that goes deeper closes behind it
 DEEP_PLATE = 2.0                # widths under the ground: a shallower plate lifts the clay above it
-SHALLOW = 0.05                  # of a width: a depth that is not told
+SHALLOW = 0.05                  # of a width: a depth that is not reported
 NOTHING = 0.0, "", ""           # no excess
 
 
@@ -182,7 +182,7 @@ def _attached(scene, model, body, travel, place, _):
         across = [(width, TURNED if turned else ATTACHED if straight else ROUND) for width, straight, turned in across]
     elif above >= DEEP * width and not soil.grid.collapsed.any():
         across = [(width, SHALLOW_PLATE) for width, *_ in across]
-    else:       # of straight ones `_on_lines` tells
+    else:       # straight ones are reported by `_on_lines`
         across = [(width, 0.0 if straight or travel[2] >= 0.0 else SHALLOW_ROUND) for width, straight, _ in across]
     excess = np.prod([1.0 + number * cell / width for width, number in across]) - 1.0
     if not excess:

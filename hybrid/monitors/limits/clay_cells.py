@@ -128,7 +128,7 @@ def lifted_plates(scene, model):
             continue
         material = material_at(scene, soil, top_of(soil) - 0.5 * depth)
         parts = plane and travel[2] > 0.0 and not stays_attached(body, soil) and material.law == CLAY
-        parts &= np.ptp(place[:, 2]) > SHARED * cell        # what does not is told by `contact.thin_wall`
+        parts &= np.ptp(place[:, 2]) > SHARED * cell        # what does not is reported by `contact.thin_wall`
         if not parts or not across or not cell < depth < FLOWS * min(side.width for side in across):
             continue
         # s_u H on the sides over γ H on the area, both for a height of one

@@ -43,7 +43,7 @@ from hybrid.monitors.limits.rolling import contact_radius
 HIGHEST = ((0.75, 0.58), (1.06, 0.26), (1.3, 0.18), (1.6, 0.1))     # (a/h, excess [-] at the worst place in a cell)
 SOFT = {False: (1.15, 2.6), True: (0.35, 1.6)}  # pressed and tilted, in space and in plane strain
 ROUND = 0.68                    # pressed
-SOFTEST, STIFF = 40.0, 500.0        # p_f h: of stiffer ones nothing is said; of those that are right
+SOFTEST, STIFF = 40.0, 500.0        # p_f h: of stiffer ones nothing is reported; of those that are right
 COARSE, RESOLVED = HIGHEST[0][0], HIGHEST[-1][0]                    # a/h
 
 

@@ -97,7 +97,7 @@ def _strip(body, width, cell, material, travel):
     """Text, if any, about a strip of a `width` [m] that is driven by a `travel` [m] into soil of a Material."""
     angle, dilation = material.friction_angle, material.dilation_angle or 0.0
     reduced = _reduced(angle, dilation)
-    stiffness = material.young or 0.0       # with `reference_young` it is not one number: no rise is told
+    stiffness = material.young or 0.0       # with `reference_young` it is not one number: no rise is reported
     reached = travel / width * stiffness / (material.cohesion * prandtl(reduced))
     excess = strip_excess(angle, width / cell, dilation / angle, reached) * (1.0 if body.friction else SMOOTH)
     if excess > EXCESS:

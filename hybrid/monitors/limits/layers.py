@@ -25,7 +25,7 @@ EXCESS = 0.1        # of the settlement of the whole soil, or of the thickness o
 ON_LINE = 1e-6      # of a cell
 FRICTION, STRENGTH = 2, 4   # columns of a law's parameters, as in `hybrid.laws.cone`
 STANDARD = 9.81     # [m/s²] of the stress at which strengths are compared
-LARGEST = 99.0      # ratio of strengths that is told
+LARGEST = 99.0      # ratio of strengths that is reported
 TINY = 1e-3         # [Pa] of a strength that is one
 FINEST = 8          # times as many cells as given, among which a size is looked for
 

@@ -65,7 +65,7 @@ def outside_window(scene, model):
 
 
 def _left_out(scene, axis, name, a, followed, other):
-    """What is told of the `other` (Body, RigidBody) beside the `followed` one along an axis that moves with that."""
+    """What is reported of the `other` (Body, RigidBody) beside the `followed` one along an axis that moves with that."""
     key, what = ("window", "soil is left out") if axis.window else ("around", "cells are coarser")
     ends = axis.window or axis.around
     travels = [[stage[-1] for stage in path_along(scene, each[0], name)] for each in (followed, other)]

@@ -163,7 +163,7 @@ def clay_under(scene, soil, bottom, width):
 
 
 def _rising(material):
-    """What is told of sand that dilates: φ = ψ = 30°, 8 cells in 2 m, E = 500 MPa: 28, 38, 46 of 14.75 after 6, 30, 60
+    """What is reported of sand that dilates: φ = ψ = 30°, 8 cells in 2 m, E = 500 MPa: 28, 38, 46 of 14.75 after 6, 30, 60
     mm."""
     return " and rising with the distance moved as the sand dilates" if material.dilation_angle else ""
 

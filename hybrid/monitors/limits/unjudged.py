@@ -1,4 +1,4 @@
-"""Bodies of so few cells that their load is anyone's guess, and of which no other limit tells by how much.
+"""Bodies too few cells wide for their load to be predicted, where no other limit gives an error.
 
 A block of 0.7 m x 0.5 m pushed 0.12 m into clay and as far forwards, in cells of 0.25 m: 3.6 kN along its path,
 forwards, and 7 kN across it, where symmetry has none; with half the cells -7.7 and 2.5 kN, and a quarter less
@@ -29,7 +29,7 @@ def unjudged(scene, model, messages):
         if few and body.name not in found and _pushes(model.soil, place, moved):
             found.add(body.name)
             yield (f"{body.name} is {across / cell:.2g} cells of {cell:.3g} m wide across its path {heading(travel)}, limit "
-                   f"{FEW:g}: too few to tell its load (a block of 2 and 3 cells pushed into clay: a quarter too much "
+                   f"{FEW:g}: too few to predict its load (a block of 2 and 3 cells pushed into clay: a quarter too much "
                    "downwards, and the wrong sign sideways). Use cells of at most "
                    f"{across / FEW:.2g} m at it, and compare two sizes of cells")
 
