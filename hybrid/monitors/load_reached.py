@@ -1,4 +1,4 @@
-"""The loads at which a quasi-static step failed: the first cause, where free bodies are pushed by forces of a stage or
+"""The loads at which a quasi-static step failed: the first cause, where forces or moments of a stage push free bodies or
 gravity grows."""
 
 import numpy as np
@@ -19,13 +19,13 @@ def overloads(step, reason="", lost=False):
     yields, singular = not held and model.soil.law.plastic, "linear solver" in reason and not held
     found, begin, end = [], step.state.time, step.state.time + step.dt
     for body in model.bodies:
-        before, after = (sum((load.at(time)[0] for load in body.loads), np.zeros(3)) for time in (begin, end))
-        if not body.free[:3][after != 0.0].any() or lost and lifted(step, body):
+        before, after = (sum((np.concatenate(load.at(time)) for load in body.loads), np.zeros(6)) for time in (begin, end))
+        if not body.free[after != 0.0].any() or lost and lifted(step, body):
             continue
         if np.allclose(before, after, rtol=1e-12, atol=0.0):
-            if step.state.step == 0:    # later it has been carried before
-                found.append((_at_once(body.name, after, yields) + _sign(step, body, after), True))
-        elif not singular and (yields or slides(body, after)):
+            if step.state.step == 0 and after[:3].any():    # later it has been carried before
+                found.append((_at_once(body.name, after[:3], yields) + _sign(step, body, after[:3]), True))
+        elif not singular and (yields or slides(body, after[:3])):
             holds = ("the soil can carry" if yields else "holds the body, which slides or topples" if held else
                      "friction on the elastic soil can carry")
             found.append((f"The load exceeds what {holds}: that on {body.name} had reached "
@@ -79,10 +79,15 @@ def _sign(step, body, force):
     return f". It pulls {body.name} up: z points up, so that fz = {force[2]:.6g} N should be negative if it presses down"
 
 
-def components_of(force):
-    """Text of the components (3,) [N] that are not 0, such as "fx = 39.3, fz = -180 kN"; of a load that has not begun "0
-    N"."""
-    largest = np.abs(force).max()
+def components_of(load):
+    """Text of the components of a force (3,) [N], or of a force and a moment (6,) [N, N m], that are not 0, such as
+    "fx = 39.3, fz = -180 kN, my = 3 N m"; of a load that has not begun "0 N"."""
+    parts = [_components(load[:3], "f", ""), _components(load[3:], "m", " m")]
+    return ", ".join(filter(None, parts)) or "0 N"
+
+
+def _components(values, letter, times):
+    largest = np.abs(values).max(initial=0.0)
     scale, unit = next(((scale, unit) for scale, unit in UNITS if largest >= scale), UNITS[-1])
-    shown = [f"f{axis} = {value / scale:.3g}" for axis, value in zip("xyz", force) if abs(value) > 1e-6 * largest]
-    return f"{', '.join(shown)} {unit}" if shown else "0 N"
+    shown = [f"{letter}{axis} = {value / scale:.3g}" for axis, value in zip("xyz", values) if abs(value) > 1e-6 * largest]
+    return f"{', '.join(shown)} {unit}{times}" if shown else ""

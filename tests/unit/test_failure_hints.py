@@ -187,12 +187,12 @@ class _Contact(SimpleNamespace):
 
 
 def loaded(force, gravity=(1.0, 1.0), time=Time(step=1.0, inertia=False), after=0,
-           reason="residual 1.00e+00 after 15 iterations", elastic=False, **more):
-    """Text about a step of a scene of clay, or elastic, whose body a `force` of the stage pushes, and that has made
-    `after` steps."""
+           reason="residual 1.00e+00 after 15 iterations", elastic=False, moment=None, **more):
+    """Text about a step of a scene of clay, or elastic, whose body a `force` and a `moment` of the stage push, and that has
+    made `after` steps."""
     given = soil_scene([box(0.2, 0.2, 0.2, **{"rest_on": -0.004, "position": (0.4, 0.4, 0.0)} | more)], time=time,
                        gravity=(0.0, 0.0, -9.81))
-    loads = (Load(force=force),) if force else ()
+    loads = (Load(force=force, moment=moment),) if force or moment else ()
     if not elastic:
         clay = replace(given.soil.material, law="von-mises", strength=1e4)
         given = replace(given, soil=replace(given.soil, material=clay))
@@ -215,6 +215,9 @@ def test_a_load_that_grows_is_the_first_cause_with_the_value_it_had_reached():
                            "t = 2 s")
     assert "Otherwise use a smaller time.step with more stage.steps" in text and text.count("what the soil can carry") == 1
     assert "had reached 0 N" in loaded(((0.0, 0.0, 0.0, 0.0), (4.0, 0.0, 0.0, -180e3)))
+    assert loaded(None, moment=((0.0, 0.0, 0.0, 0.0), (4.0, 0.0, 6e3, 0.0)), after=2).startswith(
+        "The load exceeds what the soil can carry: that on body had reached my = 3 kN m at t = 2 s")
+    assert "had reached fx = 30, fz = -180 kN, mx = 8 N m at" in loaded(GROWING, moment=(8.0, 0.0, 0.0), after=2)
     assert "had reached" not in loaded(GROWING, time=Time(step=0.01))
     assert "had reached" not in loaded(GROWING, held=("x", "y", "z"))
 

@@ -71,9 +71,9 @@ def turned_over(scene, model):
             excess = (OVER if collapsed.any() else OVER_IN_SPACE) * cell / width if width else 0.0
             if excess > EXCESS and _pushes(whole, place, axis) > BLADES and _flows(scene, soil, described, bottom, axis):
                 yield (f"{body.name} is turned about {'xy'[axis]}, {width / cell:.2g} cells of {cell:.3g} m across: its "
-                       f"moment, where soil flows under it, is up to {excess:.0%} too high, limit {EXCESS:.0%}, as it drives "
-                       f"the next cells too. Use cells of at most {EXCESS / excess * cell:.2g} m at it, or extrapolate two "
-                       "sizes of cells to none")
+                       f"moment, where soil flows under it, is up to {excess:.0%} too high, limit {EXCESS:.0%}, as it "
+                       f"drives the next cells too. Use cells of at most {EXCESS / excess * cell:.2g} m at it, or "
+                       "extrapolate two sizes of cells to none")
 
 
 def _flows(scene, soil, described, height, axis):
