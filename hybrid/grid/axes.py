@@ -66,6 +66,25 @@ def smallest_cell(axes):
     return min(np.diff(nodes).min() for nodes in axes if len(nodes) > 1)
 
 
+def cells_of(position, lines):
+    """(n, 3) cell of each position (n, 3) [m] on a grid of nodes `lines`, the nearest one outside."""
+    return np.stack([np.clip(np.searchsorted(nodes, x, side="right") - 1, 0, max(0, len(nodes) - 2))
+                     for nodes, x in zip(lines, position.T)], axis=1)
+
+
+def cell_sizes(axes, position):
+    """Edges (n, 3) [m] of the cells that contain positions (n, 3) [m] on a grid of nodes `axes`; infinite along collapsed
+    ones."""
+    return np.stack([np.diff(nodes)[at] if len(nodes) > 1 else np.full(len(at), np.inf)
+                     for nodes, at in zip(axes, cells_of(position, axes).T)], axis=1)
+
+
+def cell_numbers(position, grid):
+    """((n,) number of the cell of each position (n, 3) [m], (3,) shape of the cells) of a whole grid, given as a Grid or
+    a Block of it."""
+    return np.ravel_multi_index(cells_of(position, grid.lines).T, grid.cell_counts), grid.cell_counts
+
+
 @dataclass(frozen=True)
 class Grid:
     """Background grid.

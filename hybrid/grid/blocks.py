@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hybrid.grid.axes import Grid, node_widths, smallest_cell
+from hybrid.grid.axes import Grid, cells_of, node_widths, smallest_cell
 from hybrid.runtime import comm
 from hybrid.runtime.errors import SceneError
 
@@ -158,18 +158,6 @@ class Block(Grid):
         for rank, (low, high) in enumerate(self.boxes):
             found[((cell >= low) & (cell < high)).all(axis=1)] = rank
         return found
-
-
-def cells_of(position, lines):
-    """(n, 3) cell of each position (n, 3) [m] on a grid of nodes `lines`, the nearest one outside."""
-    return np.stack([np.clip(np.searchsorted(nodes, x, side="right") - 1, 0, max(0, len(nodes) - 2))
-                     for nodes, x in zip(lines, position.T)], axis=1)
-
-
-def cell_numbers(position, grid):
-    """((n,) number of the cell of each position (n, 3) [m], (3,) shape of the cells) of a whole grid, given as a Grid or
-    a Block of it."""
-    return np.ravel_multi_index(cells_of(position, grid.lines).T, grid.cell_counts), grid.cell_counts
 
 
 def cut_block(grid, loads, parts, rank):

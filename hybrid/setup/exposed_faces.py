@@ -13,7 +13,7 @@ import numpy as np
 
 from hybrid.body.closest import NO_SIDE, closest
 from hybrid.contact.search import distances
-from hybrid.grid.blocks import cells_of
+from hybrid.grid.axes import cells_of
 from hybrid.runtime.comm import joined, largest
 from hybrid.runtime.jit import njit
 from hybrid.setup.cut_boxes import Boxes, chunks, in_frame

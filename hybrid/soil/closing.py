@@ -23,6 +23,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from hybrid.grid.axes import cell_numbers
+
 
 def respond(law, strain, points, opens=True):
     """(Response of a law, volume strain (n,) by which points are open after it, that by which they have closed); None for
@@ -66,7 +68,8 @@ def shared(points, soil, gravity, dt, touching):
     pressed = ~is_open & (elastic < 0.0) & soil.law.opens
     if points.inactive is not None:
         is_open, pressed = is_open & ~points.inactive, pressed & ~points.inactive
-    cell, number = _cells(points.position, soil.grid.lines)
+    cell, shape = cell_numbers(points.position, soil.grid)
+    number = int(np.prod(shape))
     found = np.where(is_open, points.opened, np.where(pressed, elastic, 0.0))
     whole, total, one, other = (np.bincount(cell, values, number) for values in (
         volume * (is_open | pressed), volume * found, is_open, pressed))
@@ -78,14 +81,6 @@ def shared(points, soil, gravity, dt, touching):
     gain = np.where(both, np.minimum(new, 0.0) - np.minimum(found, 0.0), 0.0)
     return replace(points, b_elastic=points.b_elastic * np.exp(2 / 3 * gain)[:, None, None],
                    opened=np.where(both, np.maximum(new, 0.0), points.opened))
-
-
-def _cells(position, lines):
-    """(Number (n,) of the cell of each position (n, 3), how many numbers there are)."""
-    cell = np.zeros(len(position), np.int64)
-    for along, at in zip(lines, position.T):
-        cell = cell * len(along) + np.clip(np.searchsorted(along, at), 0, len(along) - 1)
-    return cell, int(np.prod([len(along) for along in lines]))
 
 
 def _any(opened):

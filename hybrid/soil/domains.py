@@ -14,6 +14,7 @@ Equations: FORMULATION (4).
 
 import numpy as np
 
+from hybrid.grid.axes import cell_sizes
 from hybrid.runtime.jit import njit, prange
 from hybrid.soil.basis import find_cell
 from hybrid.soil.kinematics import determinant
@@ -36,14 +37,7 @@ def cells_wide(initial_half, deformation, position, axes):
     """Widths (n, 3) [-] of the deformed domains of points at `position` (n, 3) [m] along the axes, those of `moments`
     before their volume is set, relative to their cells; 0 along a collapsed axis. Domains with a relative width above 1
     are limited to their cell."""
-    wide = 2 * np.linalg.norm(deformation * initial_half[:, None, :], axis=2)
-    for axis, nodes in enumerate(axes):
-        if len(nodes) == 1:
-            wide[:, axis] = 0.0
-            continue
-        cell = np.clip(np.searchsorted(nodes, position[:, axis]) - 1, 0, len(nodes) - 2)
-        wide[:, axis] /= np.diff(nodes)[cell]
-    return wide
+    return 2 * np.linalg.norm(deformation * initial_half[:, None, :], axis=2) / cell_sizes(axes, position)
 
 
 @njit(cache=True, parallel=True, fastmath={"contract"})

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hybrid.grid.axes import cell_sizes
 from hybrid.soil.lost_points import DISTORTION_LIMIT
 from hybrid.soil.split_merge import concatenate, merge, select, split
 
@@ -135,16 +136,6 @@ def _halves_within(j, population, grid):
     return within
 
 
-def cell_sizes(grid, position):
-    """Edges (n, 3) [m] of the cells that contain positions (n, 3) [m]; infinite along collapsed axes."""
-    sizes = np.full(position.shape, np.inf)
-    for axis, nodes in enumerate(grid.axes):
-        if len(nodes) > 1:
-            cell = np.clip(np.searchsorted(nodes, position[:, axis], side="right") - 1, 0, len(nodes) - 2)
-            sizes[:, axis] = np.diff(nodes)[cell]
-    return sizes
-
-
 def _shares(population):
     """|F_ij| l_j (n, 3, 3) [m]: contribution of material axis j to the half-width along spatial axis i."""
     return np.abs(population.points.deformation) * population.constants.half_width[:, None, :]
@@ -152,7 +143,7 @@ def _shares(population):
 
 def _ratio(share, per_axis, grid, position):
     """Width ratios r_i (n, 3) [-]."""
-    return 2 * np.asarray(per_axis) * np.sqrt((share**2).sum(axis=2)) / cell_sizes(grid, position)
+    return 2 * np.asarray(per_axis) * np.sqrt((share**2).sum(axis=2)) / cell_sizes(grid.axes, position)
 
 
 def _exchanged(population, origin, free, old, new):

@@ -13,7 +13,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from hybrid.grid.blocks import block_of, cell_numbers, cut_block
+from hybrid.grid.axes import cell_numbers
+from hybrid.grid.blocks import block_of, cut_block
 from hybrid.runtime import comm, ranks
 from hybrid.runtime.errors import SceneError
 from hybrid.soil.parcels import behind_together, named, placed, rows, together, without_numbers

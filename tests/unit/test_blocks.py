@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hybrid.grid.axes import FACES, make_grid
-from hybrid.grid.blocks import block_of, cell_numbers, cells_of, cut_block, cut_into_blocks
+from hybrid.grid.axes import FACES, cell_numbers, cells_of, make_grid
+from hybrid.grid.blocks import block_of, cut_block, cut_into_blocks
 from hybrid.runtime.errors import SceneError
 from hybrid.state import ContactHistory
 from hybrid.step import processes

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from hybrid.grid.axes import FACES, make_grid
 from hybrid.laws.hencky import Hencky
 from hybrid.laws.mohr_coulomb import MohrCoulomb
 from hybrid.laws.von_mises import VonMises
@@ -140,7 +141,8 @@ def test_points_that_leave_keep_what_they_had():
 
 # ------------------------------------------------------------------ shared in cells
 
-GRID = SimpleNamespace(lines=(np.linspace(0.0, 1.0, 3), np.array([0.0, 1.0]), np.linspace(0.0, 1.0, 3)), smallest_cell=0.5)
+GRID = make_grid((np.linspace(0.0, 1.0, 3), np.array([0.0, 1.0]), np.linspace(0.0, 1.0, 3)), np.array([[0.0, 1.0]] * 3),
+                 dict.fromkeys(FACES, "free"))
 G = 9.81
 FALL = np.sqrt(2 * 0.5 / G) * (1.0 - 1e-12)     # [s]
 

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hybrid.grid.blocks import cell_numbers, cut_into_blocks
+from hybrid.grid.axes import cell_numbers
+from hybrid.grid.blocks import cut_into_blocks
 from hybrid.laws.user import made, refuse_unlike
 from hybrid.laws.von_mises import VonMises
 from hybrid.runtime.errors import LawError, SceneError
