@@ -27,7 +27,7 @@ from hybrid.body.facet_tree import LANES, joined, outside_bounds
 from hybrid.body.surface import ContactSurface
 from hybrid.contact import closest_points, soil_to_body
 from hybrid.contact.interface import NONE
-from hybrid.contact.samples import Places, Samples
+from hybrid.contact.samples import BodyPlaces, Samples
 from hybrid.contact.tunnelling import FINEST, FRACTIONS, pierced
 from hybrid.runtime.jit import njit, prange
 
@@ -48,7 +48,7 @@ class Side:
     beyond: float = 0.0
 
     def beyond_of(self, places):
-        """(m,) [m] of Places; 0 of those on edges."""
+        """(m,) [m] of BodyPlaces; 0 of those on edges."""
         return np.where(places.number < self.samples.first_edge, self.beyond, 0.0)
 
 
@@ -67,11 +67,11 @@ class Path(NamedTuple):
 
 
 class PairContact(NamedTuple):
-    """Places of one side in contact at trial poses, m of them, vectors in space: active (m,) among its Places; force
+    """Places of one side in contact at trial poses, m of them, vectors in space: active (m,) among its BodyPlaces; force
     (m, 3) [N], minus that on body a; tangent (m, 3, 3) [N/m]; arms (m, 3) [m] from the centres of a and b; gap (m,) [m];
     normal (m, 3) of body b; energy, dissipated [J]; springs [N/m]; slip (m,). Once the state is accepted, the history has
-    those in contact and those that have less overlap than they began with: kept (k,) among the Places, anchor (k, 3) [m] in
-    the frame of b, rest (k,) [m]."""
+    those in contact and those that have less overlap than they began with: kept (k,) among the BodyPlaces, anchor (k, 3)
+    [m] in the frame of b, rest (k,) [m]."""
 
     active: np.ndarray
     force: np.ndarray
@@ -129,7 +129,7 @@ class SideStep:
     """
 
     side: Side
-    places: Places
+    places: BodyPlaces
     start: np.ndarray
     touching: np.ndarray
     anchor: np.ndarray
@@ -165,7 +165,7 @@ class SideStep:
         sticking = soil_to_body.NOWHERE if self.sticking is None else self.sticking[active]
         closed = soil_to_body.ClosedPoints(
             y[active], self.anchor[active], origin, self.stiffness[active], pressed[active], NONE, sticking, steady[active])
-        found = soil_to_body.Response.empty(len(active))
+        found = soil_to_body.ContactResponse.empty(len(active))
         soil_to_body.contact_law(closed, points, self.law, surface.tree, found)
         R = pose_b[1]
         arm_b = y[active] @ R.T

@@ -19,7 +19,7 @@ import numpy as np
 from hybrid.contact import assembly, body_to_body
 from hybrid.contact.body_to_body import PairContact, Side
 from hybrid.contact.pair import Pair
-from hybrid.contact.samples import Places
+from hybrid.contact.samples import BodyPlaces
 from hybrid.contact.soil_to_body import Coulomb, PointContact
 from hybrid.runtime import ranks
 from hybrid.runtime.comm import total
@@ -33,7 +33,7 @@ OF_BODY = -1                        # number of the soil point in the history of
 class PlacesOverPlane:
     """All places of a body, of which those near the plane z = top [m] are found by their height."""
 
-    places: Places
+    places: BodyPlaces
     top: float
     first_edge: int = 0     # all press on the nearest side of the ground alone
 
@@ -41,11 +41,11 @@ class PlacesOverPlane:
         """Places at most `reach` [m] above the plane, those below it whatever their depth; arguments as in Samples.near."""
         height = self.places.point @ turn[2] + way[2] - self.top
         chosen = height <= reach
-        return Places(*(values[chosen] for values in self.places._replace(clearance=height)))
+        return BodyPlaces(*(values[chosen] for values in self.places._replace(clearance=height)))
 
 
 @dataclass(frozen=True)
-class Ground:
+class HeldGround:
     """Level held ground under a body: side: places of the body, a, on the ground, b; stiffness: k [N/m³]; low, high: (3,)
     [m] ends of the ground; collapsed: (3,) bool axes; spacing: [m] of the places; faces: (n, k) triangles of the body at the
     place of each number, -1 for none, None where no part of the surface is told apart."""
@@ -82,8 +82,8 @@ class GroundPair(Pair):
     """A body and its places near the ground."""
 
     def __init__(self, body, state, history, reach, expected):
-        """body: RigidBody with its Ground; state: BodyState; history: ContactHistory, whose `place` numbers places of the
-        body and whose anchors are in space; reach: Reach; expected: pose to which the body is predicted to move."""
+        """body: RigidBody with its HeldGround; state: BodyState; history: ContactHistory, whose `place` numbers places of
+        the body and whose anchors are in space; reach: Reach; expected: pose to which the body is predicted to move."""
         ground = body.ground
         if len(history.point) and history.point[0] != OF_BODY:
             history = ContactHistory.empty()

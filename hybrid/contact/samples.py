@@ -48,7 +48,7 @@ class Pieces(NamedTuple):
     first: np.ndarray
 
 
-class Places(NamedTuple):
+class BodyPlaces(NamedTuple):
     """m places on a body: number (m,) of each; point (m, 3) [m] and outward normal (m, 3) in its frame; area (m,) [m²];
     clearance (m,) [m]: they cannot touch the other body before they move by it; depth (m,) [m]: overlap from which on they
     press."""
@@ -65,14 +65,14 @@ class Places(NamedTuple):
 class Samples:
     """All places of a body, against one other body.
 
-    pieces: the triangles that are cut where it is necessary; edges: Places on its sharp edges and corners, whose
+    pieces: the triangles that are cut where it is necessary; edges: BodyPlaces on its sharp edges and corners, whose
     clearance is not set; share: part of the body that lies in the slice of plane strain, else 1; flat: (k, 3) unit
     vectors of the body frame along collapsed axes, along which places lie at the centre of mass; first_edge: number of
     the first place on an edge
     """
 
     pieces: Pieces
-    edges: Places
+    edges: BodyPlaces
     share: float = 1.0
     flat: np.ndarray | None = None
     first_edge: int = 0
@@ -88,11 +88,11 @@ class Samples:
             if needed <= count:
                 break
             count = needed
-        places = Places(*(values[:needed] for values in found), np.zeros(needed))
+        places = BodyPlaces(*(values[:needed] for values in found), np.zeros(needed))
         edges = self.edges
         distance = distances(edges.point @ turn.T + way, surface, reach)[0]
         close = distance <= reach
-        joined = Places(*(np.concatenate([a, b[close]]) for a, b in zip(places, edges._replace(clearance=distance))))
+        joined = BodyPlaces(*(np.concatenate([a, b[close]]) for a, b in zip(places, edges._replace(clearance=distance))))
         return joined._replace(area=self.share * joined.area)
 
 
@@ -108,7 +108,8 @@ def sample(surface, spacing, width, corner, depth=0.0, flat=None, share=1.0):
     point, normal, area = _edges(surface, spacing, width, corner)
     for axis in () if flat is None else flat:
         point = point - (point @ axis)[:, None] * axis
-    edges = Places(total[-1] + np.arange(len(point)), point, normal, area, np.zeros(len(point)), np.full(len(point), depth))
+    zero = np.zeros(len(point))
+    edges = BodyPlaces(total[-1] + np.arange(len(point)), point, normal, area, zero, zero + depth)
     return Samples(pieces, edges, share, flat, int(total[-1]))
 
 
@@ -199,7 +200,7 @@ def _in_box(x, box, margin):
 
 @njit(cache=True)
 def _near(pieces, flat, turn, way, tree, reach, found):
-    """Fill `found`, the arrays of Places, and return the number of places, which may be more than fit.
+    """Fill `found`, the arrays of BodyPlaces, and return the number of places, which may be more than fit.
 
     A part of a triangle is followed where a ball around it is within reach. It is known by the weights (v, w) of its first
     corner and the length h of its sides in them, negative for the part in the middle, which lies the other way round.

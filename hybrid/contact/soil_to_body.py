@@ -143,7 +143,7 @@ class Coulomb(NamedTuple):
     ratio: float
 
 
-class Response(NamedTuple):
+class ContactResponse(NamedTuple):
     """Output of the law, body frame: force (m, 3) [N], tangent (m, 3, 3) [N/m] and of it turning and ramp (m, 3, 3), slip
     (m,) bool, anchor (m, 3) [m] after the step, side (m, 3) N, energy and dissipated (m,) [J], opened (m,) bool."""
 
@@ -191,7 +191,7 @@ def evaluate(points, position, centre, rotation, surface, friction, tangential):
     closed = ClosedPoints(y[active], points.anchor[active], origin, points.stiffness[active],
                           points.rest[active], limits.select(active),
                           NOWHERE if points.sticking is None else points.sticking[active])
-    found = Response.empty(len(active))
+    found = ContactResponse.empty(len(active))
     contact_law(closed, closest, Coulomb(friction, tangential), surface.tree, found)
     most = closed.limits.tension if len(limits.tension) else 0.0
     pressure = np.maximum(closed.stiffness * (closed.rest - closest.gap), -most)

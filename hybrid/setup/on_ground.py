@@ -17,7 +17,7 @@ import numpy as np
 from hybrid.body import rigid
 from hybrid.body.surface import build_surface
 from hybrid.contact.body_to_body import Side
-from hybrid.contact.on_ground import Ground, PlacesOverPlane
+from hybrid.contact.on_ground import HeldGround, PlacesOverPlane
 from hybrid.contact.samples import flat_overlap, sample
 from hybrid.runtime.comm import maximum, minimum
 
@@ -43,7 +43,7 @@ def is_made_for(described, body, motion, soil):
 
 
 def ground_of(body, rotation, soil, gravity):
-    """Ground under a body at an initial `rotation` (3, 3); gravity (3,) [m/s²]."""
+    """HeldGround under a body at an initial `rotation` (3, 3); gravity (3,) [m/s²]."""
     collapsed, size = soil.grid.collapsed, 2.0 * _radius(body.surface, rotation, soil.grid.collapsed)
     thickness = np.prod(np.ptp(soil.grid.extent[collapsed], axis=1)) if collapsed.any() else None
     weight = body.mass.mass * (float(np.linalg.norm(gravity)) or STANDARD)
@@ -58,7 +58,7 @@ def ground_of(body, rotation, soil, gravity):
     (low, high), block = _ends(soil), _block(soil, FAR * size)
     places = PlacesOverPlane(samples.near(np.eye(3), np.zeros(3), block, np.inf), high[2])
     faces = _faces(samples, surface) if body.parts else None
-    return Ground(Side(0, 1, places, block), stiffness, low, high, collapsed, size / PLACES, faces)
+    return HeldGround(Side(0, 1, places, block), stiffness, low, high, collapsed, size / PLACES, faces)
 
 
 def _faces(samples, surface):

@@ -33,7 +33,7 @@ TOUCHING = "line", "contact", "joints", "bodies"     # terms that act on an arm 
 PACE, REST = {True: 0.01, False: 0.03}, 1e-6
 # Share of what is out of balance that contact of a body bears at most where the body counts as one that touches nothing: a
 # cylinder may stand on two points beside one another, about which nothing keeps it from turning.
-LIGHT = 0.01
+UNSUPPORTED = 0.01
 
 
 @dataclass(frozen=True)
@@ -172,7 +172,7 @@ class BodyTerms:
     def unsupported(self):
         """Whether contact with the soil bears nothing yet, or hardly anything of what is out of balance."""
         left = np.linalg.norm(np.where(self.step.free, self.total, 0.0)[:3])
-        return np.linalg.norm(self.terms["contact"][:3]) <= LIGHT * left
+        return np.linalg.norm(self.terms["contact"][:3]) <= UNSUPPORTED * left
 
     @property
     def largest_force(self):

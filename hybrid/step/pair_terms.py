@@ -24,7 +24,7 @@ IMPACT = 5e-3   # of the size of the smaller body: overlap by an impact
 # Share of the size of the smaller body: reach beyond twice the predicted path, with and without inertia
 MARGIN = {True: 0.02, False: 0.1}
 STRIDE = 0.5    # of the same: longest predicted path of bodies that may meet in an increment
-LIGHT = 2.0     # times the speed that overlaps bodies by as much as the load does: of a touch that is no impact
+TOUCH = 2.0     # times the speed that overlaps bodies by as much as the load does: of a touch that is no impact
 RESOLVED = 1 / 20   # of the time that an impact lasts, in an increment
 PASSED = 0.01   # of the same: depth of places on their way that counts as having passed through
 
@@ -68,7 +68,7 @@ class BodyPair:
         slow, way = self.contact_times(mass)
         lasts = min(slow / np.sqrt(factor), np.pi * np.sqrt(mass / springs) if springs else np.inf)
         speed = np.hypot(speed, change * lasts / np.pi)
-        return RESOLVED * min(lasts, way / speed) if speed > LIGHT * np.pi * self.overlap / slow else np.inf
+        return RESOLVED * min(lasts, way / speed) if speed > TOUCH * np.pi * self.overlap / slow else np.inf
 
     def path(self, poses, others):
         """Upper bound [m] of the way of any place relative to the other body from `poses` to `others`."""

@@ -106,7 +106,7 @@ def test_a_cylinder_that_stands_on_two_points_is_put_down(monkeypatch):
     weight, (record,) = 2000.0 * np.pi * 0.25**2 * 9.81, records(ROLL)
     assert record.iterations <= 10 and record.rejections == 0
     assert record.bodies[0].contact_force[2] == pytest.approx(weight, rel=1e-3)
-    monkeypatch.setattr(body_terms, "LIGHT", 0.0)
+    monkeypatch.setattr(body_terms, "UNSUPPORTED", 0.0)
     monkeypatch.setattr(body_terms, "PACE", {True: np.inf, False: np.inf})
     with pytest.raises(StepError):
         records(replace(ROLL, time=replace(ROLL.time, smallest=1.0)))
