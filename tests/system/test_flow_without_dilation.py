@@ -28,13 +28,14 @@ def pressed(size, speed, steps=6):
 
 
 def test_a_share_of_the_elastic_tangent_ends_the_going_to_and_fro(monkeypatch):
-    """62 iterations in six steps of 8 mm and no halving; 255 with the consistent tangent alone, to the same force."""
+    """62 iterations in six steps of 8 mm and no halving. With the consistent tangent alone, by round-off, 255 to the same
+    force or 343, with a second halving after which sand without dilation flows under 3 % less."""
     iterations, rejections, force = pressed(0.25, 0.008)
     assert rejections == 0
     monkeypatch.setattr(iteration, "ELASTIC", 0.0)
     alone, _, same = pressed(0.25, 0.008)
     assert alone > 2 * iterations
-    assert force[-1] == pytest.approx(same[-1], rel=0.01)
+    assert force[-1] == pytest.approx(same[-1], rel=0.04) and force[2] == pytest.approx(same[2], rel=0.01)
 
 
 def test_a_share_that_does_not_vanish_with_the_residual_converges_slowly(monkeypatch):
