@@ -14,7 +14,7 @@ def begin_loads(body, state, time, scheme, gravity=np.zeros(3)):
         return state
     now = -guides.load_on(body.loads, state.rotation, time)[0]
     change = now - (np.zeros(6) if state.load is None else state.load) - rigid.weight(body, state.rotation, gravity)
-    new = _accelerated(body, state, change) if scheme.inertia else state
+    new = accelerated(body, state, change) if scheme.inertia else state
     reaction = None if state.reaction is None else state.reaction - np.where(body.free, 0.0, change)
     return replace(new, reaction=reaction, load=now if body.loads else None)
 
@@ -27,7 +27,7 @@ def release_guides(body, state):
     """
     if state.reaction is None or not np.any(state.reaction[body.free]):
         return state
-    return replace(_accelerated(body, state, -state.reaction), reaction=np.where(body.free, 0.0, state.reaction))
+    return replace(accelerated(body, state, -state.reaction), reaction=np.where(body.free, 0.0, state.reaction))
 
 
 def engage_guides(body, state, gravity, scheme, joined=False):
@@ -49,6 +49,12 @@ def engage_guides(body, state, gravity, scheme, joined=False):
     return new, impulse_work
 
 
+def force_between(body, before, after):
+    """Force and moment (6,) [N, N m] by which a body accelerates more in the state `after` than in the one `before`."""
+    turning = after.rotation @ (body.mass.inertia @ (after.spin_rate - before.spin_rate))
+    return np.concatenate([body.mass.mass * (after.acceleration - before.acceleration), turning])
+
+
 def begin_friction(body, state, change):
     """`state` at the end of an increment at whose start forces began to act, and at whose end friction and adhesion have
     changed by a force and moment `change` (6,) [N, N m]: as if they had done so at its start. Of generalised alpha, by
@@ -60,7 +66,7 @@ def begin_friction(body, state, change):
     return replace(state, algorithmic=state.algorithmic + _acceleration(body, state, change))
 
 
-def _accelerated(body, state, load):
+def accelerated(body, state, load):
     """`state` with the accelerations of free components that a force and moment `load` (6,) [N, N m] adds."""
     added = _acceleration(body, state, load)
     return replace(

@@ -10,7 +10,7 @@ the estimated error sets it (`hybrid.step.error_estimate`). While bodies hit one
 (`hybrid.step.pair_terms`), and one that finds an impact which was not predicted is done again.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -37,6 +37,9 @@ def outer_step(model, workspace, state, length, pulling, control):
     """
     control.begin(length)
     start, report, support = state, Report(length, 0.0 if control.accuracy else None), None
+    if control.pushed:
+        model, state = processes.settle(model, state, workspace)
+        state = body_terms.begin_pressure(begin(model, state, control.increment(length), pulling, workspace), control.pushed)
     while state.step == start.step:
         remaining = start.time + length - state.time
         dt = control.increment(remaining)
@@ -57,7 +60,7 @@ def outer_step(model, workspace, state, length, pulling, control):
         if accepted:
             last = remaining - dt <= ROUND_OFF * length
             before, state = state, step.accept(outcome.evaluation, start.time + length if last else None)
-            state, control.pushed = body_terms.begin_friction(step, outcome.evaluation, state, control.pushed), ()
+            state, control.pushed = body_terms.begin_friction(step, outcome.evaluation, state, control.pushed), {}
             report.accept(dt, error)
             if not model.scheme.inertia:
                 report.flow(before.points, state.points)
@@ -100,14 +103,14 @@ class Control:
     smallest  [s] increment below which a step fails
     accuracy  [m] error of positions that an outer step may add, None where convergence alone decides
     backtrack whether the last increment needed backtracking in Newton's method, so that the next one begins with it
-    pushed    numbers of the bodies that forces begin to push at the start of the next increment
+    pushed    {number: (6,) [N, N m]} of the bodies that forces begin to push at the start of the next increment
     """
 
     dt: float
     smallest: float
     accuracy: float | None = None
     backtrack: bool = False
-    pushed: tuple = ()
+    pushed: dict = field(default_factory=dict)
     _length: float = 0.0        # [s] of the outer step
     _finest: float = 0.0        # [s] increment below which it fails, `smallest` or what an impact needs
     _impact: float = np.inf     # [s] increment that resolves the impacts of this one

@@ -94,12 +94,13 @@ class Model:
         return replace(state, bodies=bodies, work=work, joints=joints)
 
     def pushed(self, before, state):
-        """Numbers of the bodies that forces begin to push where a stage turns the state `before` into `state`: not of joined
-        bodies, whose joints bear a part, nor with other schemes than generalised alpha, with which pressure rings."""
-        joined = {number for joint in self.constraints for number in joint.bodies}
-        changed = [np.any(old.acceleration != new.acceleration) or np.any(old.spin_rate != new.spin_rate)
-                   for old, new in zip(before.bodies, state.bodies)]
-        return tuple(i for i, pushed in enumerate(changed) if pushed and i not in joined and self.scheme.auxiliary)
+        """{number: (6,) [N, N m]} of the bodies that forces begin to push where a stage turns the state `before` into
+        `state`, and what accelerates them; none with other schemes than generalised alpha, with which pressure rings."""
+        if not self.scheme.auxiliary:
+            return {}
+        changes = {i: stage_start.force_between(body, *motions) for i, (body, *motions) in enumerate(zip(
+            self.bodies, before.bodies, state.bodies))}
+        return {i: change for i, change in changes.items() if change.any()}
 
     def lay_out_lines(self, state):
         """`state` with the pull lines of all bodies laid out, just taut, where they are not yet."""

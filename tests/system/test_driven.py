@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from hybrid.scene import Axis, Faces, Grid, Load, Pull, Stage
+from hybrid.scene import Axis, Faces, Grid, Joint, Load, Pull, Stage
 from hybrid.setup.build import build
 from hybrid.step import body_terms
 from hybrid.study.scenes import SCHEMES, box, elastic, plane, scene
@@ -159,8 +159,48 @@ def test_friction_answers_forces_that_begin_with_a_stage_at_once(gravity, stages
     """A block let go on a slope, or pushed, slides ½ a t²; without that, by half a step more of what friction takes."""
     expected = 0.5 * acceleration * 0.4**2
     assert slid(gravity, stages) == pytest.approx(expected, rel=0.02)
-    monkeypatch.setattr(body_terms, "begin_friction", lambda step, evaluation, state, numbers: state)
+    monkeypatch.setattr(body_terms, "begin_friction", lambda step, evaluation, state, pushed: state)
     assert slid(gravity, stages) > 1.04 * expected
+
+
+def raised(*stages, **body):
+    """(Position (3,) [m] relative to the start, velocity (3,) [m/s]) in the end of a block on held ground."""
+    block = box(0.5, 0.4, 0.2, rest_on=0.0, density=2000.0, **body)
+    simulation = build(replace(plane(block, 1, 0.01, cells=(12, 4), gravity=LEVEL), stages=stages))
+    start, _ = simulation.state.bodies[0].position, list(simulation.steps())
+    return simulation.state.bodies[0].position - start, simulation.state.bodies[0].velocity
+
+
+def pull(share):
+    return (Load(force=(0.0, 0.0, share * 9.81 * MASS)),)
+
+
+def test_pressure_of_held_ground_falls_as_soon_as_a_force_lifts_a_body(monkeypatch):
+    """Up with 1.05 and 0.95 of its weight, and without gravity: it rises with 0.05 g, and stays."""
+    lifted = Stage("stand", 5), Stage("lift", 20, loads=pull(1.05))
+    assert raised(*lifted)[1][2] == pytest.approx(0.05 * 9.81 * 0.2, rel=0.01)
+    assert abs(raised(Stage("stand", 5), Stage("lift", 20, loads=pull(0.95)))[0][2]) < 1e-4
+    assert abs(raised(Stage("stand", 5), Stage("float", 20, gravity=(0.0, 0.0)))[1][2]) < 2e-3
+    monkeypatch.setattr(body_terms, "begin_pressure", lambda step, pushed: step.state)
+    assert raised(*lifted)[1][2] > 1.2 * 0.05 * 9.81 * 0.2
+
+
+def test_a_load_that_no_longer_presses_a_sliding_body_leaves_it_its_own_friction():
+    stages = Stage("press", 10, loads=pull(-5.0)), Stage("slide", 20)
+    assert raised(*stages, friction=MU, velocity=(3.0, 0.0, 0.0))[1][0] == pytest.approx(
+        3.0 - MU * 9.81 * (6 * 0.1 + 0.2), rel=0.01)
+
+
+def test_joined_bodies_are_answered_like_one():
+    halves = [box(0.25, 0.4, 0.2, rest_on=0.0, density=2000.0, friction=MU, name=name, position=(x, 0.0, 0.0))
+              for name, x in (("left", -0.125), ("right", 0.125))]
+    push = Load(body="left", force=(1.1 * MU * 9.81 * MASS, 0.0, 0.0), point=(0.0, 0.0, -0.1))
+    scene = replace(plane(halves[0], 1, 0.01, gravity=LEVEL), bodies=tuple(halves),
+                    stages=(Stage("stand", 5), Stage("go", 30, loads=(push,))),
+                    joints=(Joint(name="seam", kind="weld", bodies=("left", "right"), point=(0.125, 0.0, 0.0)),))
+    simulation = build(scene)
+    start, _ = simulation.state.bodies[0].position[0], list(simulation.steps())
+    assert simulation.state.bodies[0].position[0] - start == pytest.approx(0.5 * 0.1 * MU * 9.81 * 0.3**2, rel=0.05)
 
 
 @every_scheme

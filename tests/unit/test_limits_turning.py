@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from hybrid.monitors.limits import LIMITS, turning
-from hybrid.scene import Axis, Faces, Grid, Load, Soil
+from hybrid.scene import Axis, Faces, Grid, Load, Material, Soil
 from hybrid.setup.build import build
 from hybrid.study.random.fresh import clay
 from hybrid.study.random.fresh.problem import WEIGHTLESS, body, scene
@@ -78,7 +78,8 @@ def test_what_stands_above_the_clay_bears_nothing():
 # ------------------------------------------------------------------ turned over
 
 
-def over(depth=0.0, space=False, size=0.125, law="von-mises", spin=0.01, foot=2.5, loads=(), **table):
+def over(depth=0.0, space=False, size=0.125, law="von-mises", spin=0.01, foot=2.5, loads=(), stage_held=(),
+         sand=False, **table):
     """Texts about a box of 1 m by 1 m by 2 m whose base is at a `depth` [m], turned about y by so many radians a step."""
     values = {"length": 1.0, "width": 1.0, "height": 2.0, "size": 2.0}
     table = {"driven": ("ry",), "held": ("x", "y", "z", "rx", "rz"), "spin": (0.0, spin, 0.0)} | table
@@ -86,9 +87,12 @@ def over(depth=0.0, space=False, size=0.125, law="von-mises", spin=0.01, foot=2.
     side, across = Axis(start=-1.5, end=1.5, size=size), Axis(start=-0.5, end=0.5, collapsed=True)
     grid = Grid(side, side if space else across, Axis(start=-foot, end=0.25, size=size), Faces(z_min="fixed"))
     material = clay.clay(2e4) if law == "von-mises" else replace(clay.clay(2e4), law=law, strength=None)
+    if sand:
+        material = Material(law="mohr-coulomb", young=2e7, poisson=0.3, density=1700.0, friction_angle=33.0,
+                            dilation_angle=0.0, cohesion=100.0)
     described = scene("over", grid, Soil(material, top=0.0, geostatic=False), [made], clay.Time(1.0, inertia=False), 4,
                       WEIGHTLESS)
-    simulation = build(replace(described, stages=(replace(described.stages[0], loads=loads),)))
+    simulation = build(replace(described, stages=(replace(described.stages[0], loads=loads, held=stage_held),)))
     return list(turning.turned_over(simulation.scene, simulation.model))
 
 
@@ -111,9 +115,21 @@ def test_a_footing_or_a_wall_that_is_turned_over_drives_the_next_cells():
 def test_what_is_not_turned_over_in_soil_that_flows_has_no_text():
     assert not over(spin=1e-5)                  # the clay is elastic
     assert not over(law="hencky")
+    small = (Load(moment=((0.0, 0.0, 0.0, 0.0), (4.0, 0.0, 1.0, 0.0))),)
+    free = {"spin": 0.0, "driven": (), "held": ("x", "y", "z", "rx", "rz")}
+    assert not over(loads=small, **free)        # 1 N m
+    assert not over(loads=(Load(moment=((0.0, 0.0, 0.0, 0.0), (4.0, 0.0, 4e4, 0.0))),), **free, stage_held=("ry",))
     assert not over(depth=1.5, foot=1.5)        # a wall beside all of the soil
     assert not over(depth=-1.0)                 # in the air
     assert not over(depth=1.5, space=True)      # `turned` has one
+
+
+def test_a_box_deep_in_sand_in_space_has_the_law_that_was_measured():
+    """24.8 and 21.9 kN m with 4 and 8 cells in its width, towards 19.0."""
+    for n, moment in ((4, 24.8), (8, 21.9)):
+        assert moment / 19.0 == pytest.approx(1 + turning.IN_SAND / n, abs=0.02)
+    text, = over(depth=0.5, space=True, sand=True)
+    assert "up to 15% too high" in text
 
 
 def test_check_and_runs_ask_for_it():

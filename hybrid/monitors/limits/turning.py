@@ -24,14 +24,17 @@ Along a round body it slips, at its outline, and the torque depends on where lin
 import numpy as np
 
 from hybrid.monitors.limits.stages import stride_of
-from hybrid.monitors.limits.loading import CLAY, EXCESS, ON_LINE, law_at, material_at, outline, top_of
+from hybrid.monitors.limits.loading import CLAY, EXCESS, ON_LINE, SAND, law_at, material_at, outline, top_of
 
 SHEARED = 1.3                   # cells by which the sheared surface is wider, and longer, than the body
 BLADES = 0.1                    # share of its surface with which a body pushes soil as it turns; of a round one 0
 SLIPPING = 16.0                 # cells in the diameter of a round body, twice the most that were measured
 SUNK = 0.05                     # of its width: depth of a round body up to which it stands on the ground
 OVER, OVER_IN_SPACE = 2.2, 2.6  # of bodies turned over
-FLOWS = 0.5                     # s_u/G: angle [rad] of a strip up to which the clay under it is hardly more than elastic
+IN_SAND = 1.2                   # of a box of 1 m, half of it in sand: 24.8, 21.9 kN m with 4, 8 cells after 0.12 rad
+# Of s_u/G [rad], and of the largest moment LARGEST s_u B² L, up to which clay under a strip is hardly more than elastic; and
+# angle [rad] up to which sand is
+FLOWS, LARGEST, TINY = 0.5, 0.77, 1e-4
 
 
 def turned(scene, model):
@@ -48,13 +51,14 @@ def turned(scene, model):
         middle = 0.5 * (place[:, 2].min() + place[:, 2].max())
         if middle >= top or law_at(scene, soil, middle) != CLAY:
             continue
-        for axis in axes:
+        shallow = top - place[:, 2].min() <= soil.grid.smallest_cell
+        for axis in [axis for axis in axes if axis == 2 or not shallow]:    # of others `turned_over` tells
             yield from _torque(whole, place, axis, soil.grid.smallest_cell)
 
 
 def turned_over(scene, model):
     """Bodies on or in soil that are turned about a horizontal axis, or that a moment turns, with so few cells in them that
-    the moment is more than EXCESS too high. In space those that stand on the ground; of others `turned` tells."""
+    the moment is more than EXCESS too high. Of those deep in clay, in space, `turned` tells."""
     soil, collapsed = model.soil, model.soil.grid.collapsed
     if soil.held or not soil.law.plastic:
         return
@@ -63,33 +67,48 @@ def turned_over(scene, model):
         whole, place = outline(described, body, soil)
         top, bottom = top_of(soil), place[:, 2].min()
         cell, base = soil.grid.smallest_cell, place[place[:, 2] <= max(top, bottom) + ON_LINE * soil.grid.smallest_cell]
-        stands = collapsed.any() or top - bottom <= cell
-        if not stands or not soil.grid.extent[2, 0] + cell < bottom < top + cell:     # over soil, not beside all of it
+        if not soil.grid.extent[2, 0] + cell < bottom < top + cell:     # over soil, not beside all of it
+            continue
+        material, deep = material_at(scene, soil, bottom - 0.5 * cell), not collapsed.any() and top - bottom > cell
+        if material.law not in {CLAY, *SAND} or deep and material.law == CLAY:
             continue
         for axis in [axis for axis in across if _turns(scene, described, body, axis)]:
             width = max(np.ptp(base[:, 1 - axis]), top - bottom)
-            excess = (OVER if collapsed.any() else OVER_IN_SPACE) * cell / width if width else 0.0
-            if excess > EXCESS and _pushes(whole, place, axis) > BLADES and _flows(scene, soil, described, bottom, axis):
+            factor = OVER if collapsed.any() else IN_SAND if deep else OVER_IN_SPACE
+            excess = factor * cell / width if width else 0.0
+            strength = _strength(material, width, np.ptp(base[:, axis]))
+            if excess > EXCESS and _pushes(whole, place, axis) > BLADES and _flows(scene, described, body, axis, *strength):
                 yield (f"{body.name} is turned about {'xy'[axis]}, {width / cell:.2g} cells of {cell:.3g} m across: its "
                        f"moment, where soil flows under it, is up to {excess:.0%} too high, limit {EXCESS:.0%}, as it "
                        f"drives the next cells too. Use cells of at most {EXCESS / excess * cell:.2g} m at it, or "
                        "extrapolate two sizes of cells to none")
 
 
-def _flows(scene, soil, described, height, axis):
-    """Whether a body is turned by enough for clay at a `height` [m] to flow; other soil, and a moment, may do."""
-    material = material_at(scene, soil, height - 0.5 * soil.grid.smallest_cell)
-    angle = sum(stage.steps * stride_of(scene, stage, described, f"r{'xy'[axis]}") for stage in scene.stages)
-    if material.law != CLAY or not angle:
-        return True
-    return angle > FLOWS * material.strength * 2.0 * (1.0 + material.poisson) / material.young
+def _strength(material, width, length):
+    """(Angle [rad], moment [N m]) up to which a Material is hardly more than elastic under a base; of sand, no moment."""
+    if material.law != CLAY:
+        return TINY, 0.0
+    angle = FLOWS * material.strength * 2.0 * (1.0 + material.poisson) / material.young
+    return angle, FLOWS * LARGEST * material.strength * width**2 * length
+
+
+def _flows(scene, described, body, axis, angle, moment):
+    """Whether a body is turned by more than an `angle` [rad], or a moment of a stage in which it may turn is larger than
+    `moment` [N m]."""
+    turned = sum(stage.steps * stride_of(scene, stage, described, f"r{'xy'[axis]}") for stage in scene.stages)
+    return turned > angle or any(np.abs(values).max() > moment for values in _moments(scene, body, axis))
+
+
+def _moments(scene, body, axis):
+    """Moments [N m] about an axis in the stages that leave a body free to follow them."""
+    return [load.moment.values[:, axis] for described, stage in zip(scene.stages, body.stages or ()) for load in stage.loads
+            if load.moment is not None and f"r{'xyz'[axis]}" not in described.held and not stage.held[3 + axis]]
 
 
 def _turns(scene, described, body, axis):
     """Whether a body is driven about an axis, or free to follow a moment of a stage about it."""
     if not body.guided[3 + axis]:
-        return any(load.moment is not None and np.any(load.moment.values[:, axis]) for stage in body.stages or ()
-                   for load in stage.loads)
+        return any(np.any(values) for values in _moments(scene, body, axis))
     return any(stride_of(scene, stage, described, f"r{'xyz'[axis]}") > 0.0 for stage in scene.stages)
 
 
