@@ -8,6 +8,7 @@ import pytest
 
 from hybrid.scene import Solver
 from hybrid.setup.build import build
+from hybrid.soil.buffers import resized
 from hybrid.soil.model import INSIDE_OUT, NO_STRESS, Refusal
 from hybrid.soil.workspace import SoilWorkspace, keeps_tangents
 from hybrid.step import newton
@@ -142,3 +143,21 @@ def test_buffers_stay_while_the_soil_does(simulation):
     assert workspace.soil is buffers
     workspace.renew(model.with_soil(replace(model.soil)))
     assert workspace.soil is not buffers
+
+
+def test_buffers_keep_their_memory_until_more_points_come_than_they_have_room_for():
+    first = resized(np.empty((0, 3)), 16)
+    fewer, again, more = resized(first, 9), resized(resized(first, 9), 18), resized(first, 40)
+    assert np.shares_memory(first, fewer) and np.shares_memory(first, again) and not np.shares_memory(first, more)
+    assert [len(one) for one in (first, fewer, again, more)] == [16, 9, 18, 40] and more.shape[1:] == (3,)
+
+
+def test_trials_after_points_have_moved_are_those_of_new_buffers(begun):
+    """Of as many points, of fewer and of more again; trials of before are no longer valid."""
+    soil, step, shaken = begun
+    fresh, before = SoilWorkspace(soil), soil.evaluate(step, shaken(1))
+    expected = soil.evaluate(replace(step, workspace=fresh), shaken(1)).force
+    step.workspace.trial_strain.resize(3)
+    step.workspace.follow_points(soil)
+    assert not before.strain.valid
+    np.testing.assert_array_equal(soil.evaluate(step, shaken(1)).force, expected)
