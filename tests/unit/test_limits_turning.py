@@ -79,7 +79,7 @@ def test_what_stands_above_the_clay_bears_nothing():
 
 
 def over(depth=0.0, space=False, size=0.125, law="von-mises", spin=0.01, foot=2.5, loads=(), stage_held=(),
-         sand=False, **table):
+         sand=False, stiffening=False, **table):
     """Texts about a box of 1 m by 1 m by 2 m whose base is at a `depth` [m], turned about y by so many radians a step."""
     values = {"length": 1.0, "width": 1.0, "height": 2.0, "size": 2.0}
     table = {"driven": ("ry",), "held": ("x", "y", "z", "rx", "rz"), "spin": (0.0, spin, 0.0)} | table
@@ -87,11 +87,13 @@ def over(depth=0.0, space=False, size=0.125, law="von-mises", spin=0.01, foot=2.
     side, across = Axis(start=-1.5, end=1.5, size=size), Axis(start=-0.5, end=0.5, collapsed=True)
     grid = Grid(side, side if space else across, Axis(start=-foot, end=0.25, size=size), Faces(z_min="fixed"))
     material = clay.clay(2e4) if law == "von-mises" else replace(clay.clay(2e4), law=law, strength=None)
+    if stiffening:
+        material = replace(material, young=None, reference_young=1e7, stiffness_exponent=0.5)
     if sand:
         material = Material(law="mohr-coulomb", young=2e7, poisson=0.3, density=1700.0, friction_angle=33.0,
                             dilation_angle=0.0, cohesion=100.0)
-    described = scene("over", grid, Soil(material, top=0.0, geostatic=False), [made], clay.Time(1.0, inertia=False), 4,
-                      WEIGHTLESS)
+    described = scene("over", grid, Soil(material, top=0.0, geostatic=stiffening), [made], clay.Time(1.0, inertia=False), 4,
+                      (0.0, 0.0, -9.81) if stiffening else WEIGHTLESS)
     simulation = build(replace(described, stages=(replace(described.stages[0], loads=loads, held=stage_held),)))
     return list(turning.turned_over(simulation.scene, simulation.model))
 
@@ -110,6 +112,10 @@ def test_a_footing_or_a_wall_that_is_turned_over_drives_the_next_cells():
     assert "12 cells of 0.125 m across" in over(depth=1.5)[0]
     assert "up to 28%" in over(spin=0.0, driven=(), held=("x", "y", "z", "rx", "rz"),
                                loads=(Load(moment=((0.0, 0.0, 0.0, 0.0), (4.0, 0.0, 4e4, 0.0))),))[0]
+
+
+def test_clay_whose_modulus_follows_the_stress_is_taken_to_flow():
+    assert "up to 28%" in over(stiffening=True)[0]
 
 
 def test_what_is_not_turned_over_in_soil_that_flows_has_no_text():

@@ -86,7 +86,7 @@ def turned_over(scene, model):
 
 def _strength(material, width, length):
     """(Angle [rad], moment [N m]) up to which a Material is hardly more than elastic under a base; of sand, no moment."""
-    if material.law != CLAY:
+    if material.law != CLAY or material.young is None:      # with `reference_young` it is not one number
         return TINY, 0.0
     angle = FLOWS * material.strength * 2.0 * (1.0 + material.poisson) / material.young
     return angle, FLOWS * LARGEST * material.strength * width**2 * length
