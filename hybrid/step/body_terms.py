@@ -7,14 +7,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hybrid.body import guides, rigid, stage_start
+from hybrid.body import guides, rigid
 from hybrid.body.rigid import BodyTrial, RigidBody
 from hybrid.contact.assembly import Tangent
 from hybrid.contact.contact_pair import ContactPair
 from hybrid.contact.on_ground import GroundPair, of_soil
 from hybrid.contact.search import Reach
 from hybrid.contact.soil_to_body import PointContact
-from hybrid.runtime.comm import anywhere, total
+from hybrid.runtime.comm import anywhere
 from hybrid.scheme import Scheme
 from hybrid.state import BodyState
 from hybrid.step import joint_terms, soil_terms
@@ -34,7 +34,6 @@ PACE, REST = {True: 0.01, False: 0.03}, 1e-6
 # Share of what is out of balance that contact of a body bears at most where the body counts as one that touches nothing: a
 # cylinder may stand on two points beside one another, about which nothing keeps it from turning.
 UNSUPPORTED = 0.01
-GONE = 0.05     # of the pressure at the start of a stage: less at the end of its first increment says nothing about friction
 
 
 @dataclass(frozen=True)
@@ -283,48 +282,3 @@ def begin_bodies(model, state, dt, pulling, domains, active, nodal):
         begun.append(BodyStep(number, body, motion, target, pair, reach, unknowns, line_force, gravity, model.scheme,
                               dt, state.time))
     return tuple(begun)
-
-
-def begin_pressure(step, pushed):
-    """The committed state of an increment at whose start forces `pushed` {number: (6,) [N, N m]} begin to act on bodies,
-    with what held ground answers those that unload it: FORMULATION (27c)."""
-    bodies = list(step.state.bodies)
-    for number, change in pushed.items():
-        before = _at_start(step, number)
-        fallen = _fallen(step, before, change) * (before.friction - before.resultant)
-        bodies[number] = stage_start.accelerated(step.bodies[number].body, bodies[number], fallen)
-    return replace(step.state, bodies=bodies)
-
-
-def begin_friction(step, evaluation, state, pushed):
-    """`state` at the end of an increment, with its Evaluation, at whose start forces `pushed` {number: (6,) [N, N m]} began
-    to act on bodies, as if friction and adhesion had answered them from then on (`stage_start.begin_friction`).
-
-    With the pressure that acted at the start. Pressure that begins with the forces does so late by half of a step, and twice
-    as much of it follows in the next increment, with its friction.
-    """
-    bodies = list(state.bodies)
-    for number, change in pushed.items():
-        before, after = _at_start(step, number), evaluation.bodies[number].contact
-        pressed, presses = total(before.pressure) * (1.0 - _fallen(step, before, change)), total(after.pressure)
-        if pressed > 0.0 and presses <= GONE * pressed:     # thrown off for an increment: it slips on as it did
-            continue
-        share = pressed / presses if pressed > 0.0 else 0.0
-        share = share if anywhere(after.slip) else min(share, 1.0)
-        bodies[number] = stage_start.begin_friction(
-            step.bodies[number].body, bodies[number], share * after.friction - before.friction)
-    return replace(state, bodies=bodies)
-
-
-def _at_start(step, number):
-    """PointContact of a body at the start of an increment."""
-    own = step.bodies[number]
-    return own.pair.evaluate(step.at_rest().displacement, own.committed_pose())
-
-
-def _fallen(step, contact, change):
-    """Share [-] of the pressure on a body that is gone as soon as a force `change` (6,) [N, N m] begins to act on it: on
-    held ground what unloads it, at most all; of soil, whose pressure falls as it springs back, none."""
-    pressure = (contact.resultant - contact.friction)[:3]
-    size = np.linalg.norm(pressure)
-    return float(np.clip(change[:3] @ pressure / size**2, 0.0, 1.0)) if step.soil is None and size else 0.0

@@ -17,7 +17,7 @@ import numpy as np
 from hybrid.runtime.comm import largest
 from hybrid.runtime.errors import StepError
 from hybrid.soil.model import Soil
-from hybrid.step import body_terms, failure_message, newton, processes
+from hybrid.step import failure_message, newton, processes, stage_contact
 from hybrid.step.equations import begin
 from hybrid.step.evaluation import Evaluation
 from hybrid.step.error_estimate import even, following, local_error, shorter
@@ -39,7 +39,8 @@ def outer_step(model, workspace, state, length, pulling, control):
     start, report, support = state, Report(length, 0.0 if control.accuracy else None), None
     if control.pushed:
         model, state = processes.settle(model, state, workspace)
-        state = body_terms.begin_pressure(begin(model, state, control.increment(length), pulling, workspace), control.pushed)
+        state = stage_contact.begin_pressure(
+            begin(model, state, control.increment(length), pulling, workspace), control.pushed)
     while state.step == start.step:
         remaining = start.time + length - state.time
         dt = control.increment(remaining)
@@ -60,7 +61,7 @@ def outer_step(model, workspace, state, length, pulling, control):
         if accepted:
             last = remaining - dt <= ROUND_OFF * length
             before, state = state, step.accept(outcome.evaluation, start.time + length if last else None)
-            state, control.pushed = body_terms.begin_friction(step, outcome.evaluation, state, control.pushed), {}
+            state, control.pushed = stage_contact.begin_friction(step, outcome.evaluation, state, control.pushed), {}
             report.accept(dt, error)
             if not model.scheme.inertia:
                 report.flow(before.points, state.points)
