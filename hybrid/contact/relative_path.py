@@ -2,9 +2,9 @@
 
     y(s) = R_b(s)ᵀ [ R_a(s) X + c_a(s) - c_b(s) ]       0 <= s <= 1
 
-with centres that move on straight lines and attitudes that turn about one axis each. The anchor of the tangential spring of a
-place that closes is the place where it is predicted to touch first: see `hybrid.contact.first_contact`, the same for points of
-soil, and FORMULATION (43), (62).
+with centres that move on straight lines and attitudes that turn about one axis each. The anchor of the tangential spring of
+a place that closes is the place where it is predicted to touch first: see `hybrid.contact.first_contact`, the same for
+points of soil, and FORMULATION (43), (62).
 """
 
 from typing import NamedTuple
