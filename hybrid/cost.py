@@ -47,6 +47,7 @@ from hybrid.soil.model import Refusal
 from hybrid.soil.size import PART, PICTURES, growing_memory
 from hybrid.step.energy import energies
 from hybrid.step.equations import begin
+from hybrid.step.rejection import rejection
 from hybrid.step.workspace import Workspace
 
 ITERATIONS = {"held": (2, 2), "elastic": (3, 0.5), "plastic": (6, 4)}      # (n, m) by soil
@@ -197,9 +198,7 @@ def _disturbed(state, cell):
 
 def _end(step, evaluation):
     """Everything that follows a converged evaluation."""
-    step.rotation_too_large(evaluation.unknowns)
-    step.search_radius_ratio(evaluation.unknowns)
-    step.tunnelled(evaluation)
+    rejection(step, evaluation)
     energies(step.model, step.accept(evaluation), evaluation)
 
 

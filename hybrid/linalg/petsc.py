@@ -22,12 +22,12 @@ from weakref import WeakSet
 import numpy as np
 from petsc4py import PETSc
 
+from hybrid.linalg.blocks import SolversInTurn
 from hybrid.linalg.inverses import INVERSES, RAISED, lift
 from hybrid.linalg.precond_pattern import ReducedMatrix
 from hybrid.linalg.product import Product
 from hybrid.linalg.solver_choice import DIRECT, ILU0_SHIFTED, MOST, SolverChoice
 from hybrid.linalg.stencil_pattern import diagonal_places
-from hybrid.runtime.errors import StepError
 from hybrid.runtime.stop_signals import held_back
 
 SINGULAR = "finds the matrix singular"
@@ -46,22 +46,18 @@ def _destroy_all():
     PETSc.garbage_cleanup(COMM)     # what Python has collected and PETSc keeps
 
 
-class BlockSystem:
+class BlockSystem(SolversInTurn):
     """Storage and solution of the block system for one sparsity pattern.
 
     linear: value of `solver.linear`; tolerance: relative one of GMRES; reduced: ReducedMatrix from which M^-1 is computed,
     None for all of K_uu; sweeps: whether they are tried before ILU(0); choice: SolverChoice, which outlives this system.
-    values: entries of K_uu in the order of the pattern; uw (n, m), wu (m, n), ww (m, m): dense blocks.
     """
 
     def __init__(self, indptr, indices, body_unknowns, linear, tolerance, reduced=None, sweeps=False,
                  choice=None):
         n, m = len(indptr) - 1, body_unknowns
-        self.values = np.empty(len(indices))    # filled by the first assembly
-        self.uw, self.wu = np.zeros((n, m), order="F"), np.zeros((m, n), order="F")
-        self.ww, self._schur = np.zeros((m, m), order="F"), np.zeros((m, m), order="F")
-        self.soil_unknowns, self.body_unknowns = n, m
-        self._tolerance, self._choice, self._sweeps = tolerance, choice or SolverChoice(linear), sweeps
+        super().__init__(len(indices), n, m, choice or SolverChoice(linear), sweeps, tolerance)
+        self.soil_unknowns, self.body_unknowns, self._schur = n, m, np.zeros((m, m), order="F")
         self._coupled, self._blocks, self._reduced, self._solvers = bool(n and m), [], None, {}
         if n:
             self._uu = PETSc.Mat().createAIJWithArrays((n, n), (indptr, indices, self.values), comm=COMM)
@@ -78,7 +74,6 @@ class BlockSystem:
             self._blocks.append(self._ww)
         if self._blocks:
             self._join()
-            self._order, self._at, self._failed = [], 0, ""
             self._x, self._b = self._matrix.createVecs()
             ALIVE.add(self)
 
@@ -144,11 +139,6 @@ class BlockSystem:
                 thing.destroy()
             self._blocks = []
 
-    def clear(self):
-        """Set all blocks except K_uu to zero, because assembly adds to them; K_uu is overwritten."""
-        for block in (self.uw, self.wu, self.ww):
-            block[...] = 0.0
-
     def factor(self):
         """Prepare the preconditioner after assembly."""
         if not self._blocks:
@@ -157,31 +147,29 @@ class BlockSystem:
             block.assemble()
         for matrix in (self._matrix, self._applied):
             matrix.stateIncrease()
-        self._order = self._choice.begin(self.soil_unknowns, self.body_unknowns, self._sweeps)
-        self._prepare(0)
+        self._begin()
 
-    def _prepare(self, at):
-        """Set up the solver at place `at` of the order with the current values, and make it the current one."""
-        self._at, self._failed, (solver, most) = at, "", self._order[at]
+    def _set_up(self, solver):
         if solver not in self._solvers:
             self._solvers[solver] = self._make_solver(solver)
         ksp, options = self._solvers[solver]
         if solver != DIRECT:
             self._fill_reduced(RAISED if solver == ILU0_SHIFTED else 1.0)
         ksp.setOperators(*self._operators(solver))
-        ksp.max_it = most
         with _options_set(options):  # the parts of a field split read their options at the first set-up
             try:
                 ksp.setUp()
             except PETSc.Error as error:
                 if error.ierr != ZERO_PIVOT:
                     raise
-                self._failed = _singular(solver)    # in the dense factor, of a body that nothing supports
-        if solver == DIRECT and self.soil_unknowns and not self._failed:
+                return _singular(solver)    # in the dense factor, of a body that nothing supports
+        if solver == DIRECT and self.soil_unknowns:
             self._choice.factors += 1
-            self._failed = self._factor_failure(ksp)
-        if self._coupled and not self._failed:
+            if failure := self._factor_failure(ksp):
+                return failure
+        if self._coupled:
             self._form_schur(ksp)
+        return ""
 
     def _fill_reduced(self, raised):
         """Copy the current values to the matrix of the preconditioner, with its diagonal `raised` by this factor."""
@@ -227,30 +215,15 @@ class BlockSystem:
         if not self._blocks:
             return np.zeros(0), np.zeros(0), 0
         self._b.array = -np.concatenate([soil, body])
-        total, failures = 0, {}
-        while True:
-            solver, _ = self._order[self._at]
-            failure, count = self._attempt(solver, tolerance)
-            total += count
-            if not failure:
-                if self.soil_unknowns:
-                    self._choice.solved(solver, count, tolerance or self._tolerance)
-                solution = self._x.array
-                return solution[:len(soil)].copy(), solution[len(soil):].copy(), total
-            failures[solver] = failure
-            self._choice.failed(solver)
-            if self._at + 1 == len(self._order):
-                raise StepError(f"linear solver: {self._choice.describe(failures, self.soil_unknowns)}")
-            self._prepare(self._at + 1)
+        count, solution = self._solve(tolerance), self._x.array
+        return solution[:len(soil)].copy(), solution[len(soil):].copy(), count
 
-    def _attempt(self, solver, tolerance):
-        """(Reason of failure, "" if there is none; number of Krylov iterations)."""
-        if self._failed:
-            return self._failed, 0
+    def _attempt(self, solver, most, tolerance):
         ksp, _ = self._solvers[solver]
+        ksp.max_it = most
         if "hybrid_ksp_rtol" not in CHOSEN_BY_USER:
             _, *others = ksp.getTolerances()
-            ksp.setTolerances(self._tolerance if tolerance is None else tolerance, *others)
+            ksp.setTolerances(tolerance, *others)
         try:
             with held_back():
                 ksp.solve(self._b, self._x)

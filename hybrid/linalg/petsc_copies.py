@@ -8,11 +8,12 @@ of a factor that is divided. 178 such tangents of the anchor on two ranks, with 
 import numpy as np
 from scipy.sparse import coo_matrix
 
+from hybrid.linalg.blocks import Blocks
 from hybrid.linalg.petsc import BlockSystem
 from hybrid.runtime import comm
 
 
-class CopiedSystem:
+class CopiedSystem(Blocks):
     """Storage and solution; attributes and methods as those of BlockSystem, for the local unknowns of a process.
 
     pattern: Pattern of the local unknowns; numbers: (n,) of these among those of all processes; own: (n,) bool, those
@@ -21,8 +22,7 @@ class CopiedSystem:
 
     def __init__(self, pattern, numbers, own, body_unknowns, tolerance):
         n, m = pattern.size, body_unknowns
-        self.values = np.empty(len(pattern.indices))
-        self.uw, self.wu, self.ww = np.zeros((n, m), order="F"), np.zeros((m, n), order="F"), np.zeros((m, m), order="F")
+        super().__init__(len(pattern.indices), n, m)
         self._numbers, self._own = numbers, own
         self.body_unknowns, self.soil_unknowns = m, comm.count(own)
         rows, columns = np.repeat(numbers, np.diff(pattern.indptr)), numbers[pattern.indices]
@@ -36,11 +36,6 @@ class CopiedSystem:
     def destroy(self):
         """Release the memory of matrices and factors."""
         self._whole.destroy()
-
-    def clear(self):
-        """Set all blocks except K_uu to zero."""
-        for block in (self.uw, self.wu, self.ww):
-            block[...] = 0.0
 
     def factor(self):
         """Factor the sums of all processes."""

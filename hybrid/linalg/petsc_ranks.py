@@ -13,13 +13,13 @@ GMRES sees vectors with the own soil unknowns of each process, and those of the 
 import numpy as np
 from petsc4py import PETSc
 
+from hybrid.linalg.blocks import SolversInTurn
 from hybrid.linalg.inverses import INVERSES, RAISED, lift
 from hybrid.linalg.precond_pattern import ReducedMatrix
 from hybrid.linalg.product import Product
 from hybrid.linalg.solver_choice import DIRECT, ILU0_SHIFTED, MOST
 from hybrid.linalg.stencil_pattern import diagonal_places
 from hybrid.runtime import comm, ranks
-from hybrid.runtime.errors import StepError
 
 ALL, SELF = PETSc.COMM_WORLD, PETSc.COMM_SELF
 
@@ -47,7 +47,7 @@ class _Calls:
         self._system.apply(x, y)
 
 
-class DistributedSystem:
+class DistributedSystem(SolversInTurn):
     """Storage and solution of the block system; attributes and methods as those of BlockSystem.
 
     pattern: Pattern of the local unknowns; grid: Block; reduced: ReducedMatrix, None for all of K_uu; choice: SolverChoice
@@ -55,9 +55,7 @@ class DistributedSystem:
 
     def __init__(self, pattern, grid, body_unknowns, tolerance, reduced, sweeps, choice):
         n, m = pattern.size, body_unknowns
-        self.values = np.empty(len(pattern.indices))
-        self.uw, self.wu, self.ww = np.zeros((n, m), order="F"), np.zeros((m, n), order="F"), np.zeros((m, m), order="F")
-        self._tolerance, self._sweeps, self._choice = tolerance, sweeps, choice
+        super().__init__(len(pattern.indices), n, m, choice, sweeps, tolerance)
         self._own, numbers = number_unknowns(pattern.free, grid)
         self._count = int(np.count_nonzero(self._own))
         self.body_unknowns, self.soil_unknowns = m, comm.count(self._own)
@@ -104,11 +102,6 @@ class DistributedSystem:
         for thing in [*self._parts, *(each for made in self._made.values() for each in made)]:
             thing.destroy()
         self._parts, self._made = [], {}
-
-    def clear(self):
-        """Set all blocks except K_uu to zero."""
-        for block in (self.uw, self.wu, self.ww):
-            block[...] = 0.0
 
     # -------------------------------------------------------------- vectors of own and of local unknowns
 
@@ -168,12 +161,10 @@ class DistributedSystem:
         """Prepare the preconditioner after assembly."""
         self._local.assemble()
         self._local.stateIncrease()
-        self._order = self._choice.begin(self.soil_unknowns, self.body_unknowns, self._sweeps)
-        self._prepare(0)
+        self._begin()
 
-    def _prepare(self, at):
-        self._at, self._failed, (solver, most) = at, "", self._order[at]
-        self._solver, self._most = solver, most
+    def _set_up(self, solver):
+        self._solver = solver
         if solver not in self._made:
             self._made[solver] = self._make(solver)
         *matrices, ksp = self._made[solver]
@@ -188,9 +179,10 @@ class DistributedSystem:
         if solver == DIRECT:
             self._choice.factors += 1
             code = ksp.getPC().getFactorMatrix().getMumpsInfog(1)
-            self._failed = "" if code >= 0 else f"the direct factor fails with error {code} of MUMPS"
-        if not self._failed:
-            self._form_schur()
+            if code < 0:
+                return f"the direct factor fails with error {code} of MUMPS"
+        self._form_schur()
+        return ""
 
     def _fill_reduced(self, matrix, raised):
         """As in BlockSystem; entries of unknowns that several processes have are those of all of them together."""
@@ -245,28 +237,14 @@ class DistributedSystem:
         """Increments (n,) of the local unknowns and (m,) of the bodies, and the number of Krylov iterations, as
         `BlockSystem.solve`; soil: residuals (n,), summed over processes."""
         self._put(self._b, -soil[self._own], -body)
-        total, failures = 0, {}
-        while True:
-            solver, tolerance = self._solver, self._tolerance if tolerance is None else tolerance
-            failure, count = self._attempt(tolerance)
-            total += count
-            if not failure:
-                self._choice.solved(solver, count, tolerance)
-                bodies = self._of_bodies(self._x)
-                return self._to_local(self._x.array_r[:self._count]).copy(), bodies, total
-            failures[solver] = failure
-            self._choice.failed(solver)
-            if self._at + 1 == len(self._order):
-                raise StepError(f"linear solver: {self._choice.describe(failures, self.soil_unknowns)}")
-            self._prepare(self._at + 1)
+        count = self._solve(tolerance)
+        bodies = self._of_bodies(self._x)
+        return self._to_local(self._x.array_r[:self._count]).copy(), bodies, count
 
-    def _attempt(self, tolerance):
-        """(Reason of failure, "" if there is none; number of Krylov iterations)."""
-        if self._failed:
-            return self._failed, 0
+    def _attempt(self, solver, most, tolerance):
         if not np.isfinite(self._schur).all() or self.body_unknowns and not np.linalg.cond(self._schur) < 1e300:
             return "the Schur complement of the bodies is singular", 0
-        self._ksp.setTolerances(rtol=tolerance, atol=0.0, max_it=min(self._most, MOST))
+        self._ksp.setTolerances(rtol=tolerance, atol=0.0, max_it=min(most, MOST))
         self._ksp.setUp()
         self._ksp.solve(self._b, self._x)
         reason, count = self._ksp.getConvergedReason(), self._ksp.getIterationNumber()

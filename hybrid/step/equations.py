@@ -22,7 +22,6 @@ from hybrid.linalg.system_cache import CarriedTangent
 from hybrid.runtime import comm
 from hybrid.runtime.timing import phase
 from hybrid.soil.model import SoilStep
-from hybrid.soil.transfer import interpolate
 from hybrid.state import State
 from hybrid.step import assemblies, body_terms, joint_rates, joint_terms, pair_terms, soil_terms
 from hybrid.step.body_terms import BodyStep
@@ -30,10 +29,7 @@ from hybrid.step.evaluation import Evaluation, Unknowns
 from hybrid.step.joint_terms import JointStep
 from hybrid.step.model import Model
 from hybrid.step.pair_terms import PairsStep
-from hybrid.step.search_reach import travel_ratio
 from hybrid.step.work import work_after
-
-LARGEST_ROTATION = 2.0  # [rad] of a body in a step; beyond π it equals a smaller rotation in the opposite direction
 
 
 @dataclass(frozen=True)
@@ -143,46 +139,6 @@ class Step:
         with phase("factor"):
             self.system.factor()
 
-    def share_interface(self, evaluation):
-        """Let points of clay that touch in an `evaluation` bear its adhesion (`ContactPair.share_interface`). Returns the
-        largest change among the bodies."""
-        return max((terms.step.pair.share_interface(terms.contact) for terms in evaluation.bodies), default=0.0)
-
-    def restore_interface(self):
-        """Let the points bear what they did before `share_interface`."""
-        for body in self.bodies:
-            body.pair.restore_interface()
-
-    def hold_facets(self, evaluation):
-        """Hold the contact points that touch to the facets that carry them at an evaluation. Returns those facets, an array
-        for each body."""
-        return [terms.step.pair.hold_facets(terms.contact) for terms in evaluation.bodies]
-
-    def release_facets(self):
-        """Let all contact points find their facets again."""
-        for body in self.bodies:
-            body.pair.release_facets()
-
-    def facet_error(self, evaluation):
-        """Largest difference of overlaps [-] by facets that are held but not the nearest; 0 where none are held."""
-        return max((terms.step.pair.facet_error(terms.contact, evaluation.unknowns.displacement, terms.pose)
-                    for terms in evaluation.bodies), default=0.0)
-
-    def has_convex_contact(self, evaluation):
-        """Whether convex edges or curved faces of bodies press the soil at an evaluation."""
-        return any(comm.anywhere(contact.turning) for contact in evaluation.contacts)
-
-    def touches_on_ramp(self, evaluation):
-        """Whether shear of contact points is on the ramp of adhesion at an evaluation without inertia."""
-        return not self.model.scheme.inertia and any(comm.anywhere(contact.ramp) for contact in evaluation.contacts)
-
-    def contact_stiffness_ratio(self):
-        """Stiffness of contact on the face of a cell over that of the cell [-]; 0 without contact or soil."""
-        if self.soil is None:
-            return 0.0
-        cell = self.model.soil.law.young / self.model.soil.grid.smallest_cell
-        return max((comm.largest(b.contact_pressure / cell) for b in self.model.bodies), default=0.0)
-
     def cells_crossed(self):
         """Number of cells [-] that a wave of speed √(E/ρ) crosses in the step, at the least."""
         soil = self.model.soil
@@ -203,28 +159,6 @@ class Step:
         return evaluation.norms.get("soil [N]", 0.0) <= limit and max(others, default=0.0) <= tolerance
 
     # -------------------------------------------------------------- acceptance
-
-    def rotation_too_large(self, unknowns=None):
-        """Why a body rotates too far in the step, by its committed spin or by trial unknowns; empty if none does."""
-        for b in self.bodies:
-            angle = b.rotation_angle(unknowns)
-            if angle > LARGEST_ROTATION:
-                return (f"{b.body.name} rotates by {angle:.3g} rad in {self.dt:.3g} s, limit {LARGEST_ROTATION:g} rad")
-        return ""
-
-    def search_radius_ratio(self, unknowns):
-        """Largest path of soil and body towards each other that was not predicted, over the margin of the search."""
-        moved = None
-        if self.soil is not None and self.bodies:   # of points: a node with little mass may move far without effect
-            moved = interpolate(self.soil.basis, self.model.soil.grid.shape, unknowns.displacement)
-        return max((travel_ratio(b.body, b.state, b.pose(unknowns), b.predicted_pose(), b.reach.margin, self.model.soil.grid,
-                                 self.state.points, moved) for b in self.bodies), default=0.0)
-
-    def tunnelled(self, evaluation):
-        """Number of contact points that passed through a body in the step, deeper than a twentieth of a cell."""
-        depth, displacement = 0.05 * self.model.soil.grid.smallest_cell, evaluation.unknowns.displacement
-        return sum(terms.step.pair.tunnelled(terms.contact, displacement, terms.pose, depth)
-                   for terms in evaluation.bodies)
 
     def accept(self, evaluation, end=None):
         """New State at a converged evaluation. end: [s] where the increment completes its outer step: the time, free of

@@ -19,7 +19,7 @@ from hybrid.contact.assembly import Tangent
 from hybrid.runtime.errors import StepError
 from hybrid.runtime.timing import phase
 from hybrid.soil.model import Refusal
-from hybrid.step import sticking
+from hybrid.step import contacts, sticking
 from hybrid.step.evaluation import Evaluation
 from hybrid.step.restriction import restricted, rough_nodes
 
@@ -134,7 +134,7 @@ class Safeguards:
 
     def __init__(self, step, solver, updates):
         self.step, self.solver, self.updates = step, solver, updates
-        self.finest = max(solver.linear_tolerance / max(1.0, step.contact_stiffness_ratio() / STIFF), FINEST)
+        self.finest = max(solver.linear_tolerance / max(1.0, contacts.stiffness_ratio(step) / STIFF), FINEST)
         self.stick = None       # contact points held in stick in the next update
         self.reuse = False      # of the tangent in the next update
         self.carried = False    # whether the update is made with the tangent of the last increment

@@ -21,9 +21,11 @@ from dataclasses import replace
 from hybrid.contact.assembly import Tangent
 from hybrid.runtime import comm
 from hybrid.soil.model import Refusal
+from hybrid.step import contacts
 from hybrid.step.equations import Step
 from hybrid.step.first_guess import first_evaluation, lowered_to_contact, starts
 from hybrid.step.iteration import PATIENCE, Outcome, Updates, iterate
+from hybrid.step.rejection import rejection, rotation_too_large
 
 # Full updates are given up sooner than PATIENCE, because backtracking is tried then. Iterations of four collapses of
 # clay: 3: 1014, 5: 620, 8: 593; of pipes pushed into clay, a fifth more with 5 than with backtracking from the start.
@@ -46,7 +48,7 @@ def solve(step: Step, short=False, backtrack=False):
     """Outcome of Newton's method on `step`. Never raises for lack of convergence. short: whether the increment is so short
     that a contact point may be carried BETWEEN facets; backtrack: whether to begin with backtracking."""
     solver = step.model.solver
-    if reason := step.rotation_too_large():
+    if reason := rotation_too_large(step):
         return replace(NOTHING, reason=reason)
     if step.pairs and step.pairs.too_long:
         return replace(NOTHING, reason=step.pairs.too_long)
@@ -61,13 +63,13 @@ def solve(step: Step, short=False, backtrack=False):
         outcome = outcome.followed_by(_solution(step, solver, start, ambiguous, backtrack))
         if outcome.converged:
             break
-        step.release_facets()
+        contacts.release_facets(step)
     if not outcome.converged and short and solver.line_search:
         start = step.evaluate(evaluation.unknowns)
         outcome = outcome.followed_by(iterate(step, solver, start, Updates(PATIENCE, may_diverge=True)))
     if not outcome.converged:
         return outcome
-    change = step.share_interface(outcome.evaluation)
+    change = contacts.share_interface(outcome.evaluation)
     if change > SHARED:
         outcome = _shared(step, solver, outcome, ambiguous)
     return replace(outcome, reason=rejection(step, outcome.evaluation)) if outcome.converged else outcome
@@ -77,11 +79,11 @@ def _shared(step, solver, outcome, ambiguous):
     """`outcome` with the adhesion of clay shared among the points that touch in it; as it is where that has no solution.
     ambiguous: as in `_solution`."""
     unknowns, error = outcome.evaluation.unknowns, outcome.evaluation.error
-    step.release_facets()
+    contacts.release_facets(step)
     again = _solution(step, solver, step.evaluate(unknowns), ambiguous)
     if again.converged:
         return outcome.followed_by(again)
-    step.restore_interface()
+    contacts.restore_interface(step)
     before = step.evaluate(unknowns)
     if before.error > max(error, solver.tolerance):     # with other facets than those with which it converged
         return outcome.followed_by(again)
@@ -91,24 +93,24 @@ def _shared(step, solver, outcome, ambiguous):
 def _solution(step, solver, evaluation, ambiguous, backtrack=False):
     """Outcome from an evaluation. Where contact points jump between facets they are held (`hybrid.contact.held_facets`), and
     may be carried by one whose overlap differs from that with the nearest one by a share of `ambiguous`."""
-    step.release_facets()
+    contacts.release_facets(step)
     outcome, held = _newton(step, solver, evaluation, backtrack), None
     for _ in range(HOLDS):
-        if outcome.converged and step.facet_error(outcome.evaluation) <= ambiguous:
+        if outcome.converged and contacts.facet_error(outcome.evaluation) <= ambiguous:
             break
         if not outcome.converged and not outcome.jumping:
             break
-        step.release_facets()
-        before, held = held, step.hold_facets(step.evaluate(outcome.evaluation.unknowns))
+        contacts.release_facets(step)
+        before, held = held, contacts.hold_facets(step.evaluate(outcome.evaluation.unknowns))
         if not outcome.converged and before and not any(comm.anywhere(a != b) for a, b in zip(before, held)):
             break       # the same facets, with which there was no solution
         start = step.evaluate(outcome.evaluation.unknowns)
         outcome = outcome.followed_by(iterate(step, solver, start, Updates(PATIENCE, solver.line_search)))
     else:
-        if outcome.converged and step.facet_error(outcome.evaluation) > ambiguous:
+        if outcome.converged and contacts.facet_error(outcome.evaluation) > ambiguous:
             return replace(outcome, reason=f"contact points jump between facets of a body, {HOLDS} times")
     if outcome.converged:
-        return replace(outcome, judged=outcome.judged or step.facet_error(outcome.evaluation) > AMBIGUOUS)
+        return replace(outcome, judged=outcome.judged or contacts.facet_error(outcome.evaluation) > AMBIGUOUS)
     return outcome if outcome.evaluation is None else _judge(step, solver, outcome)
 
 
@@ -116,7 +118,7 @@ def _judge(step, solver, outcome):
     """`outcome` of a solution that made no progress any more, converged where its residual is a hair above the
     tolerance, or within round-off of the soil's stiffness and small beside the forces acting."""
     best = step.evaluate(outcome.evaluation.unknowns)
-    if step.facet_error(best) > AMBIGUOUS:
+    if contacts.facet_error(best) > AMBIGUOUS:
         return outcome
     if best.error <= RELAXED * solver.tolerance or best.error <= AT_ROUND_OFF and step.within_rounding(best):
         return replace(outcome, evaluation=best, reason="", judged=True)
@@ -127,7 +129,7 @@ def _newton(step, solver, evaluation, backtrack=False):
     """Outcome of `_updates` without the ramp of adhesion in the tangent; where these have no solution and contact points are
     on it, with it, from the start again."""
     outcome = _updates(step, solver, evaluation, backtrack)
-    if outcome.converged or not step.touches_on_ramp(outcome.evaluation):
+    if outcome.converged or not contacts.touches_on_ramp(step, outcome.evaluation):
         return outcome
     again = _updates(step, solver, step.evaluate(evaluation.unknowns), backtrack, Tangent.UNSOFTENED)
     return outcome.followed_by(again)
@@ -146,7 +148,7 @@ def _updates(step, solver, evaluation, backtrack=False, far=Tangent.DEFINITE):
             return outcome
         evaluation = step.evaluate(evaluation.unknowns)
     outcome = outcome.followed_by(iterate(step, solver, evaluation, full))
-    if not outcome.converged and step.has_convex_contact(outcome.evaluation):
+    if not outcome.converged and contacts.has_convex_contact(outcome.evaluation):
         outcome = _from_best(step, solver, outcome, replace(full, near=far))
     if not outcome.converged and search and outcome.evaluation.error > RELAXED * solver.tolerance:   # else accepted
         outcome = _from_best(step, solver, outcome, careful)
@@ -156,17 +158,3 @@ def _updates(step, solver, evaluation, backtrack=False, far=Tangent.DEFINITE):
 def _from_best(step, solver, outcome, updates):
     """`outcome` followed by `updates` from its best iterate."""
     return outcome.followed_by(iterate(step, solver, step.evaluate(outcome.evaluation.unknowns), updates))
-
-
-def rejection(step, evaluation):
-    """Why a converged increment must not be accepted: it is too long for its rotations or its contact search to be
-    right. Empty if it may be."""
-    if reason := step.rotation_too_large(evaluation.unknowns):
-        return reason
-    ratio = step.search_radius_ratio(evaluation.unknowns)
-    if ratio > 1:
-        return f"soil and body moved {ratio:.1f} times farther than the contact search allows for"
-    if reason := step.pairs and step.pairs.rejection(evaluation.pairs, step.bodies):
-        return reason
-    count = step.tunnelled(evaluation)
-    return f"{count} contact points of the soil passed through a body" if count else ""

@@ -15,7 +15,7 @@ from hybrid.scene import Solver
 from hybrid.scene.file import load_scene
 from hybrid.setup.build import build
 from hybrid.simulation import Simulation
-from hybrid.step import iteration, newton, sticking
+from hybrid.step import contacts, iteration, newton, sticking
 from hybrid.step.equations import begin
 from hybrid.step.workspace import Workspace
 from hybrid.study.scenes import box, soil_scene
@@ -75,8 +75,8 @@ def test_jumps_that_smoothing_takes_back_count(monkeypatch):
 
     model = SimpleNamespace(soil=SimpleNamespace(law=SimpleNamespace(plastic=True)), scheme=SimpleNamespace(inertia=True))
     system = SimpleNamespace(solve=lambda *system: (None, None, 1), soil_unknowns=1)
-    step = SimpleNamespace(model=model, system=system, contact_stiffness_ratio=lambda: 0.0, assemble=lambda *tangent: None,
-                           carried=CarriedTangent(), dt=0.1)
+    step = SimpleNamespace(model=model, system=system, assemble=lambda *tangent: None, carried=CarriedTangent(), dt=0.1)
+    monkeypatch.setattr(contacts, "stiffness_ratio", lambda step: 0.0)
     monkeypatch.setattr(sticking, "turned_round", lambda *evaluations: None)
     monkeypatch.setattr(sticking, "drifting", lambda *evaluations: None)
     monkeypatch.setattr(held_facets, "switched", lambda before, after, surface: before != after)
@@ -93,8 +93,9 @@ def test_corners_are_not_held_twice_to_the_same_facets(monkeypatch, facets, trie
     calls, facets = [], iter(facets)
     best = SimpleNamespace(unknowns=None, error=1.0)
     failed = iteration.Outcome(best, 1, 1, (1.0,), "residual", jumping=True)
-    step = SimpleNamespace(release_facets=lambda: None, facet_error=lambda evaluation: 0.0, evaluate=lambda unknowns: best,
-                           hold_facets=lambda evaluation: [np.array([next(facets)])], within_rounding=lambda best: False)
+    step = SimpleNamespace(bodies=(), evaluate=lambda unknowns: best, within_rounding=lambda best: False)
+    monkeypatch.setattr(contacts, "facet_error", lambda evaluation: 0.0)
+    monkeypatch.setattr(contacts, "hold_facets", lambda evaluation: [np.array([next(facets)])])
     monkeypatch.setattr(newton, "_newton", lambda *start: failed)
     monkeypatch.setattr(newton, "iterate", lambda *start: calls.append(start) or failed)
     assert not newton._solution(step, Solver(), best, newton.AMBIGUOUS).converged and len(calls) == tried
@@ -103,8 +104,9 @@ def test_corners_are_not_held_twice_to_the_same_facets(monkeypatch, facets, trie
 def test_a_corner_between_two_facets_is_carried_by_either_in_a_short_increment(monkeypatch):
     """Held to one, its overlap with the other is smaller by three quarters; at full length that is refused."""
     best, held = SimpleNamespace(unknowns=None, error=0.0), []
-    step = SimpleNamespace(release_facets=lambda: None, facet_error=lambda evaluation: 0.75 if held else 0.0,
-                           evaluate=lambda unknowns: best, hold_facets=lambda evaluation: held.append(0) or [np.zeros(1)])
+    step = SimpleNamespace(bodies=(), evaluate=lambda unknowns: best)
+    monkeypatch.setattr(contacts, "facet_error", lambda evaluation: 0.75 if held else 0.0)
+    monkeypatch.setattr(contacts, "hold_facets", lambda evaluation: held.append(0) or [np.zeros(1)])
     monkeypatch.setattr(newton, "_newton", lambda *start: iteration.Outcome(best, 9, 9, (1.0,), "residual", jumping=True))
     monkeypatch.setattr(newton, "iterate", lambda *start: iteration.Outcome(best, 2, 2, (1.0,)))
     refused = newton._solution(step, Solver(), best, newton.AMBIGUOUS)
@@ -135,8 +137,8 @@ def test_held_corners_are_on_the_planes_of_their_facets():
     step = begin(simulation.model, simulation.state, 0.01, False, workspace)
     body = step.bodies[0]
     resting = step.evaluate(step.at_rest())
-    step.hold_facets(resting)
-    assert step.facet_error(resting) == 0.0
+    contacts.hold_facets(resting)
+    assert contacts.facet_error(resting) == 0.0
     assert (body.pair.points.facet >= 0).sum() == (resting.contacts[0].gap < -1e-6).sum()
     # 18 cm to the side some corners are nearer to the flank than to the bottom, but still held to it
     position, rotation = body.committed_pose()
@@ -145,7 +147,7 @@ def test_held_corners_are_on_the_planes_of_their_facets():
     pressed = held.gap < -1e-6      # others just touch a flank
     assert np.allclose(held.normal[pressed], (0.0, 0.0, -1.0)) and np.allclose(held.gap[pressed], -0.004)
     assert body.pair.facet_error(held, step.at_rest().displacement, pose) > newton.AMBIGUOUS
-    step.release_facets()
+    contacts.release_facets(step)
     free = body.pair.evaluate(step.at_rest().displacement, pose)
     assert not np.allclose(free.normal, (0.0, 0.0, -1.0)) and held_facets.switched(free, held, body.body.surface)
     assert isinstance(free, soil_to_body.PointContact) and not held_facets.switched(held, held, body.body.surface)

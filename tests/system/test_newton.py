@@ -17,7 +17,7 @@ from hybrid.runtime.errors import StepError
 from hybrid.scene import Axis, Faces, Grid, Load, Material, Scene, Soil, Solver, Stage, Time
 from hybrid.scene.file import load_scene
 from hybrid.setup.build import build
-from hybrid.step import body_terms, iteration, newton, soil_terms, sticking
+from hybrid.step import body_terms, contacts, iteration, newton, soil_terms, sticking
 from hybrid.step.equations import begin
 from hybrid.step.workspace import Workspace
 from hybrid.study.scenes import FREE, NO_OUTPUT, ROLLERS, box, driven, loaded_by_weight, soil_scene, steel
@@ -76,9 +76,10 @@ def test_shorter_updates_start_from_the_best_iterate():
 
     for softened in (False, True):
         begun.clear()
-        step = SimpleNamespace(model=YIELDS, evaluate=lambda unknowns: unknowns,
-                               has_convex_contact=lambda evaluation: softened, touches_on_ramp=lambda evaluation: False)
+        step = SimpleNamespace(model=YIELDS, evaluate=lambda unknowns: unknowns)
+        touching = SimpleNamespace(has_convex_contact=lambda evaluation: softened, touches_on_ramp=lambda *given: False)
         with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(newton, "contacts", touching)
             patch.setattr(newton, "iterate", iterate)
             outcome = newton._newton(step, Solver(), "first")
         unsoftened = [("best", iteration.Updates(newton.TRIAL, near=Tangent.DEFINITE))] * softened
@@ -88,6 +89,7 @@ def test_shorter_updates_start_from_the_best_iterate():
         shorter, error = len(begun), newton.RELAXED * Solver().tolerance
         begun.clear()
         with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(newton, "contacts", touching)
             patch.setattr(newton, "iterate", iterate)
             newton._newton(step, Solver(), "first")
         assert len(begun) == shorter - 1    # a hair above the tolerance is accepted as it is
@@ -106,8 +108,9 @@ def test_where_points_are_on_the_ramp_of_adhesion_all_is_tried_again_with_it(mon
     monkeypatch.setattr(newton, "iterate", iterate)
     for on_ramp in (True, False):
         begun.clear()
-        step = SimpleNamespace(model=YIELDS, evaluate=lambda unknowns: unknowns, has_convex_contact=lambda evaluation: False,
-                               touches_on_ramp=lambda evaluation: on_ramp)
+        step = SimpleNamespace(model=YIELDS, evaluate=lambda unknowns: unknowns)
+        monkeypatch.setattr(newton, "contacts", SimpleNamespace(
+            has_convex_contact=lambda evaluation: False, touches_on_ramp=lambda *given: on_ramp))
         outcome = newton._newton(step, Solver(), SimpleNamespace(unknowns="first"))
         assert outcome.converged == on_ramp and outcome.iterations == 3 * len(begun)
         assert [ramp for _, ramp in begun] == [False, False] + [True] * on_ramp and begun[1][0] == "best"
@@ -149,9 +152,9 @@ def test_updates_that_go_astray_are_not_followed(monkeypatch):
 
     step = SimpleNamespace(
         model=SimpleNamespace(soil=SimpleNamespace(law=SimpleNamespace(plastic=True)), scheme=SimpleNamespace(inertia=True)),
-        contact_stiffness_ratio=lambda: 0.0,
         system=SimpleNamespace(solve=lambda *system: (None, None, 1), soil_unknowns=1),
         assemble=lambda evaluation, kind, elastic: tangents.append(kind), carried=CarriedTangent(), dt=0.1)
+    monkeypatch.setattr(contacts, "stiffness_ratio", lambda step: 0.0)
     monkeypatch.setattr(sticking, "turned_round", lambda *evaluations: None)
     monkeypatch.setattr(sticking, "drifting", lambda *evaluations: None)
     monkeypatch.setattr(held_facets, "switched", lambda *contacts: False)
@@ -196,7 +199,7 @@ def test_a_tangent_without_softening_is_stiffer():
     for kind in (Tangent.CONSISTENT, Tangent.DEFINITE):
         step.assemble(evaluation, kind)
         tangents.append(step.system.ww[:3, :3].copy())
-    assert len(evaluation.contacts[0]) > 3 and step.has_convex_contact(evaluation)
+    assert len(evaluation.contacts[0]) > 3 and contacts.has_convex_contact(evaluation)
     added = np.linalg.eigvalsh(tangents[1] - tangents[0])
     assert added.min() > -1e-9 * added.max() and added.max() > 1e-4 * np.abs(tangents[0]).max()
     workspace.destroy()
@@ -368,7 +371,7 @@ def test_an_increment_is_what_it_was_where_adhesion_shared_anew_has_no_solution(
     first = iteration.Outcome(evaluated(1e-6), 3, 9, (1.0, 1e-6))
     failed = iteration.Outcome(None, 2, 5, (1.0,), "no progress")
     monkeypatch.setattr(newton, "_solution", lambda *given: bounds.append(given[3]) or failed)
-    step = SimpleNamespace(release_facets=lambda: None, restore_interface=lambda: None, evaluate=lambda u: evaluated(error))
+    step = SimpleNamespace(bodies=(), evaluate=lambda u: evaluated(error))
     outcome = newton._shared(step, SimpleNamespace(tolerance=1e-4), first, newton.BETWEEN)
     assert outcome.converged == converged and outcome.iterations == 5 and bounds == [newton.BETWEEN]
     assert not converged or outcome.evaluation.error == error
@@ -384,6 +387,6 @@ def test_a_solution_lost_when_adhesion_is_shared_anew_is_not_accepted(reason, mo
     monkeypatch.setattr(newton, "first_evaluation", lambda step: found)
     monkeypatch.setattr(newton, "starts", lambda step, evaluation: [found])
     monkeypatch.setattr(newton, "rejection", lambda step, evaluation: "" if evaluation is found else "looked at")
-    step = SimpleNamespace(rotation_too_large=lambda: "", pairs=None, share_interface=lambda evaluation: 1.0,
-                           model=SimpleNamespace(solver=None, scheme=SimpleNamespace(inertia=True)))
+    monkeypatch.setattr(contacts, "share_interface", lambda evaluation: 1.0)
+    step = SimpleNamespace(bodies=(), pairs=None, model=SimpleNamespace(solver=None, scheme=SimpleNamespace(inertia=True)))
     assert newton.solve(step).reason == reason

@@ -12,9 +12,10 @@ from hybrid.runtime.errors import StepError
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Output, Scene, Soil, Solver, Stage, Time
 from hybrid.setup.build import build
 from hybrid.soil import transfer
-from hybrid.step import equations, newton
+from hybrid.step import newton, rejection
 from hybrid.step.energy import balance_error, energies
 from hybrid.step.equations import begin
+from hybrid.step.rejection import rotation_too_large
 from hybrid.step.workspace import Workspace
 from hybrid.study import scenes
 
@@ -197,7 +198,7 @@ def test_the_rotation_is_reported_when_the_step_may_not_be_halved(geometry):
 
 def test_without_the_limit_the_failure_does_not_name_the_cause(geometry, monkeypatch):
     """No logarithm is as long as the turn, so Newton's method has no solution to find."""
-    monkeypatch.setattr(equations, "LARGEST_ROTATION", np.inf)
+    monkeypatch.setattr(rejection, "LARGEST_ROTATION", np.inf)
     with pytest.raises(StepError, match=r"residual .* after \d+ iterations"):
         list(spinning(geometry, 90.0, smallest=0.04).steps())
 
@@ -208,8 +209,8 @@ def test_a_converged_step_is_checked_too(geometry):
         simulation = spinning(geometry, 0.0, inertia=inertia)
         step = begin(simulation.model, simulation.state, 0.04, False, Workspace(simulation.model))
         guess = step.predictor()
-        assert step.rotation_too_large() == "" == step.rotation_too_large(guess)
+        assert rotation_too_large(step) == "" == rotation_too_large(step, guess)
         poses = [(position, exp_so3([0.0, angle, 0.0]) @ rotation)
                  for position, rotation in guess.poses for angle in (0.9, 2.1)]
-        short, long = (step.rotation_too_large(replace(guess, poses=(pose,))) for pose in poses)
+        short, long = (rotation_too_large(step, replace(guess, poses=(pose,))) for pose in poses)
         assert short == "" and "body rotates by" in long
