@@ -58,8 +58,9 @@ def _solids(path, request):
     axis = request["symmetry"]
     whole = _volume(volumes)
     if axis:
+        of_whole = _moments(volumes, request["scale"])
         volumes = _derived(volumes, [(3, _half_space(axis))], gmsh.model.occ.intersect)
-        check_halves(whole * request["scale"] ** 3, _volume(volumes) * request["scale"] ** 3, axis, f"geometry {path}")
+        check_halves(of_whole, _moments(volumes, request["scale"]), axis, f"geometry {path}")
     if len(volumes) > 1:
         volumes = _derived(volumes, [], gmsh.model.occ.fragment)
         _refuse_overlaps(path, volumes, whole)
@@ -96,6 +97,18 @@ def _sew():
 
 def _volume(volumes):
     return sum(gmsh.model.occ.getMass(3, tag) for tag in volumes)
+
+
+def _moments(volumes, scale):
+    """(4, 4) ∫ X Xᵀ dV of volumes, with X = (1, x, y, z), in metres of `scale` units."""
+    total = np.zeros((4, 4))
+    for tag in volumes:
+        volume, centre = gmsh.model.occ.getMass(3, tag), np.array([1.0, *gmsh.model.occ.getCenterOfMass(3, tag)])
+        inertia = np.reshape(gmsh.model.occ.getMatrixOfInertia(3, tag), (3, 3))
+        total += volume * np.outer(centre, centre)
+        total[1:, 1:] += 0.5 * np.trace(inertia) * np.eye(3) - inertia
+    unit = np.array([1.0, scale, scale, scale])
+    return scale**3 * np.outer(unit, unit) * total
 
 
 def _half_space(axis):

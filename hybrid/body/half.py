@@ -16,7 +16,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from hybrid.body.solid import FACES, boundary_faces, label, signed_volumes
+from hybrid.body.solid import FACES, boundary_faces, label, moments
 from hybrid.body.symmetry import AXES, check_halves
 from hybrid.runtime.errors import GeometryError
 
@@ -37,9 +37,8 @@ def half_of(mesh, axis):
     a = AXES[axis]
     points = mesh.points.copy()
     points[np.abs(points[:, a]) < ON * np.ptp(points, axis=0).max(), a] = 0.0
-    whole, (points, tets, parents, cuts) = signed_volumes(points, mesh.tets).sum(), _clipped(mesh, points, a)
-    kept = signed_volumes(points, tets).sum()
-    check_halves(whole, kept, axis, label(mesh))
+    whole, (points, tets, parents, cuts) = moments(points, mesh.tets), _clipped(mesh, points, a)
+    check_halves(whole, moments(points, tets), axis, label(mesh))
     used = np.unique(tets)
     outer = boundary_faces(tets)
     on_plane = (points[outer, a] == 0.0).all(axis=1)

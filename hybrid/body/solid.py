@@ -104,6 +104,14 @@ def signed_volumes(points, tets):
     return np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6.0
 
 
+def moments(points, tets):
+    """(4, 4) ∫ X Xᵀ dV of tetrahedra, with X = (1, x, y, z) [m]."""
+    corners = np.concatenate([np.ones((*tets.shape, 1)), points[tets]], axis=2)
+    total = corners.sum(axis=1)
+    each = np.einsum("tki,tkj->tij", corners, corners) + total[:, :, None] * total[:, None]
+    return np.tensordot(signed_volumes(points, tets) / 20.0, each, axes=1)
+
+
 def validate(mesh):
     """Raise GeometryError unless `mesh` is one closed, correctly oriented solid covered by its groups."""
     places = dict(enumerate(mesh.points)) | {f"'{name}'": point for name, point in mesh.named_points.items()}

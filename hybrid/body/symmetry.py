@@ -8,22 +8,39 @@ both with two planes; the others are 2^n times those of the part.
 import re
 from dataclasses import dataclass
 
+import numpy as np
+
 from hybrid.runtime.errors import GeometryError
 
 AXES = {"x": 0, "y": 1}     # of the normals of planes of symmetry
 VECTOR = re.compile(r"(?:.*_)?([fm])([xyz])_Nm?")
-UNEQUAL = 0.01              # of the volume: halves that differ by more are no mirror images
+UNEQUAL = 0.01              # of the volume, and of its moments: halves that differ by more are no mirror images
 
 
 def check_halves(whole, kept, axis, what):
-    """GeometryError unless a volume `kept` [m³] of a `whole` one is half of it, or all of a body drawn as half."""
-    if kept <= 0.0:
+    """GeometryError unless the part of a body that lies at `axis` > 0 is the mirror image of the other part, or all of it.
+
+    whole, kept: (4, 4) moments ∫ X Xᵀ dV of the body and of that part, with X = (1, x, y, z) [m].
+    """
+    volume, part, side = whole[0, 0], kept[0, 0], 1 + AXES[axis]
+    if part <= 0.0:
         raise GeometryError(f"{what}: nothing of it lies at {axis} > 0, which symmetry = '{axis}' keeps; mirror the "
                             f"drawing, or move its plane of symmetry to {axis} = 0")
-    if kept < (1.0 - 1e-9) * whole and abs(2.0 * kept - whole) > UNEQUAL * whole:
-        raise GeometryError(f"{what} is not symmetric about {axis} = 0: {kept:.4g} m³ lie at {axis} > 0 and "
-                            f"{whole - kept:.4g} m³ at {axis} < 0; move the plane of symmetry of the drawing to "
-                            f"{axis} = 0, or leave symmetry = '{axis}' out")
+    if part >= (1.0 - 1e-9) * volume:
+        return
+    where = f"{what} is not symmetric about {axis} = 0"
+    remedy = f"move the plane of symmetry of the drawing to {axis} = 0, or leave symmetry = '{axis}' out"
+    if abs(2.0 * part - volume) > UNEQUAL * volume:
+        raise GeometryError(f"{where}: {part:.4g} m³ lie at {axis} > 0 and {volume - part:.4g} m³ at {axis} < 0; {remedy}")
+    mirror = np.where(np.arange(4) == side, -1.0, 1.0)
+    other = mirror[:, None] * (whole - kept) * mirror
+    size = np.sqrt(np.diag(kept))
+    unlike = np.abs(kept - other) / np.outer(size, size)
+    if unlike.max() > UNEQUAL:
+        i, j = np.unravel_index(unlike.argmax(), unlike.shape)
+        moment = "∫ " + " ".join(("", "x", "y", "z")[n] for n in (i, j) if n) + " dV"
+        raise GeometryError(f"{where}: both halves have the same volume, but {moment} is {kept[i, j]:.4g} of the one at "
+                            f"{axis} > 0, and {other[i, j]:.4g} of the mirror image of the other one; {remedy}")
 
 
 @dataclass(frozen=True)

@@ -80,11 +80,12 @@ class AbsorbedImpact(Monitor):
         taken = sum(energy.get(name, 0.0) for name in TAKERS) - self._taken
         found = lost > FLOW * (taken + lost) and lost > OF_MOTION * self._fastest and taken > TAKEN * self._fastest > 0.0
         if found or self.given("flow"):
+            within = "" if lost > FLOW * (taken + lost) else " within the"
             yield "flow", (
                 f"soil flows fast: {lost:.3g} J of the {taken + lost:.3g} J that it took up are lost without a cause in the "
-                f"balance up to t = {view.state.time:.4g} s ({lost / (taken + lost):.0%}, limit {FLOW:.0%}): cells are too "
-                "coarse for it, and its resistance is too high by about as much. Use smaller cells where it is fastest; "
-                "shorter steps alone, each of which loses some, lose more")
+                f"balance up to t = {view.state.time:.4g} s ({lost / (taken + lost):.0%},{within} limit {FLOW:.0%}): cells "
+                "are too coarse for it, and its resistance is too high by about as much. Use smaller cells where it is "
+                "fastest; shorter steps alone, each of which loses some, lose more")
 
     def _cause(self, view):
         """Cause and remedy of a loss: in steps too long for the impact, or little by little in cells too coarse for it."""

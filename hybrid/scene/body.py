@@ -18,7 +18,8 @@ class Pull:
 
     point: str | Vector = key("name of a physical point of the geometry, or three coordinates of the geometry", "m")
     velocity: Vector = key("velocity of the far end", "m/s")
-    stiffness: float = key("stiffness of the line", "N/m", above=0, remedy="for example 1e6")
+    stiffness: float = key("stiffness of the line; of a half body that of half of the line", "N/m", above=0,
+                           remedy="for example 1e6")
     length: float = key("unstretched length", "m", above=0, remedy="for example 10")
     direction: Vector | None = key("direction from the point to the far end at the start; left out: along `velocity`",
                                    "-", default=None)

@@ -3,7 +3,8 @@
 Spacing of the places on the faces of domains    s = 2 l / k <= r/16, on held soil r/32      k from 4 to 32
 
 with l the smallest half-width of a domain (bodies are where cells are fine) and r the radius of curvature that nine tenths
-of the body's surface exceed.
+of the body's surface exceed; on soil that yields a cell at least. There a bar of 0.27 cells in a Danforth anchor asked for
+6 144 places on a domain: 384 give its way and its forces within 2 to 3 % of 1 536.
 """
 
 from dataclasses import replace
@@ -73,7 +74,8 @@ def _places(described, body, rotation, soil, gravity):
     if described.contact == "corners":
         return places.corners(), width, radius
     wanted = (REST_CURVATURE if soil.held or rests(body, soil, radius, gravity) else CURVATURE) * width / radius
-    k = curved = _blocks(wanted)
+    yields = soil.law.plastic and not soil.held
+    k = curved = _blocks(wanted, round(CURVATURE * width / soil.grid.smallest_cell) if yields else MOST)
     if soil.held and np.isinf(radius) and body.free[3:].any():     # it may tip
         extent = np.ptp(body.surface.vertices @ rotation.T, axis=0)
         k = max(k, _blocks(ACROSS * width / extent[:2][~soil.grid.collapsed[:2]].min()))
@@ -83,6 +85,6 @@ def _places(described, body, rotation, soil, gravity):
     return places.faces(k, soil.grid.collapsed, reach), width / curved, radius
 
 
-def _blocks(wanted):
+def _blocks(wanted, most=MOST):
     """Number of places along a face, whole blocks of them, that is not less than `wanted` if it may be as many."""
-    return int(places.BLOCK * np.ceil(np.clip(wanted * (1.0 + ROUND_OFF), FEWEST, MOST) / places.BLOCK))
+    return int(places.BLOCK * np.ceil(np.clip(wanted * (1.0 + ROUND_OFF), FEWEST, most) / places.BLOCK))

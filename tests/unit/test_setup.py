@@ -244,6 +244,18 @@ def test_a_body_that_rolls_on_stiff_soil_does_not_feel_single_places(young, driv
     assert (deforming.places.along == held.places.along) == (not driven)
 
 
+@pytest.mark.parametrize("radius, law, along", [(0.05, "von-mises", 8), (0.2, "von-mises", 8), (0.5, "von-mises", 4),
+                                                (0.05, "hencky", 32)])
+def test_places_in_soil_that_yields_do_not_follow_what_is_finer_than_a_cell(radius, law, along):
+    """In cells of 0.2 m and domains of 0.1 m; elastic soil may carry a ball on a patch as narrow as its radius asks for."""
+    ball = replace(box(0.4, 0.4, 0.4, rest_on=0.0, driven=("z",)), geometry=GEOMETRY.with_name("sphere.geo"),
+                   parameters={"radius": radius, "size": 0.5 * radius})
+    described = soil_scene([ball], gravity=(0.0, 0.0, -9.81))
+    strength = 1e4 if law == "von-mises" else None
+    material = replace(described.soil.material, law=law, strength=strength)
+    assert build(replace(described, soil=replace(described.soil, material=material))).model.bodies[0].places.along == along
+
+
 @pytest.mark.parametrize("young", [1e5, 1e9])
 def test_on_held_soil_the_modulus_does_not_matter(young):
     """The pressure per overlap follows from the weight of the body; a given p_f is a factor on E."""

@@ -279,10 +279,10 @@ def levelled(soil, place):
     return place + np.array([0.0, 0.0, 1.0]) * (top_of(soil) - height)[:, None]
 
 
-def initial_vertices(described, body):
-    """Vertices (V, 3) [m] of a body's surface at its initial pose."""
+def initial_vertices(described, body, surface=None):
+    """Vertices (V, 3) [m] of a body's surface of contact, or of another `surface` of it, at its initial pose."""
     centre, rotation = initial_pose(described, body)
-    return centre + body.surface.vertices @ rotation.T
+    return centre + (surface or body.surface).vertices @ rotation.T
 
 
 def initial_pose(described, body):
@@ -292,7 +292,7 @@ def initial_pose(described, body):
         rotation = rotation_from_axis_angle(described.rotation[:3], np.radians(described.rotation[3]))
     centre = np.array(described.position or (0.0, 0.0, 0.0)) + rotation @ body.mass.centre
     if described.rest_on is not None:
-        centre[2] = described.rest_on + body.surface.extent(-rotation[2])
+        centre[2] = described.rest_on + body.outline.extent(-rotation[2])
     return centre, rotation
 
 

@@ -21,7 +21,7 @@ def odd_places(scene, model):
     for described, body in zip(scene.bodies, model.bodies):
         if not _meets(scene, described):        # a body in empty space is meant
             continue
-        place = initial_vertices(described, body)
+        place = initial_vertices(described, body, body.outline)     # rounded edges may reach beyond a cut face
         text = (_place(model.soil, place.min(axis=0), place.max(axis=0), scene.grid)
                 or _crossing(model.soil, body, place, scene.grid))
         if text:
@@ -144,7 +144,7 @@ def _crossing(soil, body, place, described):
             mirrored = abs(0.5 * (low[i] + high[i]) - face) < ROUND_OFF * (high[i] - low[i])
             if beyond < slack or mirrored or sign * (filled - face) < -grid.smallest_cell:
                 continue
-            if _lowest_beyond(place[body.surface.triangles], i, sign, face) < upper[2] + grid.smallest_cell:
+            if _lowest_beyond(place[body.outline.triangles], i, sign, face) < upper[2] + grid.smallest_cell:
                 return (f"reaches {beyond:.3g} m past the {side} of the grid at {name} = {face:.4g} m, "
                         f"{beyond / (high[i] - low[i]):.0%} of its length along {name}: there is no soil beyond, so that "
                         f"this part has no contact. Move grid.{name}.{side} outwards, or the body; a body whose middle "
