@@ -76,13 +76,27 @@ def _ends(split, edges):
                      [split[t, (k + 1) % 3], split[other, j]]]).swapaxes(1, 2)
 
 
+def _rim_edges(surface):
+    """(triangles (r,), numbers (r,)) of the edges that only one triangle has: the rim of a cut."""
+    rim = np.ones(surface.triangles.shape, bool)
+    rim[shared_edges(surface.triangles)] = False
+    return np.nonzero(rim)
+
+
+def _rim(surface, split):
+    """(n,) bool, vertices after the split on the rim of a cut."""
+    t, k = _rim_edges(surface)
+    rim = np.zeros(split.max() + 1, bool)
+    rim[split[t, k]] = rim[split[t, (k + 1) % 3]] = True
+    return rim
+
+
 def _displacements(surface, split, edges):
     """(n, 3) [m] of the vertices after the split."""
     count, away = split.max() + 1, _away(surface)
-    rim = np.ones(split.shape, bool)
-    rim[shared_edges(surface.triangles)] = False
-    t, k = (np.concatenate([sharp.ravel(), cut]) for sharp, cut in zip((edges.triangle, edges.number), np.nonzero(rim)))
-    inset = np.concatenate([edges.inset.ravel(), np.zeros(np.count_nonzero(rim))])
+    rim = _rim_edges(surface)
+    t, k = (np.concatenate([sharp.ravel(), cut]) for sharp, cut in zip((edges.triangle, edges.number), rim))
+    inset = np.concatenate([edges.inset.ravel(), np.zeros(len(rim[0]))])
     vertex = np.concatenate([split.ravel(), split[t, k], split[t, (k + 1) % 3]])
     direction = np.concatenate([surface.corner_normals.reshape(-1, 3), away[t, k], away[t, k]])
     value = np.concatenate([np.zeros(split.size), inset, inset])
@@ -154,8 +168,10 @@ class _Skin:
         start, end = surface.vertices[surface.triangles[self.edges.triangle[:, 0], self.edges.number[:, 0]]], (
             surface.vertices[surface.triangles[self.edges.triangle[:, 0], (self.edges.number[:, 0] + 1) % 3]])
         begin = self.edges.inset[..., None] * away[self.edges.triangle, self.edges.number]
-        for ends in self.ends:
-            on_edge = (moved[ends] - begin).mean(axis=1)
+        rim = _rim(surface, self.faces)
+        for ends, last in zip(self.ends, (start, end)):
+            # in the plane of a cut, which the edge may meet at an angle, vertices have moved along the edge as well
+            on_edge = np.where(rim[ends].all(axis=1)[:, None], last, (moved[ends] - begin).mean(axis=1))
             for (a, b), q, along in zip(ends, on_edge, unit(end - start)):
                 meeting.setdefault(_pair(a, b), []).append(q)
                 direction.setdefault(_pair(a, b), []).append(along if a < b else -along)

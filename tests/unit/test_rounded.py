@@ -90,14 +90,18 @@ def test_a_prism_without_its_ends_is_rounded_along_its_axis_only():
     assert np.ptp(body.vertices[:, 1]) == pytest.approx(0.1)
 
 
-def test_a_body_that_is_cut_in_half_stays_on_its_plane():
+@pytest.mark.parametrize("shear", [0.0, 0.6], ids=["upright", "oblique"])
+def test_a_body_that_is_cut_in_half_stays_on_its_plane(shear):
+    """Where its edges meet the plane at an angle as well."""
     box = surface_of("box.geo", **BOX, size=0.5)
-    half = build_surface(box.vertices, box.triangles[box.vertices[box.triangles][:, :, 0].mean(axis=1) < 1.0 - 1e-9])
+    kept = box.triangles[box.vertices[box.triangles][:, :, 0].mean(axis=1) < 1.0 - 1e-9]
+    half = build_surface(box.vertices + shear * box.vertices[:, :1] * [0.0, 1.0, 0.0], kept)
     body = rounded(half, 0.2)
     ends = np.stack([body.triangles, np.roll(body.triangles, -1, axis=1)], axis=2)
     single = np.ones(body.triangles.shape, bool)
     single[shared_edges(body.triangles)] = False
     assert np.allclose(body.vertices[ends[single].ravel(), 0], 1.0)
+    assert body.vertices[:, 0].max() < 1.0 + 1e-9
 
 
 def test_a_smooth_body_has_no_edges():
