@@ -45,6 +45,7 @@ from hybrid.runtime.errors import LawError
 from hybrid.runtime.jit import njit, prange
 
 UNLIMITED = 1e300  # [Pa] strength of points that never yield
+TRIAXIAL = 2 / np.sqrt(3)   # ξ of triaxial compression without friction
 ROUND_OFF = 1e-14   # length of a deviator that is round-off, over the trace
 NO_HISTORY = np.zeros(0)
 
@@ -118,9 +119,14 @@ class Cone(Hencky):
 
     @property
     def undrained(self):
-        """(n,) bool, points of clay: von Mises' law, a circular cone whose strength no pressure changes."""
-        eta, _, strength, ratio, *_, corner = self.parameters[:, 2:].T
-        return (eta == 0.0) & (strength < UNLIMITED) & (ratio == 1.0) & (corner == 0.0)
+        """(n,) bool, points of clay, whose strength no pressure changes: von Mises' cone, or Tresca's prism."""
+        eta, _, strength, *_ = self.parameters[:, 2:].T
+        return (eta == 0.0) & (strength < UNLIMITED)
+
+    def undrained_strength(self, plastic_strain, xi):
+        """s_u (n,) [Pa] of clay after accumulated plastic strain (n,): k/ξ, with ξ = `xi` on a circular section, and that of
+        triaxial compression on Tresca's."""
+        return self.cohesion(plastic_strain) / np.where(self.parameters[:, -1] > 0.0, TRIAXIAL, xi)
 
 
 def merge(laws, members):

@@ -17,7 +17,7 @@
 | FlowingSoil      | soil that no body moves flows under its weight, without inertia         |
 | CreepingSoil     | soil at rest creeps, with inertia, as the ghost penalty lets it         |
 | BodyOverlap      | bodies are pressed deep into one another                                |
-| GroundImpact     | bodies that hit held ground lose energy without a cause                 |
+| GroundImpact     | bodies that hit held ground or elastic soil lose energy without a cause |
 | IdleAdhesion     | clay that touches a body has too little pressure to bear its adhesion   |
 | Untouched        | at the end of a run: a driven body has touched nothing                  |
 | JudgedIncrements | many increments end with a residual above the tolerance                 |

@@ -16,7 +16,7 @@ from hybrid.scene.check_material import material_faults
 from hybrid.scene.check_stage import spatial_spin, stage_faults
 from hybrid.scene.defaults import resolve
 from hybrid.scene.read import clipped, did_you_mean
-from hybrid.scene.soil import laws
+from hybrid.scene.soil import clay_layers, laws
 from hybrid.scene.table import TINY, need, range_faults, shown
 from hybrid.scheme import Scheme
 
@@ -169,10 +169,9 @@ def _body(key, body, inertia):
 
 
 def _interface(key, body, soil):
-    found = laws(soil)
-    yield from need(body.adhesion is None or "von-mises" in found, f"{key}.adhesion", body.adhesion,
-                    f"left out with law = {', '.join(map(repr, sorted(found)))}, which has no s_u",
-                    "use law = 'von-mises' for clay, or friction alone")
+    found = ", ".join(map(repr, sorted(laws(soil))))
+    yield from need(body.adhesion is None or any(clay_layers(soil)), f"{key}.adhesion", body.adhesion,
+                    f"left out with law = {found}, which has no s_u", "use law = 'von-mises' for clay, or friction alone")
     yield from need(body.tension is None or not soil.held, f"{key}.tension", body.tension,
                     "left out on held soil, which follows no body", "set soil.held = false")
 

@@ -7,7 +7,7 @@ its mesh: `hybrid.monitors.limits.place`.
 from dataclasses import dataclass, replace
 from math import hypot, inf, pi
 
-from hybrid.scene.soil import ends, of_layer, span
+from hybrid.scene.soil import as_clay, ends, of_layer, span
 from hybrid.scene.table import shown
 
 KILOPASCAL = "Pa expected; is this a number of kPa?"
@@ -140,8 +140,9 @@ def _stiffness(path, m, weight):
     if HEAVY * m.young < weight:
         yield (f"{path}.young = {m.young:g} Pa looks wrong: the weight of the soil, {weight:.3g} Pa at its foot, is "
                f"over {HEAVY:g} times as much; {KILOPASCAL}")
-    if m.law == "von-mises" and m.strength and not RIGIDITY[0] <= m.young / m.strength <= RIGIDITY[1]:
-        yield (f"{path}.young = {m.young:g} Pa over strength = {m.strength:g} Pa is {m.young / m.strength:.3g}, which "
+    strength, name = as_clay(m).strength, "strength" if m.law == "von-mises" else "cohesion"
+    if strength and not RIGIDITY[0] <= m.young / strength <= RIGIDITY[1]:
+        yield (f"{path}.young = {m.young:g} Pa over {name} = {strength:g} Pa is {m.young / strength:.3g}, which "
                "looks wrong: clays have 50 to 2000; is one of them a number of kPa?")
 
 

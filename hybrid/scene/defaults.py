@@ -13,7 +13,7 @@ from math import hypot, inf
 from typing import NamedTuple
 
 from hybrid.scene.schema import Body, Material, Soil, Time
-from hybrid.scene.soil import USES, ends, laws, of_layer
+from hybrid.scene.soil import USES, clay_layers, ends, laws, of_layer
 from hybrid.scene.table import shown
 
 SCHEME = "generalised-alpha"
@@ -116,7 +116,7 @@ def _ghost(scene, soil):
     follow = "cells with little soil follow the fullest of their neighbours"
     flows_along = scene.bodies and _plastic_laws(soil) and not any(_collapsed(scene))
     factor, reason = (GHOST_FLOW, f"{follow}, loosely as soil flows along bodies") if flows_along else (GHOST, follow)
-    if laws(soil) == {"von-mises"} and not scene.bodies and _follows_flow(scene):
+    if all(clay_layers(soil)) and not scene.bodies and _follows_flow(scene):
         loose = float(f"{GHOST_STRENGTH * _largest_strength(scene, soil):.2g}")
         if 0.0 < loose < factor:
             return loose, f"{follow}, by {GHOST_STRENGTH:g} s_u, as clay that runs out is not to be braked"
@@ -164,7 +164,7 @@ def _tangential(scene, body):
 
 
 def _adhesion(scene, body):
-    if scene.method == "published" or not body.friction or scene.soil.held or "von-mises" not in laws(scene.soil):
+    if scene.method == "published" or not body.friction or scene.soil.held or not any(clay_layers(scene.soil)):
         return None, ""
     # pressed by 20 s_u and without this limit, a rough cylinder in cells of an eighth of its width takes 14 % too much
     # with it

@@ -1,6 +1,6 @@
 """The soil of a scene: the box of material points, its material and layers; values of each law and of each layer."""
 
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Literal, get_type_hints
 
@@ -150,6 +150,7 @@ NEEDS = {
     "von-mises": ("poisson", "density", "strength"),
     "user": ("density",),
 }
+FRICTIONAL = {"drucker-prager", "mohr-coulomb", "willam-warnke"}
 NUMBERS = tuple(name for name, hint in get_type_hints(Material).items() if hint == float | None)
 KEYS = {f.name: f for f in fields(Material)}
 
@@ -173,6 +174,33 @@ def of_layer(material, layer):
 def laws(soil):
     """Names of the laws of the soil and its layers."""
     return {soil.material.law, *(layer.law for layer in soil.layers if layer.law)}
+
+
+def materials(soil):
+    """Material of the soil and those of its layers."""
+    return [soil.material, *(of_layer(soil.material, layer) for layer in soil.layers)]
+
+
+def is_clay(law, friction_angle):
+    """Whether no pressure changes the strength of soil of a `law`."""
+    return law == "von-mises" or law in FRICTIONAL and friction_angle == 0.0
+
+
+def clay_layers(soil):
+    """[bool] whether the soil and each of its layers, checked or not, is clay."""
+    of_soil = soil.material.friction_angle
+    return [is_clay(soil.material.law, of_soil)] + [
+        is_clay(layer.law or soil.material.law, layer.material.get("friction_angle", of_soil)) for layer in soil.layers]
+
+
+def as_clay(material):
+    """A Material that is clay with the keys of von Mises' law, any other one as it is: Mohr-Coulomb's pyramid is Tresca's
+    prism where φ = 0, of the same strength in plane strain; the other laws with friction are von Mises' cone."""
+    if not is_clay(material.law, material.friction_angle) or material.law == "von-mises":
+        return material
+    cone = {"mohr-coulomb": "plane strain", "willam-warnke": "compression"}.get(material.law, material.cone)
+    return replace(material, law="von-mises", strength=material.cohesion, residual_strength=material.residual_cohesion,
+                   cone=cone, friction_angle=None, dilation_angle=None, cohesion=None, residual_cohesion=None)
 
 
 def ends(soil, grid):

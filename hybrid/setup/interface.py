@@ -20,6 +20,7 @@ def interface_of(described, cone, mixed=False):
     adheres = described.adhesion is not None and (described.adhesion > 0.0 or mixed)
     if not adheres and not tension:
         return None
-    adhesion = described.adhesion / cone_constants(0.0, 0.0, cone)[1] if adheres else None
+    adhesion = described.adhesion if adheres else None
     return Interface(adhesion, tension, rubs=bool(adhesion and described.friction),
-                     elsewhere=0.0 if described.friction is None else np.inf)
+                     elsewhere=0.0 if described.friction is None else np.inf,
+                     xi=cone_constants(0.0, 0.0, cone or "compression")[1])

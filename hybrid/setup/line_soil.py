@@ -10,7 +10,7 @@ import numpy as np
 from hybrid.body.embedded_line import LineSoil
 from hybrid.body.symmetry import copies
 from hybrid.laws.sand import material_values
-from hybrid.scene.soil import ends
+from hybrid.scene.soil import as_clay, ends
 
 CHAIN = 2.5     # bearing widths in the diameter of its bars
 CLAY = 11.0     # Nc, of the 8.5 to 14 that are used
@@ -22,8 +22,9 @@ def line_through_soil(scene, described, body, mirrors):
     pull, soil = described.pull, scene.soil
     if pull is None or pull.diameter is None:
         return body
-    values, width = material_values(soil.material), pull.diameter * (CHAIN if pull.chain else 1.0)
-    if soil.material.law == "von-mises":
+    material = as_clay(soil.material)
+    values, width = material_values(material), pull.diameter * (CHAIN if pull.chain else 1.0)
+    if material.law == "von-mises":
         factor = CLAY if pull.bearing_factor is None else pull.bearing_factor
         start, gradient = values["strength"], values.get("strength_gradient", 0.0)
     else:

@@ -10,10 +10,11 @@ import pytest
 
 from hybrid.output.progress import Progress
 from hybrid.output.summary import Summary
+from hybrid.scene import Axis, Time
 from hybrid.scheme import Scheme
 from hybrid.setup.build import build
 from hybrid.step import increments
-from hybrid.study.scenes import box, plane, sphere
+from hybrid.study.scenes import box, plane, soil_scene, sphere
 
 
 def dropped(step, steps):
@@ -30,6 +31,18 @@ def test_bounces_in_long_steps_are_told_with_their_sum_at_the_end(tmp_path):
     assert len(lines) == 2 and lines[1] == f"at the end: {note}" and lines[0] != note
     lost = [float(line.split("(")[1].split("%")[0]) for line in lines]
     assert 12 < lost[0] < lost[1] <= 100
+
+
+@pytest.mark.parametrize("step, steps, told", [(2e-3, 120, True), (2e-4, 100, False)])
+def test_a_bounce_on_elastic_soil_is_told_where_its_steps_are_too_long(step, steps, told):
+    """A quarter of a steel ball on rock: 40 % of its energy are lost in steps of 2 ms, 2 % in 0.2 ms."""
+    side = Axis(start=0.0, end=0.8, size=0.2)
+    ball = sphere(0.3, 0.1, density=7800.0, held=("x", "y", "rx", "ry", "rz"),
+                  rest_on=0.2 if told else 0.005, velocity=(0.0, 0.0, 0.0 if told else -2.0))
+    described = soil_scene([ball], x=side, y=side, z=(-0.8, 0.2), young=1e10, poisson=0.2, steps=steps,
+                           time=Time(step=step), gravity=(0.0, 0.0, -9.81))
+    notes = [note for record in build(described).steps() for note in record.notes if "impact on elastic soil" in note]
+    assert len(notes) == told
 
 
 def test_bounces_in_short_steps_are_not():

@@ -100,7 +100,7 @@ def on_ground(errors, touching=(), held=True, radius=0.5, gravity=9.81, in_conta
     for step, error in enumerate(errors):
         pairs = SimpleNamespace(energy=1.0 * (step in in_contact), contacts=(None,) * (step in near))
         report = SimpleNamespace(error=None, evaluation=SimpleNamespace(contacts=(range(step in touching),), pairs=pairs))
-        model = SimpleNamespace(bodies=(body,), pairs=(), soil=SimpleNamespace(held=held),
+        model = SimpleNamespace(bodies=(body,), pairs=(), soil=SimpleNamespace(held=held, law=SimpleNamespace(plastic=True)),
                                 gravity=np.array([0.0, 0.0, -gravity]))
         found += monitor.notes(StepView(model, SimpleNamespace(time=float(step), bodies=(motion,)),
                                         SimpleNamespace(**{"inertia": True, "first_order": False} | scheme), report,

@@ -20,6 +20,7 @@ from hybrid.laws.drucker_prager import DruckerPrager
 from hybrid.laws.hencky import Hencky
 from hybrid.laws.mohr_coulomb import MohrCoulomb
 from hybrid.laws.von_mises import VonMises
+from hybrid.laws.willam_warnke import WillamWarnke
 from hybrid.runtime.data import GEOMETRY
 from hybrid.runtime.errors import SceneError
 from hybrid.scene import Axis, Body, Faces, Grid, Layer, Material, Pull, Scene, Soil, Stage, Time
@@ -189,12 +190,22 @@ def test_points_that_are_hardly_pressed_bear_little_of_the_interface(tension, le
     assert least < shear[force < 0.1 * force.mean()].sum() / shear.sum() < most
 
 
+@pytest.mark.parametrize("law", ["mohr-coulomb", "drucker-prager", "willam-warnke"])
+def test_clay_may_be_written_as_soil_without_friction(law):
+    """Its interface bears the cohesion by default, as that of von Mises' law does."""
+    laws = {"mohr-coulomb": MohrCoulomb, "willam-warnke": WillamWarnke}
+    build = laws.get(law) or (lambda *given: DruckerPrager(*given, "compression"))
+    made = interface_of(Body("box.geo", 1.0, adhesion=0.5), None if law in laws else "compression")
+    found = made.of_points(build(np.full(1, 1e7), 0.3, 0.0, 0.0, 1e4), np.zeros(1))
+    assert found.shear == pytest.approx([5e3], rel=1e-12)
+
+
 def test_strength_is_that_of_the_law_softened_and_matched():
     """α s_u with s_u as given, whatever state the cone is matched to, and falling with plastic strain to the residual."""
     strength, alpha = 1e4, 0.5
     for cone, xi in (("plane strain", 1.0), ("compression", 2 / np.sqrt(3))):
         law = VonMises(np.full(3, 1e7), 0.49, strength, cone, -2e4, 4e3)
-        limits = Interface(alpha / xi, 0.0).of_points(law, np.array([0.0, 0.1, 1.0]))
+        limits = Interface(alpha, 0.0, xi=xi).of_points(law, np.array([0.0, 0.1, 1.0]))
         np.testing.assert_allclose(limits.shear, alpha * np.array([1e4, 8e3, 4e3]))
 
 
@@ -342,7 +353,7 @@ def test_soil_that_is_no_clay_has_friction_alone(friction, elsewhere):
     law = merge([VonMises(young, 0.3, 2e4, "plane strain"), DruckerPrager(young, 0.3, 30.0, 0.0, 0.0, "plane strain"),
                  Hencky(young, 0.3)], [np.array([0]), np.array([1]), np.array([2])])
     assert law.undrained.tolist() == [True, False, False]
-    assert not MohrCoulomb(young, 0.3, 0.0, 0.0, 1e4).undrained.any()       # what has no s_u in a scene
+    assert not MohrCoulomb(young, 0.3, 1.0, 0.0, 1e4).undrained.any()
     made = interface_of(Body("box.geo", 1.0, adhesion=0.5, friction=friction), "plane strain", True)
     limits = made.of_points(law, np.zeros(3))
     assert limits.shear == pytest.approx([1e4, elsewhere, elsewhere])

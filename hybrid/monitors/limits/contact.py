@@ -10,6 +10,7 @@ from hybrid.contact.search import distances
 from hybrid.runtime.comm import anywhere, maximum, minimum, total
 from hybrid.scene.check_stage import components
 from hybrid.scene.ground import heights_at, steepest
+from hybrid.scene.soil import clay_layers, laws
 from hybrid.scene.stage import table_rows
 from hybrid.soil.given_ground import STEEPEST
 
@@ -93,8 +94,7 @@ def _lid(scene, soil, described, body):
 
 def thin_wall(scene, model):
     """Walls in clay so thin that the soil on both sides shares nodes, which keep it together: it does not part from them."""
-    laws = {scene.soil.material.law, *(layer.law for layer in scene.soil.layers)}
-    if model.soil.held or not laws & {"von-mises", "hencky"}:
+    if model.soil.held or not ("hencky" in laws(scene.soil) or any(clay_layers(scene.soil))):
         return
     cell, soil = model.soil.grid.smallest_cell, model.soil.constants
     top = top_of(model.soil) - FLUSH * cell

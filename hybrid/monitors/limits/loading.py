@@ -13,7 +13,7 @@ from hybrid.laws.user import is_of_user
 from hybrid.monitors.limits.contact import initial_pose, initial_vertices, levelled, path_along, top_of
 from hybrid.runtime.comm import maximum
 from hybrid.scene.ground import heights
-from hybrid.scene.soil import NUMBERS, of_layer
+from hybrid.scene.soil import FRICTIONAL, NUMBERS, as_clay, of_layer
 
 EXCESS = 0.1                    # of a load, above which it is reported
 PLANE, LEADING = 0.99, 0.5      # cosine between a face and the travel; share of what the body covers that such faces are
@@ -27,7 +27,7 @@ ROUND = 1.25    # largest over smallest distance of a round body's surface from 
 SIDES = 12      # different normals of a round body
 UNBROKEN = 20.0                 # of s_u: a tension that clay, which bears 12 s_u around a body, never reaches
 AT_POINT = "hinge", "ball", "weld"
-CLAY, SAND = "von-mises", {"drucker-prager", "mohr-coulomb", "willam-warnke"}
+CLAY, SAND = "von-mises", FRICTIONAL
 
 
 def driven(scene, model):
@@ -286,7 +286,7 @@ def law_at(scene, soil, height):
 
 def material_at(scene, soil, height):
     """Material of the soil at a height [m], above the top that of the top, with the values of its relative density: that of
-    its layer, or soil.material."""
+    its layer, or soil.material; clay with the keys of von Mises' law."""
     top, material = top_of(soil), scene.soil.material
     height = min(height, top)
     for layer in scene.soil.layers:
@@ -294,4 +294,5 @@ def material_at(scene, soil, height):
         if (layer.bottom is None or height >= layer.bottom) and (height < end or height == end == top):
             material = of_layer(material, layer)
             break
-    return replace(material, **{name: value for name, value in material_values(material).items() if name in NUMBERS})
+    values = {name: value for name, value in material_values(material).items() if name in NUMBERS}
+    return as_clay(replace(material, **values))

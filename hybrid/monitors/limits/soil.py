@@ -5,7 +5,7 @@ import numpy as np
 from hybrid.laws.cone import UNLIMITED, plane_strain_angle
 from hybrid.runtime.comm import anywhere, joined, maximum, minimum
 from hybrid.scene.defaults import POISSON
-from hybrid.scene.soil import of_layer
+from hybrid.scene.soil import materials
 
 
 def cell_crossing(scene, model):
@@ -81,11 +81,6 @@ def strong_cone(scene, model):
     if "von-mises" in laws:
         yield ('soil.material.cone = "compression": in plane strain this cone carries 2/√3 = 1.15 of the strength given, '
                'limit 1. Leave soil.material.cone out')
-
-
-def materials(soil):
-    """Material of a described soil and those of its layers."""
-    return [soil.material, *(of_layer(soil.material, layer) for layer in soil.layers)]
 
 
 def _poisson(law):
