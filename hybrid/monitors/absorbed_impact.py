@@ -41,6 +41,7 @@ class AbsorbedImpact(Monitor):
         self._error = self._at_once = 0.0   # [J], of the balance at the last step, and its largest loss in a step
         self._base, self._work = 0.0, [0.0] * len(BROUGHT)      # [J], error and work when others last moved the bodies
         self._fastest = self._taken = 0.0   # [J], largest kinetic energy of all since then, what soil had taken until then
+        self._flowed = [0.0] * 4            # largest share lost by soil that flows; [J] lost, of which; [s] when
 
     def warnings(self, view):
         """Energy, share, limit and remedy."""
@@ -79,13 +80,15 @@ class AbsorbedImpact(Monitor):
         self._fastest = max(self._fastest, energy["kinetic"])
         taken = sum(energy.get(name, 0.0) for name in TAKERS) - self._taken
         found = lost > FLOW * (taken + lost) and lost > OF_MOTION * self._fastest and taken > TAKEN * self._fastest > 0.0
-        if found or self.given("flow"):
-            within = "" if lost > FLOW * (taken + lost) else " within the"
+        if found and lost / (taken + lost) > self._flowed[0]:
+            self._flowed = [lost / (taken + lost), lost, taken + lost, view.state.time]
+        share, lost, taken, until = self._flowed
+        if share:
             yield "flow", (
-                f"soil flows fast: {lost:.3g} J of the {taken + lost:.3g} J that it took up are lost without a cause in the "
-                f"balance up to t = {view.state.time:.4g} s ({lost / (taken + lost):.0%},{within} limit {FLOW:.0%}): cells "
-                "are too coarse for it, and its resistance is too high by about as much. Use smaller cells where it is "
-                "fastest; shorter steps alone, each of which loses some, lose more")
+                f"soil flows fast: {lost:.3g} J of the {taken:.3g} J that it took up until t = {until:.4g} s are lost "
+                f"without a cause in the balance ({share:.0%}, limit {FLOW:.0%}): cells are too coarse for it, and its "
+                "resistance is too high by about as much. Use smaller cells where it is fastest; shorter steps alone, each "
+                "of which loses some, lose more")
 
     def _cause(self, view):
         """Cause and remedy of a loss: in steps too long for the impact, or little by little in cells too coarse for it."""

@@ -1,16 +1,17 @@
 """What a body has from those that joints connect it with, over any number of others: support and a scale of forces.
 
 Without inertia a body that touches nothing gets the stiffness of a cell, with which its weight leads it back to the soil
-(`hybrid.step.body_terms`). A mast welded to a footing touches nothing either, and would hold that footing back.
+(`hybrid.step.body_terms`). A mast welded to a footing touches nothing either, and would hold that footing back; and what
+hangs on a rod would hardly move.
 """
 
 FAINT = 1e-5    # share of the forces on other bodies of an assembly that a force is compared with at least
 
 
 def carried(joints, supported):
-    """[bool] of all bodies, whether joints at points hold them, over any number of others, to one that is `supported`, or to
-    the ground; supported: [bool] of all bodies."""
-    return _most([joint for joint in joints if joint.at_point], supported, True)
+    """[bool] of all bodies, whether `joints`, at points, rods or taut lines, hold them, over any number of others, to one
+    that is `supported`, or to the ground; supported: [bool] of all bodies."""
+    return _most(joints, supported, True)
 
 
 def least_forces(joints, forces):

@@ -130,7 +130,8 @@ class Step:
             soil_terms.add_tangent(self, evaluation.soil_trial, evaluation.error, elastic)
         with phase("contact"):
             supported = [not terms.unsupported for terms in evaluation.bodies]
-            for terms, carried in zip(evaluation.bodies, assemblies.carried(self.model.joints, supported)):
+            holding = evaluation.joints.holding() if evaluation.joints else []
+            for terms, carried in zip(evaluation.bodies, assemblies.carried(holding, supported)):
                 terms.add_tangent(self.pattern, self.system, stiffness, kind, carried)
             if evaluation.pairs:
                 evaluation.pairs.add_tangent(self.system.ww)

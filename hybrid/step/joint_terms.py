@@ -97,6 +97,11 @@ class JointTerms:
                     total -= (self.multipliers[rows] @ gradient)[6 * side:6 * side + 6]
         return total
 
+    def holding(self):
+        """Joints at points, rods and taut lines."""
+        return [joint for joint, rows in zip(self.step.joints, self.step.slices()) if not isinstance(joint, PointGuide)
+                and (joint.at_point or joint.length is not None and self.active[rows].all())]
+
     def forces(self):
         """[(6,)] force [N] and moment [N m] about the joined point on the first body of each joint."""
         found = []

@@ -107,7 +107,10 @@ def test_an_impact_within_a_step_needs_smaller_steps_and_no_smaller_cells():
 def test_soil_that_flows_fast_around_what_goes_on_is_reported():
     """A torpedo that has not slowed down: what is lost is compared with what the soil took."""
     text, = notes([0.0, -8.0, -12.0, -16.0], then=-10.5, friction=12.0)
-    assert text.startswith("soil flows fast: 16 J of the 52 J") and "t = 3 s (31%, limit 20%)" in text
+    assert text.startswith("soil flows fast: 16 J of the 52 J") and "until t = 3 s" in text and "(31%, limit 20%)" in text
+    monitor = AbsorbedImpact(None, None)
+    notes([0.0, -8.0, -12.0, -16.0, -16.0], then=-10.5, friction=12.0, monitor=monitor)     # its share falls: nothing new
+    assert not monitor.later()
 
 
 @pytest.mark.parametrize("other", [{"friction": 40.0}, {"friction": 2.0}, {"drive": 1.0}, {"inertia": False},

@@ -43,6 +43,18 @@ def test_a_blade_shears_the_next_cell_whatever_holds_on_to_it():
         assert "length as 1.16 m" in text and "cells of at most 0.026 m" in text
 
 
+def test_a_blade_in_plan_view_has_no_ends():
+    """A vane of 16 and 32 cells, 0.98 to 1.08 of 2 π R² s_u with 32: 1.08 to 1.25 with 16."""
+    side = Axis(start=-1.5, end=1.5, size=0.125)
+    made = body(*BLADE, position=(0.0, 0.0, 0.5), driven=("rz",), held=("x", "y"), spin=(0.0, 0.0, 0.002))
+    described = scene("turn", Grid(side, side, Axis(start=0.0, end=1.0, collapsed=True)), Soil(clay.clay(2e4)), [made],
+                      clay.Time(1.0, inertia=False), 4, WEIGHTLESS)
+    simulation = build(described)
+    text, = turning.turned(simulation.scene, simulation.model)
+    assert "about 35% too high" in text and "1.3 cells wider. Use cells of at most 0.038 m" in text
+    assert "diameter as 1.16 m where s_u follows" in text
+
+
 def test_clay_that_slips_along_a_round_body():
     for adhesion in (1.0, 0.5):
         text, = notes(**TURNED, adhesion=adhesion, tension=None)

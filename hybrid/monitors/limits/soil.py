@@ -15,6 +15,17 @@ def cell_crossing(scene, model):
                'than a cell. Set soil.basis = "gimp"')
 
 
+def slab(scene, model):
+    """Plane strain as a row of single cells between rollers."""
+    grid = model.soil.grid
+    for axis, name in enumerate("xy"):
+        rollers = {getattr(scene.grid.faces, f"{name}_{side}") for side in ("min", "max")} == {"roller"}
+        if rollers and not grid.collapsed.any() and len(grid.lines[axis]) == 2:
+            yield (f"grid.{name} is one cell between rollers, which is plane strain. Set grid.{name}.collapsed = true: it "
+                   "takes two unknowns a node instead of three, clay then has its strength of plane strain, and other "
+                   "notes on plane strain apply")
+
+
 def domain_update(scene, model):
     """Domains of points that do not follow the soil when it is stretched."""
     if scene.soil.domain == "none" and scene.soil.basis == "gimp" and not model.soil.held:
@@ -91,4 +102,4 @@ def _poisson(law):
     return maximum((3 * bulk - 2 * shear) / (6 * bulk + 2 * shear))
 
 
-LIMITS = (cell_crossing, domain_update, volumetric_locking, plastic_locking, softening, strong_cone)
+LIMITS = (cell_crossing, slab, domain_update, volumetric_locking, plastic_locking, softening, strong_cone)

@@ -2,6 +2,7 @@
 
     vane that clay sticks to                 (1 + 1.3/n)³        n cells in its diameter: 1.65, 1.43 with 7, 10;
                                                                   2.44 with 5, whose blades are a cell thick
+    the same in plan view, z collapsed       (1 + 1.3/n)²        1.08 to 1.25 with 16, α = 0; 0.98 to 1.08 with 32
     round pile along which clay slips        -13, -6, +12 %      with 4, 6, 8 in its diameter, α = 0.5, length 1.5 D;
                                                                   -25 % with 4 where α = 1
     footing or wall turned over              1 + 2.2/n           n cells in its width, or its depth if that is more
@@ -41,19 +42,20 @@ def turned(scene, model):
     """Bodies in clay that are turned, or that a moment turns, with so few cells in them that the torque is more than
     EXCESS too high."""
     soil = model.soil
-    if soil.held or not soil.law.plastic or soil.grid.collapsed.any():
+    if soil.held or not soil.law.plastic or soil.grid.collapsed[:2].any():
         return
+    in_plan = soil.grid.collapsed[2]
     for described, body in zip(scene.bodies, model.bodies):
         axes = [axis for axis in range(3) if _turns(scene, described, body, axis)]
         whole, place = outline(described, body, soil)
-        top = top_of(soil)      # what stands above the ground bears nothing
+        top = np.inf if in_plan else top_of(soil)       # what stands above the ground bears nothing
         place = np.column_stack([place[:, :2], np.minimum(place[:, 2], top)])
         middle = 0.5 * (place[:, 2].min() + place[:, 2].max())
         if middle >= top or law_at(scene, soil, middle) != CLAY:
             continue
         shallow = top - place[:, 2].min() <= soil.grid.smallest_cell
-        for axis in [axis for axis in axes if axis == 2 or not shallow]:    # of others `turned_over` tells
-            yield from _torque(whole, place, axis, soil.grid.smallest_cell)
+        for axis in [axis for axis in axes if axis == 2 or not (shallow or in_plan)]:   # of others `turned_over` tells
+            yield from _torque(whole, place, axis, soil.grid.smallest_cell, not in_plan)
 
 
 def turned_over(scene, model):
@@ -112,19 +114,20 @@ def _turns(scene, described, body, axis):
     return any(stride_of(scene, stage, described, f"r{'xyz'[axis]}") > 0.0 for stage in scene.stages)
 
 
-def _torque(body, place, axis, cell):
-    """Text, if any, about the torque on a body with its vertices at `place` about an axis."""
+def _torque(body, place, axis, cell, ends):
+    """Text, if any, about the torque on a body with its vertices at `place` about an axis; ends: whether it has any."""
     sizes = np.ptp(place, axis=0)
     length, across = sizes[axis], np.delete(sizes, axis).max()
     begin = f"{body.name} is turned about {'xyz'[axis]} in clay, {across / cell:.2g} cells of {cell:.3g} m across"
     if _pushes(body, place, axis) > BLADES:
-        excess = (1.0 + SHEARED * cell / across) ** 2 * (1.0 + SHEARED * cell / length) - 1.0
+        longer = cell / length if ends else 0.0
+        excess = (1.0 + SHEARED * cell / across) ** 2 * (1.0 + SHEARED * longer) - 1.0
         if excess > EXCESS:
             yield (f"{begin}, and shears it in the next cell: its torque is about {excess:.0%} too high, limit "
-                   f"{EXCESS:.0%}, that of a body {SHEARED:g} cells wider and longer. Use cells of at most "
-                   f"{EXCESS / SHEARED / (2 / across + 1 / length):.2g} m at the body, or take the diameter as "
-                   f"{across + SHEARED * cell:.3g} m and the length as {length + SHEARED * cell:.3g} m where s_u follows "
-                   "from the torque")
+                   f"{EXCESS:.0%}, that of a body {SHEARED:g} cells wider{' and longer' * ends}. Use cells of at most "
+                   f"{EXCESS / SHEARED / (2 / across + longer / cell):.2g} m at the body, or take the diameter as "
+                   f"{across + SHEARED * cell:.3g} m {f'and the length as {length + SHEARED * cell:.3g} m ' * ends}"
+                   "where s_u follows from the torque")
     elif body.interface and body.interface.adhesion and across < SLIPPING * cell and length > SUNK * across:
         yield (f"{begin}, limit {SLIPPING:g}, and the clay slips along its round side: the torque of a pile was 13 % and "
                "6 % too low with 4 and 6 cells, and 12 % too high with 8, with half the clay's strength on it. Use cells "
