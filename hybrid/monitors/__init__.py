@@ -3,6 +3,7 @@
 | monitor          | warns that                                                              |
 |------------------|-------------------------------------------------------------------------|
 | DomainExit       | a body leaves the grid; stops the run where nothing drives it there     |
+| GridEnd          | soil spreads to an end of the grid, which holds it, without inertia     |
 | LostContact      | nothing; stops a run in which a body falls beside or through the soil   |
 | LostPoints       | points are inactive, detached from the soil, or distorted               |
 | MissedContact    | a body is inside the soil, between contact points, and has no contact   |
@@ -40,6 +41,7 @@ from hybrid.monitors.energy_balance import EnergyBalance
 from hybrid.monitors.fast_rotation import FastRotation
 from hybrid.monitors.flowing_soil import FlowingSoil
 from hybrid.monitors.force_oscillation import ForceOscillation
+from hybrid.monitors.grid_end import GridEnd
 from hybrid.monitors.ground_impact import GroundImpact
 from hybrid.monitors.idle_adhesion import IdleAdhesion
 from hybrid.monitors.judged_increments import JudgedIncrements
@@ -52,8 +54,8 @@ from hybrid.monitors.plastic_increment import PlasticIncrement
 from hybrid.monitors.untouched import Untouched
 
 MONITORS = (
-    DomainExit, LostContact, LostPoints, MissedContact, Penetration, ForceOscillation, EnergyBalance, PlasticIncrement,
-    FlowingSoil, CreepingSoil, BodyOverlap, JudgedIncrements, AbsorbedImpact, BodyImpact, GroundImpact,
+    DomainExit, GridEnd, LostContact, LostPoints, MissedContact, Penetration, ForceOscillation, EnergyBalance,
+    PlasticIncrement, FlowingSoil, CreepingSoil, BodyOverlap, JudgedIncrements, AbsorbedImpact, BodyImpact, GroundImpact,
     IdleAdhesion, Untouched, DampedVibration, FastRotation)
 
 __all__ = ["MONITORS", "Monitors", "StepView", *(kind.__name__ for kind in MONITORS)]

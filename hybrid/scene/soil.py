@@ -48,8 +48,8 @@ class Material:
                                  default=None, at_least=0, remedy="20e3 is a soft clay",
                                  also=("su", "s_u", "cu", "c_u", "undrained_strength", "shear_strength",
                                        "undrained_shear_strength"))
-    strength_gradient: float | None = key("increase of s_u with the depth below the top of the soil or the layer",
-                                          "Pa/m", default=None)
+    strength_gradient: float | None = key("increase of s_u with the depth below the ground at the place, or below the "
+                                          "top of the layer", "Pa/m", default=None)
     hardening: float | None = key("change of cohesion or s_u per equivalent plastic strain; negative: softening", "Pa",
                                   default=None)
     residual_cohesion: float | None = key("cohesion at which softening ends", "Pa", default=None, at_least=0,

@@ -28,6 +28,30 @@ def test_a_block_of_three_cells_is_told_of_and_one_of_four_is_not(size, count):
     assert all("body is 3 cells of 0.2 m wide across its path down, limit 4" in text for text in found)
 
 
+TABLE = """// A lid of 3 m on two legs of 0.25 m, a prism along y
+Point(1) = {-1.5, 0, -0.8}; Point(2) = {-1.25, 0, -0.8}; Point(3) = {-1.25, 0, 0}; Point(4) = {1.25, 0, 0};
+Point(5) = {1.25, 0, -0.8}; Point(6) = {1.5, 0, -0.8}; Point(7) = {1.5, 0, 0.3}; Point(8) = {-1.5, 0, 0.3};
+For i In {1:8}
+  Line(i) = {i, i % 8 + 1};
+EndFor
+Curve Loop(1) = {1:8}; Plane Surface(1) = {1};
+made[] = Extrude {0, 1, 0} { Surface{1}; };
+Physical Volume("body") = {made[1]};
+Physical Surface("contact") = {1, made[0], made[2]:made[9]};
+"""
+
+
+@pytest.mark.parametrize("size, count", [(0.2, 1), (0.0625, 0)])
+def test_the_legs_of_a_body_count_and_not_the_body(size, count, tmp_path):
+    (tmp_path / "table.geo").write_text(TABLE)
+    table = replace(box(1.0, 1.0, 1.0), geometry=tmp_path / "table.geo", parameters={}, density=1e3, rest_on=0.0,
+                    held=("x", "ry"), driven=("z",), velocity=(0.0, 0.0, -0.05))
+    simulation = build(put_on_soil(table, size=size, x=(0.0, 3.0), z=(-2.0, 1.0), steps=5))
+    found = list(unjudged(simulation.scene, simulation.model, ()))
+    assert len(found) == count
+    assert all("body has 2 parts ahead, one 1.3 cells of 0.2 m wide across its path down, limit 4" in text for text in found)
+
+
 def test_a_belt_under_the_soil_pushes_none():
     """It is driven along x below all of it."""
     belt = box(1.0, 0.6, 0.3, density=1e3, position=(0.0, 0.0, -0.45), held=("y", "z", "rx", "ry", "rz"), driven=("x",),

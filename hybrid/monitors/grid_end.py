@@ -1,0 +1,55 @@
+"""Soil that spreads until it reaches an end of the grid where rollers or fixed nodes hold it, without inertia.
+
+A specimen of clay, 0.5 m of a half model in cells of 0.125 m, pressed together with 0.25 m of empty grid beside it: its load
+was right until it had spread to the last cell, then 11 times too large after 3 % more. With inertia soil runs out, and
+an end of the grid that it meets is a wall that is meant.
+"""
+
+import numpy as np
+
+from hybrid.monitors.monitor import Monitor
+from hybrid.runtime.comm import anywhere, maximum, minimum
+
+FACES = tuple((axis, side) for axis in (0, 1) for side in (0, 1))
+
+
+class GridEnd(Monitor):
+    """Warns once for each side of the grid that holds soil which did not reach it at the start."""
+
+    def __init__(self, model, state):
+        super().__init__(model, state)
+        # one number a face: 1 where soil is apart from one that would hold it
+        self._apart = [0] * 4 if state is None or model.soil.held else [
+            int(gap > cell and _holds(model.soil.grid, *face)) for face, (gap, cell) in _gaps(model.soil.grid, state.points)]
+
+    def warnings(self, view):
+        """Time, place and remedy."""
+        if view.scheme.inertia or not any(self._apart):
+            return
+        grid = view.model.soil.grid
+        for apart, ((axis, side), (gap, cell)) in zip(self._apart, _gaps(grid, view.state.points)):
+            if apart and gap < cell:
+                name, end = "xy"[axis], ("start", "end")[side]
+                yield (axis, side), (
+                    f"soil has spread to the last cell before the end of the grid at {name} = "
+                    f"{grid.extent[axis, side]:.4g} m at t = {view.state.time:.4g} s, and is held there from now on, which "
+                    f"it was not at the start: forces are too large. Move grid.{name}.{end} outwards, unless that is a wall")
+
+
+def _holds(grid, axis, side):
+    """Whether the nodes of a face of the grid are held along its normal."""
+    at = grid.axes[axis] == grid.extent[axis, side]
+    return not grid.collapsed[axis] and anywhere(np.moveaxis(grid.fixed.reshape(*grid.shape, 3)[..., axis], axis, 0)[at])
+
+
+def _gaps(grid, points):
+    """[((axis, side), (gap, cell))] [m] between the soil and each side of the grid, and the size of the last cell there."""
+    active = np.ones(len(points), bool) if points.inactive is None else ~points.inactive
+    found = []
+    for axis, side in FACES:
+        position, half = points.position[active, axis], points.half_width[active, axis]
+        gap = minimum(position - half, np.inf) - grid.extent[axis, 0] if side == 0 else (
+            grid.extent[axis, 1] - maximum(position + half, -np.inf))
+        nodes = grid.lines[axis] if len(grid.lines[axis]) > 1 else grid.extent[axis]
+        found.append(((axis, side), (gap, abs(nodes[-1] - nodes[-2]) if side else abs(nodes[1] - nodes[0]))))
+    return found
