@@ -16,7 +16,7 @@ needed to tell one side of a thin plate from the other, nor the face of a box fr
 Equations: FORMULATION (60) to (62).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -183,6 +183,12 @@ class SideStep:
             active, found.force @ R.T, R @ found.tangent @ R.T, arm_a, arm_b, points.gap, found.side @ R.T,
             float(found.energy.sum()), float(found.dissipated.sum()), float(np.sqrt(np.sum(closed.stiffness**2))),
             found.slip, kept, anchor, rest[kept])
+
+    def holding(self, chosen):
+        """The same with `chosen` places in stick."""
+        sticking = np.zeros(len(self), bool)
+        sticking[chosen] = True
+        return replace(self, sticking=sticking)
 
     def history(self, contact):
         """(number, anchor, rest) of the places that the next increment has to know."""

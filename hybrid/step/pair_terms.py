@@ -119,6 +119,13 @@ class PairsStep:
         """PairTerms at trial poses of all bodies."""
         return PairTerms(self, poses, tuple(tuple(side.evaluate(poses) for side in one.sides) for one in self.near))
 
+    def sticking(self, points):
+        """The same with places of each side in stick, whatever their shear; points: their numbers, side by side."""
+        given, near = iter(points), []
+        for one in self.near:
+            near.append(replace(one, sides=tuple(side.holding(next(given)) for side in one.sides)))
+        return replace(self, near=tuple(near))
+
     def rejection(self, terms, bodies):
         """Why the increment to PairTerms must not be accepted, empty if it may be."""
         near = {one.index: one for one in self.near}

@@ -1,7 +1,9 @@
-"""Contact points that are held in stick for an update of Newton's method, for all bodies of a step: those of
-`hybrid.contact.reversals`, and all of a body that slips on a plane with nothing to draw it along."""
+"""Contact points that are held in stick for an update of Newton's method, for all bodies of a step and for bodies that touch
+one another: those of `hybrid.contact.reversals`, and all of a body that slips on a plane with nothing to draw it along."""
 
 from contextlib import ExitStack
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,15 +13,32 @@ from hybrid.runtime import comm
 LEVEL = 1e-3    # length of N x Σ N of contact points in one plane
 
 
+class Held(NamedTuple):
+    """Numbers of contact points: with the soil, an array for each body; of bodies with one another, one for each side of
+    each pair near enough to touch."""
+
+    bodies: tuple
+    sides: tuple = ()
+
+
 def turned_round(before, after, held=None):
-    """Contact points of each body whose slip an update between two Evaluations turns round, None where there are none;
-    held: those that were held in stick in it, None for none."""
-    points = tuple(map(reversed_slip, before.contacts, after.contacts, held or [NONE] * len(after.contacts)))
-    return points if any(comm.anywhere([len(own)]) for own in points) else None
+    """Held contact points whose slip an update between two Evaluations turns round, None where there are none; held: those
+    that were held in stick in it, None for none."""
+    found = []
+    for old, new, earlier in ((before.contacts, after.contacts, held and held.bodies),
+                              (_sides(before), _sides(after), held and held.sides)):
+        found.append(tuple(map(reversed_slip, old, new, earlier or [NONE] * len(new))))
+    bodies, sides = found
+    return Held(bodies, sides) if any(comm.anywhere([len(own)]) for own in bodies) or any(map(len, sides)) else None
+
+
+def _sides(evaluation):
+    """PairContact of each side of the pairs near enough to touch."""
+    return [side for sides in evaluation.pairs.contacts for side in sides] if evaluation.pairs else []
 
 
 def drifting(step, evaluation):
-    """Contact points to hold of each free body without inertia that slips on a plane on all of its points although nothing
+    """Held contact points of each free body without inertia that slips on a plane on all of its points although nothing
     draws it along there; None where there are none.
 
     Shear of slip depends on the pressure alone, so that the tangent lets the body go along the plane: a bar lifted at one
@@ -30,7 +49,7 @@ def drifting(step, evaluation):
     if model.scheme.inertia or model.joints or any(each.guide.component < 2 for each in model.guides):
         return None
     points = tuple(_stronger(terms.contact) if _drifts(terms) else NONE for terms in evaluation.bodies)
-    return points if any(comm.anywhere([len(own)]) for own in points) else None
+    return Held(points) if any(comm.anywhere([len(own)]) for own in points) else None
 
 
 def _drifts(terms):
@@ -50,8 +69,10 @@ def _stronger(contact):
 
 
 def held_in_stick(step, evaluation, points):
-    """Evaluation at the same unknowns in which `points` of each body stick, whatever their shear."""
+    """Evaluation at the same unknowns in which Held `points` stick, whatever their shear."""
     with ExitStack() as held:
-        for terms, own in zip(evaluation.bodies, points):
+        for terms, own in zip(evaluation.bodies, points.bodies):
             held.enter_context(terms.step.pair.sticking(own))
+        if any(map(len, points.sides)):
+            step = replace(step, pairs=step.pairs.sticking(points.sides))
         return step.evaluate(evaluation.unknowns)

@@ -120,7 +120,7 @@ def safeguards(monkeypatch, updates=Updates(5), stick=None, unknowns=1):
     carried, assembled = CarriedTangent(), []
     carried.keep(0.1)
     law, scheme = SimpleNamespace(plastic=False), SimpleNamespace(inertia=True)
-    step = SimpleNamespace(carried=carried, dt=0.1, assembled=assembled, contact_stiffness_ratio=lambda: 0.0,
+    step = SimpleNamespace(carried=carried, dt=0.1, assembled=assembled, soil=None,
                            model=SimpleNamespace(scheme=scheme, soil=SimpleNamespace(law=law)),
                            system=SimpleNamespace(soil_unknowns=unknowns, solve=lambda *given: (None, None, 1)),
                            assemble=lambda *given: assembled.append(True))

@@ -65,7 +65,7 @@ def drifting(body, inertia=False, joints=(), guided=()):
     model = SimpleNamespace(scheme=SimpleNamespace(inertia=inertia), joints=joints,
                             guides=[SimpleNamespace(guide=SimpleNamespace(component=axis)) for axis in guided])
     found = sticking.drifting(SimpleNamespace(model=model), SimpleNamespace(bodies=[body]))
-    return None if found is None else found[0].tolist()
+    return None if found is None else found.bodies[0].tolist()
 
 
 SHEAR = [[-3.0, 0.1, 0.0], [1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]]
