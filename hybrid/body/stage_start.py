@@ -40,7 +40,7 @@ def engage_guides(body, state, gravity, scheme, joined=False):
         return state, 0.0
     new = rigid.impose_guide_rates(body, state)
     impulse_work = rigid.kinetic_energy(body, new) - rigid.kinetic_energy(body, state) if scheme.inertia else 0.0
-    if state.reaction is None and not (joined and scheme.inertia):
+    if state.reaction is None and not joined:
         rates = np.zeros(6)
         if scheme.inertia:
             rates = np.concatenate([body.mass.mass * new.acceleration,
