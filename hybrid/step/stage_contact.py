@@ -60,7 +60,7 @@ def begin_friction(step, evaluation, state, pushed):
         return state
     bodies, before = list(state.bodies), _at_start(step)
     after = _touches([terms.contact for terms in evaluation.bodies], evaluation.pairs)
-    reached, changes = _reached(after, set(pushed)), np.zeros((len(bodies), 6))
+    reached, changes = _reached([one for one in after if None not in one.bodies], set(pushed)), np.zeros((len(bodies), 6))
     for old, new, left in zip(before, after, _unloaded(step, before, pushed)[1]):
         if reached.intersection(old.bodies):
             _add(changes, old.bodies, _answer(old, new, left))
@@ -84,32 +84,31 @@ def _unloaded(step, touches, pushed):
     them, and the share [-] left of the pressure at each: a force takes what it unloads, at most all, from what rests on
     something that cannot move, and so hands it down to that. Soil that deforms springs back in its own time."""
     answers, left = np.zeros((len(step.bodies), 6)), np.ones(len(touches))
-    waiting = [(number, change, {number}) for number, change in pushed.items()]     # with the bodies that handed it on
-    while waiting:
-        number, change, above = waiting.pop(0)
-        under = [i for i, one in enumerate(touches) if number in one.bodies and one.on(number)[:3] @ change[:3] > 0.0
-                 and one.other(number) not in above and _rests(step, touches, one.other(number), {number})]
-        support = sum((left[i] * touches[i].on(number)[:3] for i in under), np.zeros(3))
-        share = min(change[:3] @ support / (support @ support), 1.0) if support.any() else 0.0
-        for i in under:
-            fallen = -share * left[i] * touches[i].normal
-            left[i] *= 1.0 - share
-            _add(answers, touches[i].bodies, fallen)
-            other = touches[i].other(number)
-            if share > 0.0 and other is not None:
-                waiting.append((other, fallen[touches[i].bodies.index(other)], above | {other}))
+    rest = {number: _resting(step, touches, number) for number in range(len(step.bodies))}
+    for _ in step.bodies:       # a force is handed down from body to body
+        handed = {}
+        for number, change in pushed.items():
+            under = [i for i, one in enumerate(touches) if number in one.bodies and one.other(number) in rest[number]
+                     and one.on(number)[:3] @ change[:3] > 0.0]
+            support = sum((left[i] * touches[i].on(number)[:3] for i in under), np.zeros(3))
+            share = min(change[:3] @ support / (support @ support), 1.0) if support.any() else 0.0
+            for i in under:
+                fallen, other = -share * left[i] * touches[i].normal, touches[i].other(number)
+                left[i] *= 1.0 - share
+                _add(answers, touches[i].bodies, fallen)
+                if share > 0.0 and other is not None:
+                    handed[other] = handed.get(other, 0.0) + fallen[touches[i].bodies.index(other)]
+        pushed = handed
     return answers, left
 
 
-def _rests(step, touches, number, asked):
-    """Whether a body cannot move, or touches held ground or a body, not yet `asked`, that rests; of the soil: whether it is
-    held."""
-    if number is None:
-        return step.soil is None
-    if not step.bodies[number].free.any():
-        return True
-    beside = {one.other(number) for one in touches if number in one.bodies and one.pressure > 0.0} - asked
-    return any(_rests(step, touches, other, asked | {number}) for other in beside)
+def _resting(step, touches, without):
+    """What cannot move, held bodies and None for held ground, and all bodies that it bears over any number of others,
+    `without` one of them."""
+    held = {own.number for own in step.bodies if not own.free.any()} | ({None} if step.soil is None else set())
+    ground = {one.bodies[0] for one in touches if one.bodies[1] is None and one.pressure > 0.0} if None in held else set()
+    between = [one for one in touches if None not in one.bodies and without not in one.bodies]
+    return _reached(between, (held | ground) - {without})
 
 
 def _add(sums, bodies, parts):
@@ -123,10 +122,9 @@ def _reached(touches, numbers):
     """The `numbers` of bodies and those of all that touch them, also over others."""
     while True:
         more = {n for one in touches if one.pressure > 0.0 and numbers.intersection(one.bodies) for n in one.bodies}
-        more = numbers | more - {None}
-        if more == numbers:
+        if more <= numbers:
             return numbers
-        numbers = more
+        numbers = numbers | more
 
 
 def _at_start(step):
