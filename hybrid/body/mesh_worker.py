@@ -143,16 +143,19 @@ def groups(dim):
 
 def require_groups(path, volumes):
     """Refuse a geometry without its groups, with volumes that belong to no body, or without the `volumes` named."""
-    wanted = [(3, "Volume", "body")] * (not volumes) + [(2, "Surface", "contact")] * has_surface(path)
+    wanted = [(3, "Volume", "body")] * (not groups(3)) + [(2, "Surface", "contact")] * has_surface(path)
     for dim, kind, name in wanted:
         if name not in groups(dim):
             found = ", ".join(f"'{n}'" for n in groups(dim)) or "none"
+            remedy = " to the .geo file that the mesh was made from" if path.suffix.lower() == ".msh" else ""
             raise GeometryError(f"geometry {path} has no physical {kind.lower()} '{name}' (found: {found}); "
-                                + _group_remedy(path, kind, name))
+                                f'add Physical {kind}("{name}") = {{...}};{remedy}')
     check_volumes_named(path, volumes)
     outside = {tag for _, tag in gmsh.model.getEntities(3)} - {tag for tags in body_groups(volumes) for tag in tags}
     if outside:
-        one = f"the physical volumes {', '.join(volumes)} of body.density" if volumes else "the physical volume 'body'"
+        names = ", ".join(groups(3))
+        one = (f"the physical volumes {', '.join(volumes)} of body.density" if volumes else "the physical volume 'body'"
+               if "body" in groups(3) else f"the physical volumes {names}")
         raise GeometryError(f"geometry {path}: volumes {sorted(outside)} are not in {one}; "
                             "delete them, fuse them or add them to " + ("one of them" if volumes else "the group"))
 
@@ -163,8 +166,10 @@ def has_surface(path):
 
 
 def body_groups(volumes):
-    """Volumes [(tag, ...)] of each physical volume that a body consists of."""
-    return [tuple(map(int, groups(3)[name])) for name in volumes or ["body"]]
+    """Volumes [(tag, ...)] of each physical volume that a body consists of: those named, else `body`, else all."""
+    if volumes or "body" in groups(3):
+        return [tuple(map(int, groups(3)[name])) for name in volumes or ["body"]]
+    return [tuple(sorted({int(tag) for tags in groups(3).values() for tag in tags}))]
 
 
 def check_volumes_named(path, volumes):
@@ -181,17 +186,6 @@ def check_volumes_named(path, volumes):
     if twice:
         raise GeometryError(f"geometry {path}: volumes {twice} are in several of the physical volumes that density names "
                             f"({', '.join(volumes)}); a volume has one density")
-
-
-def _group_remedy(path, kind, name):
-    """End of the message on a missing group: what can be done for this type of file."""
-    named = [found for found in groups(3) if found != "body"] if (kind, name) == ("Volume", "body") else []
-    if named:
-        example = ", ".join(f"{found} = 7850.0" for found in named)
-        return f'add Physical {kind}("{name}") = {{...}}; or give the density of each: density = {{ {example} }}'
-    if path.suffix.lower() == ".msh":
-        return f'add Physical {kind}("{name}") = {{...}}; to the .geo file that the mesh was made from'
-    return f'add Physical {kind}("{name}") = {{...}};'
 
 
 def read_mesh(path, volumes):

@@ -152,7 +152,6 @@ def test_missing_file_is_refused(tmp_path):
         (HEAD + "Mesh.MeshSizeMin = nothing;", "gmsh reports"),
         (HEAD + CONTACT, r"no physical volume 'body' \(found: none\)"),
         (HEAD + BODY, r"no physical surface 'contact' \(found: none\)"),
-        (HEAD + 'Physical Volume("solid") = {1};' + CONTACT, r"'body' \(found: 'solid'\)"),
         (HEAD + BODY + 'Physical Surface("contact") = {1, 2, 3, 4, 5};', "not watertight.*in neither"),
         (HEAD + BODY + CONTACT + 'Physical Surface("symmetry") = {1};', "not watertight.*listed twice"),
         (
