@@ -14,7 +14,9 @@ from hybrid.runtime.errors import GeometryError
 
 AXES = {"x": 0, "y": 1}     # of the normals of planes of symmetry
 VECTOR = re.compile(r"(?:.*_)?([fm])([xyz])_Nm?")
-UNEQUAL = 0.01              # of the volume, and of its moments: halves that differ by more are no mirror images
+# Of the volume, and of its moments beside those of its own size: halves that differ by more are no mirror images. Coarse
+# meshes of round bodies differ by up to 0.4 and 2.9 % (a cone of 14 edges around); a bar turned by 5° by 39 % in a moment
+UNEQUAL, UNLIKE = 0.01, 0.05
 
 
 def check_halves(whole, kept, axis, what):
@@ -36,7 +38,7 @@ def check_halves(whole, kept, axis, what):
     other = mirror[:, None] * (whole - kept) * mirror
     size = np.sqrt(np.diag(kept))
     unlike = np.abs(kept - other) / np.outer(size, size)
-    if unlike.max() > UNEQUAL:
+    if unlike.max() > UNLIKE:
         i, j = np.unravel_index(unlike.argmax(), unlike.shape)
         moment = "∫ " + " ".join(("", "x", "y", "z")[n] for n in (i, j) if n) + " dV"
         raise GeometryError(f"{where}: both halves have the same volume, but {moment} is {kept[i, j]:.4g} of the one at "

@@ -160,6 +160,14 @@ def test_halves_that_are_none_are_refused(tmp_path, suffix):
         generate(tmp_path / f"half{suffix}", symmetry="z")
 
 
+@pytest.mark.parametrize("suffix", [".msh", ".stl"])
+def test_halves_of_a_coarse_mesh_of_a_round_body_are_alike(suffix, tmp_path):
+    with drawing(tmp_path / f"cone{suffix}", mesh=2 if suffix == ".stl" else 3, size=0.3) as model:
+        model.occ.addCone(0, 0, 0, 0, 0, 1, 0.5, 0)
+    for axis in "xy":
+        assert len(generate(tmp_path / f"cone{suffix}", symmetry=axis).symmetry)
+
+
 @pytest.mark.parametrize("suffix", [".step", ".stl"])
 @pytest.mark.parametrize("axes, angle, what", [((0, 0, 1), 5.0, "∫ x y dV"), ((1, 0, 0), -30.0, "∫ z dV")])
 def test_halves_of_the_same_volume_that_are_no_mirror_images_are_refused(axes, angle, what, suffix, tmp_path):
