@@ -21,6 +21,7 @@ class GridEnd(Monitor):
         # one number a face: 1 where soil is apart from one that would hold it
         self._apart = [0] * 4 if state is None or model.soil.held else [
             int(gap > cell and _holds(model.soil.grid, *face)) for face, (gap, cell) in _gaps(model.soil.grid, state.points)]
+        self._extent = [] if state is None else model.soil.grid.extent.tolist()    # a grid that moves has another one later
 
     def warnings(self, view):
         """Time, place and remedy."""
@@ -28,7 +29,7 @@ class GridEnd(Monitor):
             return
         grid = view.model.soil.grid
         for apart, ((axis, side), (gap, cell)) in zip(self._apart, _gaps(grid, view.state.points)):
-            if apart and gap < cell:
+            if apart and gap < cell and grid.extent[axis, side] == self._extent[axis][side]:
                 name, end = "xy"[axis], ("start", "end")[side]
                 yield (axis, side), (
                     f"soil has spread to the last cell before the end of the grid at {name} = "

@@ -30,15 +30,17 @@ def test_soil_that_locks_is_reported():
 
 
 def test_a_row_of_single_cells_between_rollers_is_told_to_be_plane_strain():
-    def found(width, **faces):
+    def found(width, held=False, **faces):
         side = Axis(start=0.0, end=2.0, size=1.0)
         grid = Grid(side, Axis(start=0.0, end=width, size=1.0), side, Faces(**faces))
-        described = Scene(name="block", grid=grid, soil=Soil(Material(law="hencky", young=1e6, poisson=0.3, density=1800.0)),
+        material = Material(law="hencky", young=1e6, poisson=0.3, density=1800.0)
+        described = Scene(name="block", grid=grid, soil=Soil(material, held=held),
                           time=Time(step=0.1), stages=(Stage("go", 1),))
         return list(soil.slab(described, build(described).model))
 
     (text,) = found(1.0, y_min="roller", y_max="roller")
     assert text.startswith("grid.y is one cell between rollers, which is plane strain. Set grid.y.collapsed = true")
+    assert not found(1.0, held=True, y_min="roller", y_max="roller")
     assert not found(2.0, y_min="roller", y_max="roller") and not found(1.0, y_min="roller", y_max="free")
 
 

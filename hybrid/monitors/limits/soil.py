@@ -20,7 +20,7 @@ def slab(scene, model):
     grid = model.soil.grid
     for axis, name in enumerate("xy"):
         rollers = {getattr(scene.grid.faces, f"{name}_{side}") for side in ("min", "max")} == {"roller"}
-        if rollers and not grid.collapsed.any() and len(grid.lines[axis]) == 2:
+        if rollers and not (model.soil.held or grid.collapsed.any()) and len(grid.lines[axis]) == 2:
             yield (f"grid.{name} is one cell between rollers, which is plane strain. Set grid.{name}.collapsed = true: it "
                    "takes two unknowns a node instead of three, clay then has its strength of plane strain, and other "
                    "notes on plane strain apply")
