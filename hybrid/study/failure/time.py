@@ -7,7 +7,7 @@ import numpy as np
 
 from hybrid.monitors import Monitors
 from hybrid.scene import Axis, Faces, Grid, Material, Soil, Solver, Stage, Time
-from hybrid.step.equations import Step
+from hybrid.step import rejection
 from hybrid.study.failure.mode import Mode, matching
 from hybrid.study.failure.outcome import Observation
 from hybrid.study.failure.simulate import simulate
@@ -169,7 +169,7 @@ def tunnelling(way, checked=True, **body):
                         steps=max(2, round(duration / step)))
     with ExitStack() as unchecked:
         if not checked:     # a run in which a body has gone through the soil is stopped as well
-            unchecked.enter_context(mock.patch.object(Step, "tunnelled", lambda self, evaluation: 0))
+            unchecked.enter_context(mock.patch.object(rejection, "tunnelled", lambda step, evaluation: 0))
             unchecked.enter_context(mock.patch.object(Monitors, "stop", lambda self, view: ""))
         simulation, _, texts = simulate(thrown)
     points, middle = simulation.state.points, simulation.state.bodies[0].position
