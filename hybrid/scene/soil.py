@@ -190,7 +190,8 @@ def clay_layers(soil):
     """[bool] whether the soil and each of its layers, checked or not, is clay."""
     of_soil = soil.material.friction_angle
     return [is_clay(soil.material.law, of_soil)] + [
-        is_clay(layer.law or soil.material.law, layer.material.get("friction_angle", of_soil)) for layer in soil.layers]
+        is_clay(layer.law or soil.material.law, layer.material.get(
+            "friction_angle", None if "relative_density" in layer.material else of_soil)) for layer in soil.layers]
 
 
 def as_clay(material):

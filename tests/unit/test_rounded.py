@@ -104,6 +104,20 @@ def test_a_body_that_is_cut_in_half_stays_on_its_plane(shear):
     assert body.vertices[:, 0].max() < 1.0 + 1e-9
 
 
+def test_a_tip_in_the_plane_of_a_cut_is_closed_in_it():
+    """Half a pyramid on its tip, to which three faces and half of a fourth lead: its rim stays in the plane, and so does the
+    sum of its area vectors."""
+    points = np.array([[-0.5, 0.0, 0.3], [0.5, 0.0, 0.3], [0.5, 0.5, 0.3], [-0.5, 0.5, 0.3], [0.0, 0.0, -0.3]])
+    half = build_surface(points, np.array([[0, 1, 2], [0, 2, 3], [1, 4, 2], [2, 4, 3], [3, 4, 0]]))
+    body = rounded(half, 0.25)
+    single = np.ones(body.triangles.shape, bool)
+    single[shared_edges(body.triangles)] = False
+    ends = np.stack([body.triangles, np.roll(body.triangles, -1, axis=1)], axis=2)[single]
+    assert np.abs(body.vertices[ends.ravel(), 1]).max() < 1e-9 and body.vertices[:, 1].min() > -1e-9
+    a, b, c = np.moveaxis(body.vertices[body.triangles], 1, 0)
+    assert np.abs(np.cross(b - a, c - a).sum(axis=0)[[0, 2]]).max() < 1e-9
+
+
 def test_a_smooth_body_has_no_edges():
     sphere = surface_of("sphere.geo", radius=0.5, size=0.2)
     assert len(find_edges(sphere, 0.2).triangle) == 0 and rounded(sphere, 0.2) is sphere

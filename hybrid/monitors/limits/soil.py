@@ -24,6 +24,7 @@ def slab(scene, model):
             yield (f"grid.{name} is one cell between rollers, which is plane strain. Set grid.{name}.collapsed = true: it "
                    "takes two unknowns a node instead of three, clay then has its strength of plane strain, and other "
                    "notes on plane strain apply")
+            return
 
 
 def domain_update(scene, model):
