@@ -42,13 +42,13 @@ def circular(cells=8, steps=2, linear="auto"):
 @pytest.fixture
 def prepared(monkeypatch):
     """The solvers that were set up, in order."""
-    solvers, prepare = [], petsc.BlockSystem._prepare
+    solvers, set_up = [], petsc.BlockSystem._set_up
 
-    def counted(system, at):
-        solvers.append(system._order[at][0])
-        prepare(system, at)
+    def counted(system, solver):
+        solvers.append(solver)
+        return set_up(system, solver)
 
-    monkeypatch.setattr(petsc.BlockSystem, "_prepare", counted)
+    monkeypatch.setattr(petsc.BlockSystem, "_set_up", counted)
     monkeypatch.setattr(iteration, "SLOW", np.inf)     # increments restricted to few nodes have direct factors of their own
     return solvers
 

@@ -16,8 +16,8 @@ from hybrid.runtime.errors import StepError
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Pull, Scene, Soil, Solver, Stage, Time
 from hybrid.setup.build import build
 from hybrid.soil.model import Refusal
-from hybrid.step import first_guess, iteration, newton
-from hybrid.step.equations import Step, begin
+from hybrid.step import contacts, first_guess, iteration, newton
+from hybrid.step.equations import begin
 from hybrid.step.increments import Control, outer_step
 from hybrid.step.workspace import Workspace
 
@@ -101,7 +101,7 @@ def test_accept_returns_the_complete_new_state(geometry):
 def test_a_hard_step_is_rejected_and_halved(geometry, iterations, monkeypatch):
     """Too few iterations allowed: shorter increments need fewer, and the outer step still ends on time."""
     monkeypatch.setattr(iteration, "MOST", iterations)
-    monkeypatch.setattr(Step, "has_convex_contact", lambda *_: False)     # no second attempt
+    monkeypatch.setattr(contacts, "has_convex_contact", lambda *_: False)     # no second attempt
     monkeypatch.setattr(newton, "RELAXED", 1.0)
     simulation = ready(scene(geometry))
     before = deepcopy(simulation.state)
@@ -127,7 +127,7 @@ def test_increments_grow_again(geometry):
 def test_the_floor_stops_the_run_with_value_limit_and_remedy(geometry, most, floor, start, monkeypatch):
     """At once, or after a part of the outer step was accepted: what was committed stays as it was."""
     monkeypatch.setattr(iteration, "MOST", most)
-    monkeypatch.setattr(Step, "has_convex_contact", lambda *_: False)     # no second attempt
+    monkeypatch.setattr(contacts, "has_convex_contact", lambda *_: False)     # no second attempt
     monkeypatch.setattr(newton, "RELAXED", 1.0)
     simulation = ready(scene(geometry))
     before = deepcopy(simulation.state)

@@ -12,8 +12,7 @@ from hybrid.output import checkpoint
 from hybrid.output.history import read_history
 from hybrid.runtime.errors import StepError
 from hybrid.setup.build import build
-from hybrid.step import iteration, newton
-from hybrid.step.equations import Step
+from hybrid.step import contacts, iteration, newton
 
 
 def scene(geometry, steps=6, body={}, **solver):
@@ -76,7 +75,7 @@ def test_contact_goes_on_to_the_last_bit(geometry, tmp_path, options):
 def test_increments_go_on_to_the_last_bit(geometry, tmp_path, monkeypatch):
     """A hard hit halves increments; the run goes on with the one that it stopped at, 7.5 ms of 10 ms."""
     monkeypatch.setattr(iteration, "MOST", 5)
-    monkeypatch.setattr(Step, "has_convex_contact", lambda *_: False)     # no second attempt
+    monkeypatch.setattr(contacts, "has_convex_contact", lambda *_: False)     # no second attempt
     whole, parts, _ = in_one_go_and_in_two(
         tmp_path, lambda steps: scene(geometry, steps, {"velocity": (0.4, 0.1, -3.0)}, line_search=False), 3, 4)
     history = read_history(tmp_path / "parts")
