@@ -49,23 +49,19 @@ def rim_edges(surface):
     return np.nonzero(rim)
 
 
-def rim_of(surface, split):
-    """(n,) bool, vertices after the split on the rim of a cut."""
-    t, k = rim_edges(surface)
-    rim = np.zeros(split.max() + 1, bool)
-    rim[split[t, k]] = rim[split[t, (k + 1) % 3]] = True
-    return rim
-
-
 def cuts_of(surface):
     """(Distance [m] that counts as none, [(axis, coordinate [m])] of the planes in which the rim of a cut lies)."""
     t, k = rim_edges(surface)
     first, last = surface.vertices[surface.triangles[t, k]], surface.vertices[surface.triangles[t, (k + 1) % 3]]
-    flat = FLAT * np.ptp(surface.vertices, axis=0).max()
-    lies = np.abs(last - first) < flat
-    found = {(axis, at) for axis in range(3) for at in np.unique(first[lies[:, axis], axis].round(9))
-             if np.count_nonzero(lies[:, axis] & (np.abs(first[:, axis] - at) < flat)) > 2}
-    return flat, sorted(found)
+    flat, found, left = FLAT * np.ptp(surface.vertices, axis=0).max(), [], np.ones(len(t), bool)
+    while left.any():       # the plane with most of what is left of the rim
+        lies = [(axis, at, left & (np.abs(np.stack([first, last])[..., axis] - at) < flat).all(axis=0))
+                for axis in range(3) for at in np.unique(first[left, axis].round(9))]
+        axis, at, inside = max(lies, key=lambda each: np.count_nonzero(each[2]))
+        if not inside.any():
+            break
+        found, left = [*found, (axis, at)], left & ~inside
+    return flat, found
 
 
 class Skin:
@@ -89,10 +85,10 @@ class Skin:
         start, end = surface.vertices[surface.triangles[self.edges.triangle[:, 0], self.edges.number[:, 0]]], (
             surface.vertices[surface.triangles[self.edges.triangle[:, 0], (self.edges.number[:, 0] + 1) % 3]])
         begin = self.edges.inset[..., None] * away[self.edges.triangle, self.edges.number]
-        rim = rim_of(surface, self.faces)
+        in_cut = np.array([np.abs(moved[:, axis] - at) < self.flat for axis, at in self.cuts]).reshape(-1, len(moved))
         for ends, last in zip(self.ends, (start, end)):
             # in the plane of a cut, which the edge may meet at an angle, vertices have moved along the edge as well
-            on_edge = np.where(rim[ends].all(axis=1)[:, None], last, (moved[ends] - begin).mean(axis=1))
+            on_edge = np.where(in_cut[:, ends].all(axis=2).any(axis=0)[:, None], last, (moved[ends] - begin).mean(axis=1))
             for (a, b), q, along in zip(ends, on_edge, unit(end - start)):
                 meeting.setdefault(_pair(a, b), []).append(q)
                 direction.setdefault(_pair(a, b), []).append(along if a < b else -along)
