@@ -190,12 +190,13 @@ def test_points_that_are_hardly_pressed_bear_little_of_the_interface(tension, le
     assert least < shear[force < 0.1 * force.mean()].sum() / shear.sum() < most
 
 
-@pytest.mark.parametrize("law", ["mohr-coulomb", "drucker-prager", "willam-warnke"])
-def test_clay_may_be_written_as_soil_without_friction(law):
-    """Its interface bears the cohesion by default, as that of von Mises' law does."""
+@pytest.mark.parametrize("law, cone", [("mohr-coulomb", None), ("mohr-coulomb", "plane strain"), ("willam-warnke", None),
+                                       ("drucker-prager", "compression"), ("drucker-prager", "plane strain")])
+def test_clay_may_be_written_as_soil_without_friction(law, cone):
+    """Its interface bears the cohesion by default, as that of von Mises' law does; cone: of that law elsewhere in the soil."""
     laws = {"mohr-coulomb": MohrCoulomb, "willam-warnke": WillamWarnke}
-    build = laws.get(law) or (lambda *given: DruckerPrager(*given, "compression"))
-    made = interface_of(Body("box.geo", 1.0, adhesion=0.5), None if law in laws else "compression")
+    build = laws.get(law) or (lambda *given: DruckerPrager(*given, cone))
+    made = interface_of(Body("box.geo", 1.0, adhesion=0.5), cone)
     found = made.of_points(build(np.full(1, 1e7), 0.3, 0.0, 0.0, 1e4), np.zeros(1))
     assert found.shear == pytest.approx([5e3], rel=1e-12)
 
