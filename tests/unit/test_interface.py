@@ -193,7 +193,7 @@ def test_points_that_are_hardly_pressed_bear_little_of_the_interface(tension, le
 @pytest.mark.parametrize("law, cone", [("mohr-coulomb", None), ("mohr-coulomb", "plane strain"), ("willam-warnke", None),
                                        ("drucker-prager", "compression"), ("drucker-prager", "plane strain")])
 def test_clay_may_be_written_as_soil_without_friction(law, cone):
-    """Its interface bears the cohesion by default, as that of von Mises' law does; cone: of that law elsewhere in the soil."""
+    """Its interface bears the cohesion by default, as that of von Mises' law does; cone: of that law elsewhere."""
     laws = {"mohr-coulomb": MohrCoulomb, "willam-warnke": WillamWarnke}
     build = laws.get(law) or (lambda *given: DruckerPrager(*given, cone))
     made = interface_of(Body("box.geo", 1.0, adhesion=0.5), cone)
