@@ -244,7 +244,7 @@ class Simulation:
         if not begun:
             before = self.state
             self.state = model.begin_stage(before, self.stage_model(number - 1, 0.0) if number else None)
-            control.pushed = model.pushed(before, self.state) if number else {}     # at first no pressure is there yet
+            control.pushed = model.pushed(before if number else None, self.state)
         if stage.pull:
             self.state = model.lay_out_lines(self.state)
         for stage_step in range(max(1, self.state.step - first + 1), stage.steps + 1):

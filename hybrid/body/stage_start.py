@@ -55,26 +55,24 @@ def force_between(body, before, after):
     return np.concatenate([body.mass.mass * (after.acceleration - before.acceleration), turning])
 
 
-def begin_friction(body, state, change):
-    """`state` at the end of an increment at whose start forces began to act, and at whose end friction and adhesion have
-    changed by a force and moment `change` (6,) [N, N m]: as if they had done so at its start. Of generalised alpha, by
-    the momentum that is yet to follow, FORMULATION (27b).
-
-    They answer a force at once, by as much as it takes or they can, and without them the body would have been accelerated as
-    if nothing held it: half a step of that would stay in its velocity.
-    """
-    return replace(state, algorithmic=state.algorithmic + _acceleration(body, state, change))
+def count_from_start(body, state, change, scheme, dt):
+    """`state` at the end of an increment of `dt` [s] at whose start forces began to act, and by whose end what answers them
+    has changed by a force and moment `change` (6,) [N, N m]: as if it had done so at the start. FORMULATION (27c)."""
+    begun = acceleration(body, state, change)
+    gained, _, algorithmic = scheme.advance(np.zeros(6), np.zeros(6), begun, begun, dt)
+    return replace(state, velocity=state.velocity + gained[:3], spin=state.spin + gained[3:],
+                   algorithmic=state.algorithmic + algorithmic)
 
 
 def accelerated(body, state, load):
     """`state` with the accelerations of free components that a force and moment `load` (6,) [N, N m] adds."""
-    added = _acceleration(body, state, load)
+    added = acceleration(body, state, load)
     return replace(
         state, acceleration=state.acceleration + added[:3], spin_rate=state.spin_rate + added[3:],
         algorithmic=None if state.algorithmic is None else state.algorithmic + added)
 
 
-def _acceleration(body, state, load):
+def acceleration(body, state, load):
     """(6,) [m/s²; rad/s², body frame] of free components by a force and moment `load` (6,) [N, N m]."""
     force, moment = np.split(np.where(body.free, load, 0.0), 2)
     axes, inertia = state.rotation.T[:, body.free[3:]], body.mass.inertia     # free axes, in the body frame

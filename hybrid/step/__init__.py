@@ -16,7 +16,7 @@ increments.outer_step               until the end of the step is reached:
     moving_grid.py, processes.py     a grid that follows a body; points that move to other processes
     error_estimate.py                length of an increment by a given accuracy
     support.py                       free bodies that cannot begin out of balance, without inertia
-    stage_contact.py                 what contact answers to forces that begin with a stage
+    stage_contact.py                 what contact answers to forces that begin to act
 2 equations.py      R(u, w) = 0 and its tangent, the seed paper's (1) and (2)
     soil_terms.py                    internal force, inertia and loads of the soil
     body_terms.py                    inertia, weight, line of a body, and the soil's contact with it

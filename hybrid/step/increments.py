@@ -37,10 +37,6 @@ def outer_step(model, workspace, state, length, pulling, control):
     """
     control.begin(length)
     start, report, support = state, Report(length, 0.0 if control.accuracy else None), None
-    if control.pushed:
-        model, state = processes.settle(model, state, workspace)
-        state = stage_contact.begin_pressure(
-            begin(model, state, control.increment(length), pulling, workspace), control.pushed)
     while state.step == start.step:
         remaining = start.time + length - state.time
         dt = control.increment(remaining)
@@ -61,7 +57,7 @@ def outer_step(model, workspace, state, length, pulling, control):
         if accepted:
             last = remaining - dt <= ROUND_OFF * length
             before, state = state, step.accept(outcome.evaluation, start.time + length if last else None)
-            state, control.pushed = stage_contact.begin_friction(step, outcome.evaluation, state, control.pushed), {}
+            state, control.pushed = stage_contact.count_from_start(step, outcome.evaluation, state, control.pushed), set()
             report.accept(dt, error)
             if not model.scheme.inertia:
                 report.flow(before.points, state.points)
@@ -104,14 +100,14 @@ class Control:
     smallest  [s] increment below which a step fails
     accuracy  [m] error of positions that an outer step may add, None where convergence alone decides
     backtrack whether the last increment needed backtracking in Newton's method, so that the next one begins with it
-    pushed    {number: (6,) [N, N m]} of the bodies that forces begin to push at the start of the next increment
+    pushed    numbers of the bodies that forces begin to push at the start of the next increment
     """
 
     dt: float
     smallest: float
     accuracy: float | None = None
     backtrack: bool = False
-    pushed: dict = field(default_factory=dict)
+    pushed: set = field(default_factory=set)
     _length: float = 0.0        # [s] of the outer step
     _finest: float = 0.0        # [s] increment below which it fails, `smallest` or what an impact needs
     _impact: float = np.inf     # [s] increment that resolves the impacts of this one

@@ -94,13 +94,15 @@ class Model:
         return replace(state, bodies=bodies, work=work, joints=joints)
 
     def pushed(self, before, state):
-        """{number: (6,) [N, N m]} of the bodies that forces begin to push where a stage turns the state `before` into
-        `state`, and what accelerates them; none with other schemes than generalised alpha, with which pressure rings."""
-        if not self.scheme.auxiliary:
-            return {}
-        changes = {i: stage_start.force_between(body, *motions) for i, (body, *motions) in enumerate(zip(
-            self.bodies, before.bodies, state.bodies))}
-        return {i: change for i, change in changes.items() if change.any()}
+        """Numbers of the bodies that forces begin to push where a stage turns the state `before` into `state`; all of them
+        at the start of a run, where it is None. None with schemes other than generalised alpha with ρ∞ = 0, in which
+        pressure that begins rings."""
+        if not (self.scheme.auxiliary and self.scheme.spectral_radius == 0.0):
+            return set()
+        if before is None:
+            return set(range(len(self.bodies)))
+        return {i for i, motions in enumerate(zip(self.bodies, before.bodies, state.bodies))
+                if stage_start.force_between(*motions).any()}
 
     def lay_out_lines(self, state):
         """`state` with the pull lines of all bodies laid out, just taut, where they are not yet."""

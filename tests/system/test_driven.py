@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from hybrid.scene import Axis, Faces, Grid, Joint, Load, Pull, Stage
+from hybrid.scene import Axis, Faces, Grid, Pull, Stage
 from hybrid.setup.build import build
-from hybrid.step import stage_contact
 from hybrid.study.scenes import SCHEMES, box, elastic, plane, scene
 
 STEP, STEPS = 0.01, 12
@@ -126,120 +125,10 @@ def test_a_moment_that_guides_held_back_turns_the_body_when_they_let_go(options)
     np.testing.assert_allclose(motions[1].spin, expected, atol=0.02 * np.linalg.norm(expected))
 
 
-# ------------------------------------------------------------------ forces that begin on a body that friction holds
-
-MU, SLOPE, MASS = 0.2, np.radians(13.0), 0.5 * 0.4 * 0.2 * 2000.0
-ON_SLOPE, LEVEL = (9.81 * np.sin(SLOPE), 0.0, -9.81 * np.cos(SLOPE)), (0.0, 0.0, -9.81)
-
-
-def slid(gravity, stages, step=0.02, steps=20):
-    """Way [m] along x of a block on held ground in the last stage, of `steps` steps."""
-    block = box(0.5, 0.4, 0.2, rest_on=0.0, friction=MU, density=2000.0)
-    described = plane(block, steps, step, gravity=gravity)
-    simulation, way = build(replace(described, stages=stages(steps))), {}
-    for record in simulation.steps():
-        way[record.stage] = simulation.state.bodies[0].position[0]
-    first, last = list(way.values())
-    return last - first
-
-
-def let_go(steps):
-    return Stage("hold", 5, held=("x", "y", "rx", "ry", "rz")), Stage("slide", steps)
-
-
-def pushed_on(steps):
-    """By twice the friction that can act."""
-    load = Load(point=(0.0, 0.0, -0.1), force=(2 * MU * 9.81 * MASS, 0.0, 0.0))
-    return Stage("stand", 5), Stage("slide", steps, loads=(load,))
-
-
-@pytest.mark.parametrize("gravity, stages, acceleration", [
-    (ON_SLOPE, let_go, 9.81 * (np.sin(SLOPE) - MU * np.cos(SLOPE))), (LEVEL, pushed_on, 9.81 * MU)])
-def test_friction_answers_forces_that_begin_with_a_stage_at_once(gravity, stages, acceleration, monkeypatch):
-    """A block let go on a slope, or pushed, slides ½ a t²; without that, by half a step more of what friction takes."""
-    expected = 0.5 * acceleration * 0.4**2
-    assert slid(gravity, stages) == pytest.approx(expected, rel=0.02)
-    monkeypatch.setattr(stage_contact, "begin_friction", lambda step, evaluation, state, pushed: state)
-    assert slid(gravity, stages) > 1.04 * expected
-
-
-def raised(*stages, held=True, stiffness=1e6, **body):
-    """(Position (3,) [m] relative to the start, velocity (3,) [m/s]) in the end of a block on held ground, or on soil."""
-    block = box(0.5, 0.4, 0.2, rest_on=0.0, density=2000.0, **body)
-    ground = {"soil": {"held": held}, "stiffness": stiffness}
-    simulation = build(replace(plane(block, 1, 0.01, cells=(12, 4), gravity=LEVEL, **ground), stages=stages))
-    start, _ = simulation.state.bodies[0].position, list(simulation.steps())
-    return simulation.state.bodies[0].position - start, simulation.state.bodies[0].velocity
-
-
-def pull(share):
-    return (Load(force=(0.0, 0.0, share * 9.81 * MASS)),)
-
-
-def test_pressure_of_held_ground_falls_as_soon_as_a_force_lifts_a_body(monkeypatch):
-    """Up with 1.05 and 0.95 of its weight, and without gravity: it rises with 0.05 g, and stays."""
-    lifted = Stage("stand", 5), Stage("lift", 20, loads=pull(1.05))
-    assert raised(*lifted)[1][2] == pytest.approx(0.05 * 9.81 * 0.2, rel=0.01)
-    assert abs(raised(Stage("stand", 5), Stage("lift", 20, loads=pull(0.95)))[0][2]) < 1e-4
-    assert abs(raised(Stage("stand", 5), Stage("float", 20, gravity=(0.0, 0.0)))[1][2]) < 2e-3
-    monkeypatch.setattr(stage_contact, "begin_pressure", lambda step, pushed: step.state)
-    assert raised(*lifted)[1][2] > 1.2 * 0.05 * 9.81 * 0.2
-
-
-@pytest.mark.parametrize("ground", [{}, {"held": False, "stiffness": 3e9}])
-def test_a_load_that_no_longer_presses_a_sliding_body_leaves_it_its_own_friction(ground):
-    """On stiff soil friction of the pressure at the end of the first increment alone would be a sixth of what follows too
-    small."""
-    sliding = {"friction": MU, "velocity": (3.0, 0.0, 0.0), **ground}
-    press = Stage("press", 10, loads=pull(-5.0))
-    before, after = (raised(*stages, **sliding)[1][0] for stages in ((press,), (press, Stage("slide", 20))))
-    assert before - after == pytest.approx(MU * 9.81 * 0.2, rel=0.02)
-
-
-def test_joined_bodies_are_answered_like_one():
-    halves = [box(0.25, 0.4, 0.2, rest_on=0.0, density=2000.0, friction=MU, name=name, position=(x, 0.0, 0.0))
-              for name, x in (("left", -0.125), ("right", 0.125))]
-    push = Load(body="left", force=(1.1 * MU * 9.81 * MASS, 0.0, 0.0), point=(0.0, 0.0, -0.1))
-    scene = replace(plane(halves[0], 1, 0.01, gravity=LEVEL), bodies=tuple(halves),
-                    stages=(Stage("stand", 5), Stage("go", 30, loads=(push,))),
-                    joints=(Joint(name="seam", kind="weld", bodies=("left", "right"), point=(0.125, 0.0, 0.0)),))
-    simulation = build(scene)
-    start, _ = simulation.state.bodies[0].position[0], list(simulation.steps())
-    assert simulation.state.bodies[0].position[0] - start == pytest.approx(0.5 * 0.1 * MU * 9.81 * 0.3**2, rel=0.05)
-
-
-def on_another(load, **lower):
-    """Way (3,) [m] in 0.2 s of a plate that lies on a block, from when a `load` (3,) in units of its weight begins on it."""
-    block = box(0.5, 0.4, 0.2, rest_on=0.0, density=2000.0, friction=0.4, name="block", **lower)
-    plate = box(0.3, 0.3, 0.1, position=(0.0, 0.0, 0.25), density=2000.0, friction=0.4, name="plate")
-    force = tuple(9.81 * 18.0 * part for part in load)
-    described = replace(plane(block, 1, 0.01, gravity=LEVEL), bodies=(block, plate),
-                        stages=(Stage("stand", 10), Stage("go", 20, loads=(Load(body="plate", force=force),))))
-    simulation, way = build(described), []
-    for record in simulation.steps():
-        way.append(simulation.state.bodies[1].position)
-    return way[-1] - way[9]
-
-
-@pytest.mark.parametrize("lower", [{}, {"held": ("x", "y", "z", "rx", "ry", "rz")}], ids=["free", "held"])
-@pytest.mark.parametrize("load, way, springs, late", [
-    ((0.44, 0.0, 0.0), (0.02 * 0.04 * 9.81, 0.0, 0.0), 3e-4, "begin_friction"),
-    ((0.0, 0.0, 0.95), (0.0, 0.0, 0.0), 1e-4, "begin_pressure"),
-    ((0.0, 0.0, 1.05), (0.0, 0.0, 0.025 * 0.04 * 9.81), 1.2e-3, "begin_pressure")])
-def test_bodies_that_touch_answer_forces_that_begin_with_a_stage_at_once(load, way, springs, late, lower, monkeypatch):
-    """A plate on a block, pushed with 1.1 of its friction, or drawn up: ½ a t², at rest below its weight, but for what the
-    springs between them give."""
-    assert np.abs(on_another(load, **lower) - way).max() < springs
-    plain = {"begin_pressure": lambda step, pushed: step.state,
-             "begin_friction": lambda step, evaluation, state, pushed: state}
-    monkeypatch.setattr(stage_contact, late, plain[late])
-    assert np.abs(on_another(load, **lower) - way).max() > 1.5e-3
-
-
 @every_scheme
 def test_gravity_that_begins_with_a_stage_acts_from_its_start(options):
     stages = Stage("float", 2, gravity=(0.0, 0.0)), Stage("fall", 3)
-    _, _, motions = flying(options, LEVEL, stages)
+    _, _, motions = flying(options, (0.0, 0.0, -9.81), stages)
     assert motions[-1].position[2] - motions[0].position[2] == pytest.approx(-0.5 * 9.81 * (3 * STEP)**2, rel=1e-9)
 
 
