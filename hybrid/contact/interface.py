@@ -6,7 +6,7 @@
 | symbol | meaning                                                    | in the code                    | unit |
 |--------|------------------------------------------------------------|--------------------------------|------|
 | α      | adhesion factor                                            | Interface.adhesion             | -    |
-| s_u    | undrained shear strength, k/ξ of von Mises' law            | Cone.undrained_strength        | Pa   |
+| s_u    | undrained shear strength of clay, k/ξ                      | Cone.shear_strength            | Pa   |
 | σ_t    | tension at which the interface opens, inf: never           | Interface.tension              | Pa   |
 | a      | area of the contact point projected along N, ε_N/(p_f E)   | `place_limits`                 | m²   |
 
@@ -44,7 +44,7 @@ EVERYWHERE = np.array([[-np.inf, np.inf]] * 3)
 
 @dataclass(frozen=True)
 class Interface:
-    """adhesion: α, None where friction alone limits the shear; xi: ξ of clay with a circular section; elsewhere: [Pa] limit
+    """adhesion: α, None where friction alone limits the shear; elsewhere: [Pa] limit
     of the shear of soil that is no clay, inf or, without friction, 0; tension: σ_t [Pa], 0 without a bond, inf for ever;
     sharp: ContactSurface on whose area they act, None for the one in contact: edges that this has rounded off are clay's as
     well; cover: Cover of that area, None where contact points bear whatever they are given; rubs: whether friction limits
@@ -56,13 +56,12 @@ class Interface:
     cover: Cover | None = None
     rubs: bool = False
     elsewhere: float = np.inf
-    xi: float = 1.0
 
     def of_points(self, law, plastic_strain):
         """PointLimits of soil points with a `law` and accumulated plastic strain (n,)."""
         shear = None
         if self.adhesion is not None:
-            shear = np.where(law.undrained, self.adhesion * law.undrained_strength(plastic_strain, self.xi), self.elsewhere)
+            shear = np.where(law.undrained, self.adhesion * law.shear_strength(plastic_strain), self.elsewhere)
         return PointLimits(shear, self.tension, self.sharp, self.cover, self.rubs)
 
 

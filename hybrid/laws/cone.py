@@ -45,7 +45,6 @@ from hybrid.runtime.errors import LawError
 from hybrid.runtime.jit import njit, prange
 
 UNLIMITED = 1e300  # [Pa] strength of points that never yield
-TRIAXIAL = 2 / np.sqrt(3)   # ξ of triaxial compression without friction
 ROUND_OFF = 1e-14   # length of a deviator that is round-off, over the trace
 NO_HISTORY = np.zeros(0)
 
@@ -53,24 +52,25 @@ NO_HISTORY = np.zeros(0)
 class Cone(Hencky):
     """Elastic constants and strength per point, scalars or (n,) arrays; `young` fixes n.
 
-    parameters: (n, 10) columns K, G, η, η̄_c, k0, e, h, k_r, ē, ω (0: the arc of Willam and Warnke). Raises LawError where
-    softening is steeper than the elastic unloading, so that a point has no unique response.
+    parameters: (n, 11) columns K, G, η, η̄_c, k0, e, h, k_r, ē, ω (0: the arc of Willam and Warnke), ξ, with k = ξ c of a
+    cohesion c. Raises LawError where softening is steeper than the elastic unloading, so that a point has no unique
+    response.
     """
 
     plastic = True
 
     def __init__(self, young, poisson, eta, eta_bar, strength, ratio=1.0, hardening=0.0, residual=0.0,
-                 dilation_ratio=1.0, corner=0.0):
+                 dilation_ratio=1.0, corner=0.0, xi=1.0):
         super().__init__(young, poisson)
         n = len(self.parameters)
         residual = np.minimum(residual, strength)
         columns = [np.broadcast_to(a, n) for a in (
-            eta, eta_bar, strength, ratio, hardening, residual, dilation_ratio, corner)]
+            eta, eta_bar, strength, ratio, hardening, residual, dilation_ratio, corner, xi)]
         self._set(np.column_stack([self.parameters, *columns]))
 
     def _set(self, parameters):
         self.parameters = parameters
-        K, G, eta, eta_bar, _, _, slope, _, dilation_ratio, _ = parameters.T
+        K, G, eta, eta_bar, _, _, slope, _, dilation_ratio, *_ = parameters.T
         self.hardens = bool(np.any(slope != 0.0))
         steepest = slope / np.sqrt(3) + G + K * eta * eta_bar * dilation_ratio
         if np.any(steepest <= 0.0):
@@ -82,7 +82,7 @@ class Cone(Hencky):
     @property
     def symmetric(self):
         """Whether all tangents are symmetric: associated flow on a circular cone, without hardening of an apex."""
-        eta, eta_bar, _, ratio, slope, _, dilation_ratio, corner = self.parameters[:, 2:].T
+        eta, eta_bar, _, ratio, slope, _, dilation_ratio, corner, _ = self.parameters[:, 2:].T
         circular = (ratio == 1.0) & (dilation_ratio == 1.0) & (corner == 0.0)
         apex = eta * slope != 0.0
         return bool(np.all((eta == eta_bar) & circular & ~apex))
@@ -123,10 +123,9 @@ class Cone(Hencky):
         eta, _, strength, *_ = self.parameters[:, 2:].T
         return (eta == 0.0) & (strength < UNLIMITED)
 
-    def undrained_strength(self, plastic_strain, xi):
-        """s_u (n,) [Pa] of clay after accumulated plastic strain (n,): k/ξ, with ξ = `xi` on a circular section, and that of
-        triaxial compression on Tresca's."""
-        return self.cohesion(plastic_strain) / np.where(self.parameters[:, -1] > 0.0, TRIAXIAL, xi)
+    def shear_strength(self, plastic_strain):
+        """c(α), of clay s_u(α), (n,) [Pa] after accumulated plastic strain, (n,) or a number: k/ξ."""
+        return self.cohesion(plastic_strain) / self.parameters[:, 10]
 
 
 def merge(laws, members):
@@ -148,7 +147,7 @@ def _rows(law, plastic):
     """Parameters of a law; an elastic law gets an unlimited strength where other points are `plastic`."""
     if law.plastic or not plastic:
         return law.parameters
-    unlimited = np.tile([0.0, 0.0, UNLIMITED, 1.0, 0.0, 0.0, 1.0, 0.0], (len(law.parameters), 1))
+    unlimited = np.tile([0.0, 0.0, UNLIMITED, 1.0, 0.0, 0.0, 1.0, 0.0, 1.0], (len(law.parameters), 1))
     return np.column_stack([law.parameters, unlimited])
 
 
@@ -203,7 +202,7 @@ def _line(theta, ratio, corner):
 def _return_map(strain, history, parameters, stress, elastic, tangent, opened):
     hardens = len(history) > 0
     for p in prange(len(strain)):
-        K, G, eta, eta_bar, k, ratio, h, residual, dilation_ratio, corner = parameters[p]
+        K, G, eta, eta_bar, k, ratio, h, residual, dilation_ratio, corner, _ = parameters[p]
         trace, e, norm = _split(strain[p])
         root = np.sqrt(2.0) * G * norm  # √J2 of the trial stress
         pressure = K * trace

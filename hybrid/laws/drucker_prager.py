@@ -42,4 +42,4 @@ class DruckerPrager(Cone):
                  residual_cohesion=0.0):
         eta, xi, flow = cone_constants(friction_angle, dilation_angle, cone)
         strength, slope, residual = (xi * np.asarray(a, float) for a in (cohesion, hardening, residual_cohesion))
-        super().__init__(young, poisson, eta, flow, strength, 1.0, slope, residual)
+        super().__init__(young, poisson, eta, flow, strength, 1.0, slope, residual, xi=xi)

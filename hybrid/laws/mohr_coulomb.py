@@ -29,4 +29,4 @@ class MohrCoulomb(Cone):
         eta, xi, flow = cone_constants(friction_angle, dilation_angle, "compression")
         strength, slope, residual = (xi * np.asarray(a, float) for a in (cohesion, hardening, residual_cohesion))
         super().__init__(young, poisson, eta, flow, strength, meridian_ratio(friction_angle), slope, residual,
-                         meridian_ratio(dilation_angle), CORNER)
+                         meridian_ratio(dilation_angle), CORNER, xi)

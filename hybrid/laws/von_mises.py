@@ -17,9 +17,7 @@ import numpy as np
 from hybrid.laws.cone import Cone
 from hybrid.laws.drucker_prager import cone_constants
 
-# Of s_u, pressure that clay bears under a base, and moment over its area and width; share of what it bears from which on a
-# base moves by flow more than by what is elastic
-BEARING, TIPPED, USED = 6.0, 0.7, 0.5
+BEARING = 6.0       # pressure that clay bears under a base, over s_u
 
 
 class VonMises(Cone):
@@ -28,4 +26,4 @@ class VonMises(Cone):
     def __init__(self, young, poisson, strength, cone="compression", hardening=0.0, residual_strength=0.0):
         _, xi, _ = cone_constants(0.0, 0.0, cone)
         strength, slope, residual = (xi * np.asarray(a, float) for a in (strength, hardening, residual_strength))
-        super().__init__(young, poisson, 0.0, 0.0, strength, 1.0, slope, residual)
+        super().__init__(young, poisson, 0.0, 0.0, strength, 1.0, slope, residual, xi=xi)

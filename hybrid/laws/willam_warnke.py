@@ -31,4 +31,4 @@ class WillamWarnke(Cone):
         eta, xi, flow = cone_constants(friction_angle, dilation_angle, "compression")
         strength, slope, residual = (xi * np.asarray(a, float) for a in (cohesion, hardening, residual_cohesion))
         super().__init__(young, poisson, eta, flow, strength,
-                         meridian_ratio(friction_angle), slope, residual, meridian_ratio(dilation_angle))
+                         meridian_ratio(friction_angle), slope, residual, meridian_ratio(dilation_angle), xi=xi)

@@ -48,7 +48,7 @@ def lifted(step, body):
     """Text about a body whose loads pull it up by more than its weight in a `step`, empty of others and of those that
     hold on to the soil."""
     force = sum((load.at(step.state.time + step.dt)[0] for load in body.loads), np.zeros(3))
-    weight = body.mass.mass * step.model.gravity
+    weight = body.mass.mass * step.model.loads.on_bodies(step.state.time + step.dt)
     if force[2] <= max(0.0, -weight[2]) or held_down(body):
         return ""
     return (f"The load on {body.name}, {components_of(force)}, is larger than its weight, {abs(weight[2]):.3g} N, and "

@@ -26,8 +26,8 @@ from hybrid.state import (
     State,
 )
 
-FORMAT = 7
-IN_PARTS = 8        # of a first file that lists the parts (`hybrid.output.checkpoint_parts`), and of these
+FORMAT = 9
+IN_PARTS = 10       # of a first file that lists the parts (`hybrid.output.checkpoint_parts`), and of these
 NESTED = {"points": Points, "constants": PointConstants, "behind": Population}  # fields that are dataclasses themselves
 # By which a checkpoint may be larger than the last, where contact begins or points are split, and than that of the start,
 # which has no history yet: 2.2 for a box that slides; and bytes.

@@ -31,9 +31,8 @@ class Pull:
         above=0, remedy="0.05 is a chain of 50 mm")
     chain: bool = key("with `diameter`: a chain, which bears on 2.5 diameters; else a wire, on one", default=True)
     bearing_factor: float | None = key(
-        "Nc of clay (von-mises) or Nq of sand in the bearing of that line; left out: 11, or exp(π tan φ) tan²(45° + φ/2)",
-        "-",
-        default=None, above=0, remedy="8.5 to 14 is usual in clay")
+        "Nc of clay (von-mises, or friction_angle = 0) or Nq of sand in the bearing of that line; left out: 11, or "
+        "exp(π tan φ) tan²(45° + φ/2)", "-", default=None, above=0, remedy="8.5 to 14 is usual in clay")
     line_friction: float = key("friction along that line over its bearing", "-", default=0.4, at_least=0, at_most=1,
                                remedy="0.35 to 0.5 is usual of a chain")
 
@@ -79,10 +78,10 @@ class Body:
     friction: float | None = key("Coulomb coefficient μ against the soil: shear is at most μ times the pressure; left "
                                  "out: 0, or no such limit with `adhesion`", "-", default=None, at_least=0,
                                  remedy="0.45 is steel on sand", also=("mu", "friction_coefficient"))
-    adhesion: float | None = key("adhesion factor α against clay (von-mises): shear is at most α times the s_u of the "
-                                 "touching soil, softened where that softens; with `friction` the smaller limit holds, "
-                                 "without `tension` 10 times the pressure too; other soil has friction alone; left out: 1 "
-                                 "with friction, where some of the soil is clay", "-", default=None, at_least=0, at_most=1,
+    adhesion: float | None = key("adhesion factor α against clay (von-mises, or friction_angle = 0): shear is at most α "
+                                 "times the s_u of the touching soil, softened where that softens; with `friction` the "
+                                 "smaller limit holds, without `tension` 10 times the pressure too; other soil has "
+                                 "friction alone; left out: 1 with friction, where some of the soil is clay", "-", default=None, at_least=0, at_most=1,
                                  remedy="0.3 to 0.5 is usual of steel in soft clay", also=("alpha", "roughness"))
     tension: float | Literal["full"] | None = key(
         "tension that soil on the body bears before it breaks away there, once and for all; full: it never breaks away; "

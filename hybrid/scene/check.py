@@ -171,7 +171,8 @@ def _body(key, body, inertia):
 def _interface(key, body, soil):
     found = ", ".join(map(repr, sorted(laws(soil))))
     yield from need(body.adhesion is None or any(clay_layers(soil)), f"{key}.adhesion", body.adhesion,
-                    f"left out with law = {found}, which has no s_u", "use law = 'von-mises' for clay, or friction alone")
+                    f"left out with law = {found}, which has no s_u",
+                    "use law = 'von-mises', or friction_angle = 0, for clay, or friction alone")
     yield from need(body.tension is None or not soil.held, f"{key}.tension", body.tension,
                     "left out on held soil, which follows no body", "set soil.held = false")
 

@@ -4,9 +4,11 @@ soil."""
 import numpy as np
 
 from hybrid.laws.user import is_of_user
-from hybrid.laws.von_mises import BEARING, TIPPED, USED
+from hybrid.laws.von_mises import BEARING
 from hybrid.runtime.comm import maximum, minimum
 
+TIPPED = 0.7    # moment that clay bears on a base, over s_u, its area and its width
+USED = 0.5      # share of what soil bears from which on a base moves by flow more than by what is elastic
 OTHER = 0.1     # share of a base that need not be plane, as fillets
 FLUSH = 1e-3    # of a cell between a base and the soil on which it stands
 LEVEL = 0.02    # sine of the angle between triangles of one plane, and of its size, their distance from it
@@ -36,7 +38,7 @@ def bears(body, rotation, soil, gravity, stands=False):
     level = np.ptp(body.surface.vertices @ rotation.T, axis=0)
     part = 0.5 ** sum(not mirror.cut for mirror in body.mirrors)     # of the base, as of the load and the weight
     width = np.where(soil.grid.collapsed, np.ptp(soil.grid.extent, axis=1), level)[:2]
-    most = USED * minimum(soil.law.cohesion(0.0), np.inf) * part * filled * width.prod()
+    most = USED * minimum(soil.law.shear_strength(0.0), np.inf) * part * filled * width.prod()
     down, along, moment = np.max([np.sum(loads, axis=0) for loads in stages], axis=0)
     down += body.mass.mass * np.linalg.norm(gravity)
     narrow = width[~soil.grid.collapsed[:2]].min(initial=np.inf)

@@ -32,15 +32,15 @@ CURVATURE = 16          # spacings in a radius of curvature; REST_CURVATURE wher
 ACROSS = 32
 
 
-def connect_to_soil(described, body, rotation, soil, gravity, cone, alone=False):
+def connect_to_soil(described, body, rotation, soil, gravity, alone=False):
     """The body, at an initial `rotation` (3, 3), with all of its contact that follows from `soil`; gravity (3,) [m/s²];
-    cone: soil.material.cone; alone: whether there is no other body. Raises SceneError."""
+    alone: whether there is no other body. Raises SceneError."""
     body = in_slice(body, soil.grid, rotation)
     chosen, spacing, radius = _places(described, body, rotation, soil, gravity)
     if described.adhesion is not None and not anywhere(soil.law.undrained):     # there is no clay in the grid
         described = replace(described, adhesion=None)
     mixed = described.adhesion is not None and anywhere(~soil.law.undrained)
-    interface, sharp = interface_of(described, cone, mixed), body.surface
+    interface, sharp = interface_of(described, mixed), body.surface
     if not (soil.held or chosen.at_corners or carried(body, soil, gravity)):
         edges = find_edges(body.surface, soil.grid.smallest_cell, rotation[soil.grid.collapsed])
         body = replace(body, surface=round_off(body.surface, edges),
@@ -81,7 +81,7 @@ def _places(described, body, rotation, soil, gravity):
         extent = np.ptp(body.surface.vertices @ rotation.T, axis=0)
         k = max(k, _blocks(ACROSS * width / extent[:2][~soil.grid.collapsed[:2]].min()))
     reach = places.HELD_REACH if soil.held else places.FACE_REACH
-    if interface_of(described, "plane strain"):   # the steps that domains make of a surface are as high as a domain
+    if interface_of(described):   # the steps that domains make of a surface are as high as a domain
         reach = max(reach, width / soil.grid.smallest_cell)
     return places.faces(k, soil.grid.collapsed, reach), width / curved, radius
 

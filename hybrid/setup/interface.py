@@ -3,7 +3,6 @@
 import numpy as np
 
 from hybrid.contact.interface import Interface
-from hybrid.laws.drucker_prager import cone_constants
 
 
 def friction_of(described, mixed=False):
@@ -14,7 +13,7 @@ def friction_of(described, mixed=False):
     return described.friction if described.friction is not None else 0.0 if described.adhesion is None else np.inf
 
 
-def interface_of(described, cone, mixed=False):
+def interface_of(described, mixed=False):
     """Interface of a body, None where its contact is that of friction alone. mixed: as in `friction_of`."""
     tension = {None: 0.0, "full": np.inf}.get(described.tension, described.tension)
     adheres = described.adhesion is not None and (described.adhesion > 0.0 or mixed)
@@ -22,5 +21,4 @@ def interface_of(described, cone, mixed=False):
         return None
     adhesion = described.adhesion if adheres else None
     return Interface(adhesion, tension, rubs=bool(adhesion and described.friction),
-                     elsewhere=0.0 if described.friction is None else np.inf,
-                     xi=cone_constants(0.0, 0.0, cone or "compression")[1])
+                     elsewhere=0.0 if described.friction is None else np.inf)

@@ -33,7 +33,8 @@ SHORT = 1 / 8       # share of an outer step up to which an increment is short (
 def outer_step(model, workspace, state, length, pulling, control):
     """Advance `state` by `length` [s]; returns (new State, Report).
 
-    Raises StepError when the increment would fall below control.smallest; the committed state is untouched.
+    Raises StepError when the increment would fall below control.smallest, or FAILED of what an impact needs; the committed
+    state is untouched.
     """
     control.begin(length)
     start, report, support = state, Report(length, 0.0 if control.accuracy else None), None
@@ -74,7 +75,7 @@ def jolted(step, evaluation):
     """
     if not (step.bodies and step.model.scheme.auxiliary):
         return False
-    gravity = np.concatenate([step.model.gravity, np.zeros(3)])
+    gravity = np.concatenate([step.model.loads.on_bodies(step.state.time + step.dt), np.zeros(3)])
     for terms in evaluation.bodies:
         new, weights = terms.accept(), np.repeat([1.0, terms.step.body.radius], 3)
         if new.algorithmic is None:
@@ -143,7 +144,7 @@ class Control:
         if not outcome.converged:
             self._reject(step.dt / 2)
             if self.dt < self._finest:
-                raise StepError(failure_message.not_converged(step, outcome, self._finest))
+                raise StepError(failure_message.not_converged(step, outcome, self._finest, self.smallest))
             return False, None
         easy = outcome.iterations <= EASY and not jolted(step, outcome.evaluation)
         if not self.accuracy:
@@ -154,7 +155,8 @@ class Control:
         ratio = error.length / allowed
         if ratio > 1:
             if step.dt <= self._finest * (1 + ROUND_OFF):
-                raise StepError(failure_message.not_accurate(step, error, allowed, self.accuracy, self._finest))
+                raise StepError(failure_message.not_accurate(
+                    step, error, allowed, self.accuracy, self._finest, self.smallest))
             self._reject(max(shorter(step.dt, ratio), self._finest))
             return False, error
         dt = following(step.dt, ratio, easy and not self._rejected)

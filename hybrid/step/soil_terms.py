@@ -33,8 +33,9 @@ def begin(model, state, dt, workspace):
     `Soil.begin` does."""
     soil = model.soil
     load = model.loads.on_points(state.time + dt, soil.constants.position)
+    gravity = np.linalg.norm(model.loads.on_bodies(state.time + dt))
     touching = [contact.point[contact.touching & (contact.point >= 0)] for contact in state.contacts]
-    points = closing.shared(state.points, soil, np.linalg.norm(model.gravity), dt,
+    points = closing.shared(state.points, soil, gravity, dt,
                             np.concatenate([np.zeros(0, np.int64), *touching]))
     return soil.begin(points, load, workspace)
 

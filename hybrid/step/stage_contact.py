@@ -1,8 +1,8 @@
 """What contact answers to forces that begin to act on bodies: FORMULATION (27c).
 
-Forces that begin with a run or a stage are known at the start of its first increment (`hybrid.body.stage_start`). What
-contact answers, it answers at once, but is known at the end of the increment only: its change from the start to the end counts
-as if it had come at the start. Otherwise the forces would act alone there: a body laid on held ground would begin to fall, and
+Forces that begin with a run or a stage are known at the start of its first increment (`hybrid.body.stage_start`). Contact
+answers them at once, but its answer is known at the end of the increment only: its change from the start to the end counts as
+if it had come at the start. Otherwise the forces would act alone there: a body laid on held ground would begin to fall, and
 half a step of it would stay in its velocity.
 
 Not so where bodies hit each other, or the soil, within the increment.
@@ -16,7 +16,7 @@ from hybrid.body import stage_start
 from hybrid.contact.body_to_body import PairContact
 from hybrid.runtime.comm import total
 
-HIT = 0.05      # of what pressure changes of the velocity along it in an increment: with more than that at its start, bodies hit
+HIT = 0.05      # of what pressure changes of the velocity along itself in an increment: bodies with more at its start hit
 
 
 @dataclass(frozen=True)

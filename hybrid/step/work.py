@@ -80,7 +80,7 @@ def _of_drive(terms, committed):
     before, now = own.state.reaction, terms.reaction
     mean = now if before is None else 0.5 * (before + now)
     jolt = rigid.jolt(own.body, committed, own.state) if own.body.guides and own.scheme.inertia else np.zeros(6)
-    return mean, own.dt * own.body.drive, jolt
+    return mean, own.dt * np.where(own.free, 0.0, own.body.drive), jolt
 
 
 def _of_pull(terms, new):

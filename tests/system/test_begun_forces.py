@@ -126,9 +126,8 @@ def laid_down(step, held=True):
     """Records of a block that lies on held ground, or on soil that deforms, with a plate on it."""
     block = box(0.5, 0.4, 0.2, rest_on=0.0, density=2000.0, friction=MU, name="block")
     plate = box(0.3, 0.3, 0.1, position=(0.0, 0.0, 0.25), density=2000.0, friction=MU, name="plate")
-    stages = (Stage("lie", 3),)
-    return list(build(replace(plane(block, 1, step, gravity=LEVEL, soil={"held": held}, stiffness=1e8), bodies=(block, plate),
-                              stages=stages)).steps())
+    described = plane(block, 3, step, gravity=LEVEL, soil={"held": held}, stiffness=1e8)
+    return list(build(replace(described, bodies=(block, plate))).steps())
 
 
 @pytest.mark.parametrize("held", [True, False])
@@ -170,7 +169,8 @@ def tipped(step):
     block = box(0.5, 0.4, 0.2, rest_on=0.0, friction=1.0, density=2000.0)
     turn = Load(moment=(0.0, 1.5 * 9.81 * MASS * 0.25, 0.0))
     stages = Stage("stand", 5), Stage("tip", round(0.2 / step), loads=(turn,))
-    return list(build(replace(plane(block, 1, step, gravity=LEVEL, cells=(12, 4)), stages=stages)).steps())[-1].bodies[0].spin[1]
+    described = replace(plane(block, 1, step, gravity=LEVEL, cells=(12, 4)), stages=stages)
+    return list(build(described).steps())[-1].bodies[0].spin[1]
 
 
 def test_a_moment_tips_a_block_about_its_edge(monkeypatch):

@@ -56,6 +56,7 @@ def test_a_drum_drawn_along_rolls(tmp_path):
     assert turned(records) == pytest.approx(0.03 / 0.5, rel=0.02)
     assert abs(drum.contact_force[0]) < 0.03 * drum.contact_force[2]
     assert max(record.iterations for record in records) <= 8
+    assert not records[-1].energies.get("drive of drum ry")     # held while it was laid down, free since then
 
 
 def test_it_rolls_late_from_a_first_guess_that_slides(tmp_path, monkeypatch):

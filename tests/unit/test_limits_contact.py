@@ -55,6 +55,7 @@ def test_a_top_turns_about_more_than_its_axis(kind, rotation, count):
     ({"spin": (0.0, 0.0, 360.0)}, "turns by 3.6 rad a step by body.spin, limit 0.4 rad; is it a number of degrees"),
     ({"spin": (0.0, 0.0, 42.0), "driven": ("rz",), "held": ("rx", "ry")}, "turns by 0.42 rad a step by"),
     ({"spin": (0.0, 0.0, 39.0)}, ""),
+    ({"motion": Motion(component="ry", velocity=50.0), "time": {"inertia": False}}, "at most 0.008 s$"),
     ({"motion": Motion(component="ry", velocity=50.0)}, "turns by 0.5 rad a step by what drives ry"),
     ({"motion": Motion(component="ry", displacement=((0.0, 0.0), (0.1, 300.0)))},
      "turns by 0.524 rad a step by what drives ry"),

@@ -35,6 +35,11 @@ def test_a_body_driven_by_a_cell_a_step_is_told_with_the_step_that_is_short_enou
     assert "by 2 cells" in text and "limit 1:" in text
 
 
+def test_accuracy_is_no_remedy_without_inertia():
+    (dynamic,), (static,) = texts(long_strides, **DOWN), texts(long_strides, time={"inertia": False}, **DOWN)
+    assert dynamic.endswith("or set time.accuracy") and "accuracy" not in static
+
+
 @pytest.mark.parametrize("values", [
     {"velocity": (0.0, 0.0, -1.0)}, {"stage": {"step": 0.04}}, {"stage": {"held": ("z",)}}, {"time": {"accuracy": 1e-3}},
     {"soil": {"held": True}}, {"yields": False}, {"driven": ()},

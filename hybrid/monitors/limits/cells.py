@@ -264,7 +264,7 @@ def _growing(scene, soil, place, travel):
     if rate <= 0.0 or not width or soil.grid.collapsed.sum() != 1:
         return 1.0
     height = soil.constants.position[:, 2]
-    strength = minimum(soil.law.parameters[(height < bottom) & (height > bottom - cell), 4], np.inf)
+    strength = minimum(soil.law.shear_strength(0.0)[(height < bottom) & (height > bottom - cell)], np.inf)
     ratio = rate * width / max(strength, 1e-9 * rate * width)
     return FROM_NONE if ratio > WEAK else 1.0 + GROWTH * ratio ** GROWING
 

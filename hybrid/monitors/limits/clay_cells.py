@@ -227,11 +227,11 @@ def _critical_height(scene, soil, place, travel):
     than clay is there."""
     axis = int(np.argmax(np.abs(travel)))
     low, high = beside(soil, place[:, axis], axis)
-    points, parameters = soil.constants, soil.law.parameters
+    points, law = soil.constants, soil.law
     behind = (low if travel[axis] > 0.0 else high) & (points.position[:, 2] > place[:, 2].min())
-    if anywhere(parameters[behind, 2] > 0.0):
+    if anywhere(law.opens[behind]):
         return None
-    fields = points.volume, points.mass, points.volume * parameters[:, 4]
+    fields = points.volume, points.mass, points.volume * law.shear_strength(0.0)
     volume, mass, strength = (float(total(values[behind])) for values in fields)
     return 4.0 * strength / (mass * -scene.gravity[2]) if volume else None
 

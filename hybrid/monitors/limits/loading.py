@@ -133,7 +133,7 @@ def stays_attached(body, soil):
     tension = body.interface.tension if body.interface is not None else 0.0
     if is_of_user(soil.law) or np.isinf(tension):
         return np.isinf(tension)
-    return tension > UNBROKEN * maximum(np.where(soil.law.undrained, soil.law.cohesion(0.0), 0.0), 0.0)
+    return tension > UNBROKEN * maximum(np.where(soil.law.undrained, soil.law.shear_strength(0.0), 0.0), 0.0)
 
 
 def _largest_row(table):

@@ -20,6 +20,7 @@ def long_strides(scene, model):
     if model.soil.held or scene.time.accuracy:
         return
     limit = STRIDE[bool(model.soil.law.plastic)]
+    otherwise = ", or set time.accuracy" if model.scheme.inertia else ""
     for described, body in zip(scene.bodies, model.bodies):
         strides = [(stride_of(scene, stage, described, name) / np.diff(nodes).min(), name, stage)
                    for stage in scene.stages for name, nodes in zip("xyz", model.soil.grid.lines) if len(nodes) > 1]
@@ -29,7 +30,7 @@ def long_strides(scene, model):
             yield (f"{body.name} is driven by {cells:.3g} cells along {name} in each step of stage {stage.name!r}, limit "
                    f"{limit:g}: soil in its way is deformed too much for one increment, so that steps fail, are cut into "
                    f"many, or give a wrong load. Use steps of at most {length * limit / cells:.2g} s (time.step or "
-                   "stage.step, with more stage.steps), or set time.accuracy")
+                   f"stage.step, with more stage.steps){otherwise}")
 
 
 def stride_of(scene, stage, described, name):

@@ -76,7 +76,7 @@ def large_turn_about_an_axis(scene, model):
             unit = "; is it a number of degrees? rad/s expected" if rate * length > DEGREES else ""
             yield (f"{body.name} turns by {rate * length:.3g} rad a step by {cause}, limit {ABOUT_AXIS:g} rad{unit}: "
                    "contact sees its surface at the ends of increments alone. Use steps of at most "
-                   f"{ABOUT_AXIS / rate:.2g} s, or set time.accuracy = 1e-3")
+                   f"{ABOUT_AXIS / rate:.2g} s{', or set time.accuracy = 1e-3' if model.scheme.inertia else ''}")
 
 
 def _round(body, axis):
