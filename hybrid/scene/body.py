@@ -81,7 +81,8 @@ class Body:
     adhesion: float | None = key("adhesion factor α against clay (von-mises, or friction_angle = 0): shear is at most α "
                                  "times the s_u of the touching soil, softened where that softens; with `friction` the "
                                  "smaller limit holds, without `tension` 10 times the pressure too; other soil has "
-                                 "friction alone; left out: 1 with friction, where some of the soil is clay", "-", default=None, at_least=0, at_most=1,
+                                 "friction alone; left out: 1 with friction, where some of the soil is clay", "-",
+                                 default=None, at_least=0, at_most=1,
                                  remedy="0.3 to 0.5 is usual of steel in soft clay", also=("alpha", "roughness"))
     tension: float | Literal["full"] | None = key(
         "tension that soil on the body bears before it breaks away there, once and for all; full: it never breaks away; "

@@ -1,9 +1,9 @@
 """What contact answers to forces that begin to act on bodies: FORMULATION (27c).
 
 Forces that begin with a run or a stage are known at the start of its first increment (`hybrid.body.stage_start`). Contact
-answers them at once, but its answer is known at the end of the increment only: its change from the start to the end counts as
-if it had come at the start. Otherwise the forces would act alone there: a body laid on held ground would begin to fall, and
-half a step of it would stay in its velocity.
+answers them at once, but its answer is known at the end of the increment only: its change from the start to the end counts
+as if it had come at the start. Otherwise the forces would act alone there: a body laid on held ground would begin to fall,
+and half a step of it would stay in its velocity.
 
 Not so where bodies hit each other, or the soil, within the increment.
 """
