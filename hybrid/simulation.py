@@ -229,22 +229,24 @@ class Simulation:
         if self.solver_memory is not None:
             workspace.systems.choice.restore(self.solver_memory)
         try:
-            first, starts = 0, 0.0      # steps and time before the stage
+            first, starts, before = 0, 0.0, None      # steps and time before the stage, and the model of the one before
             for number, stage in enumerate(self.scene.stages):
-                yield from self._stage_steps(number, stage, first, starts, workspace)
+                yield from self._stage_steps(number, stage, first, starts, before, workspace)
+                before = self.stage_model(number, starts)
                 first, starts = first + stage.steps, starts + stage.steps * self.scene.step_of(stage)
         finally:
             workspace.destroy()
 
-    def _stage_steps(self, number, stage, first, starts, workspace):
-        """Records of the remaining steps of a stage that comes after `first` steps and starts at a time [s]."""
+    def _stage_steps(self, number, stage, first, starts, before, workspace):
+        """Records of the remaining steps of a stage that comes after `first` steps and starts at a time [s]; before: Model
+        of the stage before it, or None."""
         length, begun = self.scene.step_of(stage), self.state.step > first
         control, model = self._control(length, begun), self.stage_model(number, starts)
         workspace.renew(model)
         if not begun:
-            before = self.state
-            self.state = model.begin_stage(before, self.stage_model(number - 1, 0.0) if number else None)
-            control.pushed = model.pushed(before if number else None, self.state)
+            ended = self.state
+            self.state = model.begin_stage(ended, before)
+            control.pushed = model.pushed(ended if number else None, self.state)
         if stage.pull:
             self.state = model.lay_out_lines(self.state)
         for stage_step in range(max(1, self.state.step - first + 1), stage.steps + 1):

@@ -53,6 +53,15 @@ class Points:
     def __len__(self):
         return len(self.position)
 
+    @property
+    def active(self):
+        """(n,) bool, points that take part."""
+        return np.ones(len(self), bool) if self.inactive is None else ~self.inactive
+
+    def of_active(self, values):
+        """`values` (n,) of the points, 0 of inactive ones."""
+        return values if self.inactive is None else np.where(self.inactive, 0.0, values)
+
 
 @dataclass(frozen=True)
 class PointConstants:

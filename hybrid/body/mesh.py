@@ -77,7 +77,7 @@ def _mesh(path, files, parameters, scale, symmetry, volumes):
     """TetMesh of the files ((name, bytes), ...) with these parameters ((name, value), ...)."""
     if not offered():
         log.warning("geometry %s: gmsh is %s", path, shortcoming())
-    answer = in_child("mesh", path, dict(files), dict(parameters), scale=scale, symmetry=symmetry, volumes=volumes)
+    answer = in_child(path, dict(files), dict(parameters), scale=scale, symmetry=symmetry, volumes=volumes)
     answer["regions"] = tuple(answer["regions"].tolist())
     named = [answer.pop(name) for name in ("parts", "part_triangles", "part_numbers")]
     names, places = answer.pop("point_names").tolist(), answer.pop("point_places")
@@ -116,13 +116,6 @@ def _parts(contact, names, triangles, numbers):
     return tuple([*names.tolist(), REST][k] for k in used), part.reshape(-1)
 
 
-def parameter_names(path):
-    """Parameters the geometry file at `path` declares: name -> default. GeometryError if unreadable."""
-    path = Path(path)
-    answer = in_child("parameters", path, geometry_text.files_of(path), {})
-    return dict(zip(answer["names"].tolist(), answer["defaults"].tolist()))
-
-
 def check_values(path, parameters):
     """Refuse values of parameters that are not finite numbers, and a size that is not positive."""
     for name, value in parameters.items():
@@ -134,11 +127,11 @@ def check_values(path, parameters):
             raise GeometryError(f"geometry {path}: {name} = {parameters[name]}{unit} must be positive")
 
 
-def in_child(task, path, files, parameters, **more):
+def in_child(path, files, parameters, **more):
     """Arrays {name: array} that a confined process of its own answers with; GeometryError if it gives none."""
     factor = _factor()
     seconds = max(1, math.ceil(SECONDS * factor))
-    request = {"task": task, "path": str(path), "file": next(iter(files)), "parameters": parameters, "seconds": seconds,
+    request = {"path": str(path), "file": next(iter(files)), "parameters": parameters, "seconds": seconds,
                "memory": int(MEMORY * factor), "tetrahedra": int(TETRAHEDRA * factor), "remedy": REMEDY, **more}
     try:
         with tempfile.TemporaryDirectory(prefix="hybrid-mesh-") as scratch:

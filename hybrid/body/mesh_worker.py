@@ -35,26 +35,18 @@ def main(request):
     """Do the task of a request, a text in JSON, in the working folder; write answer.npz there."""
     request = json.loads(request)
     limit(request["seconds"], request["memory"], LARGEST_ANSWER)
-    task = {"mesh": mesh, "parameters": parameters}[request["task"]]
     geometry = Path("geometry").resolve()
     np.savez(io.BytesIO(), np.zeros(1), text=np.array([""]))    # loads what writing needs
     with open("answer.npz", "wb") as file:
         confine(geometry)
         try:
             with session(geometry / request["file"], request):
-                answer = {"version": gmsh.option.getString("General.Version"), **task(request)}
+                answer = {"version": gmsh.option.getString("General.Version"), **mesh(request)}
         except GeometryError as error:
             answer = {"error": str(error)}
         np.savez(file, **{name: np.asarray(value) for name, value in answer.items()})
         file.flush()
         os._exit(0)     # whatever gmsh would still do at its end
-
-
-def parameters(request):
-    """Names and defaults of the parameters that the file declares."""
-    values = {name: gmsh.onelab.getNumber(PREFIX + name) for name in declared()}
-    values = {name: float(value[0]) for name, value in values.items() if len(value)}
-    return {"names": np.array(list(values), str), "defaults": np.array(list(values.values()), float)}
 
 
 def mesh(request):

@@ -52,8 +52,7 @@ class Domains:
     def of(cls, points, constants, basis, ground=None):
         """Domains of `points` with their PointConstants, a `basis` "gimp" or "mpm", and the GivenGround."""
         half = points.half_width if basis == "gimp" else np.zeros_like(points.half_width)
-        included = np.ones(len(points), bool) if points.inactive is None else ~points.inactive
-        return cls(points.position, half, constants.volume, included, constants.number, ground)
+        return cls(points.position, half, constants.volume, points.active, constants.number, ground)
 
     def facing(self, places, point, number, normal):
         """Area (m,) [-] projected along normals (m, 3) of a body over that of the faces that `places` are on; point,

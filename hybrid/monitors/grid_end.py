@@ -45,7 +45,7 @@ def _holds(grid, axis, side):
 
 def _gaps(grid, points):
     """[((axis, side), (gap, cell))] [m] between the soil and each side of the grid, and the size of the last cell there."""
-    active = np.ones(len(points), bool) if points.inactive is None else ~points.inactive
+    active = points.active
     found = []
     for axis, side in FACES:
         position, half = points.position[active, axis], points.half_width[active, axis]

@@ -17,7 +17,7 @@ class LostContact(Monitor):
 
     def stops(self, view):
         """Body, time, place and remedy."""
-        collapsed, points, active = view.model.soil.grid.collapsed, view.state.points, _active(view.state.points)
+        collapsed, points, active = view.model.soil.grid.collapsed, view.state.points, view.state.points.active
         boxes = np.array([rigid.bounding_box(body, motion) for _, body, motion, _ in view.bodies])
         for b, body, motion, contact in view.bodies:
             if anywhere([len(contact)]) or not body.free[2] or motion.velocity[2] >= 0.0:
@@ -28,10 +28,6 @@ class LostContact(Monitor):
                        f"{surface:.4g} m, and nothing touches it: at t = {view.state.time:.4g} s it is beside the soil "
                        "or has gone through it. Start it above the soil (body.position), widen the grid, or use a "
                        "smaller time.step")
-
-
-def _active(points):
-    return np.ones(len(points), bool) if points.inactive is None else ~points.inactive
 
 
 def _lost(points, active, boxes, b, centre, collapsed):

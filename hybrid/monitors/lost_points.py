@@ -39,7 +39,7 @@ def _kinds(soil, points):
     """(kind, (n,) bool, words, what it means) of each kind; none where the soil is held."""
     if soil.held:
         return ()
-    inactive = np.zeros(len(points), bool) if points.inactive is None else points.inactive
+    inactive = ~points.active
     half = points.half_width if soil.basis == "gimp" else np.zeros_like(points.half_width)
     piece, _ = lost_points.detached_pieces(evaluate_basis(points.position, half, soil.grid.axes), soil.grid, ~inactive)
     return (

@@ -56,7 +56,7 @@ def _deepest(body, motion, points, across):
 def _within(points, lower, upper, across):
     """Ids of the active points whose domains intersect the box from `lower` to `upper` (3,) [m] along the axes
     `across`; z first, as a body in the air is above all points."""
-    ids = np.arange(len(points)) if points.inactive is None else np.flatnonzero(~points.inactive)
+    ids = np.flatnonzero(points.active)
     for axis in np.flatnonzero(across)[::-1]:
         x, half = points.position[ids, axis], points.half_width[ids, axis]
         ids = ids[(x + half > lower[axis]) & (x - half < upper[axis])]

@@ -42,8 +42,7 @@ class StepView:
     def surface(self):
         """Height [m] of the highest soil."""
         points = self.state.points
-        active = np.ones(len(points), bool) if points.inactive is None else ~points.inactive
-        return maximum((points.position[:, 2] + points.half_width[:, 2])[active], -np.inf)
+        return maximum((points.position[:, 2] + points.half_width[:, 2])[points.active], -np.inf)
 
 
 class Monitor:

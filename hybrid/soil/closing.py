@@ -65,9 +65,7 @@ def shared(points, soil, gravity, dt, touching):
     if points.opened is None or share > 1.0:
         return points
     is_open, elastic = points.opened > 0.0, 0.5 * np.log(np.linalg.det(points.b_elastic))
-    pressed = ~is_open & (elastic < 0.0) & soil.law.opens
-    if points.inactive is not None:
-        is_open, pressed = is_open & ~points.inactive, pressed & ~points.inactive
+    is_open, pressed = points.active & is_open, points.active & ~is_open & (elastic < 0.0) & soil.law.opens
     cell, shape = cell_numbers(points.position, soil.grid)
     number = int(np.prod(shape))
     found = np.where(is_open, points.opened, np.where(pressed, elastic, 0.0))

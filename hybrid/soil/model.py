@@ -146,7 +146,7 @@ class Soil:
                    if values is not None]
         carried += [load] if load.ndim > 1 else []
         mass, *nodal = transfer.points_to_grid(basis, slabs, self.grid.axes, points.position,
-                                               _active_only(points, self.constants.mass), *carried,
+                                               points.of_active(self.constants.mass), *carried,
                                                affine=points.affine, summed=self.grid.nodes and self.grid.summed)
         if load.ndim > 1:
             load = nodal.pop()
@@ -154,7 +154,7 @@ class Soil:
             values[self.grid.fixed] = 0.0
         velocity, acceleration, *algorithmic = nodal
         if self.fbar or self.ghost_factor:
-            cells = fill_cells(basis, points.position, half, _active_only(points, self.constants.volume), self.law.young,
+            cells = fill_cells(basis, points.position, half, points.of_active(self.constants.volume), self.law.young,
                                self.grid)
         return SoilStep(
             points, basis, slabs, mass, velocity, acceleration, mass[:, None] * load, *algorithmic,
@@ -176,11 +176,11 @@ class Soil:
         if len(strain.inverted):
             return Refusal(INSIDE_OUT, self.constants.named(strain.inverted))
         response, *volume_strains = closing.respond(self.law, strain.strain, points, self.allow_detached)
-        failed = () if response.failed is None else np.flatnonzero(_active_only(points, response.failed))
+        failed = () if response.failed is None else np.flatnonzero(points.of_active(response.failed))
         if len(failed):
             return Refusal(NO_STRESS, self.constants.named(failed))
         stress = from_principal(response.stress, strain.directions)
-        volume = _active_only(points, self.constants.volume)
+        volume = points.of_active(self.constants.volume)
         force = internal_force(step.basis, step.slabs, self.grid.shape, strain, stress, volume,
                                fbar.mean_dilatation(step.mean, self.grid.collapsed, strain))
         if step.cuts:
@@ -198,14 +198,14 @@ class Soil:
             values[...] = 0.0
             self.add_stiffness(step, trial, pattern, values, elastic)
             return
-        volume, tangent = _active_only(step.points, self.constants.volume), trial.response.tangent
+        volume, tangent = step.points.of_active(self.constants.volume), trial.response.tangent
         kept.update(step, self.grid, trial.strain, trial.response.stress, step.workspace.law_tangent(tangent, elastic),
                     volume, pattern, np.sqrt(min(error, 1.0)))
         copy_values(kept.values, values)
 
     def add_stiffness(self, step, trial, pattern, values, elastic=0.0):
         """Add the tangent of `trial` at all points to the soil block (entries `values`)."""
-        volume = _active_only(step.points, self.constants.volume)
+        volume = step.points.of_active(self.constants.volume)
         tangent = step.workspace.law_tangent(trial.response.tangent, elastic)
         add_stiffness(step, self.grid, trial.strain, trial.response.stress, tangent, volume, pattern, values)
         if step.cuts:
@@ -224,7 +224,7 @@ class Soil:
         old = step.points
         position = old.position + transfer.interpolate(step.basis, self.grid.shape, displacement)
         left = lost_points.outside_grid(position, self.grid)
-        left = left if old.inactive is None else left & ~old.inactive
+        left = left & old.active
         if self.stray == "stop":
             lost_points.refuse_outside_grid(left, position, self.grid, self.constants)
         elastic = trial.response.elastic
@@ -273,7 +273,7 @@ class Soil:
     def plastic_work(self, step, trial):
         """Work dissipated by plastic flow in the step [J]: Σ τ · Δε_p V0."""
         plastic = trial.strain.strain - trial.response.elastic - (0.0 if trial.closed is None else trial.closed[:, None] / 3)
-        volume = _active_only(step.points, self.constants.volume)
+        volume = step.points.of_active(self.constants.volume)
         return float(total(np.sum(trial.response.stress * plastic, axis=1) * volume))
 
     def ghost_work(self, step, displacement):
@@ -290,8 +290,3 @@ class Soil:
         with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
             energy = self.law.energy(logarithmic(points.b_elastic))
         return float(total(energy * self.constants.volume))
-
-
-def _active_only(points, values):
-    """`values` (n,) of points, 0 at inactive ones."""
-    return values if points.inactive is None else np.where(points.inactive, 0.0, values)

@@ -15,9 +15,9 @@ LIBRARIES = 320e6       # interpreter with dolfinx, PETSc, gmsh and compiled ker
 PICTURES = 95e6         # process that draws pictures
 BYTES_PER_POINT = 1600  # history, constants, trial buffers and temporaries of one point
 BYTES_PER_ENTRY = 34    # entry of the soil block: value, index, incomplete factor and its temporaries
-PART = 0.1      # of points and matrix, besides: those of an increment restricted to few nodes (`hybrid.step.restriction`)
+PART = 0.1  # [-] of points and matrix, besides: those of an increment restricted to few nodes (`hybrid.step.restriction`)
 KEPT_PER_POINT, KEPT_PER_ENTRY = 889, 8     # tangents kept within an increment: 111 numbers and a mark, and one
-FBAR_PER_POINT = 4000   # more with F-bar and contact on faces, as measured in a travelling grid
+FBAR_PER_POINT = 4000   # more with F-bar and contact on faces, as measured with a moving grid
 
 
 def sizes(soil):

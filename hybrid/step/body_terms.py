@@ -91,10 +91,6 @@ class BodyStep:
         return (np.where(self.free[:3], self.state.position, position),
                 self.state.rotation if self.free[3:].all() else rotation)
 
-    def committed_pose(self):
-        """Pose before the step."""
-        return self.state.position, self.state.rotation
-
     def moved_pose(self, unknowns, increment):
         """Pose at trial Unknowns after an `increment` of all bodies' unknowns (m,)."""
         full = np.zeros(6)
@@ -104,7 +100,7 @@ class BodyStep:
     def at_start(self, displacement, gravity):
         """{name: (6,) [N, N m]} weight, line, contact and loads at the start of the step. displacement: (N, 3) of 0 [m],
         None for held soil; gravity: (3,) [m/s²] then."""
-        pose, target = self.committed_pose(), None if self.target is None else self.state.target
+        pose, target = self.state.pose, None if self.target is None else self.state.target
         trial = rigid.evaluate(self.body, self.state, pose, target, gravity, self.scheme, self.dt, self.begin)
         contact = -self.pair.evaluate(displacement, pose).resultant
         return {"weight": trial.weight, "line": trial.line, "contact": contact, "loads": trial.load}

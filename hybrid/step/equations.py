@@ -68,7 +68,7 @@ class Step:
     def at_rest(self):
         """Unknowns where nothing moves."""
         return Unknowns(None if self.soil is None else np.zeros_like(self.soil.velocity),
-                        tuple(b.committed_pose() for b in self.bodies), self.joints and self.state.joints.multipliers)
+                        tuple(b.state.pose for b in self.bodies), self.joints and self.state.joints.multipliers)
 
     def driven(self):
         """Unknowns where nothing moves but the driven components of bodies."""

@@ -74,7 +74,7 @@ def _of_soil(step, evaluation):
     """E [m] of the soil at a converged evaluation."""
     soil, points = step.model.soil, step.soil.points
     new = interpolate(step.soil.basis, soil.grid.shape, evaluation.rates[1])
-    mass = soil.constants.mass if points.inactive is None else np.where(points.inactive, 0.0, soil.constants.mass)
+    mass = points.of_active(soil.constants.mass)
     square = np.sum((new - points.acceleration) ** 2, axis=1)
     return leading_factor(step.model.scheme) * step.dt**2 * np.sqrt(total(mass * square) / total(mass))
 

@@ -210,7 +210,7 @@ def begin_pairs(model, state, bodies, dt):
     """PairsStep of an increment of `dt` [s], None where no bodies may touch one another. bodies: BodyStep of each."""
     if not model.pairs:
         return None
-    poses = tuple(body.committed_pose() for body in bodies)
+    poses = tuple(body.state.pose for body in bodies)
     predicted = tuple(body.predicted_pose() for body in bodies)
     fall = np.linalg.norm(model.loads.on_bodies(state.time + dt)) * dt**2 if model.scheme.inertia else 0.0
     histories = state.pairs or [PairHistory.empty() for _ in model.pairs]

@@ -75,7 +75,7 @@ def _reached(touches, numbers):
 def _at_start(step):
     """Touches at the start of an increment."""
     displacement = step.at_rest().displacement
-    contacts = [own.pair.evaluate(displacement, own.committed_pose()) for own in step.bodies]
+    contacts = [own.pair.evaluate(displacement, own.state.pose) for own in step.bodies]
     return _touches(contacts, step.pairs and step.pairs.evaluate(step.pairs.poses))
 
 

@@ -141,7 +141,7 @@ def test_held_corners_are_on_the_planes_of_their_facets():
     assert contacts.facet_error(resting) == 0.0
     assert (body.pair.points.facet >= 0).sum() == (resting.contacts[0].gap < -1e-6).sum()
     # 18 cm to the side some corners are nearer to the flank than to the bottom, but still held to it
-    position, rotation = body.committed_pose()
+    position, rotation = body.state.pose
     pose = position + (0.198, 0.0, 0.0), rotation
     held = body.pair.evaluate(step.at_rest().displacement, pose)
     pressed = held.gap < -1e-6      # others just touch a flank

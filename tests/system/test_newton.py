@@ -193,7 +193,7 @@ def test_a_tangent_without_softening_is_stiffer():
     simulation = build(load_scene(DEMOS / "rolling_sphere.toml"))
     workspace = Workspace(simulation.model)
     step = begin(simulation.model, simulation.state, 0.01, False, workspace)
-    position, rotation = step.bodies[0].committed_pose()
+    position, rotation = step.bodies[0].state.pose
     unknowns = replace(step.at_rest(), poses=((position - 0.002 * _upwards(simulation), rotation),))
     evaluation, tangents = step.evaluate(unknowns), []
     for kind in (Tangent.CONSISTENT, Tangent.DEFINITE):

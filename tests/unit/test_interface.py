@@ -319,7 +319,8 @@ def test_a_block_that_slides_over_clay_has_friction_where_it_touches_anew(monkey
 
 def test_keys_are_accepted(geometry):
     for values in ({"adhesion": 0.5}, {"adhesion": 1.0, "friction": 0.3, "tension": "full"}, {"tension": 5e3}):
-        validate(scene_with(geometry, **values))
+        body, = validate(scene_with(geometry, **values)).bodies
+        assert {name: getattr(body, name) for name in values} == values
 
 
 @pytest.mark.parametrize("values, soil, text", [

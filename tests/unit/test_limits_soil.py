@@ -2,8 +2,6 @@
 
 import re
 
-import pytest
-
 from hybrid.monitors.limits import soil, stepping
 from hybrid.scene import Axis, Faces, Grid, Layer, Material, Scene, Soil, Stage, Time
 from hybrid.setup.build import build

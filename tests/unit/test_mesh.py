@@ -9,7 +9,7 @@ import pytest
 
 from hybrid.body import mesh as meshing
 from hybrid.body import mesh_worker
-from hybrid.body.mesh import generate, parameter_names
+from hybrid.body.mesh import generate
 from hybrid.body.solid import TetMesh, boundary_faces, oriented, signed_volumes, validate
 from hybrid.runtime.errors import GeometryError
 
@@ -91,11 +91,6 @@ def test_anchor_follows_its_parameters(angle, size):
     mesh = generate(GEOMETRY / "stockless_anchor.geo", {"opening_angle": angle, "tip_thickness": 0.1}, size)
     s, c = np.sin(np.radians(angle)), np.cos(np.radians(angle))
     assert mesh.named_points["tip"][[0, 2]] == pytest.approx([1.7 * c - 0.05 * s, -1.7 * s - 0.05 * c])
-
-
-def test_parameters_are_listed_with_their_defaults():
-    assert parameter_names(GEOMETRY / "box.geo") == {"length": 1.0, "width": 1.0, "height": 1.0, "size": 0.5}
-    assert parameter_names(GEOMETRY / "stockless_anchor.geo")["opening_angle"] == 35.0
 
 
 def test_parameters_and_size_are_applied_and_forgotten():
