@@ -5,6 +5,7 @@ Shape of README by its own rule: one minute to know what it is, five to a result
 
 import re
 import struct
+import subprocess
 import tomllib
 from pathlib import Path
 
@@ -50,6 +51,23 @@ def test_links_and_pictures_of_a_page_exist(page):
         if not target.exists() or (anchor and anchor not in anchors(target)):
             missing.append(link)
     assert not missing
+
+
+def git(*command):
+    """Output of a git command in this folder, None where it fails or there is no git."""
+    try:
+        done = subprocess.run(["git", "-C", ROOT, *command], capture_output=True, text=True)
+    except FileNotFoundError:
+        return None
+    return None if done.returncode else done.stdout.strip()
+
+
+def test_commits_that_pages_name_exist():
+    if git("rev-parse", "--is-shallow-repository") != "false":
+        pytest.skip("without the history")
+    words = {word for page in PAGES for word in re.findall(r"(?<![\w.#-])([0-9a-f]{7,8})(?![\w-])", text(page))}
+    commits = [word for word in words if re.search("[a-f]", word) and re.search("[0-9]", word)]
+    assert len(commits) > 10 and not [one for one in commits if git("cat-file", "-e", one + "^{commit}") is None]
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
