@@ -1,7 +1,7 @@
 """Predicted first-contact point of each open contact point: the anchor of its tangential spring if it closes in this step.
 
     y(s) = R(s)^T (x_c + s Δx_c - c - s Δc),   R(s) = exp(s φ~) R_n,   0 <= s <= 1
-    anchor = y(s)  where the gap vanishes first, else at s = min(1, g/(GRAZING |y(1) - y(0)|)), g the gap at the start
+    anchor = y(s)  where the gap vanishes first, else at s = min(1/2, g/(GRAZING |y(1) - y(0)|)), g the gap at the start
 
 along the predicted motion of the step (everything keeps its velocity, and a body that touches nothing falls). In the
 frame of a rolling body the point comes down a curved path: before it touches it moves a³/(3r²) along the surface of a
@@ -9,9 +9,10 @@ sphere of radius r, a being its distance from the point of rest. At a = 50 mm an
 stiff tangential spring needs to slip: with the anchor at the place of the point at the start of the step, a rolling
 sphere creeps by 1-2 %. With the anchor at the end of the step, the friction of the step in which the contact closes
 would be lost. A point that is predicted to stay open may close all the same. If it slides along the surface, nearer to
-it than GRAZING of its path, it may do so anywhere on the path, and its anchor is near the start; else at the end. A
+it than GRAZING of its path, it may do so anywhere on the path, and its anchor is near the start; else halfway. A
 block towed over elastic ground rocks on a few rows of points, of which others bear it every few steps: with their
-anchors at the end of the path, friction was down to a third of μ N in such a step, 16 % too low on average. The
+anchors at the end of the path, friction was down to a third of μ N in such a step, 16 % too low on average. And a block
+that is braked ends before the end of its predicted path: with anchors there, friction pushed it on. The
 predicted motion is constant in a step, so the anchor adds nothing to the tangent. Without motion the anchor is the
 place at the start.
 
@@ -31,6 +32,7 @@ from hybrid.body.facet_tree import LANES, NO_SIDE, joined, outside_bounds
 from hybrid.runtime.jit import njit, prange
 
 GRAZING = 0.05     # of its path: a point nearer than this that is predicted to stay off may touch on the way
+UNFORESEEN = 0.5   # of the path: anchor of a point that is predicted to stay off, at most
 HALVINGS = 12      # bisections of the path: 10 μm of 40 mm
 ON_SURFACE = 1e-9  # of the body's radius: a contact point within this depth at the start, by round-off, counts as outside
 
@@ -97,7 +99,7 @@ def _entry(n, motion, tree):
 def _grazing(x0, x1, x2, clearance):
     """Fraction of a path x along the surface after which a point that is predicted to stay `clearance` [m] off may touch."""
     length = GRAZING * math.sqrt(x0 * x0 + x1 * x1 + x2 * x2)
-    return min(max(clearance, 0.0) / length, 1.0) if length > 0.0 else 1.0
+    return min(max(clearance, 0.0) / length, UNFORESEEN) if length > 0.0 else UNFORESEEN
 
 
 @njit(cache=True)

@@ -14,6 +14,7 @@ import numpy as np
 from hybrid.body.attitude import log_so3, turned
 from hybrid.body.closest import closest_facing
 from hybrid.body.facet_tree import outside_bounds
+from hybrid.contact.first_contact import UNFORESEEN
 from hybrid.runtime.jit import njit
 
 FACING = 0.1    # cosine between a place's normal and that of the other body, reversed, above which it presses
@@ -48,7 +49,7 @@ def relative_path(start_a, start_b, end_a, end_b, collapsed):
 @njit(cache=True)
 def predict(point, normal, beyond, depth, touching, path, radius, tree, anchor, rest, overlap):
     """Replace the `anchor` (m, 3) of places that do not touch by the place where they are predicted to touch first, or to
-    be at the end; and lower the `rest` (m,) of those that are deep in the body when they do, because they looked away until
+    be UNFORESEEN; and lower the `rest` (m,) of those that are deep in the body when they do, because they looked away until
     then, or came in by a side at which they do not look: to that of the deepest of those that touch. Fill `overlap` (m,) as
     in SideStep. Returns whether any is predicted to touch."""
     deepest, closes = 0.0, False
@@ -74,6 +75,8 @@ def predict(point, normal, beyond, depth, touching, path, radius, tree, anchor, 
             y, gap = _at(path, point, n, after), _gap(path, point, normal, beyond, n, after, tree)
             if gap < -depth[n] - 2.0 * _length(path, point, n) / 2**HALVINGS:     # by more than what bisection leaves
                 rest[n] = min(rest[n], gap + overlap[n])
+        else:
+            y = _at(path, point, n, UNFORESEEN)
         for i in range(3):
             anchor[n, i] = y[i]
     return closes

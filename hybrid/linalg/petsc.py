@@ -59,6 +59,7 @@ class BlockSystem(SolversInTurn):
         super().__init__(len(indices), n, m, choice or SolverChoice(linear), sweeps, tolerance)
         self.soil_unknowns, self.body_unknowns, self._schur = n, m, np.zeros((m, m), order="F")
         self._coupled, self._blocks, self._reduced, self._solvers = bool(n and m), [], None, {}
+        self._begun = set()     # solvers that have been set up: those of the parts of a field split exist
         if n:
             self._uu = PETSc.Mat().createAIJWithArrays((n, n), (indptr, indices, self.values), comm=COMM)
             self._blocks.append(self._uu)
@@ -128,8 +129,8 @@ class BlockSystem(SolversInTurn):
         nothing."""
         ALIVE.discard(self)
         if self._blocks:
-            for ksp, _ in self._solvers.values():
-                if self._coupled:  # PETSc keeps the inner solvers of a Schur field split, and their factors
+            for solver, (ksp, _) in self._solvers.items():
+                if self._coupled and solver in self._begun:   # PETSc keeps solvers of parts, and their factors
                     ksp.getPC().getFieldSplitSubKSP()[0].getPC().reset()
                 ksp.reset()
             things = [ksp for ksp, _ in self._solvers.values()]
@@ -163,6 +164,7 @@ class BlockSystem(SolversInTurn):
                 if error.ierr != ZERO_PIVOT:
                     raise
                 return _singular(solver)    # in the dense factor, of a body that nothing supports
+        self._begun.add(solver)
         if solver == DIRECT and self.soil_unknowns:
             self._choice.factors += 1
             if failure := self._factor_failure(ksp):

@@ -17,6 +17,7 @@ from hybrid.monitors.monitor import Monitor
 from hybrid.runtime.comm import anywhere
 
 LOST = 0.12         # of the kinetic energy of all bodies; ten increments in the contact time lose 4 %
+SURE = 2 * LOST     # the same at the end of a run, where some of it may still come back
 ON_SOIL = 0.3       # of soil that deforms, which takes some of it without increments being too long
 QUIET = 5           # steps without a force between bodies
 STEADY = 0.01       # of the kinetic energy: change of the balance in one of them, of an impulse that has been given
@@ -47,7 +48,8 @@ class ImpactLoss(Monitor):
         self._error, self._kinetic, self._largest = error, kinetic, max(self._largest, kinetic)
         self._quiet = 0 if in_contact or change > STEADY * self._largest else self._quiet + 1
         loss = self._before - error
-        return loss, self._quiet >= QUIET and loss > LOST * self._largest > 0.0
+        over = self._quiet >= QUIET or view.last and loss > SURE * self._largest
+        return loss, over and loss > LOST * self._largest > 0.0
 
     def motion(self, view):
         """[J] of the bodies' motion."""

@@ -39,7 +39,11 @@ def _keys(scene):
 
 
 def _setting_keys(scene):
-    return "output.", "solver.", "soil.stray", f"stages.{len(getattr(scene, 'stages', ())) - 1}.steps"
+    """What the keys of settings begin with. The number of steps of the last stage is one, unless its gravity changes, over
+    the whole of it."""
+    stages = getattr(scene, "stages", ())
+    ramps = stages and len(set(getattr(stages[-1], "gravity", ()))) > 1
+    return "output.", "solver.", "soil.stray", *(() if ramps else (f"stages.{len(stages) - 1}.steps",))
 
 
 def _plain(item):

@@ -5,11 +5,12 @@
 | pair                 | spacing s of places | overlap δ | area A                                    |
 |----------------------|---------------------|-----------|-------------------------------------------|
 | a curved body        | r/32                | 2 s²/r    | π r δ; in plane strain 4/3 b sqrt(2 r δ)  |
-| bodies of planes     | d/16                | d/1000    | (d/4)²; in plane strain b d/4             |
+| bodies of planes     | d/16                | d_n/1000  | (d/4)²; in plane strain b d/4             |
 
-with 1/r the sum of both curvatures, d the size of the smaller body and b the thickness of the slice. So a sphere sinks by a
-thousandth of its diameter into what it rests on, and its patch of contact has a radius of two spacings. Edges count with
-a width and corners with an area with which they alone carry F at an overlap of d/1000. In space they begin to press
+with 1/r the sum of both curvatures, d the size of the smaller body, d_n that of a cube as narrow as the narrower body, at
+most d, and b the thickness of the slice. So a sphere sinks by a thousandth of its diameter into what it rests on, and its
+patch of contact has a radius of two spacings. Edges count with a width and corners with an area with which they alone carry
+F at an overlap of d_n/1000. In space they begin to press
 later than faces (`hybrid.contact.samples.flat_overlap`), which so carry alone when they lie flat. An impact overlaps
 bodies by at most IMPACT d.
 
@@ -34,8 +35,8 @@ from hybrid.state import PairHistory
 from hybrid.step.pair_terms import IMPACT, BodyPair
 
 CURVED, PLANE = 32, 16      # spacings in a radius of curvature; in the size of bodies of planes
-SINKS = 1e-3                # of the size: overlap under F
-DEEPEST = 1.25e-3           # of the size: largest overlap from which on edges and corners press
+SINKS = 1e-3                # of the size of a cube as narrow: overlap under F
+DEEPEST = 1.25              # of that overlap: largest one from which on edges and corners press
 BEHIND = 10.0               # times the largest overlap of an impact: of places behind a side that is not the nearest one
 STANDARD = 9.81             # [m/s²] where a scene has no gravity
 
@@ -88,13 +89,14 @@ def _pair(numbers, described, own, bodies, surfaces, motions, grid, g):
     curvature = sum(1.0 / curvature_radius(surface) for surface in surfaces)
     radius = min(1.0 / curvature, size / 2) if curvature > 0.0 else np.inf
     spacing = radius / CURVED if curvature > 0.0 else size / PLANE
-    overlap = 2.0 * spacing**2 / radius if curvature > 0.0 else SINKS * size
+    cube = min(size, *(np.sqrt(3.0) * _narrowest(surface, motion, collapsed) for surface, motion in zip(surfaces, motions)))
+    overlap = 2.0 * spacing**2 / radius if curvature > 0.0 else SINKS * cube
     stiffness = load / (_area(overlap, radius, size, slice_width) * overlap)
-    carried = 2.0 * load / (stiffness * SINKS * size)     # [m²]; by places of one side, which have half of the stiffness
+    carried = 2.0 * load / (stiffness * SINKS * cube)     # [m²]; by places of one side, which have half of the stiffness
     width = carried / (size / 2 if slice_width is None else slice_width)
     depth = 0.0
     if slice_width is None:
-        depth = min(max(flat_overlap(surface, load, stiffness) for surface in surfaces), DEEPEST * size)
+        depth = min(max(flat_overlap(surface, load, stiffness) for surface in surfaces), DEEPEST * SINKS * cube)
     sides = []
     for a, b in ((0, 1), (1, 0)):
         flat, share = None, 1.0
@@ -123,6 +125,13 @@ def _radius(surface, motion, collapsed):
         return surface.radius
     across = surface.vertices @ motion.rotation[~collapsed].T
     return float(np.linalg.norm(across, axis=1).max()) + surface.tree.patches.bulge
+
+
+def _narrowest(surface, motion, collapsed):
+    """[m] least extent of a body's section along its principal axes."""
+    vertices = surface.vertices @ motion.rotation[~collapsed].T
+    _, axes = np.linalg.eigh(np.atleast_2d(np.cov(vertices.T)))
+    return float(np.ptp(vertices @ axes, axis=0).min())
 
 
 def _history(pair, motions):

@@ -267,7 +267,7 @@ def test_boxes_that_tumble_onto_one_another_gain_no_energy():
                spin=(0.0, 0.0, 2.0))
     simulation, records = run(scene([slab, low, high], 180, 0.01))
     assert max(r.energies["error"] for r in records) < 1e-6
-    assert max(p.overlap for r in records for p in r.pairs) < 5e-3      # 4.8 mm in steps a 16th as long
+    assert max(p.overlap for r in records for p in r.pairs) < 6e-3      # softer springs 4.8 mm in steps a 16th as long
     lying = simulation.state.bodies[1]
     assert lying.position[2] == pytest.approx(2.4, abs=1e-3) and np.abs(lying.velocity).max() < 1e-2
     assert records[-1].pairs[0].force[2] == pytest.approx(-simulation.masses[1].mass * G, rel=0.01)

@@ -110,3 +110,15 @@ def test_checkpoints_are_saved_every_so_often_and_at_the_end(tmp_path):
     assert checkpoint.load(tmp_path / "checkpoint.npz", simulation.scene).step == 5
     FakeSimulation(FakeScene(output=Output(checkpoint=0))).run([checkpoint.Checkpoints(tmp_path / "none")])
     assert not (tmp_path / "none").exists()
+
+
+def test_the_last_stage_may_become_longer_unless_its_gravity_changes_over_it():
+    """It would then be another share of gravity at once."""
+    def longer(**gravity):
+        last = [SimpleNamespace(steps=steps, **gravity) for steps in (8, 16)]
+        return [checkpoint.fingerprint(FakeScene(stages=(Stage("lie", 2), one))) for one in last]
+
+    short, long = longer()
+    assert short == long
+    short, long = longer(gravity=(1.0, 3.0))
+    assert short != long

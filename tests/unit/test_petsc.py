@@ -391,3 +391,12 @@ def test_a_signal_in_what_petsc_calls_back_ends_the_run_after_the_solution(monke
         system.solve(residual, np.zeros(0))
     soil, _, _ = system.solve(residual, np.zeros(0))
     assert np.allclose(soil, -np.linalg.solve(K, residual), rtol=1e-9, atol=1e-11)
+
+
+def test_a_system_that_is_interrupted_before_its_solver_is_set_up_can_be_destroyed(monkeypatch):
+    """Else the error of PETSc, which has no parts of the field split yet, hid what had ended the run."""
+    system, _ = filled(200, 6, "auto")
+    monkeypatch.setattr(system, "_fill_reduced", lambda raised: (_ for _ in ()).throw(Stopped(signal.SIGINT)))
+    with pytest.raises(Stopped):
+        system.factor()
+    system.destroy()
