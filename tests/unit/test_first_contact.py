@@ -20,7 +20,7 @@ def test_anchor_is_where_the_predicted_path_reaches_the_surface():
     anchor, side = predicted_contact_points(start, start, body, pose, surface, np.array([0.01, 0.022]))
     np.testing.assert_array_equal(side, [[0.0, 0.0, -1.0], [0.0, 0.0, 0.0]])
     np.testing.assert_allclose(anchor[0], [0.08, 0.2, -0.5], atol=2e-5)     # half way
-    np.testing.assert_allclose(anchor[1], [0.28, -0.1, -0.512], atol=1e-12)  # not met: halfway, as one that is braked ends before the path
+    np.testing.assert_allclose(anchor[1], [0.28, -0.1, -0.512], atol=1e-12)  # not met: halfway, in case it is braked
 
 
 def test_a_point_that_slides_past_the_surface_may_touch_on_the_way():
@@ -66,7 +66,7 @@ def test_rolling_without_sliding_has_no_friction():
 
 
 def test_corners_that_move_beyond_their_clearance_touch():
-    """Two corners over a box, with their distance as clearance: one stops just short of the box, halfway, one goes into it."""
+    """Two corners over a box, with their distance as clearance: one stops just short of the box, one goes into it."""
     surface = box()     # its top is at z = 0.5
     start = np.array([[0.1, 0.2, 0.6], [0.1, 0.2, 0.6]])
     end = start - [[0.0, 0.0, 0.099], [0.0, 0.0, 0.25]]
