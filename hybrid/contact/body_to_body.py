@@ -234,13 +234,14 @@ def begin(side, poses, predicted, reach, history, stiffness, law, collapsed):
                     closes=closes)
 
 
-def mean_normal_speed(begun, rates, poses):
+def mean_normal_speed(begun, rates, poses, normals=(None, None)):
     """Mean speed [m/s] with which places of both SideStep that touch approach the other body, 0 where none does, and the
-    sum of their stiffness [N/m]. rates: {number of a body: (velocity, spin)} in space, or their derivatives in time."""
+    sum of their stiffness [N/m]. rates: {number of a body: (velocity, spin)} in space, or their derivatives in time;
+    normals: (m, 3) of each side, left out: those of the places."""
     pressing = [one.touching & (one.overlap > 0.0) for one in begun]
     springs = np.concatenate([one.stiffness[own] for one, own in zip(begun, pressing)])
-    speeds = np.concatenate([_normal_speeds(one, rates[one.side.a], rates[one.side.b], poses)[own]
-                             for one, own in zip(begun, pressing)])
+    speeds = np.concatenate([_normal_speeds(one, rates[one.side.a], rates[one.side.b], poses, along)[own]
+                             for one, own, along in zip(begun, pressing, normals)])
     return (float(speeds @ springs / springs.sum()) if len(springs) else 0.0), float(springs.sum())
 
 
@@ -253,13 +254,21 @@ def closing_speed(begun, rates_a, rates_b, poses, dt):
     return float(np.max(speed[speed * 2.0 * dt > begun.places.clearance], initial=0.0))
 
 
-def _normal_speeds(begun, rates_a, rates_b, poses):
-    """(m,) [m/s] of the places of a SideStep along their normals, relative to the other body."""
+def pressed_normals(begun, poses):
+    """(m, 3) of the places of a SideStep, of those that touch across the surface of the other body: the normal of an edge is
+    inclined to it, and of an edge that slides it has a part along the motion."""
+    normals, contact = begun.places.normal @ poses[begun.side.a][1].T, begun.evaluate(poses)
+    normals[contact.active] = -contact.normal
+    return normals
+
+
+def _normal_speeds(begun, rates_a, rates_b, poses, normals=None):
+    """(m,) [m/s] of the places of a SideStep along `normals` (m, 3), or their own, relative to the other body."""
     (c_a, R_a), (c_b, _) = poses[begun.side.a], poses[begun.side.b]
     arm_a = begun.places.point @ R_a.T
     arm_b = arm_a + np.where(begun.collapsed, 0.0, c_a - c_b)
     moving = rates_a[0] + np.cross(rates_a[1], arm_a) - rates_b[0] - np.cross(rates_b[1], arm_b)
-    return np.einsum("mi,mi->m", moving, begun.places.normal @ R_a.T)
+    return np.einsum("mi,mi->m", moving, begun.places.normal @ R_a.T if normals is None else normals)
 
 
 @njit(cache=True, parallel=True)

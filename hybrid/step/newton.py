@@ -72,7 +72,7 @@ def solve(step: Step, short=False, backtrack=False):
     change = contacts.share_interface(outcome.evaluation)
     if change > SHARED:
         outcome = _shared(step, solver, outcome, ambiguous)
-    return replace(outcome, reason=rejection(step, outcome.evaluation)) if outcome.converged else outcome
+    return replace(outcome, reason=rejection(step, outcome.evaluation, short)) if outcome.converged else outcome
 
 
 def _shared(step, solver, outcome, ambiguous):

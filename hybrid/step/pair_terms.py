@@ -242,7 +242,7 @@ def _begin_pair(index, pair, history, bodies, poses, predicted, reach, dt):
     if len(history.number_0) or len(history.number_1):
         begun = both(factor)
         changes = {b: (state.acceleration, state.rotation @ state.spin_rate) for b, state in states.items()}
-        (speed, springs), (change, _) = (body_to_body.mean_normal_speed(begun, of, poses) for of in (rates, changes))
+        speed, change, springs = _approach(begun, rates, changes, poses)
     else:
         factor, begun, change, springs = 1.0, both(1.0), 0.0, 0.0
         speed = max(body_to_body.closing_speed(one, rates[one.side.a], rates[one.side.b], poses, dt) for one in begun)
@@ -252,5 +252,16 @@ def _begin_pair(index, pair, history, bodies, poses, predicted, reach, dt):
     moving = [body.mass.mass for body in (bodies[b].body for b in pair.numbers) if body.free[:3].any()]
     if not (moving and bodies[0].scheme.inertia):
         return PairStep(index, pair, begun, factor, reach)
-    return PairStep(index, pair, begun, factor, reach,
-                    pair.impact_of(speed, change, factor, 1.0 / sum(1.0 / mass for mass in moving), springs))
+    mass = 1.0 / sum(1.0 / mass for mass in moving)
+    longest = pair.impact_of(speed, change, factor, mass, springs)
+    if springs and longest < dt:    # looked at more closely
+        normals = [body_to_body.pressed_normals(one, poses) for one in begun]
+        longest = pair.impact_of(*_approach(begun, rates, changes, poses, normals)[:2], factor, mass, springs)
+    return PairStep(index, pair, begun, factor, reach, longest)
+
+
+def _approach(begun, rates, changes, poses, normals=(None, None)):
+    """(speed [m/s], change [m/s²], stiffness [N/m]) of the places of both SideStep that press, as `mean_normal_speed`."""
+    (speed, springs), (change, _) = (
+        body_to_body.mean_normal_speed(begun, of, poses, normals) for of in (rates, changes))
+    return speed, change, springs

@@ -1,15 +1,25 @@
-"""Why an increment must not be accepted although its equations are solved: it is too long for its rotations, or for its
-search for contact, to be right."""
+"""Why an increment must not be accepted although its equations are solved: it is too long for its rotations, for its search
+for contact, or for friction that reverses in it, to be right.
+
+Friction has one direction in an increment, that of the displacement. Where a body turns round, its velocity would be off by
+up to twice of what friction takes in the increment, for good: such increments are cut until they are short.
+"""
+
+import numpy as np
 
 from hybrid.soil.transfer import interpolate
 from hybrid.step.search_reach import travel_ratio
+from hybrid.step.touches import gain, power, touches
 
 LARGEST_ROTATION = 2.0  # [rad] of a body in a step; beyond π it equals a smaller rotation in the opposite direction
+# Of the velocity that all of friction changes in an increment: with more along friction, at the start or end, it reverses
+REVERSED = 0.1
+RUBS = 0.1      # of what friction can bear: less is stick
 DEEP = 0.05     # of a cell: depth of a contact point in a body from which on it may have passed through it
 
 
-def rejection(step, evaluation):
-    """Why a converged increment must not be accepted; empty if it may be."""
+def rejection(step, evaluation, short=False):
+    """Why a converged increment must not be accepted; empty if it may be. short: whether friction may reverse in it."""
     if reason := rotation_too_large(step, evaluation.unknowns):
         return reason
     ratio = search_radius_ratio(step, evaluation.unknowns)
@@ -18,7 +28,9 @@ def rejection(step, evaluation):
     if reason := step.pairs and step.pairs.rejection(evaluation.pairs, step.bodies):
         return reason
     count = tunnelled(step, evaluation)
-    return f"{count} contact points of the soil passed through a body" if count else ""
+    if count:
+        return f"{count} contact points of the soil passed through a body"
+    return "" if short else friction_reverses(step, evaluation)
 
 
 def rotation_too_large(step, unknowns=None):
@@ -37,6 +49,24 @@ def search_radius_ratio(step, unknowns):
         moved = interpolate(step.soil.basis, grid.shape, unknowns.displacement)
     return max((travel_ratio(own.body, own.state, own.pose(unknowns), own.predicted_pose(), own.reach.margin, grid,
                              step.state.points, moved) for own in step.bodies), default=0.0)
+
+
+def friction_reverses(step, evaluation):
+    """Why friction between bodies, or on held ground, has not the direction of sliding at the start or at the end of the
+    increment; empty if it has, and on soil that deforms, which slides along."""
+    if not (step.model.scheme.inertia and step.bodies):
+        return ""
+    ends = None
+    for touch in touches(step, [terms.contact for terms in evaluation.bodies], evaluation.pairs):
+        most = touch.mu * touch.pressure
+        share = np.linalg.norm(touch.friction[0, :3]) / most if most > 0.0 else 0.0
+        if share > RUBS and (step.soil is None or None not in touch.bodies):
+            ends = ends or (step.state.bodies, [terms.accept() for terms in evaluation.bodies])
+            pushed = max(power(touch, touch.friction, states) for states in ends)
+            if share * pushed > REVERSED * step.dt * gain(touch, touch.friction, step):
+                names = " and ".join(step.bodies[number].body.name for number, _ in touch.sides)
+                return f"friction of {names} reverses in {step.dt:.3g} s"
+    return ""
 
 
 def tunnelled(step, evaluation):

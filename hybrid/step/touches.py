@@ -1,0 +1,65 @@
+"""What touches in an evaluation: each body and the soil, and each pair of bodies, with the resultants of their contact."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hybrid.body import stage_start
+from hybrid.contact.body_to_body import PairContact
+from hybrid.runtime.comm import total
+
+
+@dataclass(frozen=True)
+class Touch:
+    """Contact of two bodies, or of one and the soil, at trial poses.
+
+    bodies: their numbers, None for the soil; mu: coefficient of friction; pressure: [N] sum over its points; normal,
+    friction: (2, 6) [N, N m] on each of them
+    """
+
+    bodies: tuple
+    mu: float
+    pressure: float
+    normal: np.ndarray
+    friction: np.ndarray
+
+    @property
+    def sides(self):
+        """(number of a body, its row of the resultants), without the soil."""
+        return [(number, row) for row, number in enumerate(self.bodies) if number is not None]
+
+
+def touches(step, contacts, pairs):
+    """[Touch] of the PointContact of each body with the soil, then those of PairTerms, None without pairs."""
+    found = []
+    for number, contact in enumerate(contacts):
+        normal, friction = contact.resultant - contact.friction, contact.friction
+        found.append(Touch((number, None), step.bodies[number].body.friction, float(total(contact.pressure)),
+                           np.array([normal, np.zeros(6)]), np.array([friction, np.zeros(6)])))
+    if pairs:
+        found += [_of_pair(one.pair, sides) for one, sides in zip(pairs.step.near, pairs.contacts)]
+    return found
+
+
+def _of_pair(pair, sides):
+    """Touch of two bodies from the PairContact of the places of the first one and of those of the second."""
+    first, second = sides       # the first body of a side is the one that has its places
+    residual, friction = ((of(first).reshape(2, 6) + of(second).reshape(2, 6)[::-1]) for of in (
+        PairContact.residual, PairContact.friction))
+    return Touch(pair.numbers, pair.law.mu, first.pressure + second.pressure, friction - residual, -friction)
+
+
+def power(touch, forces, states):
+    """[W] of `forces` (2, 6) [N, N m] on the bodies of a Touch, of which BodyState `states` are, the soil at rest."""
+    return sum(float(forces[row] @ np.concatenate([states[n].velocity, states[n].rotation @ states[n].spin]))
+               for n, row in touch.sides)
+
+
+def gain(touch, forces, step):
+    """[W/s] of power that `forces` (2, 6) [N, N m] on the bodies of a Touch gain as they accelerate these."""
+    gained = 0.0
+    for n, row in touch.sides:
+        own = step.bodies[n]
+        force, moment = np.split(stage_start.acceleration(own.body, own.state, forces[row]), 2)
+        gained += float(forces[row] @ np.concatenate([force, own.state.rotation @ moment]))
+    return gained
