@@ -53,8 +53,8 @@ def search_radius_ratio(step, unknowns):
 
 def friction_reverses(step, evaluation):
     """Why friction between bodies, or on held ground, has not the direction of sliding at the start or at the end of the
-    increment; empty if it has, and on soil that deforms, which slides along."""
-    if not (step.model.scheme.inertia and step.bodies):
+    increment; empty if it has, on soil that deforms, which slides along, and by schemes in which contact rings."""
+    if not step.model.scheme.damps:
         return ""
     ends = None
     for touch in touches(step, [terms.contact for terms in evaluation.bodies], evaluation.pairs):
