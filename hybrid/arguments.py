@@ -24,6 +24,18 @@ def parser():
     return top
 
 
+def parsed(arguments):
+    """Namespace of the arguments, None for those of the process; names may follow options as well."""
+    top = parser()
+    found, more = top.parse_known_args(arguments)
+    names = next((vars(found)[name] for name in ("names", "cases", "problems") if name in found), None)
+    if more and (names is None or any(word.startswith("-") for word in more)):
+        top.error(f"unrecognized arguments: {' '.join(more)}")
+    if more:
+        names += more
+    return found
+
+
 def _run(commands):
     sub = _command(commands, "run", "run a scene and write its results to a folder")
     _scene_arguments(sub)
@@ -45,13 +57,13 @@ def _check(commands):
 
 def _demos(commands):
     sub = _command(commands, "demos", "list the shipped scenes, or copy some")
-    sub.add_argument("names", nargs="*", metavar="NAME", default=[], help="scenes to copy (default: list all)")
+    sub.add_argument("names", nargs="*", metavar="NAME", help="scenes to copy (default: list all)")
     sub.add_argument("--to", type=folder, metavar="DIR", default=Path(), help="folder to copy to (default: this one)")
 
 
 def _bench(commands):
     sub = _command(commands, "bench", "measure the speed of the benchmark cases on this machine")
-    sub.add_argument("cases", nargs="*", metavar="CASE", default=[], help=", ".join(CASES) + " (default: all)")
+    sub.add_argument("cases", nargs="*", metavar="CASE", help=", ".join(CASES) + " (default: all)")
     sub.add_argument("--quick", action="store_true", help="the smallest size of each case")
     sub.add_argument("--out", type=Path, metavar="FILE.json", help="write the measurements, with machine and versions")
     sub.add_argument("--peer", type=Path, metavar="PYTHON", help="a Python with Kratos MPM, run as well in `block`")
@@ -64,7 +76,7 @@ def _study(commands):
     sub.add_argument("study", choices=["precision", "failure", "random"], metavar="STUDY",
                      help="precision: error against cost; failure: known failure modes, with plain method and remedies; "
                           "random: scenes drawn at random with nothing set but the physics")
-    sub.add_argument("problems", nargs="*", metavar="NAME", default=[],
+    sub.add_argument("problems", nargs="*", metavar="NAME",
                      help="some of its problems, failure modes or families (default: all; --list shows them)")
     sub.add_argument("--quick", action="store_true", help="a few settings or seeds of each of them, once")
     sub.add_argument("--out", type=folder, metavar="DIR", help="folder of records and figures (default: out/STUDY)")

@@ -14,7 +14,7 @@ from contextlib import nullcontext
 from importlib import import_module
 from pathlib import Path
 
-from hybrid.arguments import geometry_parameters, mesh_density, parser
+from hybrid.arguments import geometry_parameters, mesh_density, parsed
 from hybrid.bench import CASES
 from hybrid.output.sheet_text import format_sheet, mesh_sheet
 from hybrid.runtime import ranks
@@ -45,7 +45,7 @@ def main(arguments=None):
 
 
 def _main(arguments):
-    options = parser().parse_args(arguments)
+    options = parsed(arguments)
     options.arguments = sys.argv[1:] if arguments is None else arguments
     if ranks.started() > 1:
         return _with_others(options)

@@ -247,7 +247,9 @@ def test_study_runs_a_problem_draws_it_again_and_names_what_there_is(tmp_path, c
     assert cli.main(["study", "precision", "--draw", "--out", str(tmp_path / "none")]) == 2
 
 
-def test_families_of_random_scenes_are_listed(capsys):
-    assert cli.main(["study", "random", "--list"]) == 0
+@pytest.mark.parametrize("names", [[], ["cylinder", "collapse"]])
+def test_families_of_random_scenes_are_listed(names, capsys):
+    """Names may follow options."""
+    assert cli.main(["study", "random", "--list", *names]) == 0
     output = capsys.readouterr().out
     assert "cylinder on a slope that is held" in output and "collapse" in output
