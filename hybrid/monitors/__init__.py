@@ -19,6 +19,7 @@
 | CreepingSoil     | soil at rest creeps, with inertia, as the ghost penalty lets it         |
 | BodyOverlap      | bodies are pressed deep into one another                                |
 | GroundImpact     | bodies that hit held ground or elastic soil lose energy without a cause |
+| LastImpact       | a run ends in an impact of bodies that has lost energy without a cause  |
 | IdleAdhesion     | clay that touches a body has too little pressure to bear its adhesion   |
 | Untouched        | at the end of a run: a driven body has touched nothing                  |
 | JudgedIncrements | many increments end with a residual above the tolerance                 |
@@ -45,6 +46,7 @@ from hybrid.monitors.grid_end import GridEnd
 from hybrid.monitors.ground_impact import GroundImpact
 from hybrid.monitors.idle_adhesion import IdleAdhesion
 from hybrid.monitors.judged_increments import JudgedIncrements
+from hybrid.monitors.last_impact import LastImpact
 from hybrid.monitors.lost_contact import LostContact
 from hybrid.monitors.lost_points import LostPoints
 from hybrid.monitors.missed_contact import MissedContact
@@ -56,7 +58,7 @@ from hybrid.monitors.untouched import Untouched
 MONITORS = (
     DomainExit, GridEnd, LostContact, LostPoints, MissedContact, Penetration, ForceOscillation, EnergyBalance,
     PlasticIncrement, FlowingSoil, CreepingSoil, BodyOverlap, JudgedIncrements, AbsorbedImpact, BodyImpact, GroundImpact,
-    IdleAdhesion, Untouched, DampedVibration, FastRotation)
+    LastImpact, IdleAdhesion, Untouched, DampedVibration, FastRotation)
 
 __all__ = ["MONITORS", "Monitors", "StepView", *(kind.__name__ for kind in MONITORS)]
 

@@ -80,6 +80,7 @@ class AbsorbedImpact(Monitor):
         self._fastest = max(self._fastest, energy["kinetic"])
         taken = sum(energy.get(name, 0.0) for name in TAKERS) - self._taken
         found = lost > FLOW * (taken + lost) and lost > OF_MOTION * self._fastest and taken > TAKEN * self._fastest > 0.0
+        found = found and taken + lost > least_energy(view.model)       # of a body that is put down, and settles
         if found and lost / (taken + lost) > self._flowed[0]:
             self._flowed = [lost / (taken + lost), lost, taken + lost, view.state.time]
         share, lost, taken, until = self._flowed

@@ -12,12 +12,11 @@ mass: the rest takes no part in an impact.
 
 import numpy as np
 
-from hybrid.monitors.absorbed_impact import motion_energy
+from hybrid.monitors.absorbed_impact import least_energy, motion_energy
 from hybrid.monitors.monitor import Monitor
 from hybrid.runtime.comm import anywhere
 
 LOST = 0.12         # of the kinetic energy of all bodies; ten increments in the contact time lose 4 %
-SURE = 2 * LOST     # the same at the end of a run, where some of it may still come back
 ON_SOIL = 0.3       # of soil that deforms, which takes some of it without increments being too long
 QUIET = 5           # steps without a force between bodies
 STEADY = 0.01       # of the kinetic energy: change of the balance in one of them, of an impulse that has been given
@@ -48,8 +47,7 @@ class ImpactLoss(Monitor):
         self._error, self._kinetic, self._largest = error, kinetic, max(self._largest, kinetic)
         self._quiet = 0 if in_contact or change > STEADY * self._largest else self._quiet + 1
         loss = self._before - error
-        over = self._quiet >= QUIET or view.last and loss > SURE * self._largest
-        return loss, over and loss > LOST * self._largest > 0.0
+        return loss, self._quiet >= QUIET and loss > LOST * self._largest > 0.0
 
     def motion(self, view):
         """[J] of the bodies' motion."""
@@ -92,6 +90,7 @@ class BodyImpact(ImpactLoss):
         self._limit = ON_SOIL if on_soil else self._limit
         self._hit |= view.bodies_in_contact    # on soil, where bodies that stand near one another lose energy to it
         found = found and loss > self._limit * self._largest and (self._hit or self._limit < ON_SOIL)
+        found = found and self._largest > least_energy(view.model)      # of bodies that are laid on one another
         on_ground = on_soil and view.model.soil.held
         if found and not on_ground:
             yield "impact", self.text(view, loss, "impact of bodies",

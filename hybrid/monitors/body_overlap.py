@@ -4,7 +4,7 @@ import numpy as np
 
 from hybrid.monitors.monitor import Monitor
 
-LIMIT = 10.0    # times the overlap under the weight of the lighter body, or the load of the contact
+LIMIT = 0.01    # overlap, in sizes of the smaller body; an impact may take half of it
 
 
 class BodyOverlap(Monitor):
@@ -17,7 +17,7 @@ class BodyOverlap(Monitor):
             if self.given(index):
                 continue
             force, depth, _ = pairs.of_pair(index)
-            limit = LIMIT * pair.overlap
+            limit = LIMIT * pair.size
             if depth > limit:
                 names = [bodies[b].name for b in pair.numbers]
                 yield index, (f"bodies {names[0]} and {names[1]} overlap by {depth:.3g} m at t = {view.state.time:.4g} "

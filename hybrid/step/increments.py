@@ -43,7 +43,7 @@ def outer_step(model, workspace, state, length, pulling, control):
         dt = control.increment(remaining)
         step = outcome = None   # frees the last increment before the next one is begun
         model, state = processes.settle(model, state, workspace)
-        step = begin(model, state, dt, pulling, workspace)
+        step = begin(model.beginning() if control.pushed else model, state, dt, pulling, workspace)
         if control.too_long(dt, step.pairs.longest if step.pairs else np.inf):
             continue
         step = support.under(step) if support else step

@@ -93,16 +93,22 @@ class Model:
             work["drive"] = work.get("drive", 0.0) - lost
         return replace(state, bodies=bodies, work=work, joints=joints)
 
+    def beginning(self):
+        """The same model for an increment in which forces begin: by generalised alpha with ρ∞ = 0, in which pressure that
+        begins does not ring."""
+        return replace(self, scheme=Scheme.generalised_alpha(0.0)) if self.scheme.spectral_radius > 0.0 else self
+
     def pushed(self, before, state):
-        """Numbers of the bodies that forces begin to push where a stage turns the state `before` into `state`; all of them
-        at the start of a run, where it is None. None with schemes other than generalised alpha with ρ∞ = 0, in which
-        pressure that begins rings."""
-        if not (self.scheme.auxiliary and self.scheme.spectral_radius == 0.0):
+        """Numbers of the bodies that forces begin to push, or guides to move, where a stage turns the state `before` into
+        `state`; all of them at the start of a run, where it is None. None with schemes other than generalised alpha, in
+        which pressure that begins rings."""
+        if not self.scheme.auxiliary:
             return set()
         if before is None:
             return set(range(len(self.bodies)))
-        return {i for i, motions in enumerate(zip(self.bodies, before.bodies, state.bodies))
-                if stage_start.force_between(*motions).any()}
+        return {i for i, (body, old, new) in enumerate(zip(self.bodies, before.bodies, state.bodies))
+                if stage_start.force_between(body, old, new).any() or (old.velocity != new.velocity).any()
+                or (old.spin != new.spin).any()}
 
     def lay_out_lines(self, state):
         """`state` with the pull lines of all bodies laid out, just taut, where they are not yet."""

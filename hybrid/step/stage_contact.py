@@ -5,7 +5,8 @@ answers them at once, but its answer is known at the end of the increment only: 
 as if it had come at the start. Otherwise the forces would act alone there: a body laid on held ground would begin to fall,
 and half a step of it would stay in its velocity.
 
-Not so where bodies hit each other, or the soil, within the increment.
+Not so what ends a motion within the increment: pressure where bodies hit each other, or the soil, and friction that stops
+one. An impulse counts by the trapezoidal rule.
 """
 
 from dataclasses import replace
@@ -15,7 +16,7 @@ import numpy as np
 from hybrid.body import stage_start
 from hybrid.step.touches import gain, power, touches
 
-HIT = 0.05      # of what pressure changes of the velocity along itself in an increment: bodies with more at its start hit
+HIT = 0.05      # of what a force changes of the velocity along itself in an increment: with more against it, that is ended
 
 
 def count_from_start(step, evaluation, state, pushed):
@@ -27,19 +28,25 @@ def count_from_start(step, evaluation, state, pushed):
     after = touches(step, [terms.contact for terms in evaluation.bodies], evaluation.pairs)
     reached = _reached([one for one in after if None not in one.bodies], pushed)
     for old, new in zip(_at_start(step), after):
-        if reached.intersection(new.bodies) and not _hits(step, new):
+        if reached.intersection(new.bodies):
+            change = np.zeros((2, 6))
+            if _ended(step, new, new.normal) <= HIT:
+                change += new.normal - old.normal
+            if not HIT < _ended(step, new, new.friction) <= 1.0:
+                change += new.friction - old.friction
             for number, row in new.sides:
-                changes[number] += (new.normal + new.friction - old.normal - old.friction)[row]
+                changes[number] += change[row]
     for number in reached:
         bodies[number] = stage_start.count_from_start(
             step.bodies[number].body, bodies[number], changes[number], step.model.scheme, step.dt)
     return replace(state, bodies=bodies)
 
 
-def _hits(step, touch):
-    """Whether what touches has moved towards each other at the start of the increment, and pressure has stopped it."""
-    approach = -power(touch, touch.normal, step.state.bodies)
-    return approach > HIT * step.dt * gain(touch, touch.normal, step)
+def _ended(step, touch, forces):
+    """Velocity against `forces` (2, 6) [N, N m] at the start of the increment, over what they change of it, 0 without
+    forces: above 1 it goes on, as that of a body that slides."""
+    gained = step.dt * gain(touch, forces, step)
+    return -power(touch, forces, step.state.bodies) / gained if gained > 0.0 else 0.0
 
 
 def _reached(touching, numbers):

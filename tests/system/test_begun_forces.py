@@ -236,3 +236,37 @@ def test_a_block_that_slides_on_another_one_hits_nothing(monkeypatch):
     assert increments < 75 and found == pytest.approx(velocity, abs=0.02)
     monkeypatch.setattr(body_to_body, "pressed_normals", lambda begun, poses: None)
     assert shaken()[0] > 200
+
+
+@pytest.mark.parametrize("radius", [0.1, 0.5])
+def test_another_spectral_radius_takes_that_of_the_default_in_the_increment_in_which_forces_begin(radius):
+    block = box(0.5, 0.4, 0.2, rest_on=0.0, density=2000.0, friction=MU)
+    described = plane(block, 1, 0.02, gravity=LEVEL, time={"scheme": "generalised-alpha", "spectral_radius": radius})
+    records = list(build(replace(described, stages=(Stage("stand", 5), Stage("lift", 10, loads=pull(1.05))))).steps())
+    assert records[-1].bodies[0].velocity[2] == pytest.approx(0.05 * 9.81 * 0.2, rel=2e-3)
+
+
+def test_a_belt_that_starts_with_a_stage_carries_what_lies_on_it_along(monkeypatch):
+    """v = μ g t; by half a step less where the belt alone counts as moved."""
+    belt = box(4.0, 1.0, 0.2, position=(0.0, 0.0, 0.1), density=2000.0, name="belt", friction=0.4, held=ALL)
+    load = box(0.4, 0.4, 0.2, position=(0.0, 0.0, 0.3), density=1000.0, name="load", friction=0.4)
+    go = Motion(body="belt", component="x", velocity=1.0)
+    described = replace(plane(belt, 1, 0.04, gravity=LEVEL, cells=(20, 8)), bodies=(belt, load),
+                        stages=(Stage("stand", 5), Stage("go", 5, motions=(go,))))
+    expected = 0.4 * 9.81 * 0.2
+
+    def carried():
+        return list(build(described).steps())[-1].bodies[1].velocity[0]
+
+    assert carried() == pytest.approx(expected, rel=1e-3)
+    without(monkeypatch)
+    assert carried() < 0.95 * expected
+
+
+def test_friction_that_stops_a_body_in_the_first_increment_does_not_throw_it_back():
+    """A block with 0.2 m/s, pressed down with ten times its weight, stops within 3 ms."""
+    block = box(0.5, 0.4, 0.2, rest_on=0.0, density=2000.0, friction=MU, velocity=(0.2, 0.0, 0.0))
+    stages = (Stage("stop", 5, loads=pull(-10.0)),)
+    records = list(build(replace(plane(block, 1, 0.02, gravity=LEVEL), stages=stages)).steps())
+    assert all(abs(record.bodies[0].velocity[0]) < 1e-3 for record in records[1:])
+    assert 0.0 <= records[-1].bodies[0].position[0] < 1e-3

@@ -9,14 +9,15 @@ import pytest
 from hybrid.monitors import StepView
 from hybrid.monitors.body_impact import QUIET, BodyImpact
 from hybrid.monitors.ground_impact import GroundImpact
+from hybrid.monitors.last_impact import LastImpact
 
 
 def notes(errors, in_contact=(), near=(), touching=0, pairs=1, accuracy=None, monitor=None, held=False, free=False,
-          along=0.0, **scheme):
+          along=0.0, gravity=0.0, **scheme):
     """Of steps with these errors [J] of a body of 2 kg with 10 m/s, 100 J, and of one that stands still, both of which fly
     `along`; in_contact, near: steps at whose ends bodies press, or are near one another; touching: number of contacts with
     the soil; free: whether both are."""
-    body = SimpleNamespace(mass=SimpleNamespace(mass=2.0, inertia=np.eye(3)), free=np.full(6, free))
+    body = SimpleNamespace(mass=SimpleNamespace(mass=2.0, inertia=np.eye(3)), free=np.full(6, free), radius=0.5)
     motions = [SimpleNamespace(velocity=np.array([speed + along, 0.0, 0.0]), spin=np.zeros(3), rotation=np.eye(3))
                for speed in (10.0, 0.0)]
     monitor, found = monitor or BodyImpact(None, None), []
@@ -24,10 +25,11 @@ def notes(errors, in_contact=(), near=(), touching=0, pairs=1, accuracy=None, mo
         of_pairs = SimpleNamespace(energy=1.0 * (step in in_contact), contacts=(None,) * (step in {*in_contact, *near}))
         report = SimpleNamespace(error=accuracy, evaluation=SimpleNamespace(contacts=(range(touching),), pairs=of_pairs))
         found += monitor.notes(StepView(
-            model=SimpleNamespace(bodies=(body, body), pairs=(None,) * pairs, soil=SimpleNamespace(held=held)),
+            model=SimpleNamespace(bodies=(body, body), pairs=(SimpleNamespace(load=10.0, overlap=1e-3),) * pairs,
+                                  soil=SimpleNamespace(held=held), gravity=np.array([0.0, 0.0, -gravity])),
             state=SimpleNamespace(time=float(step), bodies=motions),
             scheme=SimpleNamespace(**{"inertia": True, "first_order": False} | scheme), report=report,
-            energy={"error": error}))
+            energy={"error": error}, last=step == len(errors) - 1))
     return found
 
 
@@ -50,6 +52,12 @@ def test_an_impact_in_flight_is_judged_by_the_motion_of_bodies_relative_to_one_a
     assert notes([0.0, -4.0, -5.5, *[-5.5] * 8], in_contact=(1, 2), near=range(12), free=True, along=along) == []
 
 
+def test_bodies_that_are_laid_on_one_another_hit_nothing():
+    """Their springs settle: less than a hundredth of what the bodies would gain by falling by their radius."""
+    lost = [0.0, 0.0, *AFTER, *AFTER]
+    assert notes(lost, near=(0, 1, 2)) and not notes(lost, near=(0, 1, 2), gravity=9.81e4)
+
+
 def test_energy_that_bodies_gain_by_an_impact_is_reported():
     gain = [0.0, 4.0, 13.0, *[13.0] * 8]
     text, = notes(gain, in_contact=(1, 2), near=range(12))
@@ -60,6 +68,18 @@ def test_energy_that_bodies_gain_by_an_impact_is_reported():
 def test_energy_that_the_scheme_holds_back_is_not_lost():
     assert notes([0.0, -40.0, -30.0, *[-8.0] * 8], in_contact=(1,)) == []
     assert notes([0.0, *[-40.0] * 10], in_contact=range(11)) == []      # still pressed together
+
+
+@pytest.mark.parametrize("held, touching", [(True, 3), (False, 0)])
+def test_a_run_that_ends_in_an_impact_says_what_it_has_cost_so_far(held, touching):
+    """And a run that goes on from there knows nothing of it."""
+    pressed = {"in_contact": range(5), "touching": touching, "held": held}
+    text, = notes([0.0, 0.0, -80.0, -40.0], monitor=(monitor := LastImpact(None, None)), **pressed)
+    assert text.startswith("impact of bodies in which the run ends: 40 J of the 100 J") and "limit 24%" in text
+    assert not {"_lost", "_given"} & set(monitor.memory())
+    assert notes([0.0, 0.0, -80.0, -20.0], monitor=LastImpact(None, None), **pressed) == []
+    assert notes([0.0, 0.0, *[-40.0] * 8], near=(2,), monitor=LastImpact(None, None)) == []      # nothing was pressed
+    assert notes([0.0, -80.0, -40.0], in_contact=range(5), touching=3, monitor=LastImpact(None, None)) == []
 
 
 def test_losses_of_two_impacts_add_up_while_bodies_stay_near_and_not_when_they_were_apart():

@@ -166,7 +166,7 @@ def test_limits_name_the_size_of_elements_and_how_they_are_raised(tmp_path, mark
     assert len(mesh.generate(path).tets) > 1000
     monkeypatch.setenv("HYBRID_MESH_LIMIT", "more")
     with pytest.raises(GeometryError, match="HYBRID_MESH_LIMIT=more: must be a number above 0"):
-        mesh.parameter_names(path)
+        mesh.generate(path, size=0.2)
     monkeypatch.delenv("HYBRID_MESH_LIMIT")
     monkeypatch.setattr(mesh, "MEMORY", 700 << 20)
     text = "x() = {};\nFor i In {1:1e6}\n y~{i}() = {1:100000};\nEndFor\n"
@@ -177,7 +177,7 @@ def test_limits_name_the_size_of_elements_and_how_they_are_raised(tmp_path, mark
 def test_a_crash_of_gmsh_is_an_error_with_a_reason(monkeypatch):
     monkeypatch.setattr(mesh, "START", "import os; os.abort()  # {path} {request}")
     with pytest.raises(GeometryError, match=r"gmsh crashed \(SIGABRT\); check the shape"):
-        mesh.parameter_names(ROOT / "geometry/box.geo")
+        mesh.generate(ROOT / "geometry/box.geo", size=0.234)
 
 
 def test_the_environment_of_the_caller_does_not_reach_the_process(tmp_path, monkeypatch):
@@ -186,13 +186,13 @@ def test_the_environment_of_the_caller_does_not_reach_the_process(tmp_path, monk
     monkeypatch.chdir(tmp_path)
     for name, value in (("PATH", ""), ("PYTHONPATH", str(tmp_path)), ("HOME", "/nowhere"), ("PYTHONSTARTUP", "x")):
         monkeypatch.setenv(name, value)
-    assert "size" in mesh.parameter_names(ROOT / "geometry/box.geo")
+    assert len(mesh.generate(ROOT / "geometry/box.geo", size=0.345).tets)
 
 
 def test_without_a_folder_for_temporary_files_the_reason_is_given(tmp_path, monkeypatch):
     monkeypatch.setattr(mesh.tempfile, "tempdir", str(tmp_path / "none"))
     with pytest.raises(GeometryError, match="cannot be meshed, as .*none.* gives: No such file .*TMPDIR"):
-        mesh.parameter_names(ROOT / "geometry/box.geo")
+        mesh.generate(ROOT / "geometry/box.geo", size=0.123)
 
 
 def working_folder(process):

@@ -30,6 +30,10 @@ def narrow_margins(scene, model):
         if travel[2] > -DOWN * np.linalg.norm(travel):
             continue
         rough = bool(body.friction > 0.0)
+        top = maximum(model.soil.constants.position[:, 2]) + model.soil.grid.smallest_cell
+        place = place[place[:, 2] + (0.0 if by_force else travel[2]) < top]     # what stays above the soil presses none
+        if not len(place):
+            continue
         found = list(_beside(scene, model.soil, place))
         width = min((width for width, *_ in found), default=np.inf)
         for _, gap, where in found:

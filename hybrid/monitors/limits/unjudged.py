@@ -25,11 +25,11 @@ def unjudged(scene, model, messages):
     moves += [(body, force, cell * force / np.linalg.norm(force), place, plane)
               for body, force, place, plane, *_ in loaded(scene, model)]
     for body, travel, moved, place, plane in moves:
-        legs = feet(body, place, travel, top_of(model.soil)) if plane and travel[2] < 0.0 else []
+        legs = feet(body, place, moved, top_of(model.soil)) if plane and travel[2] < 0.0 else []
         parts = [leg for *_, leg in legs] if len(legs) > 1 else [place]
         widths = [narrowest(model.soil.grid, part, travel) for part in parts]
         across = min((width for width in widths if width), default=0.0)     # a mirrored leg is outside of the grid
-        deep = top_of(model.soil) - place[:, 2].min() - min(travel[2], 0.0)
+        deep = top_of(model.soil) - place[:, 2].min() - min(moved[2], 0.0)
         few = 0.0 < across < FEW * ROUNDED * cell and deep > BARELY * cell
         if few and body.name not in found and _pushes(model.soil, place, moved):
             found.add(body.name)
