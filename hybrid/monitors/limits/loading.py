@@ -17,6 +17,7 @@ from hybrid.scene.soil import FRICTIONAL, NUMBERS, as_clay, of_layer
 
 EXCESS = 0.1                    # of a load, above which it is reported
 PLANE, LEADING = 0.99, 0.5      # cosine between a face and the travel; share of what the body covers that such faces are
+ALIKE = 0.05    # of unit normals: their components along a travel and upwards differ by less
 ASKEW = 0.75                    # the same of a travel askew to the face: a plate moved at 11° to its normal bears 3 % less
 # Share of a load across its main direction, or of the size that it acts beside the centre: inclined or eccentric
 ASIDE = 0.05 * (1.0 + 1e-6)     # not decided by round-off
@@ -188,13 +189,29 @@ def leads(body, place, travel):
 def facing(body, place, travel):
     """Unit normal (3,) of the plane face that is most of what a body covers in the direction of its travel, across it or
     inclined; None of a round one."""
+    return _most(place, body, travel, lambda units, unit: units @ unit > PLANE)
+
+
+def bow(body, place, travel):
+    """The mean of the normals of plane faces that are alike inclined to a travel and to the ground, as both sides of a V."""
+    along = travel / np.linalg.norm(travel)
+
+    def alike(units, unit):
+        return np.maximum(np.abs(units @ along - unit @ along), np.abs(units[:, 2] - unit[2])) < ALIKE
+
+    return _most(place, body, travel, alike)
+
+
+def _most(place, body, travel, alike):
+    """Mean (3,) of the normals of the faces that are most of what a body covers in the direction of its travel, of those
+    that are `alike`, or None; alike: function of unit normals (n, 3) and one of them (3,)."""
     normal, area = faces(body, place)
     covered = normal @ (travel / np.linalg.norm(travel))
     ahead = covered > 0.0
     normal, area, covered = normal[ahead], area[ahead], covered[ahead]
     units = normal / area[:, None]
     for unit in np.unique(units.round(2), axis=0):
-        same = units @ (unit / np.linalg.norm(unit)) > PLANE
+        same = alike(units, unit / np.linalg.norm(unit))
         if covered[same].sum() > LEADING * covered.sum():
             mean = normal[same].sum(axis=0)
             return mean / np.linalg.norm(mean)

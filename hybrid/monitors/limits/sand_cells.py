@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hybrid.monitors.limits.contact import covers
-from hybrid.monitors.limits.loading import (CLAY, EXCESS, SAND, STEEP, driven, facing, law_at, leads, levelled, loaded,
+from hybrid.monitors.limits.loading import (CLAY, EXCESS, SAND, STEEP, bow, driven, facing, law_at, leads, levelled, loaded,
                                          material_at, narrowest, outline, sides, top_of)
 from hybrid.runtime.comm import maximum, minimum
 
@@ -83,9 +83,9 @@ def pushed(scene, model, laws, wedge):
 
 
 def _angle(body, place, travel):
-    """Degrees between the ground and the face with which a body leads, 90 of an upright one and over 90 of one that
-    leans forward; None of a round one."""
-    normal = facing(body, place, travel)
+    """Degrees between the ground and the face, or the bow, with which a body leads, 90 of an upright one and over 90 of one
+    that leans forward; None of a round one."""
+    normal = bow(body, place, travel)
     return None if normal is None else float(np.degrees(np.arctan2(normal @ travel / np.linalg.norm(travel), normal[2])))
 
 
@@ -175,7 +175,7 @@ def _wedge(wedge, body, depth, grid, angle):
     excess = wedge.foot * cell / max(depth, cell)
     if depth < LAID * cell or excess <= EXCESS:
         return
-    verb = "is" if in_plane_strain or not body.friction else "without friction would be"
+    verb = "is" if in_plane_strain or not body.friction or wedge.soil == "clay" else "without friction would be"
     if angle < LEANING:
         remedy = (f"Its face is at {angle:.0f} degrees to the ground, limit {LEANING:.0f}, and drags more: smooth "
                   f"faces at 75 and 60 degrees measured {wedge.inclined}. Extrapolate two sizes of cells to none")
