@@ -4,6 +4,7 @@ An arch that falls lost 80 % of the energy of its motion in two steps, got back 
 note. What bodies that are laid on one another lose as their springs settle is no impact.
 """
 
+from hybrid.monitors.absorbed_impact import least_energy
 from hybrid.monitors.body_impact import LOST, QUIET, ImpactLoss
 from hybrid.runtime.comm import anywhere
 
@@ -27,8 +28,7 @@ class LastImpact(ImpactLoss):
             return
         loss, _ = self.follow(view, view.bodies_in_contact)
         self._hit |= view.bodies_in_contact
-        settling = 2.0 * sum(pair.load * pair.overlap for pair in view.model.pairs)
-        if view.last and self._hit and loss > max(SURE * self._largest, settling):
+        if view.last and self._hit and loss > max(SURE * self._largest, least_energy(view.model)):
             yield "last", self.text(view, loss, "impact of bodies in which the run ends",
                                     ", whose time `check` shows. Use a smaller time.step, a tenth of that keeps 96 %", SURE)
         if self._quiet >= QUIET:

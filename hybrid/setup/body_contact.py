@@ -5,12 +5,12 @@
 | pair                 | spacing s of places | overlap δ | area A                                    |
 |----------------------|---------------------|-----------|-------------------------------------------|
 | a curved body        | r/32                | 2 s²/r    | π r δ; in plane strain 4/3 b sqrt(2 r δ)  |
-| bodies of planes     | d/16                | d_n/1000  | (d/4)²; in plane strain b d/4             |
+| bodies of planes     | d/16, w/4 of poles  | d_n/1000  | (d/4)²; in plane strain b d/4             |
 
 with 1/r the sum of both curvatures, d the size of the smaller body, d_n that of a cube as narrow as the narrower body, at
-most d, and b the thickness of the slice. So a sphere sinks by a thousandth of its diameter into what it rests on, and its
-patch of contact has a radius of two spacings. Edges count with a width and corners with an area with which they alone carry
-F at an overlap of d_n/1000. In space they begin to press
+most d, w the second of the three extents of either body, at least d/25, and b the thickness of the slice. So a sphere sinks
+by a thousandth of its diameter into what it rests on, and its patch of contact has a radius of two spacings. Edges count
+with a width and corners with an area with which they alone carry F at an overlap of d_n/1000. In space they begin to press
 later than faces (`hybrid.contact.samples.flat_overlap`), which so carry alone when they lie flat. An impact overlaps
 bodies by at most IMPACT d.
 
@@ -35,6 +35,7 @@ from hybrid.state import PairHistory
 from hybrid.step.pair_terms import IMPACT, BodyPair
 
 CURVED, PLANE = 32, 16      # spacings in a radius of curvature; in the size of bodies of planes
+ACROSS, FINEST = 4, 100     # spacings in the width of a pole, which another one may cross; in its size at most
 SINKS = 1e-3                # of the size of a cube as narrow: overlap under F
 DEEPEST = 1.25              # of that overlap: largest one from which on edges and corners press
 BEHIND = 10.0               # times the largest overlap of an impact: of places behind a side that is not the nearest one
@@ -89,7 +90,10 @@ def _pair(numbers, described, own, bodies, surfaces, motions, grid, g):
     curvature = sum(1.0 / curvature_radius(surface) for surface in surfaces)
     radius = min(1.0 / curvature, size / 2) if curvature > 0.0 else np.inf
     spacing = radius / CURVED if curvature > 0.0 else size / PLANE
-    cube = min(size, *(np.sqrt(3.0) * _narrowest(surface, motion, collapsed) for surface, motion in zip(surfaces, motions)))
+    extents = [_extents(surface, motion, collapsed) for surface, motion in zip(surfaces, motions)]
+    cube = min(size, *(np.sqrt(3.0) * each[0] for each in extents))
+    if not curvature and slice_width is None:
+        spacing = min(spacing, max(min(each[1] for each in extents) / ACROSS, size / FINEST))
     overlap = 2.0 * spacing**2 / radius if curvature > 0.0 else SINKS * cube
     stiffness = load / (_area(overlap, radius, size, slice_width) * overlap)
     carried = 2.0 * load / (stiffness * SINKS * cube)     # [m²]; by places of one side, which have half of the stiffness
@@ -127,11 +131,11 @@ def _radius(surface, motion, collapsed):
     return float(np.linalg.norm(across, axis=1).max()) + surface.tree.patches.bulge
 
 
-def _narrowest(surface, motion, collapsed):
-    """[m] least extent of a body's section along its principal axes."""
+def _extents(surface, motion, collapsed):
+    """Extents [m] of a body's section along its principal axes, the least one first."""
     vertices = surface.vertices @ motion.rotation[~collapsed].T
     _, axes = np.linalg.eigh(np.atleast_2d(np.cov(vertices.T)))
-    return float(np.ptp(vertices @ axes, axis=0).min())
+    return np.sort(np.ptp(vertices @ axes, axis=0))
 
 
 def _history(pair, motions):

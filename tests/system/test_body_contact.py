@@ -388,3 +388,13 @@ def test_a_box_of_a_round_size_rests_on_another_without_inertia(upper):
     assert sum(record.iterations for record in records) <= 10
     weight = 2000.0 * 9.81 * (0.6 * 0.6 + upper * 0.4) * 0.3
     assert records[-1].bodies[0].contact_force[2] == pytest.approx(weight, rel=1e-4)
+
+
+@pytest.mark.parametrize("width", [0.1, 0.05])
+def test_a_pole_lies_across_another_one(width):
+    """2 m long; places a sixteenth of its size apart would all lie beside the crossing."""
+    low = box(2.0, width, width, name="low", position=(0.0, 0.0, 2.0), held=HELD, friction=0.3)
+    high = box(width, 2.0, width, name="high", position=(0.0, 0.0, 2.0 + width), friction=0.3)
+    simulation, records = run(scene([low, high], 20, 0.01))
+    assert simulation.state.bodies[1].position[2] == pytest.approx(2.0 + width, abs=0.02 * width)
+    assert records[-1].pairs[0].force[2] == pytest.approx(-simulation.masses[1].mass * G, rel=0.05)

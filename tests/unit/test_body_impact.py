@@ -25,8 +25,8 @@ def notes(errors, in_contact=(), near=(), touching=0, pairs=1, accuracy=None, mo
         of_pairs = SimpleNamespace(energy=1.0 * (step in in_contact), contacts=(None,) * (step in {*in_contact, *near}))
         report = SimpleNamespace(error=accuracy, evaluation=SimpleNamespace(contacts=(range(touching),), pairs=of_pairs))
         found += monitor.notes(StepView(
-            model=SimpleNamespace(bodies=(body, body), pairs=(SimpleNamespace(load=10.0, overlap=1e-3),) * pairs,
-                                  soil=SimpleNamespace(held=held), gravity=np.array([0.0, 0.0, -gravity])),
+            model=SimpleNamespace(bodies=(body, body), pairs=(None,) * pairs, soil=SimpleNamespace(held=held),
+                                  gravity=np.array([0.0, 0.0, -gravity])),
             state=SimpleNamespace(time=float(step), bodies=motions),
             scheme=SimpleNamespace(**{"inertia": True, "first_order": False} | scheme), report=report,
             energy={"error": error}, last=step == len(errors) - 1))
