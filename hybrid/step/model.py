@@ -105,7 +105,7 @@ class Model:
         if not self.scheme.auxiliary:
             return set()
         if before is None:
-            return set(range(len(self.bodies)))
+            return set() if self.scheme.spectral_radius > 0.0 else set(range(len(self.bodies)))
         return {i for i, (body, old, new) in enumerate(zip(self.bodies, before.bodies, state.bodies))
                 if stage_start.force_between(body, old, new).any() or (old.velocity != new.velocity).any()
                 or (old.spin != new.spin).any()}

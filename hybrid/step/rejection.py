@@ -5,16 +5,15 @@ Friction has one direction in an increment, that of the displacement. Where a bo
 up to twice of what friction takes in the increment, for good: such increments are cut until they are short.
 """
 
-import numpy as np
-
 from hybrid.soil.transfer import interpolate
 from hybrid.step.search_reach import travel_ratio
-from hybrid.step.touches import gain, power, touches
+from hybrid.step.touches import gain, power, touches, touches_at_start
 
 LARGEST_ROTATION = 2.0  # [rad] of a body in a step; beyond π it equals a smaller rotation in the opposite direction
-# Of the velocity that all of friction changes in an increment: with more along friction, at the start or end, it reverses
-REVERSED = 0.1
-RUBS = 0.1      # of what friction can bear: less is stick
+# Of the velocity that all of friction changes in an increment: with more along friction, at the start or end, it reverses,
+# as it has at one of them at least half of that
+REVERSED = 0.3
+RUBS, SLIDES = 0.1, 0.95    # of what friction can bear: less hardly counts; what has less at both ends swings in stick
 DEEP = 0.05     # of a cell: depth of a contact point in a body from which on it may have passed through it
 
 
@@ -56,16 +55,16 @@ def friction_reverses(step, evaluation):
     increment; empty if it has, on soil that deforms, which slides along, and by schemes in which contact rings."""
     if not step.model.scheme.damps:
         return ""
-    ends = None
-    for touch in touches(step, [terms.contact for terms in evaluation.bodies], evaluation.pairs):
-        most = touch.mu * touch.pressure
-        share = np.linalg.norm(touch.friction[0, :3]) / most if most > 0.0 else 0.0
-        if share > RUBS and (step.soil is None or None not in touch.bodies):
+    ends, before = None, None
+    for index, touch in enumerate(touches(step, [terms.contact for terms in evaluation.bodies], evaluation.pairs)):
+        if touch.share > RUBS and (step.soil is None or None not in touch.bodies):
             ends = ends or (step.state.bodies, [terms.accept() for terms in evaluation.bodies])
             pushed = max(power(touch, touch.friction, states) for states in ends)
-            if share * pushed > REVERSED * step.dt * gain(touch, touch.friction, step):
-                names = " and ".join(step.bodies[number].body.name for number, _ in touch.sides)
-                return f"friction of {names} reverses in {step.dt:.3g} s"
+            if touch.share * pushed > REVERSED * step.dt * gain(touch, touch.friction, step):
+                before = before or touches_at_start(step)
+                if max(touch.share, before[index].share) > SLIDES:
+                    names = " and ".join(step.bodies[number].body.name for number, _ in touch.sides)
+                    return f"friction of {names} reverses in {step.dt:.3g} s"
     return ""
 
 

@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from hybrid.body import stage_start
-from hybrid.step.touches import gain, power, touches
+from hybrid.step.touches import gain, power, touches, touches_at_start
 
 HIT = 0.05      # of what a force changes of the velocity along itself in an increment: with more against it, that is ended
 
@@ -27,7 +27,7 @@ def count_from_start(step, evaluation, state, pushed):
     bodies, changes = list(state.bodies), np.zeros((len(state.bodies), 6))
     after = touches(step, [terms.contact for terms in evaluation.bodies], evaluation.pairs)
     reached = _reached([one for one in after if None not in one.bodies], pushed)
-    for old, new in zip(_at_start(step), after):
+    for old, new in zip(touches_at_start(step), after):
         if reached.intersection(new.bodies):
             change = np.zeros((2, 6))
             if _ended(step, new, new.normal) <= HIT:
@@ -56,10 +56,3 @@ def _reached(touching, numbers):
         if more <= numbers:
             return numbers
         numbers = numbers | more
-
-
-def _at_start(step):
-    """Touches at the start of an increment."""
-    displacement = step.at_rest().displacement
-    contacts = [own.pair.evaluate(displacement, own.state.pose) for own in step.bodies]
-    return touches(step, contacts, step.pairs and step.pairs.evaluate(step.pairs.poses))

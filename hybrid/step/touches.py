@@ -24,6 +24,12 @@ class Touch:
     friction: np.ndarray
 
     @property
+    def share(self):
+        """Friction over what it can bear, 0 where that is nothing."""
+        most = self.mu * self.pressure if self.pressure > 0.0 else 0.0
+        return float(np.linalg.norm(self.friction[0, :3])) / most if most > 0.0 else 0.0
+
+    @property
     def sides(self):
         """(number of a body, its row of the resultants), without the soil."""
         return [(number, row) for row, number in enumerate(self.bodies) if number is not None]
@@ -39,6 +45,13 @@ def touches(step, contacts, pairs):
     if pairs:
         found += [_of_pair(one.pair, sides) for one, sides in zip(pairs.step.near, pairs.contacts)]
     return found
+
+
+def touches_at_start(step):
+    """The same at the start of an increment."""
+    displacement = step.at_rest().displacement
+    contacts = [own.pair.evaluate(displacement, own.state.pose) for own in step.bodies]
+    return touches(step, contacts, step.pairs and step.pairs.evaluate(step.pairs.poses))
 
 
 def _of_pair(pair, sides):

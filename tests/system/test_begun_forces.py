@@ -198,7 +198,7 @@ def test_friction_never_pushes_a_block_that_lands_on():
     assert (np.diff([record.energies["friction"] for record in records]) > -1e-9).all()
 
 
-@pytest.mark.parametrize("short, missed", [(False, 0.01), (True, 0.03)])
+@pytest.mark.parametrize("short, missed", [(False, 0.015), (True, 0.03)])
 def test_a_block_that_turns_round_has_the_friction_of_its_new_direction(short, missed, monkeypatch):
     """Up a slope of 20 degrees with 2 m/s and down again, μ = 0.2: v = g (sin θ - μ cos θ) (t - t_up). Where increments are
     not cut, the velocity stays off by up to 2 μ g Δt."""
@@ -242,7 +242,7 @@ def test_a_block_that_slides_on_another_one_hits_nothing(monkeypatch):
 def test_another_spectral_radius_takes_that_of_the_default_in_the_increment_in_which_forces_begin(radius):
     block = box(0.5, 0.4, 0.2, rest_on=0.0, density=2000.0, friction=MU)
     described = plane(block, 1, 0.02, gravity=LEVEL, time={"scheme": "generalised-alpha", "spectral_radius": radius})
-    records = list(build(replace(described, stages=(Stage("stand", 5), Stage("lift", 10, loads=pull(1.05))))).steps())
+    records = list(build(replace(described, stages=(Stage("stand", 40), Stage("lift", 10, loads=pull(1.05))))).steps())
     assert records[-1].bodies[0].velocity[2] == pytest.approx(0.05 * 9.81 * 0.2, rel=2e-3)
 
 

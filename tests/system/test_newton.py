@@ -386,7 +386,7 @@ def test_a_solution_lost_when_adhesion_is_shared_anew_is_not_accepted(reason, mo
     monkeypatch.setattr(newton, "_shared", lambda *given: again)
     monkeypatch.setattr(newton, "first_evaluation", lambda step: found)
     monkeypatch.setattr(newton, "starts", lambda step, evaluation: [found])
-    monkeypatch.setattr(newton, "rejection", lambda step, evaluation: "" if evaluation is found else "looked at")
+    monkeypatch.setattr(newton, "rejection", lambda step, evaluation, short: "" if evaluation is found else "looked at")
     monkeypatch.setattr(contacts, "share_interface", lambda evaluation: 1.0)
     step = SimpleNamespace(bodies=(), pairs=None, model=SimpleNamespace(solver=None, scheme=SimpleNamespace(inertia=True)))
     assert newton.solve(step).reason == reason
