@@ -2,8 +2,8 @@
 
     N = min(cores, points / PER_PROCESS, (memory left - memory of the soil) / LIBRARIES), rounded down; one where N < FEWEST
 
-Each process makes its own block of the initial state. On two cores two processes take 0.85 of the time of two threads for a
-block of 106 000 unknowns and 0.95 for the anchor (demos/speed/README.md), and start 6 s later, which most runs on two cores
+Each process makes its own block of the initial state. On two cores two processes take 0.93 of the time of two threads for a
+block of 106 000 unknowns and 0.7 for the anchor (demos/speed/README.md), and start 6 s later, which most runs on two cores
 do not make good. Threads share only the products of the linear solver, a quarter of the work: they cannot be faster than
 four times one, and processes can. One process runs held soil, whose points cost nothing, and a
 grid that follows a body, whose number of points is not known from the scene.

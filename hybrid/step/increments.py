@@ -47,7 +47,8 @@ def outer_step(model, workspace, state, length, pulling, control):
         if control.too_long(dt, step.pairs.longest if step.pairs else np.inf):
             continue
         step = support.under(step) if support else step
-        outcome = newton.solve(step, dt <= SHORT * length, control.backtrack and model.soil.law.plastic)
+        short = dt <= SHORT * length or control.shortest(dt)
+        outcome = newton.solve(step, short, control.backtrack and model.soil.law.plastic)
         if outcome.converged and step.pairs and control.too_long(dt, step.pairs.unforeseen(outcome.evaluation.pairs)):
             report.count(outcome, False)
             continue
@@ -135,6 +136,10 @@ class Control:
         dt = min(self.dt, remaining)
         return even(dt, remaining) if self.accuracy else dt
 
+    def shortest(self, dt):
+        """Whether half of an increment of `dt` [s] would be too short."""
+        return dt / 2 < self._finest
+
     def judge(self, step, outcome):
         """(whether to accept the trial, its LocalError or None), and set the next increment.
 
@@ -143,7 +148,7 @@ class Control:
         self.backtrack = outcome.converged and outcome.backtracked
         if not outcome.converged:
             self._reject(step.dt / 2)
-            if self.dt < self._finest:
+            if self.shortest(step.dt):
                 raise StepError(failure_message.not_converged(step, outcome, self._finest, self.smallest))
             return False, None
         easy = outcome.iterations <= EASY and not jolted(step, outcome.evaluation)

@@ -214,6 +214,13 @@ def test_a_block_that_turns_round_has_the_friction_of_its_new_direction(short, m
     assert off < missed if not short else off > missed
 
 
+def test_an_increment_that_may_not_be_cut_is_accepted_with_friction_that_reverses():
+    block = box(0.4, 0.3, 0.2, rest_on=0.0, friction=0.2, density=2000.0, velocity=(1.0, 0.0, 0.0))
+    gravity = (-4.0, 0.0, -9.0)
+    records = list(build(plane(block, 40, 0.01, gravity=gravity, cells=(12, 4), time={"smallest": 0.01})).steps())
+    assert records[-1].bodies[0].velocity[0] < -0.2 and all(record.increments == 1 for record in records)
+
+
 def shaken():
     """(Increments of all steps, velocity [m/s] at the end) of a block on a base shaken with 1 m/s at 8 rad/s for 0.6 s."""
     times = np.linspace(0.0, 0.6, 61)
