@@ -35,7 +35,7 @@ from hybrid.runtime.comm import anywhere, total
 LOWER = 1.4         # cells that the wedge is lower than the wall
 IN_CLAY = Wedge("clay", 1.5, "30 to 72 % over the wedge's load with 10 cells, 15 to 43 % with 20")
 IN_SPACE = Wedge("clay", 1.0, IN_CLAY.inclined, in_space=". A blade 0.8 m wide and 0.2 m deep, α = 0.5, took 4.7 and 3.7 kN "
-                 "with 2 and 4 cells, by hand 3.0 kN")
+                 "with 2 and 4 cells, by hand 3.0 kN", least=1.0)
 ALONG = 0.1         # sine of the angle between a travel and the ground
 AROUND, ROUGH = 3.0, 1.5    # 18, 8.5, 5.1, 2.9 % with 4, 6, 8, 12 cells; 9.4, 4.9, 3.3 % (demos/random/README.md)
 STUCK, BY_ADHESION = 9.0, 5.0   # smooth 50, 34, 15 % with 4, 5, 8 cells; α = 1: 25, 14, 6 %; 0.5: 23, 5 % with 5, 10

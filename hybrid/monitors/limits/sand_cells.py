@@ -41,13 +41,14 @@ PASSIVE = 3.0
 class Wedge(NamedTuple):
     """Parts of the message about a wall that ends in soil and is pushed against it: the name of the soil; by how many cells
     over its depth the load is too high at least; what inclined faces measured; what is added for upright ones in plane
-    strain, and in space, where None gives no message."""
+    strain, and in space, where None gives no message; from how many cells in its depth on it is a wall."""
 
     soil: str
     foot: float
     inclined: str
     upright: str = ""
     in_space: str | None = None
+    least: float = LAID
 
 
 IN_SAND = Wedge("sand", FOOT, "70 to 195 % over Coulomb's wedge with 10 to 20 cells, rising as the sand heaps up",
@@ -173,7 +174,7 @@ def _wedge(wedge, body, depth, grid, angle):
     law is known without friction only."""
     cell, in_plane_strain = grid.smallest_cell, grid.collapsed.any()
     excess = wedge.foot * cell / max(depth, cell)
-    if depth < LAID * cell or excess <= EXCESS:
+    if depth < wedge.least * cell or excess <= EXCESS:
         return
     verb = "is" if in_plane_strain or not body.friction or wedge.soil == "clay" else "without friction would be"
     if angle < LEANING:
