@@ -53,7 +53,7 @@ def search_radius_ratio(step, unknowns):
 def friction_reverses(step, evaluation):
     """Why friction between bodies, or on held ground, has not the direction of sliding at the start or at the end of the
     increment; empty if it has, on soil that deforms, which slides along, and by schemes in which contact rings."""
-    if not step.model.scheme.damps:
+    if not step.model.scheme.damps or step.soil is not None and not step.pairs:
         return ""
     ends, before = None, None
     for index, touch in enumerate(touches(step, [terms.contact for terms in evaluation.bodies], evaluation.pairs)):
