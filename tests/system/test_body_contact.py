@@ -398,3 +398,11 @@ def test_a_pole_lies_across_another_one(width):
     simulation, records = run(scene([low, high], 20, 0.01))
     assert simulation.state.bodies[1].position[2] == pytest.approx(2.0 + width, abs=0.02 * width)
     assert records[-1].pairs[0].force[2] == pytest.approx(-simulation.masses[1].mass * G, rel=0.05)
+
+
+def test_springs_between_slender_bodies_give_by_a_thousandth_of_a_cube_as_narrow():
+    """And those between cubes by a thousandth of their diagonal."""
+    for thickness in (0.05, 0.5):
+        plates = [box(0.5, 0.5, thickness, name=name, position=(0.0, 0.0, z)) for name, z in (("low", 2.0), ("high", 3.0))]
+        pair, = build(scene(plates, 1, 0.01)).model.pairs
+        assert pair.overlap == pytest.approx(1e-3 * np.sqrt(3.0) * thickness, rel=1e-3)

@@ -112,3 +112,8 @@ def test_soil_that_a_body_moves_is_not(body, contacts, reported):
 def test_a_run_that_is_resumed_is_judged_from_its_second_step_on():
     """The first one has no step before it to compare its energy with."""
     assert seen(FLOW, FLOW, first=5) == 0 and seen(FLOW, FLOW, FLOW, first=5) == 1
+
+
+def test_soil_that_stores_a_third_of_what_it_dissipates_stands():
+    """As a slope near failure that yields in a part of it."""
+    assert seen(*[(0.6 * LIMIT * 0.4, 0.0, 1, 3.0)] * 4) == 0
