@@ -49,7 +49,8 @@ def settle(model, state, length):
     The model is the one given, but where points have gone to other processes."""
     if model.soil.held or not anywhere(state.points.stress):
         return model, state, None
-    soil = replace(model.soil, transfer="increments", allow_detached=False)
+    soil = replace(model.soil, transfer="increments", opens=False,
+                   allow_detached=bool(model.bodies))     # as the content of a bucket, which that carries
     still = replace(model.with_soil(soil), scheme=Scheme(inertia=False), joints=()).for_stage(FREEDOMS)
     begun = replace(state, joints=None)     # joints of bodies that are held say nothing
     workspace = Workspace(still)

@@ -53,7 +53,7 @@ def build_soil(scene, grid, loads, law=None):
         points.acceleration[:] = loads.on_points(0.0, constants.position)  # no stress carries the weight yet
     soil = Soil(grid, constants, law, basis=described.basis, domain=described.domain, held=described.held,
                 fbar=described.fbar, ghost_factor=described.ghost, stray=described.stray,
-                allow_detached=scene.time.inertia,
+                allow_detached=scene.time.inertia, opens=scene.time.inertia,
                 transfer=described.transfer if scene.time.inertia else "increments",
                 heights=_given_heights(described, grid))
     return soil, points

@@ -108,7 +108,8 @@ class Soil:
     fbar           with the cure for locking (`hybrid.soil.fbar`)
     ghost_factor   [-] on Young's modulus in the cure for small cuts (`hybrid.soil.ghost`), 0 without
     stray          policy for points that leave the grid or are detached: "stop" | "freeze" | "remove"
-    allow_detached whether soil may be detached from all supports and open, as with inertia (`hybrid.soil.closing`)
+    allow_detached whether soil may be detached from all held nodes, as with inertia
+    opens          whether soil remembers that it opened, as with inertia (`hybrid.soil.closing`)
     transfer       of the nodes' motion to the points (`hybrid.soil.transfer`)
     heights        (`hybrid.scene.ground.heights` of the ground, top [m]) where they are given
     """
@@ -124,6 +125,7 @@ class Soil:
     ghost_factor: float = 0.0
     stray: str = SoilScene.stray
     allow_detached: bool = True
+    opens: bool = True
     transfer: str = SoilScene.transfer
     heights: tuple | None = None
 
@@ -175,7 +177,7 @@ class Soil:
                                              points.inactive, keep and keep.strain)
         if len(strain.inverted):
             return Refusal(INSIDE_OUT, self.constants.named(strain.inverted))
-        response, *volume_strains = closing.respond(self.law, strain.strain, points, self.allow_detached)
+        response, *volume_strains = closing.respond(self.law, strain.strain, points, self.opens)
         failed = () if response.failed is None else np.flatnonzero(points.of_active(response.failed))
         if len(failed):
             return Refusal(NO_STRESS, self.constants.named(failed))

@@ -164,3 +164,21 @@ def test_a_lid_that_lies_on_clay_is_bonded_as_the_skirts_in_it_are(tmp_path):
                                  gravity=(0.0, 0.0, 0.0), time=Time(1.0, inertia=False), stages=(Stage("move", 3),)))
         forces.append(list(simulation.steps())[-1].bodies[0].contact_force[2])
     assert forces[1] > 0.0 and forces[0] == pytest.approx(-forces[1], rel=0.05)
+
+
+def test_soil_in_a_bucket_is_carried_by_it(tmp_path):
+    """A bucket open at its top, level with the soil around it, whose content touches no other soil: lifted out of it, it
+    carries the weight of that."""
+    bucket = (BUCKET.replace("{-1.5, 0, -1, 3, 1, 1.4}", "{-0.75, 0, -0.75, 1.5, 1, 1}")
+              .replace("{-1, -1, -2, 2, 3, 2}", "{-0.5, -1, -0.5, 1, 3, 3}"))
+    (tmp_path / "bucket.geo").write_text(bucket)
+    grid = Grid(Axis(start=-2.0, end=2.0, size=0.125), Axis(start=0.0, end=1.0, collapsed=True),
+                Axis(start=-1.5, end=2.0, size=0.125), Faces(z_min="fixed"))
+    body = Body(tmp_path / "bucket.geo", STEEL, held=("x", "ry"), driven=("z",), velocity=(0.0, 0.0, 0.4))
+    soil = Soil(Material(law="hencky", young=5e6, poisson=0.3, density=1700.0), top=0.0)
+    simulation = build(Scene(name="bucket", grid=grid, soil=soil, bodies=(body,), time=Time(0.1),
+                             stages=(Stage("lift", 25),)))
+    weight = 1700.0 * 9.81 * 1.0 * 0.5
+    assert "settled at the start" in simulation.sheet()["modelled"]
+    forces = [record.bodies[0].contact_force[2] for record in simulation.steps()]
+    assert np.mean(forces[-10:]) == pytest.approx(-weight, rel=0.02)    # it swings a little on the bucket
