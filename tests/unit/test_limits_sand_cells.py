@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hybrid.monitors.limits import clay_cells, sand_cells
+from hybrid.monitors.limits import clay_cells, loading, sand_cells
 from hybrid.runtime.data import DEMOS
 from hybrid.scene import Axis, Faces, Grid, Layer, Load, Material, Soil
 from hybrid.scene.file import load_scene
@@ -92,6 +92,18 @@ def test_an_upright_blade_is_told_of_its_own_and_flat_ones_and_those_in_clay_of_
     text, = texts(sand_cells.pushed_walls, blade(90))
     assert "at least 23%" in text and "98 %" in text and "degrees to the ground" not in text
     assert not texts(sand_cells.pushed_walls, blade(40)) and not texts(sand_cells.pushed_walls, blade(60, law="von-mises"))
+
+
+def test_both_sides_of_a_bow_are_told_as_one_face_is(monkeypatch):
+    """A box driven corner first in space leads with two faces alike, of which neither is most of what it covers."""
+    described = load_scene(DEMOS / "plough.toml", [f"grid.{axis}.size=0.2" for axis in "xyz"])
+    monkeypatch.setattr(loading, "LEADING", 0.6)    # each has just half, to round-off
+    found = []
+    for angle in (0.0, 45.0):
+        box = replace(described.bodies[0], geometry=body("box.geo", {}).geometry, rotation=(0.0, 0.0, 1.0, angle),
+                      parameters={"length": 0.6, "width": 0.6, "height": 2.0, "size": 10.0})
+        found.append(texts(sand_cells.pushed_walls, replace(described, bodies=(box,))))
+    assert found[0] and found[0] == found[1]
 
 
 def test_a_blade_in_space_is_told_as_well_and_one_in_clay():
