@@ -96,13 +96,14 @@ def test_an_upright_blade_is_told_of_its_own_and_flat_ones_and_those_in_clay_of_
 
 def test_both_sides_of_a_bow_are_told_as_one_face_is(monkeypatch):
     """A box driven corner first in space leads with two faces alike, of which neither is most of what it covers."""
-    described = load_scene(DEMOS / "plough.toml", [f"grid.{axis}.size=0.2" for axis in "xyz"])
     monkeypatch.setattr(loading, "LEADING", 0.6)    # each has just half, to round-off
-    found = []
+    described, found = blade(90), []
+    grid = replace(described.grid, y=Axis(start=-1.0, end=1.0, size=0.1))
     for angle in (0.0, 45.0):
         box = replace(described.bodies[0], geometry=body("box.geo", {}).geometry, rotation=(0.0, 0.0, 1.0, angle),
-                      parameters={"length": 0.6, "width": 0.6, "height": 2.0, "size": 10.0})
-        found.append(texts(sand_cells.pushed_walls, replace(described, bodies=(box,))))
+                      parameters={"length": 0.6, "width": 0.6, "height": 2.0, "size": 10.0}, position=(0.0, 0.0, 0.0),
+                      held=("y", "z", "rx", "ry", "rz"))
+        found.append(texts(sand_cells.pushed_walls, replace(described, bodies=(box,), grid=grid)))
     assert found[0] and found[0] == found[1]
 
 
