@@ -118,4 +118,4 @@ def test_soil_that_flows_fast_around_what_goes_on_is_reported():
 def test_other_losses_are_none_of_soil_that_flows_fast(other):
     """Where soil took far more, or next to nothing, as from what rolls; of bodies that are driven; of damped settling; of
     bodies that are put down."""
-    assert notes([0.0, -6.0, -12.0], then=-10.5, **{"friction": 12.0} | other) == []
+    assert notes([0.0, -8.0, -12.0, -16.0], then=-10.5, **{"friction": 12.0} | other) == []
