@@ -20,7 +20,7 @@ AT_ONCE = 0.6       # of the loss, in one step: steps that resolve an impact spr
 STOPPED = 0.5       # of the largest energy of their motion, below which an impact has stopped bodies
 BROUGHT, STORED = ("pull", "drive", "load"), ("kinetic", "elastic", "contact")
 FLOW = 0.2          # of what soil, friction and ghost penalty took, with what is lost,
-OF_MOTION, TAKEN = 0.05, 0.25   # and of the largest kinetic energy of all: what is lost, and what they took, at least
+TAKEN = 0.25        # and of the largest kinetic energy of all, what they took at least
 TAKERS = "plastic", "friction", "ghost"
 SMALL = 0.01        # of the energy of a fall from the radius of the bodies: what has less settles on soil or contact springs
 
@@ -50,8 +50,7 @@ class AbsorbedImpact(Monitor):
             return
         moving, stored = motion_energy(view.model.bodies, view.state.bodies), sum(energy[name] for name in STORED)
         work = [energy.get(name, 0.0) for name in BROUGHT]
-        reported = self.given("absorbed") or self.given("flow")
-        if work != self._work and not reported:     # what a drive has lifted falls from now on
+        if work != self._work and not self.given("absorbed"):       # what a drive has lifted falls from now on
             self._falling, self._stored, self._at_once, self._base = moving, stored, 0.0, energy["error"]
             self._error, self._work = energy["error"], work
             self._fastest, self._taken = energy["kinetic"], sum(energy.get(name, 0.0) for name in TAKERS)
@@ -61,7 +60,7 @@ class AbsorbedImpact(Monitor):
         fell = max(self._falling, least_energy(view.model))
         impact = not view.bodies_in_contact and self._falling > FALLING * self._stored and lost > ABSORBED * fell > 0.0
         impact = impact and moving < STOPPED * self._falling    # a ball that rolls down clay goes faster and faster
-        if impact and not self.given("absorbed"):
+        if not self.given("absorbed"):
             self._sudden = self._at_once > AT_ONCE * lost
         if impact or self.given("absorbed"):
             # what has been lifted since falls again
@@ -79,7 +78,7 @@ class AbsorbedImpact(Monitor):
         energy = view.energy
         self._fastest = max(self._fastest, energy["kinetic"])
         taken = sum(energy.get(name, 0.0) for name in TAKERS) - self._taken
-        found = lost > FLOW * (taken + lost) and lost > OF_MOTION * self._fastest and taken > TAKEN * self._fastest > 0.0
+        found = lost > FLOW * (taken + lost) and taken > TAKEN * self._fastest > 0.0
         found = found and taken + lost > least_energy(view.model)       # of a body that is put down, and settles
         if found and lost / (taken + lost) > self._flowed[0]:
             self._flowed = [lost / (taken + lost), lost, taken + lost, view.state.time]

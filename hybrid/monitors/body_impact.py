@@ -92,7 +92,7 @@ class BodyImpact(ImpactLoss):
         found = found and loss > self._limit * self._largest and (self._hit or self._limit < ON_SOIL)
         found = found and self._largest > least_energy(view.model)      # of bodies that are laid on one another
         on_ground = on_soil and view.model.soil.held
-        if found and not on_ground:
+        if found:
             yield "impact", self.text(view, loss, "impact of bodies",
                                       ", whose time `check` shows. Use a smaller time.step, a tenth of that keeps 96 %",
                                       self._limit)

@@ -10,11 +10,11 @@ from hybrid.monitors.absorbed_impact import AbsorbedImpact
 
 
 def notes(errors, elastic=0.0, plastic=True, first_order=False, inertia=True, monitor=None, gravity=9.81, then=0.0,
-          until=99, speeds=(), **energy):
+          until=99, speeds=(), held=False, pairs=None, **energy):
     """Of steps with these errors [J] of a body of 2 kg that falls with 10 m/s, 100 J, and stands still from the second
     step on, or has a speed `then`, or these speeds. Work from outside grows `until` a step."""
     body = SimpleNamespace(mass=SimpleNamespace(mass=2.0, inertia=np.eye(3)), radius=0.5)
-    model = SimpleNamespace(bodies=(body,), soil=SimpleNamespace(held=False, law=SimpleNamespace(plastic=plastic)),
+    model = SimpleNamespace(bodies=(body,), soil=SimpleNamespace(held=held, law=SimpleNamespace(plastic=plastic)),
                             gravity=np.array([0.0, 0.0, -gravity]))
     monitor, found = monitor or AbsorbedImpact(None, None), []
     for time, error in enumerate(errors):
@@ -23,10 +23,13 @@ def notes(errors, elastic=0.0, plastic=True, first_order=False, inertia=True, mo
         found += monitor.notes(StepView(
             model=model, state=SimpleNamespace(time=float(time), bodies=(motion,)),
             scheme=SimpleNamespace(inertia=inertia, first_order=first_order),
-            report=SimpleNamespace(error=None, evaluation=SimpleNamespace(contacts=(None,), pairs=None)),
+            report=SimpleNamespace(error=None, evaluation=SimpleNamespace(contacts=(None,), pairs=pairs)),
             energy={"kinetic": 0.0 if time else 100.0, "elastic": elastic, "contact": 0.0, "error": error}
             | {name: value * min(time, until) for name, value in energy.items()}))
     return found
+
+
+PRESSED = SimpleNamespace(energy=1.0)
 
 
 def test_small_losses_that_add_up_are_reported_once():
@@ -62,10 +65,10 @@ def test_bodies_that_settle_are_no_impact():
 
 
 @pytest.mark.parametrize("other", [{"drive": 1.0}, {"pull": -1.0}, {"elastic": 150.0}, {"plastic": False},
-                                   {"first_order": True},
-                                   {"inertia": False}])
+                                   {"first_order": True}, {"inertia": False}, {"held": True}, {"pairs": PRESSED}])
 def test_other_energies_make_no_impact(other):
-    """Work from outside, soil that stores more than falls, elastic soil, schemes that are meant to damp, no inertia."""
+    """Work from outside, soil that stores more than falls, elastic or held soil, schemes that are meant to damp, no inertia,
+    bodies that still press one another."""
     assert notes([0.0, -40.0], **other) == []
 
 
@@ -114,8 +117,8 @@ def test_soil_that_flows_fast_around_what_goes_on_is_reported():
 
 
 @pytest.mark.parametrize("other", [{"friction": 40.0}, {"friction": 2.0}, {"drive": 1.0}, {"inertia": False},
-                                   {"first_order": True}, {"gravity": 9.81e4}])
+                                   {"first_order": True}, {"gravity": 9.81e4}, {"pairs": PRESSED}])
 def test_other_losses_are_none_of_soil_that_flows_fast(other):
     """Where soil took far more, or next to nothing, as from what rolls; of bodies that are driven; of damped settling; of
-    bodies that are put down."""
+    bodies that are put down, or press one another."""
     assert notes([0.0, -8.0, -12.0, -16.0], then=-10.5, **{"friction": 12.0} | other) == []

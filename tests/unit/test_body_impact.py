@@ -13,21 +13,22 @@ from hybrid.monitors.last_impact import LastImpact
 
 
 def notes(errors, in_contact=(), near=(), touching=0, pairs=1, accuracy=None, monitor=None, held=False, free=False,
-          along=0.0, gravity=0.0, **scheme):
+          along=0.0, gravity=0.0, begun=False, **scheme):
     """Of steps with these errors [J] of a body of 2 kg with 10 m/s, 100 J, and of one that stands still, both of which fly
     `along`; in_contact, near: steps at whose ends bodies press, or are near one another; touching: number of contacts with
-    the soil; free: whether both are."""
+    the soil; free: whether both are; begun: whether the monitor knows of the motion before the first step."""
     body = SimpleNamespace(mass=SimpleNamespace(mass=2.0, inertia=np.eye(3)), free=np.full(6, free), radius=0.5)
     motions = [SimpleNamespace(velocity=np.array([speed + along, 0.0, 0.0]), spin=np.zeros(3), rotation=np.eye(3))
                for speed in (10.0, 0.0)]
-    monitor, found = monitor or BodyImpact(None, None), []
+    model = SimpleNamespace(bodies=(body, body), pairs=(None,) * pairs, soil=SimpleNamespace(held=held),
+                            gravity=np.array([0.0, 0.0, -gravity]))
+    known = (model, SimpleNamespace(bodies=motions)) if begun else (None, None)
+    monitor, found = monitor or BodyImpact(*known), []
     for step, error in enumerate(errors):
         of_pairs = SimpleNamespace(energy=1.0 * (step in in_contact), contacts=(None,) * (step in {*in_contact, *near}))
         report = SimpleNamespace(error=accuracy, evaluation=SimpleNamespace(contacts=(range(touching),), pairs=of_pairs))
         found += monitor.notes(StepView(
-            model=SimpleNamespace(bodies=(body, body), pairs=(None,) * pairs, soil=SimpleNamespace(held=held),
-                                  gravity=np.array([0.0, 0.0, -gravity])),
-            state=SimpleNamespace(time=float(step), bodies=motions),
+            model=model, state=SimpleNamespace(time=float(step), bodies=motions),
             scheme=SimpleNamespace(**{"inertia": True, "first_order": False} | scheme), report=report,
             energy={"error": error}, last=step == len(errors) - 1))
     return found
@@ -50,6 +51,24 @@ def test_an_impact_in_flight_is_judged_by_the_motion_of_bodies_relative_to_one_a
     text, = notes([0.0, -4.0, -6.5, *[-6.5] * 8], in_contact=(1, 2), near=range(12), free=True, along=along)
     assert "6.5 J of the 50 J" in text and "(13%, limit 12%)" in text
     assert notes([0.0, -4.0, -5.5, *[-5.5] * 8], in_contact=(1, 2), near=range(12), free=True, along=along) == []
+    text, = notes([-6.5] * 8, in_contact=(0,), free=True, along=along, begun=True)      # in the first step
+    assert "6.5 J of the 50 J" in text
+
+
+def test_free_bodies_on_soil_are_judged_by_all_of_their_motion():
+    text, = notes([0.0, 0.0, *[-40.0] * 9], in_contact=(2,), touching=3, free=True)
+    assert "40 J of the 100 J" in text
+
+
+def test_an_impact_above_held_ground_is_none_on_it():
+    assert len(notes([0.0, 0.0, *AFTER], near=(1,), held=True)) == 1
+
+
+def test_an_impact_is_judged_when_nothing_is_lost_any_more():
+    """That of bodies which stay near one another counts once."""
+    monitor = BodyImpact(None, None)
+    text, = notes([0.0, *range(-4, -36, -4), *[-32.0] * 20], in_contact=(1,), near=range(30), monitor=monitor)
+    assert "32 J of the 100 J" in text and not monitor.later()
 
 
 def test_bodies_that_are_laid_on_one_another_hit_nothing():
@@ -62,6 +81,9 @@ def test_energy_that_bodies_gain_by_an_impact_is_reported():
     gain = [0.0, 4.0, 13.0, *[13.0] * 8]
     text, = notes(gain, in_contact=(1, 2), near=range(12))
     assert "13 J were added to the 87 J" in text and "(15%, limit 12%)" in text and "quarter of the time.step" in text
+    monitor = BodyImpact(None, None)
+    assert notes(gain + [13.0] * 9, in_contact=(1, 2), near=range(20), monitor=monitor) and not monitor.later()
+    assert notes([0.0, 40.0, *[5.0] * 9], in_contact=(1,), near=range(12)) == []        # comes back
     assert notes(gain, near=range(12)) == notes(gain, in_contact=(1, 2), near=range(12), touching=3) == []
 
 
