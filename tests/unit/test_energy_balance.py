@@ -16,13 +16,13 @@ def model(bodies=(), gravity=0.0):
 
 
 def balance(errors, stored=100.0, bodies=(), inertia=True, damps=False, accuracy=None, plastic=0.0, weight=0.0,
-            drive=0.0):
+            drive=0.0, pressed=0.0, joints=()):
     """Notes of steps with these errors [J] of the balance."""
     heavy = SimpleNamespace(mass=SimpleNamespace(mass=weight / 10.0))
     monitor = EnergyBalance(model((heavy,), 10.0), None)
-    view = {"model": SimpleNamespace(bodies=bodies, joints=()),
+    view = {"model": SimpleNamespace(bodies=bodies, joints=joints),
             "scheme": SimpleNamespace(inertia=inertia, damps=damps, first_order=damps),
-            "report": SimpleNamespace(error=accuracy, evaluation=SimpleNamespace(pairs=None))}
+            "report": SimpleNamespace(error=accuracy, evaluation=SimpleNamespace(pairs=SimpleNamespace(energy=pressed)))}
     kinetic = np.broadcast_to(stored, len(errors))
     rest = {"elastic": 0.0, "contact": 0.0, "plastic": plastic, "drive": drive}
     return [note for time, error in enumerate(errors) for note in monitor.notes(StepView(
@@ -94,10 +94,17 @@ def test_a_gain_and_a_loss_are_reported_once_each():
     assert gain.startswith("energy balance: unaccounted gain of 30 J since t = 1 s (30% of the largest") and "25%" in gain
     assert loss.startswith("energy balance: unaccounted loss of 60 J in the step to t = 3 s (60% of") and "50%" in loss
     assert balance([0.0, -80.0], damps=True) == [] == balance([0.0, -80.0], inertia=False)
+    assert balance([0.0, -80.0], pressed=1.0) == []     # by bodies that still press one another
+
+
+FREE, DRIVEN = SimpleNamespace(guides=()), SimpleNamespace(guides=(1,))
 
 
 @pytest.mark.parametrize("scene, present, absent", [
-    ({"bodies": (1,)}, ["time.accuracy = 1e-3", "body.penalty", "damps"], ["stage.steps"]),
+    ({"bodies": (FREE,)}, ["time.accuracy = 1e-3", "body.penalty", "damps"], ["stage.steps"]),
+    ({"bodies": (FREE, DRIVEN), "joints": (1,)}, ["a driven velocity that grows"], []),
+    ({"bodies": (FREE, FREE), "joints": (1,)}, ["a smaller time.step"], ["a driven velocity"]),
+    ({"bodies": (FREE, DRIVEN)}, ["a smaller time.step"], ["a driven velocity"]),
     ({}, ["a smaller time.step", "damps"], ["body.penalty", "Contact"]),
     ({"accuracy": 1e-5}, ["a smaller time.accuracy"], ["time.accuracy ="]),
     ({"damps": True}, ["a smaller time.step"], ["time.scheme"]),
