@@ -19,12 +19,12 @@ class Table:
         return cls(start + rows[:, 0], factor * rows[:, 1:])
 
     def at(self, time):
-        """(c,) at a time [s]."""
-        return np.array([np.interp(time, self.times, column) for column in self.values.T])
+        """(c,) at a time, or (t, c) at times (t,) [s]."""
+        return np.stack([np.interp(time, self.times, column) for column in self.values.T], axis=-1)
 
     def integral(self, begin, end):
         """(c,) integral from time `begin` to `end` [s]."""
         inside = self.times[(self.times > begin) & (self.times < end)]
         times = np.concatenate([[begin], inside, [end]])
-        values = np.array([self.at(time) for time in times])
+        values = self.at(times)
         return 0.5 * np.diff(times) @ (values[1:] + values[:-1])

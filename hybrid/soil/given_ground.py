@@ -18,6 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hybrid.runtime.comm import minimum
 from hybrid.scene.ground import heights_at, mean_heights
 
 STEEPEST = 1.5      # slope [-] up to which places of a column follow the ground
@@ -60,7 +61,7 @@ class GivenGround:
         follows[near] = gentle & (end[near] > z.min(axis=1, initial=np.inf)) | ends
         highest[near] = ends
         shift[near[ends]] = np.abs(z[ends] - end[near[ends], None]).max(axis=1)
-        return cls(surface, top, position, half, follows, highest, shift, APART * np.min(upper - lower, initial=np.inf))
+        return cls(surface, top, position, half, follows, highest, shift, APART * minimum(upper - lower, np.inf))
 
     def heights(self, place):
         """Height (m,) [m] of the ground at places (m, 2) or (m, 3) [m]."""

@@ -259,8 +259,7 @@ class Soil:
 
     def _without_detached(self, points, basis):
         """`points` with detached ones inactive. Raises StepError where the run is to stop for them."""
-        taking_part = None if points.inactive is None else ~points.inactive
-        piece, held = lost_points.detached_pieces(basis, self.grid, taking_part)
+        piece, held = lost_points.detached_pieces(basis, self.grid, points.active)
         loose = (piece > 0) & ~held[piece] if len(held) > 1 else np.zeros(len(points), bool)
         if self.stray == "stop":
             lost_points.refuse_detached(loose, points.position, self.constants)
@@ -287,8 +286,8 @@ class Soil:
         return float(total(force * displacement, axis=None))
 
     def stored_energy(self, points):
-        """Elastic energy of committed points [J]."""
+        """Elastic energy of committed points [J], but for inactive ones."""
         # soil that the next step refuses as inside out
         with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
             energy = self.law.energy(logarithmic(points.b_elastic))
-        return float(total(energy * self.constants.volume))
+        return float(total(points.of_active(energy * self.constants.volume)))

@@ -94,7 +94,7 @@ class PointRefinement:
         a, b = a[fit], b[fit]
         merged = np.zeros(len(population), bool)
         merged[a] = merged[b] = True
-        return merged, merge(select(population, a), select(population, b), j, law)
+        return merged, merge(select(population, a), select(population, b), j, law, grid.collapsed)
 
     def _pairs(self, j, position, half):
         """Numbers of the lower and of the upper half of each pair of points that are halves along j.

@@ -103,8 +103,9 @@ def _risen(population, height, law):
     return dataclasses.replace(population, points=points)
 
 
-def merge(first, second, axis, law):
-    """Population of merged points, one for each pair of halves along `axis` of the initial domains."""
+def merge(first, second, axis, law, collapsed):
+    """Population of merged points, one for each pair of halves along `axis` of the initial domains; collapsed: (3,) bool,
+    axes along which nothing deforms."""
     a, b = first.constants, second.constants
     mass, volume = a.mass + b.mass, a.volume + b.volume
 
@@ -125,7 +126,7 @@ def merge(first, second, axis, law):
         0.5 * (a.position + b.position), a.half_width * double, volume, mass,
         by_volume(a.geostatic_gradient, b.geostatic_gradient))
     deformation = by_volume(p.deformation, q.deformation)
-    deformation = _with_volume(deformation, by_volume(np.linalg.det(p.deformation), np.linalg.det(q.deformation)))
+    deformation = _with_volume(deformation, by_volume(np.linalg.det(p.deformation), np.linalg.det(q.deformation)), collapsed)
     points = Points(
         position=by_mass(p.position, q.position), velocity=by_mass(p.velocity, q.velocity),
         acceleration=by_mass(p.acceleration, q.acceleration), half_width=p.half_width * double, deformation=deformation,
@@ -136,17 +137,14 @@ def merge(first, second, axis, law):
     return _stressed(Population(points, constants, by_volume(first.rows, second.rows)), stress, law)
 
 
-def _with_volume(deformation, ratio):
-    """F (n, 3, 3) scaled to det F = `ratio` (n,) along the axes that deform at any point. Where det F < FLAT `ratio`,
+def _with_volume(deformation, ratio, collapsed):
+    """F (n, 3, 3) scaled to det F = `ratio` (n,) along the axes that are not `collapsed`. Where det F < FLAT `ratio`,
     as for the mean of two opposite rotations, the result is an isotropic stretch along these axes."""
-    deforms = np.any(deformation != np.eye(3), axis=(0, 1)) | np.any(deformation != np.eye(3), axis=(0, 2))
-    if not deforms.any():
-        return deformation
     volume = np.linalg.det(deformation)
     flat = volume < FLAT * ratio
     deformation, volume = np.where(flat[:, None, None], np.eye(3), deformation), np.where(flat, 1.0, volume)
-    scale = (ratio / volume) ** (1 / np.count_nonzero(deforms))
-    return deformation * np.where(deforms, scale[:, None], 1.0)[:, :, None]
+    scale = (ratio / volume) ** (1 / np.count_nonzero(~collapsed))
+    return deformation * np.where(collapsed, 1.0, scale[:, None])[:, :, None]
 
 
 def _kirchhoff(points):

@@ -7,8 +7,9 @@ Ghost is the work of the ghost penalty, which resists increments and stores noth
 bodies, none in a quasi-static scene; the energy that the transfer between points and grid loses is part of the error.
 Drive is the work of guides: of driven components, and of the impulse when a stage holds a body that moves or drives one
 that rests. Stop, of scenes with joints, is the kinetic energy lost where stops and lines engage. Load is the work of all
-loads but the whole of gravity (`hybrid.step.loads`, `hybrid.body.guides`). Left is the energy of soil that a moving grid
-leaves behind, and the energy lost where it merges points (`hybrid.step.moving_grid`).
+loads but the whole of gravity (`hybrid.step.loads`, `hybrid.body.guides`). Left is the energy of points that become inactive
+(`hybrid.soil.lost_points`), of soil that a moving grid leaves behind, and what is lost where it merges points
+(`hybrid.step.moving_grid`).
 """
 
 import numpy as np
@@ -40,8 +41,8 @@ def energies(model, state, evaluation=None):
 
 
 def soil_energies(model, points):
-    """Kinetic, elastic and potential energy [J] of points."""
-    soil, mass = model.soil, model.soil.constants.mass
+    """Kinetic, elastic and potential energy [J] of points, but for inactive ones."""
+    soil, mass = model.soil, points.of_active(model.soil.constants.mass)
     kinetic = 0.5 * float(total(mass * np.sum(points.velocity**2, axis=1)))
     return {"kinetic": kinetic * model.scheme.inertia, "elastic": soil.stored_energy(points),
             "potential": -float(total(mass * ((points.position - soil.constants.position) @ model.gravity)))}

@@ -1,10 +1,14 @@
 """Work of one increment, by what does it: plastic flow, ghost penalty, friction, stops, drive, pull and load
 (`hybrid.step.energy`)."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from hybrid.body import guides, rigid
 from hybrid.body.rigid import FREEDOMS
+from hybrid.runtime.comm import anywhere
+from hybrid.step.energy import soil_energies
 from hybrid.step.support import work_of_support
 
 
@@ -21,6 +25,8 @@ def work_after(step, evaluation, points, bodies, lost=0.0):
     if step.soil is not None:
         add("plastic", step.model.soil.plastic_work(step.soil, evaluation.soil_trial))
         add("ghost", step.model.soil.ghost_work(step.soil, evaluation.unknowns.displacement))
+        if step.model.soil.stray != "stop" and anywhere(points.active != step.state.points.active):
+            add("left", _of_lost_points(step, points))
     for terms in evaluation.bodies:
         for name, done in _on_body(terms, step.state.bodies[terms.step.number], bodies[terms.step.number]):
             add(name, done)
@@ -36,6 +42,13 @@ def work_after(step, evaluation, points, bodies, lost=0.0):
     if not step.model.loads.gravity_alone:
         add("load", _of_loads(step, points, bodies))
     return work
+
+
+def _of_lost_points(step, points):
+    """Energy of the points that became inactive, which stay as they were."""
+    before = step.state.points
+    stay = replace(before, inactive=points.inactive)
+    return sum(soil_energies(step.model, before).values()) - sum(soil_energies(step.model, stay).values())
 
 
 def _on_body(terms, before, after):

@@ -18,6 +18,8 @@ import rank_pool
 from hybrid.cli import main
 from hybrid.output import checkpoint
 from hybrid.runtime.ranks import launch
+from hybrid.scene.file import load_scene
+from hybrid.setup.build import build
 
 ROOT = Path(__file__).parents[2]
 DEMOS = ROOT / "demos"
@@ -169,3 +171,8 @@ def largest_difference(one, other):
     """Between values of the same names, relative to the largest value of each."""
     assert one.keys() == other.keys()
     return max(np.abs(one[name] - other[name]).max() / max(np.abs(one[name]).max(), 1e-3) for name in one)
+
+
+def ground_apart(scene):
+    """Distance [m] over which slopes of the ground of a scene are taken, in this process."""
+    return build(load_scene(scene)).model.soil.ground.apart

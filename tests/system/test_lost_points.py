@@ -12,18 +12,19 @@ from hybrid.setup.build import build
 from hybrid.soil import lost_points
 from hybrid.soil.basis import evaluate_basis
 from hybrid.state import Points
+from hybrid.step.energy import balance_error, energies
 from hybrid.study.scenes import FREE, elastic, scene
 
 AXIS = Axis(start=0.0, end=2.0, size=0.2)
 CASES = ["freeze", "remove"]
 
 
-def thrown(policy, speed=3.0, steps=12, inertia=True):
-    """A block of soil that is thrown at the end of the grid in x, without gravity."""
+def thrown(policy, speed=3.0, steps=12, inertia=True, gravity=0.0):
+    """A block of soil that is thrown at the end of the grid in x, to which gravity [m/s²] acts."""
     simulation = build(scene(
         "thrown", Grid(AXIS, AXIS, AXIS, FREE), elastic(1e5), [], 0.04, [Stage("fly", steps)],
         soil={"lower": (1.0, 0.8, 0.8), "upper": (1.4, 1.2, 1.2), "stray": policy}, time={"inertia": inertia},
-        solver={"linear": "direct"}))
+        solver={"linear": "direct"}, gravity=(gravity, 0.0, 0.0)))
     simulation.state.points.velocity[:, 0] = speed
     return simulation
 
@@ -58,6 +59,18 @@ def test_points_that_leave_take_no_part_any_more(policy):
     assert [int(text.split()[0]) for text in notes if "are inactive" in text] == [16, 32, 64]
     assert any("(16 kg, 0.25 of the mass): points 48 at (1.9" in text for text in notes)
     assert len(drawn(simulation)[0]) == (64 if policy == "freeze" else 0)
+
+
+@pytest.mark.parametrize("policy", CASES)
+def test_points_take_their_energy_with_them(policy):
+    """All that they had is work "left", and none of it is in the energies any more."""
+    simulation = thrown(policy, gravity=9.81)
+    start = energies(simulation.model, simulation.state)
+    *_, last = simulation.steps()
+    assert not simulation.state.points.active.any()
+    assert last.energies["left"] == pytest.approx(start["kinetic"]) == 0.5 * 64 * 3.0**2
+    assert last.energies["kinetic"] == last.energies["elastic"] == last.energies["potential"] == 0.0
+    assert abs(balance_error(last.energies, start)) < 1e-6 * start["kinetic"]
 
 
 def test_a_checkpoint_keeps_who_is_out(tmp_path):

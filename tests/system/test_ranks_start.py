@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import rank_pool
 from counted_points import largest_share
-from rank_runs import FOLLOWED_BOX, needs_mpirun, scene_file
+from rank_runs import FOLLOWED_BOX, ground_apart, needs_mpirun, scene_file
 
 from hybrid.output import checkpoint
 
@@ -120,3 +120,11 @@ def test_no_process_has_all_points_and_all_are_those_of_one(tmp_path, name, rank
     assert share < {2: 0.75, 3: 0.6}[ranks]
     assert_same(out, expected)
     assert name == "moving" or sizes(out) == sizes(expected)    # one process writes that of the grid at the end
+
+
+def test_all_processes_take_slopes_of_the_ground_over_the_same_distance(tmp_path):
+    """That of the finest cells, which one of them has."""
+    fine = "size = 0.1, fine = [0.0, 1.0], growth = 1.3 }"
+    scene = scene_file(tmp_path, SLOPE.replace("SAND", SAND).replace("size = 0.25 }", fine, 1))
+    (one, _), (other, _) = rank_pool.call(2, "rank_runs.ground_apart", scene)
+    assert one == other == pytest.approx(ground_apart(scene))

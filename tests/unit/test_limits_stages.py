@@ -116,3 +116,10 @@ def test_loads_that_swing_in_few_steps_are_told_by_how_much_heavier_masses_are(s
     assert len(found) == bool(told) and all(told in text and "spectral_radius" in text for text in found)
     assert not texts(coarse_swings, stage, time={"inertia": False})
     assert not texts(coarse_swings, {**stage, "loads": (Load(force=((0.0, 0.0, 0.0, 0.0), (1.0, 1e3, 0.0, 0.0))),)})
+
+
+def test_a_swing_with_a_step_just_on_its_mean_counts_once():
+    """A triangle of 32 steps in a period, from zero to zero."""
+    turns = [(0.0, 0.0, 0.0, 0.0), *((3.2 * k + t, s * 1e3, 0.0, 0.0) for k in range(5) for t, s in ((0.8, 1), (2.4, -1)))]
+    stage = {"loads": (Load(force=(*turns, (16.0, 0.0, 0.0, 0.0))),), "steps": 160}
+    assert not texts(coarse_swings, stage)

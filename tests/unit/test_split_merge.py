@@ -13,6 +13,7 @@ from hybrid.state import PointConstants, Points, Population
 
 COUNT = 50
 LAW = DruckerPrager(np.linspace(1e6, 3e6, COUNT), 0.3, 30.0, 5.0, 1e3)
+SPACE = np.zeros(3, bool)     # no axis is collapsed
 
 
 @pytest.fixture
@@ -64,13 +65,13 @@ def test_two_points_keep_what_they_had_in_one(population, axis):
     first, second = pop.select(population, np.arange(25)), pop.select(population, np.arange(25, COUNT))
     second = replace(second, constants=replace(second.constants, half_width=first.constants.half_width,
                                                volume=first.constants.volume, mass=0.7 * first.constants.mass))
-    assert_same(pop.merge(first, second, axis, LAW), pop.concatenate(first, second), but=["first centre"])
+    assert_same(pop.merge(first, second, axis, LAW, SPACE), pop.concatenate(first, second), but=["first centre"])
 
 
 @pytest.mark.parametrize("axis", range(3))
 def test_merging_two_halves_gives_the_initial_point(population, axis):
     halves = pop.split(population, axis, LAW)
-    whole = pop.merge(pop.select(halves, np.arange(COUNT)), pop.select(halves, np.arange(COUNT, 2 * COUNT)), axis, LAW)
+    whole = pop.merge(pop.select(halves, np.arange(COUNT)), pop.select(halves, np.arange(COUNT, 2 * COUNT)), axis, LAW, SPACE)
     for part in ("points", "constants"):
         for name, value in vars(getattr(population, part)).items():
             if value is not None:
@@ -104,7 +105,7 @@ def test_a_whole_of_admissible_halves_is_admissible(population):
     flowing = replace(population, rows=rows, points=replace(
         population.points, stress=from_principal(response.stress, np.tile(np.eye(3), (COUNT, 1, 1)))
         / np.linalg.det(population.points.deformation)[:, None, None]))
-    whole = pop.merge(pop.select(flowing, np.arange(25)), pop.select(flowing, np.arange(25, COUNT)), 0, LAW)
+    whole = pop.merge(pop.select(flowing, np.arange(25)), pop.select(flowing, np.arange(25, COUNT)), 0, LAW, SPACE)
     kirchhoff = whole.points.stress * np.linalg.det(whole.points.deformation)[:, None, None]
     assert yield_function(law.with_rows(whole.rows), np.linalg.eigvalsh(kirchhoff)).max() < 1e-6
 
@@ -112,7 +113,7 @@ def test_a_whole_of_admissible_halves_is_admissible(population):
 def test_momentum_is_lost_where_the_mean_forgets_the_masses(population):
     """The conservation test fails on a mean by number."""
     first, second = pop.select(population, np.arange(25)), pop.select(population, np.arange(25, COUNT))
-    whole = pop.merge(first, second, 0, LAW)
+    whole = pop.merge(first, second, 0, LAW, SPACE)
     mean = 0.5 * (first.points.velocity + second.points.velocity)
     broken = replace(whole, points=replace(whole.points, velocity=mean))
     with pytest.raises(AssertionError, match="momentum"):
@@ -126,10 +127,30 @@ def test_halves_with_opposite_rotations_merge_to_a_point_with_their_volume(popul
     first, second = (pop.select(parts, ids) for ids in (slice(None, COUNT), slice(COUNT, None)))
     first = replace(first, points=replace(first.points, deformation=np.tile(1.1 * turn, (COUNT, 1, 1))))
     second = replace(second, points=replace(second.points, deformation=np.tile(1.1 * turn.T, (COUNT, 1, 1))))
-    whole = pop.merge(first, second, 0, LAW)
+    whole = pop.merge(first, second, 0, LAW, SPACE)
     np.testing.assert_allclose(np.linalg.det(whole.points.deformation), 1.1**3)
     assert np.isfinite(whole.points.stress).all()
     assert_same(whole, pop.concatenate(first, second))
+
+
+def test_what_comes_of_two_points_does_not_depend_on_others(population):
+    """Compressed along x alone, beside points that are not: F of the merged one is the same without them."""
+    halves = pop.split(population, 0, LAW)
+    squeezed = halves.points.deformation.copy()
+    squeezed[[0, COUNT]] = np.diag([0.7, 1.0, 1.0]), np.diag([0.9, 1.0, 1.0])
+    halves = replace(halves, points=replace(halves.points, deformation=squeezed))
+    many, one = (pop.merge(*(pop.select(halves, first + np.arange(number)) for first in (0, COUNT)), 0, LAW, SPACE)
+                 for number in (COUNT, 1))
+    np.testing.assert_allclose(one.points.deformation[0], many.points.deformation[0], rtol=1e-14)
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_no_axis_is_stretched_along_which_nothing_deforms(axis):
+    flat = np.arange(3) == axis
+    rotated = np.eye(3)[None] * 0.9
+    rotated[0, axis] = np.eye(3)[axis]
+    found = pop._with_volume(rotated, np.array([0.5]), flat)
+    assert np.linalg.det(found) == pytest.approx(0.5) and found[0, axis, axis] == 1.0
 
 
 def test_points_of_stages_with_different_schemes_come_together(population):

@@ -59,8 +59,7 @@ def _of_motion(motion, times, length):
 
 def _values(given, columns, times):
     """Values (t, c) of a table of a scene at `times` (t,) [s]."""
-    table = Table.of(table_rows(given, columns, "stage"), 0.0)
-    return np.stack([np.interp(times, table.times, column) for column in table.values.T], axis=1)
+    return Table.of(table_rows(given, columns, "stage"), 0.0).at(times)
 
 
 def unreached_ends(scene, model):
@@ -69,8 +68,6 @@ def unreached_ends(scene, model):
     for s, stage in enumerate(scene.stages):
         end = stage.steps * scene.step_of(stage)
         for path, given, columns, unit in _tables(f"stage.{s}", stage):
-            if given is None:
-                continue
             table = Table.of(table_rows(given, columns, path), 0.0)
             first = table.values[0] if path.endswith("displacement") else 0.0     # to which displacements are relative
             reached, last = table.at(end) - first, table.values[-1] - first
@@ -99,14 +96,13 @@ def coarse_swings(scene, model):
     for s, stage in enumerate(scene.stages):
         times = scene.step_of(stage) * np.arange(stage.steps + 1)
         for path, given, columns, _ in _tables(f"stage.{s}", stage):
-            if given is None or ".load." not in path:
+            if ".load." not in path:
                 continue
-            table = Table.of(table_rows(given, columns, path), 0.0)
-            values = np.array([table.at(time) for time in times])
-            turns = np.diff(np.sign(values - values.mean(axis=0)), axis=0) != 0.0
+            values = _values(given, columns, times)
+            turns = np.diff(values > values.mean(axis=0), axis=0)
             swings = 0.5 * (turns.sum(axis=0).max(initial=0) - 1)
             phase = 2.0 * np.pi * swings / stage.steps
-            if swings < SWINGS or not phase:
+            if swings < SWINGS:
                 continue
             heavier = abs(2.0 - np.exp(-1j * phase)) * (2.0 - 2.0 * np.cos(phase)) / phase**2 - 1.0
             if heavier > HEAVIER:
@@ -118,13 +114,13 @@ def coarse_swings(scene, model):
 
 def _tables(path, stage):
     """(key, given table, columns, unit) of each load and motion of a stage that has one."""
-    for i, load in enumerate(stage.loads):
-        for name, unit in (("force", "N"), ("moment", "N m")):
-            yield f"{path}.load.{i}.{name}", getattr(load, name), 4, unit
+    tables = [(f"load.{i}.{name}", getattr(load, name), 4, unit) for i, load in enumerate(stage.loads)
+              for name, unit in (("force", "N"), ("moment", "N m"))]
     for i, motion in enumerate(stage.motions):
         turns = len(motion.component or "") > 1
         for name, unit in (("velocity", "rad/s" if turns else "m/s"), ("displacement", "degrees" if turns else "m")):
-            yield f"{path}.motion.{i}.{name}", getattr(motion, name), 2, unit
+            tables.append((f"motion.{i}.{name}", getattr(motion, name), 2, unit))
+    return [(f"{path}.{key}", given, *rest) for key, given, *rest in tables if given is not None]
 
 
 def _shown(values):
