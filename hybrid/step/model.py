@@ -100,7 +100,8 @@ class Model:
 
     def pushed(self, before, state):
         """Numbers of the bodies that forces begin to push, or guides to move, where a stage turns the state `before` into
-        `state`; all of them at the start of a run, where it is None. None with schemes other than generalised alpha, in
+        `state`. At the start of a run, where it is None, all of them with ρ∞ = 0 and none with another one, which its first
+        increment keeps: a body on a line would lose its order. None with schemes other than generalised alpha either, in
         which pressure that begins rings."""
         if not self.scheme.auxiliary:
             return set()

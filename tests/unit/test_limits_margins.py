@@ -61,9 +61,11 @@ def test_other_bodies_are_not(values):
 def test_a_deck_above_the_soil_does_not_widen_the_body(tmp_path):
     """A strip 0.4 m wide under a deck of 1.8 m: what the strip alone is told, unless the deck comes down to the soil."""
     (tmp_path / "tee.geo").write_text('SetFactory("OpenCASCADE"); Mesh.MeshSizeMin = 2; Mesh.MeshSizeMax = 2;\n'
-                                      "Box(1) = {-0.2, -0.1, -0.1, 0.4, 0.2, 0.3}; Box(2) = {-0.9, -0.1, 0.2, 1.8, 0.2, 0.1};\n"
+                                      "Box(1) = {-0.2, -0.1, -0.1, 0.4, 0.2, 0.3};\n"
+                                      "Box(2) = {-0.9, -0.1, 0.2, 1.8, 0.2, 0.1};\n"
                                       "BooleanUnion{ Volume{1}; Delete; }{ Volume{2}; Delete; }\n"
-                                      'Physical Volume("body") = {1}; Physical Surface("contact") = Abs(Boundary{ Volume{1}; });')
+                                      'Physical Volume("body") = {1};\n'
+                                      'Physical Surface("contact") = Abs(Boundary{ Volume{1}; });')
     deck = {"geometry": tmp_path / "tee.geo", "parameters": {}}
     assert not texts(**deck) and texts(x=(-1.0, 0.25)) == texts(x=(-1.0, 0.25), **deck)
     assert "strip is 1.8 m wide" in texts(**deck, velocity=(0.0, 0.0, -14.0))[0]

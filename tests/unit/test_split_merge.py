@@ -71,7 +71,8 @@ def test_two_points_keep_what_they_had_in_one(population, axis):
 @pytest.mark.parametrize("axis", range(3))
 def test_merging_two_halves_gives_the_initial_point(population, axis):
     halves = pop.split(population, axis, LAW)
-    whole = pop.merge(pop.select(halves, np.arange(COUNT)), pop.select(halves, np.arange(COUNT, 2 * COUNT)), axis, LAW, SPACE)
+    first, second = (pop.select(halves, begin + np.arange(COUNT)) for begin in (0, COUNT))
+    whole = pop.merge(first, second, axis, LAW, SPACE)
     for part in ("points", "constants"):
         for name, value in vars(getattr(population, part)).items():
             if value is not None:
