@@ -103,15 +103,20 @@ SLOPE = np.tan(np.radians(20.0))
 CLAY = Material(law="von-mises", young=50e6, poisson=0.49, density=1800.0, strength=100e3)
 
 
-def slid(friction, height="ground", x=(0.0, 7.0)):
-    """(Simulation, way [m] in half a second) of a block on a slope of clay, and its components."""
+def on_slope(friction, height="ground"):
+    """Scene of a block on a slope of clay, for half a second."""
     ground = ((0.0, 3.5), (1.0, 3.5), (6.0, 3.5 - 5.0 * SLOPE), (7.0, 3.5 - 5.0 * SLOPE))
     block = Body(GEOMETRY / "box.geo", 2400.0, parameters={"length": 1.5, "width": 0.5, "height": 0.5, "size": 1.0},
                  rotation=(0.0, 1.0, 0.0, 20.0), position=(2.9, 0.25, 0.0), rest_on=height, friction=friction)
-    simulation = build(Scene(
-        name="slid", grid=Grid(Axis(*x, 0.25), SLICE, Axis(0.0, 4.5, 0.25), Faces(z_min="fixed")),
+    return Scene(
+        name="slid", grid=Grid(Axis(0.0, 7.0, 0.25), SLICE, Axis(0.0, 4.5, 0.25), Faces(z_min="fixed")),
         soil=Soil(CLAY, top=3.5, ground=ground), bodies=(block,), time=Time(0.02), stages=(Stage("go", 25),),
-        gravity=(0.0, 0.0, -G)))
+        gravity=(0.0, 0.0, -G))
+
+
+def slid(friction):
+    """(Simulation, way (3,) [m] of the block)."""
+    simulation = build(on_slope(friction))
     start = simulation.state.bodies[0].position.copy()
     list(simulation.steps())
     return simulation, simulation.state.bodies[0].position - start
@@ -133,5 +138,5 @@ def test_a_block_on_a_slope_that_deforms_slides(friction, monkeypatch):
 
 
 def test_a_block_in_the_slope_is_in_place():
-    simulation, _ = slid(0.2, height=2.0)
+    simulation = build(on_slope(0.2, height=2.0))
     assert "in place from the start" in simulation.start

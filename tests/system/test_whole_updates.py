@@ -1,5 +1,7 @@
 """Whole updates of Newton's method that lead away and come back."""
 
+from itertools import islice
+
 import pytest
 
 from hybrid.runtime.data import GEOMETRY
@@ -28,6 +30,6 @@ def test_elastic_soil_comes_back(monkeypatch):
     assert max(record.iterations for record in records) <= 15 and not any(record.rejections for record in records)
     whole = iteration.Updates
     monkeypatch.setattr("hybrid.step.newton.Updates", lambda *given, **more: whole(*given, **more | {"may_diverge": False}))
-    record = list(build(column()).steps())[2]
+    *_, record = islice(build(column()).steps(), 3)
     assert record.iterations > 30 and record.rejections > 0
     assert record.bodies[0].position[0] == pytest.approx(records[0].bodies[0].position[0], abs=1e-5)
