@@ -58,6 +58,15 @@ class Scheme:
     rotation: Literal["exponential", "cayley"] = "exponential"
 
     @classmethod
+    def of(cls, time):
+        """That of a `hybrid.scene.Time`; stages may replace it by a pair of Newmark's parameters."""
+        if not time.inertia:
+            return cls(inertia=False)
+        if time.scheme == "generalised-alpha":
+            return cls.generalised_alpha(time.spectral_radius or 0.0)
+        return cls.energy_momentum() if time.scheme == "energy-momentum" else cls.newmark(time.beta, time.gamma)
+
+    @classmethod
     def newmark(cls, beta=None, gamma=None):
         """Newmark's rule, (1/4, 1/2) where nothing is given."""
         return cls().with_pair(beta, gamma)

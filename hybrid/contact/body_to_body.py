@@ -87,11 +87,6 @@ class PairContact(NamedTuple):
         """Sum [N] of all forces across the surface."""
         return float(np.linalg.norm(self.force - self.shear, axis=1).sum())
 
-    @property
-    def slips(self):
-        """Whether any place does."""
-        return bool(self.slip.any())
-
     def friction(self):
         """(12,), the part of the residual that acts along the surface."""
         return self._on_both(self.shear)

@@ -20,6 +20,7 @@ import numpy as np
 from hybrid.body.closest import closest
 from hybrid.body.parts import vector_areas
 from hybrid.body.patches import point, unit_normal
+from hybrid.body.sharp_edges import BEND
 from hybrid.body.smooth import shared_edges
 from hybrid.contact.search import distances
 from hybrid.runtime.jit import njit
@@ -31,7 +32,6 @@ SPREAD = 1.5    # spacings in the longest edge of a part of a triangle
 # other one, all of which come and go as it moves by 1e-6 of its size: without inertia stacks had no solution.
 ASIDE = 1.3e-3, 0.7e-3
 FACES = 5.0     # surface of a body over the area of the face that it lies on
-BEND = np.radians(20.0)     # between the faces at a sharp edge, as in `hybrid.body.sharp_edges`
 
 
 class Pieces(NamedTuple):

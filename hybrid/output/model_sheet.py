@@ -9,7 +9,7 @@ from hybrid.linalg.solver_choice import SolverChoice
 from hybrid.runtime.comm import anywhere, largest, number
 from hybrid.runtime.memory import direct_factor_memory
 from hybrid.runtime.sandbox import shortcoming
-from hybrid.scene.soil import USES, of_layer, span
+from hybrid.scene.soil import USES, laws, of_layer, span
 from hybrid.soil.size import LIBRARIES, PICTURES, growing_memory, sizes
 
 PAIRS = 12      # of bodies in contact that the sheet lists
@@ -85,7 +85,7 @@ def _linear_solver(model, unknowns):
 
 def _tangent(described, law):
     """Whether the soil block of the tangent is symmetric."""
-    if "user" in {of_layer(described.material, layer).law for layer in described.layers} | {described.material.law}:
+    if "user" in laws(described):
         return "symmetric if that of the user's law is"
     return "unsymmetric" if anywhere([not law.symmetric]) else "symmetric"
 

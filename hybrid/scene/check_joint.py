@@ -54,12 +54,9 @@ def _kind(key, joint):
 
 
 def _scheme(scene):
-    time = scene.time
-    newmark = Scheme.newmark(time.beta, time.gamma) if time.scheme == "newmark" else Scheme.energy_momentum()
-    scheme = Scheme.generalised_alpha(time.spectral_radius or 0.0) if time.scheme == "generalised-alpha" else newmark
     for stage in scene.stages:
-        radius = scheme.with_pair(stage.beta, stage.gamma).spectral_radius
-        yield from need(radius <= DAMPED, "time.scheme", time.scheme,
+        radius = Scheme.of(scene.time).with_pair(stage.beta, stage.gamma).spectral_radius
+        yield from need(radius <= DAMPED, "time.scheme", scene.time.scheme,
                         f"one that damps in a scene with joints or guided points (spectral radius {radius:.3g}, limit "
                         f"{DAMPED:g})",
                         "leave it out; without damping their forces oscillate")

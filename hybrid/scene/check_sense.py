@@ -7,7 +7,7 @@ its mesh: `hybrid.monitors.limits.place`.
 from dataclasses import dataclass, replace
 from math import hypot, inf, pi
 
-from hybrid.scene.soil import as_clay, ends, of_layer, span
+from hybrid.scene.soil import FRICTIONAL, as_clay, ends, materials, of_layer, span
 from hybrid.scene.table import shown
 
 KILOPASCAL = "Pa expected; is this a number of kPa?"
@@ -39,7 +39,6 @@ class Odd:
 
 GENTLE = 20.0           # [Pa/m]: normally consolidated clays have 1000 to 2000
 WEAK = 100.0, 0.01      # tension [Pa] and share of the soil's strength, below both of which it looks like kPa
-FRICTIONAL = ("drucker-prager", "mohr-coulomb", "willam-warnke")
 SOIL = (
     Odd("relative_density", 0, 1.0001, "%", "per cent expected; is this a share, 0.38 for 38 %?"),
     Odd("friction_angle", 0, 1.6, "deg", "degrees expected; is this an angle in radians, 0.57 for 32.7 degrees?",
@@ -113,8 +112,7 @@ def _apex(path, m, supported):
 
 def _tension(path, body, soil):
     """Tension beside the strength of the strongest clay of the soil."""
-    strength = max((m.strength or 0.0
-                    for m in (soil.material, *(of_layer(soil.material, layer) for layer in soil.layers))), default=0.0)
+    strength = max(m.strength or 0.0 for m in materials(soil))
     if not soil.held and isinstance(body.tension, (int, float)) and 0.0 < body.tension < min(WEAK[0], WEAK[1] * strength):
         yield (f"{path}.tension = {body.tension:g} Pa beside strength = {strength:g} Pa looks wrong: {KILOPASCAL}")
 

@@ -13,7 +13,7 @@ from math import hypot, inf
 from typing import NamedTuple
 
 from hybrid.scene.schema import Body, Material, Soil, Time
-from hybrid.scene.soil import USES, clay_layers, ends, laws, of_layer
+from hybrid.scene.soil import USES, clay_layers, ends, laws, materials
 from hybrid.scene.table import shown
 
 SCHEME = "generalised-alpha"
@@ -134,7 +134,7 @@ def _follows_flow(scene):
 def _largest_strength(scene, soil):
     """Largest s_u over Young's modulus [-] of clay, at its greatest depth."""
     bottom, top = ends(soil, scene.grid)
-    found = [soil.material, *(of_layer(soil.material, layer) for layer in soil.layers)]
+    found = materials(soil)
     return max(((m.strength or 0.0) + max(m.strength_gradient or 0.0, 0.0) * (top - bottom)) / (m.young or inf)
                for m in found)
 

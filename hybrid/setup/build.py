@@ -99,7 +99,7 @@ def _put_together(scene, decisions, accuracy, body_force, law):
     contacts = flush_contacts(soil, points, bodies, motions, contacts)
     pairs, touching = build_pairs(scene, bodies, motions, joints, grid, gravity)
     scene, bodies, decisions = with_soft_springs(scene, bodies, motions, decisions)
-    model = Model(soil, tuple(bodies), build_scheme(scene.time), loads, scene.solver, joints, pairs)
+    model = Model(soil, tuple(bodies), Scheme.of(scene.time), loads, scene.solver, joints, pairs)
     state = State(0.0, 0, points, motions, contacts, joints=joint_rates.start(model), pairs=touching)
     refuse_velocities(model, state)
     refuse_implied(scene, model, state)
@@ -133,12 +133,3 @@ def _start(taken, settled, bodies):
     lines = [f"{body.name}: {body.line.soil}" for body in bodies if body.line and body.line.soil]
     rows |= {"pull lines in soil": lines} if lines else {}
     return {**rows, **({"settled at the start": str(settled)} if settled else {})}
-
-
-def build_scheme(time):
-    """Time integration of the scene; its stages may replace it by a pair of Newmark's parameters."""
-    if not time.inertia:
-        return Scheme(inertia=False)
-    if time.scheme == "generalised-alpha":
-        return Scheme.generalised_alpha(time.spectral_radius or 0.0)
-    return Scheme.energy_momentum() if time.scheme == "energy-momentum" else Scheme.newmark(time.beta, time.gamma)

@@ -16,7 +16,7 @@ import pytest
 from hybrid.body import rigid
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Pull, Scene, Soil, Solver, Stage, Time
 from hybrid.scheme import Scheme
-from hybrid.setup.build import build, build_scheme
+from hybrid.setup.build import build
 from hybrid.simulation import Simulation
 from hybrid.soil.model import Soil as SoilModel
 
@@ -104,7 +104,7 @@ def swing(geometry):
 
     def run(phase, steps, speed=0.5, tolerance=1e-12, **time):
         described = hung(geometry, Time(phase / frequency / steps, **time), steps, speed, tolerance)
-        simulation = Simulation(described, replace(first.model, scheme=build_scheme(described.time),
+        simulation = Simulation(described, replace(first.model, scheme=Scheme.of(described.time),
                                                    solver=described.solver), first.state, [])
         simulation.state.bodies[0].velocity[0] = speed
         motion = [simulation.state.bodies[0]]

@@ -7,7 +7,6 @@ import pytest
 
 from hybrid.scene import Time
 from hybrid.scheme import Scheme
-from hybrid.setup.build import build_scheme
 from hybrid.state import BodyState, Points, State
 from hybrid.step.equations import for_increment
 
@@ -23,7 +22,7 @@ ALPHA, CONSERVING = Scheme.generalised_alpha(0.5), Scheme.energy_momentum()
     ({"scheme": "energy-momentum", "inertia": False}, Scheme(inertia=False), "none, the scene is quasi-static"),
 ])
 def test_the_scheme_of_a_scene_and_its_name(options, scheme, name):
-    found = build_scheme(Time(0.1, **options))
+    found = Scheme.of(Time(0.1, **options))
     assert found == scheme and str(found) == name
 
 
