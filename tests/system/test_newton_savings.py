@@ -65,10 +65,8 @@ def test_a_linear_system_is_not_solved_farther_than_the_tolerance_needs():
     assert iteration.linear_tolerance(solver, 1e-5, 2e-4) == pytest.approx(5e-4)      # stiff contact: in proportion
 
 
-@pytest.mark.parametrize("left, fewer", [(iteration.LEFT, True), (0.0, False)])
-def test_the_last_linear_system_takes_fewer_iterations(monkeypatch, left, fewer):
-    whole = krylov_of(monkeypatch, 0.0)
-    assert (krylov_of(monkeypatch, left) < whole) is fewer
+def test_the_last_linear_system_takes_fewer_iterations(monkeypatch):
+    assert krylov_of(monkeypatch, iteration.LEFT) < krylov_of(monkeypatch, 0.0)
 
 
 def krylov_of(monkeypatch, left):
