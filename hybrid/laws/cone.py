@@ -151,12 +151,14 @@ def _rows(law, plastic):
     return np.column_stack([law.parameters, unlimited])
 
 
-def plane_strain_angle(parameters):
-    """Friction angle [degrees] in plane strain, where plastic flow leaves the thickness alone, of one row of `parameters`.
+def plane_strain_strength(parameters):
+    """(friction angle [degrees], cohesion over that given) in plane strain, where plastic flow leaves the thickness alone,
+    of one row of `parameters`.
 
-    The middle deviator is then s_2 = -2/3 η̄ √J2, and sin φ = √(1 - η̄²/3) / (g/η - η̄/3), with g and η̄ of its Lode angle.
+    The middle deviator is then s_2 = -2/3 η̄ √J2. With r = √(1 - η̄²/3) / (g - η η̄/3), and g and η̄ of its Lode angle,
+    sin φ = η r and c cos φ = ξ r times the cohesion given.
     """
-    eta, compressed, ratio, dilation_ratio, corner = np.asarray(parameters, dtype=float)[[2, 3, 5, 8, 9]]
+    eta, compressed, ratio, dilation_ratio, corner, xi = np.asarray(parameters, dtype=float)[[2, 3, 5, 8, 9, 10]]
     g, eta_bar = 1.0, compressed
     for _ in range(60 if ratio < 1.0 or dilation_ratio < 1.0 else 0):
         middle = -2 / 3 * eta_bar
@@ -164,8 +166,9 @@ def plane_strain_angle(parameters):
         deviator = np.array([radius - middle / 2, middle, -radius - middle / 2])     # of √J2 = 1
         g = _section(deviator, np.sqrt(2.0), ratio, corner)[0]
         eta_bar = compressed / _section(deviator, np.sqrt(2.0), dilation_ratio, corner)[0]
-    sine = np.sqrt(1 - eta_bar**2 / 3) / (g / eta - eta_bar / 3)
-    return float(np.degrees(np.arcsin(min(sine, 1.0))))
+    root = np.sqrt(1 - eta_bar**2 / 3) / (g - eta * eta_bar / 3)
+    angle = np.arcsin(min(eta * root, 1.0))
+    return float(np.degrees(angle)), float(xi * root / np.cos(angle))
 
 
 @njit(cache=True)

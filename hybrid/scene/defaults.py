@@ -90,7 +90,8 @@ def _cone(scene, material):
         return None, "no law of the soil is a circular cone"
     if sum(_collapsed(scene)) == 1:
         return "plane strain", "the scene is in plane strain, where the cone has Mohr-Coulomb's or Tresca's strength"
-    if "drucker-prager" not in laws(scene.soil) and not any(_collapsed(scene)):
+    cones = [clay for m, clay in zip(materials(scene.soil), clay_layers(scene.soil)) if m.law == "drucker-prager"]
+    if all(cones) and not any(_collapsed(scene)):
         return "plane strain", ("sheared in a plane clay has s_u, and nowhere more than Tresca's law; with s_u of "
                                 "triaxial compression there, set compression: 1.15 times as strong")
     return "compression", "the strength in triaxial compression is that of Mohr-Coulomb or Tresca"

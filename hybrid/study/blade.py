@@ -11,7 +11,7 @@ whose share is s; β is that of the smallest N_γ. Without the crescents (w infi
 0 Rankine's. The formulas follow from the equilibrium of the wedge, weight γ d r/2 a width, and of the sectors of the
 crescents, weight γ d r²/6 an angle, each pushed in its own direction. McKyes and Ali, J. Terramech. 14 (1977) 43-51.
 
-In plane strain a cone has a friction angle of its own, `hybrid.laws.cone.plane_strain_angle`.
+In plane strain a cone has a friction angle of its own, `hybrid.laws.cone.plane_strain_strength`.
 """
 
 import numpy as np

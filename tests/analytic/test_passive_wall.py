@@ -7,7 +7,7 @@ in the cells, and is extrapolated.
 
 import pytest
 
-from hybrid.laws.cone import plane_strain_angle
+from hybrid.laws.cone import plane_strain_strength
 from hybrid.runtime.data import GEOMETRY
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Scene, Soil, Stage, Time
 from hybrid.setup.build import build
@@ -29,7 +29,7 @@ def force_over_rankine(cells, travel, cone="plane strain", depth=0.4, base=False
     simulation = build(Scene(name="wall", grid=grid, soil=Soil(Material(relative_density=38.0, cone=cone), top=0.0),
                              bodies=(wall,), time=Time(1.0), stages=(Stage("push", STEPS),)))
     *_, record = simulation.steps()
-    angle = plane_strain_angle(simulation.model.soil.law.parameters[0])
+    angle = plane_strain_strength(simulation.model.soil.law.parameters[0])[0]
     return -record.bodies[0].contact_force[0] / (draft((WEIGHT, COHESION, angle), 0.0, depth, 1e9) / 1e9), angle
 
 

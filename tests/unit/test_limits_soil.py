@@ -93,21 +93,26 @@ def test_soil_that_nothing_holds_is_reported_without_inertia():
 
 
 def test_a_cone_that_is_too_strong_in_plane_strain_is_reported():
-    """Where a scene asks for it, with its friction angle there; not in space, nor where it is left out."""
+    """Where a scene asks for it, with its friction angle there; in space where soil may be sheared in a plane."""
     def of(collapsed, **material):
         side = Axis(start=0.0, end=2.0, size=1.0)
         m = Material(**{"law": "drucker-prager", "relative_density": 38.0, **material})
         grid = Grid(side, Axis(start=0.0, end=1.0, collapsed=True) if collapsed else side, side)
         scene = Scene(name="block", grid=grid, soil=Soil(m, geostatic=False), time=Time(step=0.1), stages=(Stage("go", 1),))
-        return list(soil.strong_cone(scene, build(scene).model))
+        simulation = build(scene)
+        return list(soil.strong_cone(simulation.scene, simulation.model))
 
     (text,) = of(True, cone="compression")
     assert re.search("50.6 degrees in plane strain.*Leave soil.material.cone out", text)
-    assert not of(False, cone="compression") and not of(True) and not of(True, law="willam-warnke")
+    (text,) = of(False)
+    assert re.search('law = "drucker-prager", in space.*50.6 degrees where it is sheared.*Leave soil.material.law out', text)
+    assert not of(False, cone="plane strain") and not of(True) and not of(True, law="willam-warnke")
     arc = {"law": "willam-warnke", "relative_density": None, "young": 1e6, "poisson": 0.3, "density": 1800.0,
            "friction_angle": 33.0, "dilation_angle": 0.0, "cohesion": 0.0}
     (text,) = of(True, **arc)
     assert re.search("friction angle of 36.4 degrees in plane strain, the 33 given.*Leave soil.material.law out", text)
     assert not of(False, **arc) and not of(True, **arc | {"law": "mohr-coulomb"})
+    (text,) = of(True, **arc | {"friction_angle": 0.0, "cohesion": 1e4})
+    assert "friction angle of 0 degrees" in text and "1.15 of the cohesion" in text
     clay = {"law": "von-mises", "relative_density": None, "young": 1e6, "poisson": 0.3, "density": 1800.0, "strength": 1e4}
     assert len(of(True, **clay, cone="compression")) == 1 and not of(True, **clay)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hybrid.laws.cone import UNLIMITED, plane_strain_angle
+from hybrid.laws.cone import UNLIMITED, plane_strain_strength
 from hybrid.runtime.comm import anywhere, joined, maximum, minimum
 from hybrid.scene.defaults import POISSON
 from hybrid.scene.soil import materials
@@ -22,8 +22,7 @@ def slab(scene, model):
         rollers = {getattr(scene.grid.faces, f"{name}_{side}") for side in ("min", "max")} == {"roller"}
         if rollers and not (model.soil.held or grid.collapsed.any()) and len(grid.lines[axis]) == 2:
             yield (f"grid.{name} is one cell between rollers, which is plane strain. Set grid.{name}.collapsed = true: it "
-                   "takes two unknowns a node instead of three, clay then has its strength of plane strain, and other "
-                   "notes on plane strain apply")
+                   "takes two unknowns a node instead of three, and the laws and notes of plane strain apply")
             return
 
 
@@ -73,26 +72,37 @@ def softening(scene, model):
 
 
 def strong_cone(scene, model):
-    """A cone through the compression corners of Mohr-Coulomb's pyramid, or of Tresca's prism, in plane strain; and Willam
-    and Warnke's arc through these, which sand of a relative density has because its angle is that of triaxial
-    compression."""
-    law = model.soil.law
-    if model.soil.held or model.soil.grid.collapsed.sum() != 1 or not law.plastic or law.parameters is None:
+    """A cone through the compression corners of Mohr-Coulomb's pyramid, or of Tresca's prism, where soil is sheared in a
+    plane, as all of it is in plane strain; and there Willam and Warnke's arc through these, which sand of a relative density
+    has because its angle is that of triaxial compression."""
+    law, collapsed = model.soil.law, model.soil.grid.collapsed.sum()
+    if model.soil.held or collapsed > 1 or not law.plastic or law.parameters is None:
         return
-    laws = {m.law for m in materials(scene.soil) if m.cone == "compression"}
-    if "drucker-prager" in laws:
-        angle = maximum([plane_strain_angle(row) for row in np.unique(law.parameters[law.parameters[:, 2] > 0], axis=0)])
-        yield (f'soil.material.cone = "compression": this cone has a friction angle of {angle:.3g} degrees in plane '
-               'strain, far more than the one given, its limit. Leave soil.material.cone out')
-    arcs = [m.friction_angle for m in materials(scene.soil) if m.law == "willam-warnke" and m.relative_density is None]
-    if arcs and any(arcs):
-        angle = maximum([plane_strain_angle(row) for row in np.unique(law.parameters[law.parameters[:, 5] < 1.0], axis=0)])
+    found = [m for m in materials(scene.soil) if m.cone == "compression"]
+    if any(m.law == "drucker-prager" and m.friction_angle != 0.0 for m in found):
+        angle, _ = _sheared_in_a_plane(law, law.parameters[:, 2] > 0.0)
+        name, where = (("cone", "in plane strain") if collapsed else
+                       ("law", "where it is sheared in a plane, as before a blade, under a strip or between rollers"))
+        given = 'soil.material.cone = "compression"' if collapsed else 'soil.material.law = "drucker-prager", in space'
+        yield (f"{given}: this cone has a friction angle of {angle:.3g} degrees {where}, far more than the "
+               f"one given, its limit. Leave soil.material.{name} out")
+    if not collapsed:
+        return
+    arcs = [m for m in materials(scene.soil) if m.law == "willam-warnke" and m.relative_density is None]
+    if arcs:
+        angle, cohesion = _sheared_in_a_plane(law, (law.parameters[:, 5] < 1.0) | (law.parameters[:, [2, 9]] == 0.0).all(axis=1))
         yield (f'soil.material.law = "willam-warnke": this law has a friction angle of {angle:.3g} degrees in plane '
-               f"strain, the {max(arcs):.3g} given in triaxial compression. Leave soil.material.law out if the angle "
-               "given is that of plane strain")
-    if "von-mises" in laws:
+               f"strain, the {max(m.friction_angle for m in arcs):.3g} given in triaxial compression, and {cohesion:.3g} of "
+               "the cohesion. Leave soil.material.law out if the values given are those of plane strain")
+    if any(m.law == "von-mises" for m in found):
         yield ('soil.material.cone = "compression": in plane strain this cone carries 2/√3 = 1.15 of the strength given, '
                'limit 1. Leave soil.material.cone out')
+
+
+def _sheared_in_a_plane(law, which):
+    """Largest friction angle [degrees] and cohesion over that given, in plane strain, of the points `which` (n,) bool."""
+    found = np.array([plane_strain_strength(row) for row in np.unique(law.parameters[which], axis=0)]).reshape(-1, 2)
+    return maximum(found[:, 0], 0.0), maximum(found[:, 1], 0.0)
 
 
 def _poisson(law):
