@@ -91,7 +91,14 @@ class Model:
         bodies, joints, lost = joint_rates.begin_stage(self, bodies, state.joints)
         if lost:
             work["drive"] = work.get("drive", 0.0) - lost
-        return replace(state, bodies=bodies, work=work, joints=joints)
+        return replace(state, points=self._with_gravity(state.points, more), bodies=bodies, work=work, joints=joints)
+
+    def _with_gravity(self, points, more):
+        """Points to which so much `more` (3,) [m/s²] gravity acts from now on, which accelerates them before stress answers."""
+        if self.soil.held or not (self.scheme.inertia and more.any()):
+            return points
+        algorithmic = None if points.algorithmic is None else points.algorithmic + more
+        return replace(points, acceleration=points.acceleration + more, algorithmic=algorithmic)
 
     def beginning(self):
         """The same model for an increment in which forces begin: by generalised alpha with ρ∞ = 0, in which pressure that
