@@ -1,15 +1,17 @@
-"""Contact of a body of plane faces with level held ground, at places on the body instead of on the ground.
+"""Contact of a body with level held ground at places on the body instead of on the ground, where it does not lie on a
+curved face.
 
     F = Σ k a f(y)      over places of the body's faces, edges and corners (`hybrid.contact.samples`), f the law of
                         `hybrid.contact.soil_to_body` against the ground, a rigid block at rest
 
 Points of the ground cannot see an edge or a corner that comes down between them, and take the normals of the faces beside
-it: a cube that fell on its edge was pushed sideways and gained 30 % of its energy, the more the smaller the cells. Against
-the ground's own plane the force is upright, and follows from a potential. A curved face rolls on points of the ground more
-evenly than on places of its own (`hybrid.contact.contact_pair`).
+it: a cube that fell on its edge was pushed sideways and gained 30 % of its energy, the more the smaller the cells, and one
+that was to slide on its edge without friction stuck. Against the ground's own plane the force is upright, and follows from
+a potential. A curved face rolls on points of the ground more evenly than on places of its own
+(`hybrid.contact.contact_pair`), so a body that lies on nothing else is left to these.
 
 `GroundPair` does what ContactPair does (`hybrid.contact.pair`), as long as all of the body is over the ground: its ends,
-and what is beside it, are left to points of the ground. Where several processes run, the first one has all places.
+and what is beside it, are left to points of the ground too. Where several processes run, the first one has all places.
 """
 
 from dataclasses import dataclass
@@ -27,6 +29,8 @@ from hybrid.state import ContactHistory
 
 AT_REST = np.zeros(3), np.eye(3)    # pose of the ground
 OF_BODY = -1                        # number of the soil point in the history of a place on the body
+LOWEST = 1.6e-3                     # of the spacing: height over the lowest place up to which a body stands on others too
+ROLLS = np.cos(np.radians(8.0))     # of a curved face that lies on the ground: between its normal there and downwards
 
 
 @dataclass(frozen=True)
@@ -48,7 +52,8 @@ class PlacesOverPlane:
 class HeldGround:
     """Level held ground under a body: side: places of the body, a, on the ground, b; stiffness: k [N/m³]; low, high: (3,)
     [m] ends of the ground; collapsed: (3,) bool axes; spacing: [m] of the places; faces: (n, k) triangles of the body at the
-    place of each number, -1 for none, None where no part of the surface is told apart."""
+    place of each number, -1 for none, None where no part of the surface is told apart; curves: (n, 2, 3) normals of curved
+    faces at each place, 0 where there is none, None of a body that has none."""
 
     side: Side
     stiffness: float
@@ -57,6 +62,7 @@ class HeldGround:
     collapsed: np.ndarray
     spacing: float
     faces: np.ndarray | None = None
+    curves: np.ndarray | None = None
 
     def triangles(self, number, down, surface):
         """(m,) triangle at places of these numbers, of several the one that looks most along `down` (m, 3) in the body's
@@ -66,9 +72,18 @@ class HeldGround:
         return np.take_along_axis(faces, np.where(faces < 0, -np.inf, looks).argmax(axis=1)[:, None], axis=1)[:, 0]
 
     def carries(self, body, *poses):
-        """Whether all of a RigidBody is over the ground at poses."""
-        return all(((place > self.low) & (place < self.high) | self.collapsed)[:, :2].all() for place in (
-            position + body.surface.vertices @ rotation.T for position, rotation in poses))
+        """Whether all of a RigidBody is over the ground at poses, and it does not lie on curved faces alone."""
+        return all(self._rolls_not(pose) for pose in poses) and all(
+            ((place > self.low) & (place < self.high) | self.collapsed)[:, :2].all() for place in (
+                position + body.surface.vertices @ rotation.T for position, rotation in poses))
+
+    def _rolls_not(self, pose):
+        """Whether any of the lowest places has no curved face that looks down."""
+        if self.curves is None:
+            return True
+        height = self.side.samples.places.point @ pose[1][2]
+        lowest = self.curves[height <= height.min() + LOWEST * self.spacing]
+        return bool((lowest @ -pose[1][2] <= ROLLS).all(axis=1).any())
 
 
 @dataclass(frozen=True)

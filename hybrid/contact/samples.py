@@ -68,7 +68,8 @@ class Samples:
     pieces: the triangles that are cut where it is necessary; edges: BodyPlaces on its sharp edges and corners, whose
     clearance is not set; share: part of the body that lies in the slice of plane strain, else 1; flat: (k, 3) unit
     vectors of the body frame along collapsed axes, along which places lie at the centre of mass; first_edge: number of
-    the first place on an edge
+    the first place on an edge; beside: (e, 2, 3) normals there of the curved faces that meet at `edges`, 0 of plane ones and
+    at corners
     """
 
     pieces: Pieces
@@ -76,6 +77,7 @@ class Samples:
     share: float = 1.0
     flat: np.ndarray | None = None
     first_edge: int = 0
+    beside: np.ndarray | None = None
 
     def near(self, turn, way, surface, reach):
         """Places within `reach` [m] of the `surface` of another body, in whose frame a point X of this one is at turn X +
@@ -105,12 +107,12 @@ def sample(surface, spacing, width, corner, depth=0.0, flat=None, share=1.0):
     total = np.cumsum(np.concatenate([[0], 4**cuts]))
     patches = surface.tree.patches
     pieces = Pieces(corners, surface.normals, patches.nodes, surface.curved, patches.bulge, cuts, total[:-1])
-    point, normal, area = _edges(surface, spacing, width, corner)
+    point, normal, area, beside = _edges(surface, spacing, width, corner)
     for axis in () if flat is None else flat:
         point = point - (point @ axis)[:, None] * axis
     zero = np.zeros(len(point))
     edges = BodyPlaces(total[-1] + np.arange(len(point)), point, normal, area, zero, zero + depth)
-    return Samples(pieces, edges, share, flat, int(total[-1]))
+    return Samples(pieces, edges, share, flat, int(total[-1]), beside)
 
 
 def flat_overlap(surface, force, stiffness):
@@ -130,8 +132,8 @@ def everywhere(surface, spacing):
 
 
 def _edges(surface, spacing, width, corner):
-    """Places (e, 3) [m] on sharp convex edges and at the corners where three of them end, normals (e, 3) there and areas
-    (e,)."""
+    """Places (e, 3) [m] on sharp convex edges and at the corners where three of them end, normals (e, 3) there, areas (e,),
+    and normals (e, 2, 3) of the curved faces beside them."""
     t, k = shared_edges(surface.triangles)
     ends = surface.triangles[t[:, 0], k[:, 0]], surface.triangles[t[:, 0], (k[:, 0] + 1) % 3]
     of_corner = surface.corner_normals
@@ -141,13 +143,15 @@ def _edges(surface, spacing, width, corner):
     behind = corners[t[:, 1]].mean(axis=1) - corners[t[:, 0]].mean(axis=1)
     bend = np.minimum(*(np.arccos(np.clip(np.einsum("ei,ei->e", *pair), -1.0, 1.0)) for pair in (start, end)))
     chosen = np.flatnonzero((bend > BEND) & (np.einsum("ei,ei->e", surface.normals[t[:, 0]], behind) < 0.0))
-    points, normals, areas = [np.zeros((0, 3))], [np.zeros((0, 3))], [np.zeros(0)]
+    points, normals, areas, beside = [np.zeros((0, 3))], [np.zeros((0, 3))], [np.zeros(0)], [np.zeros((0, 2, 3))]
     for e in chosen:
         a, b = surface.vertices[ends[0][e]], surface.vertices[ends[1][e]]
         length = np.linalg.norm(b - a)
         count = max(1, int(np.ceil(length / spacing)))
         s = (np.arange(count) + 0.5)[:, None] / count
-        own = (1 - s) * (start[0][e] + start[1][e]) + s * (end[0][e] + end[1][e])
+        sides = (1 - s)[:, None] * np.stack([start[0][e], start[1][e]]) + s[:, None] * np.stack([end[0][e], end[1][e]])
+        own = sides.sum(axis=1)
+        beside.append(sides * surface.curved[t[e]][:, None] / np.linalg.norm(sides, axis=2)[:, :, None])
         points.append((1 - s) * a + s * b - s * (1 - s) * _bow(surface, t[e, 0], k[e, 0]))
         normals.append(own / np.linalg.norm(own, axis=1)[:, None])
         areas.append(np.full(count, width * length / count))
@@ -160,7 +164,8 @@ def _edges(surface, spacing, width, corner):
         points.append(surface.vertices[at])
         normals.append(total / np.linalg.norm(total, axis=1)[:, None])
         areas.append(np.full(len(at), corner))
-    return np.concatenate(points), np.concatenate(normals), np.concatenate(areas)
+        beside.append(np.zeros((len(at), 2, 3)))
+    return tuple(np.concatenate(each) for each in (points, normals, areas, beside))
 
 
 def _bow(surface, t, k):

@@ -123,7 +123,7 @@ def _connected(described, mesh, mirrors, placed, soil, gravity, alone):
                           connected.mass.mass / body.mass.mass)
     connected = replace(connected, stray_cap=stray_cap(mesh, mirrors), parts=parts)
     if on_ground.is_made_for(described, connected, motion, soil):
-        connected = replace(connected, ground=on_ground.ground_of(connected, motion.rotation, soil, gravity))
+        connected = replace(connected, ground=on_ground.ground_of(connected, motion, soil, gravity))
     return connected
 
 

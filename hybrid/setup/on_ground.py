@@ -1,4 +1,4 @@
-"""Level held ground under bodies of plane faces: which are in contact with it at places of their own, and how stiff.
+"""Level held ground under bodies with edges: which are in contact with it at places of their own, and how stiff.
 
     k = F / ((d/4)² δ)      F the weight of the body, d its size, δ = d/80 000 its overlap on a face of d/4
 
@@ -16,6 +16,7 @@ import numpy as np
 
 from hybrid.body import rigid
 from hybrid.body.surface import build_surface
+from hybrid.body.symmetry import AXES, copies
 from hybrid.contact.body_to_body import Side
 from hybrid.contact.on_ground import HeldGround, PlacesOverPlane
 from hybrid.contact.samples import flat_overlap, sample
@@ -34,19 +35,22 @@ SIDES = (0, 2, 1), (0, 3, 2), (4, 5, 6), (4, 6, 7)      # triangles of bottom an
 
 
 def is_made_for(described, body, motion, soil):
-    """Whether a body touches the held ground at places of its own: one without a curved face, above level ground, with a
-    penalty that is left out. motion: BodyState at the start."""
-    plain = soil.held and soil.heights is None and described.penalty is None and described.contact != "corners"
-    if not plain or body.mirrors or body.interface or body.surface.curved.any() or soil.grid.collapsed[2]:
+    """Whether a body touches the held ground at places of its own where it stands on them: one that is not curved all over,
+    above level ground, with a penalty that is left out. motion: BodyState at the start."""
+    plain = soil.held and described.penalty is None and described.contact != "corners"
+    if not plain or body.interface or body.surface.curved.all() or soil.grid.collapsed[2]:
         return False
-    return rigid.bounding_box(body, motion)[0][2] > _ends(soil)[1][2] - INSIDE * 2.0 * body.surface.radius
+    box = rigid.bounding_box(body, motion)
+    ends = _level(soil, box)
+    return ends is not None and box[0][2] > ends[1][2] - INSIDE * 2.0 * body.surface.radius
 
 
-def ground_of(body, rotation, soil, gravity):
-    """HeldGround under a body at an initial `rotation` (3, 3); gravity (3,) [m/s²]."""
-    collapsed, size = soil.grid.collapsed, 2.0 * _radius(body.surface, rotation, soil.grid.collapsed)
+def ground_of(body, motion, soil, gravity):
+    """HeldGround under a body with the initial state `motion`; gravity (3,) [m/s²]."""
+    collapsed, rotation = soil.grid.collapsed, motion.rotation
+    size, across = 2.0 * _radius(body.surface, rotation, collapsed), [mirror for mirror in body.mirrors if not mirror.cut]
     thickness = np.prod(np.ptp(soil.grid.extent[collapsed], axis=1)) if collapsed.any() else None
-    weight = body.mass.mass * (float(np.linalg.norm(gravity)) or STANDARD)
+    weight = copies(body.mirrors) * body.mass.mass * (float(np.linalg.norm(gravity)) or STANDARD)
     face = (size / 4)**2 if thickness is None else thickness * size / 4
     stiffness, surface, flat, share, width = weight / (face * SINKS * size), body.surface, None, 1.0, EDGE * size
     depth = DEEPER * flat_overlap(surface, weight, stiffness)
@@ -54,11 +58,22 @@ def ground_of(body, rotation, soil, gravity):
         flat, width, depth = rotation[collapsed], IN_SLICE * width, 0.0
         surface = _thin(surface, flat, size)
         share = thickness / np.prod([np.ptp(surface.vertices @ axis) for axis in flat])
-    samples = sample(surface, size / PLACES, width, CORNER * size**2, depth, flat, share)
-    (low, high), block = _ends(soil), _block(soil, FAR * size)
+    samples = sample(surface, size / PLACES, width, CORNER * size**2, depth, flat, share / copies(across))
+    low, high = _beyond_mirrors(_level(soil, rigid.bounding_box(body, motion)), body.mirrors, FAR * size)
+    block = _block(low, high, collapsed, FAR * size)
     places = PlacesOverPlane(samples.near(np.eye(3), np.zeros(3), block, np.inf), high[2])
     faces = _faces(samples, surface) if body.parts else None
-    return HeldGround(Side(0, 1, places, block), stiffness, low, high, collapsed, size / PLACES, faces)
+    curves = _curves(samples, surface, places.places) if surface.curved.any() else None
+    return HeldGround(Side(0, 1, places, block), stiffness, low, high, collapsed, size / PLACES, faces, curves)
+
+
+def _curves(samples, surface, places):
+    """Normals (n, 2, 3) of the curved faces at `places`, 0 where there is none."""
+    count = 4**samples.pieces.cuts
+    curved = np.concatenate([np.repeat(surface.curved, count), np.zeros(len(samples.edges.point), bool)])
+    found = np.concatenate([np.zeros((count.sum(), 2, 3)), samples.beside])[places.number]
+    found[:, 0] += np.where(curved[places.number, None], places.normal, 0.0)
+    return found
 
 
 def _faces(samples, surface):
@@ -88,16 +103,48 @@ def _thin(surface, axes, size):
     return build_surface(vertices, surface.triangles)
 
 
-def _block(soil, far):
+def _block(low, high, collapsed, far):
     """ContactSurface of the ground's top, and of a bottom `far` [m] below it, so that what goes deep in a long step is
     pushed up. It has no sides: what is beside it is out of its bounds. Along collapsed axes, about which bodies are at 0,
     it reaches `far`."""
-    low, high = _ends(soil)
-    low, high = np.where(soil.grid.collapsed, -far, low), np.where(soil.grid.collapsed, far, high)
+    low, high = np.where(collapsed, -far, low), np.where(collapsed, far, high)
     low[2] = high[2] - far
     corners = [(x, y, z) for z in (low[2], high[2])
                for x, y in ((low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1]))]
     return build_surface(np.array(corners), np.array(SIDES))
+
+
+def _level(soil, box):
+    """(low, high) (3,) [m] of the level ground that is all of it, or that a profile has, under a bounding box (2, 3) [m];
+    None where it is not level."""
+    low, high = _ends(soil)
+    if soil.heights is None:
+        return low, high
+    (x, y, z), top = soil.heights
+    z = np.minimum(z, top)
+    if y is not None and np.ptp(z) > 0.0:
+        return None
+    if y is None:
+        first, last = np.searchsorted(x, box[0][0], side="right") - 1, np.searchsorted(x, box[1][0])
+        under = z[max(first, 0):last + 1]
+        if not len(under) or np.ptp(under) > 0.0:
+            return None
+        other = np.flatnonzero(z != under[0])
+        before, after = other[other < max(first, 0)], other[other > first]
+        low[0] = max(low[0], x[before[-1] + 1]) if len(before) else low[0]
+        high[0] = min(high[0], x[after[0] - 1]) if len(after) else high[0]
+    high[2] = np.min(z) if y is not None else under[0]
+    return low, high
+
+
+def _beyond_mirrors(ends, mirrors, far):
+    """Ends of the ground, (low, high) (3,) [m], that goes on by `far` [m] beyond planes of symmetry."""
+    low, high = (end.copy() for end in ends)
+    for mirror in mirrors:
+        axis = AXES[mirror.axis]
+        side = low if abs(mirror.at - low[axis]) < abs(mirror.at - high[axis]) else high
+        side[axis] += far if side is high else -far
+    return low, high
 
 
 def _ends(soil):

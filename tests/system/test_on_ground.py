@@ -1,4 +1,4 @@
-"""Bodies of plane faces on level held ground: edges and corners that strike it, blocks that slide, stand, tip and lie on an
+"""Bodies with edges on level held ground: edges and corners that strike it, blocks that slide, stand, tip and lie on an
 edge. What happens does not depend on where, nor on the cells."""
 
 from dataclasses import replace
@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from hybrid.body.attitude import exp_so3
+from hybrid.runtime.data import GEOMETRY
 from hybrid.scene import Axis, Load, Stage, Time
 from hybrid.setup import on_ground
 from hybrid.setup.build import build
@@ -121,6 +122,44 @@ def test_a_wedge_lies_on_its_edge():
     start, body = simulation.initial_bodies[0].position, records[-1].bodies[0]
     assert abs(body.position[0] - start[0]) < 1e-9 and 0.0 < start[2] - body.position[2] < 5e-4
     assert body.contact_force[2] == pytest.approx(27.0 * G, rel=0.02)
+
+
+CAN = replace(box(1.0, 1.0, 1.0), name="can", geometry=GEOMETRY / "cylinder.geo",
+              parameters={"radius": 0.25, "height": 0.5, "size": 0.1})
+PROFILE = ((-2.0, 0.0), (2.0, 0.0), (3.0, -0.1))    # level under the body
+
+
+@pytest.mark.parametrize("changes", [{"body": CAN}, {"half": True}, {"body": CAN, "half": True}, {"ground": PROFILE}])
+def test_nothing_holds_a_smooth_body_on_an_edge(changes, monkeypatch):
+    """A box, and a can on its rim, whole, half or over a profile, pushed by 0.4 W: 0.4 g t²/2 in 0.1 s. On points of the
+    ground they stick."""
+    half, body = changes.get("half", False), changes.get("body", box(0.5, 0.5, 0.5))
+    body = replace(body, rotation=(0.0, 1.0, 0.0, 30.0), density=1000.0, rest_on=0.0, friction=0.0, held=("rx", "ry", "rz"))
+    described = plane(body, 1, 5e-3, cells=(12, 8), gravity=(0.0, 0.0, -G))
+    grid = replace(described.grid, x=Axis(start=-3.0, end=3.0, size=0.25))
+    if half:
+        grid = replace(grid, y=Axis(start=0.0, end=1.0, size=0.25), faces=replace(grid.faces, y_min="roller"))
+    soil = replace(described.soil, ground=changes.get("ground"), top=0.0)
+    described, found = replace(described, grid=grid, soil=soil), []
+    for places in (True, False):
+        if not places:
+            monkeypatch.setattr(on_ground, "is_made_for", lambda *given: False)
+        force = 0.4 * G * build(described).masses[0].mass
+        push = Stage("push", 20, loads=(Load(force=(force, 0.0, 0.0)),))
+        simulation = build(replace(described, stages=(push,)))
+        assert bool(simulation.model.bodies[0].mirrors) == half
+        *_, last = simulation.steps()
+        found.append(last.bodies[0].position[0] - simulation.initial_bodies[0].position[0])
+    assert found[0] == pytest.approx(0.4 * G * 0.1**2 / 2, rel=0.01) and found[1] < 0.6 * found[0]
+
+
+@pytest.mark.parametrize("tilt, carried", [(0.0, True), (30.0, True), (87.0, False), (90.0, False), (75.0, True)])
+def test_a_can_that_lies_on_its_side_is_left_to_points_of_the_ground(tilt, carried):
+    """On its base and on its rim it touches the ground at places of its own."""
+    can = replace(CAN, rotation=(0.0, 1.0, 0.0, tilt), rest_on=0.0)
+    simulation = build(plane(can, 1, 0.01))
+    body, state = simulation.model.bodies[0], simulation.state.bodies[0]
+    assert body.ground.carries(body, state.pose) == carried
 
 
 def test_a_block_over_the_end_of_the_ground_tips_over_it():

@@ -133,6 +133,18 @@ def test_a_cylinder_deep_in_clay_on_few_cells(across, adhesion, said):
     assert all(said in text and f"{across} cells of" in text and "limit 10%" in text for text in found)
 
 
+@pytest.mark.parametrize("share, count", [(1.0, 1), (0.4, 0)])
+def test_a_cylinder_that_a_force_pushes_through_clay_is_told_as_a_driven_one(share, count):
+    """By what it carries, and by two fifths of that."""
+    described = plasticity.buried(4)
+    pipe = replace(described.bodies[0], driven=(), velocity=(0.0, 0.0, 0.0))
+    force = share * 9.14 * 0.125 * described.soil.material.strength      # of 1 m in a slice of half a cell
+    push = replace(described.stages[0], loads=(Load(force=(force, 0.0, 0.0)),))
+    simulation = build(replace(described, bodies=(pipe,), stages=(push,)))
+    found = list(clay_cells.flow_around(simulation.scene, simulation.model))
+    assert len(found) == count and all("about 19%" in text for text in found)
+
+
 def test_a_pile_in_plan_is_deep_in_clay():
     """The slice has no top."""
     pile = body("cylinder.geo", {"radius": 0.5, "height": 1.0, "size": 0.1}, position=(0.0, 0.0, 0.5), driven=("x",),

@@ -22,7 +22,7 @@ from collections import Counter
 import numpy as np
 
 from hybrid.monitors.limits.loading import (CLAY, EXCESS, ON_LINE, driven, faces, feet, heading, law_at, leads, loaded,
-                                            material_at, narrowest, sides, stays_attached, top_of)
+                                            material_at, narrowest, sides, stays_attached, through_clay, top_of)
 from hybrid.runtime.comm import maximum, minimum
 
 ATTACHED, ROUND, EDGE, WEDGE = 1.75, 1.5, 0.3, 0.7
@@ -130,7 +130,7 @@ def flow_around(scene, model):
     if soil.held or material.law != CLAY or soil.grid.collapsed.any() or material.cone != "plane strain":
         return
     top = top_of(soil)
-    for body, travel, place, plane in driven(scene, model):
+    for body, travel, place, plane in through_clay(scene, model):
         depth = top - place[:, 2].min() - min(travel[2], 0.0)
         # of the whole, where half of it is modelled
         width = narrowest(soil.grid, place, np.array([0.0, 0.0, 1.0]))
@@ -138,7 +138,7 @@ def flow_around(scene, model):
         pile = abs(travel[2]) < LEVEL * np.linalg.norm(travel) and place[:, 2].max() > top
         bar = np.ptp(place[:, :2], axis=0).max() > LONG * width
         if width and not (plane or pile or bar) and depth > (1.0 + DEEP) * width:
-            yield (f"{body.name} is driven {depth / width:.2g} of its widths deep, limit {1 + DEEP:g}, through clay as "
+            yield (f"{body.name} is moved {depth / width:.2g} of its widths deep, limit {1 + DEEP:g}, through clay as "
                    'strong as s_u where it is sheared in a plane (soil.material.cone = "plane strain"): flow around a '
                    "body in space is partly that of triaxial compression and extension, where this clay has 0.87 s_u, "
                    "and a ball carries 12 % less than in Tresca's at least. Set soil.material.cone = "

@@ -29,7 +29,7 @@ import numpy as np
 from hybrid.body.symmetry import copies
 from hybrid.monitors.limits.sand_cells import PASSIVE, Wedge, beside, depths, free_walls, pushed
 from hybrid.monitors.limits.loading import (CLAY, EXCESS, ON_LINE, STEEP, driven, facing, law_at, loaded, material_at,
-                                         narrowest, outline, sides, stays_attached, top_of)
+                                         narrowest, outline, sides, stays_attached, through_clay, top_of)
 from hybrid.runtime.comm import anywhere, total
 
 LOWER = 1.4         # cells that the wedge is lower than the wall
@@ -91,12 +91,12 @@ def attached_slides(scene, model):
 
 
 def flow_around(scene, model):
-    """Round bodies driven through clay that covers them, in plane strain, so few cells wide that their load is more than
+    """Round bodies driven, or pushed by forces, through clay that covers them, in plane strain, so few cells wide that their load is more than
     EXCESS too high."""
     soil = model.soil
     if soil.held or soil.grid.collapsed.sum() != 1:
         return
-    for body, travel, place, plane in driven(scene, model):
+    for body, travel, place, plane in through_clay(scene, model):
         width = narrowest(soil.grid, place, travel)
         above = np.inf if soil.grid.collapsed[2] else top_of(soil) - place[:, 2].max()
         if plane or not width or above < COVERED * width or facing(body, place, travel) is not None or law_at(
@@ -148,12 +148,12 @@ def lifted_plates(scene, model):
 
 
 def balls(scene, model):
-    """Balls and other short round bodies driven in clay that covers them in the end, in space, so few cells wide that their
+    """Balls and other short round bodies driven, or pushed by forces, in clay that covers them in the end, in space, so few cells wide that their
     load is more than EXCESS too high."""
     soil = model.soil
     if soil.held or soil.grid.collapsed.any():
         return
-    for body, travel, place, plane in driven(scene, model):
+    for body, travel, place, plane in through_clay(scene, model):
         width = narrowest(soil.grid, place, travel)
         short = np.ptp(place[:, 2]) <= SHAFT * width
         above = top_of(soil) - place[:, 2].max() - min(travel[2], 0.0)

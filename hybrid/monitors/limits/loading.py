@@ -8,6 +8,7 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
+from hybrid.body.symmetry import copies
 from hybrid.laws.sand import material_values
 from hybrid.laws.user import is_of_user
 from hybrid.monitors.limits.contact import initial_pose, initial_vertices, levelled, path_along, top_of
@@ -23,6 +24,7 @@ ASKEW = 0.75                    # the same of a travel askew to the face: a plat
 ASIDE = 0.05 * (1.0 + 1e-6)     # not decided by round-off
 ACROSS = 0.1                    # cosine between a travel and an axis of the grid that is across it
 ON_LINE = 0.15                  # cells between an edge and a line of the grid: contact sees the edge there as on it
+PUSHED = 5.0                    # s_u: pipes and balls deep in clay carry 9 to 13
 STEEP = 1.5                     # cells: a lower step of the ground is a slope
 ROUND = 1.25    # largest over smallest distance of a round body's surface from its middle
 SIDES = 12      # different normals of a round body
@@ -116,6 +118,19 @@ def loaded(scene, model):
             arm = np.abs(np.where(body.free[3:], moment, 0.0)).max() / abs(force[axis])
         yield (whole, travel, place, leads(whole, place, travel), inclined,
                arm if arm > ASIDE * np.ptp(place, axis=0).max() else 0.0)
+
+
+def through_clay(scene, model):
+    """(RigidBody, travel (3,) [m], places (V, 3) [m], whether a plane face leads) of each driven body, and of each that
+    forces of a stage push by PUSHED of its area across them and more, where clay flows around it; the travel is a cell."""
+    yield from driven(scene, model)
+    grid = model.soil.grid
+    for body, force, place, plane, *_ in loaded(scene, model):
+        size = np.minimum(np.ptp(place, axis=0), np.ptp(grid.extent, axis=1))
+        strength = material_at(scene, model.soil, place[:, 2].mean()).strength or np.inf
+        whole = copies(body.mirrors) * np.linalg.norm(force)
+        if whole > PUSHED * strength * np.prod(size[force == 0.0]):
+            yield body, grid.smallest_cell * force / np.linalg.norm(force), place, plane
 
 
 def joined(scene, number):
