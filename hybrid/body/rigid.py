@@ -58,7 +58,7 @@ class RigidBody:
     outline: ContactSurface of the geometry, as it is drawn; None: `surface`
     friction: μ, inf where adhesion alone limits the shear; interface: `hybrid.contact.interface.Interface`, None without
     penalty: p_f [1/m], or on held soil p_f E [N/m³]; contact_pressure: (n,) p_f E [N/m³] against each soil point, given
-        by `with_stiffness`; ground: `hybrid.contact.on_ground.HeldGround` of a body of plane faces on level held
+        by `with_stiffness`; ground: `hybrid.contact.on_ground.HeldGround` of a body with edges on level held
         ground, which takes the place of these
     borne: whether the cohesion of the soil bears the forces of all stages by far, so that it hardly flows under the body
     """

@@ -94,7 +94,7 @@ class Model:
         return replace(state, points=self._with_gravity(state.points, more), bodies=bodies, work=work, joints=joints)
 
     def _with_gravity(self, points, more):
-        """Points to which so much `more` (3,) [m/s²] gravity acts from now on, which accelerates them before stress answers."""
+        """Points to which so much `more` (3,) [m/s²] gravity acts from now on: it accelerates them before stress answers."""
         if self.soil.held or not (self.scheme.inertia and more.any()):
             return points
         algorithmic = None if points.algorithmic is None else points.algorithmic + more

@@ -91,8 +91,8 @@ def attached_slides(scene, model):
 
 
 def flow_around(scene, model):
-    """Round bodies driven, or pushed by forces, through clay that covers them, in plane strain, so few cells wide that their load is more than
-    EXCESS too high."""
+    """Round bodies driven, or pushed by forces, through clay that covers them, in plane strain, so few cells wide that their
+    load is more than EXCESS too high."""
     soil = model.soil
     if soil.held or soil.grid.collapsed.sum() != 1:
         return
@@ -148,8 +148,8 @@ def lifted_plates(scene, model):
 
 
 def balls(scene, model):
-    """Balls and other short round bodies driven, or pushed by forces, in clay that covers them in the end, in space, so few cells wide that their
-    load is more than EXCESS too high."""
+    """Balls and other short round bodies driven, or pushed by forces, in clay that covers them in the end, in space, so few
+    cells wide that their load is more than EXCESS too high."""
     soil = model.soil
     if soil.held or soil.grid.collapsed.any():
         return

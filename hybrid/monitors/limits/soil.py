@@ -90,7 +90,8 @@ def strong_cone(scene, model):
         return
     arcs = [m for m in materials(scene.soil) if m.law == "willam-warnke" and m.relative_density is None]
     if arcs:
-        angle, cohesion = _sheared_in_a_plane(law, (law.parameters[:, 5] < 1.0) | (law.parameters[:, [2, 9]] == 0.0).all(axis=1))
+        arc = (law.parameters[:, 5] < 1.0) | (law.parameters[:, [2, 9]] == 0.0).all(axis=1)
+        angle, cohesion = _sheared_in_a_plane(law, arc)
         yield (f'soil.material.law = "willam-warnke": this law has a friction angle of {angle:.3g} degrees in plane '
                f"strain, the {max(m.friction_angle for m in arcs):.3g} given in triaxial compression, and {cohesion:.3g} of "
                "the cohesion. Leave soil.material.law out if the values given are those of plane strain")
