@@ -43,6 +43,8 @@ SOIL = (
     Odd("relative_density", 0, 1.0001, "%", "per cent expected; is this a share, 0.38 for 38 %?"),
     Odd("friction_angle", 0, 1.6, "deg", "degrees expected; is this an angle in radians, 0.57 for 32.7 degrees?",
         FRICTIONAL),
+    Odd("friction_angle", 60, inf, "deg", "soils have 20 to 50 degrees", FRICTIONAL),
+    Odd("poisson", -inf, 0.0, "", "soils have 0.1 to 0.5"),
     Odd("young", 0, 2e5, "Pa", KILOPASCAL, FRICTIONAL),
     Odd("reference_young", 0, 2e5, "Pa", KILOPASCAL),
     Odd("young", 1e13, inf, "Pa", "steel has 2.1e11 Pa"),

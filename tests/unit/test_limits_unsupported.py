@@ -35,9 +35,12 @@ def test_soil_with_weight_over_a_free_face():
     {"faces": Faces(z_min="free"), "gravity": (0.0, 0.0, 0.0)},
     {"faces": Faces(z_min="free"), "time": Time(0.01)},
     {"faces": Faces(z_min="free"), "z": (-0.6, 0.4), "lower": (0.0, 0.0, -0.4),
-     "bodies": [box(0.8, 0.8, 0.2, position=(0.4, 0.4, -0.5), held=("x", "y", "z", "rx", "ry", "rz"))]}])
+     "bodies": [box(0.8, 0.8, 0.2, position=(0.4, 0.4, -0.5), held=("x", "y", "z", "rx", "ry", "rz"))]},
+    {"faces": Faces(z_min="free"),
+     "bodies": [box(0.8, 0.8, 0.2, position=(0.4, 0.4, 0.0), rest_on=0.0, held=("x", "y", "z", "rx", "ry", "rz"),
+                    tension="full")]}])
 def test_soil_that_is_supported_or_needs_no_support(table):
-    """By a face below or at a side, by a body below; without weight, and with inertia."""
+    """By a face below or at a side, by a body below or one to which it is bonded; without weight, and with inertia."""
     assert not notes(unsupported.soil_without_support, soil(**table))
 
 

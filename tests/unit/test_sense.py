@@ -35,6 +35,8 @@ SLOPE = "slope"
     (SLOPE, ["soil.material.density=1.7"], "soil.material.density = 1.7 kg/m³ looks wrong: kg/m³ expected"),
     (SLOPE, ["soil.material.density=1.7e6"], "a soil has 1000 to 2500 kg/m³"),
     (SLOPE, ["soil.material.friction_angle=0.57", "soil.material.dilation_angle=0.57"], "friction_angle = 0.57 deg"),
+    (SLOPE, ["soil.material.friction_angle=85"], "friction_angle = 85 deg looks wrong: soils have 20 to 50 degrees"),
+    (SLOPE, ["soil.material.poisson=-0.5"], "poisson = -0.5 looks wrong: soils have 0.1 to 0.5"),
     (SLOPE, ["gravity=[0, 0, -9810]"], "gravity = [0, 0, -9810] m/s² looks wrong: 9.81 m/s² expected"),
     (SLOPE, ["gravity=[0, 0, 9.81]"], "it acts upwards"),
     (SLOPE, [CLAY, *SHARED, "soil.material.strength=10"], "strength = 10 Pa looks wrong"),

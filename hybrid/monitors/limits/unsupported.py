@@ -23,6 +23,8 @@ def soil_without_support(scene, model):
         return
     if any(_supports(scene, soil, axis, side) for axis in range(3) for side in (0, 1)):
         return
+    if any(body.interface and body.interface.tension for body in model.bodies):     # it may hang on them
+        return
     low, cell = minimum(soil.constants.position[:, 2] - soil.constants.half_width[:, 2]), soil.grid.smallest_cell
     if any(initial_vertices(described, body)[:, 2].min() < low - 0.5 * cell
            for described, body in zip(scene.bodies, model.bodies)) or scene.joints:
