@@ -152,11 +152,11 @@ def _rows(law, plastic):
 
 
 def plane_strain_strength(parameters):
-    """(friction angle [degrees], cohesion over that given) in plane strain, where plastic flow leaves the thickness alone,
-    of one row of `parameters`.
+    """(friction angle [degrees], cohesion over that given, dilation angle [degrees]) in plane strain, where plastic flow
+    leaves the thickness alone, of one row of `parameters`.
 
     The middle deviator is then s_2 = -2/3 η̄ √J2. With r = √(1 - η̄²/3) / (g - η η̄/3), and g and η̄ of its Lode angle,
-    sin φ = η r and c cos φ = ξ r times the cohesion given.
+    sin φ = η r, c cos φ = ξ r times the cohesion given, and sin ψ = η̄ / √(1 - η̄²/3).
     """
     eta, compressed, ratio, dilation_ratio, corner, xi = np.asarray(parameters, dtype=float)[[2, 3, 5, 8, 9, 10]]
     g, eta_bar = 1.0, compressed
@@ -168,7 +168,8 @@ def plane_strain_strength(parameters):
         eta_bar = compressed / _section(deviator, np.sqrt(2.0), dilation_ratio, corner)[0]
     root = np.sqrt(1 - eta_bar**2 / 3) / (g - eta * eta_bar / 3)
     angle = np.arcsin(min(eta * root, 1.0))
-    return float(np.degrees(angle)), float(xi * root / np.cos(angle))
+    dilation = np.arcsin(min(eta_bar / np.sqrt(1 - eta_bar**2 / 3), 1.0))
+    return float(np.degrees(angle)), float(xi * root / np.cos(angle)), float(np.degrees(dilation))
 
 
 @njit(cache=True)

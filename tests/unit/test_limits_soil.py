@@ -2,6 +2,8 @@
 
 import re
 
+import numpy as np
+
 from hybrid.monitors.limits import soil, stepping
 from hybrid.scene import Axis, Faces, Grid, Layer, Material, Scene, Soil, Stage, Time
 from hybrid.setup.build import build
@@ -116,3 +118,21 @@ def test_a_cone_that_is_too_strong_in_plane_strain_is_reported():
     assert "friction angle of 0 degrees" in text and "1.15 of the cohesion" in text
     clay = {"law": "von-mises", "relative_density": None, "young": 1e6, "poisson": 0.3, "density": 1800.0, "strength": 1e4}
     assert len(of(True, **clay, cone="compression")) == 1 and not of(True, **clay)
+
+
+def test_a_slope_of_sand_that_slides_along_a_plane_is_reported():
+    """With ψ = 0 and φ = 35° from 29.8° on (Davis 1968): creeping faster and faster at 33°, at rest at 28°."""
+    def of(slope, dilation=0.0, cohesion=0.0, x=4.0):
+        sand = Material(law="drucker-prager", young=1e7, poisson=0.3, density=1700.0, friction_angle=35.0,
+                        dilation_angle=dilation, cohesion=cohesion)
+        fall = x * float(np.tan(np.radians(slope)))
+        grid = Grid(Axis(start=0.0, end=6.0, size=1.0), Axis(start=0.0, end=1.0, collapsed=True),
+                    Axis(start=-5.0, end=1.0, size=1.0), Faces(z_min="fixed"))
+        scene = Scene(name="slope", grid=grid, soil=Soil(sand, top=0.0, ground=((0.0, 0.0), (x, -fall)), geostatic=False),
+                      time=Time(step=0.1), stages=(Stage("go", 1),))
+        simulation = build(scene)
+        return list(soil.steep_slopes(simulation.scene, simulation.model))
+
+    (text,) = of(33.0)
+    assert "falls by 33 degrees" in text and "from 29.8 degrees on" in text
+    assert not of(28.0) and not of(33.0, dilation=35.0) and not of(33.0, cohesion=5e3) and not of(33.0, x=1.0)

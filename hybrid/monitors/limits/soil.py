@@ -7,6 +7,9 @@ from hybrid.runtime.comm import anywhere, joined, maximum, minimum
 from hybrid.scene.defaults import POISSON
 from hybrid.scene.soil import materials
 
+LONG = 2.0          # cells: shorter stretches of the ground are steps
+LOOSE = 0.02        # of the weight of sand as high as the ground is uneven: a cohesion below it hardly holds a slope
+
 
 def cell_crossing(scene, model):
     """Standard shape functions: the force jumps when a point crosses a face of its cell."""
@@ -80,7 +83,7 @@ def strong_cone(scene, model):
         return
     found = [m for m in materials(scene.soil) if m.cone == "compression"]
     if any(m.law == "drucker-prager" and m.friction_angle != 0.0 for m in found):
-        angle, _ = _sheared_in_a_plane(law, law.parameters[:, 2] > 0.0)
+        angle, *_ = _sheared_in_a_plane(law, law.parameters[:, 2] > 0.0)
         name, where = (("cone", "in plane strain") if collapsed else
                        ("law", "where it is sheared in a plane, as before a blade, under a strip or between rollers"))
         given = 'soil.material.cone = "compression"' if collapsed else 'soil.material.law = "drucker-prager", in space'
@@ -91,7 +94,7 @@ def strong_cone(scene, model):
     arcs = [m for m in materials(scene.soil) if m.law == "willam-warnke" and m.relative_density is None]
     if arcs:
         arc = (law.parameters[:, 5] < 1.0) | (law.parameters[:, [2, 9]] == 0.0).all(axis=1)
-        angle, cohesion = _sheared_in_a_plane(law, arc)
+        angle, cohesion, _ = _sheared_in_a_plane(law, arc)
         yield (f'soil.material.law = "willam-warnke": this law has a friction angle of {angle:.3g} degrees in plane '
                f"strain, the {max(m.friction_angle for m in arcs):.3g} given in triaxial compression, and {cohesion:.3g} of "
                "the cohesion. Leave soil.material.law out if the values given are those of plane strain")
@@ -101,9 +104,33 @@ def strong_cone(scene, model):
 
 
 def _sheared_in_a_plane(law, which):
-    """Largest friction angle [degrees] and cohesion over that given, in plane strain, of the points `which` (n,) bool."""
-    found = np.array([plane_strain_strength(row) for row in np.unique(law.parameters[which], axis=0)]).reshape(-1, 2)
-    return maximum(found[:, 0], 0.0), maximum(found[:, 1], 0.0)
+    """Largest friction angle [degrees], cohesion over that given, and dilation angle [degrees], in plane strain, of the
+    points `which` (n,) bool."""
+    found = np.array([plane_strain_strength(row) for row in np.unique(law.parameters[which], axis=0)]).reshape(-1, 3)
+    return tuple(maximum(values) for values in found.T)
+
+
+def steep_slopes(scene, model):
+    """Ground steeper than the angle at which sand without cohesion slides along a plane, which is less than its friction
+    angle where it dilates less (Davis 1968)."""
+    soil, law, surface = model.soil, model.soil.law, model.soil.heights and model.soil.heights[0]
+    if soil.held or surface is None or surface[1] is not None or not law.plastic or law.parameters is None:
+        return
+    x, _, z = surface
+    long = np.diff(x) > LONG * soil.grid.smallest_cell
+    slope = np.degrees(np.arctan(np.abs(np.diff(z)[long] / np.diff(x)[long]).max(initial=0.0)))
+    stress = maximum(soil.constants.mass / soil.constants.volume) * -scene.gravity[2] * np.ptp(z)
+    loose = (law.parameters[:, 2] > 0.0) & (law.parameters[:, 4] < LOOSE * stress)
+    if not anywhere(loose):
+        return
+    friction, _, dilation = _sheared_in_a_plane(law, loose)
+    sine, of_flow = np.sin(np.radians([friction, dilation]))
+    bears = np.degrees(np.arctan(sine * np.sqrt(1.0 - of_flow**2) / (1.0 - sine * of_flow)))
+    if slope > bears:
+        yield (f"soil.ground falls by {slope:.3g} degrees. Sand with a friction angle of {friction:.3g} and a dilation "
+               f"angle of {dilation:.3g} degrees slides along a plane from {bears:.3g} degrees on, tan = sin φ cos ψ / (1 - sin φ "
+               "sin ψ), limit that: a steeper slope creeps, faster and faster. Flatten soil.ground, or give the sand a "
+               "cohesion, or a dilation_angle nearer to its friction angle")
 
 
 def _poisson(law):
@@ -114,4 +141,4 @@ def _poisson(law):
     return maximum((3 * bulk - 2 * shear) / (6 * bulk + 2 * shear))
 
 
-LIMITS = (cell_crossing, slab, domain_update, volumetric_locking, plastic_locking, softening, strong_cone)
+LIMITS = (cell_crossing, slab, domain_update, volumetric_locking, plastic_locking, softening, strong_cone, steep_slopes)
