@@ -3,6 +3,7 @@
 import re
 
 import numpy as np
+import pytest
 
 from hybrid.monitors.limits import soil, stepping
 from hybrid.scene import Axis, Faces, Grid, Layer, Material, Scene, Soil, Stage, Time
@@ -42,6 +43,17 @@ def test_a_row_of_single_cells_between_rollers_is_told_to_be_plane_strain():
     assert text.startswith("grid.y is one cell between rollers, which is plane strain. Set grid.y.collapsed = true")
     assert not found(1.0, held=True, y_min="roller", y_max="roller")
     assert not found(2.0, y_min="roller", y_max="roller") and not found(1.0, y_min="roller", y_max="free")
+
+
+@pytest.mark.parametrize("gravity, count", [((-9.81, 0.0, 0.0), 1), ((3.0, 0.0, -9.81), 0), ((0.0, 0.0, 0.0), 0)])
+def test_gravity_along_the_ground_is_reported_where_soil_yields(gravity, count):
+    side = Axis(start=0.0, end=2.0, size=1.0)
+    for law, strength in (("von-mises", 1e4), ("hencky", None)):
+        m = Material(law=law, young=1e6, poisson=0.3, density=1800.0, strength=strength)
+        described = Scene(name="block", grid=Grid(side, side, side, Faces()), soil=Soil(m, geostatic=False), gravity=gravity,
+                          time=Time(step=0.1), stages=(Stage("go", 1),))
+        found = list(soil.turned_gravity(described, build(described).model))
+        assert len(found) == count * (law == "von-mises") and all("acts along x" in text for text in found)
 
 
 def test_domains_that_do_not_follow_the_soil_are_reported():
