@@ -85,11 +85,11 @@ def _per_cent(share):
 
 def initial_imbalance(step, evaluation):
     """InitialImbalance of the state that `step` begins from, by its `evaluation` with nothing moved; None where the
-    soil is held or weighs nothing."""
+    soil is held, weighs nothing, or falls with nothing in its way."""
     grid, weight = step.model.soil.grid, 0.0
     if step.soil is not None:
         weight = float(total(step.soil.mass[grid.owned_nodes])) * float(np.linalg.norm(step.model.gravity))
-    if weight == 0.0:
+    if weight == 0.0 or _falls(step, evaluation):
         return None
     force = evaluation.soil_trial.force - step.soil.weight
     contact = force if grid.nodes is None else np.zeros_like(force)     # of several processes each has its part
@@ -101,6 +101,13 @@ def initial_imbalance(step, evaluation):
     size = np.linalg.norm(np.where(step.pattern.free, force, 0.0), axis=1)
     return InitialImbalance(float(total(size[grid.owned_nodes])) / weight, _largest(size, grid),
                             anywhere(step.soil.points.stress), _period(step.model.soil))
+
+
+def _falls(step, evaluation):
+    """Whether neither a held node nor a body touches the soil, with inertia."""
+    touched = ~step.pattern.free.all(axis=1) & (step.soil.mass > 0.0)
+    return step.model.scheme.inertia and not anywhere(touched) and not anywhere(
+        [len(terms.contact) for terms in evaluation.bodies])
 
 
 def _largest(size, grid):

@@ -7,10 +7,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from hybrid.contact import body_to_body
-from hybrid.scene import Joint, Load, Motion, Stage
+from hybrid.scene import Axis, Joint, Load, Motion, Stage, Time
 from hybrid.setup.build import build
 from hybrid.step import rejection, stage_contact
-from hybrid.study.scenes import box, plane
+from hybrid.study.scenes import FREE, box, plane, soil_scene
 
 ALL = ("x", "y", "z", "rx", "ry", "rz")
 MU, SLOPE, MASS = 0.2, np.radians(13.0), 0.5 * 0.4 * 0.2 * 2000.0
@@ -277,3 +277,18 @@ def test_friction_that_stops_a_body_in_the_first_increment_does_not_throw_it_bac
     records = list(build(replace(plane(block, 1, 0.02, gravity=LEVEL), stages=stages)).steps())
     assert all(abs(record.bodies[0].velocity[0]) < 1e-3 for record in records[1:])
     assert 0.0 <= records[-1].bodies[0].position[0] < 1e-3
+
+
+def test_soil_in_the_air_falls_from_the_start_of_the_stage_that_turns_gravity_on():
+    """g t at the end of it, and no note that it is not in equilibrium; half a step less without the acceleration of its
+    points."""
+    side = Axis(start=0.0, end=2.0, size=0.5)
+    block = soil_scene([], x=side, y=side, z=Axis(start=-4.0, end=2.0, size=0.5), faces=FREE, gravity=LEVEL,
+                       time=Time(0.02), lower=(0.5, 0.5, 0.5), upper=(1.5, 1.5, 1.5), top=None)
+    stages = Stage("still", 2, gravity=(0.0, 0.0)), Stage("fall", 10)
+    simulation = build(replace(block, stages=stages))
+    records = list(simulation.steps())
+    assert simulation.state.points.velocity[:, 2] == pytest.approx(-9.81 * 0.2, rel=1e-4)
+    assert not [note for record in records for note in record.notes]
+    (first,) = build(replace(block, stages=(Stage("fall", 1),))).steps()
+    assert not [note for note in first.notes if "imbalance" in note]

@@ -137,8 +137,8 @@ def steep_slopes(scene, model):
     if slope > bears:
         yield (f"soil.ground falls by {slope:.3g} degrees. Sand with a friction angle of {friction:.3g} and a dilation "
                f"angle of {dilation:.3g} degrees slides along a plane from {bears:.3g} degrees on, tan = sin φ cos ψ / (1 - "
-               "sin φ sin ψ), limit that: a steeper slope creeps, faster and faster. Flatten soil.ground, or give the sand a "
-               "cohesion, or a dilation_angle nearer to its friction angle")
+               "sin φ sin ψ), limit that: a steeper slope creeps, faster and faster. Flatten soil.ground, or give the sand "
+               "a cohesion, or a dilation_angle nearer to its friction angle")
 
 
 def _poisson(law):
