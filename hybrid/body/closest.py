@@ -45,12 +45,12 @@ def closest(y, reach, tree, side=NO_SIDE):
     """
     y0, y1, y2 = y[0], y[1], y[2]
     excluded, widened = ALL, reach + tree.patches.bulge
-    slot, feature, v, w = search(y0, y1, y2, widened, tree, side, ALL)
+    slot, feature, v, w, _ = search(y0, y1, y2, widened, tree, side, ALL)
     if slot >= 0 and _facing(slot, feature, side, tree) < OPPOSITE:
         excluded = OPPOSITE
-        slot, feature, v, w = search(y0, y1, y2, widened, tree, side, SAME)
+        slot, feature, v, w, _ = search(y0, y1, y2, widened, tree, side, SAME)
         if slot < 0 or not _behind(y0, y1, y2, slot, feature, tree):
-            slot, feature, v, w = search(y0, y1, y2, widened, tree, side, OPPOSITE)
+            slot, feature, v, w, _ = search(y0, y1, y2, widened, tree, side, OPPOSITE)
     if slot < 0:
         return -1, 0, (y0, y1, y2), (0.0, 0.0, 0.0), math.inf
     return _place((y0, y1, y2), slot, feature, v, w, side, excluded, reach, tree)
@@ -75,7 +75,7 @@ def closest_facing(y, outward, least, beyond, tree):
     if beyond <= 0.0:
         return none
     side = -outward[0], -outward[1], -outward[2]
-    slot, feature, v, w = search(y[0], y[1], y[2], math.inf, tree, side, least)
+    slot, feature, v, w, _ = search(y[0], y[1], y[2], math.inf, tree, side, least)
     if slot < 0 or not _behind(y[0], y[1], y[2], slot, feature, tree):
         return none
     found = _place((y[0], y[1], y[2]), slot, feature, v, w, side, least, math.inf, tree)

@@ -117,9 +117,9 @@ def to_triangle(y0, y1, y2, facets, k, best):
 
 
 @njit(cache=True)
-def search(y0, y1, y2, reach, tree, side, limit):
-    """Slot of the triangle nearest to (y0, y1, y2), if nearer than reach, else -1; its closest feature; and
-    the weights of v1 and v2 there. Triangles whose normal has a product below
+def search(y0, y1, y2, reach, tree, side=NO_SIDE, limit=OPPOSITE):
+    """Slot of the triangle nearest to (y0, y1, y2), if nearer than reach, else -1; its closest feature; the
+    weights of v1 and v2 there; and the number of triangles visited. Triangles whose normal has a product below
     `limit` with `side` are excluded.
 
     Depth first, nearer child first. In a complete tree the number of a node gives its sibling and its parent, so the
@@ -127,9 +127,9 @@ def search(y0, y1, y2, reach, tree, side, limit):
     """
     boxes, first, order, facets = tree.boxes, tree.first, tree.order, tree.facets
     leaves = len(first) - 1
-    best, slot, feature, v, w = reach * reach, -1, 0, 0.0, 0.0
+    best, slot, feature, v, w, visited = reach * reach, -1, 0, 0.0, 0.0, 0
     if not box_distance(y0, y1, y2, boxes, 1) <= best:
-        return slot, feature, v, w
+        return slot, feature, v, w, visited
     node, waiting = 1, 0
     while True:
         if node < leaves:
@@ -143,6 +143,7 @@ def search(y0, y1, y2, reach, tree, side, limit):
                 continue
         else:
             for k in range(first[node - leaves], first[node - leaves + 1]):
+                visited += 1
                 if facets[k, 9] * side[0] + facets[k, 10] * side[1] + facets[k, 11] * side[2] < limit:
                     continue
                 distance, found, fv, fw = to_triangle(y0, y1, y2, facets, k, best)
@@ -151,7 +152,7 @@ def search(y0, y1, y2, reach, tree, side, limit):
                     best, slot, feature, v, w = distance, k, found, fv, fw
         while True:
             if waiting == 0:
-                return slot, feature, v, w
+                return slot, feature, v, w, visited
             while waiting & 1 == 0:
                 waiting >>= 1
                 node >>= 1

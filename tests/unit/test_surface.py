@@ -7,7 +7,7 @@ import pytest
 from numba import njit
 
 from hybrid.body.closest import closest, gap_geometry
-from hybrid.body.facet_tree import SECOND
+from hybrid.body.facet_tree import SECOND, search
 from hybrid.body.surface import build_surface
 from hybrid.runtime.errors import GeometryError
 
@@ -286,6 +286,22 @@ def test_open_surface():
 
 
 # ---------------------------------------------------------------- cost and refusals
+
+
+def triangles_visited(levels):
+    surface = build_surface(*sphere(levels, 1.0))
+    tree, rng = surface.tree, np.random.default_rng(1)
+    y = rng.normal(size=(1000, 3))
+    y *= rng.uniform(0.95, 1.05, size=(1000, 1)) / np.linalg.norm(y, axis=1)[:, None]
+    visited = [search(*p, np.inf, tree)[-1] for p in y]
+    return np.mean(visited), len(surface.triangles)
+
+
+def test_cost_of_a_query_grows_far_slower_than_the_number_of_triangles():
+    few, small = triangles_visited(2)
+    many, large = triangles_visited(5)
+    assert large == 64 * small
+    assert many < 3 * few and many < 20
 
 
 def test_unused_vertices_are_dropped():
