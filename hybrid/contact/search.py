@@ -13,9 +13,9 @@ import numpy as np
 from hybrid.body.closest import closest
 from hybrid.body.facet_tree import LANES, NO_SIDE, joined
 from hybrid.contact import places
-from hybrid.soil.given_ground import GivenGround
 from hybrid.runtime.comm import largest, total
 from hybrid.runtime.jit import njit, prange
+from hybrid.soil.given_ground import GivenGround
 
 
 class Reach(NamedTuple):

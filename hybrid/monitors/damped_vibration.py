@@ -45,7 +45,7 @@ class DampedVibration(Monitor):
     def __init__(self, model, state):
         super().__init__(model, state)
         self._works, self._spent = {}, 0.0      # [J] works, and the sum of their changes
-        # (step, kinetic energy, error of the balance, that sum [J]) of the last two steps,
+        # (step, kinetic energy, error of the balance, that sum [J]) of the last two steps
         self._last = []
         self._peaks = []        # and of the last maxima of the kinetic energy
         self._touching = None   # number of bodies that touch the soil

@@ -63,7 +63,9 @@ def remedies(model, reason="", errors=(), tolerance=0.0):
     if "linear solver" in reason:
         fits = "does not fit" not in reason
         larger = [] if fits else ["larger cells (grid.x.size and the others), or a machine with more memory"]
-        held = ["body.held for components of bodies that nothing supports"] if model.bodies else []
+        free = any(body.free.any() for body in model.bodies)
+        held = (["body.held for components of bodies that nothing supports"] if free else
+                ["more friction (body.friction) where the soil slides on bodies"]) if model.bodies else []
         support = [] if dynamic else [*held, "time.inertia = true"]
         singular = "direct factor finds the matrix singular" in reason     # a shorter step has the same stiffness
         return (*support, shorter) if singular else (*larger, shorter, *support)

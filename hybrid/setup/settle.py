@@ -58,7 +58,7 @@ def settle(model, state, length):
         before = _imbalance(still, begun, length, workspace)
         found = still.begin_stage(begun)
         for _ in range(MOST):
-            found, report = outer_step(still, workspace, found, length, False, Control(length, SMALLEST * length, None))
+            found, report = outer_step(still, workspace, found, length, False, Control(length, SMALLEST * length))
             if report.soil is not still.soil:
                 still, soil = still.with_soil(report.soil), report.soil
                 model = model.with_soil(replace(model.soil, grid=soil.grid, constants=soil.constants, law=soil.law))

@@ -36,8 +36,6 @@ from hybrid.state import PointConstants, Points
 
 SMALL_SUPPORT = 0.1     # mass of a node over its mass in unbroken soil; `hybrid.linalg.precond_pattern` uses it
 NO_STIFFNESS = 1e-3     # largest diagonal entry of a tangent over Young's modulus, below which a point has lost it
-
-
 INSIDE_OUT, NO_STRESS = "turns soil inside out at", "leaves the soil's law without a stress at"
 
 
