@@ -102,7 +102,7 @@ def test_remedies_fit_the_scene():
     assert any("body.held" in change for change in remedies(body, "linear solver: a diagonal block is singular"))
     held = quasi_static(bodies=[box(0.2, 0.2, 0.2, rest_on=0.0, held=("x", "y", "z", "rx", "ry", "rz"))])
     changes = remedies(held, "linear solver: a diagonal block is singular")
-    assert "body.friction" in changes[0] and not any("body.held" in change for change in changes)
+    assert any("body.friction" in change for change in changes) and not any("body.held" in change for change in changes)
     assert accuracy_remedies(build(soil_scene()).model)[0] == "a larger time.accuracy"
 
 
