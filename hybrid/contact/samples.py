@@ -131,6 +131,20 @@ def everywhere(surface, spacing):
     return found
 
 
+def on_curves(samples, angles, turn):
+    """Points (n, 3) [m] and normals (n, 3) on the curved triangles of Samples, whose normals turn by `angles` (c,) [rad], so
+    many that those of neighbours differ by about `turn` [rad]."""
+    pieces = samples.pieces
+    chosen = np.flatnonzero(pieces.curved)
+    cuts = np.clip(np.ceil(np.log2(np.maximum(angles, turn) / turn)), 0, FINEST).astype(np.int64)
+    pieces = pieces._replace(**{name: getattr(pieces, name)[chosen] for name in ("corners", "normal", "nodes", "curved")},
+                             cuts=cuts)
+    count = int((4**cuts).sum())
+    point, normal = np.empty((count, 3)), np.empty((count, 3))
+    _everywhere(pieces, np.zeros((0, 3)) if samples.flat is None else samples.flat, point, normal, np.empty(count))
+    return point, normal
+
+
 def _edges(surface, spacing, width, corner):
     """Places (e, 3) [m] on sharp convex edges and at the corners where three of them end, normals (e, 3) there, areas (e,),
     and normals (e, 2, 3) of the curved faces beside them."""

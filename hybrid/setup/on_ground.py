@@ -18,8 +18,8 @@ from hybrid.body import rigid
 from hybrid.body.surface import build_surface
 from hybrid.body.symmetry import AXES, copies
 from hybrid.contact.body_to_body import Side
-from hybrid.contact.on_ground import HeldGround, PlacesOverPlane
-from hybrid.contact.samples import flat_overlap, sample
+from hybrid.contact.on_ground import HeldGround, Outline, PlacesOverPlane
+from hybrid.contact.samples import flat_overlap, on_curves, sample
 from hybrid.runtime.comm import maximum, minimum
 
 PLACES = 16         # in the size of a body
@@ -31,6 +31,7 @@ STANDARD = 9.81     # [m/s²] where a scene has no gravity
 FAR = 1e3           # sizes that the ground goes down, and along a collapsed axis
 ON_FACE = 1e-6      # of the radius, between a place and the face that it is on
 INSIDE = 2e-3       # of the size: what begins deeper in the ground, or beside it, is left to points of the ground
+TURN = np.radians(6.0)          # between normals of neighbours in an Outline
 SIDES = (0, 2, 1), (0, 3, 2), (4, 5, 6), (4, 6, 7)      # triangles of bottom and top of a block, by its corners
 
 
@@ -63,17 +64,21 @@ def ground_of(body, motion, soil, gravity):
     block = _block(low, high, collapsed, FAR * size)
     places = PlacesOverPlane(samples.near(np.eye(3), np.zeros(3), block, np.inf), high[2])
     faces = _faces(samples, surface) if body.parts else None
-    curves = _curves(samples, surface, places.places) if surface.curved.any() else None
-    return HeldGround(Side(0, 1, places, block), stiffness, low, high, collapsed, size / PLACES, faces, curves)
+    outline = _outline(samples, surface, places.places) if surface.curved.any() else None
+    return HeldGround(Side(0, 1, places, block), stiffness, low, high, collapsed, size / PLACES, faces, outline)
 
 
-def _curves(samples, surface, places):
-    """Normals (n, 2, 3) of the curved faces at `places`, 0 where there is none."""
-    count = 4**samples.pieces.cuts
-    curved = np.concatenate([np.repeat(surface.curved, count), np.zeros(len(samples.edges.point), bool)])
-    found = np.concatenate([np.zeros((count.sum(), 2, 3)), samples.beside])[places.number]
-    found[:, 0] += np.where(curved[places.number, None], places.normal, 0.0)
-    return found
+def _outline(samples, surface, places):
+    """Outline of a body: its places on plane faces and edges, and points on its curved faces."""
+    numbers = np.repeat(surface.curved, 4**samples.pieces.cuts)     # of places on faces; those on edges follow
+    plane = places.number[~np.concatenate([numbers, np.zeros(len(samples.edges.point), bool)])[places.number]]
+    beside = np.concatenate([np.zeros((len(numbers), 2, 3)), samples.beside])[plane]
+    kept = np.isin(places.number, plane)
+    normals = surface.corner_normals[surface.curved]
+    cosine = np.einsum("tki,tki->tk", normals, np.roll(normals, -1, axis=1)).min(axis=1)
+    point, normal = on_curves(samples, np.arccos(np.clip(cosine, -1.0, 1.0)), TURN)
+    curved = np.concatenate([beside, np.stack([normal, np.zeros_like(normal)], axis=1)])
+    return Outline(np.concatenate([places.point[kept], point]), curved)
 
 
 def _faces(samples, surface):
@@ -100,7 +105,7 @@ def _thin(surface, axes, size):
     for axis in axes:
         along = vertices @ axis
         vertices = vertices - max(0.0, 1.0 - size / np.ptp(along)) * along[:, None] * axis
-    return build_surface(vertices, surface.triangles)
+    return build_surface(vertices, surface.triangles, surface.corner_normals, surface.curvature)
 
 
 def _block(low, high, collapsed, far):

@@ -162,6 +162,30 @@ def test_a_can_that_lies_on_its_side_is_left_to_points_of_the_ground(tilt, carri
     assert body.ground.carries(body, state.pose) == carried
 
 
+HEAD = 'SetFactory("OpenCASCADE"); Mesh.MeshSizeMin = 0.1; Mesh.MeshSizeMax = 0.1;'
+TAIL = 'Physical Volume("body") = {1}; Physical Surface("contact") = Abs(Boundary{ Volume{1}; });'
+PIPE = ("Cylinder(1) = {0, -0.5, 0, 0, 1, 0, 0.1}; Box(2) = {-0.02, -0.7, -0.02, 0.04, 1.4, 0.04}; "
+        "BooleanUnion{ Volume{1}; Delete; }{ Volume{2}; Delete; }")
+HALF = ("Cylinder(1) = {0, -WIDTH/2, 0, 0, WIDTH, 0, 0.25}; Box(2) = {-1, -9, -1, 2, 18, 1}; "
+        "BooleanDifference{ Volume{1}; Delete; }{ Volume{2}; Delete; }")
+
+
+@pytest.mark.parametrize("turn", [0.0, 7.0, 15.0, 23.0])
+@pytest.mark.parametrize("shape, collapsed", [(PIPE, False), (HALF.replace("WIDTH", "0.5"), True),
+                                              (HALF.replace("WIDTH", "2"), True)])
+def test_so_is_what_rolls_on_a_thin_pipe_or_in_plane_strain(tmp_path, shape, collapsed, turn):
+    """However far: places are as far apart as the pipe is wide, and lie on a slice thinner than the half cylinder is long."""
+    (tmp_path / "body.geo").write_text(HEAD + shape + TAIL)
+    body = replace(CAN, geometry=tmp_path / "body.geo", parameters={}, rotation=(0.0, 1.0, 0.0, 180.0), rest_on=0.0)
+    described = plane(body, 1, 0.01, cells=(12, 12))
+    if collapsed:
+        described = replace(described, grid=replace(described.grid, y=Axis(start=-0.5, end=0.5, collapsed=True)))
+    simulation = build(described)
+    body, (position, rotation) = simulation.model.bodies[0], simulation.state.bodies[0].pose
+    assert not body.ground.carries(body, (position, exp_so3(np.radians([0.0, turn, 0.0])) @ rotation))
+    assert body.ground.carries(body, (position, rotation @ exp_so3(np.radians([0.0, 120.0, 0.0])))) == collapsed
+
+
 def test_a_block_over_the_end_of_the_ground_tips_over_it():
     """With its middle 30 mm beyond the end; 30 mm before it, it stands."""
     found = []
