@@ -53,8 +53,8 @@ class PlacesOverPlane:
 class HeldGround:
     """Level held ground under a body: side: places of the body, a, on the ground, b; stiffness: k [N/m³]; low, high: (3,)
     [m] ends of the ground; collapsed: (3,) bool axes; spacing: [m] of the places; faces: (n, k) triangles of the body at the
-    place of each number, -1 for none, None where no part of the surface is told apart; outline: Outline of a body with curved
-    faces, else None."""
+    place of each number, -1 for none, None where no part of the surface is told apart; outline: Outline of a body with
+    curved faces, else None."""
 
     side: Side
     stiffness: float

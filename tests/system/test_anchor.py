@@ -68,8 +68,8 @@ def test_energy_of_the_drag_balances(drag):
 
 @pytest.mark.slow
 def test_energy_of_the_demo_balances():
-    """demos/anchor.toml: 3.7 % of the work of the pull are missing in the end, 3.0 % in the drag; 3.2 and 2.6 %, 2.5 and 1.9 %
-    in the drag, from 20 and 50 mm on."""
+    """demos/anchor.toml: 3.7 % of the work of the pull are missing in the end, 3.0 % in the drag; 3.2 and 2.6 %, in the drag
+    2.5 and 1.9 %, from 20 and 50 mm on."""
     records = list(build(load_scene(DEMOS / "anchor.toml")).steps())
     before, after = of(records, "settle")[-1].energies, of(records, "drag")[-1].energies
     assert after["error"] == pytest.approx(-0.032 * after["pull"], abs=0.01 * after["pull"])

@@ -174,7 +174,7 @@ HALF = ("Cylinder(1) = {0, -WIDTH/2, 0, 0, WIDTH, 0, 0.25}; Box(2) = {-1, -9, -1
 @pytest.mark.parametrize("shape, collapsed", [(PIPE, False), (HALF.replace("WIDTH", "0.5"), True),
                                               (HALF.replace("WIDTH", "2"), True)])
 def test_so_is_what_rolls_on_a_thin_pipe_or_in_plane_strain(tmp_path, shape, collapsed, turn):
-    """However far: places are as far apart as the pipe is wide, and lie on a slice thinner than the half cylinder is long."""
+    """However far: places are as far apart as the pipe is wide, and on a slice thinner than the half cylinder is long."""
     (tmp_path / "body.geo").write_text(HEAD + shape + TAIL)
     body = replace(CAN, geometry=tmp_path / "body.geo", parameters={}, rotation=(0.0, 1.0, 0.0, 180.0), rest_on=0.0)
     described = plane(body, 1, 0.01, cells=(12, 12))
