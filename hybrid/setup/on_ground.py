@@ -83,7 +83,7 @@ def _outline(samples, surface, places):
 
 def _faces(samples, surface):
     """(n, k) triangles of a `surface` at the place of each number: that which it is on, and all around edges and corners."""
-    pieces, close = samples.pieces, ON_FACE * surface.radius
+    pieces, close = samples.pieces, ON_FACE * surface.radius + samples.pieces.bulge
     inner = np.repeat(np.arange(len(pieces.cuts)), 4**pieces.cuts)
     corners = surface.vertices[surface.triangles]
     lower, upper = corners.min(axis=1) - close, corners.max(axis=1) + close

@@ -41,6 +41,7 @@ def test_smooth_blade_lifts_the_wedge_of_the_theory():
     assert 0.95 * low < -whole[-1, 0] / EXCESS < 1.15 * high
 
 
+@pytest.mark.slow
 def test_blade_that_leans_back_needs_less():
     """After two steps, when friction is there: 0.86. In the first one the ratio is that of springs: 0.67 with ε_T = 3
     ε_N, 0.83 with 0.3."""

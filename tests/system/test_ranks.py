@@ -185,6 +185,7 @@ def test_sphere_on_held_ground(tmp_path):
         assert np.abs(one[name]).max() > 0.5 and two[name] == pytest.approx(one[name], rel=1e-6), name
 
 
+@pytest.mark.slow   # test_sliding_on_clay has a bond shared by two ranks
 def test_clay_that_sticks_to_a_pipe_and_breaks_away(tmp_path):
     """The demo pipe.toml on coarse cells, its bond of 200 Pa: contact points bear the interface of those of another rank.
     With those of their own rank alone the pipe ends 1 mm elsewhere."""

@@ -77,6 +77,7 @@ def test_what_cannot_be_restricted_is_left(geometry, monkeypatch):
     assert restriction.rough_nodes(step, whole) is None
 
 
+@pytest.mark.slow
 def test_sand_before_an_anchor_takes_fewer_iterations(monkeypatch):
     """And comes to the same place. Of the two remedies, this one alone: points held in stick do as much here."""
     monkeypatch.setattr(sticking, "turned_round", lambda *given: None)
