@@ -162,6 +162,19 @@ def test_a_can_that_lies_on_its_side_is_left_to_points_of_the_ground(tilt, carri
     assert body.ground.carries(body, state.pose) == carried
 
 
+def test_half_of_a_body_sinks_as_the_whole():
+    """A box that lies across the plane of symmetry as a whole, let go on one edge of it."""
+    found = []
+    for start, faces in ((-1.0, {}), (0.0, {"y_min": "roller"})):
+        cube = box(0.5, 0.5, 0.5, rotation=(0.0, 1.0, 0.0, 30.0), density=1000.0, rest_on=0.0, friction=0.2)
+        described = plane(cube, 10, 5e-3, cells=(12, 8), gravity=(0.0, 0.0, -G))
+        grid = replace(described.grid, y=Axis(start=start, end=1.0, size=0.25), faces=replace(described.grid.faces, **faces))
+        simulation = build(replace(described, grid=grid))
+        *_, last = simulation.steps()
+        found.append([*last.bodies[0].position[[0, 2]], last.bodies[0].quaternion[2], last.bodies[0].spin[1]])
+    assert found[1] == pytest.approx(found[0], rel=1e-6, abs=1e-9)
+
+
 HEAD = 'SetFactory("OpenCASCADE"); Mesh.MeshSizeMin = 0.1; Mesh.MeshSizeMax = 0.1;'
 TAIL = 'Physical Volume("body") = {1}; Physical Surface("contact") = Abs(Boundary{ Volume{1}; });'
 PIPE = ("Cylinder(1) = {0, -0.5, 0, 0, 1, 0, 0.1}; Box(2) = {-0.02, -0.7, -0.02, 0.04, 1.4, 0.04}; "
