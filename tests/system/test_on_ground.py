@@ -2,6 +2,7 @@
 edge. What happens does not depend on where, nor on the cells."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -160,6 +161,17 @@ def test_a_can_that_lies_on_its_side_is_left_to_points_of_the_ground(tilt, carri
     simulation = build(plane(can, 1, 0.01))
     body, state = simulation.model.bodies[0], simulation.state.bodies[0]
     assert body.ground.carries(body, state.pose) == carried
+
+
+@pytest.mark.parametrize("start, end, found", [(-0.5, 0.5, (-1.0, 1.0, 0.0)), (-2.8, -2.2, (-3.0, -2.0, 0.5)),
+                                               (2.2, 4.0, (2.0, 3.0, 0.2)), (0.5, 1.5, None), (-2.5, -1.5, None)])
+def test_the_level_stretch_under_a_body(start, end, found):
+    """Of a profile over 6 m of ground, (low, high) along x and its height."""
+    x, z = np.array([-3.0, -2.0, -1.0, 1.0, 2.0, 3.0]), np.array([0.5, 0.5, 0.0, 0.0, 0.2, 0.2])
+    points = SimpleNamespace(position=np.zeros((1, 3)), half_width=np.array([[3.0, 1.0, 0.5]]))
+    level = on_ground._level(SimpleNamespace(constants=points, heights=((x, None, z), 1.0)),
+                             np.array([[start, 0.0, 0.0], [end, 0.0, 1.0]]))
+    assert (level and (level[0][0], level[1][0], level[1][2])) == found
 
 
 def test_half_of_a_body_sinks_as_the_whole():
