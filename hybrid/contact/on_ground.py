@@ -53,8 +53,8 @@ class PlacesOverPlane:
 class HeldGround:
     """Level held ground under a body: side: places of the body, a, on the ground, b; stiffness: k [N/m³]; low, high: (3,)
     [m] ends of the ground; collapsed: (3,) bool axes; spacing: [m] of the places; faces: (n, k) triangles of the body at the
-    place of each number, -1 for none, None where no part of the surface is told apart; outline: Outline of a body with
-    curved faces, else None."""
+    place of each number, -1 for none, None where no part of the surface is told apart; surface_points: SurfacePoints of a
+    body with curved faces, else None."""
 
     side: Side
     stiffness: float
@@ -63,7 +63,7 @@ class HeldGround:
     collapsed: np.ndarray
     spacing: float
     faces: np.ndarray | None = None
-    outline: "Outline | None" = None
+    surface_points: "SurfacePoints | None" = None
 
     def triangles(self, number, down, surface):
         """(m,) triangle at places of these numbers, of several the one that looks most along `down` (m, 3) in the body's
@@ -80,14 +80,14 @@ class HeldGround:
 
     def _rolls_not(self, pose):
         """Whether any of the lowest places has no curved face that looks down."""
-        if self.outline is None:
+        if self.surface_points is None:
             return True
-        height = self.outline.point @ pose[1][2]
-        lowest = self.outline.curved[height <= height.min() + LOWEST * self.spacing]
+        height = self.surface_points.point @ pose[1][2]
+        lowest = self.surface_points.curved[height <= height.min() + LOWEST * self.spacing]
         return bool((lowest @ -pose[1][2] <= ROLLS).all(axis=1).any())
 
 
-class Outline(NamedTuple):
+class SurfacePoints(NamedTuple):
     """Points (n, 3) [m] all over a body, on curved faces so many that normals of neighbours differ by a few degrees, and
     normals (n, 2, 3) of the curved faces there, 0 where there is none."""
 

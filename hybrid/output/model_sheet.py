@@ -144,7 +144,7 @@ def _body(described, body, soil):
         parts.append("driven " + " ".join(described.driven))
     if body.ground is not None:
         parts.append(f"contact at places {body.ground.spacing:.2g} m apart on its faces, and on its edges and corners"
-                     f"{', where it lies on more than curved faces' * (body.ground.outline is not None)}")
+                     f"{', where it lies on more than curved faces' * (body.ground.surface_points is not None)}")
     else:
         parts.append(f"contact at {len(body.places)} {described.contact} of each domain")
     penalty = body.penalty / largest(soil.law.young) if soil.held else body.penalty

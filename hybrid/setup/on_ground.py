@@ -18,7 +18,7 @@ from hybrid.body import rigid
 from hybrid.body.surface import build_surface
 from hybrid.body.symmetry import AXES, copies
 from hybrid.contact.body_to_body import Side
-from hybrid.contact.on_ground import HeldGround, Outline, PlacesOverPlane
+from hybrid.contact.on_ground import HeldGround, SurfacePoints, PlacesOverPlane
 from hybrid.contact.samples import flat_overlap, on_curves, sample
 from hybrid.runtime.comm import maximum, minimum
 
@@ -31,7 +31,7 @@ STANDARD = 9.81     # [m/s²] where a scene has no gravity
 FAR = 1e3           # sizes that the ground goes down, and along a collapsed axis
 ON_FACE = 1e-6      # of the radius, between a place and the face that it is on
 INSIDE = 2e-3       # of the size: what begins deeper in the ground, or beside it, is left to points of the ground
-TURN = np.radians(6.0)          # between normals of neighbours in an Outline
+TURN = np.radians(6.0)          # between normals of neighbours in an SurfacePoints
 SIDES = (0, 2, 1), (0, 3, 2), (4, 5, 6), (4, 6, 7)      # triangles of bottom and top of a block, by its corners
 
 
@@ -64,12 +64,12 @@ def ground_of(body, motion, soil, gravity):
     block = _block(low, high, collapsed, FAR * size)
     places = PlacesOverPlane(samples.near(np.eye(3), np.zeros(3), block, np.inf), high[2])
     faces = _faces(samples, surface) if body.parts else None
-    outline = _outline(samples, surface, places.places) if surface.curved.any() else None
-    return HeldGround(Side(0, 1, places, block), stiffness, low, high, collapsed, size / PLACES, faces, outline)
+    points = _surface_points(samples, surface, places.places) if surface.curved.any() else None
+    return HeldGround(Side(0, 1, places, block), stiffness, low, high, collapsed, size / PLACES, faces, points)
 
 
-def _outline(samples, surface, places):
-    """Outline of a body: its places on plane faces and edges, and points on its curved faces."""
+def _surface_points(samples, surface, places):
+    """SurfacePoints of a body: its places on plane faces and edges, and points on its curved faces."""
     numbers = np.repeat(surface.curved, 4**samples.pieces.cuts)     # of places on faces; those on edges follow
     plane = places.number[~np.concatenate([numbers, np.zeros(len(samples.edges.point), bool)])[places.number]]
     beside = np.concatenate([np.zeros((len(numbers), 2, 3)), samples.beside])[plane]
@@ -78,7 +78,7 @@ def _outline(samples, surface, places):
     cosine = np.einsum("tki,tki->tk", normals, np.roll(normals, -1, axis=1)).min(axis=1)
     point, normal = on_curves(samples, np.arccos(np.clip(cosine, -1.0, 1.0)), TURN)
     curved = np.concatenate([beside, np.stack([normal, np.zeros_like(normal)], axis=1)])
-    return Outline(np.concatenate([places.point[kept], point]), curved)
+    return SurfacePoints(np.concatenate([places.point[kept], point]), curved)
 
 
 def _faces(samples, surface):
