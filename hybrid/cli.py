@@ -7,6 +7,7 @@ SIGHUP, 141 nobody reads what is printed (`hybrid demos | head -1`).
 """
 
 import errno
+import logging
 import os
 import sys
 import traceback
@@ -30,6 +31,7 @@ MESH_ENDING = ".vtu"
 def main(arguments=None):
     """Run the command line and return its exit code."""
     open_streams()
+    logging.basicConfig(format="%(name)s: %(message)s")     # "hybrid: ...", as all that it reports
     try:
         try:
             return _report("", _main(arguments))

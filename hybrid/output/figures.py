@@ -1,4 +1,4 @@
-"""Figures for a paper, drawn from saved records only: trajectory, line tension, comparison with closed forms.
+"""Figures for a paper, drawn from saved records only: line tension, comparison with closed forms.
 
 One style for all: 85 mm (one column) or 170 mm (two columns) wide, 300 dpi, SI units. No global matplotlib
 state is touched, so the functions can be called from any script or notebook.
@@ -72,33 +72,6 @@ def figure(path, width=COLUMN, height=None):
             drawing.savefig(partial, format=Path(path).suffix[1:] or "png", facecolor="white")
 
 
-def trajectory(folder, path=None):
-    """Height of every body's centre, and rotation, against its position along x; from history.csv.
-
-    Writes trajectory.png in `folder` unless `path` is given, and returns the path.
-    """
-    history, path = read_history(folder), Path(path or Path(folder) / "trajectory.png")
-    with figure(path, COLUMN, 1.15 * COLUMN) as drawing:
-        height, turn = drawing.subplots(2, 1, sharex=True, gridspec_kw={"height_ratios": (3, 2)})
-        names = body_names(history)
-        for name, colour in zip(names, COLOURS * len(names)):
-            x, z = history[f"{name}_x_m"], history[f"{name}_z_m"]
-            height.plot(x, z, color=colour, label=name)
-            height.plot(x[0], z[0], "o", color=colour, markerfacecolor="white")
-            height.plot(x[-1], z[-1], "o", color=colour)
-            turn.plot(x, pitch(history, name), color=colour)
-        _limits_at_least(height.get_ylim, height.set_ylim, 1e-3)
-        _limits_at_least(turn.get_ylim, turn.set_ylim, 0.1)
-        _limits_at_least(turn.get_xlim, turn.set_xlim, 1e-3)
-        height.set_ylabel("height of centre $z$ [m]")
-        turn.set_ylabel("rotation about $y$ [°]")
-        turn.set_xlabel("position of centre $x$ [m]")
-        if len(names) > 1:
-            height.legend()
-        drawing.align_ylabels()
-    return path
-
-
 def tension(folder, path=None, against="time"):
     """Line tension of every pulled body against "time" [s] or "distance" [m], of the whole body where half of it is
     modelled; from history.csv.
@@ -139,15 +112,6 @@ def tension(folder, path=None, against="time"):
 def force_unit(largest):
     """(newtons in a unit, its name) for forces up to `largest` [N]."""
     return (1e6, "MN") if largest >= 1e6 else (1e3, "kN") if largest >= 1e3 else (1.0, "N")
-
-
-def pitch(history, name):
-    """Rotation of body `name` about the y axis [°], without jumps, shape (steps,); positive lowers the front.
-
-    Angle of the body's x axis in the x-z plane, atan2(-R_zx, R_xx), from the quaternion (w, x, y, z).
-    """
-    w, x, y, z = (history[f"{name}_q{axis}"] for axis in "wxyz")
-    return np.degrees(np.unwrap(np.arctan2(-2 * (x * z - w * y), 1 - 2 * (y * y + z * z))))
 
 
 @dataclass
@@ -274,13 +238,6 @@ def _tick(value, limit):
     digits = max(0, 1 - math.floor(math.log10(limit / 2)))
     text = f"{value:.{digits}f}".rstrip("0").rstrip(".") if digits else f"{value:.0f}"
     return "0" if value == 0 else text.replace("-", "\N{MINUS SIGN}")
-
-
-def _limits_at_least(limits, set_limits, span):
-    """Keep round-off from being drawn as if it were motion: the axis with these `limits` spans `span` or more."""
-    low, high = limits()
-    if high - low < span:
-        set_limits((low + high - span) / 2, (low + high + span) / 2)
 
 
 def stage_starts(history):

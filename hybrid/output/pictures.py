@@ -73,9 +73,9 @@ class Pictures:
         if not simulation.body_names or not len(history.get("step", ())):
             return
         # late: matplotlib takes a while, and most of a run does without
-        from hybrid.output import body_figures, figures
+        from hybrid.output import body_figures, figures, trajectory
 
-        figures.trajectory(self.folder)
+        trajectory.trajectory(self.folder)
         if any(np.any(history[f"{name}_tension_N"]) for name in body_names(history)):
             figures.tension(self.folder)
         initial = {name: state.position for name, state in zip(simulation.body_names, simulation.initial_bodies)}

@@ -55,14 +55,17 @@ class Progress:
     def finish(self, summary, simulation):
         for note in simulation.later_notes.values():
             self._print(f"at the end: {note}")
-        steps, seconds = simulation.state.step - self.first, time.perf_counter() - self.began
         where = f"; results in {self.folder}" if self.folder else ""
-        steps = f"{steps} steps{self._of(simulation)}"
-        self._print(f"{simulation.scene.name}: {summary['outcome']}, {steps} in {clock(seconds)}{where}")
+        self._print(f"{simulation.scene.name}: {summary['outcome']}, {self._steps(simulation)}{where}")
 
-    def _of(self, simulation):
-        """Which steps those of a resumed run are."""
-        return f", {self.first + 1} to {simulation.state.step}," if self.first and simulation.state.step > self.first else ""
+    def _steps(self, simulation):
+        """How many steps were made, which of a resumed run, and in what time."""
+        step, seconds = simulation.state.step, time.perf_counter() - self.began
+        if self.first >= simulation.total_steps:
+            return (f"nothing was left to do: the checkpoint has step {self.first}, and the scene has "
+                    f"{simulation.total_steps}")
+        which = f", {self.first + 1} to {step}," if self.first and step > self.first else ""
+        return f"{step - self.first} steps{which} in {clock(seconds)}"
 
     def _print(self, text):
         """Write a permanent line above the line of progress."""

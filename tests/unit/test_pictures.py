@@ -10,21 +10,30 @@ import pytest
 from fake_run import FakeScene, FakeSimulation, Output
 
 from hybrid.output import figures, history, pictures
+from hybrid.output.trajectory import _horizontal, rolled, trajectory
 
 
 def test_figures_are_drawn_from_the_history_alone(tmp_path):
     FakeSimulation().run([history.History(tmp_path)])
-    for path in (figures.trajectory(tmp_path), figures.tension(tmp_path),
+    for path in (trajectory(tmp_path), figures.tension(tmp_path),
                  figures.tension(tmp_path, tmp_path / "drag.pdf", against="distance")):
         assert path.stat().st_size > 5000
-    turned = figures.pitch(history.read_history(tmp_path), "anchor")
+    turned = rolled(history.read_history(tmp_path), "anchor", "y")
     np.testing.assert_allclose(turned, np.degrees(0.02 * np.arange(1, 7)), atol=1e-10)
 
 
-def test_pitch_counts_full_turns(tmp_path):
+@pytest.mark.parametrize("axis", ["x", "y"])
+def test_rotation_counts_full_turns(axis):
     angle = np.linspace(0, 20, 200)
-    columns = {"b_qw": np.cos(angle / 2), "b_qx": 0 * angle, "b_qy": np.sin(angle / 2), "b_qz": 0 * angle}
-    np.testing.assert_allclose(figures.pitch(columns, "b"), np.degrees(angle))
+    columns = {f"b_q{part}": np.sin(angle / 2) * (part == axis) for part in "xyz"} | {"b_qw": np.cos(angle / 2)}
+    np.testing.assert_allclose(rolled(columns, "b", axis), np.degrees(angle))
+
+
+@pytest.mark.parametrize("way, expected", [((1.0, 0.2, 0.5), ("x", False)), ((0.2, 1.0, 0.5), ("y", False)),
+                                           ((0.0, 0.0, 0.5), ("x", True)), ((1e-9, 2e-9, 0.0), ("x", True))])
+def test_trajectory_is_drawn_along_the_way_or_against_time(way, expected):
+    columns = {f"b_{axis}_m": np.linspace(0.0, length, 5) for axis, length in zip("xyz", way)}
+    assert _horizontal(columns, ["b"]) == expected
 
 
 def test_comparison_of_two_quantities(tmp_path):
