@@ -37,6 +37,7 @@ from hybrid.body.smooth import build_patches
 from hybrid.runtime.errors import GeometryError
 
 LEAF = 4               # triangles in a leaf of the tree, at most
+STRAIGHT = 0.02        # sine of the angle between a prism's surface and its axis
 FLAT = 1e-6            # two directions closer than this [rad] are the same
 DEGENERATE = 1e-6      # smallest (twice area)/(longest edge)²; its square must stand out of round-off
 
@@ -83,6 +84,12 @@ class ContactSurface:
         """Largest product [m] of a point of the surface with `direction` (3,)."""
         flat, nodes = float((self.vertices @ direction).max()), self.tree.patches.nodes
         return max(flat, _extent(nodes @ direction)) if len(nodes) else flat
+
+    def is_prism(self, axis):
+        """Whether all sections across the unit vector `axis` (3,) are equal: faces are along it or across it."""
+        nodes = self.tree.patches.nodes
+        slope = np.abs((nodes[:, 3] if len(nodes) else self.normals) @ axis)
+        return not ((slope > STRAIGHT) & (slope < 1 - STRAIGHT)).any()
 
 
 def build_surface(vertices, triangles, corner_normals=None, curvature=None):

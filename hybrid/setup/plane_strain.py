@@ -8,8 +8,6 @@ from hybrid.body.rigid import FREEDOMS
 from hybrid.body.surface import build_surface
 from hybrid.runtime.errors import SceneError
 
-STRAIGHT = 0.02     # sine of the angle between a prism's surface and its axis
-
 
 def in_slice(body, grid, rotation):
     """The body as it is modelled on a grid with collapsed axes: the part of a prism that lies in the slice.
@@ -19,10 +17,7 @@ def in_slice(body, grid, rotation):
     """
     for axis in np.flatnonzero(grid.collapsed):
         letter, thickness = "xyz"[axis], np.ptp(grid.extent[axis])
-        nodes = body.surface.tree.patches.nodes
-        normals = nodes[:, 3] if len(nodes) else body.surface.normals
-        slope = np.abs(normals @ rotation[axis])
-        if ((slope > STRAIGHT) & (slope < 1 - STRAIGHT)).any():
+        if not body.surface.is_prism(rotation[axis]):
             raise SceneError(
                 f"body {body.name!r} is no prism along the collapsed axis {letter}: in plane strain all sections of a "
                 f"body across {letter} are equal. Use a prism, such as geometry/box.geo, rotated about {letter} at most, or "

@@ -6,9 +6,12 @@ import numpy as np
 import pytest
 
 from hybrid.monitors.limits import soil, stepping
-from hybrid.scene import Axis, Faces, Grid, Layer, Material, Scene, Soil, Stage, Time
+from hybrid.scene import Axis, Body, Faces, Grid, Layer, Load, Material, Scene, Soil, Stage, Time
 from hybrid.setup.build import build
 from hybrid.study.failure.registry import MODES
+
+
+ROLLERS = {"y_min": "roller", "y_max": "roller", "x_min": "fixed"}
 
 
 def warned(limit, material=(), time=(), faces=Faces(), **values):
@@ -30,19 +33,45 @@ def test_soil_that_locks_is_reported():
     assert not warned(soil.volumetric_locking, {"poisson": 0.49}, fbar=False, held=True)
 
 
-def test_a_row_of_single_cells_between_rollers_is_told_to_be_plane_strain():
-    def found(width, held=False, **faces):
-        side = Axis(start=0.0, end=2.0, size=1.0)
-        grid = Grid(side, Axis(start=0.0, end=width, size=1.0), side, Faces(**faces))
-        material = Material(law="hencky", young=1e6, poisson=0.3, density=1800.0)
-        described = Scene(name="block", grid=grid, soil=Soil(material, held=held),
-                          time=Time(step=0.1), stages=(Stage("go", 1),))
-        return list(soil.slab(described, build(described).model))
+def slab_notes(width=2.0, held=False, faces=ROLLERS, gravity=(0.0, 0.0, -9.81), bodies=(), force=None, x=2.0, loads=(), **soil_of):
+    """Texts about soil 2 m long in y between faces, of cells of 1 m."""
+    side = Axis(start=0.0, end=2.0, size=1.0)
+    grid = Grid(Axis(start=0.0, end=x, size=1.0), Axis(start=0.0, end=width, size=1.0), side, Faces(**faces))
+    material = Material(law="hencky", young=1e6, poisson=0.3, density=1800.0)
+    described = Scene(name="block", grid=grid, soil=Soil(material, **{"top": 1.0, **soil_of}, held=held), time=Time(step=0.1),
+                      stages=(Stage("go", 1, loads=loads),), gravity=gravity, bodies=bodies)
+    return list(soil.slab(described, build(described, body_force=force).model))
 
-    (text,) = found(1.0, y_min="roller", y_max="roller")
-    assert text.startswith("grid.y is one cell between rollers, which is plane strain. Set grid.y.collapsed = true")
-    assert not found(1.0, held=True, y_min="roller", y_max="roller")
-    assert not found(2.0, y_min="roller", y_max="roller") and not found(1.0, y_min="roller", y_max="free")
+
+def bar(**values):
+    return Body(**{"geometry": "box.geo", "density": 1000.0, "parameters": {"length": 1.0, "width": 2.0, "height": 0.5, "size": 5.0},
+                   "position": (1.0, 1.0, 1.25), **values})
+
+
+def test_a_row_of_single_cells_between_rollers_is_told_to_be_plane_strain():
+    (text,) = slab_notes(1.0)
+    assert text.startswith("grid.y is one cell between rollers: that is plane strain. Set grid.y.collapsed = true")
+    assert not slab_notes(1.0, held=True) and not slab_notes(1.0, faces={"y_max": "fixed", "x_min": "fixed"})
+
+
+def test_cells_between_rollers_along_which_nothing_varies_are_told_to_be_plane_strain():
+    """Along y, and along x where the ground is level; bodies that go from end to end and stay in the plane."""
+    (text,) = slab_notes(ground=((0.0, 0.5), (2.0, 1.0)))
+    assert "grid.y is 2 cells between rollers, along which nothing varies: that is plane strain" in text
+    assert "grid.x" in slab_notes(faces={"y_min": "fixed", "x_min": "roller", "x_max": "roller"})[0]
+    assert slab_notes(bodies=(bar(held=("y", "rx", "rz"), velocity=(0.1, 0.0, 0.0)),))
+    assert slab_notes(bodies=(bar(held=("y", "rx", "rz")),), loads=(Load("body", force=(0.0, 0.0, -5.0)),))
+
+
+@pytest.mark.parametrize("varies", [
+    {"lower": (0.0, 1.0, 0.0), "geostatic": False}, {"upper": (2.0, 1.0, 1.0), "geostatic": False},
+    {"gravity": (0.0, 1.0, -9.81), "geostatic": False}, {"force": lambda time, x: 0.0 * x},
+    {"bodies": (bar(parameters={"length": 1.0, "width": 1.0, "height": 0.5, "size": 5.0}),)},
+    {"bodies": (bar(velocity=(0.0, 0.1, 0.0)),)}, {"bodies": (bar(spin=(0.1, 0.0, 0.0)),)},
+    {"bodies": (bar(rotation=(0.0, 0.0, 1.0, 10.0)),)},
+    {"bodies": (bar(),), "loads": (Load("body", force=(0.0, 0.0, -5.0)),)}])
+def test_what_varies_along_an_axis_is_no_plane_strain(varies):
+    assert not slab_notes(**varies, faces=ROLLERS | {"x_min": "fixed"})
 
 
 @pytest.mark.parametrize("gravity, count", [((-9.81, 0.0, 0.0), 1), ((3.0, 0.0, -9.81), 0), ((0.0, 0.0, 0.0), 0)])

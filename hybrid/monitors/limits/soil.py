@@ -3,10 +3,12 @@
 import numpy as np
 
 from hybrid.laws.cone import UNLIMITED, plane_strain_strength
+from hybrid.monitors.limits.contact import initial_pose, initial_vertices
 from hybrid.runtime.comm import anywhere, joined, maximum, minimum
 from hybrid.scene.defaults import POISSON
 from hybrid.scene.soil import materials
 
+ALMOST = 1e-6       # [m] from the end of the grid, which is reached
 LONG = 2.0          # cells: shorter stretches of the ground are steps
 LOOSE = 0.02        # of the weight of sand as high as the ground is uneven: a cohesion below it hardly holds a slope
 
@@ -19,14 +21,42 @@ def cell_crossing(scene, model):
 
 
 def slab(scene, model):
-    """Plane strain as a row of single cells between rollers."""
+    """Plane strain modelled in space: cells between rollers, along which nothing varies."""
     grid = model.soil.grid
+    if model.soil.held or grid.collapsed.any():
+        return
     for axis, name in enumerate("xy"):
         rollers = {getattr(scene.grid.faces, f"{name}_{side}") for side in ("min", "max")} == {"roller"}
-        if rollers and not (model.soil.held or grid.collapsed.any()) and len(grid.lines[axis]) == 2:
-            yield (f"grid.{name} is one cell between rollers, which is plane strain. Set grid.{name}.collapsed = true: it "
-                   "takes two unknowns a node instead of three, and the laws and notes of plane strain apply")
+        cells = len(grid.lines[axis]) - 1
+        if rollers and (cells == 1 or _same_along(scene, model, axis)):
+            which, fewer = ("one cell between rollers", "") if cells == 1 else (
+                f"{cells} cells between rollers, along which nothing varies", " and one row of cells")
+            yield (f"grid.{name} is {which}: that is plane strain. Set grid.{name}.collapsed = true: it takes two unknowns a "
+                   f"node instead of three{fewer}, and the laws and notes of plane strain apply")
             return
+
+
+def _same_along(scene, model, axis):
+    """Whether soil and bodies are the same all along an axis, and nothing moves or loads them along it."""
+    soil, surface = model.soil, model.soil.heights and model.soil.heights[0]
+    ends = soil.grid.extent[axis]
+    place, half = soil.constants.position[:, axis], soil.constants.half_width[:, axis]
+    fills = minimum(place - half) < ends[0] + ALMOST and maximum(place + half) > ends[1] - ALMOST
+    level = surface is None or surface[1] is None and axis == 1     # a profile is along x
+    if not (fills and level and scene.gravity[axis] == 0.0 and model.loads.body_force is None):
+        return False
+    loaded = scene.joints or any(stage.loads for stage in scene.stages) or any(body.pull for body in scene.bodies)
+    return all(_prism_along(described, body, axis, ends, loaded) for described, body in zip(scene.bodies, model.bodies))
+
+
+def _prism_along(described, body, axis, ends, loaded):
+    """Whether a body is a prism from one end of the grid [m] to the other, and stays one."""
+    _, rotation = initial_pose(described, body)
+    along = initial_vertices(described, body, body.outline)[:, axis]
+    out = [axis, *(3 + np.delete(np.arange(3), axis))]      # the components out of the plane
+    still = not np.concatenate([described.velocity, described.spin])[out].any() and not body.drive[out].any()
+    long = along.min() < ends[0] + ALMOST and along.max() > ends[1] - ALMOST
+    return still and long and (not loaded or body.guided[out].all()) and body.outline.is_prism(rotation[axis])
 
 
 def turned_gravity(scene, model):
