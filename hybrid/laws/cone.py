@@ -44,6 +44,7 @@ from hybrid.laws.hencky import Hencky, stored
 from hybrid.runtime.errors import LawError
 from hybrid.runtime.jit import njit, prange
 
+ETA, ETA_BAR, STRENGTH, RATIO, SLOPE, RESIDUAL, DILATION_RATIO, CORNER, XI = range(2, 11)     # columns of `parameters`
 UNLIMITED = 1e300  # [Pa] strength of points that never yield
 ROUND_OFF = 1e-14   # length of a deviator that is round-off, over the trace
 NO_HISTORY = np.zeros(0)
@@ -82,7 +83,7 @@ class Cone(Hencky):
     @property
     def symmetric(self):
         """Whether all tangents are symmetric: associated flow on a circular cone, without hardening of an apex."""
-        eta, eta_bar, _, ratio, slope, _, dilation_ratio, corner, _ = self.parameters[:, 2:].T
+        _, _, eta, eta_bar, _, ratio, slope, _, dilation_ratio, corner, _ = self.parameters.T
         circular = (ratio == 1.0) & (dilation_ratio == 1.0) & (corner == 0.0)
         apex = eta * slope != 0.0
         return bool(np.all((eta == eta_bar) & circular & ~apex))
@@ -102,30 +103,29 @@ class Cone(Hencky):
 
     def cohesion(self, plastic_strain):
         """k(α) (n,) [Pa] after accumulated plastic strain, (n,) or a number."""
-        strength, slope, residual = self.parameters.T[[4, 6, 7]]
+        strength, slope, residual = self.parameters.T[[STRENGTH, SLOPE, RESIDUAL]]
         return np.maximum(strength + slope * plastic_strain, residual)
 
     @property
     def opens(self):
         """(n,) bool, points whose cone has an apex."""
-        return self.parameters[:, 2] > 0.0
+        return self.parameters[:, ETA] > 0.0
 
     def without_dilation(self, ids):
         """The law of some of the points, whose flow keeps the volume."""
         other = copy.copy(self)
         other.young, other.parameters = self.young[ids], self.parameters[ids]
-        other.parameters[:, 3] = 0.0
+        other.parameters[:, ETA_BAR] = 0.0
         return other
 
     @property
     def undrained(self):
         """(n,) bool, points of clay, whose strength no pressure changes: von Mises' cone, or Tresca's prism."""
-        eta, _, strength, *_ = self.parameters[:, 2:].T
-        return (eta == 0.0) & (strength < UNLIMITED)
+        return (self.parameters[:, ETA] == 0.0) & (self.parameters[:, STRENGTH] < UNLIMITED)
 
     def shear_strength(self, plastic_strain):
         """c(α), of clay s_u(α), (n,) [Pa] after accumulated plastic strain, (n,) or a number: k/ξ."""
-        return self.cohesion(plastic_strain) / self.parameters[:, 10]
+        return self.cohesion(plastic_strain) / self.parameters[:, XI]
 
 
 def merge(laws, members):
@@ -158,7 +158,7 @@ def plane_strain_strength(parameters):
     The middle deviator is then s_2 = -2/3 η̄ √J2. With r = √(1 - η̄²/3) / (g - η η̄/3), and g and η̄ of its Lode angle,
     sin φ = η r, c cos φ = ξ r times the cohesion given, and sin ψ = η̄ / √(1 - η̄²/3).
     """
-    eta, compressed, ratio, dilation_ratio, corner, xi = np.asarray(parameters, dtype=float)[[2, 3, 5, 8, 9, 10]]
+    eta, compressed, ratio, dilation_ratio, corner, xi = np.asarray(parameters, float)[[ETA, ETA_BAR, RATIO, DILATION_RATIO, CORNER, XI]]
     g, eta_bar = 1.0, compressed
     for _ in range(60 if ratio < 1.0 or dilation_ratio < 1.0 else 0):
         middle = -2 / 3 * eta_bar

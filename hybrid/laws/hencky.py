@@ -12,6 +12,8 @@ import numpy as np
 from hybrid.laws import Response
 from hybrid.runtime.jit import njit, prange
 
+BULK, SHEAR = 0, 1      # columns of `parameters`
+
 
 class Hencky:
     """Elastic law with Young's modulus [Pa] and Poisson's ratio per point, scalars or (n,) arrays."""
@@ -58,7 +60,7 @@ class Hencky:
 
     def strain(self, stress):
         """Elastic strain (n, 3) that carries principal stresses (n, 3)."""
-        bulk, shear = self.parameters[:, :1], self.parameters[:, 1:2]
+        bulk, shear = self.parameters[:, [BULK]], self.parameters[:, [SHEAR]]
         mean = stress.mean(axis=1, keepdims=True)
         return mean / (3 * bulk) + (stress - mean) / (2 * shear)
 
@@ -67,13 +69,13 @@ def stored(elastic, parameters):
     """ψ = ½ K (tr ε)² + G dev ε : dev ε, with K and G in the first two columns of `parameters`."""
     trace = elastic.sum(axis=1)
     deviator = elastic - trace[:, None] / 3
-    return 0.5 * parameters[:, 0] * trace**2 + parameters[:, 1] * np.sum(deviator**2, axis=1)
+    return 0.5 * parameters[:, BULK] * trace**2 + parameters[:, SHEAR] * np.sum(deviator**2, axis=1)
 
 
 @njit(cache=True, parallel=True)
 def _respond(strain, parameters, stress, tangent):
     for p in prange(len(strain)):
-        bulk, shear = parameters[p, 0], parameters[p, 1]
+        bulk, shear = parameters[p, BULK], parameters[p, SHEAR]
         trace = strain[p, 0] + strain[p, 1] + strain[p, 2]
         for i in range(3):
             stress[p, i] = (bulk - 2 * shear / 3) * trace + 2 * shear * strain[p, i]

@@ -7,9 +7,9 @@ Stiffness follows the initial horizontal stress: E = E50ref (K0 σ_v / 100 kPa)^
 Equations: FORMULATION (20).
 """
 
+from hybrid.scene.defaults import STANDARD_GRAVITY
 from hybrid.scene.soil import NUMBERS
 
-GRAVITY = 9.81
 REFERENCE_PRESSURE = 100e3
 
 
@@ -19,9 +19,9 @@ def sand(relative_density, buoyant=False):
     Density under water is the buoyant unit weight divided by g, which gives the right weight without the inertia of
     the pore water.
     """
-    weight = 19 + 0.016 * relative_density - 9.81 if buoyant else 15 + 0.04 * relative_density
+    weight = 19 + 0.016 * relative_density - STANDARD_GRAVITY if buoyant else 15 + 0.04 * relative_density
     return {
-        "density": weight * 1e3 / GRAVITY,
+        "density": weight * 1e3 / STANDARD_GRAVITY,
         "reference_young": 0.6e6 * relative_density,
         "stiffness_exponent": 0.7 - relative_density / 320,
         "poisson": 0.25,

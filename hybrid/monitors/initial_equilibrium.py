@@ -18,6 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hybrid.laws.hencky import BULK, SHEAR
 from hybrid.runtime.comm import anywhere, joined, maximum, minimum, total
 
 TOLERANCE = 1e-3    # share of the weight from which a run warns; results are right to as much
@@ -122,7 +123,7 @@ def _period(soil):
     """Period [s] of the first vertical mode of a column as high as the soil, None for soil that cannot yield."""
     if not soil.law.plastic or soil.law.parameters is None:
         return None
-    points, (bulk, shear) = soil.constants, soil.law.parameters[:, :2].T
+    points, (bulk, shear) = soil.constants, soil.law.parameters[:, [BULK, SHEAR]].T
     z, half, volume = points.position[:, 2], points.half_width[:, 2], points.volume
     slowness = np.sqrt(points.mass / volume / (bulk + 4 / 3 * shear))      # [s/m]
     height = maximum(z + half) - minimum(z - half)

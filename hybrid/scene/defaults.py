@@ -16,6 +16,7 @@ from hybrid.scene.schema import Body, Material, Soil, Time
 from hybrid.scene.soil import USES, clay_layers, ends, laws, materials
 from hybrid.scene.table import shown
 
+STANDARD_GRAVITY = 9.81     # [m/s²] what sizes and stresses are judged by where a scene has none
 SCHEME = "generalised-alpha"
 POISSON = 0.4           # from which on elastic soil bends better with F-bar: DESIGN, "F-bar where volume is kept"
 GHOST = 0.3             # factor on Young's modulus: DESIGN, "The ghost penalty leaves full cells alone"

@@ -29,7 +29,7 @@ from hybrid.contact.body_to_body import Side
 from hybrid.contact.samples import flat_overlap, sample
 from hybrid.contact.soil_to_body import Coulomb
 from hybrid.runtime.errors import SceneError
-from hybrid.scene.defaults import ROLLING
+from hybrid.scene.defaults import ROLLING, STANDARD_GRAVITY
 from hybrid.setup.plane_strain import section
 from hybrid.state import PairHistory
 from hybrid.step.pair_terms import IMPACT, BodyPair
@@ -39,7 +39,6 @@ ACROSS, FINEST = 4, 100     # spacings in the width of a pole, which another one
 SINKS = 1e-3                # of the size of a cube as narrow: overlap under F
 DEEPEST = 1.25              # of that overlap: largest one from which on edges and corners press
 BEHIND = 10.0               # times the largest overlap of an impact: of places behind a side that is not the nearest one
-STANDARD = 9.81             # [m/s²] where a scene has no gravity
 
 
 def refuse_overlap_of_bodies(placed, joined, collapsed):
@@ -74,7 +73,7 @@ def build_pairs(scene, bodies, motions, joints, grid, gravity):
         described = [scene.bodies[n] for n in numbers]
         own = given.get(frozenset(body.name for body in described))
         pair = _pair(numbers, described, own, [bodies[n] for n in numbers], [surfaces[n] for n in numbers],
-                     [motions[n] for n in numbers], grid, float(np.linalg.norm(gravity)) or STANDARD)
+                     [motions[n] for n in numbers], grid, float(np.linalg.norm(gravity)) or STANDARD_GRAVITY)
         pairs.append(pair)
         histories.append(_history(pair, motions))
     return tuple(pairs), histories

@@ -21,13 +21,13 @@ from hybrid.contact.body_to_body import Side
 from hybrid.contact.on_ground import HeldGround, SurfacePoints, PlacesOverPlane
 from hybrid.contact.samples import flat_overlap, on_curves, sample
 from hybrid.runtime.comm import maximum, minimum
+from hybrid.scene.defaults import STANDARD_GRAVITY
 
 PLACES = 16         # in the size of a body
 SINKS = 1.25e-5     # of the size: overlap under F
 EDGE, CORNER = 1 / 64, 1 / 128      # of the size: width of edges; of its square: area of corners
 DEEPER = 4.0        # times the overlap of faces that lie flat: overlap from which on edges and corners press
 IN_SLICE = 6.0      # times that width in plane strain, where no corners stand beside an edge
-STANDARD = 9.81     # [m/s²] where a scene has no gravity
 FAR = 1e3           # sizes that the ground goes down, and along a collapsed axis
 ON_FACE = 1e-6      # of the radius, between a place and the face that it is on
 INSIDE = 2e-3       # of the size: what begins deeper in the ground, or beside it, is left to points of the ground
@@ -51,7 +51,7 @@ def ground_of(body, motion, soil, gravity):
     collapsed, rotation = soil.grid.collapsed, motion.rotation
     size, across = 2.0 * _radius(body.surface, rotation, collapsed), [mirror for mirror in body.mirrors if not mirror.cut]
     thickness = np.prod(np.ptp(soil.grid.extent[collapsed], axis=1)) if collapsed.any() else None
-    weight = copies(body.mirrors) * body.mass.mass * (float(np.linalg.norm(gravity)) or STANDARD)
+    weight = copies(body.mirrors) * body.mass.mass * (float(np.linalg.norm(gravity)) or STANDARD_GRAVITY)
     face = (size / 4)**2 if thickness is None else thickness * size / 4
     stiffness, surface, flat, share, width = weight / (face * SINKS * size), body.surface, None, 1.0, EDGE * size
     depth = DEEPER * flat_overlap(surface, weight, stiffness)

@@ -19,6 +19,7 @@ import numpy as np
 from hybrid.grid.axes import Grid
 from hybrid.grid.colouring import Slabs, make_slabs
 from hybrid.laws import Response, plastic_increment
+from hybrid.laws.hencky import BULK
 from hybrid.runtime.comm import count, largest, number, total
 from hybrid.scene import Soil as SoilScene
 from hybrid.soil import closing, fbar, ghost, lost_points, transfer
@@ -266,7 +267,7 @@ class Soil:
     def roundoff_force(self, unknowns):
         """Norm [N] of the forces on so many unknowns that come from strains of a few times the machine precision."""
         young, parameters = self.law.young, self.law.parameters
-        modulus = young if parameters is None else np.maximum(young, parameters[:, 0])
+        modulus = young if parameters is None else np.maximum(young, parameters[:, BULK])
         return 10 * np.finfo(float).eps * largest(modulus * self.constants.volume ** (2 / 3)) * np.sqrt(unknowns)
 
     def plastic_work(self, step, trial):

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from hybrid.laws.cone import RATIO, STRENGTH
 from hybrid.laws.hencky import Hencky
 from hybrid.runtime.errors import SceneError
 from hybrid.scene import Axis, Grid, Layer, Material, Scene, Soil, Stage, Time
@@ -67,9 +68,9 @@ def test_densities_ratios_and_stiffness_are_those_of_the_layers():
         np.testing.assert_allclose(law.young[points], wanted, rtol=1e-12)
     clay = expected[1][0]
     strength = 2 / np.sqrt(3) * (8e3 + 1.5e3 * (-0.5 - z[clay]))      # below the top of the layer
-    np.testing.assert_allclose(law.parameters[clay, 4], strength, rtol=1e-13)
-    np.testing.assert_allclose(law.parameters[sand, 5], 1.0)
-    assert np.all(law.parameters[expected[2][0], 5] < 1)
+    np.testing.assert_allclose(law.parameters[clay, STRENGTH], strength, rtol=1e-13)
+    np.testing.assert_allclose(law.parameters[sand, RATIO], 1.0)
+    assert np.all(law.parameters[expected[2][0], RATIO] < 1)
 
 
 @pytest.mark.parametrize("basis", ["gimp", "mpm"])

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from hybrid.laws.cone import _section
+from hybrid.laws.cone import CORNER, ETA, RATIO, _section
 
 
 def yield_function(law, stress, plastic_strain=0.0):
     """f (n,) [Pa] at principal stresses (n, 3) [Pa] and accumulated plastic strain (n,)."""
-    eta, ratio, corner = law.parameters.T[[2, 5, 9]]
+    eta, ratio, corner = law.parameters.T[[ETA, RATIO, CORNER]]
     mean = stress.mean(axis=1)
     deviator = stress - mean[:, None]
     norm = np.sqrt(np.sum(deviator**2, axis=1))

@@ -8,9 +8,9 @@ from yield_surface import yield_function
 
 from hybrid.laws import Response, plastic_increment
 from hybrid.laws.check import check_law
-from hybrid.laws.cone import Cone, merge
+from hybrid.laws.cone import DILATION_RATIO, ETA, ETA_BAR, RESIDUAL, SLOPE, STRENGTH, Cone, merge
 from hybrid.laws.drucker_prager import DruckerPrager
-from hybrid.laws.hencky import Hencky
+from hybrid.laws.hencky import BULK, Hencky
 from hybrid.laws.user import adopt
 from hybrid.laws.von_mises import VonMises
 from hybrid.laws.mohr_coulomb import MohrCoulomb
@@ -95,7 +95,7 @@ def test_random_materials(kind):
 def test_one_dilation_for_the_whole_section_would_gain_energy():
     """Why dilation has a section: with ψ = φ and a circular potential, stretched sand gives work back."""
     law = WillamWarnke(E, POISSON, 45.0, 45.0, C)
-    law.parameters[:, 8] = 1.0
+    law.parameters[:, DILATION_RATIO] = 1.0
     with pytest.raises(LawError, match="plastic flow gains energy"):
         check_law(law, strains("extension"))
 
@@ -107,9 +107,9 @@ def test_strains_visit_every_region(name):
     assert 0.05 < elastic.mean() < 0.7 and np.mean(~elastic & ~apex) > 0.1
     assert apex.mean() == 0 if "von-mises" in name or "flat" in name else apex.mean() > 0.05
     if "softening" in name:
-        floor = law.parameters[:, 7] == np.maximum(law.parameters[:, 4] + law.parameters[:, 6] * (
-            alpha + plastic_increment(strain, law.respond(strain, alpha).elastic)), law.parameters[:, 7])
-        before = law.parameters[:, 4] + law.parameters[:, 6] * alpha > law.parameters[:, 7]
+        floor = law.parameters[:, RESIDUAL] == np.maximum(law.parameters[:, STRENGTH] + law.parameters[:, SLOPE] * (
+            alpha + plastic_increment(strain, law.respond(strain, alpha).elastic)), law.parameters[:, RESIDUAL])
+        before = law.parameters[:, STRENGTH] + law.parameters[:, SLOPE] * alpha > law.parameters[:, RESIDUAL]
         assert np.mean(floor & before) > 0.02 and np.mean(floor & ~before) > 0.02 and np.mean(~floor & ~elastic) > 0.05
 
 
@@ -145,7 +145,7 @@ def test_equal_principal_values_but_for_round_off(name):
         strain = size[:, None] * (1 + rng.integers(-ulps, ulps + 1, (N, 3)) * np.finfo(float).eps)
         response = law.respond(strain, np.zeros(N))
         assert np.abs(response.tangent).max() < 2 * np.abs(LAWS["hencky"].respond(strain).tangent).max()
-        mean = law.parameters[:, 0] * response.elastic.sum(axis=1)
+        mean = law.parameters[:, BULK] * response.elastic.sum(axis=1)
         np.testing.assert_allclose(response.stress.mean(axis=1), mean, rtol=1e-6, atol=1e-6)
 
 
@@ -155,7 +155,7 @@ def test_section_is_smooth_convex_and_meets_both_meridians():
     angle = np.linspace(0.0, 2 * np.pi, N, endpoint=False)
     plane = np.stack([np.cos(angle), np.cos(angle - 2 * np.pi / 3), np.cos(angle + 2 * np.pi / 3)], axis=1)
     unit = plane / np.sqrt(0.5 * np.sum(plane**2, axis=1, keepdims=True))
-    radius = 1 / (yield_function(law, unit) + law.parameters[:, 4])
+    radius = 1 / (yield_function(law, unit) + law.parameters[:, STRENGTH])
     sin = np.sin(np.radians(55.0))
     assert radius.min() == pytest.approx((3 - sin) / (3 + sin), rel=1e-4) and radius.max() == pytest.approx(1, rel=1e-4)
     x, y = radius * np.cos(angle), radius * np.sin(angle)
@@ -248,9 +248,9 @@ def test_the_section_without_its_turn_is_a_wrong_tangent():
     unit /= np.sqrt(0.5 * np.sum(unit**2, axis=1, keepdims=True))
     g, g_bar = (yield_function(Cone(E, POISSON, 0.0, 0.0, C, ratio), unit) + C for ratio in law.parameters[0, [5, 8]])
     circular = DruckerPrager(E, POISSON, *ANGLES, C)
-    circular.parameters[:, 2] /= g
-    circular.parameters[:, 3] /= g_bar
-    circular.parameters[:, 4] /= g
+    circular.parameters[:, ETA] /= g
+    circular.parameters[:, ETA_BAR] /= g_bar
+    circular.parameters[:, STRENGTH] /= g
     np.testing.assert_allclose(circular.respond(strain).stress, law.respond(strain).stress, atol=1e-6)
     with pytest.raises(LawError, match="tangent is off"):
         check_law(Broken("willam-warnke", tangent=lambda D: circular.respond(strain).tangent), strain, alpha)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from hybrid.laws.cone import ETA, ETA_BAR, STRENGTH
 from hybrid.laws.drucker_prager import DruckerPrager, cone_constants
 from hybrid.laws.hencky import Hencky
 from hybrid.laws.sand import sand, stiffness_from_stress
@@ -25,7 +26,7 @@ def invariants(stress):
 
 def yield_function(model, stress):
     mean, root = invariants(stress)
-    eta, strength = model.parameters[:, 2], model.parameters[:, 4]
+    eta, strength = model.parameters[:, ETA], model.parameters[:, STRENGTH]
     return root + eta * mean - strength
 
 
@@ -98,7 +99,7 @@ def test_return_lands_on_the_cone_and_follows_the_potential(cone):
     # plastic strain is Δγ (s / 2√J2 + η̄ 1 / 3), with Δγ > 0
     mean, root = invariants(response.stress)
     flow = strain - response.elastic
-    gradient = (response.stress - mean[:, None]) / (2 * root[:, None]) + model.parameters[:, 3:4] / 3
+    gradient = (response.stress - mean[:, None]) / (2 * root[:, None]) + model.parameters[:, [ETA_BAR]] / 3
     multiplier = np.sum(flow * gradient, axis=1) / np.sum(gradient**2, axis=1)
     assert np.all(multiplier > 0)
     assert np.abs(flow - multiplier[:, None] * gradient).max() < 1e-12 * np.abs(flow).max()
@@ -114,8 +115,8 @@ def test_flow_is_not_associated_unless_asked_for():
         strain = trial_strains("cone", law())
         flow = strain - model.respond(strain).elastic
         multiplier = np.sqrt(2 * np.sum((flow - flow.mean(axis=1, keepdims=True)) ** 2, axis=1))
-        np.testing.assert_allclose(flow.sum(axis=1), model.parameters[:, 3] * multiplier, atol=1e-15)
-        assert np.all((model.parameters[:, 3] == model.parameters[:, 2]) == (dilation == ANGLE))
+        np.testing.assert_allclose(flow.sum(axis=1), model.parameters[:, ETA_BAR] * multiplier, atol=1e-15)
+        assert np.all((model.parameters[:, ETA_BAR] == model.parameters[:, ETA]) == (dilation == ANGLE))
 
 
 @pytest.mark.parametrize("cone", ["compression", "extension"])

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from hybrid.grid.axes import FACES, make_grid
-from hybrid.laws.hencky import Hencky
+from hybrid.laws.cone import ETA, ETA_BAR, STRENGTH
+from hybrid.laws.hencky import BULK, Hencky
 from hybrid.laws.mohr_coulomb import MohrCoulomb
 from hybrid.laws.von_mises import VonMises
 from hybrid.soil import closing
@@ -45,22 +46,22 @@ def test_it_closes_where_it_opened(name, shear):
     law = LAWS[name]
     there, back = np.linspace(0.0, 0.05, 51)[1:], np.linspace(0.05, -0.01, 61)[1:]
     means, opened, _ = walk(law, [*there, *back], shear)
-    open_again = back > 1.1e-3 + 100 * shear * law.parameters[0, 3]    # sheared, it dilates
+    open_again = back > 1.1e-3 + 100 * shear * law.parameters[0, ETA_BAR]    # sheared, it dilates
     assert opened[49] == pytest.approx(0.05, rel=0.05) and (np.abs(means[50:][open_again][5:]) < 1e-6).all()
-    assert means[-1] < -0.5 * 0.01 * law.parameters[0, 0] and opened[-1] == 0.0
+    assert means[-1] < -0.5 * 0.01 * law.parameters[0, BULK] and opened[-1] == 0.0
 
 
 def test_without_a_memory_it_resists_at_once(monkeypatch):
     law = LAWS["sand"]
     monkeypatch.setattr("hybrid.soil.closing._any", lambda opened: None)
     means, *_ = walk(law, [0.05, 0.049])
-    assert means[-1] == pytest.approx(-1e-3 * law.parameters[0, 0], rel=1e-3)
+    assert means[-1] == pytest.approx(-1e-3 * law.parameters[0, BULK], rel=1e-3)
 
 
 def test_a_crack_of_cohesive_soil_gains_no_energy():
     """It unloads from its tensile strength before it closes: the work of two cycles is that of opening twice."""
     law = LAWS["cohesive"]
-    K, strength = law.parameters[0, 0], law.parameters[0, 4] / law.parameters[0, 2]
+    K, strength = law.parameters[0, BULK], law.parameters[0, STRENGTH] / law.parameters[0, ETA]
     cycle = [*np.linspace(0.0, 0.02, 401)[1:], *np.linspace(0.02, 0.0, 401)[1:]]
     means, _, work = walk(law, cycle + cycle)
     assert means.max() == pytest.approx(strength) and means.min() >= -1e-6
@@ -80,11 +81,11 @@ def test_tangent_equals_central_differences(name):
     tangent = respond(law, strain.copy(), alpha, opened)[0].tangent
     closes = (strain.sum(axis=1) < 0.0) & (-strain.sum(axis=1) < opened)
     numeric = np.stack([(stress(h * e) - stress(-h * e)) / (2 * h) for e in np.eye(3)], axis=2)
-    error = np.abs(tangent - numeric).max(axis=(1, 2)) / law.parameters[:, 0]
+    error = np.abs(tangent - numeric).max(axis=(1, 2)) / law.parameters[:, BULK]
     assert np.sort(error)[-8:].max() < 1e-5 or np.mean(error > 1e-5) < 0.01      # a point may cross an edge of yielding
     assert 0.15 < closes.mean() < 0.5
     kept = law.respond(strain + np.clip(-strain.sum(axis=1), 0.0, opened)[:, None] / 3, alpha).tangent
-    assert np.mean(np.abs(kept - numeric).max(axis=(1, 2))[closes] > 1e-3 * law.parameters[0, 0]) > 0.5
+    assert np.mean(np.abs(kept - numeric).max(axis=(1, 2))[closes] > 1e-3 * law.parameters[0, BULK]) > 0.5
 
 
 @pytest.mark.parametrize("law", [VonMises(YOUNG, 0.3, 1e4), Hencky(YOUNG, 0.3)])

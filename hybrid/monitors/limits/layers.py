@@ -17,14 +17,15 @@ of 1 MPa from -1.1 to -1.3 m in 40 MPa 0.60 of 2.0 mm. On lines of the grid all 
 
 import numpy as np
 
+from hybrid.laws.hencky import BULK, SHEAR
 from hybrid.monitors.limits.contact import top_of
 from hybrid.runtime.comm import minimum, total
+from hybrid.scene.defaults import STANDARD_GRAVITY
 from hybrid.scene.soil import span
 
 EXCESS = 0.1        # of the settlement of the whole soil, or of the thickness of a layer
 ON_LINE = 1e-6      # of a cell
 FRICTION, STRENGTH = 2, 4   # columns of a law's parameters, as in `hybrid.laws.cone`
-STANDARD = 9.81     # [m/s²] of the stress at which strengths are compared
 LARGEST = 99.0      # ratio of strengths that is reported
 TINY = 1e-3         # [Pa] of a strength that is one
 FINEST = 8          # times as many cells as given, among which a size is looked for
@@ -42,7 +43,7 @@ def off_lines(scene, model):
     if not off:
         return
     floor = minimum(soil.constants.position[:, 2] - soil.constants.half_width[:, 2])
-    K, G = soil.law.parameters[:, 0], soil.law.parameters[:, 1]
+    K, G = soil.law.parameters[:, BULK], soil.law.parameters[:, SHEAR]
     modulus, present = _means(soil, lines, ends, K + 4 * G / 3)
     exact, modelled = _compliance(lines, top, ends, modulus, present)
     messages = []
@@ -76,7 +77,7 @@ def _strengths(soil, lines, top, ends):
     parameters, points = soil.law.parameters, soil.constants
     if parameters.shape[1] <= STRENGTH:     # an elastic law
         return [0.0] * len(ends)
-    weight = STANDARD * points.mass / points.volume * (top - points.position[:, 2])
+    weight = STANDARD_GRAVITY * points.mass / points.volume * (top - points.position[:, 2])
     strength, present = _means(soil, lines, ends, parameters[:, STRENGTH] + parameters[:, FRICTION] * weight)
     row = np.einsum("lr,lr->r", strength, present) / np.maximum(present.sum(axis=0), 1)
     return [float(np.min((row / np.maximum(own, TINY))[there > 0], initial=np.inf)) if there.any() else 0.0

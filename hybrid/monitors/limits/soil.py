@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from hybrid.laws.cone import UNLIMITED, plane_strain_strength
+from hybrid.laws.cone import CORNER, ETA, RATIO, RESIDUAL, SLOPE, STRENGTH, UNLIMITED, plane_strain_strength
+from hybrid.laws.hencky import BULK, SHEAR
 from hybrid.monitors.limits.contact import initial_pose, initial_vertices
 from hybrid.runtime.comm import anywhere, joined, maximum, minimum
 from hybrid.scene.defaults import POISSON
@@ -88,7 +89,7 @@ def plastic_locking(scene, model):
     law = model.soil.law
     if model.soil.held or model.soil.fbar or not law.plastic or law.parameters is None:
         return
-    if anywhere(law.parameters[:, 4] < UNLIMITED):
+    if anywhere(law.parameters[:, STRENGTH] < UNLIMITED):
         names = sorted({f'"{m.law}"' for m in materials(scene.soil) if m.law != "hencky"})
         yield (f"soil.material.law = {', '.join(names)}: plastic strain at nearly constant volume locks without F-bar, "
                "so that collapse loads are too high: of a footing on clay by 14 % with 8 cells in half its width, 23 % "
@@ -99,10 +100,11 @@ def plastic_locking(scene, model):
 def softening(scene, model):
     """Softening localises in one row of cells."""
     law = model.soil.law
-    if model.soil.held or not law.hardens or minimum(law.parameters[:, 6]) >= 0.0:
+    if model.soil.held or not law.hardens or minimum(law.parameters[:, SLOPE]) >= 0.0:
         return
-    softest = law.parameters[law.parameters[:, 6] == minimum(law.parameters[:, 6])][:1]     # of this process, if it has it
-    strength, slope, residual = joined(softest[:, [4, 6, 7]])[0]
+    slopes = law.parameters[:, SLOPE]
+    softest = law.parameters[slopes == minimum(slopes)][:1]     # of this process, if it has it
+    strength, slope, residual = joined(softest[:, [STRENGTH, SLOPE, RESIDUAL]])[0]
     cell = model.soil.grid.smallest_cell
     slip = np.sqrt(3.0) * (strength - residual) / -slope * cell     # √3 times the plastic strain in simple shear
     modulus = min(m.hardening or 0.0 for m in materials(scene.soil))
@@ -121,7 +123,7 @@ def strong_cone(scene, model):
         return
     found = [m for m in materials(scene.soil) if m.cone == "compression"]
     if any(m.law == "drucker-prager" and m.friction_angle != 0.0 for m in found):
-        angle, *_ = _sheared_in_a_plane(law, law.parameters[:, 2] > 0.0)
+        angle, *_ = _sheared_in_a_plane(law, law.opens)
         name, where = (("cone", "in plane strain") if collapsed else
                        ("law", "where it is sheared in a plane, as before a blade, under a strip or between rollers"))
         given = 'soil.material.cone = "compression"' if collapsed else 'soil.material.law = "drucker-prager", in space'
@@ -131,7 +133,7 @@ def strong_cone(scene, model):
         return
     arcs = [m for m in materials(scene.soil) if m.law == "willam-warnke" and m.relative_density is None]
     if arcs:
-        arc = (law.parameters[:, 5] < 1.0) | (law.parameters[:, [2, 9]] == 0.0).all(axis=1)
+        arc = (law.parameters[:, RATIO] < 1.0) | (law.parameters[:, [ETA, CORNER]] == 0.0).all(axis=1)
         angle, cohesion, _ = _sheared_in_a_plane(law, arc)
         yield (f'soil.material.law = "willam-warnke": this law has a friction angle of {angle:.3g} degrees in plane '
                f"strain, the {max(m.friction_angle for m in arcs):.3g} given in triaxial compression, and {cohesion:.3g} of "
@@ -158,7 +160,7 @@ def steep_slopes(scene, model):
     long = np.diff(x) > LONG * soil.grid.smallest_cell
     slope = np.degrees(np.arctan(np.abs(np.diff(z)[long] / np.diff(x)[long]).max(initial=0.0)))
     stress = maximum(soil.constants.mass / soil.constants.volume) * -scene.gravity[2] * np.ptp(z)
-    loose = (law.parameters[:, 2] > 0.0) & (law.parameters[:, 4] < LOOSE * stress)
+    loose = law.opens & (law.parameters[:, STRENGTH] < LOOSE * stress)
     if not anywhere(loose):
         return
     friction, _, dilation = _sheared_in_a_plane(law, loose)
@@ -175,7 +177,7 @@ def _poisson(law):
     """Largest Poisson's ratio of a law's points; 0 of a user's law, whose value is unknown."""
     if law.parameters is None:
         return 0.0
-    bulk, shear = law.parameters[:, 0], law.parameters[:, 1]
+    bulk, shear = law.parameters[:, BULK], law.parameters[:, SHEAR]
     return maximum((3 * bulk - 2 * shear) / (6 * bulk + 2 * shear))
 
 
