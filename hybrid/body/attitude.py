@@ -142,6 +142,13 @@ def rotation_from_axis_angle(axis, angle):
     return exp_so3(angle / length * axis)
 
 
+def initial_rotation(described):
+    """Rotation (3, 3) of a body of a scene at the start. Raises SceneError as `rotation_from_axis_angle`."""
+    if not described.rotation:
+        return np.eye(3)
+    return rotation_from_axis_angle(described.rotation[:3], np.radians(described.rotation[3]))
+
+
 @njit(cache=True)
 def turned(x, axis, angle):
     """The tuple x (3,) turned about a unit `axis` (3,) by `angle` [rad], by Rodrigues' formula."""

@@ -158,7 +158,7 @@ def plane_strain_strength(parameters):
     The middle deviator is then s_2 = -2/3 η̄ √J2. With r = √(1 - η̄²/3) / (g - η η̄/3), and g and η̄ of its Lode angle,
     sin φ = η r, c cos φ = ξ r times the cohesion given, and sin ψ = η̄ / √(1 - η̄²/3).
     """
-    eta, compressed, ratio, dilation_ratio, corner, xi = np.asarray(parameters, float)[[ETA, ETA_BAR, RATIO, DILATION_RATIO, CORNER, XI]]
+    _, _, eta, compressed, _, ratio, _, _, dilation_ratio, corner, xi = np.asarray(parameters, float)
     g, eta_bar = 1.0, compressed
     for _ in range(60 if ratio < 1.0 or dilation_ratio < 1.0 else 0):
         middle = -2 / 3 * eta_bar

@@ -3,9 +3,10 @@ gravity grows."""
 
 import numpy as np
 
+from hybrid.runtime.units import force_unit
+
 ALONG = 1e-6    # of the largest component of a force, from which it has one along the ground
 AFTER = ". What comes then, as where a body sinks until it floats, time.inertia = true follows"
-UNITS = ((1e6, "MN"), (1e3, "kN"), (1.0, "N"))
 
 
 def overloads(step, reason="", lost=False):
@@ -88,6 +89,6 @@ def components_of(load):
 
 def _components(values, letter, times):
     largest = np.abs(values).max(initial=0.0)
-    scale, unit = next(((scale, unit) for scale, unit in UNITS if largest >= scale), UNITS[-1])
+    scale, unit = force_unit(largest)
     shown = [f"{letter}{axis} = {value / scale:.3g}" for axis, value in zip("xyz", values) if abs(value) > 1e-6 * largest]
     return f"{', '.join(shown)} {unit}{times}" if shown else ""

@@ -5,8 +5,9 @@ from pathlib import Path
 
 import numpy as np
 
-from hybrid.output.figures import COLOURS, COLUMN, PAGE, figure, force_unit, stage_starts
+from hybrid.output.figures import COLOURS, COLUMN, PAGE, figure, stage_starts
 from hybrid.output.history import body_names, read_history
+from hybrid.runtime.units import force_unit
 
 SEEN = 0.05     # of the area of a part: less of it seen against the way counts as along the way
 FELT = 1e-3     # of the largest stress on a part: parts with less are not drawn

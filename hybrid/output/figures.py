@@ -18,6 +18,7 @@ from matplotlib.figure import Figure
 
 from hybrid.output import atomic
 from hybrid.output.history import body_names, read_history
+from hybrid.runtime.units import force_unit
 
 COLUMN, PAGE = 85 / 25.4, 170 / 25.4  # widths [in]
 COLOURS = ("#1f5a94", "#c8553d", "#3a7d44", "#7a4e9c", "#c28f0e", "#4d4d4d")
@@ -107,11 +108,6 @@ def tension(folder, path=None, against="time"):
         if len(pulled) > 1:
             axes.legend()
     return path
-
-
-def force_unit(largest):
-    """(newtons in a unit, its name) for forces up to `largest` [N]."""
-    return (1e6, "MN") if largest >= 1e6 else (1e3, "kN") if largest >= 1e3 else (1.0, "N")
 
 
 @dataclass

@@ -9,6 +9,7 @@ import sys
 import time
 
 from hybrid.body.symmetry import copies, part_of_whole
+from hybrid.runtime.units import force
 
 IN_PLACE = "in place from the start"    # row of the model sheet that is reported before the first step
 INTERVAL, SHARE = 30.0, 0.05    # without a terminal: seconds, and share of all steps, from one line to the next
@@ -111,14 +112,6 @@ def describe(record, steps, remaining):
     parts += [f"tension {force(copies(body.mirrors) * body.line_tension)}{' of the whole' * bool(body.mirrors)}"
               for body in record.bodies if body.line_tension]
     return "  ".join(parts)
-
-
-def force(newtons):
-    """A force with a suitable unit, such as "12.3 kN"."""
-    for limit, unit in ((1e6, "MN"), (1e3, "kN")):
-        if abs(newtons) >= limit:
-            return f"{newtons / limit:.3g} {unit}"
-    return f"{newtons:.3g} N"
 
 
 def clock(seconds):

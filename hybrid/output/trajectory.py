@@ -13,8 +13,8 @@ TURNED = {"x": "y", "y": "x"}   # the axis about which a body rolls that moves a
 
 
 def trajectory(folder, path=None):
-    """Height of every body's centre, and rotation where a body rotates, against the horizontal position of the centres along x
-    or y, whichever they move more along; against time where they go up and down only; from history.csv.
+    """Height of every body's centre, and rotation where a body rotates, against the position of the centres along x or y,
+    whichever they move more along; against time where they go up and down only; from history.csv.
 
     Writes trajectory.png in `folder` unless `path` is given, and returns the path.
     """

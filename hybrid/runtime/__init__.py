@@ -1,1 +1,2 @@
-"""Helpers that every other package may use: errors, timing, memory, sums over points, notice of compilation."""
+"""Helpers that every other package may use: errors, timing, memory, sums over points, texts of forces, notice of
+compilation."""

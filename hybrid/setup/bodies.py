@@ -3,7 +3,7 @@
 import numpy as np
 
 from hybrid.body import rigid
-from hybrid.body.attitude import rotation_from_axis_angle
+from hybrid.body.attitude import initial_rotation
 from hybrid.body.motion import free_spin_rate
 from hybrid.body.rigid import FREEDOMS, Line, RigidBody
 from hybrid.runtime.errors import SceneError
@@ -28,9 +28,7 @@ def build_body(described, body_mesh, gravity, stages=()):
     from hybrid.body.smooth_mass import mass_and_surface
 
     properties, surface = mass_and_surface(body_mesh, described.density)
-    rotation = np.eye(3)
-    if described.rotation:
-        rotation = rotation_from_axis_angle(described.rotation[:3], np.radians(described.rotation[3]))
+    rotation = initial_rotation(described)
     position = np.array(described.position or (0.0, 0.0, 0.0)) + rotation @ properties.centre
     if described.rest_on not in (None, "ground"):
         position[2] = described.rest_on + surface.extent(-rotation[2])     # of its lowest point

@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from hybrid.body.attitude import rotation_from_axis_angle
+from hybrid.body.attitude import initial_rotation
 from hybrid.body.symmetry import AXES, Mirror
 from hybrid.runtime.errors import SceneError
 from hybrid.scene.check_stage import moved
@@ -107,7 +107,8 @@ def _in_space(scene, point, key, name, meshes):
         return np.array(point, float)
     number = [body.name for body in scene.bodies].index(name)
     described, mesh = scene.bodies[number], meshes[number]
-    return np.array(described.position or (0.0, 0.0, 0.0)) + _rotation(described) @ point_of(point, key, described, mesh)
+    point = point_of(point, key, described, mesh)
+    return np.array(described.position or (0.0, 0.0, 0.0)) + initial_rotation(described) @ point
 
 
 def in_part(body, mirrors):
@@ -125,15 +126,8 @@ def stray_cap(mesh, mirrors):
 
 def _placed(described, mesh):
     """Nodes (n, 3) of a body and of its cut face (m, 3) [m] at the start; heights without body.rest_on."""
-    points = np.array(described.position or (0.0, 0.0, 0.0)) + mesh.points @ _rotation(described).T
+    points = np.array(described.position or (0.0, 0.0, 0.0)) + mesh.points @ initial_rotation(described).T
     return points, points[np.unique(mesh.symmetry)] if len(mesh.symmetry) else np.zeros((0, 3))
-
-
-def _rotation(described):
-    """(3, 3) rotation of a body at the start."""
-    if not described.rotation:
-        return np.eye(3)
-    return rotation_from_axis_angle(described.rotation[:3], np.radians(described.rotation[3]))
 
 
 def _soil_reaches(scene, a, at):

@@ -33,19 +33,19 @@ def test_soil_that_locks_is_reported():
     assert not warned(soil.volumetric_locking, {"poisson": 0.49}, fbar=False, held=True)
 
 
-def slab_notes(width=2.0, held=False, faces=ROLLERS, gravity=(0.0, 0.0, -9.81), bodies=(), force=None, x=2.0, loads=(), **soil_of):
+def slab_notes(width=2.0, held=False, faces=ROLLERS, gravity=(0.0, 0.0, -9.81), bodies=(), force=None, loads=(), **soil_of):
     """Texts about soil 2 m long in y between faces, of cells of 1 m."""
     side = Axis(start=0.0, end=2.0, size=1.0)
-    grid = Grid(Axis(start=0.0, end=x, size=1.0), Axis(start=0.0, end=width, size=1.0), side, Faces(**faces))
+    grid = Grid(side, Axis(start=0.0, end=width, size=1.0), side, Faces(**faces))
     material = Material(law="hencky", young=1e6, poisson=0.3, density=1800.0)
-    described = Scene(name="block", grid=grid, soil=Soil(material, **{"top": 1.0, **soil_of}, held=held), time=Time(step=0.1),
-                      stages=(Stage("go", 1, loads=loads),), gravity=gravity, bodies=bodies)
+    described = Scene(name="block", grid=grid, soil=Soil(material, **{"top": 1.0, **soil_of}, held=held),
+                      time=Time(step=0.1), stages=(Stage("go", 1, loads=loads),), gravity=gravity, bodies=bodies)
     return list(soil.slab(described, build(described, body_force=force).model))
 
 
 def bar(**values):
-    return Body(**{"geometry": "box.geo", "density": 1000.0, "parameters": {"length": 1.0, "width": 2.0, "height": 0.5, "size": 5.0},
-                   "position": (1.0, 1.0, 1.25), **values})
+    return Body(**{"geometry": "box.geo", "density": 1000.0, "position": (1.0, 1.0, 1.25),
+                   "parameters": {"length": 1.0, "width": 2.0, "height": 0.5, "size": 5.0}, **values})
 
 
 def test_a_row_of_single_cells_between_rollers_is_told_to_be_plane_strain():

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hybrid.body.attitude import rotation_from_axis_angle
+from hybrid.body.attitude import initial_rotation
 from hybrid.body.symmetry import copies
 from hybrid.body.table import Table
 from hybrid.contact.interface import RAMP
@@ -287,9 +287,7 @@ def initial_vertices(described, body, surface=None):
 
 def initial_pose(described, body):
     """(centre of mass (3,) [m], rotation (3, 3)) of a body at the start."""
-    rotation = np.eye(3)
-    if described.rotation:
-        rotation = rotation_from_axis_angle(described.rotation[:3], np.radians(described.rotation[3]))
+    rotation = initial_rotation(described)
     centre = np.array(described.position or (0.0, 0.0, 0.0)) + rotation @ body.mass.centre
     if described.rest_on is not None:
         centre[2] = described.rest_on + body.outline.extent(-rotation[2])

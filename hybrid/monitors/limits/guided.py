@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from hybrid.body.attitude import rotation_from_axis_angle
+from hybrid.body.attitude import initial_rotation
 from hybrid.body.rigid import FREEDOMS
 from hybrid.body.symmetry import AXES, Mirror
 from hybrid.monitors.limits.contact import initial_vertices
-from hybrid.monitors.load_reached import UNITS
 from hybrid.runtime.comm import maximum, minimum
+from hybrid.runtime.units import force as force_text
 from hybrid.scene.check_stage import moved
 
 SWALLOWED = 0.01    # of the largest force of a load, along a component that does not feel it
@@ -40,23 +40,22 @@ def _lost(described, body, load):
     for axis in np.flatnonzero(~body.free[:3]):
         value = max((row[axis] for row in force), key=abs)
         if abs(value) > SWALLOWED * largest:
-            yield axis, f"f{'xyz'[axis]} = {_shown(value)}N"
+            yield axis, f"f{'xyz'[axis]} = {force_text(value)}"
     # forces across a plane of symmetry are reported above
     across = np.array([not any(mirror.axis == name for mirror in body.mirrors) for name in "xyz"])
     for axis in np.flatnonzero(~body.free[3:]):
         given = max((row[axis] for row in moment), key=abs)
         of_force = max((np.cross(arm, row * across)[axis] for row in force), key=abs)
         if abs(given) > SWALLOWED * max(np.linalg.norm(row) for row in moment):
-            yield axis + 3, f"m{'xyz'[axis]} = {_shown(given)}N m"
+            yield axis + 3, f"m{'xyz'[axis]} = {force_text(given, 'N m')}"
         elif abs(of_force) > lever * largest:
-            yield axis + 3, f"the moment m{'xyz'[axis]} = {_shown(of_force)}N m of the force at its point"
+            yield axis + 3, f"the moment m{'xyz'[axis]} = {force_text(of_force, 'N m')} of the force at its point"
 
 
 def _arm(described, body, point):
     """Arm (3,) [m] in space of a point of a body at the start. Where the body is cut its loads may act in the plane, as
     half of those on the whole, or at its centre, so that this arm is none."""
-    rotation = rotation_from_axis_angle(described.rotation[:3],
-                                        np.radians(described.rotation[3])) if described.rotation else np.eye(3)
+    rotation = initial_rotation(described)
     arm, centre = rotation @ point, np.array(described.position or np.zeros(3)) + rotation @ body.mass.centre
     for mirror in body.mirrors:
         a = AXES[mirror.axis]
@@ -79,12 +78,6 @@ def _why(scene, body, component):
     if body.drive[component] or any(guide.component == component for guide in body.guides):
         return "driven", "Leave this component out, or do not drive it"
     return "held", "Release it (body.held, stage.held, or a motion with free), or leave this component out"
-
-
-def _shown(value):
-    """A value with the prefix of its unit, such as "-5 k"."""
-    scale, unit = next(((scale, unit) for scale, unit in UNITS if abs(value) >= scale), UNITS[-1])
-    return f"{value / scale:.3g} {unit[:-1]}"
 
 
 def swallowed_pulls(scene, model):

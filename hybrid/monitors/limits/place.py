@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hybrid.monitors.limits.contact import initial_vertices, path_along
+from hybrid.monitors.limits.contact import initial_vertices, path_along, top_of
 from hybrid.runtime.comm import maximum, minimum
 
 HIGH = 10.0         # sizes of a body above the soil,
@@ -105,7 +105,7 @@ def _place(soil, low, high, grid):
         if name != "z" and (low[i] >= extent[i, 1] or high[i] <= extent[i, 0]):
             return (f"lies beside the grid, from {name} = {low[i]:.4g} to {high[i]:.4g} m, where the grid goes from "
                     f"{extent[i, 0]:.4g} to {extent[i, 1]:.4g} m: no soil is there. Check body.position")
-    top = maximum(soil.constants.position[:, 2] + soil.constants.half_width[:, 2])
+    top = top_of(soil)
     gap = low[2] - top
     if high[2] <= extent[2, 0]:
         return (f"lies below the grid, up to z = {high[2]:.4g} m, where the grid starts at {extent[2, 0]:.4g} m: z "

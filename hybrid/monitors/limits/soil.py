@@ -32,8 +32,8 @@ def slab(scene, model):
         if rollers and (cells == 1 or _same_along(scene, model, axis)):
             which, fewer = ("one cell between rollers", "") if cells == 1 else (
                 f"{cells} cells between rollers, along which nothing varies", " and one row of cells")
-            yield (f"grid.{name} is {which}: that is plane strain. Set grid.{name}.collapsed = true: it takes two unknowns a "
-                   f"node instead of three{fewer}, and the laws and notes of plane strain apply")
+            yield (f"grid.{name} is {which}: that is plane strain. Set grid.{name}.collapsed = true: it takes two unknowns "
+                   f"a node instead of three{fewer}, and the laws and notes of plane strain apply")
             return
 
 
