@@ -1,9 +1,9 @@
 """Level held ground under bodies with edges: which are in contact with it at places of their own, and how stiff.
 
-    k = F / ((d/4)² δ)      F the weight of the body, d its size, δ = d/80 000 its overlap on a face of d/4
+    k = F / (d d'/16 δ)     F the weight of the body, d and d' its sides (`hybrid.setup.foot`), δ = d/80 000
 
-in plane strain F / (b d/4 δ), b the thickness of the slice. Edges count with a width, and corners with an area, with which
-they alone carry F at an overlap of 8 δ, less in space, where corners stand beside an edge. In space they press
+in plane strain F / (b d/4 δ), b the thickness of the slice: on a face of a quarter of the sides it overlaps by δ. Edges count
+with a width, and corners with an area, with which they alone carry F at an overlap of 8 δ, less in space, where corners stand beside an edge. In space they press
 from an overlap on that is DEEPER times that of a face of a fifth of the surface, so that such a face carries alone when it
 lies flat. Where bodies meet, overlaps are ten times as large (`hybrid.setup.body_contact`): a block of 0.2 x 0.6 m that
 slides with 0.9 of the friction at which it tips then does tip, as what it rests on swings when friction sets in.
@@ -22,10 +22,11 @@ from hybrid.contact.on_ground import HeldGround, SurfacePoints, PlacesOverPlane
 from hybrid.contact.samples import flat_overlap, on_curves, sample
 from hybrid.runtime.comm import maximum, minimum
 from hybrid.scene.defaults import STANDARD_GRAVITY
+from hybrid.setup.foot import sides_of_contact
 
 PLACES = 16         # in the size of a body
-SINKS = 1.25e-5     # of the size: overlap under F
-EDGE, CORNER = 1 / 64, 1 / 128      # of the size: width of edges; of its square: area of corners
+SINKS = 1.25e-5     # of the least side: overlap under F
+EDGE, CORNER = 1 / 64, 1 / 128      # of the least side: width of edges; of the sides' product: area of corners
 DEEPER = 4.0        # times the overlap of faces that lie flat: overlap from which on edges and corners press
 IN_SLICE = 6.0      # times that width in plane strain, where no corners stand beside an edge
 FAR = 1e3           # sizes that the ground goes down, and along a collapsed axis
@@ -52,14 +53,15 @@ def ground_of(body, motion, soil, gravity):
     size, across = 2.0 * _radius(body.surface, rotation, collapsed), [mirror for mirror in body.mirrors if not mirror.cut]
     thickness = np.prod(np.ptp(soil.grid.extent[collapsed], axis=1)) if collapsed.any() else None
     weight = copies(body.mirrors) * body.mass.mass * (float(np.linalg.norm(gravity)) or STANDARD_GRAVITY)
-    face = (size / 4)**2 if thickness is None else thickness * size / 4
-    stiffness, surface, flat, share, width = weight / (face * SINKS * size), body.surface, None, 1.0, EDGE * size
+    sides = sides_of_contact(size, body.surface, rotation, collapsed)
+    face = np.prod(sides) / 16 if thickness is None else thickness * sides[0] / 4
+    stiffness, surface, flat, share, width = weight / (face * SINKS * sides[0]), body.surface, None, 1.0, EDGE * sides[0]
     depth = DEEPER * flat_overlap(surface, weight, stiffness)
     if collapsed.any():
         flat, width, depth = rotation[collapsed], IN_SLICE * width, 0.0
         surface = _thin(surface, flat, size)
         share = thickness / np.prod([np.ptp(surface.vertices @ axis) for axis in flat])
-    samples = sample(surface, size / PLACES, width, CORNER * size**2, depth, flat, share / copies(across))
+    samples = sample(surface, size / PLACES, width, CORNER * np.prod(sides), depth, flat, share / copies(across))
     low, high = _beyond_mirrors(_level(soil, rigid.bounding_box(body, motion)), body.mirrors, FAR * size)
     block = _block(low, high, collapsed, FAR * size)
     places = PlacesOverPlane(samples.near(np.eye(3), np.zeros(3), block, np.inf), high[2])
