@@ -67,6 +67,12 @@ class ContactSurface:
         return self.tree.kind[:, SECOND] == 1
 
     @property
+    def turning(self):
+        """Whether the normal turns on each triangle (t,). A curved patch may lie in a plane, up to the round rim of it."""
+        cosine = np.einsum("tki,ti->tk", self.corner_normals, self.normals).min(axis=1)
+        return self.curved & (cosine < 1.0 - FLAT**2)
+
+    @property
     def corner_normals(self):
         """Normals (t, 3, 3) of the surface at the corners of its triangles."""
         nodes = self.tree.patches.nodes

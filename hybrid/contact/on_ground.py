@@ -1,5 +1,5 @@
-"""Contact of a body with level held ground at places on the body instead of on the ground, where it does not lie on a
-curved face.
+"""Contact of a body with level held ground, or a straight stretch of it, at places on the body instead of on the ground,
+where it does not lie on a curved face.
 
     F = Σ k a f(y)      over places of the body's faces, edges and corners (`hybrid.contact.samples`), f the law of
                         `hybrid.contact.soil_to_body` against the ground, a rigid block at rest
@@ -10,8 +10,9 @@ that was to slide on its edge without friction stuck. Against the ground's own p
 a potential. A curved face rolls on points of the ground more evenly than on places of its own
 (`hybrid.contact.contact_pair`), so a body that lies on nothing else is left to these.
 
-`GroundPair` does what ContactPair does (`hybrid.contact.pair`), as long as all of the body is over the ground: its ends,
-and what is beside it, are left to points of the ground too. Where several processes run, the first one has all places.
+`GroundPair` does what ContactPair does (`hybrid.contact.pair`), as long as all of the body is over one stretch of the
+ground: its ends, and what is beside it, are left to points of the ground too. Where several processes run, the first one
+has all places.
 """
 
 from dataclasses import dataclass
@@ -28,7 +29,7 @@ from hybrid.runtime import ranks
 from hybrid.runtime.comm import total
 from hybrid.state import ContactHistory
 
-AT_REST = np.zeros(3), np.eye(3)    # pose of the ground
+AT_REST = np.zeros(3), np.eye(3)    # pose of level ground
 OF_BODY = -1                        # number of the soil point in the history of a place on the body
 LOWEST = 1.6e-3                     # of the spacing: height over the lowest place up to which a body stands on others too
 ROLLS = np.cos(np.radians(8.0))     # of a curved face that lies on the ground: between its normal there and downwards
@@ -36,7 +37,7 @@ ROLLS = np.cos(np.radians(8.0))     # of a curved face that lies on the ground: 
 
 @dataclass(frozen=True)
 class PlacesOverPlane:
-    """All places of a body, of which those near the plane z = top [m] are found by their height."""
+    """All places of a body, of which those near the plane z = top [m] of the ground's frame are found by their height."""
 
     places: BodyPlaces
     top: float
@@ -49,17 +50,30 @@ class PlacesOverPlane:
         return BodyPlaces(*(values[chosen] for values in self.places._replace(clearance=height)))
 
 
-@dataclass(frozen=True)
-class HeldGround:
-    """Level held ground under a body: side: places of the body, a, on the ground, b; stiffness: k [N/m³]; low, high: (3,)
-    [m] ends of the ground; collapsed: (3,) bool axes; spacing: [m] of the places; faces: (n, k) triangles of the body at the
-    place of each number, -1 for none, None where no part of the surface is told apart; surface_points: SurfacePoints of a
-    body with curved faces, else None."""
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """A straight stretch of the ground, or all of it: side: places of a body, a, on the ground, b; low, high: (3,) [m] its
+    ends in its own frame, whose z is upright on it; pose: (origin (3,) [m], rotation (3, 3)) of that frame in space."""
 
     side: Side
-    stiffness: float
     low: np.ndarray
     high: np.ndarray
+    pose: tuple = AT_REST
+
+    def contains(self, place, collapsed):
+        """Whether all places (V, 3) [m] are over it."""
+        place = (place - self.pose[0]) @ self.pose[1]
+        return bool(((place > self.low) & (place < self.high) | collapsed)[:, :2].all())
+
+
+@dataclass(frozen=True)
+class HeldGround:
+    """Held ground under a body: stretches: tuple of Stretch; stiffness: k [N/m³]; collapsed: (3,) bool axes; spacing: [m] of
+    the places; faces: (n, k) triangles of the body at the place of each number, -1 for none, None where no part of the
+    surface is told apart; surface_points: SurfacePoints of a body with curved faces, else None."""
+
+    stretches: tuple
+    stiffness: float
     collapsed: np.ndarray
     spacing: float
     faces: np.ndarray | None = None
@@ -72,19 +86,22 @@ class HeldGround:
         looks = np.einsum("mki,mi->mk", surface.normals[faces], down)
         return np.take_along_axis(faces, np.where(faces < 0, -np.inf, looks).argmax(axis=1)[:, None], axis=1)[:, 0]
 
-    def carries(self, body, *poses):
-        """Whether all of a RigidBody is over the ground at poses, and it does not lie on curved faces alone."""
-        return all(self._rolls_not(pose) for pose in poses) and all(
-            ((place > self.low) & (place < self.high) | self.collapsed)[:, :2].all() for place in (
-                position + body.surface.vertices @ rotation.T for position, rotation in poses))
+    def under(self, body, *poses):
+        """The Stretch that all of a RigidBody is over at poses, where it does not lie on curved faces alone; else None."""
+        for stretch in self.stretches:
+            if all(stretch.contains(position + body.surface.vertices @ rotation.T, self.collapsed)
+                   for position, rotation in poses):
+                up = stretch.pose[1][:, 2]
+                return stretch if all(self._rolls_not(up @ rotation) for _, rotation in poses) else None
+        return None
 
-    def _rolls_not(self, pose):
-        """Whether any of the lowest places has no curved face that looks down."""
+    def _rolls_not(self, up):
+        """Whether any of the lowest places has no curved face that looks down; up: (3,) in the body's frame."""
         if self.surface_points is None:
             return True
-        height = self.surface_points.point @ pose[1][2]
+        height = self.surface_points.point @ up
         lowest = self.surface_points.curved[height <= height.min() + LOWEST * self.spacing]
-        return bool((lowest @ -pose[1][2] <= ROLLS).all(axis=1).any())
+        return bool((lowest @ -up <= ROLLS).all(axis=1).any())
 
 
 class SurfacePoints(NamedTuple):
@@ -103,21 +120,24 @@ class PlaceContact(PointContact):
 
 
 class GroundPair(Pair):
-    """A body and its places near the ground."""
+    """A body and its places near a stretch of the ground."""
 
-    def __init__(self, body, state, history, reach, expected):
-        """body: RigidBody with its HeldGround; state: BodyState; history: ContactHistory, whose `place` numbers places of
-        the body and whose anchors are in space; reach: Reach; expected: pose to which the body is predicted to move."""
-        ground = body.ground
+    def __init__(self, body, stretch, state, history, reach, expected):
+        """body: RigidBody with its HeldGround; stretch: Stretch of it; state: BodyState; history: ContactHistory, whose
+        `place` numbers places of the body and whose anchors are in space; reach: Reach; expected: pose to which the body is
+        predicted to move."""
+        ground, self._ground = body.ground, stretch.pose
+        origin, turn = stretch.pose
         if len(history.point) and history.point[0] != OF_BODY:
             history = ContactHistory.empty()
         near = reach.farthest(state, body.radius) if ranks.rank() == 0 else -np.inf
         super().__init__(body, body_to_body.begin(
-            ground.side, (state.pose, AT_REST), (expected, AT_REST), near, (history.place, history.anchor, history.rest),
+            stretch.side, (state.pose, stretch.pose), (expected, stretch.pose), near,
+            (history.place, (history.anchor - origin) @ turn, history.rest),
             ground.stiffness, Coulomb(body.friction, body.tangential), ground.collapsed))
 
     def evaluate(self, displacement, pose):
-        found = self.points.evaluate((pose, AT_REST))
+        found = self.points.evaluate((pose, self._ground))
         m, normal = len(found.active), -found.normal
         side, triangle = normal @ pose[1], np.zeros(m, np.int64)
         if self.body.parts:
@@ -139,11 +159,12 @@ class GroundPair(Pair):
         return total([contact.found.stiffness()[:6, :6]])
 
     def tunnelled(self, contact, displacement, pose, depth):
-        return int(total([self.points.passed(contact.found, (pose, AT_REST), depth)]))
+        return int(total([self.points.passed(contact.found, (pose, self._ground), depth)]))
 
     def commit(self, contact, displacement):
         number, anchor, rest = self.points.history(contact.found)
-        m = len(number)
+        m, (origin, turn) = len(number), self._ground
+        anchor = origin + anchor @ turn.T
         return ContactHistory(np.full(m, OF_BODY), number, anchor, np.ones(m, bool), anchor, np.zeros((m, 3)), rest)
 
 

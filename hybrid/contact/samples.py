@@ -32,6 +32,7 @@ SPREAD = 1.5    # spacings in the longest edge of a part of a triangle
 # other one, all of which come and go as it moves by 1e-6 of its size: without inertia stacks had no solution.
 ASIDE = 1.3e-3, 0.7e-3
 FACES = 5.0     # surface of a body over the area of the face that it lies on
+RIM = 4.0       # times the width of edges: of curved ones over held ground
 
 
 class Pieces(NamedTuple):
@@ -98,16 +99,17 @@ class Samples:
         return joined._replace(area=self.share * joined.area)
 
 
-def sample(surface, spacing, width, corner, depth=0.0, flat=None, share=1.0):
+def sample(surface, spacing, width, corner, depth=0.0, flat=None, share=1.0, sagitta=np.inf):
     """Samples of a ContactSurface with a `spacing` [m] of places, a `width` [m] that edges count with, an area `corner`
-    [m²] of corners, and a `depth` [m] of both; flat, share: as in Samples."""
+    [m²] of corners, and a `depth` [m] of both; flat, share: as in Samples; sagitta: [m] that a curved edge rises by between
+    places at most, so that a body rolls on it, and then counts with RIM times the width, as a short arc of it touches."""
     corners = surface.vertices[surface.triangles]
     longest = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).max(axis=1)
     cuts = np.clip(np.ceil(np.log2(longest / (SPREAD * spacing))), 0, FINEST).astype(np.int64)
     total = np.cumsum(np.concatenate([[0], 4**cuts]))
     patches = surface.tree.patches
     pieces = Pieces(corners, surface.normals, patches.nodes, surface.curved, patches.bulge, cuts, total[:-1])
-    point, normal, area, beside = _edges(surface, spacing, width, corner)
+    point, normal, area, beside = _edges(surface, spacing, width, corner, sagitta)
     for axis in () if flat is None else flat:
         point = point - (point @ axis)[:, None] * axis
     zero = np.zeros(len(point))
@@ -131,11 +133,10 @@ def everywhere(surface, spacing):
     return found
 
 
-def on_curves(samples, angles, turn):
-    """Points (n, 3) [m] and normals (n, 3) on the curved triangles of Samples, whose normals turn by `angles` (c,) [rad], so
-    many that those of neighbours differ by about `turn` [rad]."""
+def on_curves(samples, chosen, angles, turn):
+    """Points (n, 3) [m] and normals (n, 3) on the `chosen` (c,) triangles of Samples, whose normals turn by `angles` (c,)
+    [rad], so many that those of neighbours differ by about `turn` [rad]."""
     pieces = samples.pieces
-    chosen = np.flatnonzero(pieces.curved)
     cuts = np.clip(np.ceil(np.log2(np.maximum(angles, turn) / turn)), 0, FINEST).astype(np.int64)
     pieces = pieces._replace(**{name: getattr(pieces, name)[chosen] for name in ("corners", "normal", "nodes", "curved")},
                              cuts=cuts)
@@ -145,9 +146,9 @@ def on_curves(samples, angles, turn):
     return point, normal
 
 
-def _edges(surface, spacing, width, corner):
-    """Places (e, 3) [m] on sharp convex edges and at the corners where three of them end, normals (e, 3) there, areas (e,),
-    and normals (e, 2, 3) of the curved faces beside them."""
+def _edges(surface, spacing, width, corner, sagitta):
+    """Places (e, 3) [m] on sharp convex edges, at the corners where three of them end and at tips, normals (e, 3) there,
+    areas (e,), and normals (e, 2, 3) of the curved faces beside them."""
     t, k = shared_edges(surface.triangles)
     ends = surface.triangles[t[:, 0], k[:, 0]], surface.triangles[t[:, 0], (k[:, 0] + 1) % 3]
     of_corner = surface.corner_normals
@@ -158,28 +159,44 @@ def _edges(surface, spacing, width, corner):
     bend = np.minimum(*(np.arccos(np.clip(np.einsum("ei,ei->e", *pair), -1.0, 1.0)) for pair in (start, end)))
     chosen = np.flatnonzero((bend > BEND) & (np.einsum("ei,ei->e", surface.normals[t[:, 0]], behind) < 0.0))
     points, normals, areas, beside = [np.zeros((0, 3))], [np.zeros((0, 3))], [np.zeros(0)], [np.zeros((0, 2, 3))]
+    turning = surface.turning
     for e in chosen:
         a, b = surface.vertices[ends[0][e]], surface.vertices[ends[1][e]]
         length = np.linalg.norm(b - a)
-        count = max(1, int(np.ceil(length / spacing)))
+        bow = _bow(surface, t[e, 0], k[e, 0])
+        count = max(1, int(np.ceil(length / spacing)), int(np.ceil(np.sqrt(np.linalg.norm(bow) / (4.0 * sagitta)))))
         s = (np.arange(count) + 0.5)[:, None] / count
         sides = (1 - s)[:, None] * np.stack([start[0][e], start[1][e]]) + s[:, None] * np.stack([end[0][e], end[1][e]])
         own = sides.sum(axis=1)
-        beside.append(sides * surface.curved[t[e]][:, None] / np.linalg.norm(sides, axis=2)[:, :, None])
-        points.append((1 - s) * a + s * b - s * (1 - s) * _bow(surface, t[e, 0], k[e, 0]))
+        beside.append(sides * turning[t[e]][:, None] / np.linalg.norm(sides, axis=2)[:, :, None])
+        points.append((1 - s) * a + s * b - s * (1 - s) * bow)
         normals.append(own / np.linalg.norm(own, axis=1)[:, None])
-        areas.append(np.full(count, width * length / count))
+        rim = RIM if np.isfinite(sagitta) and bow.any() else 1.0
+        areas.append(np.full(count, rim * width * length / count))
+    normal = np.zeros((len(surface.vertices), 3))
+    np.add.at(normal, surface.triangles, surface.vertex_normals)
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
     at, count = np.unique(np.concatenate([ends[0][chosen], ends[1][chosen]]), return_counts=True)
-    at = at[count >= 3]
-    if len(at):
-        total = np.zeros((len(surface.vertices), 3))
-        np.add.at(total, surface.triangles, surface.vertex_normals)
-        total = total[at]
-        points.append(surface.vertices[at])
-        normals.append(total / np.linalg.norm(total, axis=1)[:, None])
-        areas.append(np.full(len(at), corner))
-        beside.append(np.zeros((len(at), 2, 3)))
+    at = np.concatenate([at[count >= 3], np.setdiff1d(_tips(surface, normal), at)])
+    points.append(surface.vertices[at])
+    normals.append(normal[at])
+    areas.append(np.full(len(at), corner))
+    beside.append(np.zeros((len(at), 2, 3)))
     return tuple(np.concatenate(each) for each in (points, normals, areas, beside))
+
+
+def _tips(surface, normal):
+    """Vertices (m,) of tips without edges, as of a cone: faces around them look far from a `normal` (V, 3) at the vertex and
+    lie below it."""
+    count = len(surface.vertices)
+    along, low = np.ones(count), np.zeros(count, bool)
+    looks = np.einsum("tki,tki->tk", surface.corner_normals, normal[surface.triangles])
+    np.minimum.at(along, surface.triangles, looks)
+    corners = surface.vertices[surface.triangles]
+    for step in (1, 2):
+        above = np.einsum("tki,tki->tk", np.roll(corners, -step, axis=1) - corners, normal[surface.triangles]) >= 0.0
+        np.logical_or.at(low, surface.triangles, above)
+    return np.flatnonzero((along < np.cos(BEND)) & ~low)
 
 
 def _bow(surface, t, k):

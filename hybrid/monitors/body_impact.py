@@ -32,7 +32,7 @@ class ImpactLoss(Monitor):
     def __init__(self, model, state):
         super().__init__(model, state)
         self._error = 0.0                       # [J], of the balance at the last step
-        self._kinetic = 0.0 if state is None else motion_energy(model.bodies, state.bodies)     # [J], of the bodies there
+        self._kinetic = 0.0 if state is None else _free_energy(model.bodies, state.bodies)      # [J], of the bodies there
         self._before = None                     # [J], the error before bodies came near, None while they are apart
         # Largest energy [J] of their motion since then; steps for which nothing has happened
         self._largest, self._quiet = 0.0, 0
@@ -51,7 +51,7 @@ class ImpactLoss(Monitor):
 
     def motion(self, view):
         """[J] of the bodies' motion."""
-        return motion_energy(view.model.bodies, view.state.bodies)
+        return _free_energy(view.model.bodies, view.state.bodies)
 
     def text(self, view, loss, what, cure, limit=LOST):
         """Text about an impact that cost `loss` [J], with those reported before."""
@@ -107,6 +107,13 @@ class BodyImpact(ImpactLoss):
         if on_ground or found or gained or over:
             self.forget()
             self._limit, self._hit = LOST, False
+
+
+def _free_energy(bodies, motions):
+    """Kinetic energy [J] of the bodies that nothing drives: what drives one gives it back what it loses."""
+    rates = [np.concatenate([motion.velocity, motion.rotation @ motion.spin]) for motion in motions]
+    free = [pair for *pair, rate in zip(bodies, motions, rates) if not rate[~pair[0].free].any()]
+    return motion_energy(*zip(*free)) if free else 0.0
 
 
 def _free(bodies):

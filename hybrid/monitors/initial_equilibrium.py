@@ -106,7 +106,8 @@ def initial_imbalance(step, evaluation):
 
 def _falls(step, evaluation):
     """Whether neither a held node nor a body touches the soil, with inertia."""
-    touched = ~step.pattern.free.all(axis=1) & (step.soil.mass > 0.0)
+    across = ~step.model.soil.grid.collapsed    # along collapsed axes all nodes are held
+    touched = ~step.pattern.free[:, across].all(axis=1) & (step.soil.mass > 0.0)
     return step.model.scheme.inertia and not anywhere(touched) and not anywhere(
         [len(terms.contact) for terms in evaluation.bodies])
 

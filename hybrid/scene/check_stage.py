@@ -21,6 +21,12 @@ def stage_faults(key, stage, scene):
             yield from need(one not in taken, path, component, f"in one motion of the stage and is in {taken.get(one)} too",
                             "keep one of them")
             taken.setdefault(one, path)
+        if key == "stage.0" and name in (names := [body.name for body in scene.bodies]):
+            body = scene.bodies[names.index(name)]
+            lost = [component for component in motion.held if motion.point is None and velocities(body)[component]]
+            yield from need(not lost, f"{path}.held", lost, f"other than what {name} moves along at the start, a velocity "
+                            "that holding it ends", "start it at rest, or give the later stage motion = { component = "
+                            "..., velocity = ... }")
     for i, load in enumerate(stage.loads):
         path = f"{key}.load.{i}"
         yield from _body(path, load, scene)
@@ -39,12 +45,17 @@ def components(motion):
 def moved(scene, described, names):
     """Components among `names` in which something moves a body: its velocity and spin, what drives it, or motions of
     stages."""
-    rates = dict(zip(("x", "y", "z", "rx", "ry", "rz"), (*described.velocity, *spatial_spin(described))))
+    rates = velocities(described)
     found = [name for name in names if name in described.driven or rates.get(name)]
     for stage in scene.stages:
         found += [name for motion in stage.motions if motion.body in (None, described.name)
                   for name in components(motion) if name in names and name not in motion.held]
     return list(dict.fromkeys(found))
+
+
+def velocities(body):
+    """{component: velocity [m/s] or spin [rad/s] about the axes of space} of a body at the start."""
+    return dict(zip(("x", "y", "z", "rx", "ry", "rz"), (*body.velocity, *spatial_spin(body))))
 
 
 def spatial_spin(body):

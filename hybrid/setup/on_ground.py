@@ -1,12 +1,13 @@
-"""Level held ground under bodies with edges: which are in contact with it at places of their own, and how stiff.
+"""Straight held ground under bodies with edges: which are in contact with it at places of their own, and how stiff.
 
     k = F / (d d'/16 δ)     F the weight of the body, d and d' its sides (`hybrid.setup.foot`), δ = d/80 000
 
-in plane strain F / (b d/4 δ), b the thickness of the slice: on a face of a quarter of the sides it overlaps by δ. Edges count
-with a width, and corners with an area, with which they alone carry F at an overlap of 8 δ, less in space, where corners stand beside an edge. In space they press
-from an overlap on that is DEEPER times that of a face of a fifth of the surface, so that such a face carries alone when it
-lies flat. Where bodies meet, overlaps are ten times as large (`hybrid.setup.body_contact`): a block of 0.2 x 0.6 m that
-slides with 0.9 of the friction at which it tips then does tip, as what it rests on swings when friction sets in.
+in plane strain F / (b d/4 δ), b the thickness of the slice: on a face of a quarter of the sides it overlaps by δ. Edges
+count with a width, and corners with an area, with which they alone carry F at an overlap of 8 δ, less in space, where
+corners stand beside an edge; curved edges, a short arc of which touches, with more. In space they press from an overlap on
+that is DEEPER times that of a face of a fifth of the surface, so that such a face carries alone when it lies flat. Where
+bodies meet, overlaps are ten times as large (`hybrid.setup.body_contact`): a block of 0.2 x 0.6 m that slides with 0.9 of
+the friction at which it tips then does tip, as what it rests on swings when friction sets in.
 With a given penalty, p_f E for each area of the ground, points of the ground are in contact, exactly so.
 
 Equations: FORMULATION (60).
@@ -18,42 +19,48 @@ from hybrid.body import rigid
 from hybrid.body.surface import build_surface
 from hybrid.body.symmetry import AXES, copies
 from hybrid.contact.body_to_body import Side
-from hybrid.contact.on_ground import HeldGround, SurfacePoints, PlacesOverPlane
+from hybrid.contact.on_ground import AT_REST, HeldGround, PlacesOverPlane, Stretch, SurfacePoints
 from hybrid.contact.samples import flat_overlap, on_curves, sample
 from hybrid.runtime.comm import maximum, minimum
 from hybrid.scene.defaults import STANDARD_GRAVITY
 from hybrid.setup.foot import sides_of_contact
+from hybrid.setup.ground import depth_in_ground
 
 PLACES = 16         # in the size of a body
 SINKS = 1.25e-5     # of the least side: overlap under F
 EDGE, CORNER = 1 / 64, 1 / 128      # of the least side: width of edges; of the sides' product: area of corners
 DEEPER = 4.0        # times the overlap of faces that lie flat: overlap from which on edges and corners press
 IN_SLICE = 6.0      # times that width in plane strain, where no corners stand beside an edge
+SMOOTH = 0.25       # of that overlap: what a curved edge rises by between its places
 FAR = 1e3           # sizes that the ground goes down, and along a collapsed axis
 ON_FACE = 1e-6      # of the radius, between a place and the face that it is on
 INSIDE = 2e-3       # of the size: what begins deeper in the ground, or beside it, is left to points of the ground
-TURN = np.radians(6.0)          # between normals of neighbours in an SurfacePoints
+TURN = np.radians(6.0)          # between normals of neighbours in SurfacePoints
+STRAIGHT = 1e-9     # [rad] by which a profile bends at a point on a straight stretch
 SIDES = (0, 2, 1), (0, 3, 2), (4, 5, 6), (4, 6, 7)      # triangles of bottom and top of a block, by its corners
 
 
 def is_made_for(described, body, motion, soil):
     """Whether a body touches the held ground at places of its own where it stands on them: one that is not curved all over,
-    above level ground, with a penalty that is left out. motion: BodyState at the start."""
+    above ground with straight stretches, with a penalty that is left out. motion: BodyState at the start."""
     plain = soil.held and described.penalty is None and described.contact != "corners"
-    if not plain or body.interface or body.surface.curved.all() or soil.grid.collapsed[2]:
+    if not plain or body.interface or body.surface.turning.all() or soil.grid.collapsed[2]:
         return False
-    box = rigid.bounding_box(body, motion)
-    ends = _level(soil, box)
-    return ends is not None and box[0][2] > ends[1][2] - INSIDE * 2.0 * body.surface.radius
+    if not _stretches(soil, body, motion):
+        return False
+    deepest = INSIDE * 2.0 * body.surface.radius
+    if soil.heights is None:
+        return rigid.bounding_box(body, motion)[0][2] > _ends(soil)[1][2] - deepest
+    return depth_in_ground(*soil.heights, body, motion, soil.grid.collapsed) < deepest
 
 
 def ground_of(body, motion, soil, gravity):
     """HeldGround under a body with the initial state `motion`; gravity (3,) [m/s²]."""
-    collapsed, rotation = soil.grid.collapsed, motion.rotation
+    collapsed, rotation, stretches = soil.grid.collapsed, motion.rotation, _stretches(soil, body, motion)
     size, across = 2.0 * _radius(body.surface, rotation, collapsed), [mirror for mirror in body.mirrors if not mirror.cut]
     thickness = np.prod(np.ptp(soil.grid.extent[collapsed], axis=1)) if collapsed.any() else None
     weight = copies(body.mirrors) * body.mass.mass * (float(np.linalg.norm(gravity)) or STANDARD_GRAVITY)
-    sides = sides_of_contact(size, body.surface, rotation, collapsed)
+    sides = sides_of_contact(size, body.surface, _below(stretches, motion.position)[1].T @ rotation, collapsed)
     face = np.prod(sides) / 16 if thickness is None else thickness * sides[0] / 4
     stiffness, surface, flat, share, width = weight / (face * SINKS * sides[0]), body.surface, None, 1.0, EDGE * sides[0]
     depth = DEEPER * flat_overlap(surface, weight, stiffness)
@@ -61,24 +68,29 @@ def ground_of(body, motion, soil, gravity):
         flat, width, depth = rotation[collapsed], IN_SLICE * width, 0.0
         surface = _thin(surface, flat, size)
         share = thickness / np.prod([np.ptp(surface.vertices @ axis) for axis in flat])
-    samples = sample(surface, size / PLACES, width, CORNER * np.prod(sides), depth, flat, share / copies(across))
-    low, high = _beyond_mirrors(_level(soil, rigid.bounding_box(body, motion)), body.mirrors, FAR * size)
-    block = _block(low, high, collapsed, FAR * size)
-    places = PlacesOverPlane(samples.near(np.eye(3), np.zeros(3), block, np.inf), high[2])
+    samples = sample(surface, size / PLACES, width, CORNER * np.prod(sides), depth, flat, share / copies(across),
+                     SMOOTH * SINKS * sides[0])
+    found = []
+    for low, high, pose in stretches:
+        low, high = _beyond_mirrors((low, high), body.mirrors, FAR * size)
+        block = _block(low, high, collapsed, FAR * size)
+        places = samples.near(np.eye(3), np.zeros(3), block, np.inf)
+        found.append(Stretch(Side(0, 1, PlacesOverPlane(places, high[2]), block), low, high, pose))
     faces = _faces(samples, surface) if body.parts else None
-    points = _surface_points(samples, surface, places.places) if surface.curved.any() else None
-    return HeldGround(Side(0, 1, places, block), stiffness, low, high, collapsed, size / PLACES, faces, points)
+    points = _surface_points(samples, surface, places) if surface.turning.any() else None
+    return HeldGround(tuple(found), stiffness, collapsed, size / PLACES, faces, points)
 
 
 def _surface_points(samples, surface, places):
     """SurfacePoints of a body: its places on plane faces and edges, and points on its curved faces."""
-    numbers = np.repeat(surface.curved, 4**samples.pieces.cuts)     # of places on faces; those on edges follow
+    turning = surface.turning
+    numbers = np.repeat(turning, 4**samples.pieces.cuts)     # of places on faces; those on edges follow
     plane = places.number[~np.concatenate([numbers, np.zeros(len(samples.edges.point), bool)])[places.number]]
     beside = np.concatenate([np.zeros((len(numbers), 2, 3)), samples.beside])[plane]
     kept = np.isin(places.number, plane)
-    normals = surface.corner_normals[surface.curved]
+    normals = surface.corner_normals[turning]
     cosine = np.einsum("tki,tki->tk", normals, np.roll(normals, -1, axis=1)).min(axis=1)
-    point, normal = on_curves(samples, np.arccos(np.clip(cosine, -1.0, 1.0)), TURN)
+    point, normal = on_curves(samples, np.flatnonzero(turning), np.arccos(np.clip(cosine, -1.0, 1.0)), TURN)
     curved = np.concatenate([beside, np.stack([normal, np.zeros_like(normal)], axis=1)])
     return SurfacePoints(np.concatenate([places.point[kept], point]), curved)
 
@@ -121,27 +133,56 @@ def _block(low, high, collapsed, far):
     return build_surface(np.array(corners), np.array(SIDES))
 
 
-def _level(soil, box):
-    """(low, high) (3,) [m] of the level ground that is all of it, or that a profile has, under a bounding box (2, 3) [m];
-    None where it is not level."""
+def _stretches(soil, body, motion):
+    """[(low, high (3,) [m], pose)] of the straight stretches of the ground that are as long as a body, by the ends of each
+    in its own frame, as in Stretch: all of it where it is level, else those of a profile. Where a plane of symmetry
+    crosses a profile, only level ones go on beyond it."""
     low, high = _ends(soil)
     if soil.heights is None:
-        return low, high
+        return [(low, high, AT_REST)]
     (x, y, z), top = soil.heights
-    z = np.minimum(z, top)
-    if y is not None and np.ptp(z) > 0.0:
-        return None
-    if y is None:
-        first, last = np.searchsorted(x, box[0][0], side="right") - 1, np.searchsorted(x, box[1][0])
-        under = z[max(first, 0):last + 1]
-        if not len(under) or np.ptp(under) > 0.0:
-            return None
-        other = np.flatnonzero(z != under[0])
-        before, after = other[other < max(first, 0)], other[other > first]
-        low[0] = max(low[0], x[before[-1] + 1]) if len(before) else low[0]
-        high[0] = min(high[0], x[after[0] - 1]) if len(after) else high[0]
-    high[2] = np.min(z) if y is not None else under[0]
-    return low, high
+    if y is not None:
+        return [(low, np.array([*high[:2], min(z.min(), top)]), AT_REST)] if np.ptp(np.minimum(z, top)) == 0.0 else []
+    mirrored, least = any(mirror.axis == "x" for mirror in body.mirrors), np.ptp(rigid.bounding_box(body, motion)[:, 0])
+    found = []
+    for (x0, z0), (x1, z1) in _straight(x, z, low[0], high[0]):
+        if max(z0, z1) > top:
+            z0, z1 = (top, top) if min(z0, z1) >= top else (z0, z1)
+        level = z0 == z1
+        if x1 - x0 < least or max(z0, z1) > top or mirrored and not level:
+            continue
+        if level:
+            found.append((np.array([x0, *low[1:]]), np.array([x1, high[1], z0]), AT_REST))
+            continue
+        length = np.hypot(x1 - x0, z1 - z0)
+        c, s = (x1 - x0) / length, (z1 - z0) / length
+        pose = np.array([x0, 0.0, z0]), np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]])
+        found.append((np.array([0.0, low[1], low[2] - high[2]]), np.array([length, high[1], 0.0]), pose))
+    return found
+
+
+def _straight(x, z, first, last):
+    """Yields ((x, z), (x, z)) [m] of the ends of each straight stretch of a profile, level beyond its ends, from `first` to
+    `last` [m]."""
+    inside = (x > first) & (x < last)
+    x, z = (np.concatenate([[a], values[inside], [b]]) for a, values, b in (
+        (first, x, last), (np.interp(first, x, z), z, np.interp(last, x, z))))
+    begin = 0
+    for i in range(1, len(x)):
+        bends = i == len(x) - 1 or abs((z[i + 1] - z[i]) * (x[i] - x[i - 1]) - (z[i] - z[i - 1]) * (x[i + 1] - x[i])) > (
+            STRAIGHT * (x[i] - x[i - 1] + abs(z[i] - z[i - 1])) * (x[i + 1] - x[i] + abs(z[i + 1] - z[i])))
+        if bends:
+            if x[i] > x[begin]:
+                yield (x[begin], z[begin]), (x[i], z[i])
+            begin = i
+
+
+def _below(stretches, position):
+    """Pose of the stretch under a position (3,) [m], else of the first one."""
+    for low, high, (origin, rotation) in stretches:
+        if low[0] <= ((position - origin) @ rotation)[0] <= high[0]:
+            return origin, rotation
+    return stretches[0][2]
 
 
 def _beyond_mirrors(ends, mirrors, far):

@@ -4,7 +4,7 @@ on elastic soil                           p_f = 500 / h, 2000 / h of a body of p
                                           friction that shears it in plane strain
 on soil that yields                       p_f = 20 / h, 500 / h of a plane base that stages press with less than half of what
                                           the cohesion of the soil bears
-on held soil                              p_f E = W / (π r δ²),  δ = 2 s²/r
+on held soil                              p_f E = W / (π r δ²),  δ = 2 s²/r; more under a narrow foot (`hybrid.setup.foot`)
 of a curved body that rests on elastic    the softer one of 500 / h and that on held soil,  s <= r/32
 soil
 
@@ -23,6 +23,7 @@ import numpy as np
 
 from hybrid.body.symmetry import copies
 from hybrid.runtime.comm import largest
+from hybrid.setup.foot import standing_stiffness
 from hybrid.setup.interface import friction_of
 
 STIFFNESS = {False: 500.0, True: 20.0}  # p_f h, by whether the soil yields
@@ -33,7 +34,7 @@ PUBLISHED = 50.0                    # [1/m] p_f
 REST_CURVATURE = 32                 # spacings in a radius of curvature of bodies that rest on soil of given shape
 
 
-def penalty(described, body, soil, spacing, radius, gravity):
+def penalty(described, body, rotation, soil, spacing, radius, gravity):
     """p_f [1/m], or on held soil p_f E [N/m³]."""
     young, factor = largest(soil.law.young), largest(soil.law.young) if soil.held else 1.0
     if described.penalty is not None:
@@ -47,9 +48,11 @@ def penalty(described, body, soil, spacing, radius, gravity):
         return stiff * factor
     radius = min(radius, body.radius)
     overlap = 0.5 * (PATCH * min(spacing, radius / REST_CURVATURE)) ** 2 / radius
+    thickness = np.prod(np.ptp(soil.grid.extent[soil.grid.collapsed], axis=1))
+    stands = standing_stiffness(body.surface, rotation, soil.grid.collapsed, weight, thickness) if soil.held else 0.0
     if soil.grid.collapsed.any():   # of a slice of two diameters, for any thickness
-        weight *= 4.0 * radius / np.prod(np.ptp(soil.grid.extent[soil.grid.collapsed], axis=1))
-    felt = weight / (np.pi * radius * overlap**2)
+        weight *= 4.0 * radius / thickness
+    felt = max(weight / (np.pi * radius * overlap**2), stands)
     return felt if soil.held else min(stiff, felt / young)
 
 

@@ -270,8 +270,8 @@ def begin_bodies(model, state, dt, pulling, domains, active, nodal):
         pose = _expected_pose(body, motion, state.contacts[number], gravity, model.scheme, dt, grid.smallest_cell)
         limits = body.interface and body.interface.of_points(model.soil.law, state.points.plastic_strain)
         history = state.contacts[number]
-        if body.ground is not None and body.ground.carries(body, motion.pose, pose):
-            pair = GroundPair(body, motion, history, reach, pose)
+        if stretch := body.ground and body.ground.under(body, motion.pose, pose):
+            pair = GroundPair(body, stretch, motion, history, reach, pose)
         else:
             pair = ContactPair(body, motion, of_soil(history), domains, grid, active, reach, (predicted, pose), limits,
                                begins=state.time == 0.0)

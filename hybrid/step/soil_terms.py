@@ -16,6 +16,7 @@ from hybrid.soil.lost_points import list_points
 from hybrid.soil.model import INSIDE_OUT, NO_STRESS, Refusal, SoilTrial
 
 ROUNDING = 1e-14  # relative, of positions and increments: forces that this alone explains are not residual
+STILL = 1e-9    # cells that a force moves a point by in an increment: none
 
 
 @dataclass(frozen=True)
@@ -78,7 +79,8 @@ def residual(step, terms, displacement, springs):
     is relative to the largest of the terms.
 
     The terms include the internal forces that the increment starts with, `Step.reference`: where soil loses its contact
-    without inertia, all other terms vanish. Without any external force the round-off of the stiffness is no error.
+    without inertia, all other terms vanish. The round-off of the stiffness is no error without any external force, nor where
+    it moves nothing: the forces of weightless soil that comes to rest are as small.
 
     springs: [N/m] stiffness of the contact, by body.
     """
@@ -90,8 +92,11 @@ def residual(step, terms, displacement, springs):
     norm, scale = comm.norm(left[own]), max(step.reference, *norms.values())
     inertia = step.model.scheme.mass_factor(step.dt) * comm.norm((step.soil.mass[:, None] * displacement)[free][own])
     noise = ROUNDING * (inertia + np.abs(grid.extent).max() * sum(springs))
-    if not any(value for name, value in norms.items() if name != "internal"):
-        noise += step.model.soil.roundoff_force(grid.count_unknowns(free))
+    of_stiffness = step.model.soil.roundoff_force(grid.count_unknowns(free))
+    nothing = STILL * grid.smallest_cell * comm.minimum(step.model.soil.constants.mass)
+    if of_stiffness <= nothing * step.model.scheme.mass_factor(step.dt) or not any(
+            value for name, value in norms.items() if name != "internal"):
+        noise += of_stiffness
     return left, norms["internal"], norm, max(norm - noise, 0.0) / scale if scale > 0 else 0.0
 
 
