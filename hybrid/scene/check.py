@@ -150,6 +150,8 @@ def _body(key, body, inertia):
         yield from need(False, f"{key}.geometry", body.geometry, "an existing file",
                         "the path is relative to the scene file, or to the working folder from Python; hybrid comes with "
                         f"{', '.join(shipped_names())}, which go by name{did_you_mean(body.geometry.name, shipped_names())}")
+    yield from need(body.density != {}, f"{key}.density", body.density, "a number, or one for each volume of the geometry "
+                    "by its name", "7850.0 is steel")
     if body.rotation is not None:
         yield from need(hypot(*body.rotation[:3]) > TINY, f"{key}.rotation", body.rotation, "an axis other than zero",
                         "write [ax, ay, az, degrees], such as [0, 1, 0, 30]")

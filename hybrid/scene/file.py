@@ -84,7 +84,7 @@ def _unreadable(error):
 
 def _similar_file(path):
     """A hint at the scene file in the same folder whose name is nearest."""
-    return did_you_mean(path.name, [other.name for other in path.parent.glob("*.toml")])
+    return did_you_mean(path.name, [other.name for other in path.parent.glob("*.toml") if other.name != "pyproject.toml"])
 
 
 # ------------------------------------------------------------------ overrides

@@ -110,7 +110,7 @@ class Scene:
         default="default")
     accuracy: Literal["draft", "standard", "reference"] | Target | None = key(
         "cells, steps and tolerances of a draft or of a reference instead of those given, or those that reached a "
-        'target, as { like = "footing", error = 0.02, length = 1.0 } (`hybrid.scene.accuracy`)', default=None)
+        'target, as { like = "footing", error = 0.1, length = 1.0 } (`hybrid.scene.accuracy`)', default=None)
     solver: Solver = key("Newton's method and linear solver", default=Solver())
     output: Output = key("what is written", default=Output())
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 
 from hybrid.monitors.limits import cells, ground_cells
+from hybrid.monitors.limits.loading import driven
 from hybrid.scene import Axis, Faces, Grid, Joint, Load, Motion, Soil, Time
 from hybrid.setup.build import build
 from hybrid.study.random import afresh
@@ -131,7 +132,7 @@ def test_the_law_of_what_goes_deep_is_what_was_measured(across, sides, found):
 
 @pytest.mark.parametrize("half, depth, words", [
     (0.9, 0.36, None), (0.9, 0.5, "is 4.5 cells wide and goes 0.28 of this deep, where"), (0.9, 0.9, "up to 22%"),
-    (0.9, 2.7, "goes 1 of this deep"), (0.8, 0.4, "goes 0.25 of this deep and has edges on lines of the grid along x"),
+    (0.9, 2.7, "goes 1.5 times this deep"), (0.8, 0.4, "goes 0.25 of this deep and has edges on lines of the grid along x"),
     (1.7, 0.9, None)])
 def test_a_footing_that_goes_deep(half, depth, words):
     found = texts(cells.few_cells, footing(half, velocity=(0.0, 0.0, -depth)))
@@ -391,3 +392,13 @@ def test_a_door_lowered_under_clay_is_told_and_not_as_one_that_is_pushed_in():
     assert "16 cells wide and is lowered" in text and "14% too low" in text
     assert not texts(cells.few_cells, trapdoor(16))
     assert not texts(cells.trapdoors, trapdoor(32)) and not texts(cells.trapdoors, trapdoor(16, velocity=0.001))
+
+
+def test_a_body_that_goes_forwards_and_down_goes_forwards_as_deep_as_in_the_end():
+    """A block that starts on the surface, and one that goes up as it moves away."""
+    for down, lowest in ((0.1, -0.1), (-0.1, 0.0)):
+        block = footing(mirrored=False, driven=("x", "z"), held=("ry",), velocity=(0.4, 0.0, -down))
+        simulation = build(block)
+        (_, travel, place, plane), = driven(simulation.scene, simulation.model)
+        assert travel == pytest.approx((0.4, 0.0, 0.0)) and plane
+        assert place[:, 2].min() == pytest.approx(lowest, abs=1e-9)

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from hybrid.monitors.limits.guided import moving_halves, swallowed_loads, swallowed_pulls
+from hybrid.monitors.limits.guided import driven_into_held_ground, moving_halves, swallowed_loads, swallowed_pulls
 from hybrid.scene import Axis, Load, Motion, Pull, Stage
 from hybrid.setup.build import build
 from hybrid.study.scenes import box, collapsed, soil_scene
@@ -78,3 +78,16 @@ def test_half_models_of_a_body_on_an_axis_at_the_other_end_are_seen_too():
     cube = box(0.2, 0.2, 0.2, name="cube", position=(0.8, 0.4, 0.0), rest_on=0.0, velocity=(0.1, 0.0, 0.0))
     simulation = build(soil_scene([cube], x=Axis(0.0, 0.8, 0.2)))
     assert "x = 0.8 m" in list(moving_halves(simulation.scene, simulation.model))[0]
+
+
+@pytest.mark.parametrize("velocity, held, ground, count", [
+    (-0.01, True, {}, 1), (-0.01, False, {}, 0), (0.01, True, {}, 0), (0.0, True, {}, 0),
+    (-0.01, True, {"top": 0.2, "ground": ((0.0, -0.2), (0.8, -0.2))}, 0),
+    (-0.01, True, {"top": 0.2, "ground": ((0.0, 0.0), (0.8, 0.0))}, 1)])
+def test_a_body_driven_into_ground_that_does_not_deform_is_reported(velocity, held, ground, count):
+    """Not one that is driven through the air above it."""
+    cube = box(0.2, 0.2, 0.2, name="cube", position=(0.4, 0.4, 0.1), driven=("z",), velocity=(0.0, 0.0, velocity))
+    described = soil_scene([cube], held=held)
+    simulation = build(replace(described, soil=replace(described.soil, **ground)))
+    found = list(driven_into_held_ground(simulation.scene, simulation.model))
+    assert len(found) == count and all("cube is driven" in text for text in found)

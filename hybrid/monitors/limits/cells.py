@@ -214,7 +214,7 @@ def _on_lines(scene, model, body, travel, place, depth):
     has = f"is {wide}" if len(parts) == 1 else f"has {len(parts)} parts ahead, {wide}"
     go = " goes" if len(parts) == 1 else " go"
     also = " and" if len(parts) == 1 else ", which"
-    deep = f"{go} {sunk:.2g} of this deep" if sunk > SHALLOW else ""
+    deep = f"{go} {sunk:.2g} {'of this' if sunk < 1.0 else 'times this'} deep" if sunk > SHALLOW else ""
     lines = f" {'has' if len(parts) == 1 else 'have'} edges on lines of the grid along {', '.join(on)}" if on else ""
     return (excess,
             f"{has}{also if deep or lines else ''}{deep}{' and' if deep and lines else ''}{lines}, "
@@ -231,7 +231,7 @@ def _foot_on_lines(scene, model, body, travel, place, foot, depth):
         return 0.0, narrow, on, False, 0.0
     width, sunk = narrowest(grid, foot, travel), 0.0
     if travel[2] < 0.0 and width > MEASURED * grid.smallest_cell and scene.soil.ground is None:
-        sunk = np.clip((top_of(model.soil) - foot[:, 2].min() + depth) / width, 0.0, DEEP)
+        sunk = max((top_of(model.soil) - foot[:, 2].min() + depth) / width, 0.0)
     growing = _growing(scene, model.soil, foot, travel)
     for width, ends, direction, axis in sides(grid, foot, travel):
         if axis is None:
@@ -243,7 +243,7 @@ def _foot_on_lines(scene, model, body, travel, place, foot, depth):
         nodes, cell = grid.lines[axis], np.diff(grid.lines[axis]).min()
         lying = sum(np.abs(nodes - end).min() < ON_LINE * cell and _soil_beside(model.soil, foot, axis, end)
                     for end in ends)
-        excess *= 1.0 + (EDGE * growing * lying + SUNK * sunk) * cell / width
+        excess *= 1.0 + (EDGE * growing * lying + SUNK * min(sunk, DEEP)) * cell / width
         narrow = min(narrow, width / cell)
         if lying:
             on.append("xyz"[axis])

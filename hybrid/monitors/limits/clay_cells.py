@@ -58,7 +58,7 @@ def drawn_walls(scene, model):
     if scene.gravity[2] >= 0.0:
         return
     for body, travel, place, plane in driven(scene, model):
-        depth = depths(scene, model.soil, place, travel, {CLAY}) if plane else None
+        depth = depths(scene, model.soil, place, travel, {CLAY}, away=True) if plane else None
         if depth is not None and depth.behind > PASSIVE * depth.ahead:
             yield from _active(scene, model.soil, body, place, travel, depth.behind, "moves away from", "its load is")
 

@@ -5,13 +5,15 @@ import numpy as np
 from hybrid.body.attitude import initial_rotation
 from hybrid.body.rigid import FREEDOMS
 from hybrid.body.symmetry import AXES, Mirror
-from hybrid.monitors.limits.contact import initial_vertices
+from hybrid.monitors.limits.contact import initial_vertices, path_along, top_of
 from hybrid.runtime.comm import maximum, minimum
 from hybrid.runtime.units import force as force_text
 from hybrid.scene.check_stage import moved
+from hybrid.scene.ground import heights, heights_at
 
 SWALLOWED = 0.01    # of the largest force of a load, along a component that does not feel it
 ASIDE = 0.05        # of the size of a body: arms of its loads below it are none
+PRESSED = 1e-4      # of the radius of a body: it is driven into the ground
 MIDDLE = 0.02       # the same between the middle of a body and the end of the grid, where the body is half a model
 
 
@@ -80,6 +82,21 @@ def _why(scene, body, component):
     return "held", "Release it (body.held, stage.held, or a motion with free), or leave this component out"
 
 
+def driven_into_held_ground(scene, model):
+    """Bodies that guides press into ground that does not deform: the penalty alone, a number of the method, resists."""
+    if not model.soil.held or model.soil.grid.collapsed[2]:
+        return
+    for described, body in zip(scene.bodies, model.bodies):
+        place = initial_vertices(described, body)
+        down = min([0.0, *(z for stage in path_along(scene, described, "z") for z in stage)])
+        level = top_of(model.soil) if scene.soil.ground is None else heights_at(heights(scene.soil.ground), place[:, :2])
+        deep = (level - place[:, 2]).max() - down
+        if down < 0.0 and deep > PRESSED * body.radius:
+            yield (f"{body.name} is driven {deep:.3g} m into soil that does not deform, limit 0: nothing but the penalty "
+                   "resists, and its force is none of the soil's. Leave out soil.held = true, or load the body "
+                   "(stage.load) instead")
+
+
 def swallowed_pulls(scene, model):
     """Pull lines that lead across a plane of symmetry."""
     for i, (described, body) in enumerate(zip(scene.bodies, model.bodies)):
@@ -127,4 +144,4 @@ def _half_at(scene, soil, axis, low, high):
             yield face
 
 
-LIMITS = (swallowed_loads, swallowed_pulls, moving_halves)
+LIMITS = (driven_into_held_ground, swallowed_loads, swallowed_pulls, moving_halves)

@@ -45,8 +45,9 @@ def driven(scene, model):
         whole, place = outline(described, body, model.soil)
         for start, travel in travels:
             if body.guided[:3][travel != 0.0].all():
-                travel = _straight(whole, place, travel)
-                yield whole, travel, place + start, leads(whole, place, travel)
+                straight = _straight(whole, place, travel)
+                lower = np.array([0.0, 0.0, min(travel[2] - straight[2], 0.0)])     # it goes forwards as deep as in the end
+                yield whole, straight, place + start + lower, leads(whole, place, straight)
 
 
 def _straight(body, place, travel):

@@ -68,9 +68,9 @@ def pushed_walls(scene, model):
     """Walls, upright or inclined, that are driven against sand, and in plane strain upright ones that move away from it."""
     yield from pushed(scene, model, SAND, IN_SAND)
     for body, travel, place, plane in driven(scene, model):
-        depth = depths(scene, model.soil, place, travel, SAND) if plane else None
+        depth = depths(scene, model.soil, place, travel, SAND, away=True) if plane else None
         if depth is not None and depth.behind > PASSIVE * depth.ahead:
-            yield from _retained(body, depth.behind, model.soil.grid.smallest_cell, "moves away from", "its load is")
+            yield from _retained(scene, model.soil, body, place, depth.behind, "moves away from", "its load is")
 
 
 def pushed(scene, model, laws, wedge):
@@ -92,8 +92,8 @@ def _angle(body, place, travel):
 
 def retaining_walls(scene, model):
     """Bodies that no guide holds, with sand on one side of them and hardly any on the other."""
-    for body, _, _, depth in free_walls(scene, model, SAND):
-        yield from _retained(body, depth.behind, model.soil.grid.smallest_cell, "retains",
+    for body, place, _, depth in free_walls(scene, model, SAND):
+        yield from _retained(scene, model.soil, body, place, depth.behind, "retains",
                              "where it gives way, the pressure of the sand is")
 
 
@@ -109,7 +109,7 @@ def free_walls(scene, model, laws):
             continue
         whole, place = outline(described, body, soil)
         for travel in np.eye(3)[axis], -np.eye(3)[axis]:
-            depth = depths(scene, soil, place, travel, laws)
+            depth = depths(scene, soil, place, travel, laws, away=True)
             if depth is not None and depth.behind > PASSIVE * depth.ahead and leads(whole, place, -travel):
                 yield body, place, travel, depth
 
@@ -188,28 +188,37 @@ def _wedge(wedge, body, depth, grid, angle):
            f"{EXCESS:.0%}. {remedy}")
 
 
-def _retained(body, depth, cell, does, load):
-    """The same of a wall that sand of a height `depth` [m] behind it follows."""
-    missing = 1.0 - max(1.0 - ACTIVE * cell / depth, 0.0) ** 2 if depth > 0 else 0.0
-    if depth >= STEEP * cell and missing > EXCESS:
-        enough = (1.0 - np.sqrt(1.0 - EXCESS)) / ACTIVE * depth
+def _retained(scene, soil, body, place, depth, does, load):
+    """The same of a wall with its vertices at `place` that sand of a height h = `depth` [m] behind it follows: its pressure
+    K_a γ h²/2 - 2 c √K_a h is that of a height which is ACTIVE cells less."""
+    cell = soil.grid.smallest_cell
+    material = material_at(scene, soil, place[:, 2].min() + 0.5 * cell)
+    root = np.tan(np.pi / 4 - np.radians(material.friction_angle) / 2)      # √K_a
+    weight, suction = 0.5 * root**2 * material.density * -scene.gravity[2], 2.0 * (material.cohesion or 0.0) * root
+    whole, low = (max(weight * h - suction, 0.0) * h for h in (depth, max(depth - ACTIVE * cell, 0.0)))
+    if depth >= STEEP * cell and whole > 0.0 and low < (1.0 - EXCESS) * whole:
+        missing = 1.0 - low / whole
+        least = (suction + np.sqrt(suction**2 + 4.0 * weight * (1.0 - EXCESS) * whole)) / (2.0 * weight)
+        enough = (depth - least) / ACTIVE
         yield (f"{body.name} {does} {depth:.3g} m of sand, {depth / cell:.2g} cells of {cell:.3g} m, whose lowest "
                f"cells stay behind at its foot: {load} about {missing:.0%} too low, limit {EXCESS:.0%}, which is "
                f"unsafe for a retaining wall. Use cells of at most {enough:.2g} m, or extrapolate two sizes of cells "
                "to none")
 
 
-def depths(scene, soil, place, travel, laws, spaces=(1,)):
+def depths(scene, soil, place, travel, laws, spaces=(1,), away=False):
     """Sides of an upright wall with its vertices at `place`, moved along a `travel`, whose foot is in soil of one of the
     `laws`, in a grid with one of the numbers `spaces` of axes collapsed: in plane strain unless these have 0; None of
-    what is none, goes up or down by more than LEVEL, or ends on a smooth base."""
+    what is none, goes up or down by more than LEVEL, or ends on the base; `away` from the soil behind it on a smooth base
+    alone, as the lowest cells stay behind on one that is held."""
     axis, bottom, cell = int(np.argmax(np.abs(travel))), place[:, 2].min(), soil.grid.smallest_cell
     if soil.grid.collapsed.sum() not in spaces or soil.grid.collapsed[2] or abs(travel[2]) > LEVEL * abs(travel[axis]):
         return None
     height, half = levelled(soil, soil.constants.position)[:, 2], soil.constants.half_width[:, 2]
     near = beside(soil, place[:, axis], axis)
     base = min(minimum((height - half)[inside], np.inf) for inside in near)
-    if bottom < base + cell or law_at(scene, soil, bottom + 0.5 * cell) not in laws:
+    on_base = bottom < base + cell and not (away and scene.grid.faces.z_min == "fixed")
+    if on_base or law_at(scene, soil, bottom + 0.5 * cell) not in laws:
         return None
     before = [maximum((height + half)[inside], -np.inf) - bottom for inside in near]
     if place[:, 2].max() < bottom + max(before):    # under the ground
