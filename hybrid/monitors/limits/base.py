@@ -17,7 +17,9 @@ In c-φ soil (25°, 8 kPa) on such rock 4.0, 1.7, 1.2, 1.1 times Rankine's force
 after 0.02 of its height. A pipe of 8 cells on rock, pushed through clay: 5 times.
 
 A strip that presses a thin layer of clay on a harder one squeezes it out sideways: rough, B/4 over clay of four times the
-strength, 18, 8.5, 5 % over 6.43 s_u (Meyerhof & Chaplin 1953) with 2, 4, 8 cells in the layer, 1 + 0.36/n.
+strength, 18, 8.5, 5 % over 6.43 s_u (Meyerhof & Chaplin 1953) with 2, 4, 8 cells in the layer, 1 + 0.36/n. Pressed by a
+fifth of the layer, B/5 over clay of five times the strength, 57, 20, 14 % over that of what is left of it: 1 + (0.36 +
+3 z/H)/n.
 """
 
 import numpy as np
@@ -30,6 +32,7 @@ from hybrid.scene.soil import ends, span
 CLEAR = 0.5     # cells between a body and the fixed base: from there on the force is right to 2 %
 HARDER = 4.0    # times the strength of the soil above, from which on a layer is nearly as good as fixed
 SQUEEZED = 0.36  # over the cells in a layer of clay: excess of the load that presses it on a harder one
+PRESSED, MOST = 3.0, 0.2    # the same for each layer that it is pressed by, up to a share of it
 ON_IT = 0.1     # cells: a body nearer to a harder layer stands on it
 THIN = 0.5      # widths of a body: of a thicker layer the shear along the harder one does not decide
 AHEAD = 2.0     # cells from a body to the soil that it pushes
@@ -116,16 +119,20 @@ def squeezed_layer(scene, model):
     if soil.held or not soil.law.plastic or soil.grid.collapsed.sum() != 1:
         return
     cell, tops = soil.grid.smallest_cell, [height for height, name, least in _bases(scene, model) if least == -CLEAR]
-    for body, travel, place, plane in [*driven(scene, model), *(found[:4] for found in loaded(scene, model))]:
+    moved = [(*found, -found[1][2]) for found in driven(scene, model)]
+    moved += [(*found[:4], 0.0) for found in loaded(scene, model)]
+    for body, travel, place, plane, way in moved:
         bottom = place[:, 2].min()
         top = max((height for height in tops if height < bottom - ON_IT * cell), default=None)
         if top is None or not plane or travel[2] >= 0.0 or law_at(scene, soil, bottom - 0.5 * cell) != CLAY:
             continue
-        thick, excess = bottom - top, SQUEEZED * cell / (bottom - top)
+        thick = bottom - top
+        number = SQUEEZED + PRESSED * min(max(way, 0.0) / thick, MOST)
+        excess = number * cell / thick
         if thick < THIN * narrowest(soil.grid, place, travel) and excess > EXCESS:
             yield (f"{body.name} presses {thick:.3g} m of clay, {thick / cell:.2g} cells of {cell:.3g} m, on a harder layer:"
                    f" the load that squeezes it out is about {excess:.0%} too high, limit {EXCESS:.0%}. Use cells of at "
-                   f"most {EXCESS / SQUEEZED * thick:.2g} m under it, or extrapolate two sizes of cells to none")
+                   f"most {EXCESS / number * thick:.2g} m under it, or extrapolate two sizes of cells to none")
 
 
 LIMITS = (body_on_base, squeezed_layer)

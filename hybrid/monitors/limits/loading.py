@@ -35,19 +35,26 @@ CLAY, SAND = "von-mises", FRICTIONAL
 
 def driven(scene, model):
     """(RigidBody, travel (3,) [m], places (V, 3) [m] of its vertices where it begins, whether a plane face leads) of each
-    travel of each driven body."""
+    travel of each body that is driven, or welded to one that is, and gets to the soil."""
     if model.soil.held or not model.soil.law.plastic:
         return
-    for described, body in zip(scene.bodies, model.bodies):
-        travels = travels_of(scene, described, model.soil.grid.collapsed)
+    for number, (described, body) in enumerate(zip(scene.bodies, model.bodies)):
+        movers = [number, *sorted(joined(scene, number, ("weld",)) - {None})]
+        ways = [(travels_of(scene, scene.bodies[i], model.soil.grid.collapsed), model.bodies[i].guided) for i in movers]
+        travels, guided = next((way for way in ways if way[0]), ((), None))
         if not travels:
             continue
         whole, place = outline(described, body, model.soil)
         for start, travel in travels:
-            if body.guided[:3][travel != 0.0].all():
+            if guided[:3][travel != 0.0].all() and _gets_to(model.soil, place + start, travel):
                 straight = _straight(whole, place, travel)
                 lower = np.array([0.0, 0.0, min(travel[2] - straight[2], 0.0)])     # it goes forwards as deep as in the end
                 yield whole, straight, place + start + lower, leads(whole, place, straight)
+
+
+def _gets_to(soil, place, travel):
+    """Whether a body with its vertices at `place` (V, 3) [m] gets as low as the soil on its travel."""
+    return soil.grid.collapsed[2] or place[:, 2].min() + min(travel[2], 0.0) < top_of(soil) + soil.grid.smallest_cell
 
 
 def _straight(body, place, travel):
@@ -134,11 +141,12 @@ def through_clay(scene, model):
             yield body, grid.smallest_cell * force / np.linalg.norm(force), place, plane
 
 
-def joined(scene, number):
-    """Numbers of the bodies that joints at points connect with a body, over any number of others; None of the ground."""
+def joined(scene, number, kinds=AT_POINT):
+    """Numbers of the bodies that joints of some `kinds`, those at points, connect with a body, over any number of others;
+    None of the ground."""
     names, found = [body.name for body in scene.bodies], {number}
     pairs = [{*map(names.index, joint.bodies), *([None] if len(joint.bodies) == 1 else [])}
-             for joint in scene.joints if joint.kind in AT_POINT]
+             for joint in scene.joints if joint.kind in kinds]
     for _ in pairs:
         for pair in pairs:
             found |= pair if (found & pair) - {None} else set()
