@@ -122,6 +122,8 @@ def test_a_footing_or_a_wall_that_is_turned_over_drives_the_next_cells():
     assert "turned about y, 8 cells of 0.125 m across" in text and "up to 28% too high, limit 10%" in text
     assert "up to 32% too high" in over(space=True, size=0.125)[0]
     assert "12 cells of 0.125 m across" in over(depth=1.5)[0]
+    buried, = over(depth=3.0, foot=4.0)     # all of it, 2 m high
+    assert "16 cells of 0.125 m across" in buried and "up to 35% too high" in buried
     assert "up to 28%" in over(spin=0.0, driven=(), held=("x", "y", "z", "rx", "rz"),
                                loads=(Load(moment=((0.0, 0.0, 0.0, 0.0), (4.0, 0.0, 4e4, 0.0))),))[0]
 
@@ -152,3 +154,9 @@ def test_a_box_deep_in_sand_in_space_has_the_law_that_was_measured():
 
 def test_check_and_runs_ask_for_it():
     assert turning.turned in LIMITS and turning.turned_over in LIMITS
+
+
+@pytest.mark.parametrize("cells, least, most", [(10, 1.4, 1.71), (20, 1.27, 1.31)])
+def test_the_law_of_a_vane_deep_in_clay_in_plane_strain_is_what_was_measured(cells, least, most):
+    """Over 2 π R² s_u, of blades 0.2 m thick and 1 m across."""
+    assert least - 0.02 < (1 + turning.BURIED / cells) ** 2 < most

@@ -5,6 +5,8 @@
     the same in plan view, z collapsed       (1 + 1.3/n)²        1.08 to 1.25 with 16, α = 0; 0.98 to 1.08 with 32
     round pile along which clay slips        -13, -6, +12 %      with 4, 6, 8 in its diameter, α = 0.5, length 1.5 D;
                                                                   -25 % with 4 where α = 1
+    vane with its axis in the ground, all of  (1 + 2.6/n)²        1.4 to 1.7, 1.28 with 10, 20, of 2 π R² s_u
+    it in clay, in plane strain
     footing or wall turned over              1 + 2.2/n           n cells in its width, or its depth if that is more
     footing in space                         1 + 2.6/n
 
@@ -32,6 +34,7 @@ BLADES = 0.1                    # share of its surface with which a body pushes 
 SLIPPING = 16.0                 # cells in the diameter of a round body, twice the most that were measured
 SUNK = 0.05                     # of its width: depth of a round body up to which it stands on the ground
 OVER, OVER_IN_SPACE = 2.2, 2.6  # of bodies turned over
+BURIED = 2.6                    # cells by which a body all of which is in clay is wider, in plane strain
 IN_SAND = 1.2                   # of a box of 1 m, half of it in sand: 24.8, 21.9 kN m with 4, 8 cells after 0.12 rad
 # Of s_u/G [rad], and of the largest moment LARGEST s_u B² L, up to which clay under a strip is hardly more than elastic; and
 # angle [rad] up to which sand is
@@ -75,15 +78,26 @@ def turned_over(scene, model):
         if material.law not in {CLAY, *SAND} or deep and material.law == CLAY:
             continue
         for axis in [axis for axis in across if _turns(scene, described, body, axis)]:
-            width = max(np.ptp(base[:, 1 - axis]), top - bottom)
+            width, buried = _width(place, top, axis, material, collapsed.any(), cell)
             factor = OVER if collapsed.any() else IN_SAND if deep else OVER_IN_SPACE
             excess = factor * cell / width if width else 0.0
+            excess = (1.0 + BURIED * cell / width)**2 - 1.0 if buried else excess
             strength = _strength(material, width, np.ptp(base[:, axis]))
             if excess > EXCESS and _pushes(whole, place, axis) > BLADES and _flows(scene, described, body, axis, *strength):
                 yield (f"{body.name} is turned about {'xy'[axis]}, {width / cell:.2g} cells of {cell:.3g} m across: its "
                        f"moment, where soil flows under it, is up to {excess:.0%} too high, limit {EXCESS:.0%}, as it "
                        f"drives the next cells too. Use cells of at most {EXCESS / excess * cell:.2g} m at it, or "
                        "extrapolate two sizes of cells to none")
+
+
+def _width(place, top, axis, material, in_plane, cell):
+    """(Width [m] that counts of a body turned over about a horizontal axis, whether it is the diameter of one all of which
+    is in clay, in plane strain)."""
+    across, bottom = place[:, [1 - axis, 2]], place[:, 2].min()
+    if in_plane and material.law == CLAY and across[:, 1].max() < top - cell:
+        return np.ptp(across, axis=0).max(), True
+    base = place[place[:, 2] <= max(top, bottom) + ON_LINE * cell]
+    return max(np.ptp(base[:, 1 - axis]), top - bottom), False
 
 
 def _strength(material, width, length):
