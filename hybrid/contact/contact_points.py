@@ -31,7 +31,7 @@ from hybrid.runtime.comm import anywhere
 from hybrid.runtime.jit import njit
 from hybrid.soil.basis import find_cell, hat
 
-CARRIED = 0.5       # half-widths of its domain that an open point is off its place: farther away it is placed afresh
+SUNK = 0.1      # half-widths of its domain that an open point is behind its face: farther behind it is placed afresh
 
 
 @dataclass(frozen=True)
@@ -130,14 +130,14 @@ def find_contact_points(domains, pressure, places, grid, active, body, surface, 
 
 def _within_reach(domains, places, collapsed, body, surface, reach, history, begins):
     """Contact points within reach, {name: values}: those of the history, carried by the grid, and new ones. One that is open
-    and has been carried far off its face is placed afresh: faces keep the directions of space, so that in soil that turns
-    with a body those that come to look at it would be where they were before."""
+    and has been carried far behind its face is placed afresh: faces keep the directions of space, so that in soil that
+    turns with a body those that come to look at it would be where they were before."""
     normal, distance = _of_history(history, collapsed, body, surface, reach.farthest(body, surface.radius))
     within = np.abs(distance) <= reach.at(history.position, normal, body)
-    on_face = places.at_corners or (domains.drift(history.point, history.place, history.position, places)
-                                    <= CARRIED)[:, ~collapsed].all(axis=1)
-    followed = (within & on_face | history.touching | history.opened) & domains.included[history.point]
-    known = history.point[followed] * len(places) + history.place[followed]
+    holds = history.touching | history.opened
+    stays = holds | (domains.sunk(history.point, history.place, history.position, places) <= SUNK)
+    followed = (within | holds) & stays & domains.included[history.point]
+    known = (history.point * len(places) + history.place)[stays]
     new = new_points(domains, places, collapsed, body, surface, reach, known)
     if begins and not anywhere([len(history.point)]):       # not in place: an overlap is meant
         del new["rest"]

@@ -62,13 +62,13 @@ class Domains:
             return usual
         return self.ground.facing(point, places.up(number), places.flat[number], normal, usual)
 
-    def drift(self, point, number, position, places):
-        """Distances (m, 3), in half-widths, of positions (m, 3) [m] of places of these numbers from where they are on their
-        domains, less that by which they may be moved to the ground."""
-        half = np.maximum(self.half[point], 1e-300)
-        off = np.abs(position - self.position[point] - places.flat[number] * half)
-        off[:, 2] = np.maximum(off[:, 2] - self.shift(point, places), 0.0)
-        return off / half
+    def sunk(self, point, number, position, places):
+        """Distance (m,), in half-widths, of positions (m, 3) [m] of places of these numbers behind their faces, less that by
+        which they may be moved to the ground; 0 of corners, which are on no face."""
+        normal = places.normal[number // places.offset.shape[1]]
+        half = np.maximum((self.half[point] * np.abs(normal)).sum(axis=1), 1e-300)
+        behind = half - ((position - self.position[point]) * normal).sum(axis=1) - self.shift(point, places) * normal[:, 2]
+        return np.zeros(len(point)) if places.at_corners else behind / half
 
     def shift(self, point, places):
         """Distance [m], (m,) or 0, by which places of points are moved to the ground at most."""

@@ -220,7 +220,7 @@ def test_sand_on_a_held_body_presses_on_it_from_the_start(inertia, monkeypatch):
                   soil=Soil(SAND, lower=(0.0, 0.0, 0.0), upper=(1.0, 1.0, 0.5)), bodies=(table,),
                   time=Time(0.1, inertia=inertia), stages=(Stage("lie", 1),))
     simulation = build(scene)
-    assert simulation.imbalance.share < 1e-9 and not simulation.warned
+    assert simulation.imbalance.share < 1e-9 and all("between rollers" in text for text in simulation.warned)
     record, = simulation.steps()
     weight = 9.81 * simulation.model.soil.constants.mass.sum()
     assert record.iterations == 0 and record.bodies[0].contact_force[2] == pytest.approx(-weight)

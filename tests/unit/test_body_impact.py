@@ -17,7 +17,8 @@ def notes(errors, in_contact=(), near=(), touching=0, pairs=1, accuracy=None, mo
     """Of steps with these errors [J] of a body of 2 kg with 10 m/s, 100 J, and of one that stands still, both of which fly
     `along`; in_contact, near: steps at whose ends bodies press, or are near one another; touching: number of contacts with
     the soil; free: whether both are; begun: whether the monitor knows of the motion before the first step."""
-    body = SimpleNamespace(mass=SimpleNamespace(mass=2.0, inertia=np.eye(3)), free=np.full(6, free), radius=0.5)
+    body = SimpleNamespace(mass=SimpleNamespace(mass=2.0, inertia=np.eye(3)), free=np.array([True, *[free] * 5]),
+                           radius=0.5)
     motions = [SimpleNamespace(velocity=np.array([speed + along, 0.0, 0.0]), spin=np.zeros(3), rotation=np.eye(3))
                for speed in (10.0, 0.0)]
     model = SimpleNamespace(bodies=(body, body), pairs=(None,) * pairs, soil=SimpleNamespace(held=held),
@@ -136,7 +137,7 @@ def test_bodies_that_hit_one_another_on_soil_are_told_of_larger_losses():
 def on_ground(errors, touching=(), held=True, radius=0.5, gravity=9.81, in_contact=(), near=(),
               **scheme):
     """The same of the monitor of held ground, for a body that touches it at the steps `touching`."""
-    body = SimpleNamespace(mass=SimpleNamespace(mass=2.0, inertia=np.eye(3)), radius=radius)
+    body = SimpleNamespace(mass=SimpleNamespace(mass=2.0, inertia=np.eye(3)), free=np.ones(6, bool), radius=radius)
     motion = SimpleNamespace(velocity=np.array([10.0, 0.0, 0.0]), spin=np.zeros(3), rotation=np.eye(3))
     monitor, found = GroundImpact(None, None), []
     for step, error in enumerate(errors):

@@ -109,7 +109,7 @@ def test_history_is_followed_until_it_leaves_the_reach(name):
     surface, body, places = ball(), body_at((0.4, 0.4, 0.24)), PLACES[name]
     _, first = found_in_bed(surface, body, places=places)
     contact = contact_of(first, surface, (body.position - (0, 0, 0.01), body.rotation))
-    shifted = first.position + 0.003
+    shifted = first.position + 0.002     # less than a tenth of a half-width
     history = soil_to_body.commit(first, shifted, contact)
     _, second = found_in_bed(surface, body, history, places=places)
     common = np.isin(id_of(second), id_of(first))
@@ -121,6 +121,25 @@ def test_history_is_followed_until_it_leaves_the_reach(name):
     np.testing.assert_array_equal(second.anchor[common][carried], history.anchor[at][carried])
     _, far = found_in_bed(surface, body_at((0.4, 0.4, 2.0)), history, places=places)
     assert len(far) == history.touching.sum() and far.touching.all()      # those that leave contact in this step
+
+
+@pytest.mark.parametrize("sunk, afresh", [(0.05, False), (0.2, True)])
+def test_an_open_point_far_behind_its_face_is_placed_afresh(sunk, afresh):
+    """In half-widths of its domain, as in soil that has turned; one that touches stays where the grid has carried it."""
+    surface, body, places = ball(), body_at((0.4, 0.4, 0.24)), PLACES["faces"]
+    _, first = found_in_bed(surface, body, places=places)
+    contact = contact_of(first, surface, (body.position - (0, 0, 0.01), body.rotation))
+    _, _, half = bed()
+    normal = places.normal[first.place // places.offset.shape[1]]
+    carried = first.position - sunk * half[first.point] * normal
+    history = soil_to_body.commit(first, carried, contact)
+    _, second = found_in_bed(surface, body, history, places=places)
+    common = np.isin(id_of(second), id_of(first))
+    at = np.searchsorted(id_of(first), id_of(second)[common])
+    touching = history.touching[at]
+    expected = np.where(touching[:, None] | (not afresh), carried[at], first.position[at])
+    assert touching.any() and not touching.all()
+    np.testing.assert_allclose(second.position[common], expected, atol=1e-12)
 
 
 def test_inactive_points_have_no_corners():

@@ -134,14 +134,17 @@ def test_a_body_that_leaves_the_grid_stops_the_run_unless_it_is_driven_there(sim
     assert list(monitor.stops(view(simulation, moved(simulation, (0.05, 0.4, 0.05)), [[]])))    # is too low
 
 
-@pytest.mark.parametrize("position, speed, lost", [
-    ((1.0, 0.4, -0.15), -1.0, True),        # beside the soil, below its surface
-    ((1.0, 0.4, -0.15), 1.0, False),        # on its way up
-    ((1.0, 0.4, 0.2), -1.0, False),         # beside the soil, above its surface
-    ((0.4, 0.4, 0.2), -1.0, False),         # above the soil
-    ((0.4, 0.4, -0.2), -1.0, True),         # inside it
+@pytest.mark.parametrize("position, speed, gravity, lost", [
+    ((1.0, 0.4, -0.15), -1.0, -9.81, True),     # beside the soil, below its surface
+    ((1.0, 0.4, -0.15), -1.0, 0.0, False),      # but nothing draws it down
+    ((1.0, 0.4, -0.15), 1.0, -9.81, False),     # on its way up
+    ((1.0, 0.4, 0.2), -1.0, -9.81, False),      # beside the soil, above its surface
+    ((0.4, 0.4, 0.2), -1.0, -9.81, False),      # above the soil
+    ((0.4, 0.4, -0.2), -1.0, -9.81, True),      # inside it
+    ((0.4, 0.4, -0.2), -1.0, 0.0, True),
 ])
-def test_a_body_that_falls_beside_or_inside_the_soil_stops_the_run(simulation, position, speed, lost):
+def test_a_body_that_falls_beside_or_inside_the_soil_stops_the_run(simulation, position, speed, gravity, lost):
+    simulation = build(replace(simulation.scene, gravity=(0.0, 0.0, gravity)))
     state = moved(simulation, position)
     state = replace(state, bodies=[replace(state.bodies[0], velocity=np.array([0.0, 0.0, speed]))])
     monitor = LostContact(simulation.model, simulation.state)
@@ -171,7 +174,7 @@ def test_a_body_in_a_pit_is_not_lost(simulation):
 def test_a_body_that_falls_on_another_is_not_lost(start, x, z, lost):
     bodies = [steel(0.2, 0.2, 0.2, name=name, position=place) for name, place in
               (("cube", (1.0, 0.4, -0.15)), ("table", (1.6, 0.4, z)))]
-    simulation = build(soil_scene(bodies))
+    simulation = build(soil_scene(bodies, gravity=(0.0, 0.0, -9.81)))
     cube, table = simulation.state.bodies
     falling = replace(cube, position=np.array([start, 0.4, -0.15]), velocity=np.array([0.0, 0.0, -1.0]))
     state = replace(simulation.state, bodies=[falling, replace(table, position=np.array([x, 0.4, z]))])
