@@ -31,7 +31,8 @@ from hybrid.runtime.comm import anywhere
 from hybrid.runtime.jit import njit
 from hybrid.soil.basis import find_cell, hat
 
-SUNK = 0.1      # half-widths of its domain that an open point is behind its face: farther behind it is placed afresh
+# Half-widths of its domain that an open point is behind its face: farther behind it is placed afresh where soil has turned
+SUNK = 0.1
 
 
 @dataclass(frozen=True)
@@ -129,13 +130,14 @@ def find_contact_points(domains, pressure, places, grid, active, body, surface, 
 
 
 def _within_reach(domains, places, collapsed, body, surface, reach, history, begins):
-    """Contact points within reach, {name: values}: those of the history, carried by the grid, and new ones. One that is open
-    and has been carried far behind its face is placed afresh: faces keep the directions of space, so that in soil that
-    turns with a body those that come to look at it would be where they were before."""
+    """Contact points within reach, {name: values}: those of the history, carried by the grid, and new ones. In soil that has
+    turned, one that is open and has been carried far behind its face is placed afresh: faces keep the directions of
+    space, so that where soil turns with a body those that come to look at it would be where they were before."""
     normal, distance = _of_history(history, collapsed, body, surface, reach.farthest(body, surface.radius))
     within = np.abs(distance) <= reach.at(history.position, normal, body)
     holds = history.touching | history.opened
     stays = holds | (domains.sunk(history.point, history.place, history.position, places) <= SUNK)
+    stays[~stays] = ~domains.turned(history.point[~stays])
     followed = (within | holds) & stays & domains.included[history.point]
     known = (history.point * len(places) + history.place)[stays]
     new = new_points(domains, places, collapsed, body, surface, reach, known)

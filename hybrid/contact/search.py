@@ -17,6 +17,8 @@ from hybrid.runtime.comm import largest, total
 from hybrid.runtime.jit import njit, prange
 from hybrid.soil.given_ground import GivenGround
 
+TURNED = np.radians(45.0)     # of soil, from which on its faces are others than at the start
+
 
 class Reach(NamedTuple):
     """Distance from a body within which contact points are followed: margin [m] around the surface, and the path of the
@@ -39,7 +41,8 @@ class Reach(NamedTuple):
 class Domains:
     """Domains of the soil's points: position, half (n, 3) [m], zero in standard MPM; volume: (n,) initial [m³];
     included: (n,) bool, points that are not deactivated; number: (n,) of the points in the run, None where one process has
-    them all; ground: GivenGround that places follow, None where they are on the domains."""
+    them all; ground: GivenGround that places follow, None where they are on the domains; deformation: (n, 3, 3) gradient F
+    of the points, None where they have not turned."""
 
     position: np.ndarray
     half: np.ndarray
@@ -47,12 +50,14 @@ class Domains:
     included: np.ndarray
     number: np.ndarray | None = None
     ground: GivenGround | None = None
+    deformation: np.ndarray | None = None
 
     @classmethod
     def of(cls, points, constants, basis, ground=None):
         """Domains of `points` with their PointConstants, a `basis` "gimp" or "mpm", and the GivenGround."""
         half = points.half_width if basis == "gimp" else np.zeros_like(points.half_width)
-        return cls(points.position, half, constants.volume, points.active, constants.number, ground)
+        return cls(points.position, half, constants.volume, points.active, constants.number, ground,
+                   points.deformation)
 
     def facing(self, places, point, number, normal):
         """Area (m,) [-] projected along normals (m, 3) of a body over that of the faces that `places` are on; point,
@@ -61,6 +66,13 @@ class Domains:
         if self.ground is None or places.at_corners:
             return usual
         return self.ground.facing(point, places.up(number), places.flat[number], normal, usual)
+
+    def turned(self, point):
+        """Whether points (m,) have turned by more than TURNED since the start, by the rotation R of F = R U."""
+        if self.deformation is None:
+            return np.zeros(len(point), bool)
+        left, _, right = np.linalg.svd(self.deformation[point])
+        return np.einsum("mij,mji->m", left, right) < 1.0 + 2.0 * np.cos(TURNED)
 
     def sunk(self, point, number, position, places):
         """Distance (m,), in half-widths, of positions (m, 3) [m] of places of these numbers behind their faces, less that by

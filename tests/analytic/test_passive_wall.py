@@ -33,7 +33,7 @@ def force_over_rankine(cells, travel, cone="plane strain", depth=0.4, base=False
     return -record.bodies[0].contact_force[0] / (draft((WEIGHT, COHESION, angle), 0.0, depth, 1e9) / 1e9), angle
 
 
-@pytest.mark.parametrize("depth", [0.4, 3.0])
+@pytest.mark.parametrize("depth", [0.4, pytest.param(3.0, marks=pytest.mark.slow)])
 def test_wall_on_a_smooth_base_feels_rankines_pressure(depth):
     ratio, _ = force_over_rankine(4, 0.3, depth=depth, base=True)
     risen = AHEAD / (AHEAD - 0.3)

@@ -145,6 +145,7 @@ def pressed(size, steps):
                  time=Time(step=0.02), stages=(Stage("go", steps),), solver=Solver(tangent_tolerance=0.1))
 
 
+@pytest.mark.slow
 def test_memory_of_a_grid_that_travels():
     """The peak grows as predicted, points included that come in; what the prediction has used itself is less."""
     command = [sys.executable, "-c", TRAVELS]

@@ -227,6 +227,7 @@ def test_a_driven_body_moves_in_a_step_that_starts_from_soil_at_rest(monkeypatch
         assert resting.contact_force[2] == pytest.approx(usual.contact_force[2], rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_long_step_with_inertia_starts_from_soil_at_rest_where_soil_that_flows_on_leads_nowhere(monkeypatch):
     """A quarter of a box pressed into clay: 28 iterations in two steps and no halving; without that start 45 and two."""
     clay = Material(law="von-mises", young=1e7, poisson=0.49, density=1700.0, strength=2e4)

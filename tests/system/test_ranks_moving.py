@@ -46,6 +46,7 @@ steps = 14
 """
 
 
+@pytest.mark.slow
 def test_points_that_leave_the_grid(tmp_path):
     """Half of the block is frozen where it left; of one of three ranks, all of it."""
     path = scene_file(tmp_path, THROWN)

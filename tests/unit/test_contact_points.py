@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 from contact_bed import PLACES, RIGHT_HAND, ball, bed, body_at, box, contact_of, found_in_bed, id_of
 
+from hybrid.body.attitude import exp_so3
 from hybrid.body.closest import closest
 from hybrid.contact import soil_to_body
+from hybrid.contact.search import Domains
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Scene, Soil, Stage, Time
 from hybrid.setup.build import build
 from hybrid.state import ContactHistory
@@ -123,9 +125,10 @@ def test_history_is_followed_until_it_leaves_the_reach(name):
     assert len(far) == history.touching.sum() and far.touching.all()      # those that leave contact in this step
 
 
-@pytest.mark.parametrize("sunk, afresh", [(0.05, False), (0.2, True)])
-def test_an_open_point_far_behind_its_face_is_placed_afresh(sunk, afresh):
-    """In half-widths of its domain, as in soil that has turned; one that touches stays where the grid has carried it."""
+@pytest.mark.parametrize("sunk, turned, afresh", [(0.05, True, False), (0.2, True, True), (0.2, False, False)])
+def test_an_open_point_far_behind_its_face_is_placed_afresh(sunk, turned, afresh, monkeypatch):
+    """In half-widths of its domain, in soil that has turned; one that touches stays where the grid has carried it."""
+    monkeypatch.setattr(Domains, "turned", lambda self, point: np.full(len(point), turned))
     surface, body, places = ball(), body_at((0.4, 0.4, 0.24)), PLACES["faces"]
     _, first = found_in_bed(surface, body, places=places)
     contact = contact_of(first, surface, (body.position - (0, 0, 0.01), body.rotation))
@@ -150,3 +153,12 @@ def test_inactive_points_have_no_corners():
     stays = np.arange(len(bed()[1])) != point
     _, second = found_in_bed(surface, body, history, included=stays)
     np.testing.assert_array_equal(id_of(second), id_of(first)[first.point != point])
+
+
+def test_soil_has_turned_by_the_rotation_of_its_deformation_gradient():
+    """A block turned by 40 and 50°, stretched, and sheared by γ, which turns by tan = γ/2."""
+    stretch = np.diag([1.5, 0.8, 1.0])
+    shear = [np.eye(3) + gamma * np.outer((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)) for gamma in (1.9, 2.1)]
+    turned = [exp_so3(np.radians([0.0, angle, 0.0])) @ stretch for angle in (40.0, 50.0)]
+    found = Domains(*np.zeros((4, 5, 3)), deformation=np.array([stretch, *shear, *turned])).turned(np.arange(5))
+    assert found.tolist() == [False, False, True, False, True]

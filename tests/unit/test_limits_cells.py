@@ -7,7 +7,6 @@ from dataclasses import replace
 import pytest
 
 from hybrid.monitors.limits import cells, ground_cells
-from hybrid.monitors.limits.loading import driven
 from hybrid.scene import Axis, Faces, Grid, Joint, Load, Motion, Soil, Time
 from hybrid.setup.build import build
 from hybrid.study.random import afresh
@@ -392,26 +391,3 @@ def test_a_door_lowered_under_clay_is_told_and_not_as_one_that_is_pushed_in():
     assert "16 cells wide and is lowered" in text and "14% too low" in text
     assert not texts(cells.few_cells, trapdoor(16))
     assert not texts(cells.trapdoors, trapdoor(32)) and not texts(cells.trapdoors, trapdoor(16, velocity=0.001))
-
-
-def test_a_body_that_goes_forwards_and_down_goes_forwards_as_deep_as_in_the_end():
-    """A block that starts on the surface, and one that goes up as it moves away."""
-    for down, lowest in ((0.1, -0.1), (-0.1, 0.0)):
-        block = footing(mirrored=False, driven=("x", "z"), held=("ry",), velocity=(0.4, 0.0, -down))
-        simulation = build(block)
-        (_, travel, place, plane), = driven(simulation.scene, simulation.model)
-        assert travel == pytest.approx((0.4, 0.0, 0.0)) and plane
-        assert place[:, 2].min() == pytest.approx(lowest, abs=1e-9)
-
-
-def test_a_body_welded_to_one_that_is_driven_is_judged_as_that_one_is():
-    """A footing under a mast, which itself never gets to the soil."""
-    described = footing(mirrored=False)
-    foot = replace(described.bodies[0], driven=(), held=(), velocity=(0.0, 0.0, 0.0))
-    mast = body("box.geo", {"length": 0.2, "width": 1.0, "height": 1.0, "size": 8.0}, position=(0.0, 0.5, 0.0), rest_on=2.0,
-                name="mast")
-    press = replace(described.stages[0], motions=(Motion(body="mast", component="z", velocity=-0.01),))
-    weld = Joint("weld", "weld", ("mast", foot.name), (0.0, 0.0, 0.0))
-    simulation = build(replace(described, bodies=(foot, mast), joints=(weld,), stages=(press,)))
-    found = [(one.name, travel[2]) for one, travel, *_ in driven(simulation.scene, simulation.model)]
-    assert found == [(foot.name, pytest.approx(-0.01))]

@@ -7,7 +7,7 @@ import pytest
 
 from hybrid.laws.von_mises import VonMises
 from hybrid.monitors.limits import cells, limit_warnings, sand_cells
-from hybrid.monitors.limits.loading import law_at, loaded, sides, stays_attached, travels_of
+from hybrid.monitors.limits.loading import driven, law_at, loaded, sides, stays_attached, travels_of
 from hybrid.runtime.data import GEOMETRY
 from hybrid.scene import Axis, Body, Faces, Grid, Joint, Layer, Load, Material, Motion, Scene, Soil, Stage, Time
 from hybrid.setup.build import build
@@ -185,3 +185,24 @@ def test_clay_that_bears_a_load_by_far_has_no_note_about_what_it_carries(load, t
     strip = replace(scene.bodies[0], driven=(), position=(0.0, 0.5, 0.5), held=("x", "ry"))
     grid = replace(scene.grid, x=Axis(-4.0, 4.0, 0.5), z=Axis(-5.0, 2.0, 0.5))
     assert len(messages(cells.few_cells, replace(scene, bodies=(strip,), grid=grid))) == told
+
+
+@pytest.mark.parametrize("down, lowest", [(0.01, -0.1), (-0.01, 0.0)])
+def test_a_body_that_goes_forwards_and_down_goes_forwards_as_deep_as_in_the_end(down, lowest):
+    """A block that starts on the surface, and one that goes up as it moves away."""
+    simulation = build(described(drive("one", 0.04, -down), material=CLAY))
+    (_, travel, place, plane), = driven(simulation.scene, simulation.model)
+    assert travel == pytest.approx((0.4, 0.0, 0.0)) and plane
+    assert place[:, 2].min() == pytest.approx(lowest, abs=1e-9)
+
+
+def test_a_body_welded_to_one_that_is_driven_is_judged_as_that_one_is():
+    """A footing under a mast, which itself never gets to the soil."""
+    scene = described(material=CLAY)
+    foot = replace(scene.bodies[0], driven=(), held=())
+    mast = replace(scene.bodies[0], name="mast", position=(0.0, 0.5, 3.0), driven=(), held=())
+    press = Stage("press", 10, motions=(Motion(body="mast", component="z", velocity=-0.01),))
+    weld = Joint("weld", "weld", ("mast", "strip"), (0.0, 0.5, 1.0))
+    simulation = build(replace(scene, bodies=(foot, mast), joints=(weld,), stages=(press,)))
+    found = [(one.name, travel[2]) for one, travel, *_ in driven(simulation.scene, simulation.model)]
+    assert found == [("strip", pytest.approx(-0.1))]
