@@ -7,8 +7,8 @@ import pytest
 
 from hybrid.runtime.data import GEOMETRY
 from hybrid.runtime.errors import StepError
-from hybrid.scene import Axis, Body, Faces, Grid, Load, Stage, Time
-from hybrid.setup import contact, on_ground
+from hybrid.scene import Axis, Body, Faces, Grid, Load, Material, Stage, Time
+from hybrid.setup import contact, on_ground, penalty
 from hybrid.setup.build import build
 from hybrid.study.scenes import box, plane
 
@@ -156,3 +156,22 @@ def test_stretches_of_a_profile_are_as_long_as_the_body():
     np.testing.assert_allclose(found, [(0.0, 1.0), (1.0, np.hypot(1.0, 0.4)), (2.2, 1.8)])
     over = [body.ground.under(body, (np.array([x, 0.5, 0.35]), rotation)) for x in (0.5, 0.9, 1.6, 2.15, 3.0)]
     assert [one and body.ground.stretches.index(one) for one in over] == [0, None, 1, None, 2]
+
+
+def test_a_pole_on_points_of_the_ground_stands_too(monkeypatch):
+    """With adhesion, under 0.6 of the load that tips it; on springs of a body of its height it leans on its side."""
+    pole = box(0.1, 0.1, 2.0, density=1000.0, position=(0.02, 0.03, 0.0), rest_on=0.0, adhesion=0.5)
+    described = plane(pole, 3, 1.0, gravity=(0.0, 0.0, -G))
+    clay = Material(law="von-mises", young=1e7, poisson=0.49, density=1700.0, strength=2e4)
+    force = 0.6 * 0.1**2 * 2.0 * 1000.0 * G * 0.1 / 2.0
+    push = Stage("push", 3, loads=(Load(force=((0.0, 0.0, 0.0, 0.0), (3.0, force, 0.0, 0.0))),))
+    described = replace(described, soil=replace(described.soil, material=clay), time=Time(step=1.0, inertia=False),
+                        stages=(*described.stages, push))
+    leans = []
+    for stiffness in (penalty.standing_stiffness, lambda *given: 0.0):
+        monkeypatch.setattr(penalty, "standing_stiffness", stiffness)
+        simulation = build(described)
+        assert simulation.model.bodies[0].ground is None
+        *_, last = simulation.steps()
+        leans.append(abs(last.bodies[0].quaternion[2]))
+    assert leans[0] < 3e-3 and leans[1] > 2e-2
