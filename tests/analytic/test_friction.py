@@ -64,6 +64,7 @@ def test_block_slides_above_the_threshold(contact):
     assert found.friction[-1] == pytest.approx(MU * found.normal * slid, rel=3e-3)
 
 
+@pytest.mark.slow
 def test_the_stiffer_the_spring_the_closer_to_the_law():
     """Speed after 0.4 s against g (sin θ - μ cos θ) t: what is missed falls as k^(-1/2)."""
     missed = []

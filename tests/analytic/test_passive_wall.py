@@ -40,6 +40,7 @@ def test_wall_on_a_smooth_base_feels_rankines_pressure(depth):
     assert ratio / risen**2 == pytest.approx(1.0, abs=0.03)
 
 
+@pytest.mark.slow
 def test_wall_that_ends_in_the_soil_converges_to_rankines_pressure():
     """1.58, 1.41, 1.34, 1.21, 1.16 with 4, 6, 8, 12, 16 cells."""
     (coarse, _), (fine, _) = force_over_rankine(6, 0.05), force_over_rankine(12, 0.05)

@@ -53,6 +53,7 @@ def test_body_that_slides_on_yielding_sand(tmp_path):
         assert np.abs(one - three).max() < 1e-3 * np.abs(one).max()
 
 
+@pytest.mark.slow
 def test_bodies_that_rest_on_one_another(tmp_path):
     """The demo stack.toml on cells of 0.5 m, four steps: forces of the soil and of blocks on one another."""
     keys = [f"grid.{axis}.size=0.5" for axis in "xyz"] + ["grid.y.start=-1.5", "grid.y.end=1.5"]

@@ -158,6 +158,7 @@ def files(folder):
     return sorted(path.name for path in folder.glob("*checkpoint*")) + sorted(path.name for path in folder.glob(".*partial"))
 
 
+@pytest.mark.slow
 def test_a_killed_run_goes_on_with_any_number_of_processes(run, whole, tmp_path):
     """It is killed when the parts of step 4 are written and their list is not. From step 2 it goes on from 2 to 3
     processes, from 3 to 1, and from 1 to 2. No process has all points meanwhile."""

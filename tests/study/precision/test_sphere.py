@@ -25,6 +25,7 @@ def test_errors_fall_with_the_spacing_of_corners(recorded):
     assert all(rate > 1.0 for rate in rates(recorded(sphere, PUBLISHED)).values())
 
 
+@pytest.mark.slow
 def test_contact_on_faces_needs_no_fine_spacing(recorded):
     """Measured: 0.02 % of the distance and 0.1 % of the spin at the paper's spacing."""
     assert all(error < 0.003 for error in recorded(sphere, "default")[0].errors.values())
