@@ -167,6 +167,7 @@ system_cache.COPIED = 0
 """
 
 
+@pytest.mark.slow
 def test_few_unknowns_that_each_rank_solves_for_are_those_of_a_divided_factor(two, tmp_path):
     """Over the first steps: later ones may differ by an iteration, as rounding grows."""
     scene = coarse_anchor("stage.0.steps=6", "stage.1.steps=1")

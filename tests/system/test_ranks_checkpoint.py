@@ -192,6 +192,7 @@ def test_a_signal_to_one_process_ends_all_after_the_step_with_a_checkpoint(run, 
     assert state(tmp_path / "out").step == 3
 
 
+@pytest.mark.slow
 def test_pictures_and_frames_of_bodies_have_what_all_processes_have(run, tmp_path):
     drawn = "output.pictures=[3]", "output.every=2", "stage.press.steps=4"
     for ranks in (1, 2):

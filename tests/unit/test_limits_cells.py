@@ -265,7 +265,7 @@ def test_a_ball_deep_in_clay_in_space(cone, depth, count):
     assert all("of its widths deep, limit 2," in text and 'cone = "compression"' in text for text in warnings)
 
 
-@pytest.mark.parametrize("z, count", [(-0.6, 0), (-1.2, 1)])
+@pytest.mark.parametrize("z, count", [pytest.param(-0.6, 0, marks=pytest.mark.slow), (-1.2, 1)])
 def test_a_pile_deep_in_clay_that_is_pushed_sideways(z, count):
     """Clay flows around it in horizontal planes, unless it is a short piece all of which is in the clay."""
     side = Axis(start=0.0, end=1.6, size=0.2)
