@@ -242,3 +242,13 @@ def test_sand_behind_a_held_wall_presses_on_it_as_at_rest():
     pressure = -simulation.state.points.stress[:, 0, 0] @ constants.volume / 2.0        # a mean over 2 m of the soil
     record, = simulation.steps()
     assert record.bodies[0].contact_force[0] == pytest.approx(-pressure, rel=0.01)
+
+
+def test_a_block_that_falls_freely_in_plane_strain_is_not_out_of_balance():
+    """All nodes are held along the collapsed axis, which hinders no fall."""
+    side = Axis(0.0, 1.0, 0.25)
+    scene = Scene(name="falls", grid=Grid(side, Axis(0.0, 1.0, collapsed=True), Axis(0.0, 2.0, 0.25), Faces(
+                  x_min="free", x_max="free", z_min="free")),
+                  soil=Soil(SAND, lower=(0.25, 0.0, 1.0), upper=(0.75, 1.0, 1.5), geostatic=False),
+                  time=Time(0.01), stages=(Stage("fall", 1),))
+    assert build(scene).imbalance is None

@@ -175,3 +175,14 @@ def test_a_pole_on_points_of_the_ground_stands_too(monkeypatch):
         *_, last = simulation.steps()
         leans.append(abs(last.bodies[0].quaternion[2]))
     assert leans[0] < 3e-3 and leans[1] > 2e-2
+
+
+def test_a_block_sticks_and_slides_on_a_slope():
+    """Friction's springs are held in the frame of the stretch, and kept in space from one increment to the next."""
+    for friction, way in ((0.3, 0.0), (0.1, 0.5 * G * (np.sin(np.radians(10.0)) - 0.1 * np.cos(np.radians(10.0))) * 0.2**2)):
+        scene = on_slope(True)
+        cube = replace(scene.bodies[0], rotation=(0.0, 1.0, 0.0, 10.0), friction=friction)
+        simulation = build(replace(scene, bodies=(cube,)))
+        simulation.run()
+        gone = np.linalg.norm(simulation.state.bodies[0].position - simulation.initial_bodies[0].position)
+        assert gone == pytest.approx(way, rel=0.01, abs=1e-5)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hybrid.monitors import StepView
-from hybrid.monitors.body_impact import QUIET, BodyImpact
+from hybrid.monitors.body_impact import QUIET, BodyImpact, _free_energy
 from hybrid.monitors.ground_impact import GroundImpact
 from hybrid.monitors.last_impact import LastImpact
 
@@ -186,3 +186,11 @@ def test_other_losses_are_no_impact_on_held_ground(other):
 def test_other_losses_are_no_impact_of_bodies(other):
     """On soil, without bodies that may touch, by schemes that are meant to damp, without inertia."""
     assert notes([0.0, 0.0, *AFTER], near=(1,), **other) == []
+
+
+def test_what_drives_a_body_gives_it_back_what_it_loses():
+    """The energy of a body that moves along a component that is not free is none that an impact could cost."""
+    body = SimpleNamespace(mass=SimpleNamespace(mass=2.0, inertia=np.eye(3)), free=np.array([True, *[False] * 5]))
+    along, across = (SimpleNamespace(velocity=np.array(v), spin=np.zeros(3), rotation=np.eye(3))
+                     for v in ((10.0, 0.0, 0.0), (0.0, 0.0, 10.0)))
+    assert _free_energy((body, body), (along, across)) == pytest.approx(100.0)

@@ -1,15 +1,17 @@
 """Values of a scene: ranges and contradictions, and that each error names a remedy."""
 
+from dataclasses import replace
 import dataclasses
 
 import pytest
 from small_scene import refused
 
 from hybrid.runtime.errors import SceneError
-from hybrid.scene import Axis, Faces, Grid, Material, Scene, Soil, Stage, Time
+from hybrid.scene import Axis, Faces, Grid, Material, Motion, Scene, Soil, Stage, Time
 from hybrid.scene.check_grid import grid_faults
 from hybrid.scene.file import load_scene, validate
 from hybrid.scene.table import described
+from hybrid.study.scenes import box, soil_scene
 
 
 @pytest.mark.parametrize("override, words", [
@@ -180,3 +182,17 @@ def test_an_interval_of_fine_cells_without_a_line_at_the_top_of_the_soil_is_refu
     if remedy:
         assert found[0].startswith("soil.top = 0: must be on a line of the grid") and remedy in found[0]
         assert not faults(tuple(float(end) for end in remedy.strip("[]").split(",")))
+
+
+@pytest.mark.parametrize("velocity, first, lost", [
+    ((0.0, 0.0, -3.0), True, True), ((0.0, 0.0, -3.0), False, False), ((1.0, 0.0, 0.0), True, False)])
+def test_a_velocity_that_the_first_stage_holds_is_refused(velocity, first, lost):
+    """It would be lost without a word; a later stage stops a body that moves."""
+    ram = box(0.2, 0.2, 0.2, name="ram", position=(0.4, 0.4, 0.0), rest_on=0.1, velocity=velocity)
+    holds, goes = Stage("settle", 1, motions=(Motion(held=("z",)),)), Stage("go", 1)
+    scene = replace(soil_scene([ram]), stages=(holds, goes) if first else (goes, holds))
+    if not lost:
+        assert validate(scene).stages == scene.stages
+        return
+    with pytest.raises(SceneError, match=r"stage.0.motion.0.held = \[z\]: must be other than what ram moves along"):
+        validate(scene)
