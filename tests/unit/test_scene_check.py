@@ -1,6 +1,5 @@
 """Values of a scene: ranges and contradictions, and that each error names a remedy."""
 
-from dataclasses import replace
 import dataclasses
 
 import pytest
@@ -190,7 +189,7 @@ def test_a_velocity_that_the_first_stage_holds_is_refused(velocity, first, lost)
     """It would be lost without a word; a later stage stops a body that moves."""
     ram = box(0.2, 0.2, 0.2, name="ram", position=(0.4, 0.4, 0.0), rest_on=0.1, velocity=velocity)
     holds, goes = Stage("settle", 1, motions=(Motion(held=("z",)),)), Stage("go", 1)
-    scene = replace(soil_scene([ram]), stages=(holds, goes) if first else (goes, holds))
+    scene = dataclasses.replace(soil_scene([ram]), stages=(holds, goes) if first else (goes, holds))
     if not lost:
         assert validate(scene).stages == scene.stages
         return
