@@ -43,7 +43,8 @@ class Simulation:
 
     scene, model, state   what is modelled, all keys decided, what stays the same in a stage, the last accepted State
     meshes                TetMesh of each body
-    moving_grid           how the grid follows a body, None for a grid that does not move
+    moving_grid           how the grid follows a body, None for a grid that does not
+    carried_grid          how the nodes go along with driven bodies, None for nodes that stay
     level                 texts about what `accuracy` has changed in the scene
     decisions             what was decided of keys that the scene left out (`hybrid.scene.defaults`)
     start                 rows {label: value} of the sheet about bodies in place and how the soil has settled
@@ -53,10 +54,12 @@ class Simulation:
     imbalance             of the initial state, None for soil that is held or weighs nothing
     """
 
-    def __init__(self, scene, model, state, meshes, moving_grid=None, level="", decisions=(), start=None):
+    def __init__(self, scene, model, state, meshes, moving_grid=None, carried_grid=None, level="", decisions=(),
+                 start=None):
         map_large_arrays()      # PETSc is loaded by now
         self.scene, self.model, self.state, self.meshes = scene, model, state, meshes
-        self.moving_grid, self.level, self.decisions, self.start = moving_grid, level, decisions, start or {}
+        self.moving_grid, self.carried_grid = moving_grid, carried_grid
+        self.level, self.decisions, self.start = level, decisions, start or {}
         self.initial_bodies = list(state.bodies)
         self.evaluation, self.increment, self.backtrack, self.solver_memory = None, None, None, None
         self._initial_position = None
@@ -250,11 +253,7 @@ class Simulation:
         if stage.pull:
             self.state = model.lay_out_lines(self.state)
         for stage_step in range(max(1, self.state.step - first + 1), stage.steps + 1):
-            if self.moving_grid:
-                self.model, self.state, moved = self.moving_grid.follow(self.model, self.state)
-                if moved:
-                    model = model.with_soil(self.model.soil)
-                    workspace.renew(model)
+            model = self._follow(model, workspace)
             if self.state.step % (self.scene.output.checkpoint or AFRESH) == 0:
                 workspace.systems.assemble_afresh()     # as a run does that is continued from a checkpoint
             try:
@@ -271,6 +270,18 @@ class Simulation:
             yield record
             if lost:
                 raise StepError(f"stopped after step {self.state.step}, whose state is kept: {lost}")
+
+    def _follow(self, model, workspace):
+        """The `model` of a stage, with the grid for the present place of the bodies."""
+        if self.moving_grid:
+            self.model, self.state, moved = self.moving_grid.follow(self.model, self.state)
+            if moved:
+                model = model.with_soil(self.model.soil)
+                workspace.renew(model)
+        if self.carried_grid:
+            model, self.state = self.carried_grid.follow(model, self.state, workspace)
+            self.model = self.model.with_soil(model.soil)
+        return model
 
     def _add_hints(self, failure):
         """Add to the message of a failure, which keeps its kind, what the scene and the state have to do with it."""

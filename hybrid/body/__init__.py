@@ -1,1 +1,1 @@
-"""Rigid bodies: mesh, mass, attitude, contact surface, motion and pull line."""
+"""Rigid bodies: mesh, mass, attitude, contact surface, motion, ways and pull line."""

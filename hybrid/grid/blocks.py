@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hybrid.grid.axes import Grid, cells_of, node_widths, smallest_cell
+from hybrid.grid.axes import Grid, cells_of, node_widths
 from hybrid.runtime import comm
 from hybrid.runtime.errors import SceneError
 
@@ -185,5 +185,5 @@ def block_of(grid, boxes, rank, fullest=0.0, layers=1):
                   lines=lines, planes=planes, boxes=boxes, rank=rank, layers=layers, fullest=fullest,
                   nodes=Exchange(own, with_nodes, rank), cells=Exchange(boxes, around, rank))
     widths = [each[one] for each, one in zip(node_widths(lines, grid.extent), part)]
-    block.__dict__.update(volumes=np.einsum("i,j,k->ijk", *widths).ravel(), smallest_cell=smallest_cell(lines))
+    block.__dict__.update(volumes=np.einsum("i,j,k->ijk", *widths).ravel(), smallest_cell=grid.smallest_cell)
     return block

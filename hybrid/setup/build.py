@@ -17,7 +17,7 @@ from hybrid.setup import on_ground
 from hybrid.setup.bodies import build_body, mesh_of, refuse_outside
 from hybrid.setup.body_contact import build_pairs, refuse_overlap_of_bodies
 from hybrid.setup.contact import connect_to_soil
-from hybrid.setup.grid import axis_nodes, build_grid
+from hybrid.setup.grid import axis_nodes, build_carried_grid, build_grid
 from hybrid.setup.ground import lower_to_ground
 from hybrid.setup.in_place import flush_contacts, put_in_place, starts_inside
 from hybrid.setup.joints import build_joints, refuse_velocities
@@ -110,8 +110,9 @@ def _put_together(scene, decisions, accuracy, body_force, law):
         model, state = processes.balanced(model, state)
     if taken or scene.soil.ground is not None:
         model, state, settled = settle(model, state, scene.step_of(scene.stages[0]))
-    return Simulation(scene, model, state, meshes, moving_grid, accuracy, (*decisions, *held),
-                      _start(taken, settled, bodies))
+    carried_grid = build_carried_grid(scene, grid, placed)
+    return Simulation(scene, model, state, meshes, moving_grid, carried_grid, accuracy, (*decisions, *held),
+                      _start(taken, settled, bodies, carried_grid))
 
 
 def _connected(described, mesh, mirrors, placed, soil, gravity, alone):
@@ -127,9 +128,12 @@ def _connected(described, mesh, mirrors, placed, soil, gravity, alone):
     return connected
 
 
-def _start(taken, settled, bodies):
-    """Rows {label: value} of the model sheet about bodies that are in place, soil that has settled and lines in it."""
+def _start(taken, settled, bodies, carried_grid):
+    """Rows {label: value} of the model sheet about bodies that are in place, soil that has settled, lines in it and a grid
+    that goes along with bodies."""
     rows = {"in place from the start": [str(one) for one in taken]} if taken else {}
     lines = [f"{body.name}: {body.line.soil}" for body in bodies if body.line and body.line.soil]
     rows |= {"pull lines in soil": lines} if lines else {}
-    return {**rows, **({"settled at the start": str(settled)} if settled else {})}
+    rows |= {"settled at the start": str(settled)} if settled else {}
+    names = carried_grid.names if carried_grid else []
+    return rows | ({"grid goes along with bodies": f"along {', '.join(names)}, by half a cell at most"} if names else {})

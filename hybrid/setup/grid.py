@@ -1,14 +1,18 @@
 """The background grid of a scene: nodes along each axis, held faces, and how the grid moves with a body."""
 
 from functools import partial
+from itertools import chain
 
 import numpy as np
 
 from hybrid.body import rigid
+from hybrid.body.paths import path_along
 from hybrid.grid.axes import FACES, graded_nodes, make_grid, uniform_nodes
+from hybrid.grid.carried_axis import CarriedAxis
 from hybrid.grid.moving_axis import MovingAxis
 from hybrid.setup.size import refuse_size
 from hybrid.setup.soil import count_points, lay_out
+from hybrid.step.carried_grid import CarriedGrid
 from hybrid.step.moving_grid import MovingGrid
 
 
@@ -33,6 +37,26 @@ def build_grid(scene, placed=()):
     refuse_size(scene, [moving[a].coordinates(moving[a].node_numbers(layouts[a])) if a in moving else nodes
                         for a, nodes in enumerate(axes)])
     return moving_grid.grid(layouts), moving_grid, layouts
+
+
+def build_carried_grid(scene, grid, placed):
+    """CarriedGrid, None where there is no axis along which all bodies go the same way, more than a cell, without inertia
+    and through cells of one size; bodies `placed`, each a RigidBody and BodyState."""
+    if scene.time.inertia or scene.soil.held or scene.method == "published" or scene.grid.moves or not placed:
+        return None
+    boxes = np.array([rigid.bounding_box(*one) for one in placed])
+    low, high = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
+    axes = {}
+    for axis in np.flatnonzero(~grid.collapsed):
+        paths = [path_along(scene, described, "xyz"[axis]) for described in scene.bodies]
+        ways = [0.0, *chain.from_iterable(paths[0])]
+        if any(path != paths[0] for path in paths) or np.ptp(ways) <= grid.smallest_cell:
+            continue
+        carried = CarriedAxis.around(grid.lines[axis], (low[axis], high[axis]),
+                                     (low[axis] + min(ways), high[axis] + max(ways)))
+        if carried is not None:
+            axes[axis] = carried
+    return CarriedGrid(axes, placed[0][1].position.copy()) if axes else None
 
 
 def axis_nodes(axis):

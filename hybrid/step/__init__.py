@@ -13,7 +13,8 @@ increments.outer_step               until the end of the step is reached:
 
 1 increments.py     the outer step: begin, solve, accept, or shorten the increment
     model.py, workspace.py           what stays the same during a stage; memory that its steps share
-    moving_grid.py, processes.py     a grid that follows a body; points that move to other processes
+    moving_grid.py, carried_grid.py  a grid that follows a body; one that goes along with it by half a cell
+    processes.py                     points that move to other processes
     error_estimate.py                length of an increment by a given accuracy
     support.py                       free bodies that cannot begin out of balance, without inertia
     stage_contact.py                 what contact answers to forces that begin to act

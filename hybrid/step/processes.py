@@ -161,6 +161,17 @@ def numbered(population, new, behind):
     return replace(population, constants=replace(constants, number=number))
 
 
+def with_nodes_at(model, lines):
+    """Model of this process whose nodes have moved to `lines` [m] by axis and have kept their numbers."""
+    old = model.soil.grid
+    if old.nodes is None:
+        grid = replace(old, axes=lines)
+    else:
+        grid = block_of(replace(old, lines=lines), old.boxes, old.rank, old.fullest, old.layers)
+    vars(grid).update(smallest_cell=old.smallest_cell)      # what goes by it stays as it is
+    return model.with_soil(replace(model.soil, grid=grid))
+
+
 def on_new_grid(grid, population, contacts):
     """(Block, Population, contacts) of this process for a new `grid`, the whole one."""
     block = _cut_anew(grid, population.points.position, contacts)

@@ -24,7 +24,8 @@ fifth of the layer, B/5 over clay of five times the strength, 57, 20, 14 % over 
 
 import numpy as np
 
-from hybrid.monitors.limits.contact import initial_vertices, travel_along
+from hybrid.body.paths import travel_along
+from hybrid.monitors.limits.contact import initial_vertices
 from hybrid.monitors.limits.loading import CLAY, EXCESS, driven, law_at, loaded, material_at, narrowest
 from hybrid.runtime.comm import anywhere
 from hybrid.scene.soil import ends, span

@@ -33,9 +33,10 @@ legs of 1 m, two cells wide, under a hull of 5.4 t settle by 4.29 mm with these 
 
 import numpy as np
 
+from hybrid.body.paths import travel_along
 from hybrid.body.symmetry import copies
 from hybrid.laws.von_mises import BEARING
-from hybrid.monitors.limits.contact import covers, travel_along
+from hybrid.monitors.limits.contact import covers
 from hybrid.monitors.limits.loading import (CLAY, EXCESS, driven, is_round, joined, leads, loaded, material_at, narrowest,
                                             outline, sides, top_of)
 from hybrid.monitors.limits.rolling import contact_radius

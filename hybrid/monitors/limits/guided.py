@@ -3,9 +3,10 @@
 import numpy as np
 
 from hybrid.body.attitude import initial_rotation
+from hybrid.body.paths import path_along
 from hybrid.body.rigid import FREEDOMS
 from hybrid.body.symmetry import AXES, Mirror
-from hybrid.monitors.limits.contact import initial_vertices, path_along, top_of
+from hybrid.monitors.limits.contact import initial_vertices, top_of
 from hybrid.runtime.comm import maximum, minimum
 from hybrid.runtime.units import force as force_text
 from hybrid.scene.check_stage import moved

@@ -8,10 +8,11 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
+from hybrid.body.paths import path_along
 from hybrid.body.symmetry import copies
 from hybrid.laws.sand import material_values
 from hybrid.laws.user import is_of_user
-from hybrid.monitors.limits.contact import initial_pose, initial_vertices, levelled, path_along, top_of
+from hybrid.monitors.limits.contact import initial_pose, initial_vertices, levelled, top_of
 from hybrid.runtime.comm import maximum
 from hybrid.scene.ground import heights
 from hybrid.scene.soil import FRICTIONAL, NUMBERS, as_clay, of_layer

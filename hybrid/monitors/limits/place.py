@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from hybrid.monitors.limits.contact import initial_vertices, path_along, top_of
+from hybrid.body.paths import path_along
+from hybrid.monitors.limits.contact import initial_vertices, top_of
 from hybrid.runtime.comm import maximum, minimum
 
 HIGH = 10.0         # sizes of a body above the soil,

@@ -16,9 +16,10 @@ which is FORCE(a/h) a/r. Cells that resolve the contact, and soil so stiff that 
 
 import numpy as np
 
+from hybrid.body.paths import travel_along
 from hybrid.body.rigid import FREEDOMS
 from hybrid.body.symmetry import copies
-from hybrid.monitors.limits.contact import initial_pose, initial_vertices, travel_along
+from hybrid.monitors.limits.contact import initial_pose, initial_vertices
 from hybrid.monitors.limits.loading import CLAY, is_round, material_at, top_of
 from hybrid.runtime.comm import maximum
 

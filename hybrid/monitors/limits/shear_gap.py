@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hybrid.monitors.limits.contact import travel_along
+from hybrid.body.paths import travel_along
 from hybrid.monitors.limits.loading import PLANE, faces, outline
 from hybrid.runtime.comm import anywhere
 

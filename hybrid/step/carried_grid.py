@@ -1,0 +1,41 @@
+"""A grid that goes along with driven bodies through the soil (`hybrid.grid.carried_axis`).
+
+Its nodes keep their numbers, and what holds them. It has no state: where the bodies are says where it is.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from hybrid.soil.domains import updated_half
+from hybrid.step import processes
+
+
+class CarriedGrid:
+    """How the grid of a scene goes along.
+
+    axes    {number of an axis: CarriedAxis}
+    start   (3,) [m] place at the start of body 0, whose displacement along these axes all bodies share
+    """
+
+    def __init__(self, axes, start):
+        self._axes, self._start = axes, start
+
+    @property
+    def names(self):
+        """Names of the axes along which it goes."""
+        return ["xyz"[axis] for axis in self._axes]
+
+    def follow(self, model, state, workspace):
+        """(Model, State) of a stage with the grid where the bodies have gone; of several processes each then has the points
+        in its block of it."""
+        way, lines = state.bodies[0].position - self._start, list(model.soil.grid.lines)
+        for axis, carried in self._axes.items():
+            lines[axis] = carried.at(way[axis])
+        if not all(map(np.array_equal, lines, model.soil.grid.lines)):
+            model = processes.with_nodes_at(model, tuple(lines))
+            workspace.follow_points(model)
+            workspace.systems.assemble_afresh()
+        points = state.points
+        half = updated_half(model.soil.domain, model.soil.constants.half_width, points.deformation, points.position, lines)
+        return processes.settle(model, replace(state, points=replace(points, half_width=half)), workspace)

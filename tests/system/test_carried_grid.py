@@ -1,0 +1,106 @@
+"""A grid that goes along with a driven body: when there is one, what it leaves as it was, and what it is good for."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from rank_runs import history, hybrid, largest_difference, launched, needs_mpirun, points, scene_file
+
+from hybrid.output import checkpoint
+from hybrid.scene import Motion, Stage
+from hybrid.scene.file import load_scene
+from hybrid.setup.build import build
+
+PRESSED = """
+name = "pressed"
+time = { step = 1.0, inertia = false }
+output = { pictures = [], every = 0, checkpoint = 2 }
+solver = { tolerance = 1e-9, linear_tolerance = 1e-8 }
+[grid]
+x = { start = -1.2, end = 1.2, size = 0.2 }
+y = { start = 0.0, end = 1.0, collapsed = true }
+z = { start = -1.6, end = 0.6, size = 0.2 }
+faces = { z_min = "fixed" }
+[soil]
+top = 0.0
+material = { law = "von-mises", young = 3e6, poisson = 0.49, density = 1600.0, strength = 1e4 }
+[[body]]
+name = "box"
+geometry = "GEOMETRY/box.geo"
+parameters = { length = 0.4, width = 1.0, height = 0.4, size = 20.0 }
+density = 3000.0
+position = [0.03, 0.5, 0.0]
+rest_on = 0.0
+velocity = [0.0, 0.0, -0.07]
+driven = ["z"]
+held = ["x", "ry"]
+[[stage]]
+name = "press"
+steps = 6
+"""
+
+
+@pytest.fixture
+def scene(tmp_path):
+    return load_scene(scene_file(tmp_path, PRESSED))
+
+
+def with_body(scene, **values):
+    return replace(scene, bodies=(replace(scene.bodies[0], **values),))
+
+
+def carried_along(scene):
+    """Axes along which the grid of a scene goes along, as the sheet has them."""
+    return build(scene).sheet()["modelled"].get("grid goes along with bodies", "")
+
+
+def test_the_grid_goes_along_with_a_body_that_is_driven_over_more_than_a_cell(scene):
+    assert carried_along(scene) == "along z, by half a cell at most"
+    assert carried_along(replace(scene, stages=(Stage("press", 2),))) == ""
+
+
+@pytest.mark.parametrize("change", [
+    lambda s: replace(s, time=replace(s.time, inertia=True)),
+    lambda s: replace(s, method="published"),
+    lambda s: replace(s, bodies=(*s.bodies, replace(s.bodies[0], name="other", position=(-0.8, 0.5, 0.0),
+                                                    velocity=(0.0, 0.0, 0.0)))),
+    lambda s: replace(s, grid=replace(s.grid, z=replace(s.grid.z, fine=(-0.2, 0.6)))),
+    lambda s: with_body(s, driven=(), held=("x", "ry", "z"), velocity=(0.0, 0.0, 0.0)),
+], ids=["inertia", "published", "two bodies, one at rest", "through cells that grow", "held"])
+def test_it_stays_where_cells_differ_or_bodies_move_apart(scene, change):
+    assert carried_along(change(scene)) == ""
+
+
+def test_motions_of_stages_count(scene):
+    still = with_body(scene, driven=(), velocity=(0.0, 0.0, 0.0))
+    motion = Motion(body="box", component="z", displacement=((0.0, 0.0), (6.0, -0.42)))
+    assert carried_along(replace(still, stages=(replace(still.stages[0], motions=(motion,)),))) != ""
+
+
+def test_soil_that_nothing_touches_stays_where_it_is(scene):
+    """Over two cells of way the surface moves by 2e-6 of a cell; under its own weight it would settle by 3 % of one."""
+    simulation = build(with_body(scene, rest_on=0.5, velocity=(0.0, 0.0, -0.075)))
+    before, lines = simulation.state.points.position.copy(), simulation.model.soil.grid.lines[2].copy()
+    records = list(simulation.steps())
+    moved = simulation.model.soil.grid.lines[2] - lines
+    assert np.abs(moved).max() > 0.02 and not moved[[0, -1]].any()
+    assert np.abs(simulation.state.points.position - before).max() < 1e-5
+    assert sum(record.iterations for record in records) < 12
+
+
+def test_a_run_goes_on_to_the_last_bit(tmp_path):
+    path = scene_file(tmp_path, PRESSED)
+    hybrid("run", path, "--out", tmp_path / "whole")
+    hybrid("run", path, "--out", tmp_path / "parts", "--set", "stage.0.steps=4")
+    hybrid("run", path, "--out", tmp_path / "parts", "--resume")
+    with np.load(tmp_path / "whole" / checkpoint.NAME) as whole, np.load(tmp_path / "parts" / checkpoint.NAME) as parts:
+        assert [name for name in whole.files if name != "run" and whole[name].tobytes() != parts[name].tobytes()] == []
+
+
+@needs_mpirun
+def test_several_processes_give_the_same(tmp_path):
+    path = scene_file(tmp_path, PRESSED)
+    hybrid("run", path, "--out", tmp_path / "one")
+    launched("run", path, "--out", tmp_path / "two", "--ranks", 2)
+    assert largest_difference(points(tmp_path / "one"), points(tmp_path / "two")) < 1e-5
+    assert largest_difference(history(tmp_path / "one"), history(tmp_path / "two")) < 1e-5
