@@ -17,7 +17,7 @@ from scipy.sparse.linalg import spsolve
 
 from hybrid.body.closest import closest
 from hybrid.body.skin import Skin, away_from, ends_of, rim_edges
-from hybrid.body.smooth import shared_edges, unit
+from hybrid.body.smooth import area_vectors, shared_edges, unit
 
 CONDITION, FREE = 1e9, 1e-9     # weights of conditions, and of no displacement where nothing else determines it, beside 1
 OBTUSE = 0.05                   # smallest cotangent: an obtuse triangle would have negative weights
@@ -99,5 +99,5 @@ def _laplacian(surface, split, count):
 
 def _folded(corners, normals):
     """Which triangles (t,) with `corners` (t, 3, 3) have turned over, or nearly, from their `normals` (t, 3)."""
-    twice = np.einsum("ti,ti->t", np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), normals)
+    twice = 2.0 * np.einsum("ti,ti->t", area_vectors(corners), normals)
     return twice < FOLDED * np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).max(axis=1) ** 2

@@ -33,6 +33,11 @@ def unit(vectors):
     return np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0.0)
 
 
+def area_vectors(corners):
+    """Normals (t, 3) of triangles with `corners` (t, 3, 3) [m], as long as their areas [m²]."""
+    return 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+
+
 def shared_edges(triangles):
     """Triangle and edge number (e, 2) each of the two sides of every edge that two triangles share."""
     ends = np.sort(np.stack((triangles, np.roll(triangles, -1, axis=1)), axis=2).reshape(-1, 2), axis=1)
@@ -50,7 +55,7 @@ def corner_normals(points, triangles, given=None, symmetry=None):
     symmetry: (3,) normal of the plane that the body is cut by, through the rim of the triangles; None without one.
     """
     corners = points[triangles]
-    facet = unit(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))[:, None]
+    facet = unit(area_vectors(corners))[:, None]
     given = np.full(corners.shape, np.nan) if given is None else given
     cosine = np.einsum("tki,tki->tk", given, np.broadcast_to(facet, corners.shape))
     given = given * np.sign(cosine)[:, :, None]

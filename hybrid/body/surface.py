@@ -33,7 +33,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hybrid.body.facet_tree import SECOND, Tree
-from hybrid.body.smooth import build_patches
+from hybrid.body.smooth import area_vectors, build_patches
 from hybrid.runtime.errors import GeometryError
 
 LEAF = 4               # triangles in a leaf of the tree, at most
@@ -60,6 +60,11 @@ class ContactSurface:
     upper: np.ndarray
     radius: float
     tree: Tree
+
+    @property
+    def areas(self):
+        """(t,) [m²] of the triangles."""
+        return np.linalg.norm(area_vectors(self.vertices[self.triangles]), axis=1)
 
     @property
     def curved(self):
@@ -176,18 +181,18 @@ def _check_arrays(vertices, triangles):
 
 def _face_normals(corners):
     """Unit normals (t, 3) of `corners` (t, 3, 3), refusing triangles without area."""
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    twice = np.linalg.norm(normals, axis=1)
+    normals = area_vectors(corners)
+    area = np.linalg.norm(normals, axis=1)
     longest = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).max(axis=1)
-    bad = np.flatnonzero(~(twice > DEGENERATE * longest**2))
+    bad = np.flatnonzero(~(area > DEGENERATE / 2 * longest**2))
     if len(bad):
         k = bad[0]
         raise GeometryError(
             f"contact surface: {len(bad)} triangle(s) without area, first number {k} with area "
-            f"{twice[k] / 2:g} m² near {corners[k].mean(axis=0).tolist()} (limit "
+            f"{area[k]:g} m² near {corners[k].mean(axis=0).tolist()} (limit "
             f"{DEGENERATE / 2 * longest[k]**2:g} m² for its longest edge of {longest[k]:g} m); "
             "change the mesh size or remove slivers from the geometry")
-    return normals / twice[:, None]
+    return normals / area[:, None]
 
 
 def _edge_normals(triangles, normals):

@@ -3,6 +3,7 @@
 import numpy as np
 
 from hybrid.body.attitude import initial_rotation
+from hybrid.body.smooth import area_vectors
 from hybrid.body.symmetry import copies
 from hybrid.body.table import Table
 from hybrid.contact.interface import RAMP
@@ -132,12 +133,12 @@ def _thickness(scene, described, body, vertices, limit, top):
     surface across the travel it is driven and below `top` [m] at the end. vertices: (V, 3) [m] over level ground."""
     surface = body.surface
     corners = vertices[surface.triangles]
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    area = 0.5 * np.linalg.norm(normal, axis=1)
+    normal = area_vectors(corners)
+    area = np.linalg.norm(normal, axis=1)
     travel = np.array([travel_along(scene, described, name) for name in "xyz"])
     across = np.ones(len(area), bool)
     if travel.any() and body.guided[:3].all():
-        across = np.abs(normal @ travel) > ACROSS * 2 * area * np.linalg.norm(travel)
+        across = np.abs(normal @ travel) > ACROSS * area * np.linalg.norm(travel)
     inward = (surface.vertices[surface.triangles].mean(axis=1)[:, None]
               - limit * np.linspace(0.0, 1.0, SAMPLES + 1)[1:, None] * surface.normals[:, None])
     gap = distances(inward.reshape(-1, 3), surface)[0].reshape(-1, SAMPLES)
@@ -145,7 +146,7 @@ def _thickness(scene, described, body, vertices, limit, top):
     first = np.argmax(outside, axis=1)
     depth = limit * (first + 1) / SAMPLES - np.maximum(gap[each, first], 0.0)
     down = corners.mean(axis=1)[:, 2] + min(travel[2], 0.0)
-    thin = outside.any(axis=1) & across & (np.maximum(down, down - depth * normal[:, 2] / (2 * area)) < top)
+    thin = outside.any(axis=1) & across & (np.maximum(down, down - depth * normal[:, 2] / area) < top)
     return float(np.average(depth[thin], weights=area[thin])) if thin.any() else limit, area[thin].sum() / area.sum()
 
 

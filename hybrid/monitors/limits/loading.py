@@ -8,6 +8,7 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
+from hybrid.body.smooth import area_vectors
 from hybrid.body.symmetry import copies
 from hybrid.laws.sand import material_values
 from hybrid.laws.user import is_of_user
@@ -262,17 +263,15 @@ def feet(body, place, travel, top):
         mine = triangles[group[corners[:, 0]] == each]
         vertices = place[np.unique(mine)]
         if len(mine) and (vertices[:, 2] + min(travel[2], 0.0)).min() < top:
-            cross = np.cross(place[mine[:, 1]] - place[mine[:, 0]], place[mine[:, 2]] - place[mine[:, 0]])
             own = outer[group[outer[:, 0]] == each]
             length = float(np.linalg.norm(at[own[:, 1]] - at[own[:, 0]], axis=1).sum())
-            found.append((0.5 * float(np.linalg.norm(cross, axis=1).sum()), length, vertices))
+            found.append((float(np.linalg.norm(area_vectors(place[mine]), axis=1).sum()), length, vertices))
     return found
 
 
 def faces(body, place):
     """Outward normals (T, 3) of the triangles of a body, as long as their areas (T,) [m²]."""
-    corners = place[body.surface.triangles]
-    normal = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normal = area_vectors(place[body.surface.triangles])
     return normal, np.linalg.norm(normal, axis=1)
 
 

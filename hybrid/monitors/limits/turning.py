@@ -27,7 +27,7 @@ Along a round body it slips, at its outline, and the torque depends on where lin
 import numpy as np
 
 from hybrid.monitors.limits.stages import stride_of
-from hybrid.monitors.limits.loading import CLAY, EXCESS, ON_LINE, SAND, law_at, material_at, outline, top_of
+from hybrid.monitors.limits.loading import CLAY, EXCESS, ON_LINE, SAND, faces, law_at, material_at, outline, top_of
 
 SHEARED = 1.3                   # cells by which the sheared surface is wider, and longer, than the body
 BLADES = 0.1                    # share of its surface with which a body pushes soil as it turns; of a round one 0
@@ -151,12 +151,11 @@ def _torque(body, place, axis, cell, ends):
 def _pushes(body, place, axis):
     """Share of a body's surface that it moves towards the soil, or away from it, as it turns about an axis through the
     middle of its outline."""
-    corners = place[body.surface.triangles]
-    normal = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    arm = corners.mean(axis=1) - 0.5 * (place.min(axis=0) + place.max(axis=0))
+    normal, area = faces(body, place)
+    arm = place[body.surface.triangles].mean(axis=1) - 0.5 * (place.min(axis=0) + place.max(axis=0))
     travel = np.cross(np.eye(3)[axis], arm)
     travel /= np.maximum(np.linalg.norm(travel, axis=1), 1e-12 * np.ptp(place, axis=0).max())[:, None]
-    return np.abs((normal * travel).sum(axis=1)).sum() / np.linalg.norm(normal, axis=1).sum()
+    return np.abs((normal * travel).sum(axis=1)).sum() / area.sum()
 
 
 LIMITS = (turned, turned_over)
