@@ -48,6 +48,13 @@ def shared_edges(triangles):
     return pairs // 3, pairs % 3
 
 
+def rim_edges(triangles):
+    """(triangles (r,), numbers (r,)) of the edges that only one triangle has: the rim of a cut."""
+    rim = np.ones(triangles.shape, bool)
+    rim[shared_edges(triangles)] = False
+    return np.nonzero(rim)
+
+
 def corner_normals(points, triangles, given=None, symmetry=None):
     """Outward unit normals (t, 3, 3) of the smooth surface at the corners of `triangles` (t, 3), oriented outward.
 
@@ -98,9 +105,7 @@ def _groups(triangles, facet, given, known):
 def _mirrored(mean, triangles, group, by_geometry, symmetry):
     """Normals of facets on the rim of a cut, with those of the facets' mirror images where these bend little."""
     ends = np.stack((triangles, np.roll(triangles, -1, axis=1)), axis=2)
-    single = np.ones(triangles.shape, bool)
-    single[shared_edges(triangles)] = False
-    chosen = np.unique(group[np.isin(triangles, ends[single])])
+    chosen = np.unique(group[np.isin(triangles, ends[rim_edges(triangles)])])
     across = mean[chosen] @ symmetry
     little = (by_geometry[chosen] == 0) & (np.abs(across) < np.sin(BEND / 2))
     chosen, across = chosen[little], across[little]

@@ -46,16 +46,14 @@ DEGENERATE = 1e-6      # smallest (twice area)/(longest edge)²; its square must
 class ContactSurface:
     """Oriented triangles with their pseudo-normals; lengths in m, body frame, about the centre of mass.
 
-    vertices (V, 3); triangles (t, 3) counter-clockwise seen from outside; normals (t, 3); edge_normals and
-    vertex_normals (t, 3, 3) of the edges v0v1, v1v2, v2v0 and of the vertices; lower, upper (3,) bounds; radius [m] of
-    a ball about the centre of mass around it. The bounds and the ball include what patches stand out of the facets.
+    vertices (V, 3); triangles (t, 3) counter-clockwise seen from outside; normals (t, 3); lower, upper (3,) bounds;
+    radius [m] of a ball about the centre of mass around it. The bounds and the ball include what patches stand out of the
+    facets.
     """
 
     vertices: np.ndarray
     triangles: np.ndarray
     normals: np.ndarray
-    edge_normals: np.ndarray
-    vertex_normals: np.ndarray
     lower: np.ndarray
     upper: np.ndarray
     radius: float
@@ -89,7 +87,7 @@ class ContactSurface:
     def curvature(self):
         """c (t, 3, 3) [m] of the edges v0v1, v1v2, v2v0, as in `hybrid.body.smooth`."""
         nodes = self.tree.patches.nodes
-        return nodes[:, 6:] if len(nodes) else np.zeros_like(self.edge_normals)
+        return nodes[:, 6:] if len(nodes) else np.zeros((len(self.triangles), 3, 3))
 
     def extent(self, direction):
         """Largest product [m] of a point of the surface with `direction` (3,)."""
@@ -136,8 +134,8 @@ def build_surface(vertices, triangles, corner_normals=None, curvature=None):
         kind=np.hstack((none, sharp, 2 * corner_kind, none, curved, none)).astype(np.int64), patches=patches,
     )
     hull = np.vstack((vertices, _control_points(tree.patches.nodes)))
-    return ContactSurface(vertices, triangles, normals, edge_normals, vertex_normals, hull.min(axis=0),
-                          hull.max(axis=0), float(np.linalg.norm(hull, axis=1).max()), tree)
+    return ContactSurface(vertices, triangles, normals, hull.min(axis=0), hull.max(axis=0),
+                          float(np.linalg.norm(hull, axis=1).max()), tree)
 
 
 def _control_points(nodes):
