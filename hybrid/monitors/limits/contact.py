@@ -8,12 +8,13 @@ from hybrid.body.symmetry import copies
 from hybrid.body.table import Table
 from hybrid.contact.interface import RAMP
 from hybrid.contact.search import distances
-from hybrid.runtime.comm import anywhere, maximum, minimum, total
+from hybrid.runtime.comm import anywhere, minimum, total
 from hybrid.scene.check_stage import components
 from hybrid.scene.ground import heights_at, steepest
 from hybrid.scene.soil import clay_layers, laws
 from hybrid.scene.stage import table_rows
 from hybrid.soil.given_ground import STEEPEST
+from hybrid.soil.points import extent
 
 # Each number is the one from which a failure case of the study goes wrong.
 STIFFNESS_RATIO = 10.0      # p_f times the depth of soil [-]: below it contact springs take a tenth of the displacement
@@ -34,12 +35,11 @@ def low_penalty(scene, model):
     """Penalties so low that the contact deforms instead of the soil: springs in series, 1/p_f against the depth."""
     if model.soil.held:
         return
-    soil, across = model.soil.constants, ~model.soil.grid.collapsed[:2]
-    soil_depth = maximum((soil.position + soil.half_width)[:, 2]) - minimum((soil.position - soil.half_width)[:, 2])
+    across, (bottom, top) = ~model.soil.grid.collapsed[:2], extent(model.soil.constants, 2)
     for described, body in zip(scene.bodies, model.bodies):
         if described.penalty is None and not body.places.at_corners:
             continue    # derived
-        depth = min([soil_depth, *np.ptp(initial_vertices(described, body), axis=0)[:2][across]])
+        depth = min([top - bottom, *np.ptp(initial_vertices(described, body), axis=0)[:2][across]])
         ratio = body.penalty * depth
         if ratio < STIFFNESS_RATIO:
             yield (f"{body.name}: body.penalty = {body.penalty:g} /m times {depth:.3g} m, the depth of soil that "
@@ -90,20 +90,20 @@ def _lid(scene, soil, described, body):
     """Whether the narrow faces of a body are the sides of a lid over all of the soil, which touch none."""
     place = initial_vertices(described, body)
     still = not any(travel_along(scene, described, name) for name in "xy")
-    return still and body.narrowest > 0.99 * np.ptp(place[:, 2]) and covers(place, soil.constants, soil.grid)
+    return still and body.narrowest > 0.99 * np.ptp(place[:, 2]) and covers(place, soil)
 
 
 def thin_wall(scene, model):
     """Walls in clay so thin that the soil on both sides shares nodes, which keep it together: it does not part from them."""
     if model.soil.held or not ("hencky" in laws(scene.soil) or any(clay_layers(scene.soil))):
         return
-    cell, soil = model.soil.grid.smallest_cell, model.soil.constants
+    cell = model.soil.grid.smallest_cell
     top = top_of(model.soil) - FLUSH * cell
     for described, body in zip(scene.bodies, model.bodies):
         if described.tension == "full" or not (body.free.any() or body.driven.any()):
             continue
         place = levelled(model.soil, initial_vertices(described, body))
-        if covers(place, soil, model.soil.grid):
+        if covers(place, model.soil):
             continue
         thickness, share = _thickness(scene, described, body, place, ROUNDED * THICKNESS * cell, top)
         if share > THIN_SHARE:
@@ -121,11 +121,11 @@ def _shares(cells):
     return "shares nodes" if cells < 1.05 else "may, by where its faces lie between lines, share nodes"
 
 
-def covers(vertices, soil, grid):
+def covers(vertices, soil):
     """Whether a body reaches over all of the soil in plan, but for RIM, so that hardly any gets above it."""
-    across, slack = np.flatnonzero(~grid.collapsed[:2]), RIM * grid.smallest_cell
-    return all(vertices[:, axis].min() <= minimum((soil.position - soil.half_width)[:, axis]) + slack
-               and vertices[:, axis].max() >= maximum((soil.position + soil.half_width)[:, axis]) - slack for axis in across)
+    slack = RIM * soil.grid.smallest_cell
+    ends = [(vertices[:, axis], *extent(soil.constants, axis)) for axis in np.flatnonzero(~soil.grid.collapsed[:2])]
+    return all(x.min() <= low + slack and x.max() >= high - slack for x, low, high in ends)
 
 
 def _thickness(scene, described, body, vertices, limit, top):
@@ -268,7 +268,7 @@ def _width(place):
 
 def top_of(soil):
     """Height [m] of the highest soil at the start."""
-    return maximum(soil.constants.position[:, 2] + soil.constants.half_width[:, 2])
+    return extent(soil.constants, 2)[1]
 
 
 def levelled(soil, place):

@@ -111,7 +111,7 @@ def soft_springs(scene, model):
         if depth is not None:
             depth = min(depth, top_of(soil) - bottom + depth)       # of that what is in the soil
             stands &= depth > 0.0
-        lid = covers(place, soil.constants, soil.grid)      # of a specimen, which is as soft as its soil
+        lid = covers(place, soil)      # of a specimen, which is as soft as its soil
         if not stands or lid or body.places.at_corners or body.penalty * cell > SOFTEST:
             continue
         space = not soil.grid.collapsed.any()

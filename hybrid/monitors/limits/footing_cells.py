@@ -86,7 +86,7 @@ def cohesive_strips(scene, model):
     for body, travel, place, plane, moved in pushed:
         bottom, width = place[:, 2].min(), narrowest(soil.grid, place, travel)
         material = material_at(scene, soil, bottom - 0.5 * cell)
-        lid = covers(place, soil.constants, soil.grid)
+        lid = covers(place, soil)
         if not plane or lid or travel[2] >= 0.0 or bottom < top_of(soil) - SHALLOW * width:
             continue
         if _cohesive(scene, material, width) and not clay_under(scene, soil, bottom, width):

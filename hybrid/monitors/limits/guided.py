@@ -6,10 +6,10 @@ from hybrid.body.attitude import initial_rotation
 from hybrid.body.rigid import FREEDOMS
 from hybrid.body.symmetry import AXES, Mirror
 from hybrid.monitors.limits.contact import initial_vertices, path_along, top_of
-from hybrid.runtime.comm import maximum, minimum
 from hybrid.runtime.units import force as force_text
 from hybrid.scene.check_stage import moved
 from hybrid.scene.ground import heights, heights_at
+from hybrid.soil.points import extent
 
 SWALLOWED = 0.01    # of the largest force of a load, along a component that does not feel it
 ASIDE = 0.05        # of the size of a body: arms of its loads below it are none
@@ -136,11 +136,12 @@ def _half_at(scene, soil, axis, low, high):
     """Coordinates [m] of the roller faces across an axis in which the middle of a body from `low` to `high` [m] lies
     beside soil."""
     a, (start, end) = AXES[axis], soil.grid.extent[AXES[axis]]
-    at, half, cell = soil.constants.position[:, a], soil.constants.half_width[:, a], soil.grid.smallest_cell
+    lowest, highest = extent(soil.constants, a)
     covers = low <= start and high >= end
-    for side, face, reached in (("min", start, minimum(at - half)), ("max", end, maximum(at + half))):
+    for side, face, reached in (("min", start, lowest), ("max", end, highest)):
         middle = abs(0.5 * (low + high) - face) < MIDDLE * (high - low)
-        if middle and not covers and abs(reached - face) < cell and getattr(scene.grid.faces, f"{axis}_{side}") == "roller":
+        near = abs(reached - face) < soil.grid.smallest_cell
+        if middle and not covers and near and getattr(scene.grid.faces, f"{axis}_{side}") == "roller":
             yield face
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from hybrid.monitors.limits.contact import initial_vertices, path_along, top_of
-from hybrid.runtime.comm import maximum, minimum
+from hybrid.soil.points import extent
 
 HIGH = 10.0         # sizes of a body above the soil,
 DEEPER = 2.0        # and depths of the grid
@@ -131,8 +131,7 @@ def _crossing(soil, body, place, described):
     is covered."""
     grid, slack = soil.grid, FLUSH * soil.grid.smallest_cell
     low, high = place.min(axis=0), place.max(axis=0)
-    at, half = soil.constants.position, soil.constants.half_width
-    lower, upper = ([end(x) for x in (at + sign * half).T] for end, sign in ((minimum, -1), (maximum, 1)))
+    lower, upper = zip(*(extent(soil.constants, axis) for axis in range(3)))
     for i in np.flatnonzero(~grid.collapsed[:2]):
         name, axis = "xyz"[i], described.axes[i]
         start, end = axis.start, axis.end

@@ -129,7 +129,7 @@ def footings(scene, model):
             continue        # the base is punched through the sand into it
         strip = len(list(sides(soil.grid, place, travel))) == 1       # over all of the grid along the other axis
         excess = WEIGHT * (cell / width)**ORDER if strip else SQUARE * cell / width
-        if excess > EXCESS and not covers(place, soil.constants, soil.grid):
+        if excess > EXCESS and not covers(place, soil):
             less = "the difference"
             if strip:
                 less = f"1.9 times {less}, as the excess falls with the power 0.6 of the cells"

@@ -8,6 +8,7 @@ from hybrid.monitors.limits.contact import initial_pose, initial_vertices
 from hybrid.runtime.comm import anywhere, joined, maximum, minimum
 from hybrid.scene.defaults import POISSON
 from hybrid.scene.soil import materials
+from hybrid.soil.points import extent
 
 ALMOST = 1e-6       # [m] from the end of the grid, which is reached
 LONG = 2.0          # cells: shorter stretches of the ground are steps
@@ -40,9 +41,8 @@ def slab(scene, model):
 def _same_along(scene, model, axis):
     """Whether soil and bodies are the same all along an axis, and nothing moves or loads them along it."""
     soil, surface = model.soil, model.soil.heights and model.soil.heights[0]
-    ends = soil.grid.extent[axis]
-    place, half = soil.constants.position[:, axis], soil.constants.half_width[:, axis]
-    fills = minimum(place - half) < ends[0] + ALMOST and maximum(place + half) > ends[1] - ALMOST
+    ends, (low, high) = soil.grid.extent[axis], extent(soil.constants, axis)
+    fills = low < ends[0] + ALMOST and high > ends[1] - ALMOST
     level = surface is None or surface[1] is None and axis == 1     # a profile is along x
     if not (fills and level and scene.gravity[axis] == 0.0 and model.loads.body_force is None):
         return False
