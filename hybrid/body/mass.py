@@ -23,7 +23,7 @@ Equations: FORMULATION (30).
 
 import logging
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import dolfinx.fem.petsc
 import dolfinx.mesh
@@ -49,6 +49,10 @@ class MassProperties:
     centre: np.ndarray
     inertia: np.ndarray
     gravity_load: np.ndarray
+
+    def times(self, share):
+        """That of a share [-] of the body, with the same centre."""
+        return replace(self, mass=share * self.mass, inertia=share * self.inertia, gravity_load=share * self.gravity_load)
 
 
 def condensed_mass(mesh, density):

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from hybrid.body.attitude import initial_rotation
 from hybrid.body.rigid import FREEDOMS
-from hybrid.body.symmetry import AXES, Mirror
-from hybrid.monitors.limits.contact import initial_vertices, path_along, top_of
+from hybrid.body.symmetry import AXES
+from hybrid.monitors.limits.contact import initial_pose, initial_vertices, path_along, top_of
 from hybrid.runtime.units import force as force_text
+from hybrid.scene.body import out_of_plane
 from hybrid.scene.check_stage import moved
 from hybrid.scene.ground import heights, heights_at
 from hybrid.soil.points import extent
@@ -57,8 +57,8 @@ def _lost(described, body, load):
 def _arm(described, body, point):
     """Arm (3,) [m] in space of a point of a body at the start. Where the body is cut its loads may act in the plane, as
     half of those on the whole, or at its centre, so that this arm is none."""
-    rotation = initial_rotation(described)
-    arm, centre = rotation @ point, np.array(described.position or np.zeros(3)) + rotation @ body.mass.centre
+    centre, rotation = initial_pose(described, body)
+    arm = rotation @ point
     for mirror in body.mirrors:
         a = AXES[mirror.axis]
         if mirror.cut and abs(centre[a] + arm[a] - mirror.at) < ASIDE * np.ptp(body.outline.vertices[:, a]):
@@ -70,11 +70,11 @@ def _why(scene, body, component):
     """(why a component is not free, what to do) as texts."""
     name = FREEDOMS[component]
     for mirror in body.mirrors:
-        if name in mirror.guides:
+        if name in out_of_plane(mirror.axis):
             return (f"held, as the model is symmetric about {mirror} and its mirror image carries the mirrored load",
                     "Model the whole body for a load that is not symmetric")
     collapsed = [axis for axis in "xyz" if getattr(scene.grid, axis).collapsed]
-    if any(name in Mirror(axis, 0.0, False).guides for axis in collapsed):
+    if any(name in out_of_plane(axis) for axis in collapsed):
         return (f"held across the collapsed axis {', '.join(collapsed)}",
                 "Leave this component out, or model all three dimensions")
     if body.drive[component] or any(guide.component == component for guide in body.guides):
@@ -119,7 +119,7 @@ def moving_halves(scene, model):
             mirrored = any(mirror.axis == axis for mirror in body.mirrors)
             if getattr(scene.grid, axis).collapsed or scene.gravity[a] or mirrored:
                 continue
-            names = moved(scene, described, Mirror(axis, 0.0, False).guides)
+            names = moved(scene, described, out_of_plane(axis))
             joints = [joint.name for joint in scene.joints if body.name in joint.bodies]
             what, remedy = f"is joined beside it by {', '.join(joints)}: its mirror image has other joints", "join it there"
             if names:

@@ -3,6 +3,7 @@
 import numpy as np
 
 from hybrid.monitors.limits.contact import initial_vertices, path_along, top_of
+from hybrid.scene.body import out_of_plane
 from hybrid.soil.points import extent
 
 HIGH = 10.0         # sizes of a body above the soil,
@@ -41,7 +42,7 @@ def beside_roller(scene, model):
             name = "xy"[a]
             side = f"{name}_{('min', 'max')[at[0]]}" if len(at) == 1 else ""
             if side and getattr(scene.grid.faces, side) == "roller":
-                turns = " and ".join("r" + other for other in "xyz" if other != name)
+                turns = " and ".join(out_of_plane(name)[1:])
                 yield (f"{body.name} ends on the face {side} of the grid and may leave it: it is a whole body beside a "
                        f"plane of symmetry. For a part of a body lay the whole one across {name} = {ends[at[0]]:.4g} m, "
                        f"with its middle there, or hold {name}, {turns}")
