@@ -114,6 +114,11 @@ class Scene:
     solver: Solver = key("Newton's method and linear solver", default=Solver())
     output: Output = key("what is written", default=Output())
 
+    @property
+    def joined(self):
+        """Names of the bodies in joints."""
+        return {name for joint in self.joints for name in joint.bodies}
+
     def step_of(self, stage):
         """Length [s] of the outer steps of a stage."""
         return stage.step or self.time.step

@@ -24,6 +24,7 @@ fifth of the layer, B/5 over clay of five times the strength, 57, 20, 14 % over 
 
 import numpy as np
 
+from hybrid.body.guides import forces_of
 from hybrid.monitors.limits.contact import initial_vertices, travel_along
 from hybrid.monitors.limits.loading import CLAY, EXCESS, driven, law_at, loaded, material_at, narrowest
 from hybrid.runtime.comm import anywhere
@@ -106,8 +107,7 @@ def _pushes(scene, described, body, place, soil, base):
         if not travel and not body.free[axis]:
             continue
         ahead = [anywhere(near & (sign * (at[:, axis] - middle) > 0.0)) for sign in (-1.0, 1.0)]
-        forces = [load.force for stage in body.stages or () for load in stage.loads if load.force is not None]
-        loads = any(force.values[:, axis].any() for force in forces)
+        loads = any(force[:, axis].any() for force in forces_of(body))
         if ahead[travel > 0.0] if travel else any(ahead) if loads else all(ahead):
             return True
     return False

@@ -3,6 +3,7 @@
 import numpy as np
 
 from hybrid.body.attitude import initial_rotation
+from hybrid.body.guides import forces_of
 from hybrid.body.smooth import area_vectors
 from hybrid.body.symmetry import copies
 from hybrid.body.table import Table
@@ -76,7 +77,7 @@ def narrow_body(scene, model):
 
 def narrow_face(scene, model):
     """Faces between sharp edges, narrower than a cell: contact sees an edge with a radius of a few centimetres there."""
-    cell, joined = model.soil.grid.smallest_cell, {name for joint in scene.joints for name in joint.bodies}
+    cell, joined = model.soil.grid.smallest_cell, scene.joined
     for described, body in zip(scene.bodies, model.bodies):
         hangs = body.name in joined and initial_vertices(described, body)[:, 2].min() > top_of(model.soil) + cell
         if body.narrowest < cell and not hangs and not _lid(scene, model.soil, described, body):
@@ -172,8 +173,8 @@ def unpressed_bond(scene, model):
     if model.soil.held or any(scene.gravity):
         return
     for described, body in zip(scene.bodies, model.bodies):
-        loads = [load.force.values[:, 2].min() for stage in body.stages or () for load in stage.loads if load.force]
-        if travel_along(scene, described, "z") < 0.0 or min(loads, default=0.0) < 0.0:
+        pressed = any(force[:, 2].min() < 0.0 for force in forces_of(body))
+        if pressed or travel_along(scene, described, "z") < 0.0:
             continue        # it is pressed on
         if body.interface and body.interface.tension and not body.interface.adhesion and 0.0 < body.friction < np.inf:
             yield (f"{body.name} has a bond (body.tension) and friction in soil without weight: friction is "
@@ -188,7 +189,7 @@ def light_body(scene, model):
     if soil.held or not model.scheme.inertia:
         return
     density = float(total(soil.constants.mass) / total(soil.constants.volume))
-    joined = {name for joint in scene.joints for name in joint.bodies}
+    joined = scene.joined
     for described, body in zip(scene.bodies, model.bodies):
         across = np.minimum(np.ptp(initial_vertices(described, body), axis=0), np.ptp(grid.extent, axis=1))[:2]
         height = levelled(soil, initial_vertices(described, body))[:, 2]

@@ -111,7 +111,7 @@ def loaded(scene, model):
     outlines = [outline(described, body, model.soil) for described, body in zip(scene.bodies, model.bodies)]
     above = [place[:, 2].min() > top_of(model.soil) + model.soil.grid.smallest_cell for _, place in outlines]
     for i, (described, body, (whole, place)) in enumerate(zip(scene.bodies, model.bodies, outlines)):
-        if above[i] and any(body.name in joint.bodies for joint in scene.joints):
+        if above[i] and body.name in scene.joined:
             continue        # others carry it, or the ground
         rotation = initial_pose(described, body)[1]
         force, moment = _largest_load(body, rotation)

@@ -31,7 +31,7 @@ def odd_places(scene, model):
 
 def beside_roller(scene, model):
     """Free bodies that end on one roller of the soil, as parts of bodies do in other programs, but are whole ones here."""
-    soil, joined = model.soil, {name for joint in scene.joints for name in joint.bodies}
+    soil, joined = model.soil, scene.joined
     for described, body in zip(scene.bodies, model.bodies):
         if soil.held or body.name in joined:
             continue
@@ -54,9 +54,8 @@ def outside_window(scene, model):
     cells."""
     grid, bodies = scene.grid, list(zip(scene.bodies, model.bodies))
     followed = next((b for b, (described, _) in enumerate(bodies) if described.name == grid.follow), 0)
-    joined = {name for joint in scene.joints for name in joint.bodies}
     for number, (described, body) in enumerate(bodies):
-        if not grid.moves or number == followed or body.name in joined and scene.bodies[followed].name in joined:
+        if not grid.moves or number == followed or {body.name, scene.bodies[followed].name} <= scene.joined:
             continue
         for a, axis in enumerate(grid.axes[:2]):
             found = _left_out(scene, axis, "xy"[a], a, bodies[followed], (described, body)) if axis.moves else ""
