@@ -14,7 +14,6 @@ import numpy as np
 
 from hybrid.monitors.absorbed_impact import least_energy, motion_energy
 from hybrid.monitors.monitor import Monitor
-from hybrid.runtime.comm import anywhere
 
 LOST = 0.12         # of the kinetic energy of all bodies; ten increments in the contact time lose 4 %
 ON_SOIL = 0.3       # of soil that deforms, which takes some of it without increments being too long
@@ -59,7 +58,7 @@ class ImpactLoss(Monitor):
         of = max(self._of, self._lost)      # gravity gives them more than they ever had at a time
         return (f"{what}: {self._lost:.3g} J of the {of:.3g} J of their motion are lost without a cause in the balance "
                 f"up to t = {view.state.time:.4g} s ({self._lost / of:.0%}, limit {limit:.0%}): increments are too long "
-                f"for their contact{cure}, or {_accuracy(view)}")
+                f"for their contact{cure}, or {view.finer('1e-4')}")
 
     def forget(self):
         """Begin afresh with the next step."""
@@ -78,15 +77,15 @@ class BodyImpact(ImpactLoss):
 
     def motion(self, view):
         energy, bodies = super().motion(view), view.model.bodies
-        flies = _free(bodies) and not anywhere([len(contact) for contact in view.contacts])
+        flies = _free(bodies) and not view.touches_soil
         return energy - of_all_together(bodies, view.state.bodies) if flies else energy
 
     def warnings(self, view):
         """Energy, time, share, limit and remedy."""
-        if not view.model.pairs or not view.scheme.inertia or view.scheme.first_order:
+        if not view.model.pairs or not view.keeps_energy:
             return
         loss, found = self.follow(view, view.bodies_in_contact)
-        on_soil = anywhere([len(contact) for contact in view.contacts])
+        on_soil = view.touches_soil
         self._limit = ON_SOIL if on_soil else self._limit
         self._hit |= view.bodies_in_contact    # on soil, where bodies that stand near one another lose energy to it
         found = found and loss > self._limit * self._largest and (self._hit or self._limit < ON_SOIL)
@@ -101,7 +100,7 @@ class BodyImpact(ImpactLoss):
             yield "gain", (f"impact of bodies: {-loss:.3g} J were added to the {self._largest + loss:.3g} J of their motion "
                            f"without a cause in the balance up to t = {view.state.time:.4g} s "
                            f"({-loss / (self._largest + loss):.0%}, limit {LOST:.0%}): increments are too long for contact "
-                           f"of their edges. Use a quarter of the time.step, or {_accuracy(view)}")
+                           f"of their edges. Use a quarter of the time.step, or {view.finer('1e-4')}")
         # bodies that stay near one another on soil lose a little to it in all that time
         over = self._quiet >= QUIET and (self._limit == ON_SOIL or not near(view))
         if on_ground or found or gained or over:
@@ -125,10 +124,6 @@ def of_all_together(bodies, motions):
     mass = np.array([body.mass.mass for body in bodies])
     momentum = mass @ np.array([motion.velocity for motion in motions])
     return 0.5 * float(momentum @ momentum) / sum(mass)
-
-
-def _accuracy(view):
-    return "time.accuracy = 1e-4" if view.report.error is None else "a smaller time.accuracy"
 
 
 def near(view):

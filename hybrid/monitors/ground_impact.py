@@ -7,7 +7,6 @@ part in it. Elastic soil takes some of it in waves too short for its cells, whic
 
 from hybrid.monitors.absorbed_impact import least_energy
 from hybrid.monitors.body_impact import LOST, ON_SOIL, QUIET, ImpactLoss, near
-from hybrid.runtime.comm import anywhere
 
 
 class GroundImpact(ImpactLoss):
@@ -22,10 +21,10 @@ class GroundImpact(ImpactLoss):
     def warnings(self, view):
         """Energy, time, share, limit and remedy."""
         soil = view.model.soil
-        if not soil.held and soil.law.plastic or not view.scheme.inertia or view.scheme.first_order:
+        if not soil.held and soil.law.plastic or not view.keeps_energy:
             return
         loss, found = self.follow(view, view.bodies_in_contact)
-        self._touched |= anywhere([len(contact) for contact in view.contacts])
+        self._touched |= view.touches_soil
         self._hit |= view.bodies_in_contact or near(view)
         found = found and (soil.held or not self._hit and loss > ON_SOIL * self._largest)
         if found and self._touched and self._largest > least_energy(view.model):

@@ -6,7 +6,6 @@ note. What bodies that are laid on one another lose as their springs settle is n
 
 from hybrid.monitors.absorbed_impact import least_energy
 from hybrid.monitors.body_impact import LOST, QUIET, ImpactLoss
-from hybrid.runtime.comm import anywhere
 
 SURE = 2 * LOST     # of the kinetic energy: some of what is missing may still come back
 
@@ -23,8 +22,8 @@ class LastImpact(ImpactLoss):
 
     def warnings(self, view):
         """Energy, time, share, limit and remedy."""
-        on_soil = not view.model.soil.held and anywhere([len(contact) for contact in view.contacts])
-        if not view.model.pairs or on_soil or not view.scheme.inertia or view.scheme.first_order:
+        on_soil = not view.model.soil.held and view.touches_soil
+        if not view.model.pairs or on_soil or not view.keeps_energy:
             return
         loss, _ = self.follow(view, view.bodies_in_contact)
         self._hit |= view.bodies_in_contact
