@@ -15,7 +15,7 @@ from hybrid.laws.user import is_of_user
 from hybrid.monitors.limits.contact import initial_pose, initial_vertices, levelled, path_along, top_of
 from hybrid.runtime.comm import maximum
 from hybrid.scene.ground import heights
-from hybrid.scene.soil import FRICTIONAL, NUMBERS, as_clay, of_layer
+from hybrid.scene.soil import FRICTIONAL, NUMBERS, as_clay, of_layer, within
 
 EXCESS = 0.1                    # of a load, above which it is reported
 PLANE, LEADING = 0.99, 0.5      # cosine between a face and the travel; share of what the body covers that such faces are
@@ -330,8 +330,8 @@ def material_at(scene, soil, height):
     top, material = top_of(soil), scene.soil.material
     height = min(height, top)
     for layer in scene.soil.layers:
-        end = top if layer.top is None else layer.top
-        if (layer.bottom is None or height >= layer.bottom) and (height < end or height == end == top):
+        low, end = within(layer, -np.inf, top)
+        if height >= low and (height < end or height == end == top):
             material = of_layer(material, layer)
             break
     values = {name: value for name, value in material_values(material).items() if name in NUMBERS}
