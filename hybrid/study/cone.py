@@ -19,7 +19,6 @@ from hybrid.setup.build import build
 from hybrid.study.plasticity import STRENGTH, graded
 
 RIGIDITY, POISSON, ANGLE = 100.0, 0.49, 60.0    # G / s_u; opening of the cone [°]
-LENGTH = 1 / np.tan(np.radians(ANGLE / 2))      # [m] of the cone
 PART = 0.1                                      # of a cell that a step pushes
 GROWTH = 1.5                                    # of cells away from the cone
 CLAY = Material(law="von-mises", young=2 * (1 + POISSON) * RIGIDITY * STRENGTH, poisson=POISSON, density=1.0,

@@ -25,7 +25,7 @@ from hybrid.scene import Axis, Body, Faces, Grid, Material, Scene, Soil, Stage, 
 from hybrid.setup.build import build
 
 STRENGTH, STIFFNESS, POISSON, STEPS = 1e4, 1e4, 0.49, 20    # s_u [Pa], E / s_u
-STRIP, SMOOTH, ROUGH, DEEP = 2 + np.pi, 5.69, 6.05, 9.14
+STRIP, SMOOTH, DEEP = 2 + np.pi, 5.69, 9.14
 
 
 @dataclass(frozen=True)
