@@ -50,10 +50,9 @@ def mirrors_of(scene, described, mesh):
     size = np.ptp(points, axis=0).max()
     for name, a in AXES.items():
         axis = getattr(scene.grid, name)
-        ends = (axis.nodes[0], axis.nodes[-1]) if axis.nodes is not None else (axis.start, axis.end)
         low, high = points[:, a].min(), points[:, a].max()
-        covers = low < ends[0] + IN_PLANE * size and high > ends[1] - IN_PLANE * size
-        for side, at, other in (("min", ends[0], ends[1]), ("max", ends[1], ends[0])):
+        covers = low < axis.start + IN_PLANE * size and high > axis.end - IN_PLANE * size
+        for side, at in (("min", axis.start), ("max", axis.end)):
             if axis.collapsed or scene.gravity[a] or getattr(scene.grid.faces, f"{name}_{side}") != "roller":
                 continue
             cut = len(cap) > 0 and np.abs(cap[:, a] - at).max() < IN_PLANE * size
