@@ -17,7 +17,7 @@ from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 
 from hybrid.output import atomic
-from hybrid.output.history import body_names, read_history
+from hybrid.output.history import body_names, force_column, read_history
 from hybrid.runtime.units import force_unit
 
 COLUMN, PAGE = 85 / 25.4, 170 / 25.4  # widths [in]
@@ -86,8 +86,7 @@ def tension(folder, path=None, against="time"):
     starts = stage_starts(history)
     first = max(0, starts[-1] - 1) if against == "distance" else 0
     history = {column: values[first:] for column, values in history.items()}
-    column = {name: next(column for column in (f"{name}_tension_whole_N", f"{name}_tension_N") if column in history)
-              for name in body_names(history)}
+    column = {name: force_column(history, f"{name}_tension") for name in body_names(history)}
     pulled = [name for name in column if np.any(history[column[name]])]
     whole = ", whole body" if any("whole" in column[name] for name in pulled) else ""
     largest = max((np.abs(history[column[name]]).max() for name in pulled), default=0.0)
