@@ -15,9 +15,9 @@ import functools
 
 import numpy as np
 import pytest
+from options import options_set
 
 from hybrid.study import cone
-from hybrid.study.random.family import options_set
 
 
 @functools.cache
