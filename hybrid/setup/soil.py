@@ -41,7 +41,7 @@ class Stratum:
     points: np.ndarray
 
 
-def build_soil(scene, grid, loads, law=None):
+def build_soil(scene, grid, loads, law):
     """(Soil model, its points at rest), in geostatic equilibrium if the scene wants that. law: of a user. Several
     processes each make their block of the grid and the points in its cells."""
     described, cells = scene.soil, None
