@@ -10,9 +10,8 @@ checked in `hybrid.scene.check`; nothing here computes.
 from typing import Literal
 
 from hybrid.scene.body import Body, Freedom, Pull, Vector
-from hybrid.scene.contact import Contact
 from hybrid.scene.grid import Axis, Condition, Faces, Grid
-from hybrid.scene.joint import Joint
+from hybrid.scene.joint import Contact, Joint
 from hybrid.scene.soil import Law, Layer, Material, Soil
 from hybrid.scene.stage import Load, Motion, Stage
 from hybrid.scene.table import key, table
