@@ -26,7 +26,7 @@ import numpy as np
 
 from hybrid.body.guides import forces_of
 from hybrid.monitors.limits.contact import initial_vertices, travel_along
-from hybrid.monitors.limits.loading import CLAY, EXCESS, driven, law_at, loaded, material_at, narrowest
+from hybrid.monitors.limits.loading import CLAY, EXCESS, driven, law_at, loaded, material_at, narrowest, smaller_cells
 from hybrid.runtime.comm import anywhere
 from hybrid.scene.soil import ends, span
 
@@ -131,8 +131,8 @@ def squeezed_layer(scene, model):
         excess = number * cell / thick
         if thick < THIN * narrowest(soil.grid, place, travel) and excess > EXCESS:
             yield (f"{body.name} presses {thick:.3g} m of clay, {thick / cell:.2g} cells of {cell:.3g} m, on a harder layer:"
-                   f" the load that squeezes it out is about {excess:.0%} too high, limit {EXCESS:.0%}. Use cells of at "
-                   f"most {EXCESS / number * thick:.2g} m under it, or extrapolate two sizes of cells to none")
+                   f" the load that squeezes it out is about {excess:.0%} too high, limit {EXCESS:.0%}. "
+                   f"{smaller_cells(EXCESS / number * thick, ' under it')}")
 
 
 LIMITS = (body_on_base, squeezed_layer)

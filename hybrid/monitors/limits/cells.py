@@ -22,7 +22,8 @@ from collections import Counter
 import numpy as np
 
 from hybrid.monitors.limits.loading import (CLAY, EXCESS, ON_LINE, driven, faces, feet, heading, law_at, leads, loaded,
-                                            material_at, narrowest, sides, stays_attached, through_clay, top_of)
+                                            material_at, narrowest, sides, smaller_cells, stays_attached, through_clay,
+                                            top_of)
 from hybrid.runtime.comm import minimum
 from hybrid.soil.points import extent
 
@@ -98,7 +99,7 @@ def _eccentric(scene, model, body, travel, place, arm):
     return (ECCENTRIC * cell / left,
             f"is pressed on clay by a load {arm / width:.2g} of its width beside its middle, and stands on a width of "
             f"{left / cell:.2g} cells",
-            f"Use cells of at most {EXCESS / ECCENTRIC * left:.2g} m under it, or extrapolate two sizes of cells to none")
+            smaller_cells(EXCESS / ECCENTRIC * left, " under it"))
 
 
 def trapdoors(scene, model):
@@ -114,8 +115,7 @@ def trapdoors(scene, model):
         if excess > EXCESS:
             yield (f"{body.name} is {width / cell:.2g} cells wide and is lowered under clay, which is sheared in the cells "
                    f"beside its edges: its load is about {excess:.0%} too low under a cover of its own width, limit "
-                   f"{EXCESS:.0%}. Use cells of at most {EXCESS / TRAPDOOR * width:.2g} m at its edges, or extrapolate two "
-                   "sizes of cells to none")
+                   f"{EXCESS:.0%}. {smaller_cells(EXCESS / TRAPDOOR * width, ' at its edges')}")
 
 
 def _under_all(soil, place):

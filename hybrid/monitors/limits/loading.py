@@ -34,6 +34,11 @@ AT_POINT = "hinge", "ball", "weld"
 CLAY, SAND = "von-mises", FRICTIONAL
 
 
+def smaller_cells(size, where=""):
+    """Remedy for a load that is wrong by more than EXCESS in cells larger than `size` [m]; where: they are, as " at it"."""
+    return f"Use cells of at most {size:.2g} m{where}, or extrapolate two sizes of cells to none"
+
+
 def driven(scene, model):
     """(RigidBody, travel (3,) [m], places (V, 3) [m] of its vertices where it begins, whether a plane face leads) of each
     travel of each body that is driven, or welded to one that is, and gets to the soil."""

@@ -27,7 +27,8 @@ Along a round body it slips, at its outline, and the torque depends on where lin
 import numpy as np
 
 from hybrid.monitors.limits.stages import stride_of
-from hybrid.monitors.limits.loading import CLAY, EXCESS, ON_LINE, SAND, faces, law_at, material_at, outline, top_of
+from hybrid.monitors.limits.loading import (CLAY, EXCESS, ON_LINE, SAND, faces, law_at, material_at, outline, smaller_cells,
+                                            top_of)
 
 SHEARED = 1.3                   # cells by which the sheared surface is wider, and longer, than the body
 BLADES = 0.1                    # share of its surface with which a body pushes soil as it turns; of a round one 0
@@ -86,8 +87,7 @@ def turned_over(scene, model):
             if excess > EXCESS and _pushes(whole, place, axis) > BLADES and _flows(scene, described, body, axis, *strength):
                 yield (f"{body.name} is turned about {'xy'[axis]}, {width / cell:.2g} cells of {cell:.3g} m across: its "
                        f"moment, where soil flows under it, is up to {excess:.0%} too high, limit {EXCESS:.0%}, as it "
-                       f"drives the next cells too. Use cells of at most {EXCESS / excess * cell:.2g} m at it, or "
-                       "extrapolate two sizes of cells to none")
+                       f"drives the next cells too. {smaller_cells(EXCESS / excess * cell, ' at it')}")
 
 
 def _width(place, top, axis, material, in_plane, cell):
