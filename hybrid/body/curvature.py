@@ -7,8 +7,7 @@ SHARP = 0.1     # of the area: fillets and tips, which cells do not resolve eith
 
 def curvature_radius(surface):
     """Radius of curvature [m] that all but SHARP of a surface's area exceed, inf where that is plane."""
-    nodes, triangle = surface.tree.patches.nodes, surface.vertices[surface.triangles]
-    area = 0.5 * np.linalg.norm(np.cross(triangle[:, 1] - triangle[:, 0], triangle[:, 2] - triangle[:, 0]), axis=1)
+    nodes, area = surface.tree.patches.nodes, surface.areas
     if not len(nodes):
         return np.inf
     edge, turn = (np.stack([nodes[:, i], nodes[:, i + 1], nodes[:, i + 1] - nodes[:, i]], axis=1) for i in (1, 4))

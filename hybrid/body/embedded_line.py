@@ -88,10 +88,10 @@ def line_ends(position, rotation, attachment, target, length, stiffness, soil):
     return pull, angle, *shackle(pull, angle, soil.load(depth)[0], soil.friction)
 
 
-def shape_in_soil(pull, angle, depth, soil, count=200):
+def shape_in_soil(pull, angle, depth, soil):
     """Places (n, 2) of a line: distance from the shackle and height [m], from there up to where it is flatter than SHALLOW
     or reaches the mudline, for a pull [N] and angle [-] there; dx = dz / tan θ."""
-    z = np.linspace(depth, 0.0, count)
+    z = np.linspace(depth, 0.0, 200)
     steep = np.array([shackle(pull, angle, soil.load(each)[0], soil.friction)[1] for each in z])
     z, steep = z[steep > SHALLOW], steep[steep > SHALLOW]
     cotangent = 1.0 / np.tan(steep)

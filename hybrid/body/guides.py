@@ -85,6 +85,11 @@ def _from(table, start):
     return table and replace(table, times=table.times + start)
 
 
+def forces_of(body):
+    """[(k, 3) values [N] of the table of each force] that stages put on a body."""
+    return [load.force.values for control in body.stages or () for load in control.loads if load.force is not None]
+
+
 def at_start(body, time):
     """The body with the rates that its guides have at the start of a stage, at a `time` [s]."""
     if not body.guides:

@@ -4,9 +4,10 @@ With shape functions N_i, the consistent mass and the load of unit gravity along
 
     M_ij = ∫ ρ N_i N_j dV I        f_i,k = ∫ ρ N_i dV e_k        (seed paper, Eq. 2)
 
-and condensed to the six unknowns of the body, about its centre of mass,
+and condensed to the six unknowns of the body, about its centre of mass: a node at r_i from it moves by w_i = Δc + Δφ × r_i =
+C_i Δq, Δq = (Δc, Δφ),
 
-    C^T M C = diag(m I, J)         C^T f = [ m I ; 0 ]
+    C_i = [ I , -r̃_i ]             C^T M C = diag(m I, J)         C^T f = [ m I ; 0 ]
 
 exactly, because rigid motions are linear functions; the values are those of the polyhedron that the mesh fills.
 Nothing is reassembled when the body moves: J rotates with it.
@@ -23,7 +24,7 @@ Equations: FORMULATION (30).
 
 import logging
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import dolfinx.fem.petsc
 import dolfinx.mesh
@@ -33,7 +34,6 @@ from dolfinx import fem
 from mpi4py import MPI
 from scipy.sparse import csr_matrix
 
-from hybrid.body.condense import condensation
 from hybrid.runtime.errors import GeometryError
 
 
@@ -49,6 +49,10 @@ class MassProperties:
     centre: np.ndarray
     inertia: np.ndarray
     gravity_load: np.ndarray
+
+    def times(self, share):
+        """That of a share [-] of the body, with the same centre."""
+        return replace(self, mass=share * self.mass, inertia=share * self.inertia, gravity_load=share * self.gravity_load)
 
 
 def condensed_mass(mesh, density):
@@ -71,6 +75,17 @@ def condensed_mass(mesh, density):
         inertia=0.5 * (inertia + inertia.T),
         gravity_load=c.T @ loads,
     )
+
+
+def condensation(nodes, centre=(0.0, 0.0, 0.0)):
+    """Condensation matrix C (3n, 6) of `nodes` (n, 3) [m] about `centre` (3,) [m]; rows x, y, z of node 0, then 1."""
+    r = np.asarray(nodes, dtype=float) - np.asarray(centre, dtype=float)
+    blocks = np.zeros((len(r), 3, 6))
+    blocks[:, :, :3] = np.eye(3)
+    blocks[:, 0, 4], blocks[:, 0, 5] = r[:, 2], -r[:, 1]
+    blocks[:, 1, 3], blocks[:, 1, 5] = -r[:, 2], r[:, 0]
+    blocks[:, 2, 3], blocks[:, 2, 4] = r[:, 1], -r[:, 0]
+    return blocks.reshape(-1, 6)
 
 
 def combined(parts):

@@ -217,7 +217,7 @@ def contact_surface(path, skins, index):
     if not has_surface(path):
         return {}
     contact = elements(skins["contact"], 2, TRIANGLE, path)
-    return {"contact": index[contact], "normals": read_normals(skins["contact"], contact)}
+    return {"contact": index[contact], "normals": read_normals(skins["contact"])}
 
 
 def named_parts(path, skins, index):
@@ -257,9 +257,9 @@ def elements(entities, dim, kind, path):
     return np.vstack(parts)
 
 
-def read_normals(entities, triangles):
-    """Normals (t, 3, 3) of the surfaces at the corners of their `triangles` (t, 3) of node tags, one surface after the
-    other as `elements` gives them; of either sign, nan where the surface has none (a mesh, the apex of a cone)."""
+def read_normals(entities):
+    """Normals (t, 3, 3) of the surfaces at the corners of their triangles, one surface after the other as `elements` gives
+    them; of either sign, nan where the surface has none (a mesh, the apex of a cone)."""
     parts = [np.zeros((0, 3, 3))]
     for entity in map(int, entities):
         tags = elements([entity], 2, TRIANGLE, None)

@@ -16,8 +16,8 @@ from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import spsolve
 
 from hybrid.body.closest import closest
-from hybrid.body.skin import Skin, away_from, ends_of, rim_edges
-from hybrid.body.smooth import shared_edges, unit
+from hybrid.body.skin import Skin, away_from, ends_of
+from hybrid.body.smooth import area_vectors, rim_edges, shared_edges, unit
 
 CONDITION, FREE = 1e9, 1e-9     # weights of conditions, and of no displacement where nothing else determines it, beside 1
 OBTUSE = 0.05                   # smallest cotangent: an obtuse triangle would have negative weights
@@ -55,7 +55,7 @@ def _split(triangles, edges):
 def _displacements(surface, split, edges):
     """(n, 3) [m] of the vertices after the split."""
     count, away = split.max() + 1, away_from(surface)
-    rim = rim_edges(surface)
+    rim = rim_edges(surface.triangles)
     t, k = (np.concatenate([sharp.ravel(), cut]) for sharp, cut in zip((edges.triangle, edges.number), rim))
     inset = np.concatenate([edges.inset.ravel(), np.zeros(len(rim[0]))])
     vertex = np.concatenate([split.ravel(), split[t, k], split[t, (k + 1) % 3]])
@@ -99,5 +99,5 @@ def _laplacian(surface, split, count):
 
 def _folded(corners, normals):
     """Which triangles (t,) with `corners` (t, 3, 3) have turned over, or nearly, from their `normals` (t, 3)."""
-    twice = np.einsum("ti,ti->t", np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), normals)
+    twice = 2.0 * np.einsum("ti,ti->t", area_vectors(corners), normals)
     return twice < FOLDED * np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).max(axis=1) ** 2

@@ -22,7 +22,7 @@ Where the body is cut, what goes around a corner in the plane of the cut is clos
 
 import numpy as np
 
-from hybrid.body.smooth import CREASE, shared_edges, unit
+from hybrid.body.smooth import CREASE, rim_edges, unit
 from hybrid.body.surface import build_surface
 
 PARTS = 4       # of a parabola
@@ -42,16 +42,9 @@ def away_from(surface):
     return unit(np.cross(surface.normals[:, None], np.roll(corners, -1, axis=1) - corners))
 
 
-def rim_edges(surface):
-    """(triangles (r,), numbers (r,)) of the edges that only one triangle has: the rim of a cut."""
-    rim = np.ones(surface.triangles.shape, bool)
-    rim[shared_edges(surface.triangles)] = False
-    return np.nonzero(rim)
-
-
 def cuts_of(surface):
     """(Distance [m] that counts as none, [(axis, coordinate [m])] of the planes in which the rim of a cut lies)."""
-    t, k = rim_edges(surface)
+    t, k = rim_edges(surface.triangles)
     first, last = surface.vertices[surface.triangles[t, k]], surface.vertices[surface.triangles[t, (k + 1) % 3]]
     flat, found, left = FLAT * np.ptp(surface.vertices, axis=0).max(), [], np.ones(len(t), bool)
     while left.any():       # the plane with most of what is left of the rim

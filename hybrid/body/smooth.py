@@ -33,6 +33,11 @@ def unit(vectors):
     return np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0.0)
 
 
+def area_vectors(corners):
+    """Normals (t, 3) of triangles with `corners` (t, 3, 3) [m], as long as their areas [m²]."""
+    return 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+
+
 def shared_edges(triangles):
     """Triangle and edge number (e, 2) each of the two sides of every edge that two triangles share."""
     ends = np.sort(np.stack((triangles, np.roll(triangles, -1, axis=1)), axis=2).reshape(-1, 2), axis=1)
@@ -43,6 +48,13 @@ def shared_edges(triangles):
     return pairs // 3, pairs % 3
 
 
+def rim_edges(triangles):
+    """(triangles (r,), numbers (r,)) of the edges that only one triangle has: the rim of a cut."""
+    rim = np.ones(triangles.shape, bool)
+    rim[shared_edges(triangles)] = False
+    return np.nonzero(rim)
+
+
 def corner_normals(points, triangles, given=None, symmetry=None):
     """Outward unit normals (t, 3, 3) of the smooth surface at the corners of `triangles` (t, 3), oriented outward.
 
@@ -50,7 +62,7 @@ def corner_normals(points, triangles, given=None, symmetry=None):
     symmetry: (3,) normal of the plane that the body is cut by, through the rim of the triangles; None without one.
     """
     corners = points[triangles]
-    facet = unit(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))[:, None]
+    facet = unit(area_vectors(corners))[:, None]
     given = np.full(corners.shape, np.nan) if given is None else given
     cosine = np.einsum("tki,tki->tk", given, np.broadcast_to(facet, corners.shape))
     given = given * np.sign(cosine)[:, :, None]
@@ -93,9 +105,7 @@ def _groups(triangles, facet, given, known):
 def _mirrored(mean, triangles, group, by_geometry, symmetry):
     """Normals of facets on the rim of a cut, with those of the facets' mirror images where these bend little."""
     ends = np.stack((triangles, np.roll(triangles, -1, axis=1)), axis=2)
-    single = np.ones(triangles.shape, bool)
-    single[shared_edges(triangles)] = False
-    chosen = np.unique(group[np.isin(triangles, ends[single])])
+    chosen = np.unique(group[np.isin(triangles, ends[rim_edges(triangles)])])
     across = mean[chosen] @ symmetry
     little = (by_geometry[chosen] == 0) & (np.abs(across) < np.sin(BEND / 2))
     chosen, across = chosen[little], across[little]

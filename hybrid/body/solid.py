@@ -23,7 +23,7 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from hybrid.body.smooth import corner_normals, unit
+from hybrid.body.smooth import area_vectors, corner_normals, unit
 from hybrid.runtime.errors import GeometryError
 
 FLAT = 1e-12  # volume over cubed longest edge at or below which a tetrahedron counts as flat
@@ -93,8 +93,7 @@ def smoothed(mesh):
     """The mesh with outward normals of the smooth surface at all corners of its contact triangles."""
     symmetry = None
     if len(mesh.symmetry):
-        a, b, c = (mesh.points[mesh.symmetry[:, k]] for k in range(3))
-        symmetry = unit(np.cross(b - a, c - a).sum(axis=0))
+        symmetry = unit(area_vectors(mesh.points[mesh.symmetry]).sum(axis=0))
     return replace(mesh, normals=corner_normals(mesh.points, mesh.contact, mesh.normals, symmetry))
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from hybrid.body import guides, motion, rigid
 
 
-def begin_loads(body, state, time, scheme, gravity=np.zeros(3)):
+def begin_loads(body, state, time, scheme, gravity):
     """`state` after the loads of another stage begin to act at a `time` [s], with so much more `gravity` (3,) [m/s²]: what
     they change accelerates free components from the start of the next step, and guides of the others take it."""
     if not body.loads and state.load is None and not gravity.any():

@@ -33,7 +33,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hybrid.body.facet_tree import SECOND, Tree
-from hybrid.body.smooth import build_patches
+from hybrid.body.smooth import area_vectors, build_patches
 from hybrid.runtime.errors import GeometryError
 
 LEAF = 4               # triangles in a leaf of the tree, at most
@@ -46,20 +46,23 @@ DEGENERATE = 1e-6      # smallest (twice area)/(longest edge)²; its square must
 class ContactSurface:
     """Oriented triangles with their pseudo-normals; lengths in m, body frame, about the centre of mass.
 
-    vertices (V, 3); triangles (t, 3) counter-clockwise seen from outside; normals (t, 3); edge_normals and
-    vertex_normals (t, 3, 3) of the edges v0v1, v1v2, v2v0 and of the vertices; lower, upper (3,) bounds; radius [m] of
-    a ball about the centre of mass around it. The bounds and the ball include what patches stand out of the facets.
+    vertices (V, 3); triangles (t, 3) counter-clockwise seen from outside; normals (t, 3); lower, upper (3,) bounds;
+    radius [m] of a ball about the centre of mass around it. The bounds and the ball include what patches stand out of the
+    facets.
     """
 
     vertices: np.ndarray
     triangles: np.ndarray
     normals: np.ndarray
-    edge_normals: np.ndarray
-    vertex_normals: np.ndarray
     lower: np.ndarray
     upper: np.ndarray
     radius: float
     tree: Tree
+
+    @property
+    def areas(self):
+        """(t,) [m²] of the triangles."""
+        return np.linalg.norm(area_vectors(self.vertices[self.triangles]), axis=1)
 
     @property
     def curved(self):
@@ -84,7 +87,7 @@ class ContactSurface:
     def curvature(self):
         """c (t, 3, 3) [m] of the edges v0v1, v1v2, v2v0, as in `hybrid.body.smooth`."""
         nodes = self.tree.patches.nodes
-        return nodes[:, 6:] if len(nodes) else np.zeros_like(self.edge_normals)
+        return nodes[:, 6:] if len(nodes) else np.zeros((len(self.triangles), 3, 3))
 
     def extent(self, direction):
         """Largest product [m] of a point of the surface with `direction` (3,)."""
@@ -131,8 +134,8 @@ def build_surface(vertices, triangles, corner_normals=None, curvature=None):
         kind=np.hstack((none, sharp, 2 * corner_kind, none, curved, none)).astype(np.int64), patches=patches,
     )
     hull = np.vstack((vertices, _control_points(tree.patches.nodes)))
-    return ContactSurface(vertices, triangles, normals, edge_normals, vertex_normals, hull.min(axis=0),
-                          hull.max(axis=0), float(np.linalg.norm(hull, axis=1).max()), tree)
+    return ContactSurface(vertices, triangles, normals, hull.min(axis=0), hull.max(axis=0),
+                          float(np.linalg.norm(hull, axis=1).max()), tree)
 
 
 def _control_points(nodes):
@@ -176,18 +179,18 @@ def _check_arrays(vertices, triangles):
 
 def _face_normals(corners):
     """Unit normals (t, 3) of `corners` (t, 3, 3), refusing triangles without area."""
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    twice = np.linalg.norm(normals, axis=1)
+    normals = area_vectors(corners)
+    area = np.linalg.norm(normals, axis=1)
     longest = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).max(axis=1)
-    bad = np.flatnonzero(~(twice > DEGENERATE * longest**2))
+    bad = np.flatnonzero(~(area > DEGENERATE / 2 * longest**2))
     if len(bad):
         k = bad[0]
         raise GeometryError(
             f"contact surface: {len(bad)} triangle(s) without area, first number {k} with area "
-            f"{twice[k] / 2:g} m² near {corners[k].mean(axis=0).tolist()} (limit "
+            f"{area[k]:g} m² near {corners[k].mean(axis=0).tolist()} (limit "
             f"{DEGENERATE / 2 * longest[k]**2:g} m² for its longest edge of {longest[k]:g} m); "
             "change the mesh size or remove slivers from the geometry")
-    return normals / twice[:, None]
+    return normals / area[:, None]
 
 
 def _edge_normals(triangles, normals):

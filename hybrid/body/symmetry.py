@@ -57,11 +57,6 @@ class Mirror:
     def __str__(self):
         return f"{self.axis} = {self.at:g} m"
 
-    @property
-    def guides(self):
-        """Components that a body in this plane does not have."""
-        return (self.axis, *(f"r{other}" for other in "xyz" if other != self.axis))
-
 
 def copies(mirrors):
     """How many times what is modelled the whole is."""

@@ -35,12 +35,12 @@ def _depth(one, pose, other, place, collapsed):
     return float(np.max(-distances(y, other.surface)[0], initial=0.0)) if len(y) else 0.0
 
 
-def volume_of_overlap(one, other, per_axis=24):
-    """Volume [m³] that two bodies, each (RigidBody, BodyState), share: by points at equal distances in the common part of
-    their boxes."""
+def volume_of_overlap(one, other):
+    """Volume [m³] that two bodies, each (RigidBody, BodyState), share: by 24³ points at equal distances in the common part
+    of their boxes."""
     boxes = np.array([rigid.bounding_box(*pair) for pair in (one, other)])
     lower, upper = boxes[:, 0].max(axis=0), boxes[:, 1].min(axis=0)
-    steps = [low + (np.arange(per_axis) + 0.5) / per_axis * (high - low) for low, high in zip(lower, upper)]
+    steps = [low + (np.arange(24) + 0.5) / 24 * (high - low) for low, high in zip(lower, upper)]
     points, inside = np.stack([axis.ravel() for axis in np.meshgrid(*steps)], axis=1), True
     for body, pose in (one, other):
         inside &= distances((points - pose.position) @ pose.rotation, body.outline)[0] < 0.0

@@ -45,9 +45,8 @@ class Cover:
     def of(cls, surface, width, flat=(), share=1.0):
         """Cover of a ContactSurface for domains of a `width` [m]; flat: as above; share: part of it that lies in the
         slice."""
-        flat, (a, b, c) = np.reshape(flat, (-1, 3)), surface.vertices[surface.triangles].swapaxes(0, 1)
-        whole = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()
-        width = max(width, np.sqrt(whole / MOST) / PATCH)
+        flat = np.reshape(flat, (-1, 3))
+        width = max(width, np.sqrt(surface.areas.sum() / MOST) / PATCH)
         place, normal, area = everywhere(surface, PATCH * width)
         place, normal, area = _patches(_flattened(place, flat), normal, share * area, PATCH * width)
         return cls(place, normal, area, _kernel(place, normal, AROUND * width), cKDTree(np.hstack([place, width * normal])),

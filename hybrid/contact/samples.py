@@ -174,7 +174,7 @@ def _edges(surface, spacing, width, corner, sagitta):
         rim = RIM if np.isfinite(sagitta) and bow.any() else 1.0
         areas.append(np.full(count, rim * width * length / count))
     normal = np.zeros((len(surface.vertices), 3))
-    np.add.at(normal, surface.triangles, surface.vertex_normals)
+    np.add.at(normal, surface.triangles, surface.tree.normals[:, 4:7])      # of their features 4, 5, 6
     normal /= np.linalg.norm(normal, axis=1)[:, None]
     at, count = np.unique(np.concatenate([ends[0][chosen], ends[1][chosen]]), return_counts=True)
     at = np.concatenate([at[count >= 3], np.setdiff1d(_tips(surface, normal), at)])

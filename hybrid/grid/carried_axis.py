@@ -6,8 +6,8 @@ need not go farther than half a cell to either side of their place at the start:
 
     x_i(d) = x_i + w_i s,      s = d - h round(d / h)          d  displacement of the body [m]
 
-w = 1 in the cells of size h around the body, and falls to 0 at the ends of the axis, which stay, over the cells of other sizes
-or the last cells. It does not depend on how far the body will go, so that a run may be continued.
+w = 1 in the cells of size h around the body, and falls to 0 at the ends of the axis, which stay, over the cells of other
+sizes or the last cells. It does not depend on how far the body will go, so that a run may be continued.
 """
 
 from dataclasses import dataclass

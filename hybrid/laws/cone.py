@@ -51,7 +51,7 @@ NO_HISTORY = np.zeros(0)
 
 
 class Cone(Hencky):
-    """Elastic constants and strength per point, scalars or (n,) arrays; `young` fixes n.
+    """Elastic constants, cohesion c, its hardening and its floor per point, scalars or (n,) arrays; `young` fixes n.
 
     parameters: (n, 11) columns K, G, η, η̄_c, k0, e, h, k_r, ē, ω (0: the arc of Willam and Warnke), ξ, with k = ξ c of a
     cohesion c. Raises LawError where softening is steeper than the elastic unloading, so that a point has no unique
@@ -60,10 +60,11 @@ class Cone(Hencky):
 
     plastic = True
 
-    def __init__(self, young, poisson, eta, eta_bar, strength, ratio=1.0, hardening=0.0, residual=0.0,
+    def __init__(self, young, poisson, eta, eta_bar, cohesion, ratio=1.0, hardening=0.0, residual=0.0,
                  dilation_ratio=1.0, corner=0.0, xi=1.0):
         super().__init__(young, poisson)
         n = len(self.parameters)
+        strength, hardening, residual = (xi * np.asarray(a, float) for a in (cohesion, hardening, residual))
         residual = np.minimum(residual, strength)
         columns = [np.broadcast_to(a, n) for a in (
             eta, eta_bar, strength, ratio, hardening, residual, dilation_ratio, corner, xi)]

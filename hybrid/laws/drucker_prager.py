@@ -41,5 +41,4 @@ class DruckerPrager(Cone):
     def __init__(self, young, poisson, friction_angle, dilation_angle, cohesion, cone="compression", hardening=0.0,
                  residual_cohesion=0.0):
         eta, xi, flow = cone_constants(friction_angle, dilation_angle, cone)
-        strength, slope, residual = (xi * np.asarray(a, float) for a in (cohesion, hardening, residual_cohesion))
-        super().__init__(young, poisson, eta, flow, strength, 1.0, slope, residual, xi=xi)
+        super().__init__(young, poisson, eta, flow, cohesion, 1.0, hardening, residual_cohesion, xi=xi)

@@ -15,18 +15,9 @@ Equations: FORMULATION (18a).
 
 import numpy as np
 
-from hybrid.laws.cone import Cone
-from hybrid.laws.drucker_prager import cone_constants
-from hybrid.laws.willam_warnke import meridian_ratio
+from hybrid.laws.willam_warnke import WillamWarnke
 
-CORNER = np.radians(1.0)    # ω; a strip and a passive wall take as many iterations from 0.25 to 2.5°
+class MohrCoulomb(WillamWarnke):
+    """The cone on the same meridians with straight sides between them; values as of that."""
 
-
-class MohrCoulomb(Cone):
-    """Values per point, scalars or (n,) arrays: angles [degrees], cohesion [Pa], hardening dc/dα [Pa], floor [Pa]."""
-
-    def __init__(self, young, poisson, friction_angle, dilation_angle, cohesion, hardening=0.0, residual_cohesion=0.0):
-        eta, xi, flow = cone_constants(friction_angle, dilation_angle, "compression")
-        strength, slope, residual = (xi * np.asarray(a, float) for a in (cohesion, hardening, residual_cohesion))
-        super().__init__(young, poisson, eta, flow, strength, meridian_ratio(friction_angle), slope, residual,
-                         meridian_ratio(dilation_angle), CORNER, xi)
+    corner = np.radians(1.0)    # ω; a strip and a passive wall take as many iterations from 0.25 to 2.5°

@@ -12,8 +12,6 @@ In terms of the uniaxial yield stress, σ_y = √3 ξ s_u. Return and tangent ar
 Equations: FORMULATION (19).
 """
 
-import numpy as np
-
 from hybrid.laws.cone import Cone
 from hybrid.laws.drucker_prager import cone_constants
 
@@ -25,5 +23,4 @@ class VonMises(Cone):
 
     def __init__(self, young, poisson, strength, cone="compression", hardening=0.0, residual_strength=0.0):
         _, xi, _ = cone_constants(0.0, 0.0, cone)
-        strength, slope, residual = (xi * np.asarray(a, float) for a in (strength, hardening, residual_strength))
-        super().__init__(young, poisson, 0.0, 0.0, strength, 1.0, slope, residual, xi=xi)
+        super().__init__(young, poisson, 0.0, 0.0, strength, 1.0, hardening, residual_strength, xi=xi)

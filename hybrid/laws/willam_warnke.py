@@ -27,8 +27,9 @@ def meridian_ratio(angle):
 class WillamWarnke(Cone):
     """Values per point, scalars or (n,) arrays: angles [degrees], cohesion [Pa], hardening dc/dα [Pa], floor [Pa]."""
 
+    corner = 0.0    # ω of the arc
+
     def __init__(self, young, poisson, friction_angle, dilation_angle, cohesion, hardening=0.0, residual_cohesion=0.0):
         eta, xi, flow = cone_constants(friction_angle, dilation_angle, "compression")
-        strength, slope, residual = (xi * np.asarray(a, float) for a in (cohesion, hardening, residual_cohesion))
-        super().__init__(young, poisson, eta, flow, strength,
-                         meridian_ratio(friction_angle), slope, residual, meridian_ratio(dilation_angle), xi=xi)
+        super().__init__(young, poisson, eta, flow, cohesion, meridian_ratio(friction_angle), hardening, residual_cohesion,
+                         meridian_ratio(dilation_angle), self.corner, xi)

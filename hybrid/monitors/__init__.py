@@ -33,7 +33,6 @@ from ast import literal_eval
 import numpy as np
 
 from hybrid.monitors.absorbed_impact import AbsorbedImpact
-from hybrid.monitors.body_impact import BodyImpact
 from hybrid.monitors.body_overlap import BodyOverlap
 from hybrid.monitors.creeping_soil import CreepingSoil
 from hybrid.monitors.damped_vibration import DampedVibration
@@ -43,10 +42,9 @@ from hybrid.monitors.fast_rotation import FastRotation
 from hybrid.monitors.flowing_soil import FlowingSoil
 from hybrid.monitors.force_oscillation import ForceOscillation
 from hybrid.monitors.grid_end import GridEnd
-from hybrid.monitors.ground_impact import GroundImpact
 from hybrid.monitors.idle_adhesion import IdleAdhesion
+from hybrid.monitors.impacts import BodyImpact, GroundImpact, LastImpact
 from hybrid.monitors.judged_increments import JudgedIncrements
-from hybrid.monitors.last_impact import LastImpact
 from hybrid.monitors.lost_contact import LostContact
 from hybrid.monitors.lost_points import LostPoints
 from hybrid.monitors.missed_contact import MissedContact

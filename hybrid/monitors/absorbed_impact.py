@@ -46,14 +46,14 @@ class AbsorbedImpact(Monitor):
     def warnings(self, view):
         """Energy, share, limit and remedy."""
         energy, soil = view.energy, view.model.soil
-        if not view.scheme.inertia or view.scheme.first_order or soil.held or not soil.law.plastic:
+        if not view.keeps_energy or soil.held or not soil.law.plastic:
             return
-        moving, stored = motion_energy(view.model.bodies, view.state.bodies), sum(energy[name] for name in STORED)
+        moving, stored = motion_energy(view.model.bodies, view.state.bodies), view.work(STORED)
         work = [energy.get(name, 0.0) for name in BROUGHT]
         if work != self._work and not self.given("absorbed"):       # what a drive has lifted falls from now on
             self._falling, self._stored, self._at_once, self._base = moving, stored, 0.0, energy["error"]
             self._error, self._work = energy["error"], work
-            self._fastest, self._taken = energy["kinetic"], sum(energy.get(name, 0.0) for name in TAKERS)
+            self._fastest, self._taken = energy["kinetic"], view.work(TAKERS)
         self._falling = max(self._falling, moving)
         self._at_once, self._error = max(self._at_once, self._error - energy["error"]), energy["error"]
         self._stored, lost = max(self._stored, stored), self._base - energy["error"]
@@ -75,9 +75,7 @@ class AbsorbedImpact(Monitor):
 
     def _flow(self, view, lost):
         """Energy `lost` [J], share, limit and remedy where soil flows fast."""
-        energy = view.energy
-        self._fastest = max(self._fastest, energy["kinetic"])
-        taken = sum(energy.get(name, 0.0) for name in TAKERS) - self._taken
+        self._fastest, taken = max(self._fastest, view.energy["kinetic"]), view.work(TAKERS) - self._taken
         found = lost > FLOW * (taken + lost) and taken > TAKEN * self._fastest > 0.0
         found = found and taken + lost > least_energy(view.model)       # of a body that is put down, and settles
         if found and lost / (taken + lost) > self._flowed[0]:
@@ -93,8 +91,8 @@ class AbsorbedImpact(Monitor):
     def _cause(self, view):
         """Cause and remedy of a loss: in steps too long for the impact, or little by little in cells too coarse for it."""
         if self._sudden:
-            accuracy = "time.accuracy = 1e-3" if view.report.error is None else "a smaller time.accuracy"
-            return f"most of it in a single step, which is too long for it. Use a smaller time.step, or {accuracy}"
+            return ("most of it in a single step, which is too long for it. Use a smaller time.step, or "
+                    f"{view.finer('1e-3')}")
         return ("cells are too coarse for it, and the bodies go less deep (measured on spheres that fall on sand: by 10 % "
                 "where 18 % are lost, by 25 % where 32 % are). Use smaller cells at the bodies; shorter steps alone, each "
                 "of which loses some, lose more")

@@ -32,9 +32,9 @@ class CreepingSoil(Monitor):
     def warnings(self, view):
         """Energies, time and remedy."""
         soil, energy = view.model.soil, view.energy
-        if not view.scheme.inertia or view.scheme.first_order or soil.held or not soil.law.plastic or not soil.ghost_factor:
+        if not view.keeps_energy or soil.held or not soil.law.plastic or not soil.ghost_factor:
             return
-        dissipated, brought = (sum(energy.get(name, 0.0) for name in names) for names in (DISSIPATED, BROUGHT))
+        dissipated, brought = view.work(DISSIPATED), view.work(BROUGHT)
         more = 0.0 if self._dissipated is None else dissipated - self._dissipated
         creeps = more > SLOW * energy["kinetic"] and brought == self._brought and _weighs_the_same(view.model)
         self._dissipated, self._brought = dissipated, brought

@@ -53,7 +53,7 @@ class DampedVibration(Monitor):
     def warnings(self, view):
         """Swing lost, steps in a period, limit and remedy."""
         scheme = view.scheme
-        if not scheme.inertia or scheme.first_order or not scheme.damps or view.model.soil.held or self.given("damped"):
+        if not view.keeps_energy or not scheme.damps or view.model.soil.held or self.given("damped"):
             return
         self._follow(view)
         if len(self._peaks) < PEAKS:

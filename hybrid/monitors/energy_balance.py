@@ -38,7 +38,7 @@ class EnergyBalance(Monitor):
         gain, loss = energy["error"], self._error - energy["error"]
         self._error = gain
         before, self._steps = self._largest, self._steps + 1
-        spent = 0.0 if scheme.inertia else energy.get("plastic", 0.0) + energy.get("friction", 0.0)
+        spent = 0.0 if scheme.inertia else view.work(("plastic", "friction"))
         stored = self._largest = max(before, energy["kinetic"] + energy["elastic"] + energy["contact"] + spent)
         scale = max(stored, self._least)
         work = OF_WORK * sum(abs(energy.get(name, 0.0)) for name in ("drive", "pull", "load"))
@@ -48,7 +48,7 @@ class EnergyBalance(Monitor):
         if self._above >= LASTING[scheme.inertia] and (self._steps > START or stored <= GROWTH * before):
             yield "gain", (f"energy balance: unaccounted gain of {gain:.3g} J since t = {self._began:.4g} s "
                            f"({_share(gain, stored, GAIN)}). {_remedy(view)}")
-        if scheme.inertia and not scheme.first_order and not view.bodies_in_contact and loss > LOSS * scale > 0:
+        if view.keeps_energy and not view.bodies_in_contact and loss > LOSS * scale > 0:
             yield "loss", (f"energy balance: unaccounted loss of {loss:.3g} J in the step to t = "
                            f"{view.state.time:.4g} s ({_share(loss, max(stored, loss), LOSS)}). {_remedy(view)}")
 
@@ -61,8 +61,7 @@ def _remedy(view):
     """What to change in a scene like this one."""
     if not view.scheme.inertia:
         return "Use shorter load increments: more stage.steps"
-    changes = ["a smaller time.step"]
-    changes.append("time.accuracy = 1e-3" if view.report.error is None else "a smaller time.accuracy")
+    changes = ["a smaller time.step", view.finer("1e-3")]
     if view.model.bodies:
         changes.append("a lower body.penalty")
     if view.model.joints and any(body.guides for body in view.model.bodies):

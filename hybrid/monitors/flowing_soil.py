@@ -22,7 +22,8 @@ Cuts of a height H, E = 1, 5, 100 MPa, 8 cells high, gravity growing in 10 or 40
 import numpy as np
 
 from hybrid.monitors.monitor import Monitor
-from hybrid.runtime.comm import anywhere, maximum, minimum
+from hybrid.runtime.comm import anywhere
+from hybrid.soil.points import extent
 
 SHARE = 5.0         # of the elastic energy: dissipation in a step in which soil flows
 LIMIT = 0.005       # of the height of the soil
@@ -63,7 +64,7 @@ class FlowingSoil(Monitor):
             return
         self._since = time if self._since is None else self._since
         self._flow += view.report.moved
-        height = _height(soil.constants)
+        height = np.ptp(extent(soil.constants, 2))
         if self._flow > LIMIT * height:
             yield "flow", (
                 f"soil flows under its weight: from t = {self._since:.4g} to {now.time:.4g} s points have moved by up to "
@@ -84,9 +85,3 @@ def _pushed(view, before, touch):
 def _moved(body, before, after):
     """Largest displacement [m] that translation and rotation of a body may have given to a point of it."""
     return np.linalg.norm(after.position - before.position) + np.linalg.norm(after.rotation - before.rotation) * body.radius
-
-
-def _height(points):
-    """Height [m] of the soil at the start."""
-    z, half = points.position[:, 2], points.half_width[:, 2]
-    return maximum(z + half) - minimum(z - half)

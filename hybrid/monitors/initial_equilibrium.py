@@ -19,7 +19,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from hybrid.laws.hencky import BULK, SHEAR
-from hybrid.runtime.comm import anywhere, joined, maximum, minimum, total
+from hybrid.runtime.comm import anywhere, joined, total
+from hybrid.soil.points import extent
 
 TOLERANCE = 1e-3    # share of the weight from which a run warns; results are right to as much
 SETTLED = 0.02      # the same of soil that has settled (`hybrid.setup.settle`)
@@ -125,10 +126,9 @@ def _period(soil):
     if not soil.law.plastic or soil.law.parameters is None:
         return None
     points, (bulk, shear) = soil.constants, soil.law.parameters[:, [BULK, SHEAR]].T
-    z, half, volume = points.position[:, 2], points.half_width[:, 2], points.volume
+    (bottom, top), volume = extent(points, 2), points.volume
     slowness = np.sqrt(points.mass / volume / (bulk + 4 / 3 * shear))      # [s/m]
-    height = maximum(z + half) - minimum(z - half)
-    return float(4 * height * total(slowness * volume) / total(volume))
+    return float(4 * (top - bottom) * total(slowness * volume) / total(volume))
 
 
 def _remedy(stage, scheme, stressed):

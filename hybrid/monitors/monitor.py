@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hybrid.runtime.comm import maximum
+from hybrid.runtime.comm import anywhere, maximum
 
 
 @dataclass(frozen=True)
@@ -38,6 +38,24 @@ class StepView:
         a while."""
         pairs = self.report.evaluation.pairs
         return pairs is not None and pairs.energy > 0.0
+
+    @property
+    def touches_soil(self):
+        """Whether any body does."""
+        return anywhere([len(contact) for contact in self.contacts])
+
+    @property
+    def keeps_energy(self):
+        """Whether the scheme loses none of a motion that the steps resolve: with inertia, and not of first order."""
+        return self.scheme.inertia and not self.scheme.first_order
+
+    def work(self, names):
+        """[J] sum of the energies of these names."""
+        return sum(self.energy.get(name, 0.0) for name in names)
+
+    def finer(self, accuracy):
+        """Remedy of increments that are too long: this time.accuracy, such as "1e-3", or a smaller one than is given."""
+        return f"time.accuracy = {accuracy}" if self.report.error is None else "a smaller time.accuracy"
 
     def surface(self):
         """Height [m] of the highest soil."""

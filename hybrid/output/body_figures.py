@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from hybrid.output.figures import COLOURS, COLUMN, PAGE, figure, stage_starts
-from hybrid.output.history import body_names, read_history
+from hybrid.output.history import body_names, force_column, read_history
 from hybrid.runtime.units import force_unit
 
 SEEN = 0.05     # of the area of a part: less of it seen against the way counts as along the way
@@ -24,10 +24,9 @@ def resistance(folder, initial, path=None):
     first, curves = stage_starts(history)[-1], {}
     for name in body_names(history):
         for axis, way in driven_ways(history, name, initial[name]):
-            whole = f"{name}_contact_f{axis}_whole_N"
-            force = history[whole if whole in history else f"{name}_contact_f{axis}_N"][first:]
-            curves[f"{name} along {axis}" + ", whole body" * (whole in history)] = (
-                np.abs(way), -np.sign(way[-1]) * force)
+            column = force_column(history, f"{name}_contact_f{axis}")
+            curves[f"{name} along {axis}" + ", whole body" * column.endswith("_whole_N")] = (
+                np.abs(way), -np.sign(way[-1]) * history[column][first:])
     if not curves:
         return None
     scale, unit = force_unit(max(np.abs(force).max() for _, force in curves.values()))
@@ -89,8 +88,7 @@ def _part_curves(history, name, initial, own):
     first = stage_starts(history)[-1]
     for axis, way in driven_ways(history, name, initial):
         for part, (area, across) in own.items():
-            quantity = f"{name}_contact_{part.replace(' ', '_')}_f{axis}"
-            force = history[next(c for c in (f"{quantity}_whole_N", f"{quantity}_N") if c in history)][first:]
+            force = history[force_column(history, f"{name}_contact_{part.replace(' ', '_')}_f{axis}")][first:]
             front = across[axis][int(way[-1] > 0.0)]
             area, how = (front, "across") if front > SEEN * area else (area, "along")
             if area:
@@ -110,8 +108,7 @@ def line_in_soil(folder, shapes, path=None):
     history, path = read_history(folder), Path(path or Path(folder) / "line_in_soil.png")
     with figure(path, PAGE, 0.72 * COLUMN * len(shapes)) as drawing:
         for (name, curves), row in zip(shapes.items(), drawing.subplots(len(shapes), 3, squeeze=False)):
-            pull, tension = (next(history[c] for c in (f"{name}_{q}_whole_N", f"{name}_{q}_N") if c in history)
-                             for q in ("mudline_pull", "tension"))
+            pull, tension = (history[force_column(history, f"{name}_{q}")] for q in ("mudline_pull", "tension"))
             scale, unit = force_unit(pull.max())
             for label, curve in curves:
                 row[0].plot(*curve.T, label=label)

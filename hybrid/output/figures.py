@@ -17,7 +17,7 @@ from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 
 from hybrid.output import atomic
-from hybrid.output.history import body_names, read_history
+from hybrid.output.history import body_names, force_column, read_history
 from hybrid.runtime.units import force_unit
 
 COLUMN, PAGE = 85 / 25.4, 170 / 25.4  # widths [in]
@@ -86,8 +86,7 @@ def tension(folder, path=None, against="time"):
     starts = stage_starts(history)
     first = max(0, starts[-1] - 1) if against == "distance" else 0
     history = {column: values[first:] for column, values in history.items()}
-    column = {name: next(column for column in (f"{name}_tension_whole_N", f"{name}_tension_N") if column in history)
-              for name in body_names(history)}
+    column = {name: force_column(history, f"{name}_tension") for name in body_names(history)}
     pulled = [name for name in column if np.any(history[column[name]])]
     whole = ", whole body" if any("whole" in column[name] for name in pulled) else ""
     largest = max((np.abs(history[column[name]]).max() for name in pulled), default=0.0)
@@ -124,8 +123,8 @@ class Curve:
     exact_time: np.ndarray | None = None
 
 
-def comparison(path, curves, labels=("distance [m]", "spin [rad/s]"), xlabel="time [s]", markers=12):
-    """Two panels side by side: computed values as about `markers` markers a curve, closed forms as lines.
+def comparison(path, curves):
+    """Distance and spin over time side by side: computed values as about 12 markers a curve, closed forms as lines.
 
     curves: list of Curve, one colour and marker each. Returns the path.
     """
@@ -134,7 +133,7 @@ def comparison(path, curves, labels=("distance [m]", "spin [rad/s]"), xlabel="ti
         for i, curve in enumerate(curves):
             colour, marker = COLOURS[i % len(COLOURS)], MARKERS[i % len(MARKERS)]
             line_time = curve.time if curve.exact_time is None else curve.exact_time
-            every = max(1, len(curve.time) // markers)
+            every = max(1, len(curve.time) // 12)
             # Staggered starts keep markers of coinciding curves apart.
             shown = slice((i * every // max(1, len(curves))) % every, None, every)
             for panel, value, exact in zip(panels, curve.values, curve.exact):
@@ -143,8 +142,8 @@ def comparison(path, curves, labels=("distance [m]", "spin [rad/s]"), xlabel="ti
                     curve.time[shown], value[shown], marker, color=colour, label=curve.label,
                     markerfacecolor="white", markeredgewidth=0.9,
                 )
-        for letter, panel, label in zip("ab", panels, labels):
-            panel.set_xlabel(xlabel)
+        for letter, panel, label in zip("ab", panels, ("distance [m]", "spin [rad/s]")):
+            panel.set_xlabel("time [s]")
             panel.set_ylabel(label)
             panel.margins(x=0.02)
             panel.set_title(f"({letter})", loc="left", fontsize=9)
@@ -153,8 +152,8 @@ def comparison(path, curves, labels=("distance [m]", "spin [rad/s]"), xlabel="ti
     return Path(path)
 
 
-def convergence(path, curves, labels, ylabel, xlabel="step $\\Delta t$ [s]", orders=(1, 2)):
-    """Panels side by side of error against step on logarithmic axes, with slopes of `orders` in grey.
+def convergence(path, curves, labels, ylabel):
+    """Panels side by side of error against step on logarithmic axes, with slopes of orders 1 and 2 in grey.
 
     curves: {label: [(steps, errors) for each panel]}; labels: what each panel shows. Returns the path.
     """
@@ -166,21 +165,21 @@ def convergence(path, curves, labels, ylabel, xlabel="step $\\Delta t$ [s]", ord
                 panel.loglog(*pair, MARKERS[i % len(MARKERS)] + "-", color=COLOURS[i % len(COLOURS)], label=label,
                              markerfacecolor="white", markeredgewidth=0.9, markersize=max(2.5, 6.0 - 0.8 * i))
         for letter, panel, label, pairs in zip("abcdef", panels, labels, zip(*curves.values())):
-            _draw_slopes(panel, pairs, orders)
+            _draw_slopes(panel, pairs)
             steps = np.unique([step for pair in pairs for step in pair[0]])
             panel.set_xticks(steps, [f"{step:.2g}" for step in steps])
             panel.minorticks_off()
-            panel.set_xlabel(xlabel)
+            panel.set_xlabel("step $\\Delta t$ [s]")
             panel.set_title(f"({letter}) {label}", loc="left", fontsize=9)
         panels[0].set_ylabel(ylabel)
         panels[-1].legend(loc="lower right")
     return Path(path)
 
 
-def _draw_slopes(panel, pairs, orders):
-    """Lines of the given orders that fan out below the curves, over the first doubling of the step."""
+def _draw_slopes(panel, pairs):
+    """Lines of orders 1 and 2 that fan out below the curves, over the first doubling of the step."""
     step, error = (min(np.min(pair[k]) for pair in pairs) for k in (0, 1))
-    for order in orders:
+    for order in (1, 2):
         ends = np.array([step, 2 * step]), error / 8 * np.array([1.0, 2.0**order])
         panel.loglog(*ends, color="#888888", linewidth=0.8)
         panel.annotate(str(order), (ends[0][1], ends[1][1]), (3, 0), textcoords="offset points", color="#555555",

@@ -86,3 +86,9 @@ def body_names(history):
     """Names of the bodies in a history read by `read_history`, in the order of its columns."""
     ending = "_tension_N"
     return [name[: -len(ending)] for name in history if name.endswith(ending)]
+
+
+def force_column(history, quantity):
+    """Name of the column of a force: that of the whole body where part of it is modelled."""
+    whole = f"{quantity}_whole_N"
+    return whole if whole in history else f"{quantity}_N"

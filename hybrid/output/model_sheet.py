@@ -15,7 +15,7 @@ from hybrid.soil.size import LIBRARIES, PICTURES, growing_memory, sizes
 PAIRS = 12      # of bodies in contact that the sheet lists
 
 
-def model_sheet(scene, model, imbalance=None, level="", most_points=0, decisions=()):
+def model_sheet(scene, model, imbalance, level, most_points, decisions):
     """Sections {title: {label: value}} for `hybrid check` and summary.json.
 
     imbalance: InitialImbalance, None where the soil carries no weight; level: text about the scene's `accuracy`;

@@ -131,15 +131,6 @@ def _line_shapes(simulation):
     return shapes
 
 
-def render(path, simulation, caption="", initial=None):
-    """Write a picture of the simulation's present state to `path` (PNG). Returns whether that worked.
-
-    initial: list of BodyState at the start of the run, default `simulation.initial_bodies`. If nothing can
-    be drawn, a warning has cause and remedy and the run continues.
-    """
-    return Drawing(path, scene_arrays(simulation, initial or simulation.initial_bodies), caption).collect()
-
-
 def scene_arrays(simulation, initial):
     """Arrays that the child draws: box centres and half-widths (n, 3) [m], body vertices (V, 3) [m] and triangles
     (t, 3) of all bodies together, vertical displacements `soil` (n,) and `body` (V,) [m], colour `limit`."""
@@ -174,7 +165,7 @@ def colour_limit(soil, body):
 class Drawing:
     """A picture that a child process draws from `scene_arrays`; `collect` ends it."""
 
-    def __init__(self, path, arrays, caption=""):
+    def __init__(self, path, arrays, caption):
         self._path, self._caption, self._error = Path(path), caption, None
         self._folder = self._child = None
         try:

@@ -9,6 +9,11 @@ Vector = tuple[float, float, float]
 Freedom = Literal["x", "y", "z", "rx", "ry", "rz"]
 
 
+def out_of_plane(axis):
+    """Components of a body out of the plane normal to `axis`: the translation along it and both rotations that tilt it."""
+    return (axis, *(f"r{other}" for other in "xyz" if other != axis))
+
+
 @table
 class Pull:
     """An elastic line from a point of a body to a far end that moves at a constant velocity.

@@ -9,9 +9,8 @@ from math import hypot
 
 from hybrid.runtime.data import shipped_names
 from hybrid.runtime.errors import SceneError
-from hybrid.scene.check_contact import contact_faults
 from hybrid.scene.check_grid import grid_faults
-from hybrid.scene.check_joint import joint_faults
+from hybrid.scene.check_joint import contact_faults, joint_faults
 from hybrid.scene.check_material import material_faults
 from hybrid.scene.check_stage import spatial_spin, stage_faults
 from hybrid.scene.defaults import resolve

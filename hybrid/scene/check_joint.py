@@ -1,4 +1,4 @@
-"""Checks of the joints of a scene."""
+"""Checks of the joints of a scene, and of the contacts between its bodies."""
 
 from math import hypot
 
@@ -24,13 +24,31 @@ def joint_faults(scene):
                             f"columns of history.csv have these names, of body {name}")
         yield from need(len(joint.bodies) in (1, 2) and len(set(joint.bodies)) == len(joint.bodies), f"{key}.bodies",
                         joint.bodies, "one name, or two different ones", "one body is joined to the ground")
-        for name in joint.bodies:
-            yield from need(name in names, f"{key}.bodies", clipped(name), f"names of bodies: {', '.join(names) or 'none'}",
-                            f"name a [[body]]{did_you_mean(name, names)}")
+        yield from _named(f"{key}.bodies", joint.bodies, names)
         yield from _kind(key, joint)
     points = any(motion.point is not None for stage in scene.stages for motion in stage.motions)
     if (scene.joints or points) and scene.time.inertia:
         yield from _scheme(scene)
+
+
+def contact_faults(scene):
+    """Texts of all faults in the contacts of a Scene."""
+    names, met = [body.name for body in scene.bodies], set()
+    for i, contact in enumerate(scene.contacts):
+        key, pair = f"contact.{i}.bodies", frozenset(contact.bodies)
+        yield from need(len(pair) == 2, key, contact.bodies, "two different names", "a body does not touch itself")
+        yield from _named(key, contact.bodies, names)
+        yield from need(pair not in met, key, contact.bodies, "in one [[contact]]", "put its keys together")
+        joined = any(frozenset(joint.bodies) == pair for joint in scene.joints)
+        yield from need(not joined, key, contact.bodies, "bodies that no joint connects",
+                        "joined bodies do not touch one another")
+        met.add(pair)
+
+
+def _named(key, given, names):
+    for name in given:
+        yield from need(name in names, key, clipped(name), f"names of bodies: {', '.join(names) or 'none'}",
+                        f"name a [[body]]{did_you_mean(name, names)}")
 
 
 def _kind(key, joint):

@@ -172,8 +172,7 @@ def _grid(grid):
         axis = getattr(grid, name)
         if axis.end - axis.start > LONGEST and not axis.moves:
             yield f"grid.{name}, {axis.end - axis.start:g} m long, looks wrong: {MILLIMETRES}"
-    sizes = {name: axis.size if axis.nodes is None else min(b - a for a, b in zip(axis.nodes, axis.nodes[1:]))
-             for name in "xyz" if not (axis := getattr(grid, name)).collapsed}
+    sizes = {name: axis.smallest for name, axis in zip("xyz", grid.axes) if not axis.collapsed}
     small, large = min(sizes, key=sizes.get), max(sizes, key=sizes.get)
     if sizes[large] > SLENDER * sizes[small]:
         yield (f"grid.{large}.size = {sizes[large]:g} m beside grid.{small}.size = {sizes[small]:g} m looks wrong: "

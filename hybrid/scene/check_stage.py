@@ -3,6 +3,7 @@
 from math import cos, hypot, radians, sin
 
 from hybrid.runtime.errors import SceneError
+from hybrid.scene.body import out_of_plane
 from hybrid.scene.read import clipped, did_you_mean
 from hybrid.scene.stage import table_rows
 from hybrid.scene.table import need
@@ -97,7 +98,7 @@ def _motion(path, motion, grid):
                         "give rotations in a motion without a point")
     for axis in "xyz":
         if getattr(grid, axis).collapsed:
-            fixed = [name for name in named if name == axis or name[0] == "r" and name != "r" + axis]
+            fixed = [name for name in named if name in out_of_plane(axis)]
             yield from need(not fixed, path, fixed, f"a motion in the plane across the collapsed axis {axis}",
                             "leave these components out")
     yield from _tables(path, (("velocity", motion.velocity, 2), ("displacement", motion.displacement, 2)))

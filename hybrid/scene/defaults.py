@@ -8,7 +8,6 @@ model sheet shows (no reason: the value has no effect). A value that the scene g
 """
 
 from dataclasses import replace
-from itertools import pairwise
 from math import hypot, inf
 from typing import NamedTuple
 
@@ -127,8 +126,7 @@ def _ghost(scene, soil):
 
 def _follows_flow(scene):
     """Whether inertia holds soil back: in a step it falls by FALL of a cell at most."""
-    smallest = min((axis.size if axis.nodes is None else min(b - a for a, b in pairwise(axis.nodes))
-                    for axis in scene.grid.axes if not axis.collapsed), default=0.0)
+    smallest = min((axis.smallest for axis in scene.grid.axes if not axis.collapsed), default=0.0)
     longest = max((scene.step_of(stage) for stage in scene.stages), default=scene.time.step)
     return scene.time.inertia and hypot(*scene.gravity) * longest**2 < FALL * smallest
 

@@ -1,5 +1,6 @@
 """The background grid of a scene: axes, faces, and the body that they move with."""
 
+from itertools import pairwise
 from math import ceil
 from typing import Literal
 
@@ -41,6 +42,11 @@ class Axis:
     def moves(self):
         """Whether the nodes move with a body."""
         return self.around is not None or self.window is not None
+
+    @property
+    def smallest(self):
+        """Size [m] of the smallest cells."""
+        return self.size if self.nodes is None else min(b - a for a, b in pairwise(self.nodes))
 
     def __post_init__(self):
         if self.nodes is not None and len(self.nodes):

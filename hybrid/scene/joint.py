@@ -1,4 +1,4 @@
-"""Joints between two bodies of a scene, or between a body and the ground."""
+"""Joints between two bodies of a scene, or between a body and the ground, and contacts of two bodies."""
 
 from typing import Literal
 
@@ -30,3 +30,18 @@ class Joint:
         remedy="leave it out for a hinge that turns freely")
     friction_moment: float = key("moment of a hinge that resists its rotation", "N m", default=0.0, at_least=0,
                                  remedy="0 is a hinge without friction")
+
+
+@table
+class Contact:
+    """Contact of two bodies with one another, where it differs from what holds for all: bodies that no joint connects
+    touch, with the smaller friction of the two."""
+
+    bodies: tuple[str, str] = key("names of the two bodies")
+    friction: float | None = key("Coulomb coefficient μ between them; left out: the smaller of their `friction`", "-",
+                                 default=None,
+                                 at_least=0, remedy="0.2 to 0.5 is usual of steel on steel")
+    load: float | None = key(
+        "force under which they overlap by at most a thousandth of the smaller one; left out: the weight of the lighter "
+        "one", "N",
+        default=None, above=0, remedy="the force with which one presses on the other")

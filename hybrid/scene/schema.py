@@ -10,9 +10,8 @@ checked in `hybrid.scene.check`; nothing here computes.
 from typing import Literal
 
 from hybrid.scene.body import Body, Freedom, Pull, Vector
-from hybrid.scene.contact import Contact
 from hybrid.scene.grid import Axis, Condition, Faces, Grid
-from hybrid.scene.joint import Joint
+from hybrid.scene.joint import Contact, Joint
 from hybrid.scene.soil import Law, Layer, Material, Soil
 from hybrid.scene.stage import Load, Motion, Stage
 from hybrid.scene.table import key, table
@@ -113,6 +112,11 @@ class Scene:
         'target, as { like = "footing", error = 0.1, length = 1.0 } (`hybrid.scene.accuracy`)', default=None)
     solver: Solver = key("Newton's method and linear solver", default=Solver())
     output: Output = key("what is written", default=Output())
+
+    @property
+    def joined(self):
+        """Names of the bodies in joints."""
+        return {name for joint in self.joints for name in joint.bodies}
 
     def step_of(self, stage):
         """Length [s] of the outer steps of a stage."""

@@ -212,7 +212,11 @@ def ends(soil, grid):
     return bottom, grid.z.end if soil.upper is None else soil.upper[2]
 
 
+def within(layer, bottom, top):
+    """(bottom, top) [m] of a layer of soil from `bottom` to `top` [m], as given; an end left out is that of the soil."""
+    return (bottom if layer.bottom is None else layer.bottom), (top if layer.top is None else layer.top)
+
+
 def span(layer, soil, grid):
-    """(bottom, top) [m] of a layer as given; an end left out is that of the soil."""
-    lower, upper = ends(soil, grid)
-    return (lower if layer.bottom is None else layer.bottom), (upper if layer.top is None else layer.top)
+    """The same of the soil of a scene."""
+    return within(layer, *ends(soil, grid))

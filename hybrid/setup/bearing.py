@@ -5,7 +5,8 @@ import numpy as np
 
 from hybrid.laws.user import is_of_user
 from hybrid.laws.von_mises import BEARING
-from hybrid.runtime.comm import maximum, minimum
+from hybrid.runtime.comm import minimum
+from hybrid.soil.points import extent
 
 TIPPED = 0.7    # moment that clay bears on a base, over s_u, its area and its width
 USED = 0.5      # share of what soil bears from which on a base moves by flow more than by what is elastic
@@ -19,8 +20,7 @@ def stands_on(rest_on, soil, gravity):
     down."""
     if rest_on is None or soil.held or soil.ground is not None or gravity[2] >= 0.0 or gravity[:2].any():
         return False
-    top = maximum(soil.constants.position[:, 2] + soil.constants.half_width[:, 2])
-    return abs(rest_on - top) <= FLUSH * soil.grid.smallest_cell
+    return abs(rest_on - extent(soil.constants, 2)[1]) <= FLUSH * soil.grid.smallest_cell
 
 
 def bears(body, rotation, soil, gravity, stands=False):

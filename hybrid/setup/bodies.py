@@ -4,6 +4,7 @@ import numpy as np
 
 from hybrid.body import rigid
 from hybrid.body.attitude import initial_rotation
+from hybrid.body.guides import forces_of
 from hybrid.body.motion import free_spin_rate
 from hybrid.body.rigid import FREEDOMS, Line, RigidBody
 from hybrid.runtime.errors import SceneError
@@ -69,11 +70,8 @@ def refuse_outside(scene, placed):
 
 def _moved_along(scene, described, body, a):
     """Whether anything but its weight may move a body along the axis a, or its weight along one of the ground."""
-    controls = body.stages or ()
-    loads = [load.force.values[:, a] for control in controls for load in control.loads if load.force is not None]
-    guided = any(guide.component == a for control in controls for guide in control.guides) or any(
-        control.points for control in controls)
-    return bool(described.pull or described.velocity[a] or guided or any(values.any() for values in loads)
+    guided = any(control.points or control.driven[a] for control in body.stages or ())
+    return bool(described.pull or described.velocity[a] or guided or any(force[:, a].any() for force in forces_of(body))
                 or a < 2 and scene.gravity[a])
 
 

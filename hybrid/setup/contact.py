@@ -34,7 +34,7 @@ CURVATURE = 16          # spacings in a radius of curvature; REST_CURVATURE wher
 ACROSS = 32
 
 
-def connect_to_soil(described, body, rotation, soil, gravity, alone=False):
+def connect_to_soil(described, body, rotation, soil, gravity, alone):
     """The body, at an initial `rotation` (3, 3), with all of its contact that follows from `soil`; gravity (3,) [m/s²];
     alone: whether there is no other body. Raises SceneError."""
     body = in_slice(body, soil.grid, rotation)

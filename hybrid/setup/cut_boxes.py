@@ -39,6 +39,10 @@ class Boxes:
         """(n,) [m³]."""
         return np.prod(2 * self.half, axis=1)
 
+    def radii(self, collapsed):
+        """Half of the diagonal (n,) [m], without what is along collapsed axes, (3,) bool."""
+        return np.linalg.norm(np.where(collapsed, 0.0, self.half), axis=1)
+
     def __getitem__(self, ids):
         return Boxes(self.parent[ids], self.position[ids], self.half[ids])
 
@@ -91,10 +95,17 @@ def in_frame(position, motion, collapsed):
 
 def near_boxes(boxes, surface, motion, collapsed):
     """Numbers of the boxes that the body may cut or contain."""
-    size = np.linalg.norm(np.where(collapsed, 0.0, boxes.half), axis=1)
+    size = boxes.radii(collapsed)
+    ids, distance = near_surface(boxes, size, surface, motion, collapsed)
+    return ids[distance < size[ids]]
+
+
+def near_surface(boxes, size, surface, motion, collapsed):
+    """Numbers (k,) of the boxes with their centres within `size` (n,) [m] of the bounds of a surface, and their signed
+    distances (k,) [m] from it."""
     y = in_frame(boxes.position, motion, collapsed)
     ids = np.flatnonzero(((y > surface.lower - size[:, None]) & (y < surface.upper + size[:, None])).all(axis=1))
-    return ids[distances(y[ids], surface)[0] < size[ids]]
+    return ids, distances(y[ids], surface)[0]
 
 
 def soil_shares(boxes, surface, motion, collapsed):

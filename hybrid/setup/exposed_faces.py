@@ -16,7 +16,7 @@ from hybrid.contact.search import distances
 from hybrid.grid.axes import cells_of
 from hybrid.runtime.comm import joined, largest
 from hybrid.runtime.jit import njit
-from hybrid.setup.cut_boxes import Boxes, chunks, in_frame
+from hybrid.setup.cut_boxes import Boxes, chunks, in_frame, near_surface
 from hybrid.state import ContactHistory
 
 OUTSIDE = 1e-3      # of a half-width: distance from a face at which it is seen what covers it
@@ -32,8 +32,8 @@ def first_contact_points(body, motion, soil, stress, before, boxes, flush=False)
     faces that end at the surface of the body without a cut, such as those of soil behind a wall, and bear a pressure there.
     """
     collapsed, places = soil.grid.collapsed, body.places
-    near = _close(boxes, body, motion, collapsed)
-    reach = AROUND * largest(_radii(before[boxes.parent[near]], collapsed))
+    near = _within(2 * boxes.radii(collapsed), boxes, body, motion, collapsed)
+    reach = AROUND * largest(before[boxes.parent[near]].radii(collapsed))
     old, new = (_Cells(_of_all(each, reach, body, motion, soil.grid), soil.grid) for each in (before, boxes))
     face = places.normal[np.arange(len(places)) // places.offset.shape[1]]
     found = [(np.zeros(0, int), np.zeros(0, int), *np.zeros((2, 0, 3)))]
@@ -44,7 +44,7 @@ def first_contact_points(body, motion, soil, stress, before, boxes, flush=False)
         exposed = np.flatnonzero(~new.contain(beyond) & (True if flush else old.contain(beyond)))
         point, number, y = point[exposed], number[exposed], in_frame(place[exposed], motion, collapsed)
         distance, normal = distances(y, body.surface)
-        size = np.linalg.norm(np.where(collapsed, 0.0, before.half[boxes.parent[point]]), axis=1)
+        size = before[boxes.parent[point]].radii(collapsed)
         reached = np.abs(distance) < (FLUSH if flush else 2.0) * size
         in_space = normal @ motion.rotation.T
         stay = np.flatnonzero((places.facing(number, in_space) > 0.0) & reached)
@@ -66,21 +66,10 @@ def first_contact_points(body, motion, soil, stress, before, boxes, flush=False)
                           side, np.zeros(len(y)))
 
 
-def _close(boxes, body, motion, collapsed):
-    """Numbers of the boxes within two of their sizes from the surface that soil touches."""
-    return _within(2 * _radii(boxes, collapsed), boxes, body, motion, collapsed)
-
-
-def _radii(boxes, collapsed):
-    """Half of the diagonal (n,) [m] of each box."""
-    return np.linalg.norm(np.where(collapsed, 0.0, boxes.half), axis=1)
-
-
 def _within(size, boxes, body, motion, collapsed):
     """Numbers of the boxes nearer to the surface of a body than `size` (n,) [m]."""
-    y, surface = in_frame(boxes.position, motion, collapsed), body.surface
-    ids = np.flatnonzero(((y > surface.lower - size[:, None]) & (y < surface.upper + size[:, None])).all(axis=1))
-    return ids[np.abs(distances(y[ids], surface)[0]) < size[ids]]
+    ids, distance = near_surface(boxes, size, body.surface, motion, collapsed)
+    return ids[np.abs(distance) < size[ids]]
 
 
 def _of_all(boxes, reach, body, motion, grid):

@@ -21,7 +21,7 @@ from hybrid.setup.plane_strain import section
 from hybrid.setup.cut_boxes import SLIVER, UNCUT, Boxes, cut_out, near_boxes, soil_shares
 from hybrid.setup.exposed_faces import first_contact_points
 from hybrid.setup.ground import depth_in_ground
-from hybrid.soil.points import at_rest
+from hybrid.soil.points import at_rest, extent
 from hybrid.soil.split_merge import select
 from hybrid.state import ContactHistory, Population
 
@@ -78,7 +78,7 @@ def _between_corners(body, motion, points, soil, limit):
         return False        # on the ground as it is given: columns may end above that
     surface, boxes = section(body, motion.rotation, soil.grid), _boxes(points)
     lowest = motion.position[2] - surface.extent(-motion.rotation[2])
-    if lowest > maximum(points.position[:, 2] + points.half_width[:, 2]) - limit:
+    if lowest > extent(points, 2)[1] - limit:
         return False
     near = near_boxes(boxes, surface, motion, soil.grid.collapsed)
     return anywhere(soil_shares(boxes[near], surface, motion, soil.grid.collapsed)[0] < 1.0 - SLIVER)

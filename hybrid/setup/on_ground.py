@@ -21,10 +21,10 @@ from hybrid.body.symmetry import AXES, copies
 from hybrid.contact.body_to_body import Side
 from hybrid.contact.on_ground import AT_REST, HeldGround, PlacesOverPlane, Stretch, SurfacePoints
 from hybrid.contact.samples import flat_overlap, on_curves, sample
-from hybrid.runtime.comm import maximum, minimum
 from hybrid.scene.defaults import STANDARD_GRAVITY
 from hybrid.setup.foot import sides_of_contact
 from hybrid.setup.ground import depth_in_ground
+from hybrid.soil.points import extent
 
 PLACES = 16         # in the size of a body
 SINKS = 1.25e-5     # of the least side: overlap under F
@@ -197,9 +197,7 @@ def _beyond_mirrors(ends, mirrors, far):
 
 def _ends(soil):
     """(low, high) (3,) [m] of all of the soil."""
-    points = soil.constants
-    return (np.array([minimum(lower) for lower in (points.position - points.half_width).T]),
-            np.array([maximum(upper) for upper in (points.position + points.half_width).T]))
+    return np.array([extent(soil.constants, axis) for axis in range(3)]).T
 
 
 def _radius(surface, rotation, collapsed):

@@ -7,6 +7,7 @@ import numpy as np
 from hybrid.body.rigid import FREEDOMS
 from hybrid.body.surface import build_surface
 from hybrid.runtime.errors import SceneError
+from hybrid.scene.body import out_of_plane
 
 
 def in_slice(body, grid, rotation):
@@ -23,10 +24,8 @@ def in_slice(body, grid, rotation):
                 f"body across {letter} are equal. Use a prism, such as geometry/box.geo, rotated about {letter} at most, or "
                 f"model the third dimension with grid.{letter}.collapsed = false")
         share = thickness / np.ptp(body.surface.vertices @ rotation[axis])
-        mass = replace(body.mass, **{name: share * getattr(body.mass, name) for name in ("mass", "inertia", "gravity_load")})
-        fixed = np.array([freedom == letter or (freedom.startswith("r") and freedom != "r" + letter)
-                          for freedom in FREEDOMS])
-        body = replace(body, mass=mass, free=body.free & ~fixed, surface=_without_ends(body.surface, rotation[axis]))
+        body = replace(body, mass=body.mass.times(share), free=body.free & ~np.isin(FREEDOMS, out_of_plane(letter)),
+                       surface=_without_ends(body.surface, rotation[axis]))
     return body
 
 

@@ -16,7 +16,7 @@ from hybrid.runtime import ranks
 from hybrid.runtime.comm import anywhere, largest, maximum
 from hybrid.runtime.errors import SceneError
 from hybrid.scene.ground import heights
-from hybrid.scene.soil import of_layer
+from hybrid.scene.soil import of_layer, within
 from hybrid.setup.ground import cut_to_ground
 from hybrid.setup.lattice import Lattice
 from hybrid.setup.law import build_law, coefficient_at_rest
@@ -41,7 +41,7 @@ class Stratum:
     points: np.ndarray
 
 
-def build_soil(scene, grid, loads, law=None):
+def build_soil(scene, grid, loads, law):
     """(Soil model, its points at rest), in geostatic equilibrium if the scene wants that. law: of a user. Several
     processes each make their block of the grid and the points in its cells."""
     described, cells = scene.soil, None
@@ -194,24 +194,20 @@ def find_strata(described, height, top, present=None):
     for i, layer in enumerate(described.layers):
         inside = _inside(layer, height, top)
         if not present[i]:
-            upper, lower = _ends(layer, top)
+            lower, upper = within(layer, -np.inf, top)
             raise SceneError(f"soil.layer.{i} ({layer.name}) holds no point: z = {lower:g} to {upper:g} m is outside "
                              "the soil, or thinner than a point; move its ends or refine grid.z")
         free &= ~inside
         k0 = described.k0 if layer.k0 is None else layer.k0
-        strata.append(_stratum(layer.name, of_layer(described.material, layer), k0, _ends(layer, top)[0], inside))
+        strata.append(_stratum(layer.name, of_layer(described.material, layer), k0,
+                               within(layer, -np.inf, top)[1], inside))
     if present[-1]:
         strata.append(_stratum("soil", described.material, described.k0, top, free))
     return strata
 
 
-def _ends(layer, top):
-    """Upper and lower end [m] of a layer of soil with its `top` [m]."""
-    return top if layer.top is None else layer.top, -np.inf if layer.bottom is None else layer.bottom
-
-
 def _inside(layer, height, top):
-    upper, lower = _ends(layer, top)
+    lower, upper = within(layer, -np.inf, top)
     return (height < upper) & (height >= lower)
 
 

@@ -16,6 +16,7 @@ import numpy as np
 from hybrid.body.attitude import initial_rotation
 from hybrid.body.symmetry import AXES, Mirror
 from hybrid.runtime.errors import SceneError
+from hybrid.scene.body import out_of_plane
 from hybrid.scene.check_stage import moved
 from hybrid.scene.defaults import Decision
 from hybrid.setup.stages import point_of
@@ -31,7 +32,7 @@ def with_symmetry(scene, meshes):
     """
     bodies, decisions, found = [], [], []
     for i, (described, mirrors) in enumerate(zip(scene.bodies, _all_mirrors(scene, meshes))):
-        needed = dict.fromkeys(name for mirror in mirrors for name in mirror.guides)
+        needed = dict.fromkeys(name for mirror in mirrors for name in out_of_plane(mirror.axis))
         for mirror in mirrors:
             _refuse_motion(scene, f"body.{i}", described, mirror)
         if more := [name for name in needed if name not in described.held]:
@@ -49,15 +50,14 @@ def mirrors_of(scene, described, mesh):
     size = np.ptp(points, axis=0).max()
     for name, a in AXES.items():
         axis = getattr(scene.grid, name)
-        ends = (axis.nodes[0], axis.nodes[-1]) if axis.nodes is not None else (axis.start, axis.end)
         low, high = points[:, a].min(), points[:, a].max()
-        covers = low < ends[0] + IN_PLANE * size and high > ends[1] - IN_PLANE * size
-        for side, at, other in (("min", ends[0], ends[1]), ("max", ends[1], ends[0])):
+        covers = low < axis.start + IN_PLANE * size and high > axis.end - IN_PLANE * size
+        for side, at in (("min", axis.start), ("max", axis.end)):
             if axis.collapsed or scene.gravity[a] or getattr(scene.grid.faces, f"{name}_{side}") != "roller":
                 continue
             cut = len(cap) > 0 and np.abs(cap[:, a] - at).max() < IN_PLANE * size
             across = not len(cap) and not covers and low < at < high and abs(0.5 * (low + high) - at) < MIDDLE * size
-            if (cut or across) and _soil_reaches(scene, a, at) and (cut or not _moves(scene, described, name)):
+            if (cut or across) and _soil_reaches(scene, a, at) and (cut or not moved(scene, described, out_of_plane(name))):
                 yield Mirror(name, at, cut)
 
 
@@ -114,9 +114,7 @@ def _in_space(scene, point, key, name, meshes):
 def in_part(body, mirrors):
     """The RigidBody with the share of its mass in the part that is modelled: half of it for each plane that it lies
     across."""
-    share = 0.5 ** sum(not mirror.cut for mirror in mirrors)
-    mass = replace(body.mass, **{name: share * getattr(body.mass, name) for name in ("mass", "inertia", "gravity_load")})
-    return replace(body, mass=mass)
+    return replace(body, mass=body.mass.times(0.5 ** sum(not mirror.cut for mirror in mirrors)))
 
 
 def stray_cap(mesh, mirrors):
@@ -136,12 +134,8 @@ def _soil_reaches(scene, a, at):
     return (low is None or low <= at) and (high is None or high >= at)
 
 
-def _moves(scene, described, axis):
-    return bool(moved(scene, described, Mirror(axis, 0.0, False).guides))
-
-
 def _refuse_motion(scene, key, described, mirror):
-    leaving = moved(scene, described, mirror.guides)
+    leaving = moved(scene, described, out_of_plane(mirror.axis))
     if leaving:
         raise SceneError(f"{key} ({described.name}) is cut by {mirror}, a plane of symmetry of the grid, but moves in "
                          f"{', '.join(leaving)}: its mirror image would move against it. Model the whole body, or leave "

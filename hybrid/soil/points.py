@@ -1,10 +1,11 @@
-"""Creation of material points whose domains tile the cells of a grid, and their geostatic stress.
+"""Creation of material points whose domains tile the cells of a grid, their extent and their geostatic stress.
 
 Equations: FORMULATION (21).
 """
 
 import numpy as np
 
+from hybrid.runtime.comm import maximum, minimum
 from hybrid.runtime.errors import SceneError
 from hybrid.state import Points
 
@@ -40,6 +41,12 @@ def _line(nodes, x):
     nearest = int(np.argmin(np.abs(nodes - x)))
     assert abs(nodes[nearest] - x) <= 1e-6 * np.diff(nodes).min(), "the soil ends inside a cell"
     return nearest
+
+
+def extent(points, axis):
+    """(Lowest, highest) coordinate [m] of the domains of points (n,) along an axis."""
+    position, half = points.position[:, axis], points.half_width[:, axis]
+    return minimum(position - half), maximum(position + half)
 
 
 def overburden(constants, gravity):

@@ -254,7 +254,7 @@ def begin_bodies(model, state, dt, pulling, domains, active, nodal):
     along = joint_terms.rates_of_guides(model, state, dt)
     for number, (body, unknowns) in enumerate(zip(model.bodies, model.body_slices)):
         body = guides.during(body, state.time, dt, model.scheme.rotation == "cayley")
-        body = replace(body, drive=body.drive + along[number]) if along else body
+        body = replace(body, drive=body.drive + along[number]) if along is not None else body
         if not model.scheme.inertia:
             body = replace(body, drive=body.drive + rolling_rate(body, state.bodies[number], state.contacts[number]))
         motion = rigid.begin_increment(body, state.bodies[number], model.scheme, dt)

@@ -240,9 +240,7 @@ def _masses(model, bodies, size):
 def _with_rates(model, bodies, change, translation, rotation):
     """Bodies whose rates of the named kind change by (m,) on the unknowns."""
     found = []
-    for body, motion, unknowns in zip(model.bodies, bodies, model.body_slices):
-        full = np.zeros(6)
-        full[body.free] = change[unknowns]
+    for motion, full in zip(bodies, model.of_bodies(change)):
         own = np.concatenate([full[:3], motion.rotation.T @ full[3:]])
         found.append(replace(motion, **{translation: getattr(motion, translation) + own[:3],
                                         rotation: getattr(motion, rotation) + own[3:]}))

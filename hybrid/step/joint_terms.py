@@ -220,7 +220,7 @@ def implied_guides(model, bodies):
 
 
 def rates_of_guides(model, state, dt):
-    """[(6,)] rates of the bodies [m/s, rad/s] by which guided points of a model without inertia go their way, with the
+    """(b, 6) rates of the bodies [m/s, rad/s] by which guided points of a model without inertia go their way, with the
     least displacement; None where there are none."""
     if model.scheme.inertia or not model.guides:
         return None
@@ -231,22 +231,12 @@ def rates_of_guides(model, state, dt):
     always = ~np.isfinite(rows_of(model)[0]).any(axis=1)
     asked = np.concatenate([[joint.guide.during(state.time, dt)[0]] if isinstance(joint, PointGuide)
                             else np.zeros(len(joint.bounds)) for joint in model.constraints])
-    rates, found = radius * np.linalg.lstsq(gradient[always], asked[always], rcond=1e-12)[0], []
-    for body, unknowns in zip(model.bodies, model.body_slices):
-        own = np.zeros(6)
-        own[body.free] = rates[unknowns]
-        found.append(own)
-    return found
+    return model.of_bodies(radius * np.linalg.lstsq(gradient[always], asked[always], rcond=1e-12)[0])
 
 
 def columns_of(model):
     """(J, 12) places of the constraints' components among the bodies' unknowns, -1 of others, and their number."""
-    places = []
-    for body, unknowns in zip(model.bodies, model.body_slices):
-        own = np.full(6, -1)
-        own[body.free] = np.arange(unknowns.start, unknowns.stop)
-        places.append(own)
-    none = np.full(6, -1)
+    places, none = model.component_places, np.full(6, -1)
     return np.array([np.concatenate([none if b is None else places[b] for b in joint.bodies])
                      for joint in model.constraints]), model.body_slices[-1].stop
 

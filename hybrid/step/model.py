@@ -49,6 +49,21 @@ class Model:
         return tuple(map(slice, ends, ends[1:]))
 
     @property
+    def component_places(self):
+        """(b, 6) place of each body's components among the unknowns of the bodies, -1 of those that are none."""
+        places = np.full((len(self.bodies), 6), -1)
+        for row, body, unknowns in zip(places, self.bodies, self.body_slices):
+            row[body.free] = np.arange(unknowns.start, unknowns.stop)
+        return places
+
+    def of_bodies(self, values):
+        """[(6,)] of each body from `values` (m,) on the unknowns of the bodies, 0 in components that are none."""
+        found = np.zeros((len(self.bodies), 6))
+        for row, body, unknowns in zip(found, self.bodies, self.body_slices):
+            row[body.free] = values[unknowns]
+        return found
+
+    @property
     def body_unknowns(self):
         """Number of free components of all bodies, and of rows of their joints."""
         return sum(int(np.count_nonzero(body.free)) for body in self.bodies) + sum(len(j.bounds) for j in self.constraints)

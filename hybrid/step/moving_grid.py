@@ -23,10 +23,10 @@ from hybrid.body import rigid
 from hybrid.grid.axes import FACES, make_grid
 from hybrid.grid.moving_axis import AxisLayout
 from hybrid.runtime import comm
-from hybrid.runtime.comm import maximum, minimum, number
+from hybrid.runtime.comm import minimum, number
 from hybrid.runtime.errors import StepError
 from hybrid.soil.domains import updated_half
-from hybrid.soil.points import at_rest
+from hybrid.soil.points import at_rest, extent
 from hybrid.soil.refinement import PointRefinement
 from hybrid.soil.split_merge import concatenate, select
 from hybrid.state import Ground, Population
@@ -161,7 +161,7 @@ class MovingGrid:
         full of them; the present number where it cannot move down, or is there already."""
         body, points = model.bodies[self.body], state.points
         box = rigid.bounding_box(body, state.bodies[self.body])
-        depth = box[1, 2] - maximum(points.position[:, 2] + points.half_width[:, 2])
+        depth = box[1, 2] - extent(points, 2)[1]
         if depth <= 0.0 or not (body.free[2] or body.driven[2]):
             return number(points)
         return int(self._count(self.grid(self.layouts_for(box - (0.0, 0.0, depth)))).sum())

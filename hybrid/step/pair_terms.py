@@ -224,10 +224,7 @@ def begin_pairs(model, state, bodies, dt):
                      "may meet")
         elif pair.distance(poses) <= reach:
             near.append(_begin_pair(index, pair, history, bodies, poses, predicted, reach, dt))
-    columns = np.full((len(bodies), 6), -1)
-    for body in bodies:
-        columns[body.number, body.free] = np.arange(body.unknowns.start, body.unknowns.stop)
-    return PairsStep(poses, model.pairs, tuple(near), columns, too_long)
+    return PairsStep(poses, model.pairs, tuple(near), model.component_places, too_long)
 
 
 def _begin_pair(index, pair, history, bodies, poses, predicted, reach, dt):

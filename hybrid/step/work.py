@@ -12,7 +12,7 @@ from hybrid.step.energy import soil_energies
 from hybrid.step.support import work_of_support
 
 
-def work_after(step, evaluation, points, bodies, lost=0.0):
+def work_after(step, evaluation, points, bodies, lost):
     """Work [J] done since the start of the run, {name: value}, at the end of an increment.
 
     evaluation: the accepted one; points, bodies: the new state; lost: where stops and lines of joints engage.

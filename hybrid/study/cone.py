@@ -8,42 +8,18 @@ weight. q is the force over the cross-section of the shaft. The model is a quart
 rough as the face. The force follows the position of the shoulder within a cell; `jitter` measures by how much.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from hybrid.bench.timed_steps import newton_iterations, sizes, timed_steps
 from hybrid.runtime.data import GEOMETRY
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Scene, Soil, Stage, Time
-from hybrid.setup.build import build
-from hybrid.study.plasticity import STRENGTH, graded
+from hybrid.study.plasticity import STRENGTH, graded, pushed
 
 RIGIDITY, POISSON, ANGLE = 100.0, 0.49, 60.0    # G / s_u; opening of the cone [°]
-LENGTH = 1 / np.tan(np.radians(ANGLE / 2))      # [m] of the cone
 PART = 0.1                                      # of a cell that a step pushes
 GROWTH = 1.5                                    # of cells away from the cone
 CLAY = Material(law="von-mises", young=2 * (1 + POISSON) * RIGIDITY * STRENGTH, poisson=POISSON, density=1.0,
                 strength=STRENGTH, cone="compression")
 SAND = Material(relative_density=38.0)
-
-
-@dataclass(frozen=True)
-class Pushed:
-    """Result of a push: depth [m] of the tip and force [N] of the whole cone after each step; unknowns; Newton iterations
-    and halved increments; seconds; messages."""
-
-    depth: np.ndarray
-    force: np.ndarray
-    unknowns: int
-    iterations: int
-    halvings: int
-    seconds: float
-    notes: tuple = ()
-
-    @property
-    def factor(self):
-        """Force over (cross-section × s_u) after each step."""
-        return self.force / (np.pi * STRENGTH)
 
 
 def scene(across, depth, material=CLAY, friction=0.0, around=10.0):
@@ -62,13 +38,10 @@ def scene(across, depth, material=CLAY, friction=0.0, around=10.0):
 
 
 def push(across, depth, **values):
-    """Pushed of a cone, to the `depth` [m] of its tip; values: as in `scene`. Raises StepError if a step fails."""
-    simulation = build(scene(across, depth, **values))
-    records, seconds = timed_steps(simulation)
-    force = 4 * np.array([record.bodies[0].contact_force[2] for record in records])
-    return Pushed(depth * np.arange(1, len(force) + 1) / len(force), force, sizes(simulation)["unknowns"],
-                  newton_iterations(records), sum(record.rejections for record in records), sum(seconds),
-                  tuple(dict.fromkeys(note for record in records for note in record.notes)))
+    """(depth [m] of the tip after each step, Pushed over the cross-section of the shaft) of a cone, to a `depth`; values:
+    as in `scene`."""
+    found = pushed(scene(across, depth, **values), (0.0, 0.0, 1.0), np.pi / 4)
+    return depth * np.arange(1, len(found.factor) + 1) / len(found.factor), found
 
 
 def jitter(depth, factor):

@@ -25,16 +25,18 @@ from hybrid.scene import Axis, Body, Faces, Grid, Material, Scene, Soil, Stage, 
 from hybrid.setup.build import build
 
 STRENGTH, STIFFNESS, POISSON, STEPS = 1e4, 1e4, 0.49, 20    # s_u [Pa], E / s_u
-STRIP, SMOOTH, ROUGH, DEEP = 2 + np.pi, 5.69, 6.05, 9.14
+STRIP, SMOOTH, DEEP = 2 + np.pi, 5.69, 9.14
 
 
 @dataclass(frozen=True)
 class Pushed:
-    """Result of a push: force over (area × s_u) after each step; unknowns; Newton iterations; seconds; messages."""
+    """Result of a push: force over (area × s_u) after each step; unknowns; Newton iterations and halved increments;
+    seconds; messages."""
 
     factor: np.ndarray
     unknowns: int
     iterations: int
+    halvings: int
     seconds: float
     notes: tuple = ()
 
@@ -73,11 +75,17 @@ def footing(shape, across, friction=0.0):
 def push(shape, across, friction=0.0):
     """Pushed of a footing."""
     scene = footing(shape, across, friction)
+    return pushed(scene, (0.0, 0.0, 1.0), np.pi / 4 if shape == "circle" else scene.grid.y.end)
+
+
+def pushed(scene, direction, area):
+    """Pushed of the body of a Scene; direction (3,): of the force; area [m²]: what it is over. Raises StepError if a step
+    fails."""
     simulation = build(scene)
     records, seconds = timed_steps(simulation)
-    force = np.array([record.bodies[0].contact_force[2] for record in records])
-    area = np.pi / 4 if shape == "circle" else scene.grid.y.end
-    return Pushed(force / (area * STRENGTH), sizes(simulation)["unknowns"], newton_iterations(records), sum(seconds),
+    force = np.array([record.bodies[0].contact_force for record in records]) @ direction
+    return Pushed(force / (area * STRENGTH), sizes(simulation)["unknowns"], newton_iterations(records),
+                  sum(record.rejections for record in records), sum(seconds),
                   tuple(dict.fromkeys(note for record in records for note in record.notes)))
 
 
@@ -115,9 +123,5 @@ def buried(across, friction=0.0, adhesion=None, way=0.1, rigidity=500.0, steps=4
 
 def sideways(across, friction=0.0, adhesion=None, **values):
     """Pushed of the cylinder, force over (diameter × s_u)."""
-    simulation = build(buried(across, friction, adhesion, **values))
-    records, seconds = timed_steps(simulation)
-    force = -np.array([record.bodies[0].contact_force[0] for record in records])
-    thickness = simulation.scene.grid.y.end
-    return Pushed(force / (thickness * STRENGTH), sizes(simulation)["unknowns"], newton_iterations(records), sum(seconds),
-                  tuple(dict.fromkeys(note for record in records for note in record.notes)))
+    scene = buried(across, friction, adhesion, **values)
+    return pushed(scene, (-1.0, 0.0, 0.0), scene.grid.y.end)

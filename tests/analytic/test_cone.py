@@ -15,9 +15,9 @@ import functools
 
 import numpy as np
 import pytest
+from options import options_set
 
 from hybrid.study import cone
-from hybrid.study.random.family import options_set
 
 
 @functools.cache
@@ -32,17 +32,17 @@ def test_nothing_is_set_but_the_physics():
 def test_the_tip_carries_load_at_once():
     """Nothing is halved. The force grows as the square of the depth, as there is no length but the depth; the tip alone is
     smaller than a cell, so the mean pressure is not yet that of a cone in a half-space, 5.5."""
-    found = push(2, 1.0)
-    assert found.halvings == 0 and (found.force[1:] > 0).all()
-    area = np.pi * (found.depth * np.tan(np.radians(cone.ANGLE / 2))) ** 2
-    assert found.force[-5:] / (area[-5:] * cone.STRENGTH) == pytest.approx(np.full(5, 7.5), rel=0.06)
+    depth, found = push(2, 1.0)
+    assert found.halvings == 0 and (found.factor[1:] > 0).all()
+    area = (depth * np.tan(np.radians(cone.ANGLE / 2))) ** 2    # over the cross-section of the shaft
+    assert found.factor[-5:] / area[-5:] == pytest.approx(np.full(5, 7.5), rel=0.06)
 
 
 @pytest.mark.slow
 def test_the_force_is_smooth_and_near_the_deep_one():
     """With the ghost penalty of soil at rest, 0.3, two cells carry 11.4 at 3.5 m, and the force jumps by 8 %."""
-    found = push(3, 3.6)
-    last = found.depth > 2.4
-    rms, peaks = cone.jitter(found.depth[last], found.factor[last])
+    depth, found = push(3, 3.6)
+    last = depth > 2.4
+    rms, peaks = cone.jitter(depth[last], found.factor[last])
     assert rms < 0.03 and peaks < 0.1 and found.halvings == 0
     assert 8.0 < found.factor[-5:].mean() < 9.7

@@ -6,8 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hybrid.body.condense import condensation
-from hybrid.body.mass import assemble, condensed_mass
+from hybrid.body.mass import assemble, condensation, condensed_mass
 from hybrid.body.mesh import generate
 from hybrid.body.smooth_mass import layers, mass_and_surface
 from hybrid.runtime.errors import GeometryError

@@ -18,11 +18,11 @@ import functools
 
 import numpy as np
 import pytest
+from options import options_set
 
 from hybrid.setup.build import build
 from hybrid.soil import fbar
 from hybrid.study import plasticity
-from hybrid.study.random.family import options_set
 
 
 @functools.cache

@@ -3,11 +3,11 @@
 import json
 
 import pytest
+from options import options_set
 
 from hybrid.runtime.data import GEOMETRY
 from hybrid.scene import Solver
 from hybrid.study.random import afresh
-from hybrid.study.random.family import options_set
 
 PAGE = GEOMETRY.parent / "demos" / "random" / "README.md"
 # physics that the random families do not have

@@ -7,9 +7,7 @@ import numpy as np
 import pytest
 
 from hybrid.monitors import StepView
-from hybrid.monitors.body_impact import QUIET, BodyImpact, _free_energy
-from hybrid.monitors.ground_impact import GroundImpact
-from hybrid.monitors.last_impact import LastImpact
+from hybrid.monitors.impacts import QUIET, BodyImpact, GroundImpact, LastImpact, _free_energy
 
 
 def notes(errors, in_contact=(), near=(), touching=0, pairs=1, accuracy=None, monitor=None, held=False, free=False,

@@ -74,10 +74,15 @@ def test_pictures_show_soil_and_cut_body(tmp_path):
     assert (tmp_path / "trajectory.png").exists() and (tmp_path / "line_tension.png").exists()
 
 
+def rendered(path, simulation):
+    """Whether a picture of a simulation has been drawn."""
+    return pictures.Drawing(path, pictures.scene_arrays(simulation, simulation.initial_bodies), "").collect()
+
+
 def test_missing_renderer_is_a_warning_not_an_end(tmp_path, monkeypatch, caplog):
     monkeypatch.setattr(pictures.sys, "executable", "/bin/false")
     with caplog.at_level(logging.WARNING):
-        assert pictures.render(tmp_path / "a.png", FakeSimulation()) is False
+        assert rendered(tmp_path / "a.png", FakeSimulation()) is False
     assert "no picture a.png" in caplog.text and "apt install" in caplog.text
     assert list(tmp_path.iterdir()) == []
 
@@ -130,20 +135,20 @@ def test_pictures_are_drawn_one_at_a_time(tmp_path, child):
 
 def test_a_failing_child_is_tried_with_other_settings(tmp_path, child, caplog):
     temporary = child('[ -z "$VTK_DEFAULT_OPENGL_WINDOW" ] && printf x > "$4"')
-    assert pictures.render(tmp_path / "out" / "a.png", FakeSimulation()) is True
+    assert rendered(tmp_path / "out" / "a.png", FakeSimulation()) is True
     assert not caplog.text and list(temporary.iterdir()) == []
 
 
 def test_a_child_that_fails_twice_is_quoted(tmp_path, child, caplog):
     temporary = child('echo "date (0.1s) | ERR| no display" >&2; exit 1')
-    assert pictures.render(tmp_path / "a.png", FakeSimulation()) is False
+    assert rendered(tmp_path / "a.png", FakeSimulation()) is False
     assert "no picture a.png: no display; try" in caplog.text and list(temporary.iterdir()) == []
 
 
 def test_a_child_without_end_is_stopped(tmp_path, child, caplog, monkeypatch):
     monkeypatch.setattr(pictures, "TIME_LIMIT", 0.2)
     temporary = child(f'echo $$ > {tmp_path / "id"}; exec sleep 60')
-    assert pictures.render(tmp_path / "a.png", FakeSimulation()) is False
+    assert rendered(tmp_path / "a.png", FakeSimulation()) is False
     assert "no picture a.png" in caplog.text and "timed out" in caplog.text and list(temporary.iterdir()) == []
     with pytest.raises(ProcessLookupError):
         os.kill(int((tmp_path / "id").read_text()), 0)

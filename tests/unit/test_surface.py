@@ -226,7 +226,7 @@ def test_edges_between_coplanar_triangles_have_the_face_normal():
     diagonal = np.linalg.norm(np.roll(ends, -1, axis=1) - ends, axis=2) > 1.2
     assert diagonal.sum() == 12
     for t, k in zip(*np.nonzero(diagonal)):
-        np.testing.assert_allclose(surface.edge_normals[t, k], surface.normals[t], atol=1e-15)
+        np.testing.assert_allclose(surface.tree.normals[t, 1 + k], surface.normals[t], atol=1e-15)
         middle = 0.5 * (ends[t, k] + ends[t, (k + 1) % 3])
         for y in (middle + 0.1 * surface.normals[t], middle - 0.1 * surface.normals[t], middle):
             _, feature, foot, gap, N, A = geometry(y, surface.tree)
@@ -254,7 +254,7 @@ def test_vertex_along_a_straight_edge_slides_along_it():
 def test_pseudo_normals_of_a_cube_do_not_depend_on_its_diagonals():
     surface = build_surface(*box())
     corners = surface.vertices[surface.triangles]
-    np.testing.assert_allclose(surface.vertex_normals, 2 * corners / math.sqrt(3), atol=1e-14)
+    np.testing.assert_allclose(surface.tree.normals[:, 4:7], 2 * corners / math.sqrt(3), atol=1e-14)
 
 
 def test_on_a_corner_the_normal_is_the_pseudo_normal():

@@ -16,7 +16,7 @@ a little more than of a strip with both edges on lines of the grid (`cells`). A 
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from hybrid.monitors.limits.loading import CLAY, EXCESS, driven, feet, law_at, loaded, top_of
+from hybrid.monitors.limits.loading import CLAY, EXCESS, driven, feet, law_at, loaded, smaller_cells, top_of
 
 PER_CELL = 0.7
 DOWN = 0.5          # of a travel: what goes down by less is pushed sideways
@@ -37,8 +37,8 @@ def bars(scene, model):
         if PER_CELL * cell / width > EXCESS:
             yield (f"{body.name} presses clay with a base of bars {width / cell:.2g} cells of {cell:.3g} m wide on average, "
                    f"twice its area over the length of its edges: its load is up to {PER_CELL * cell / width:.0%} too high, "
-                   f"limit {EXCESS:.0%}, as they drive the clay of the next cells too. Use cells of at most "
-                   f"{EXCESS / PER_CELL * width:.2g} m under it, or extrapolate two sizes of cells to none")
+                   f"limit {EXCESS:.0%}, as they drive the clay of the next cells too. "
+                   f"{smaller_cells(EXCESS / PER_CELL * width, ' under it')}")
 
 
 def _bar(body, area, edges, foot):

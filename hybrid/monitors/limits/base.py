@@ -24,9 +24,10 @@ fifth of the layer, B/5 over clay of five times the strength, 57, 20, 14 % over 
 
 import numpy as np
 
+from hybrid.body.guides import forces_of
 from hybrid.body.paths import travel_along
 from hybrid.monitors.limits.contact import initial_vertices
-from hybrid.monitors.limits.loading import CLAY, EXCESS, driven, law_at, loaded, material_at, narrowest
+from hybrid.monitors.limits.loading import CLAY, EXCESS, driven, law_at, loaded, material_at, narrowest, smaller_cells
 from hybrid.runtime.comm import anywhere
 from hybrid.scene.soil import ends, span
 
@@ -107,8 +108,7 @@ def _pushes(scene, described, body, place, soil, base):
         if not travel and not body.free[axis]:
             continue
         ahead = [anywhere(near & (sign * (at[:, axis] - middle) > 0.0)) for sign in (-1.0, 1.0)]
-        forces = [load.force for stage in body.stages or () for load in stage.loads if load.force is not None]
-        loads = any(force.values[:, axis].any() for force in forces)
+        loads = any(force[:, axis].any() for force in forces_of(body))
         if ahead[travel > 0.0] if travel else any(ahead) if loads else all(ahead):
             return True
     return False
@@ -132,8 +132,8 @@ def squeezed_layer(scene, model):
         excess = number * cell / thick
         if thick < THIN * narrowest(soil.grid, place, travel) and excess > EXCESS:
             yield (f"{body.name} presses {thick:.3g} m of clay, {thick / cell:.2g} cells of {cell:.3g} m, on a harder layer:"
-                   f" the load that squeezes it out is about {excess:.0%} too high, limit {EXCESS:.0%}. Use cells of at "
-                   f"most {EXCESS / number * thick:.2g} m under it, or extrapolate two sizes of cells to none")
+                   f" the load that squeezes it out is about {excess:.0%} too high, limit {EXCESS:.0%}. "
+                   f"{smaller_cells(EXCESS / number * thick, ' under it')}")
 
 
 LIMITS = (body_on_base, squeezed_layer)

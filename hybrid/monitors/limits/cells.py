@@ -22,8 +22,10 @@ from collections import Counter
 import numpy as np
 
 from hybrid.monitors.limits.loading import (CLAY, EXCESS, ON_LINE, driven, faces, feet, heading, law_at, leads, loaded,
-                                            material_at, narrowest, sides, stays_attached, through_clay, top_of)
-from hybrid.runtime.comm import maximum, minimum
+                                            material_at, narrowest, sides, smaller_cells, stays_attached, through_clay,
+                                            top_of)
+from hybrid.runtime.comm import minimum
+from hybrid.soil.points import extent
 
 ATTACHED, ROUND, EDGE, WEDGE = 1.75, 1.5, 0.3, 0.7
 # Door of 2 m under 2 m of clay, s_u = 10 kPa, that weighs 31.4 kPa: 8.1, 10.0, 11.0 kPa with 8, 16, 32 cells, exact 11.7
@@ -97,7 +99,7 @@ def _eccentric(scene, model, body, travel, place, arm):
     return (ECCENTRIC * cell / left,
             f"is pressed on clay by a load {arm / width:.2g} of its width beside its middle, and stands on a width of "
             f"{left / cell:.2g} cells",
-            f"Use cells of at most {EXCESS / ECCENTRIC * left:.2g} m under it, or extrapolate two sizes of cells to none")
+            smaller_cells(EXCESS / ECCENTRIC * left, " under it"))
 
 
 def trapdoors(scene, model):
@@ -113,14 +115,12 @@ def trapdoors(scene, model):
         if excess > EXCESS:
             yield (f"{body.name} is {width / cell:.2g} cells wide and is lowered under clay, which is sheared in the cells "
                    f"beside its edges: its load is about {excess:.0%} too low under a cover of its own width, limit "
-                   f"{EXCESS:.0%}. Use cells of at most {EXCESS / TRAPDOOR * width:.2g} m at its edges, or extrapolate two "
-                   "sizes of cells to none")
+                   f"{EXCESS:.0%}. {smaller_cells(EXCESS / TRAPDOOR * width, ' at its edges')}")
 
 
 def _under_all(soil, place):
     """Whether a body with its vertices at `place` (V, 3) [m] is below all of the soil."""
-    lowest = minimum(soil.constants.position[:, 2] - soil.constants.half_width[:, 2], np.inf)
-    return place[:, 2].max() <= lowest + ON_LINE * soil.grid.smallest_cell
+    return place[:, 2].max() <= extent(soil.constants, 2)[0] + ON_LINE * soil.grid.smallest_cell
 
 
 def flow_around(scene, model):
@@ -252,10 +252,9 @@ def _foot_on_lines(scene, model, body, travel, place, foot, depth):
 
 def _soil_beside(soil, place, axis, end):
     """Whether soil goes on beyond the `end` [m] of a body with its vertices at `place`, not that of a lid on a specimen."""
-    x, half, beyond = soil.constants.position[:, axis], soil.constants.half_width[:, axis], ON_LINE * soil.grid.smallest_cell
-    if end > 0.5 * (place[:, axis].min() + place[:, axis].max()):
-        return maximum(x + half) > end + beyond
-    return minimum(x - half) < end - beyond
+    (low, high), beyond = extent(soil.constants, axis), ON_LINE * soil.grid.smallest_cell
+    upper = end > 0.5 * (place[:, axis].min() + place[:, axis].max())
+    return high > end + beyond if upper else low < end - beyond
 
 
 def _growing(scene, soil, place, travel):

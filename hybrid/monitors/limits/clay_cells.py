@@ -29,7 +29,7 @@ import numpy as np
 from hybrid.body.symmetry import copies
 from hybrid.monitors.limits.sand_cells import PASSIVE, Wedge, beside, depths, free_walls, pushed
 from hybrid.monitors.limits.loading import (CLAY, EXCESS, ON_LINE, STEEP, driven, facing, law_at, loaded, material_at,
-                                         narrowest, outline, sides, stays_attached, through_clay, top_of)
+                                            narrowest, outline, sides, smaller_cells, stays_attached, through_clay, top_of)
 from hybrid.runtime.comm import anywhere, total
 
 LOWER = 1.4         # cells that the wedge is lower than the wall
@@ -143,8 +143,7 @@ def lifted_plates(scene, model):
         if excess > EXCESS:
             yield (f"{body.name} is lifted out of clay with {depth:.3g} m of it, {depth / cell:.2g} cells of {cell:.3g} m, "
                    f"above it: its load is about {excess:.0%} too high, limit {EXCESS:.0%}, as the clay is sheared in the "
-                   f"cells beside the plate and over it. Use cells of at most {EXCESS / excess * cell:.2g} m there, or "
-                   "extrapolate two sizes of cells to none")
+                   f"cells beside the plate and over it. {smaller_cells(EXCESS / excess * cell, ' there')}")
 
 
 def balls(scene, model):
@@ -164,8 +163,8 @@ def balls(scene, model):
         factor, cells = BALL if stays_attached(body, soil) else PARTED, width / soil.grid.smallest_cell
         if factor / cells > EXCESS:
             yield (f"{body.name} is round and {cells:.2g} cells of {soil.grid.smallest_cell:.3g} m wide, deep in the clay "
-                   f"that it moves through: its load is about {factor / cells:.0%} too high, limit {EXCESS:.0%}. Use cells "
-                   f"of at most {width * EXCESS / factor:.2g} m, or extrapolate two sizes of cells to none")
+                   f"that it moves through: its load is about {factor / cells:.0%} too high, limit {EXCESS:.0%}. "
+                   f"{smaller_cells(width * EXCESS / factor)}")
 
 
 def penetrators(scene, model):
@@ -215,8 +214,8 @@ def _active(scene, soil, body, place, travel, height, does, load):
         remaining = 0.5 * critical + np.sqrt(0.25 * critical**2 + (1.0 - EXCESS) * _pressure(height, critical))
         yield (f"{body.name} {does} {height:.3g} m of clay that stands by itself up to {critical:.3g} m only, "
                f"{height / cell:.2g} cells of {cell:.3g} m, whose lowest cells stay behind at its foot: {load} about "
-               f"{missing:.0%} too low, limit {EXCESS:.0%}, which is unsafe for a retaining wall. Use cells of at "
-               f"most {(height - remaining) / LOWER:.2g} m, or extrapolate two sizes of cells to none")
+               f"{missing:.0%} too low, limit {EXCESS:.0%}, which is unsafe for a retaining wall. "
+               f"{smaller_cells((height - remaining) / LOWER)}")
 
 
 def _pressure(height, critical):

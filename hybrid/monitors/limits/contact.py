@@ -3,14 +3,17 @@
 import numpy as np
 
 from hybrid.body.attitude import initial_rotation
+from hybrid.body.guides import forces_of
 from hybrid.body.paths import travel_along
+from hybrid.body.smooth import area_vectors
 from hybrid.body.symmetry import copies
 from hybrid.contact.interface import RAMP
 from hybrid.contact.search import distances
-from hybrid.runtime.comm import anywhere, maximum, minimum, total
+from hybrid.runtime.comm import anywhere, minimum, total
 from hybrid.scene.ground import heights_at, steepest
 from hybrid.scene.soil import clay_layers, laws
 from hybrid.soil.given_ground import STEEPEST
+from hybrid.soil.points import extent
 
 # Each number is the one from which a failure case of the study goes wrong.
 STIFFNESS_RATIO = 10.0      # p_f times the depth of soil [-]: below it contact springs take a tenth of the displacement
@@ -31,12 +34,11 @@ def low_penalty(scene, model):
     """Penalties so low that the contact deforms instead of the soil: springs in series, 1/p_f against the depth."""
     if model.soil.held:
         return
-    soil, across = model.soil.constants, ~model.soil.grid.collapsed[:2]
-    soil_depth = maximum((soil.position + soil.half_width)[:, 2]) - minimum((soil.position - soil.half_width)[:, 2])
+    across, (bottom, top) = ~model.soil.grid.collapsed[:2], extent(model.soil.constants, 2)
     for described, body in zip(scene.bodies, model.bodies):
         if described.penalty is None and not body.places.at_corners:
             continue    # derived
-        depth = min([soil_depth, *np.ptp(initial_vertices(described, body), axis=0)[:2][across]])
+        depth = min([top - bottom, *np.ptp(initial_vertices(described, body), axis=0)[:2][across]])
         ratio = body.penalty * depth
         if ratio < STIFFNESS_RATIO:
             yield (f"{body.name}: body.penalty = {body.penalty:g} /m times {depth:.3g} m, the depth of soil that "
@@ -73,7 +75,7 @@ def narrow_body(scene, model):
 
 def narrow_face(scene, model):
     """Faces between sharp edges, narrower than a cell: contact sees an edge with a radius of a few centimetres there."""
-    cell, joined = model.soil.grid.smallest_cell, {name for joint in scene.joints for name in joint.bodies}
+    cell, joined = model.soil.grid.smallest_cell, scene.joined
     for described, body in zip(scene.bodies, model.bodies):
         hangs = body.name in joined and initial_vertices(described, body)[:, 2].min() > top_of(model.soil) + cell
         if body.narrowest < cell and not hangs and not _lid(scene, model.soil, described, body):
@@ -87,20 +89,20 @@ def _lid(scene, soil, described, body):
     """Whether the narrow faces of a body are the sides of a lid over all of the soil, which touch none."""
     place = initial_vertices(described, body)
     still = not any(travel_along(scene, described, name) for name in "xy")
-    return still and body.narrowest > 0.99 * np.ptp(place[:, 2]) and covers(place, soil.constants, soil.grid)
+    return still and body.narrowest > 0.99 * np.ptp(place[:, 2]) and covers(place, soil)
 
 
 def thin_wall(scene, model):
     """Walls in clay so thin that the soil on both sides shares nodes, which keep it together: it does not part from them."""
     if model.soil.held or not ("hencky" in laws(scene.soil) or any(clay_layers(scene.soil))):
         return
-    cell, soil = model.soil.grid.smallest_cell, model.soil.constants
+    cell = model.soil.grid.smallest_cell
     top = top_of(model.soil) - FLUSH * cell
     for described, body in zip(scene.bodies, model.bodies):
         if described.tension == "full" or not (body.free.any() or body.driven.any()):
             continue
         place = levelled(model.soil, initial_vertices(described, body))
-        if covers(place, soil, model.soil.grid):
+        if covers(place, model.soil):
             continue
         thickness, share = _thickness(scene, described, body, place, ROUNDED * THICKNESS * cell, top)
         if share > THIN_SHARE:
@@ -118,11 +120,11 @@ def _shares(cells):
     return "shares nodes" if cells < 1.05 else "may, by where its faces lie between lines, share nodes"
 
 
-def covers(vertices, soil, grid):
+def covers(vertices, soil):
     """Whether a body reaches over all of the soil in plan, but for RIM, so that hardly any gets above it."""
-    across, slack = np.flatnonzero(~grid.collapsed[:2]), RIM * grid.smallest_cell
-    return all(vertices[:, axis].min() <= minimum((soil.position - soil.half_width)[:, axis]) + slack
-               and vertices[:, axis].max() >= maximum((soil.position + soil.half_width)[:, axis]) - slack for axis in across)
+    slack = RIM * soil.grid.smallest_cell
+    ends = [(vertices[:, axis], *extent(soil.constants, axis)) for axis in np.flatnonzero(~soil.grid.collapsed[:2])]
+    return all(x.min() <= low + slack and x.max() >= high - slack for x, low, high in ends)
 
 
 def _thickness(scene, described, body, vertices, limit, top):
@@ -130,12 +132,12 @@ def _thickness(scene, described, body, vertices, limit, top):
     surface across the travel it is driven and below `top` [m] at the end. vertices: (V, 3) [m] over level ground."""
     surface = body.surface
     corners = vertices[surface.triangles]
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    area = 0.5 * np.linalg.norm(normal, axis=1)
+    normal = area_vectors(corners)
+    area = np.linalg.norm(normal, axis=1)
     travel = np.array([travel_along(scene, described, name) for name in "xyz"])
     across = np.ones(len(area), bool)
     if travel.any() and body.guided[:3].all():
-        across = np.abs(normal @ travel) > ACROSS * 2 * area * np.linalg.norm(travel)
+        across = np.abs(normal @ travel) > ACROSS * area * np.linalg.norm(travel)
     inward = (surface.vertices[surface.triangles].mean(axis=1)[:, None]
               - limit * np.linspace(0.0, 1.0, SAMPLES + 1)[1:, None] * surface.normals[:, None])
     gap = distances(inward.reshape(-1, 3), surface)[0].reshape(-1, SAMPLES)
@@ -143,7 +145,7 @@ def _thickness(scene, described, body, vertices, limit, top):
     first = np.argmax(outside, axis=1)
     depth = limit * (first + 1) / SAMPLES - np.maximum(gap[each, first], 0.0)
     down = corners.mean(axis=1)[:, 2] + min(travel[2], 0.0)
-    thin = outside.any(axis=1) & across & (np.maximum(down, down - depth * normal[:, 2] / (2 * area)) < top)
+    thin = outside.any(axis=1) & across & (np.maximum(down, down - depth * normal[:, 2] / area) < top)
     return float(np.average(depth[thin], weights=area[thin])) if thin.any() else limit, area[thin].sum() / area.sum()
 
 
@@ -169,8 +171,8 @@ def unpressed_bond(scene, model):
     if model.soil.held or any(scene.gravity):
         return
     for described, body in zip(scene.bodies, model.bodies):
-        loads = [load.force.values[:, 2].min() for stage in body.stages or () for load in stage.loads if load.force]
-        if travel_along(scene, described, "z") < 0.0 or min(loads, default=0.0) < 0.0:
+        pressed = any(force[:, 2].min() < 0.0 for force in forces_of(body))
+        if pressed or travel_along(scene, described, "z") < 0.0:
             continue        # it is pressed on
         if body.interface and body.interface.tension and not body.interface.adhesion and 0.0 < body.friction < np.inf:
             yield (f"{body.name} has a bond (body.tension) and friction in soil without weight: friction is "
@@ -185,7 +187,7 @@ def light_body(scene, model):
     if soil.held or not model.scheme.inertia:
         return
     density = float(total(soil.constants.mass) / total(soil.constants.volume))
-    joined = {name for joint in scene.joints for name in joint.bodies}
+    joined = scene.joined
     for described, body in zip(scene.bodies, model.bodies):
         across = np.minimum(np.ptp(initial_vertices(described, body), axis=0), np.ptp(grid.extent, axis=1))[:2]
         height = levelled(soil, initial_vertices(described, body))[:, 2]
@@ -230,7 +232,7 @@ def _width(place):
 
 def top_of(soil):
     """Height [m] of the highest soil at the start."""
-    return maximum(soil.constants.position[:, 2] + soil.constants.half_width[:, 2])
+    return extent(soil.constants, 2)[1]
 
 
 def levelled(soil, place):

@@ -33,6 +33,7 @@ legs of 1 m, two cells wide, under a hull of 5.4 t settle by 4.29 mm with these 
 
 import numpy as np
 
+from hybrid.body.guides import forces_of
 from hybrid.body.paths import travel_along
 from hybrid.body.symmetry import copies
 from hybrid.laws.von_mises import BEARING
@@ -79,8 +80,7 @@ def _loaded(scene, model, body, radius, material):
     """That of one that is free to follow a load, or without inertia its weight; 0 of others."""
     if not body.free[2]:
         return 0.0
-    loads = [-load.force.values[:, 2].min() for stage in body.stages or () for load in stage.loads if load.force is not None]
-    force = max(loads, default=0.0)
+    force = max((-values[:, 2].min() for values in forces_of(body)), default=0.0)
     force += 0.0 if model.scheme.inertia and not force else body.mass.mass * -scene.gravity[2]
     return contact_radius(copies(body.mirrors) * force, radius, material, model.soil) if force > 0.0 else 0.0
 
@@ -112,7 +112,7 @@ def soft_springs(scene, model):
         if depth is not None:
             depth = min(depth, top_of(soil) - bottom + depth)       # of that what is in the soil
             stands &= depth > 0.0
-        lid = covers(place, soil.constants, soil.grid)      # of a specimen, which is as soft as its soil
+        lid = covers(place, soil)      # of a specimen, which is as soft as its soil
         if not stands or lid or body.places.at_corners or body.penalty * cell > SOFTEST:
             continue
         space = not soil.grid.collapsed.any()

@@ -63,7 +63,8 @@ import numpy as np
 
 from hybrid.monitors.limits.contact import covers
 from hybrid.monitors.limits.sand_cells import clay_under
-from hybrid.monitors.limits.loading import EXCESS, SAND, driven, facing, loaded, material_at, narrowest, sides, top_of
+from hybrid.monitors.limits.loading import (EXCESS, SAND, driven, facing, loaded, material_at, narrowest, sides,
+                                            smaller_cells, top_of)
 
 COHESION, FRICTION, ORDER = 0.41, 0.0215, 0.75      # FRICTION: for each degree of φ
 REACHED, RISING, FARTHEST = 8.0, 0.3, 35.0          # w E/(B c N_c) of those, power of the rise, largest that was measured
@@ -86,7 +87,7 @@ def cohesive_strips(scene, model):
     for body, travel, place, plane, moved in pushed:
         bottom, width = place[:, 2].min(), narrowest(soil.grid, place, travel)
         material = material_at(scene, soil, bottom - 0.5 * cell)
-        lid = covers(place, soil.constants, soil.grid)
+        lid = covers(place, soil)
         if not plane or lid or travel[2] >= 0.0 or bottom < top_of(soil) - SHALLOW * width:
             continue
         if _cohesive(scene, material, width) and not clay_under(scene, soil, bottom, width):
@@ -141,8 +142,7 @@ def _lifted(body, width, depth, cell, material, plane):
         what, over = ("plate", f"γ H (B + {slope:.2g} H)") if plane else ("pipe", f"γ (H (D + {slope:.2g} H) - π D²/8)")
         yield (f"{body.name} is lifted out of sand and is {width / cell:.2g} cells of {cell:.3g} m wide, {depth:.3g} m "
                f"under the ground: its load is about {excess:.0%} too high, limit {EXCESS:.0%}, over {over}, that of a "
-               f"{what} {wider:g} cells wider. Use cells of at most {EXCESS / excess * cell:.2g} m at it, or "
-               "extrapolate two sizes of cells to none")
+               f"{what} {wider:g} cells wider. {smaller_cells(EXCESS / excess * cell, ' at it')}")
 
 
 def _lifted_in_space(body, across, depth, cell, material):
@@ -153,8 +153,7 @@ def _lifted_in_space(body, across, depth, cell, material):
     if excess > EXCESS:
         yield (f"{body.name} is lifted out of sand and is {across.min() / cell:.2g} cells of {cell:.3g} m wide, {depth:.3g} "
                f"m under the ground: its load is about {excess:.0%} too high, limit {EXCESS:.0%}, that of a plate "
-               f"{IN_SPACE:g} cells wider. Use cells of at most {EXCESS / excess * cell:.2g} m at it, or extrapolate two "
-               "sizes of cells to none")
+               f"{IN_SPACE:g} cells wider. {smaller_cells(EXCESS / excess * cell, ' at it')}")
 
 
 def _slope(friction, dilation):

@@ -2,15 +2,15 @@
 
 import numpy as np
 
-from hybrid.body.attitude import initial_rotation
 from hybrid.body.paths import path_along
 from hybrid.body.rigid import FREEDOMS
-from hybrid.body.symmetry import AXES, Mirror
-from hybrid.monitors.limits.contact import initial_vertices, top_of
-from hybrid.runtime.comm import maximum, minimum
+from hybrid.body.symmetry import AXES
+from hybrid.monitors.limits.contact import initial_pose, initial_vertices, top_of
 from hybrid.runtime.units import force as force_text
+from hybrid.scene.body import out_of_plane
 from hybrid.scene.check_stage import moved
 from hybrid.scene.ground import heights, heights_at
+from hybrid.soil.points import extent
 
 SWALLOWED = 0.01    # of the largest force of a load, along a component that does not feel it
 ASIDE = 0.05        # of the size of a body: arms of its loads below it are none
@@ -58,8 +58,8 @@ def _lost(described, body, load):
 def _arm(described, body, point):
     """Arm (3,) [m] in space of a point of a body at the start. Where the body is cut its loads may act in the plane, as
     half of those on the whole, or at its centre, so that this arm is none."""
-    rotation = initial_rotation(described)
-    arm, centre = rotation @ point, np.array(described.position or np.zeros(3)) + rotation @ body.mass.centre
+    centre, rotation = initial_pose(described, body)
+    arm = rotation @ point
     for mirror in body.mirrors:
         a = AXES[mirror.axis]
         if mirror.cut and abs(centre[a] + arm[a] - mirror.at) < ASIDE * np.ptp(body.outline.vertices[:, a]):
@@ -71,11 +71,11 @@ def _why(scene, body, component):
     """(why a component is not free, what to do) as texts."""
     name = FREEDOMS[component]
     for mirror in body.mirrors:
-        if name in mirror.guides:
+        if name in out_of_plane(mirror.axis):
             return (f"held, as the model is symmetric about {mirror} and its mirror image carries the mirrored load",
                     "Model the whole body for a load that is not symmetric")
     collapsed = [axis for axis in "xyz" if getattr(scene.grid, axis).collapsed]
-    if any(name in Mirror(axis, 0.0, False).guides for axis in collapsed):
+    if any(name in out_of_plane(axis) for axis in collapsed):
         return (f"held across the collapsed axis {', '.join(collapsed)}",
                 "Leave this component out, or model all three dimensions")
     if body.drive[component] or any(guide.component == component for guide in body.guides):
@@ -120,7 +120,7 @@ def moving_halves(scene, model):
             mirrored = any(mirror.axis == axis for mirror in body.mirrors)
             if getattr(scene.grid, axis).collapsed or scene.gravity[a] or mirrored:
                 continue
-            names = moved(scene, described, Mirror(axis, 0.0, False).guides)
+            names = moved(scene, described, out_of_plane(axis))
             joints = [joint.name for joint in scene.joints if body.name in joint.bodies]
             what, remedy = f"is joined beside it by {', '.join(joints)}: its mirror image has other joints", "join it there"
             if names:
@@ -137,11 +137,12 @@ def _half_at(scene, soil, axis, low, high):
     """Coordinates [m] of the roller faces across an axis in which the middle of a body from `low` to `high` [m] lies
     beside soil."""
     a, (start, end) = AXES[axis], soil.grid.extent[AXES[axis]]
-    at, half, cell = soil.constants.position[:, a], soil.constants.half_width[:, a], soil.grid.smallest_cell
+    lowest, highest = extent(soil.constants, a)
     covers = low <= start and high >= end
-    for side, face, reached in (("min", start, minimum(at - half)), ("max", end, maximum(at + half))):
+    for side, face, reached in (("min", start, lowest), ("max", end, highest)):
         middle = abs(0.5 * (low + high) - face) < MIDDLE * (high - low)
-        if middle and not covers and abs(reached - face) < cell and getattr(scene.grid.faces, f"{axis}_{side}") == "roller":
+        near = abs(reached - face) < soil.grid.smallest_cell
+        if middle and not covers and near and getattr(scene.grid.faces, f"{axis}_{side}") == "roller":
             yield face
 
 

@@ -18,10 +18,10 @@ of 1 MPa from -1.1 to -1.3 m in 40 MPa 0.60 of 2.0 mm. On lines of the grid all 
 import numpy as np
 
 from hybrid.laws.hencky import BULK, SHEAR
-from hybrid.monitors.limits.contact import top_of
-from hybrid.runtime.comm import minimum, total
+from hybrid.runtime.comm import total
 from hybrid.scene.defaults import STANDARD_GRAVITY
 from hybrid.scene.soil import span
+from hybrid.soil.points import extent
 
 EXCESS = 0.1        # of the settlement of the whole soil, or of the thickness of a layer
 ON_LINE = 1e-6      # of a cell
@@ -37,12 +37,11 @@ def off_lines(scene, model):
     soil, layers = model.soil, scene.soil.layers
     if soil.held or not layers or soil.grid.collapsed[2] or soil.law.parameters is None:
         return
-    lines, top = soil.grid.lines[2], top_of(soil)
+    lines, (floor, top) = soil.grid.lines[2], extent(soil.constants, 2)
     ends = [span(layer, scene.soil, scene.grid) for layer in layers]
     off = sorted({end for pair in ends for end in pair if _off(lines, end, top)}, reverse=True)
     if not off:
         return
-    floor = minimum(soil.constants.position[:, 2] - soil.constants.half_width[:, 2])
     K, G = soil.law.parameters[:, BULK], soil.law.parameters[:, SHEAR]
     modulus, present = _means(soil, lines, ends, K + 4 * G / 3)
     exact, modelled = _compliance(lines, top, ends, modulus, present)

@@ -9,13 +9,14 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from hybrid.body.paths import path_along
+from hybrid.body.smooth import area_vectors
 from hybrid.body.symmetry import copies
 from hybrid.laws.sand import material_values
 from hybrid.laws.user import is_of_user
 from hybrid.monitors.limits.contact import initial_pose, initial_vertices, levelled, top_of
 from hybrid.runtime.comm import maximum
 from hybrid.scene.ground import heights
-from hybrid.scene.soil import FRICTIONAL, NUMBERS, as_clay, of_layer
+from hybrid.scene.soil import FRICTIONAL, NUMBERS, as_clay, of_layer, within
 
 EXCESS = 0.1                    # of a load, above which it is reported
 PLANE, LEADING = 0.99, 0.5      # cosine between a face and the travel; share of what the body covers that such faces are
@@ -32,6 +33,11 @@ SIDES = 12      # different normals of a round body
 UNBROKEN = 20.0                 # of s_u: a tension that clay, which bears 12 s_u around a body, never reaches
 AT_POINT = "hinge", "ball", "weld"
 CLAY, SAND = "von-mises", FRICTIONAL
+
+
+def smaller_cells(size, where=""):
+    """Remedy for a load that is wrong by more than EXCESS in cells larger than `size` [m]; where: they are, as " at it"."""
+    return f"Use cells of at most {size:.2g} m{where}, or extrapolate two sizes of cells to none"
 
 
 def driven(scene, model):
@@ -111,7 +117,7 @@ def loaded(scene, model):
     outlines = [outline(described, body, model.soil) for described, body in zip(scene.bodies, model.bodies)]
     above = [place[:, 2].min() > top_of(model.soil) + model.soil.grid.smallest_cell for _, place in outlines]
     for i, (described, body, (whole, place)) in enumerate(zip(scene.bodies, model.bodies, outlines)):
-        if above[i] and any(body.name in joint.bodies for joint in scene.joints):
+        if above[i] and body.name in scene.joined:
             continue        # others carry it, or the ground
         rotation = initial_pose(described, body)[1]
         force, moment = _largest_load(body, rotation)
@@ -263,17 +269,15 @@ def feet(body, place, travel, top):
         mine = triangles[group[corners[:, 0]] == each]
         vertices = place[np.unique(mine)]
         if len(mine) and (vertices[:, 2] + min(travel[2], 0.0)).min() < top:
-            cross = np.cross(place[mine[:, 1]] - place[mine[:, 0]], place[mine[:, 2]] - place[mine[:, 0]])
             own = outer[group[outer[:, 0]] == each]
             length = float(np.linalg.norm(at[own[:, 1]] - at[own[:, 0]], axis=1).sum())
-            found.append((0.5 * float(np.linalg.norm(cross, axis=1).sum()), length, vertices))
+            found.append((float(np.linalg.norm(area_vectors(place[mine]), axis=1).sum()), length, vertices))
     return found
 
 
 def faces(body, place):
     """Outward normals (T, 3) of the triangles of a body, as long as their areas (T,) [m²]."""
-    corners = place[body.surface.triangles]
-    normal = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normal = area_vectors(place[body.surface.triangles])
     return normal, np.linalg.norm(normal, axis=1)
 
 
@@ -332,8 +336,8 @@ def material_at(scene, soil, height):
     top, material = top_of(soil), scene.soil.material
     height = min(height, top)
     for layer in scene.soil.layers:
-        end = top if layer.top is None else layer.top
-        if (layer.bottom is None or height >= layer.bottom) and (height < end or height == end == top):
+        low, end = within(layer, -np.inf, top)
+        if height >= low and (height < end or height == end == top):
             material = of_layer(material, layer)
             break
     values = {name: value for name, value in material_values(material).items() if name in NUMBERS}

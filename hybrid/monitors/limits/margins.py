@@ -14,7 +14,8 @@ import numpy as np
 
 from hybrid.monitors.limits.contact import covers
 from hybrid.monitors.limits.loading import driven, loaded
-from hybrid.runtime.comm import maximum, minimum
+from hybrid.runtime.comm import maximum
+from hybrid.soil.points import extent
 
 BESIDE = {True: 0.25, False: 0.15}  # widths of the body, by whether it is rough
 BELOW = {True: 0.4, False: 0.25}
@@ -39,7 +40,7 @@ def narrow_margins(scene, model):
         for _, gap, where in found:
             if gap is not None and gap < BESIDE[rough] * width:
                 yield _text(body, width, gap, f"beside it at {where}", BESIDE[rough], where[0])
-        below = place[:, 2].min() + (0.0 if by_force else travel[2]) - _ends(model.soil, 2)[0]
+        below = place[:, 2].min() + (0.0 if by_force else travel[2]) - extent(model.soil.constants, 2)[0]
         ends_there = not scene.grid.z.moves and scene.grid.faces.z_min != "free"
         if np.isfinite(width) and -0.1 * width < below < BELOW[rough] * width and ends_there:
             yield _text(body, width, below, "below it" if by_force else "below it at the end of its path", BELOW[rough], "z")
@@ -50,11 +51,11 @@ def covered(scene, model):
     for body, travel, place, *_ in [*driven(scene, model), *loaded(scene, model)]:
         soil = model.soil
         axes = np.flatnonzero(~soil.grid.collapsed[:2])
-        ends = [(_ends(soil, axis), soil.grid.extent[axis], "xy"[axis]) for axis in axes]
+        ends = [(extent(soil.constants, axis), soil.grid.extent[axis], "xy"[axis]) for axis in axes]
         closed = all(np.abs(np.subtract(reached, limits)).max() < soil.grid.smallest_cell
                      and "free" not in (getattr(scene.grid.faces, f"{name}_{side}") for side in ("min", "max"))
                      for reached, limits, name in ends)
-        if len(axes) and travel[2] <= -DOWN * np.linalg.norm(travel) and closed and covers(place, soil.constants, soil.grid):
+        if len(axes) and travel[2] <= -DOWN * np.linalg.norm(travel) and closed and covers(place, soil):
             where = " and ".join(f"{name} = {limits[0]:.3g} to {limits[1]:.3g} m" for _, limits, name in ends)
             yield (f"{body.name} covers all of the soil, {where}, up to faces of the grid that hold it: nothing can "
                    "flow from under it, so that it compresses the soil and finds no load at which that gives way. A footing "
@@ -66,7 +67,7 @@ def no_room_above(scene, model):
     """Bodies driven through soil that fills the grid up to an upper end that nothing holds, farther than soil may heave
     there before its points leave the grid."""
     soil, cell = model.soil, model.soil.grid.smallest_cell
-    end, top = soil.grid.extent[2, 1], _ends(soil, 2)[1]
+    end, top = soil.grid.extent[2, 1], extent(soil.constants, 2)[1]
     open_ = scene.grid.faces.z_max == "free" and not scene.grid.z.moves and not soil.grid.collapsed[2]
     if not open_ or soil.stray != "stop" or top < end - ROOM * cell:
         return
@@ -91,7 +92,7 @@ def _beside(scene, soil, place):
     grid, cell = soil.grid, soil.grid.smallest_cell
     for axis, name in enumerate("xy"):
         ends, limits = (place[:, axis].min(), place[:, axis].max()), grid.extent[axis]
-        reached, described = _ends(soil, axis), getattr(scene.grid, name)
+        reached, described = extent(soil.constants, axis), getattr(scene.grid, name)
         inside = [(ends[0] - limits[0]) > 1e-6 * cell, (limits[1] - ends[1]) > 1e-6 * cell]
         if grid.collapsed[axis] or not any(inside) or described.moves:
             continue
@@ -101,12 +102,6 @@ def _beside(scene, soil, place):
             closed = abs(reached[side] - limits[side]) < cell and condition != "free"
             gap = sign * (ends[side] - limits[side]) if inside[side] and closed else None
             yield width, gap, f"{name} = {limits[side]:.3g} m"
-
-
-def _ends(soil, axis):
-    """Lowest and highest coordinate [m] of the soil along an axis."""
-    at, half = soil.constants.position[:, axis], soil.constants.half_width[:, axis]
-    return minimum(at - half), maximum(at + half)
 
 
 LIMITS = (narrow_margins, covered, no_room_above)

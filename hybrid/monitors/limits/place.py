@@ -4,7 +4,8 @@ import numpy as np
 
 from hybrid.body.paths import path_along
 from hybrid.monitors.limits.contact import initial_vertices, top_of
-from hybrid.runtime.comm import maximum, minimum
+from hybrid.scene.body import out_of_plane
+from hybrid.soil.points import extent
 
 HIGH = 10.0         # sizes of a body above the soil,
 DEEPER = 2.0        # and depths of the grid
@@ -31,7 +32,7 @@ def odd_places(scene, model):
 
 def beside_roller(scene, model):
     """Free bodies that end on one roller of the soil, as parts of bodies do in other programs, but are whole ones here."""
-    soil, joined = model.soil, {name for joint in scene.joints for name in joint.bodies}
+    soil, joined = model.soil, scene.joined
     for described, body in zip(scene.bodies, model.bodies):
         if soil.held or body.name in joined:
             continue
@@ -42,7 +43,7 @@ def beside_roller(scene, model):
             name = "xy"[a]
             side = f"{name}_{('min', 'max')[at[0]]}" if len(at) == 1 else ""
             if side and getattr(scene.grid.faces, side) == "roller":
-                turns = " and ".join("r" + other for other in "xyz" if other != name)
+                turns = " and ".join(out_of_plane(name)[1:])
                 yield (f"{body.name} ends on the face {side} of the grid and may leave it: it is a whole body beside a "
                        f"plane of symmetry. For a part of a body lay the whole one across {name} = {ends[at[0]]:.4g} m, "
                        f"with its middle there, or hold {name}, {turns}")
@@ -54,9 +55,8 @@ def outside_window(scene, model):
     cells."""
     grid, bodies = scene.grid, list(zip(scene.bodies, model.bodies))
     followed = next((b for b, (described, _) in enumerate(bodies) if described.name == grid.follow), 0)
-    joined = {name for joint in scene.joints for name in joint.bodies}
     for number, (described, body) in enumerate(bodies):
-        if not grid.moves or number == followed or body.name in joined and scene.bodies[followed].name in joined:
+        if not grid.moves or number == followed or {body.name, scene.bodies[followed].name} <= scene.joined:
             continue
         for a, axis in enumerate(grid.axes[:2]):
             found = _left_out(scene, axis, "xy"[a], a, bodies[followed], (described, body)) if axis.moves else ""
@@ -132,8 +132,7 @@ def _crossing(soil, body, place, described):
     is covered."""
     grid, slack = soil.grid, FLUSH * soil.grid.smallest_cell
     low, high = place.min(axis=0), place.max(axis=0)
-    at, half = soil.constants.position, soil.constants.half_width
-    lower, upper = ([end(x) for x in (at + sign * half).T] for end, sign in ((minimum, -1), (maximum, 1)))
+    lower, upper = zip(*(extent(soil.constants, axis) for axis in range(3)))
     for i in np.flatnonzero(~grid.collapsed[:2]):
         name, axis = "xyz"[i], described.axes[i]
         start, end = axis.start, axis.end

@@ -16,6 +16,7 @@ which is FORCE(a/h) a/r. Cells that resolve the contact, and soil so stiff that 
 
 import numpy as np
 
+from hybrid.body.guides import forces_of
 from hybrid.body.paths import travel_along
 from hybrid.body.rigid import FREEDOMS
 from hybrid.body.symmetry import copies
@@ -41,11 +42,10 @@ def rolls_on_lattice(scene, model):
     material = material_at(scene, soil, top_of(soil))
     if material.law not in ("hencky", CLAY):
         return
-    joined = {name for joint in scene.joints for name in joint.bodies}
     for described, body in zip(scene.bodies, model.bodies):
         distance = np.linalg.norm(body.surface.vertices, axis=1)
         rolls = is_round(body.outline, distance) and _rests(described, body) and _rolls(body)
-        if body.name in joined or not rolls:
+        if body.name in scene.joined or not rolls:
             continue
         radius, cell = distance.mean(), soil.grid.smallest_cell
         weight = copies(body.mirrors) * body.mass.mass * abs(gravity[2])
@@ -72,8 +72,7 @@ def towed_roller(scene, model):
         moved = travel_along(scene, described, "xy"[across[0]]) or described.velocity[across[0]]
         if material.law != CLAY or not material.strength or not moved or not is_round(body.outline, distance):
             continue
-        forces = [load.force for stage in body.stages or () for load in stage.loads if load.force is not None]
-        weight = -body.mass.mass * scene.gravity[2] - min((force.values[:, 2].min() for force in forces), default=0.0)
+        weight = -body.mass.mass * scene.gravity[2] - min((force[:, 2].min() for force in forces_of(body)), default=0.0)
         chord = weight / (STRIP * material.strength * thickness)
         turning = np.append(np.zeros(3, bool), soil.grid.collapsed)
         kept = [stage.held[turning].all() for stage in body.stages or ()]

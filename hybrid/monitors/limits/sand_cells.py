@@ -19,7 +19,7 @@ import numpy as np
 
 from hybrid.monitors.limits.contact import covers
 from hybrid.monitors.limits.loading import (CLAY, EXCESS, SAND, STEEP, bow, driven, facing, law_at, leads, levelled, loaded,
-                                         material_at, narrowest, outline, sides, top_of)
+                                            material_at, narrowest, outline, sides, smaller_cells, top_of)
 from hybrid.runtime.comm import maximum, minimum
 
 FOOT, ACTIVE = 2.3, 1.65
@@ -129,7 +129,7 @@ def footings(scene, model):
             continue        # the base is punched through the sand into it
         strip = len(list(sides(soil.grid, place, travel))) == 1       # over all of the grid along the other axis
         excess = WEIGHT * (cell / width)**ORDER if strip else SQUARE * cell / width
-        if excess > EXCESS and not covers(place, soil.constants, soil.grid):
+        if excess > EXCESS and not covers(place, soil):
             less = "the difference"
             if strip:
                 less = f"1.9 times {less}, as the excess falls with the power 0.6 of the cells"
@@ -181,8 +181,7 @@ def _wedge(wedge, body, depth, grid, angle):
         remedy = (f"Its face is at {angle:.0f} degrees to the ground, limit {LEANING:.0f}, and drags more: smooth "
                   f"faces at 75 and 60 degrees measured {wedge.inclined}. Extrapolate two sizes of cells to none")
     else:
-        remedy = (f"Use cells of at most {EXCESS / wedge.foot * depth:.2g} m, or extrapolate two sizes of cells to "
-                  f"none{wedge.upright if in_plane_strain else wedge.in_space}")
+        remedy = smaller_cells(EXCESS / wedge.foot * depth) + (wedge.upright if in_plane_strain else wedge.in_space)
     yield (f"{body.name} ends {depth:.3g} m deep in {wedge.soil}, {depth / cell:.2g} cells of {cell:.3g} m, and drags the "
            f"next cell along: the resistance of the soil ahead of it {verb} at least {excess:.0%} too high, limit "
            f"{EXCESS:.0%}. {remedy}")
@@ -199,11 +198,9 @@ def _retained(scene, soil, body, place, depth, does, load):
     if depth >= STEEP * cell and whole > 0.0 and low < (1.0 - EXCESS) * whole:
         missing = 1.0 - low / whole
         least = (suction + np.sqrt(suction**2 + 4.0 * weight * (1.0 - EXCESS) * whole)) / (2.0 * weight)
-        enough = (depth - least) / ACTIVE
         yield (f"{body.name} {does} {depth:.3g} m of sand, {depth / cell:.2g} cells of {cell:.3g} m, whose lowest "
                f"cells stay behind at its foot: {load} about {missing:.0%} too low, limit {EXCESS:.0%}, which is "
-               f"unsafe for a retaining wall. Use cells of at most {enough:.2g} m, or extrapolate two sizes of cells "
-               "to none")
+               f"unsafe for a retaining wall. {smaller_cells((depth - least) / ACTIVE)}")
 
 
 def depths(scene, soil, place, travel, laws, spaces=(1,), away=False):

@@ -2,12 +2,15 @@
 
 import numpy as np
 
+from hybrid.body.rigid import FREEDOMS
 from hybrid.laws.cone import CORNER, ETA, RATIO, RESIDUAL, SLOPE, STRENGTH, UNLIMITED, plane_strain_strength
 from hybrid.laws.hencky import BULK, SHEAR
 from hybrid.monitors.limits.contact import initial_pose, initial_vertices
 from hybrid.runtime.comm import anywhere, joined, maximum, minimum
+from hybrid.scene.body import out_of_plane
 from hybrid.scene.defaults import POISSON
 from hybrid.scene.soil import materials
+from hybrid.soil.points import extent
 
 ALMOST = 1e-6       # [m] from the end of the grid, which is reached
 LONG = 2.0          # cells: shorter stretches of the ground are steps
@@ -40,9 +43,8 @@ def slab(scene, model):
 def _same_along(scene, model, axis):
     """Whether soil and bodies are the same all along an axis, and nothing moves or loads them along it."""
     soil, surface = model.soil, model.soil.heights and model.soil.heights[0]
-    ends = soil.grid.extent[axis]
-    place, half = soil.constants.position[:, axis], soil.constants.half_width[:, axis]
-    fills = minimum(place - half) < ends[0] + ALMOST and maximum(place + half) > ends[1] - ALMOST
+    ends, (low, high) = soil.grid.extent[axis], extent(soil.constants, axis)
+    fills = low < ends[0] + ALMOST and high > ends[1] - ALMOST
     level = surface is None or surface[1] is None and axis == 1     # a profile is along x
     if not (fills and level and scene.gravity[axis] == 0.0 and model.loads.body_force is None):
         return False
@@ -54,7 +56,7 @@ def _prism_along(described, body, axis, ends, loaded):
     """Whether a body is a prism from one end of the grid [m] to the other, and stays one."""
     _, rotation = initial_pose(described, body)
     along = initial_vertices(described, body, body.outline)[:, axis]
-    out = [axis, *(3 + np.delete(np.arange(3), axis))]      # the components out of the plane
+    out = np.isin(FREEDOMS, out_of_plane("xyz"[axis]))
     still = not np.concatenate([described.velocity, described.spin])[out].any() and not body.drive[out].any()
     long = along.min() < ends[0] + ALMOST and along.max() > ends[1] - ALMOST
     return still and long and (not loaded or body.guided[out].all()) and body.outline.is_prism(rotation[axis])

@@ -3,7 +3,7 @@
 import numpy as np
 
 from hybrid.body.table import Table
-from hybrid.scene.check_stage import components, spatial_spin
+from hybrid.scene.check_stage import components, velocities
 from hybrid.scene.stage import table_rows
 
 # Cells that a driven body may move by in a step, by whether the soil yields. Hertz problems (hybrid.study.random) are
@@ -41,8 +41,7 @@ def stride_of(scene, stage, described, name):
     own = [motion for motion in stage.motions if motion.body in (None, described.name) and name in components(motion)]
     if not own:
         driven = name in described.driven and name not in stage.held
-        rates = dict(zip(("x", "y", "z", "rx", "ry", "rz"), (*described.velocity, *spatial_spin(described))))
-        return driven * abs(rates[name]) * length
+        return driven * abs(velocities(described)[name]) * length
     times = length * np.linspace(0.0, stage.steps, min(stage.steps, TIMES) + 1)
     return max(_of_motion(motion, times, length) for motion in own)
 

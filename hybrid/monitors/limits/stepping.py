@@ -6,7 +6,7 @@ from hybrid.body.attitude import rotation_from_axis_angle
 from hybrid.contact.search import distances
 from hybrid.monitors.limits.contact import initial_pose
 from hybrid.monitors.limits.stages import stride_of
-from hybrid.runtime.comm import maximum, minimum
+from hybrid.soil.points import extent
 
 # [rad] a step: from here on the attitude of a free body is wrong by 0.05 rad after a rotation of 10 rad (failure study)
 ROTATION = {"schemes of first order": 0.03, "energy-momentum": 0.2, "generalised alpha that damps": 0.2,
@@ -119,8 +119,8 @@ def singular_stiffness(scene, model):
 def _reached(soil):
     """(n,) bool of each axis: planes of nodes of the whole grid in the support of a point of the soil at the start."""
     for axis, nodes in enumerate(soil.grid.lines):
-        x, half = soil.constants.position[:, axis], soil.constants.half_width[:, axis]
-        within = (nodes >= minimum(x - half) - 1e-9) & (nodes <= maximum(x + half) + 1e-9)
+        low, high = extent(soil.constants, axis)
+        within = (nodes >= low - 1e-9) & (nodes <= high + 1e-9)
         yield within if len(nodes) > 1 else np.ones(1, bool)
 
 

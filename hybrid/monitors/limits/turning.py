@@ -27,7 +27,8 @@ Along a round body it slips, at its outline, and the torque depends on where lin
 import numpy as np
 
 from hybrid.monitors.limits.stages import stride_of
-from hybrid.monitors.limits.loading import CLAY, EXCESS, ON_LINE, SAND, law_at, material_at, outline, top_of
+from hybrid.monitors.limits.loading import (CLAY, EXCESS, ON_LINE, SAND, faces, law_at, material_at, outline, smaller_cells,
+                                            top_of)
 
 SHEARED = 1.3                   # cells by which the sheared surface is wider, and longer, than the body
 BLADES = 0.1                    # share of its surface with which a body pushes soil as it turns; of a round one 0
@@ -86,8 +87,7 @@ def turned_over(scene, model):
             if excess > EXCESS and _pushes(whole, place, axis) > BLADES and _flows(scene, described, body, axis, *strength):
                 yield (f"{body.name} is turned about {'xy'[axis]}, {width / cell:.2g} cells of {cell:.3g} m across: its "
                        f"moment, where soil flows under it, is up to {excess:.0%} too high, limit {EXCESS:.0%}, as it "
-                       f"drives the next cells too. Use cells of at most {EXCESS / excess * cell:.2g} m at it, or "
-                       "extrapolate two sizes of cells to none")
+                       f"drives the next cells too. {smaller_cells(EXCESS / excess * cell, ' at it')}")
 
 
 def _width(place, top, axis, material, in_plane, cell):
@@ -151,12 +151,11 @@ def _torque(body, place, axis, cell, ends):
 def _pushes(body, place, axis):
     """Share of a body's surface that it moves towards the soil, or away from it, as it turns about an axis through the
     middle of its outline."""
-    corners = place[body.surface.triangles]
-    normal = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    arm = corners.mean(axis=1) - 0.5 * (place.min(axis=0) + place.max(axis=0))
+    normal, area = faces(body, place)
+    arm = place[body.surface.triangles].mean(axis=1) - 0.5 * (place.min(axis=0) + place.max(axis=0))
     travel = np.cross(np.eye(3)[axis], arm)
     travel /= np.maximum(np.linalg.norm(travel, axis=1), 1e-12 * np.ptp(place, axis=0).max())[:, None]
-    return np.abs((normal * travel).sum(axis=1)).sum() / np.linalg.norm(normal, axis=1).sum()
+    return np.abs((normal * travel).sum(axis=1)).sum() / area.sum()
 
 
 LIMITS = (turned, turned_over)

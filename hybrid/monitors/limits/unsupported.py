@@ -9,7 +9,8 @@ from hybrid.body.paths import path_along
 from hybrid.monitors.limits.contact import initial_pose, initial_vertices
 from hybrid.monitors.limits.loading import leads, outline, top_of
 from hybrid.monitors.load_reached import components_of, held_down
-from hybrid.runtime.comm import maximum, minimum, total
+from hybrid.runtime.comm import total
+from hybrid.soil.points import extent
 
 FLUSH = 0.5     # cells between a body and the soil from which on a step does not find its contact
 SUNK = 0.25     # cells above its lowest point up to which the surface of a body laid on the soil supports it
@@ -26,7 +27,7 @@ def soil_without_support(scene, model):
         return
     if any(body.interface and body.interface.tension for body in model.bodies):     # it may hang on them
         return
-    low, cell = minimum(soil.constants.position[:, 2] - soil.constants.half_width[:, 2]), soil.grid.smallest_cell
+    (low, _), cell = extent(soil.constants, 2), soil.grid.smallest_cell
     if any(initial_vertices(described, body)[:, 2].min() < low - 0.5 * cell
            for described, body in zip(scene.bodies, model.bodies)) or scene.joints:
         return
@@ -44,9 +45,7 @@ def _supports(scene, soil, axis, side):
     condition = getattr(scene.grid.faces, f"{'xyz'[axis]}_{('min', 'max')[side]}")
     if condition == "free" or soil.grid.collapsed[axis] or axis != 2 and condition != "fixed":
         return False
-    position, half, end = soil.constants.position[:, axis], soil.constants.half_width[:, axis], soil.grid.extent[axis, side]
-    reached = minimum(position - half) if side == 0 else maximum(position + half)
-    return abs(reached - end) < 0.5 * soil.grid.smallest_cell
+    return abs(extent(soil.constants, axis)[side] - soil.grid.extent[axis, side]) < 0.5 * soil.grid.smallest_cell
 
 
 def loads_that_lift(scene, model):

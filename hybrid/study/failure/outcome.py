@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import partial
 
 from hybrid.study.records import load_rows, save_rows
 
@@ -45,11 +46,5 @@ def classify(observation, right, wrong):
     return ("reported" if observation.messages else "silent"), message
 
 
-def save(path, stamp, outcomes):
-    """Write outcomes and the stamp of machine and versions."""
-    save_rows(path, stamp, "outcomes", outcomes)
-
-
-def load(path):
-    """(stamp, outcomes) of a file."""
-    return load_rows(path, Outcome, "outcomes")
+# save(path, stamp, outcomes); load(path) gives (stamp, outcomes)
+save, load = partial(save_rows, name="outcomes"), partial(load_rows, kind=Outcome, name="outcomes")

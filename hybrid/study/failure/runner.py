@@ -4,11 +4,11 @@ from math import nan
 from pathlib import Path
 from time import perf_counter
 
-from hybrid.bench.stamp import stamp
-from hybrid.runtime.errors import HybridError, SceneError
+from hybrid.runtime.errors import HybridError
 from hybrid.study.failure import outcome, report
-from hybrid.study.failure.outcome import Outcome, classify, load
+from hybrid.study.failure.outcome import Outcome, classify
 from hybrid.study.failure.registry import MODES
+from hybrid.study.records import chosen, record_runs
 
 
 def run(names=(), quick=False, out=Path("out/failure"), resume=False, log=print):
@@ -17,20 +17,8 @@ def run(names=(), quick=False, out=Path("out/failure"), resume=False, log=print)
     resume: keep the outcomes of the folder and run the settings that are missing. Raises SceneError for an unknown
     name.
     """
-    names = list(names) or list(MODES)
-    if unknown := [name for name in names if name not in MODES]:
-        raise SceneError(f"study failure {unknown[0]}: no such case; there are {', '.join(MODES)}")
-    path, marks = Path(out) / "records.json", {"quick": quick, **stamp()}
-    outcomes = load(path)[1] if resume and path.is_file() else []
-    known = {o.key for o in outcomes}
-    for key in runs(names, quick):
-        if key not in known:
-            outcomes.append(measure(*key))
-            outcome.save(path, marks, outcomes)
-            log(report.line(outcomes[-1]))
-    for figure in report.draw(path, out):
-        log(figure)
-    return outcomes
+    keys = runs(chosen(names, MODES, "failure", "case"), quick)
+    return record_runs(keys, measure, outcome, report, out, quick, resume, log)
 
 
 def runs(names, quick=False):

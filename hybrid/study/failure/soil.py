@@ -203,12 +203,12 @@ def softening(cells, scaled=False):
 
 
 @functools.cache
-def _fracture_work(steps=2000, upto=0.3):
+def _fracture_work():
     """w [J/m³] of a point stretched along one axis until its cohesion is lost."""
     law = DruckerPrager(np.array([1e9]), 0.0, CEMENTED["friction_angle"], CEMENTED["dilation_angle"],
                         CEMENTED["cohesion"], hardening=SOFTENING, residual_cohesion=0.0)
     elastic, history, work, last = np.zeros((1, 3)), np.zeros(1), 0.0, 1.0
-    for stretch in np.exp(np.linspace(0.0, upto, steps + 1))[1:]:
+    for stretch in np.exp(np.linspace(0.0, 0.3, 2001))[1:]:
         trial = elastic + [[0.0, 0.0, np.log(stretch / last)]]
         response = law.respond(trial, history)
         history, elastic = history + plastic_increment(trial, response.elastic), response.elastic

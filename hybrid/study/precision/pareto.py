@@ -20,8 +20,3 @@ def excess(record, records, error, cost="time"):
         return math.inf
     as_accurate = [r for r in front(records, error, cost) if r.errors[error] <= record.errors[error]]
     return getattr(record, cost) / min(getattr(r, cost) for r in as_accurate)
-
-
-def cheapest(records, error, target):
-    """The record of least time whose error is at most `target`; None if there is none."""
-    return next((r for r in front(records, error) if r.errors[error] <= target), None)

@@ -1,6 +1,7 @@
 """Records of the study of precision: one for each run, kept as JSON. Figures and tables are made from records only."""
 
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 
@@ -62,11 +63,5 @@ class Record:
         return self.newton * self.unknowns
 
 
-def save(path, stamp, records):
-    """Write records and the stamp of machine and versions."""
-    save_rows(path, stamp, "records", records)
-
-
-def load(path):
-    """(stamp, records) of a file."""
-    return load_rows(path, Record, "records")
+# save(path, stamp, records); load(path) gives (stamp, records)
+save, load = save_rows, partial(load_rows, kind=Record)

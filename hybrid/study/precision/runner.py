@@ -4,11 +4,11 @@ from functools import partial
 from pathlib import Path
 
 from hybrid.bench.peer import version
-from hybrid.bench.stamp import stamp
-from hybrid.runtime.errors import HybridError, SceneError
+from hybrid.runtime.errors import HybridError
 from hybrid.study.precision import record, report
-from hybrid.study.precision.record import Record, load
+from hybrid.study.precision.record import Record
 from hybrid.study.precision.registry import PROBLEMS
+from hybrid.study.records import begin, chosen
 
 REPEATS = 3     # runs of each setting; the least of their times counts
 LONG = 5.0      # [s] a run that takes longer is not repeated
@@ -21,12 +21,9 @@ def run(names=(), quick=False, out=Path("out/precision"), resume=False, log=prin
     of the folder and run the settings that are missing; peer: path of a Python with Kratos MPM, to be run as well.
     Raises SceneError for an unknown name, HybridError if that Python has no Kratos MPM.
     """
-    names = list(names) or list(PROBLEMS)
-    if unknown := [name for name in names if name not in PROBLEMS]:
-        raise SceneError(f"study precision {unknown[0]}: no such problem; there are {', '.join(PROBLEMS)}")
+    names = chosen(names, PROBLEMS, "precision", "problem")
     source = peer and f"Kratos MPM {version(peer)}"
-    path, marks = Path(out) / "records.json", {"quick": quick, **stamp()}
-    records = load(path)[1] if resume and path.is_file() else []
+    path, marks, records = begin(out, quick, resume, record.load)
     known, repeats = {r.key for r in records}, 1 if quick else REPEATS
 
     def add(run, **how):

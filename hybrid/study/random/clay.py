@@ -22,11 +22,12 @@ import numpy as np
 
 from hybrid.runtime.data import GEOMETRY
 from hybrid.scene import Axis, Body, Faces, Grid, Material, Scene, Soil, Stage, Time
+from hybrid.study.plasticity import graded
 from hybrid.study.random.family import Family, spread, uniform
 from hybrid.study.random.pressing import PUSHED, quasi_static
 
 SINK, PIPE_STEPS = 0.2, 20      # of the pipe, in diameters
-CONE_STEPS = 40
+CONE_STEPS, GROWTH = 40, 1.5     # growth: of cells away from the cone
 
 
 def clay(strength, rigidity, poisson=0.49):
@@ -79,22 +80,14 @@ def cone(radius, angle, strength, rigidity, across, depth=3.0):
     """Scene of a cone; across: cells in its radius; depth: of its shoulder in the end, in radii."""
     size, height = radius / across, radius / np.tan(np.radians(0.5 * angle))
     way = depth * radius + height
-    side = Axis(nodes=tuple(growing(size, 1.5 * radius, 8 * radius)))
-    deep = growing(size, way + radius, way + 6 * radius)
+    side = Axis(nodes=tuple(graded(size, 1.5 * radius, 8 * radius, GROWTH)))
+    deep = graded(size, way + radius, way + 6 * radius, GROWTH)
     down = Axis(nodes=(*(-z for z in deep[::-1]), size, 2 * size))
     body = Body(GEOMETRY / "cone.geo", 1000.0, name="cone", rest_on=0.0,
                 parameters={"radius": radius, "angle": angle, "shaft": (depth + 2) * radius, "size": 0.3 * radius},
                 velocity=(0.0, 0.0, -way / CONE_STEPS), **PUSHED)
     return quasi_static("cone", Grid(side, side, down, Faces(z_min="fixed")),
                         Soil(clay(strength, rigidity), top=0.0, geostatic=False), body, CONE_STEPS)
-
-
-def growing(size, fine, end, growth=1.5):
-    """Coordinates from 0 to `end` [m] or a little farther: `size` [m] apart up to `fine`, then growing."""
-    found = (size * np.arange(np.ceil(fine / size) + 1)).tolist()
-    while found[-1] < end:
-        found.append(found[-1] + growth * (found[-1] - found[-2]))
-    return found
 
 
 def measure_cone(run, radius, strength, **_):

@@ -6,19 +6,6 @@ from zlib import crc32
 
 import numpy as np
 
-from hybrid.scene import Body, Scene, Soil, Solver, Stage, Time
-
-# The fields of a scene's tables that state physics, cells and steps. All others are options and keep their defaults.
-PHYSICS = {
-    Soil: {"material", "top", "lower", "upper", "held", "geostatic", "k0", "layers"},
-    Body: {"geometry", "density", "name", "parameters", "position", "rotation", "rest_on", "velocity", "spin", "held",
-           "driven", "friction"},
-    Time: {"step", "inertia"},
-    Stage: {"name", "steps", "step", "gravity", "held"},
-    Solver: set(),
-    Scene: {"name", "grid", "soil", "bodies", "time", "stages", "gravity", "solver"},
-}
-
 
 @dataclass(frozen=True)
 class Run:
@@ -64,11 +51,3 @@ def uniform(generator, low, high, digits=4):
 def spread(generator, low, high):
     """A random number whose logarithm is uniform, of three digits."""
     return float(f"{np.exp(generator.uniform(np.log(low), np.log(high))):.3g}")
-
-
-def options_set(scene):
-    """Names of the options that a Scene sets: fields other than PHYSICS that differ from their defaults."""
-    tables = [scene, scene.soil, scene.time, scene.solver, *scene.bodies, *scene.stages]
-    return [f"{type(table).__name__}.{name}" for table in tables
-            for name, field in type(table).__dataclass_fields__.items()
-            if name not in PHYSICS[type(table)] and getattr(table, name) != field.default]

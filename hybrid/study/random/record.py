@@ -1,6 +1,7 @@
 """Records of the study of random scenes: one for each seed of a family, kept as JSON."""
 
 from dataclasses import dataclass, field
+from functools import partial
 
 from hybrid.study.records import load_rows, save_rows
 
@@ -34,11 +35,5 @@ class Record:
         return self.family, self.seed
 
 
-def save(path, stamp, records):
-    """Write records and the stamp of machine and versions."""
-    save_rows(path, stamp, "records", records)
-
-
-def load(path):
-    """(stamp, records) of a file."""
-    return load_rows(path, Record, "records")
+# save(path, stamp, records); load(path) gives (stamp, records)
+save, load = save_rows, partial(load_rows, kind=Record)

@@ -3,14 +3,14 @@
 from pathlib import Path
 from time import perf_counter
 
-from hybrid.bench.stamp import stamp
 from hybrid.bench.timed_steps import newton_iterations
-from hybrid.runtime.errors import HybridError, SceneError
+from hybrid.runtime.errors import HybridError
 from hybrid.study.failure.simulate import simulate
 from hybrid.study.random import record, report
 from hybrid.study.random.family import Run
-from hybrid.study.random.record import Record, load
+from hybrid.study.random.record import Record
 from hybrid.study.random.registry import FAMILIES
+from hybrid.study.records import chosen, record_runs
 
 
 def run(names=(), quick=False, out=Path("out/random"), resume=False, log=print):
@@ -20,21 +20,9 @@ def run(names=(), quick=False, out=Path("out/random"), resume=False, log=print):
     quick: the first seeds of each family; resume: keep the records of the folder and run the scenes that are missing.
     Raises SceneError for an unknown name.
     """
-    names = list(names) or list(FAMILIES)
-    if unknown := [name for name in names if name not in FAMILIES]:
-        raise SceneError(f"study random {unknown[0]}: no such family; there are {', '.join(FAMILIES)}")
-    path, marks = Path(out) / "records.json", {"quick": quick, **stamp()}
-    records = load(path)[1] if resume and path.is_file() else []
-    known = {r.key for r in records}
-    for name in names:
-        for seed in range(FAMILIES[name].quick if quick else FAMILIES[name].seeds):
-            if (name, seed) not in known:
-                records.append(measure(name, seed))
-                record.save(path, marks, records)
-                log(report.line(records[-1]))
-    for figure in report.draw(path, out):
-        log(figure)
-    return records
+    keys = [(name, seed) for name in chosen(names, FAMILIES, "random", "family")
+            for seed in range(FAMILIES[name].quick if quick else FAMILIES[name].seeds)]
+    return record_runs(keys, measure, record, report, out, quick, resume, log)
 
 
 def measure(name, seed):

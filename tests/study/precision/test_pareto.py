@@ -17,7 +17,3 @@ def test_front_and_excess():
     assert [(r.curve, r.setting) for r in best] == [("a", "1"), ("a", "2"), ("b", "2")]
     assert pareto.excess(records()[2], records(), "e") == 2.0 and pareto.excess(records()[1], records(), "e") == 1.0
     assert pareto.excess(records()[4], records(), "e") == pareto.excess(records()[5], records(), "e") == float("inf")
-
-
-def test_cheapest():
-    assert pareto.cheapest(records(), "e", 0.02).setting == "2" and pareto.cheapest(records(), "e", 1e-9) is None

@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from options import options_set
 from scipy.spatial.transform import Rotation
 
 from hybrid.scene import Solver
 from hybrid.study.random import rides, tumbling
-from hybrid.study.random.family import options_set
 from hybrid.study.random.registry import FAMILIES
 
 

@@ -2,6 +2,7 @@
 
 import pytest
 
+from hybrid.bench.stamp import stamp
 from hybrid.runtime.errors import SceneError, StepError
 from hybrid.study.random import record, report, runner
 from hybrid.study.random.family import Family, uniform
@@ -75,7 +76,7 @@ def test_the_listing_has_every_name():
 
 def test_nothing_is_drawn_without_rides(tmp_path):
     path = tmp_path / "records.json"
-    record.save(path, runner.stamp(), [record.Record("platen", 0, {}, "right", {"force": 0.001})])
+    record.save(path, stamp(), [record.Record("platen", 0, {}, "right", {"force": 0.001})])
     assert report.draw(path, tmp_path) == []
 
 

@@ -26,11 +26,11 @@ IDEAL = AREA * YOUNG * log(LENGTH / PRESSED) * LENGTH / PRESSED
 CORNERS, PENALTIES = {"method": "published", "penalty": 50.0}, (20.0, 50.0, 200.0, 1e3, 1e4, 1e5)
 
 
-def in_series(penalty, pressed=AREA):
-    """Force [N] and height [m] of soil and of contact springs over an area `pressed` in series."""
+def in_series(penalty):
+    """Force [N] and height [m] of soil and of contact springs in series."""
     def force(height):
         return AREA * YOUNG * log(LENGTH / height) * LENGTH / height
-    height = brentq(lambda l: penalty * YOUNG * pressed * (l - PRESSED) - force(l), PRESSED, LENGTH, xtol=1e-14)
+    height = brentq(lambda l: penalty * YOUNG * AREA * (l - PRESSED) - force(l), PRESSED, LENGTH, xtol=1e-14)
     return force(height), height
 
 
