@@ -96,12 +96,13 @@ class HeldGround:
         return None
 
     def _rolls_not(self, up):
-        """Whether any of the lowest places has no curved face that looks down; up: (3,) in the body's frame."""
+        """Whether none of the lowest places is on a curved face that looks down, or one of them on no curved face at all; up:
+        (3,) in the body's frame. The tip of a cone on its side, and a rim, are on curved faces."""
         if self.surface_points is None:
             return True
         height = self.surface_points.point @ up
         lowest = self.surface_points.curved[height <= height.min() + LOWEST * self.spacing]
-        return bool((lowest @ -up <= ROLLS).all(axis=1).any())
+        return not (lowest @ -up > ROLLS).any() or not lowest.any(axis=(1, 2)).all()
 
 
 class SurfacePoints(NamedTuple):

@@ -177,11 +177,12 @@ def _edges(surface, spacing, width, corner, sagitta):
     np.add.at(normal, surface.triangles, surface.tree.normals[:, 4:7])      # of their features 4, 5, 6
     normal /= np.linalg.norm(normal, axis=1)[:, None]
     at, count = np.unique(np.concatenate([ends[0][chosen], ends[1][chosen]]), return_counts=True)
-    at = np.concatenate([at[count >= 3], np.setdiff1d(_tips(surface, normal), at)])
+    tips = np.setdiff1d(_tips(surface, normal), at)
+    at = np.concatenate([at[count >= 3], tips])
     points.append(surface.vertices[at])
     normals.append(normal[at])
     areas.append(np.full(len(at), corner))
-    beside.append(np.zeros((len(at), 2, 3)))
+    beside += [np.zeros((len(at) - len(tips), 2, 3)), *(_beside_tip(surface, tip) for tip in tips)]
     return tuple(np.concatenate(each) for each in (points, normals, areas, beside))
 
 
@@ -197,6 +198,12 @@ def _tips(surface, normal):
         above = np.einsum("tki,tki->tk", np.roll(corners, -step, axis=1) - corners, normal[surface.triangles]) >= 0.0
         np.logical_or.at(low, surface.triangles, above)
     return np.flatnonzero((along < np.cos(BEND)) & ~low)
+
+
+def _beside_tip(surface, tip):
+    """Normal (1, 2, 3), twice, of one of the curved faces at the vertex of a tip, 0 of plane ones."""
+    t, k = np.argwhere(surface.triangles == tip)[0]
+    return np.tile(surface.turning[t] * surface.corner_normals[t, k], (1, 2, 1))
 
 
 def _bow(surface, t, k):
