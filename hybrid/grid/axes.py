@@ -121,6 +121,11 @@ class Grid:
         """Edge [m] of the smallest cell."""
         return smallest_cell(self.axes)
 
+    @cached_property
+    def resolution(self):
+        """Edge [m] of the smallest cells along the axis on which they are largest."""
+        return max(np.diff(nodes).min() for nodes in self.lines if len(nodes) > 1)
+
     @property
     def lines(self):
         """Nodes [m] along each axis of the whole grid, of which this one may be a block."""

@@ -13,6 +13,8 @@ import numpy as np
 
 from hybrid.body import rigid
 from hybrid.monitors.monitor import Monitor
+from hybrid.runtime.comm import total
+from hybrid.soil.points import extent
 
 ABSORBED = 0.15     # of the largest kinetic energy of the bodies, over a run
 FALLING = 0.5       # smallest share of the energy that stored so far is that of the bodies' motion
@@ -22,7 +24,9 @@ BROUGHT, STORED = ("pull", "drive", "load"), ("kinetic", "elastic", "contact")
 FLOW = 0.2          # of what soil, friction and ghost penalty took, with what is lost,
 TAKEN = 0.25        # and of the largest kinetic energy of all, what they took at least
 TAKERS = "plastic", "friction", "ghost"
-SMALL = 0.01        # of the energy of a fall from the radius of the bodies: what has less settles on soil or contact springs
+# Of the energy of a fall from the radius of the bodies, without bodies of the soil from its own height: what has less
+# settles on soil or contact springs, or is the shock of weight that acts at once
+SMALL = 0.01
 
 BACK = "more was missing before, and has come back or is little beside the work on the bodies since"
 
@@ -100,7 +104,11 @@ class AbsorbedImpact(Monitor):
 
 def least_energy(model):
     """Energy [J] of motion below which nothing is an impact."""
-    return SMALL * sum(body.mass.mass * body.radius for body in model.bodies) * float(np.linalg.norm(model.gravity))
+    if model.bodies:
+        reach = sum(body.mass.mass * body.radius for body in model.bodies)
+    else:
+        reach = total(model.soil.constants.mass) * np.ptp(extent(model.soil.constants, 2))
+    return SMALL * float(reach * np.linalg.norm(model.gravity))
 
 
 def motion_energy(bodies, motions):

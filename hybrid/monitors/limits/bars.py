@@ -28,7 +28,7 @@ def bars(scene, model):
     soil = model.soil
     if soil.held or soil.grid.collapsed.any():
         return
-    cell = soil.grid.smallest_cell
+    cell = soil.grid.resolution
     for body, travel, place, plane in [*driven(scene, model), *(found[:4] for found in loaded(scene, model))]:
         down = plane and travel[2] <= -DOWN * np.linalg.norm(travel)
         if not down or law_at(scene, soil, place[:, 2].min() - 0.5 * cell) != CLAY:

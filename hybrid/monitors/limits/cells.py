@@ -65,7 +65,7 @@ NOTHING = 0.0, "", ""           # no excess
 def few_cells(scene, model):
     """Bodies driven through clay with a plane face, or loaded until they go through it, so few cells wide that their load
     is more than EXCESS too high."""
-    cell = model.soil.grid.smallest_cell
+    cell = model.soil.grid.resolution
     pushed = [(*found, False, 0.0, -found[1][2]) for found in driven(scene, model)]
     pushed += [(body, cell * force / np.linalg.norm(force), *others, -np.inf)
                for body, force, *others in loaded(scene, model) if not body.borne]
@@ -90,7 +90,7 @@ def few_cells(scene, model):
 def _eccentric(scene, model, body, travel, place, arm):
     """(Excess, text, remedy) of a strip pressed on clay in plane strain by a load that acts on an `arm` [m]."""
     soil = model.soil
-    cell, under = soil.grid.smallest_cell, place[:, 2].min() - 0.5 * soil.grid.smallest_cell
+    cell, under = soil.grid.resolution, place[:, 2].min() - 0.5 * soil.grid.resolution
     width = narrowest(soil.grid, place, travel)
     attached = body.interface is not None and body.interface.tension
     if not arm or law_at(scene, soil, under) != CLAY or travel[2] >= 0.0 or attached or soil.grid.collapsed.sum() != 1:
@@ -107,7 +107,7 @@ def trapdoors(scene, model):
     soil = model.soil
     if soil.held or soil.grid.collapsed.sum() != 1:
         return
-    cell = soil.grid.smallest_cell
+    cell = soil.grid.resolution
     for body, travel, place, plane in driven(scene, model):
         width, top = narrowest(soil.grid, place, travel), place[:, 2].max()
         door = plane and travel[2] < 0.0 and width and _under_all(soil, place)
@@ -120,7 +120,7 @@ def trapdoors(scene, model):
 
 def _under_all(soil, place):
     """Whether a body with its vertices at `place` (V, 3) [m] is below all of the soil."""
-    return place[:, 2].max() <= extent(soil.constants, 2)[0] + ON_LINE * soil.grid.smallest_cell
+    return place[:, 2].max() <= extent(soil.constants, 2)[0] + ON_LINE * soil.grid.resolution
 
 
 def flow_around(scene, model):
@@ -150,7 +150,7 @@ def wedges(scene, model):
     soil = model.soil
     if soil.held or soil.grid.collapsed.sum() != 1:
         return
-    cell, top = soil.grid.smallest_cell, top_of(soil)
+    cell, top = soil.grid.resolution, top_of(soil)
     for body, travel, place, plane in driven(scene, model):
         depth = top - place[:, 2].min() - travel[2]
         known = not plane and travel[2] < 0.0 < depth and law_at(scene, soil, top - 0.5 * cell) == CLAY
@@ -173,7 +173,7 @@ def _is_wedge(body, place, travel):
 
 def _attached(scene, model, body, travel, place, _):
     """(Excess, text, remedy) of a body in clay that stays on it, deep in it or round."""
-    soil, cell = model.soil, model.soil.grid.smallest_cell
+    soil, cell = model.soil, model.soil.grid.resolution
     across = [(side.width, leads(body, place, side.direction), side.axis is None)
               for side in sides(soil.grid, place, travel)]
     width = min((width for width, *_ in across), default=np.inf)
@@ -195,7 +195,7 @@ def _attached(scene, model, body, travel, place, _):
 
 def _covered(scene, soil):
     """Whether the top of the soil is held, a block cut out of deep ground, so that nothing can be lifted off."""
-    return scene.grid.faces.z_max != "free" and top_of(soil) > soil.grid.extent[2, 1] - 1e-6 * soil.grid.smallest_cell
+    return scene.grid.faces.z_max != "free" and top_of(soil) > soil.grid.extent[2, 1] - 1e-6 * soil.grid.resolution
 
 
 def _on_lines(scene, model, body, travel, place, depth):
@@ -227,18 +227,18 @@ def _foot_on_lines(scene, model, body, travel, place, foot, depth):
     """(Excess, cells across, axes along which edges are on lines, whether the strength grows, depth in the end over the
     width) of a foot with its vertices at (V, 3) [m] of a body pushed into clay."""
     grid, excess, on, narrow = model.soil.grid, 1.0, [], np.inf
-    if law_at(scene, model.soil, foot[:, 2].min() - 0.5 * grid.smallest_cell) != CLAY:
+    if law_at(scene, model.soil, foot[:, 2].min() - 0.5 * grid.resolution) != CLAY:
         return 0.0, narrow, on, False, 0.0
     width, sunk = narrowest(grid, foot, travel), 0.0
-    if travel[2] < 0.0 and width > MEASURED * grid.smallest_cell and scene.soil.ground is None:
+    if travel[2] < 0.0 and width > MEASURED * grid.resolution and scene.soil.ground is None:
         sunk = max((top_of(model.soil) - foot[:, 2].min() + depth) / width, 0.0)
     growing = _growing(scene, model.soil, foot, travel)
     for width, ends, direction, axis in sides(grid, foot, travel):
         if axis is None:
             continue
         if not leads(body, place, direction):   # a round outline crosses lines of the grid everywhere
-            excess *= 1.0 + (ROUND_BASE * grid.smallest_cell / width if travel[2] < 0.0 else 0.0)
-            narrow = min(narrow, width / grid.smallest_cell)
+            excess *= 1.0 + (ROUND_BASE * grid.resolution / width if travel[2] < 0.0 else 0.0)
+            narrow = min(narrow, width / grid.resolution)
             continue
         nodes, cell = grid.lines[axis], np.diff(grid.lines[axis]).min()
         lying = sum(np.abs(nodes - end).min() < ON_LINE * cell and _soil_beside(model.soil, foot, axis, end)
@@ -252,14 +252,14 @@ def _foot_on_lines(scene, model, body, travel, place, foot, depth):
 
 def _soil_beside(soil, place, axis, end):
     """Whether soil goes on beyond the `end` [m] of a body with its vertices at `place`, not that of a lid on a specimen."""
-    (low, high), beyond = extent(soil.constants, axis), ON_LINE * soil.grid.smallest_cell
+    (low, high), beyond = extent(soil.constants, axis), ON_LINE * soil.grid.resolution
     upper = end > 0.5 * (place[:, axis].min() + place[:, axis].max())
     return high > end + beyond if upper else low < end - beyond
 
 
 def _growing(scene, soil, place, travel):
     """Factor [-] on the excess of a body with its vertices at `place`, 1 where the strength does not grow with depth."""
-    cell, bottom = soil.grid.smallest_cell, place[:, 2].min()
+    cell, bottom = soil.grid.resolution, place[:, 2].min()
     rate = material_at(scene, soil, bottom - 0.5 * cell).strength_gradient or 0.0
     width = narrowest(soil.grid, place, travel)
     if rate <= 0.0 or not width or soil.grid.collapsed.sum() != 1:

@@ -82,7 +82,7 @@ def attached_slides(scene, model):
         across, bottom = np.ptp(place @ travel) / np.linalg.norm(travel), place[:, 2].min()
         along = abs(travel[2]) < ALONG * np.linalg.norm(travel) and bottom > top_of(soil) - SUNK * across
         along &= np.linalg.norm(travel) > SHORT * across
-        law = law_at(scene, soil, bottom - 0.5 * soil.grid.smallest_cell)
+        law = law_at(scene, soil, bottom - 0.5 * soil.grid.resolution)
         if stays_attached(body, soil) and along and law == CLAY:
             yield (f'{body.name} is driven along the top of clay by {np.linalg.norm(travel) / across:.2g} of its length, '
                    f'limit {SHORT:g}, with body.tension = "full": what its rear edge leaves stays on it and holds it back, '
@@ -102,9 +102,9 @@ def flow_around(scene, model):
         if plane or not width or above < COVERED * width or facing(body, place, travel) is not None or law_at(
                 scene, soil, place[:, 2].mean()) != CLAY:
             continue
-        factor, cells = _around(body, soil), width / soil.grid.smallest_cell
+        factor, cells = _around(body, soil), width / soil.grid.resolution
         if factor / cells**2 > EXCESS:
-            yield (f"{body.name} is round and {cells:.2g} cells of {soil.grid.smallest_cell:.3g} m wide, deep in the clay "
+            yield (f"{body.name} is round and {cells:.2g} cells of {soil.grid.resolution:.3g} m wide, deep in the clay "
                    f"that it moves through: its load is about {factor / cells**2:.0%} too high, limit {EXCESS:.0%}. Use "
                    f"cells of at most {width * np.sqrt(EXCESS / factor):.2g} m")
 
@@ -122,7 +122,7 @@ def lifted_plates(scene, model):
     soil, up = model.soil, np.array([0.0, 0.0, 1.0])
     if soil.held or soil.grid.collapsed.sum() > 1 or soil.grid.collapsed[2]:
         return
-    cell, started = soil.grid.smallest_cell, {}
+    cell, started = soil.grid.resolution, {}
     raised = [found[:4] for found in loaded(scene, model) if found[1][2] > -scene.gravity[2] * found[0].mass.mass]
     for body, travel, place, plane in [*driven(scene, model), *raised]:
         across, depth = list(sides(soil.grid, place, up)), top_of(soil) - place[:, 2].max()
@@ -160,9 +160,9 @@ def balls(scene, model):
         if not known or above < COVERED * width or facing(body, place, travel) is not None or law_at(
                 scene, soil, place[:, 2].mean() + min(travel[2], 0.0)) != CLAY:
             continue
-        factor, cells = BALL if stays_attached(body, soil) else PARTED, width / soil.grid.smallest_cell
+        factor, cells = BALL if stays_attached(body, soil) else PARTED, width / soil.grid.resolution
         if factor / cells > EXCESS:
-            yield (f"{body.name} is round and {cells:.2g} cells of {soil.grid.smallest_cell:.3g} m wide, deep in the clay "
+            yield (f"{body.name} is round and {cells:.2g} cells of {soil.grid.resolution:.3g} m wide, deep in the clay "
                    f"that it moves through: its load is about {factor / cells:.0%} too high, limit {EXCESS:.0%}. "
                    f"{smaller_cells(width * EXCESS / factor)}")
 
@@ -180,10 +180,10 @@ def penetrators(scene, model):
         if not down or depth < DEEP * width or facing(body, place, travel) is not None or law_at(
                 scene, soil, top_of(soil) - 0.5 * depth) != CLAY:
             continue
-        cells = width / soil.grid.smallest_cell
+        cells = width / soil.grid.resolution
         excess = PENETRATED * (RESOLVED - cells)
         if excess > EXCESS:
-            yield (f"{body.name} is round and {cells:.2g} cells of {soil.grid.smallest_cell:.3g} m wide, and goes "
+            yield (f"{body.name} is round and {cells:.2g} cells of {soil.grid.resolution:.3g} m wide, and goes "
                    f"{depth / width:.2g} of its widths deep into clay: its load is about {excess:.0%} too high, limit "
                    f"{EXCESS:.0%}. Use cells of at most {width / RESOLVED:.2g} m")
 
@@ -204,7 +204,7 @@ def _falling(scene, model):
 
 def _active(scene, soil, body, place, travel, height, does, load):
     """Text, if any, about a wall that clay of a `height` [m] behind it follows."""
-    cell = soil.grid.smallest_cell
+    cell = soil.grid.resolution
     critical = _critical_height(scene, soil, place, travel)
     attached = body.interface is not None and body.interface.tension
     if critical is None or height <= max(critical, STEEP * cell) or attached:

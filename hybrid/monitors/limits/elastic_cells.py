@@ -55,7 +55,7 @@ def unresolved_contact(scene, model):
     soil = model.soil
     if soil.held or soil.grid.collapsed.any():
         return
-    material, cell = material_at(scene, soil, top_of(soil)), soil.grid.smallest_cell
+    material, cell = material_at(scene, soil, top_of(soil)), soil.grid.resolution
     if material.law != "hencky" or scene.soil.ground is not None:
         return
     for described, body in zip(scene.bodies, model.bodies):
@@ -107,7 +107,7 @@ def soft_springs(scene, model):
     known = {body.name for body, *_ in pressed}
     pressed += [] if model.scheme.inertia else _under_joints(scene, model, known)
     for body, travel, depth, place, plane, arm in pressed:
-        cell, width, bottom = soil.grid.smallest_cell, narrowest(soil.grid, place, down), place[:, 2].min()
+        cell, width, bottom = soil.grid.resolution, narrowest(soil.grid, place, down), place[:, 2].min()
         stands = plane and width > 0.0 and bottom < top_of(soil) + cell and travel[2] < 0.0
         if depth is not None:
             depth = min(depth, top_of(soil) - bottom + depth)       # of that what is in the soil

@@ -81,7 +81,7 @@ def cohesive_strips(scene, model):
     soil = model.soil
     if soil.held or soil.grid.collapsed.sum() > 1 or soil.grid.collapsed[2]:
         return
-    cell = soil.grid.smallest_cell
+    cell = soil.grid.resolution
     pushed = [(*found, found[1]) for found in driven(scene, model)]
     pushed += [(*found[:4], np.zeros(3)) for found in loaded(scene, model)]     # how far these go is not known
     for body, travel, place, plane, moved in pushed:
@@ -117,7 +117,7 @@ def lifted(scene, model):
     soil = model.soil
     if soil.held or soil.grid.collapsed.sum() > 1 or scene.gravity[2] >= 0.0:
         return
-    cell = soil.grid.smallest_cell
+    cell = soil.grid.resolution
     for body, travel, place, plane in [*driven(scene, model), *(found[:4] for found in loaded(scene, model))]:
         top, width = place[:, 2].max(), narrowest(soil.grid, place, travel)
         inclined = not plane and facing(body, place, travel) is not None

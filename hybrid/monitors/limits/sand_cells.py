@@ -119,7 +119,7 @@ def footings(scene, model):
     soil = model.soil
     if soil.held or scene.gravity[2] >= 0.0 or soil.grid.collapsed.sum() > 1 or soil.grid.collapsed[2]:
         return
-    cell = soil.grid.smallest_cell
+    cell = soil.grid.resolution
     for body, travel, place, plane in [*driven(scene, model), *(found[:4] for found in loaded(scene, model))]:
         bottom, width = place[:, 2].min(), narrowest(soil.grid, place, travel)
         material = material_at(scene, soil, bottom - 0.5 * cell)
@@ -144,7 +144,7 @@ def pipes(scene, model):
     soil = model.soil
     if soil.held or scene.gravity[2] >= 0.0 or soil.grid.collapsed.sum() != 1 or soil.grid.collapsed[2]:
         return
-    cell, top = soil.grid.smallest_cell, top_of(soil)
+    cell, top = soil.grid.resolution, top_of(soil)
     for body, travel, place, plane in driven(scene, model):
         bottom = place[:, 2].min()
         round_one = not plane and travel[2] < 0.0 and facing(body, place, travel) is None
@@ -160,7 +160,7 @@ def pipes(scene, model):
 def clay_under(scene, soil, bottom, width):
     """Whether there is clay within DEEP of a `width` [m] under a footing with its base at `bottom` [m]."""
     lowest = max(bottom - DEEP * width, soil.grid.extent[2, 0])
-    return any(law_at(scene, soil, height) == CLAY for height in np.arange(bottom, lowest, -0.5 * soil.grid.smallest_cell))
+    return any(law_at(scene, soil, height) == CLAY for height in np.arange(bottom, lowest, -0.5 * soil.grid.resolution))
 
 
 def _rising(material):
@@ -172,7 +172,7 @@ def _rising(material):
 def _wedge(wedge, body, depth, grid, angle):
     """Text, if any, about a wall at an `angle` [deg] to the ground that pushes soil as deep as `depth` [m]. In space the
     law is known without friction only."""
-    cell, in_plane_strain = grid.smallest_cell, grid.collapsed.any()
+    cell, in_plane_strain = grid.resolution, grid.collapsed.any()
     excess = wedge.foot * cell / max(depth, cell)
     if depth < wedge.least * cell or excess <= EXCESS:
         return
@@ -190,7 +190,7 @@ def _wedge(wedge, body, depth, grid, angle):
 def _retained(scene, soil, body, place, depth, does, load):
     """The same of a wall with its vertices at `place` that sand of a height h = `depth` [m] behind it follows: its pressure
     K_a γ h²/2 - 2 c √K_a h is that of a height which is ACTIVE cells less."""
-    cell = soil.grid.smallest_cell
+    cell = soil.grid.resolution
     material = material_at(scene, soil, place[:, 2].min() + 0.5 * cell)
     root = np.tan(np.pi / 4 - np.radians(material.friction_angle) / 2)      # √K_a
     weight, suction = 0.5 * root**2 * material.density * -scene.gravity[2], 2.0 * (material.cohesion or 0.0) * root
@@ -208,7 +208,7 @@ def depths(scene, soil, place, travel, laws, spaces=(1,), away=False):
     `laws`, in a grid with one of the numbers `spaces` of axes collapsed: in plane strain unless these have 0; None of
     what is none, goes up or down by more than LEVEL, or ends on the base; `away` from the soil behind it on a smooth base
     alone, as the lowest cells stay behind on one that is held."""
-    axis, bottom, cell = int(np.argmax(np.abs(travel))), place[:, 2].min(), soil.grid.smallest_cell
+    axis, bottom, cell = int(np.argmax(np.abs(travel))), place[:, 2].min(), soil.grid.resolution
     if soil.grid.collapsed.sum() not in spaces or soil.grid.collapsed[2] or abs(travel[2]) > LEVEL * abs(travel[axis]):
         return None
     height, half = levelled(soil, soil.constants.position)[:, 2], soil.constants.half_width[:, 2]
@@ -225,7 +225,7 @@ def depths(scene, soil, place, travel, laws, spaces=(1,), away=False):
 
 def beside(soil, reach, axis):
     """Points (n,) bool in two cells below, and in two above, what a body covers along an `axis`."""
-    low, high, cell = reach.min(), reach.max(), soil.grid.smallest_cell
+    low, high, cell = reach.min(), reach.max(), soil.grid.resolution
     x = soil.constants.position[:, axis]
     return (x > low - 2 * cell) & (x < low), (x > high) & (x < high + 2 * cell)
 

@@ -57,9 +57,9 @@ def turned(scene, model):
         middle = 0.5 * (place[:, 2].min() + place[:, 2].max())
         if middle >= top or law_at(scene, soil, middle) != CLAY:
             continue
-        shallow = top - place[:, 2].min() <= soil.grid.smallest_cell
+        shallow = top - place[:, 2].min() <= soil.grid.resolution
         for axis in [axis for axis in axes if axis == 2 or not (shallow or in_plan)]:   # of others `turned_over` tells
-            yield from _torque(whole, place, axis, soil.grid.smallest_cell, not in_plan)
+            yield from _torque(whole, place, axis, soil.grid.resolution, not in_plan)
 
 
 def turned_over(scene, model):
@@ -72,7 +72,7 @@ def turned_over(scene, model):
     for described, body in zip(scene.bodies, model.bodies):
         whole, place = outline(described, body, soil)
         top, bottom = top_of(soil), place[:, 2].min()
-        cell, base = soil.grid.smallest_cell, place[place[:, 2] <= max(top, bottom) + ON_LINE * soil.grid.smallest_cell]
+        cell, base = soil.grid.resolution, place[place[:, 2] <= max(top, bottom) + ON_LINE * soil.grid.resolution]
         if not soil.grid.extent[2, 0] + cell < bottom < top + cell:     # over soil, not beside all of it
             continue
         material, deep = material_at(scene, soil, bottom - 0.5 * cell), not collapsed.any() and top - bottom > cell
