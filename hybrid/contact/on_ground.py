@@ -96,8 +96,8 @@ class HeldGround:
         return None
 
     def _rolls_not(self, up):
-        """Whether none of the lowest places is on a curved face that looks down, or one of them on no curved face at all; up:
-        (3,) in the body's frame. The tip of a cone on its side, and a rim, are on curved faces."""
+        """Whether none of the lowest places is on a curved face that looks down, or one of them on no curved face at all;
+        up: (3,) in the body's frame. The tip of a cone on its side, and a rim, are on curved faces."""
         if self.surface_points is None:
             return True
         height = self.surface_points.point @ up

@@ -95,7 +95,10 @@ def apply_accuracy(scene):
     if isinstance(scene.accuracy, Target):
         return apply_target(scene, scene.accuracy, problems())
     level = levels()[scene.accuracy]
-    return apply_level(scene, level), [str(level)]
+    changed = apply_level(scene, level)
+    pairs = {name: (getattr(scene.grid, name), getattr(changed.grid, name)) for name in "xyz"}
+    asked = {name: level.size * old.size for name, (old, _) in pairs.items() if old.size and not old.collapsed}
+    return changed, [str(level) + _fitted_ones(changed.grid, asked)]
 
 
 # ------------------------------------------------------------------ levels
@@ -189,9 +192,14 @@ def _short(value):
 
 def _sizes(grid, size):
     """Text of the size that the target needs, and of axes that got another one."""
-    own = {name: getattr(grid, name).size for name in "xyz" if not getattr(grid, name).collapsed}
-    others = [f"{name} {other:.4g} m" for name, other in own.items() if abs(other / size - 1) > 1e-6]
-    return f"h = {size:.4g} m" + f", fitted to the axes: {', '.join(others)}" * bool(others)
+    return f"h = {size:.4g} m" + _fitted_ones(grid, {name: size for name in "xyz" if not getattr(grid, name).collapsed})
+
+
+def _fitted_ones(grid, asked):
+    """Text of the axes of a grid whose cells have another size [m] than was `asked` {name: [m]}, empty for none."""
+    sizes = {name: getattr(grid, name).size for name in asked}
+    others = [f"{name} {size:.4g} m" for name, size in sizes.items() if abs(size / asked[name] - 1) > 1e-6]
+    return f", fitted to the axes: {', '.join(others)}" * bool(others)
 
 
 def _fitted(scene, name, size):

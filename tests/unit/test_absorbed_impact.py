@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hybrid.monitors import StepView
-from hybrid.monitors.absorbed_impact import AbsorbedImpact
+from hybrid.monitors.absorbed_impact import AbsorbedImpact, least_energy
 
 
 def notes(errors, elastic=0.0, plastic=True, first_order=False, inertia=True, monitor=None, gravity=9.81, then=0.0,
@@ -122,3 +122,11 @@ def test_other_losses_are_none_of_soil_that_flows_fast(other):
     """Where soil took far more, or next to nothing, as from what rolls; of bodies that are driven; of damped settling; of
     bodies that are put down, or press one another."""
     assert notes([0.0, -8.0, -12.0, -16.0], then=-10.5, **{"friction": 12.0} | other) == []
+
+
+def test_without_bodies_the_soil_must_have_fallen_by_some_of_its_height():
+    """The shock of weight that acts at once on a block of 1 m was told as a flow that loses 73 % of its energy."""
+    points = SimpleNamespace(position=np.array([[0.0, 0.0, 0.25], [0.0, 0.0, 0.75]]), half_width=np.full((2, 3), 0.25),
+                             mass=np.array([800.0, 800.0]))
+    model = SimpleNamespace(bodies=(), gravity=np.array([0.0, 0.0, -9.81]), soil=SimpleNamespace(constants=points))
+    assert least_energy(model) == pytest.approx(0.01 * 1600.0 * 9.81)

@@ -53,7 +53,9 @@ def test_cells_of_a_draft_fill_the_axis_and_end_where_the_soil_does(start, end, 
     axis = Axis(start=start, end=end, size=size)
     scene = column("draft", z=axis)
     scene = dataclasses.replace(scene, soil=dataclasses.replace(scene.soil, top=top))
-    assert accuracy.apply_accuracy(scene)[0].grid.z.size == pytest.approx(wanted)
+    changed, texts = accuracy.apply_accuracy(scene)
+    assert changed.grid.z.size == pytest.approx(wanted)
+    assert (f"fitted to the axes: z {wanted:.4g} m" in texts[0]) == (wanted != 2 * size)
 
 
 def test_what_a_scene_gives_of_the_solver_stays():

@@ -1,7 +1,8 @@
 """Pressure of clay on walls that few cells make too low (active) or too high (passive), measured on smooth walls that are
 drawn back and pushed (demos/random/README.md, "By cells"), clay that stays attached to a body which slides over it, and clay
 that flows around a round body deep in it, in plane strain: with n cells across the load is too large by 3/n² of it where
-the body is smooth, by half of that where it is rough, and by (9 - 5 α)/n² where the clay stays attached to it; in space
+the body is smooth, by half of that where it is rough, and by (9 - 5 α)/n² where the clay stays attached to it; by 2.5/n² on
+a pipe that is pushed into it from the ground; in space
 around a ball by 1.6/n, where clay stays attached to it, and where a round shaft follows the tip, by 0.55 (4 - n).
 
     P(H) = γ H²/2 - 2 s_u H         clay that cannot stand by itself, γ H > 4 s_u, slides after the wall on a plane of 45°
@@ -38,6 +39,7 @@ IN_SPACE = Wedge("clay", 1.0, IN_CLAY.inclined, in_space=". A blade 0.8 m wide a
                  "with 2 and 4 cells, by hand 3.0 kN", least=1.0)
 ALONG = 0.1         # sine of the angle between a travel and the ground
 AROUND, ROUGH = 3.0, 1.5    # 18, 8.5, 5.1, 2.9 % with 4, 6, 8, 12 cells; 9.4, 4.9, 3.3 % (demos/random/README.md)
+PIPE, LAID = 2.5, 0.1       # 15, 10, 7, 4 % with 4, 5, 6, 8 cells, smooth, over 16; its depth in widths in the end
 STUCK, BY_ADHESION = 9.0, 5.0   # smooth 50, 34, 15 % with 4, 5, 8 cells; α = 1: 25, 14, 6 %; 0.5: 23, 5 % with 5, 10
 # α = 1: 54, 46, 25, 16 % with 3, 4, 6, 8 cells over 13.4 s_u A where clay stays attached; where it parts from the ball,
 # without weight, 25, 17, 12 % with 3, 4, 6 over what these tend to
@@ -107,6 +109,26 @@ def flow_around(scene, model):
             yield (f"{body.name} is round and {cells:.2g} cells of {soil.grid.resolution:.3g} m wide, deep in the clay "
                    f"that it moves through: its load is about {factor / cells**2:.0%} too high, limit {EXCESS:.0%}. Use "
                    f"cells of at most {width * np.sqrt(EXCESS / factor):.2g} m")
+
+
+def laid_pipes(scene, model):
+    """Round bodies driven down into clay in plane strain that does not cover them, so few cells wide that their load is more
+    than EXCESS too high."""
+    soil = model.soil
+    if soil.held or soil.grid.collapsed.sum() != 1 or soil.grid.collapsed[2]:
+        return
+    for body, travel, place, plane in driven(scene, model):
+        width, top = narrowest(soil.grid, place, travel), top_of(soil)
+        down = travel[2] < 0.0 and -travel[2] > np.abs(travel[:2]).max()
+        down = down and top - place[:, 2].min() - travel[2] > LAID * width
+        if plane or not width or not down or top - place[:, 2].max() >= COVERED * width or facing(
+                body, place, travel) is not None or law_at(scene, soil, top) != CLAY:
+            continue
+        cells = width / soil.grid.resolution
+        if PIPE / cells**2 > EXCESS:
+            yield (f"{body.name} is round and {cells:.2g} cells of {soil.grid.resolution:.3g} m wide, and is pushed into "
+                   f"clay: its load is about {PIPE / cells**2:.0%} too high, limit {EXCESS:.0%}. Use cells of at most "
+                   f"{width * np.sqrt(EXCESS / PIPE):.2g} m")
 
 
 def _around(body, soil):
@@ -237,4 +259,5 @@ def _critical_height(scene, soil, place, travel):
     return 4.0 * strength / (mass * -scene.gravity[2]) if volume else None
 
 
-LIMITS = (drawn_walls, pushed_walls, clay_walls, attached_slides, flow_around, lifted_plates, balls, penetrators)
+LIMITS = (drawn_walls, pushed_walls, clay_walls, attached_slides, flow_around, laid_pipes, lifted_plates, balls,
+          penetrators)
