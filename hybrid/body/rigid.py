@@ -155,6 +155,12 @@ def moved_pose(pose, increment):
     return pose[0] + increment[:3], exp_so3(increment[3:]) @ pose[1]
 
 
+def turn_between(rotation, other):
+    """Largest change [-] of a unit vector that turns from one rotation to the `other`: the 2-norm of their difference, whose
+    singular values that are not zero are two equal ones."""
+    return np.linalg.norm(other - rotation) / np.sqrt(2.0)
+
+
 def evaluate(body, state, pose, target, gravity, scheme, dt, time=0.0):
     """BodyTrial at `pose`. target: (3,) [m] far end of the pull line, None if none acts; gravity: (3,) [m/s²]; time: [s]
     of the loads."""

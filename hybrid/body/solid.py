@@ -58,8 +58,9 @@ def boundary_faces(tets):
 
     Raises GeometryError when more than two tetrahedra share a face.
     """
-    faces = tets[:, FACES].reshape(-1, 3)
-    _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
+    faces, n = tets[:, FACES].reshape(-1, 3), tets.max(initial=0) + 1
+    low, middle, high = np.sort(faces, axis=1).astype(np.int64).T
+    _, first, count = np.unique((low * n + middle) * n + high, return_index=True, return_counts=True)
     if count.max() > 2:
         bad = faces[first[np.argmax(count)]]
         raise GeometryError(f"{count.max()} tetrahedra share the face of nodes {bad.tolist()}, but at most 2 can; "

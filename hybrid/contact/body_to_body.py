@@ -113,6 +113,11 @@ class PairContact(NamedTuple):
         return out
 
 
+NO_CONTACT = PairContact(
+    np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros((0, 3, 3)), np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0),
+    np.zeros((0, 3)), 0.0, 0.0, 0.0, np.zeros(0, bool), np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros(0))
+
+
 def relative(pose_a, pose_b, collapsed):
     """(turn (3, 3), way (3,) [m]): a point X of body a is at turn X + way in the frame of body b; collapsed: (3,) bool, axes
     along which the centres count as being at one place."""
@@ -148,6 +153,8 @@ class SideStep:
 
     def evaluate(self, poses):
         """PairContact at poses of all bodies."""
+        if not len(self):
+            return NO_CONTACT
         pose_a, pose_b = poses[self.side.a], poses[self.side.b]
         turn, way = relative(pose_a, pose_b, self.collapsed)
         y, outward, surface = self.places.point @ turn.T + way, self.places.normal @ turn.T, self.side.surface

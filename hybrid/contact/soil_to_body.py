@@ -36,6 +36,7 @@ slipping point therefore counts its path from the start of the step.
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -93,12 +94,12 @@ class PointContact:
         """Force (m, 3) [N] along the surface."""
         return self.force - np.einsum("ci,ci->c", self.force, self.normal)[:, None] * self.normal
 
-    @property
+    @cached_property
     def resultant(self):
         """Force (3,) [N] and moment about the body's centre (3,) [N m] of the soil on the body, as (6,)."""
         return total(np.concatenate([self.force, np.cross(self.arm, self.force)], axis=1))
 
-    @property
+    @cached_property
     def friction(self):
         """(6,), the part of the resultant that acts along the surface."""
         shear = self.shear

@@ -18,10 +18,12 @@ class LostContact(Monitor):
     def stops(self, view):
         """Body, time, place and remedy."""
         collapsed, points, active = view.model.soil.grid.collapsed, view.state.points, view.state.points.active
+        falling = [(b, body, motion) for b, body, motion, contact in view.bodies
+                   if not anywhere([len(contact)]) and body.free[2] and motion.velocity[2] < 0.0]
+        if not falling:
+            return
         boxes = np.array([rigid.bounding_box(body, motion) for _, body, motion, _ in view.bodies])
-        for b, body, motion, contact in view.bodies:
-            if anywhere([len(contact)]) or not body.free[2] or motion.velocity[2] >= 0.0:
-                continue
+        for b, body, motion in falling:
             surface = view.surface()
             falls = _drawn_down(view, body)
             if boxes[b, 1, 2] < surface and _lost(points, active, boxes, b, motion.position, collapsed, falls):

@@ -51,6 +51,7 @@ class Checkpoints:
         self.saved = self._accepted = None      # number of the step on disk; `_noted` of the last step
 
     def start(self, simulation):
+        self._keys = _of_scene(simulation.scene)    # now: its files may change while it runs
         self._accepted = self._noted(simulation)
         self._written = time.monotonic()
         if simulation.state.step:
@@ -90,7 +91,7 @@ class Checkpoints:
     def _save(self, simulation):
         self._sync_history()
         state, _, extra = self._accepted
-        save(self.path, state, simulation.scene, extra, self.run)
+        save(self.path, state, None, extra, self.run, self._keys)
         parts.remove(self.path.parent)
         self.saved, self._written = state.step, time.monotonic()
 
@@ -129,7 +130,7 @@ class PartCheckpoints(Checkpoints):
 
         def close():
             self._sync_history()
-            write(self.path, stamp | _of_scene(simulation.scene) | others | _named(extra) | {"parts": names})
+            write(self.path, stamp | self._keys | others | _named(extra) | {"parts": names})
             parts.remove(folder, names)
 
         ranks.together(lambda: ranks.rank() or close())
@@ -150,13 +151,14 @@ class PartCheckpoints(Checkpoints):
             super()._free()
 
 
-def save(path, state, scene=None, extra=None, run=""):
+def save(path, state, scene=None, extra=None, run="", keys=None):
     """Write `state`, with the keys of the scene and the identity of the run, to `path`, completely or not at all.
 
-    extra: dict of numbers, text or arrays that `read_extra` gives back, such as the CONTINUED ones.
+    extra: dict of numbers, text or arrays that `read_extra` gives back, such as the CONTINUED ones; keys: what `_of_scene`
+    has given of the scene before, instead of it.
     """
     stamp = {"format": FORMAT, "run": run, "state/time": state.time, "state/step": state.step}
-    write(path, stamp | _of_scene(scene) | flattened(state) | _named(extra))
+    write(path, stamp | (keys or _of_scene(scene)) | flattened(state) | _named(extra))
 
 
 def _of_scene(scene):

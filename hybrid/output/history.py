@@ -29,7 +29,7 @@ class History:
 
     def accepted(self, record, simulation):
         row = record.row()
-        if any(name not in self.columns for name in row):
+        if not row.keys() <= set(self.columns):
             # A phase or energy that is new in this step: earlier lines get an empty cell.
             rows = _complete_rows(self.path)
             self.columns += [name for name in row if name not in self.columns]

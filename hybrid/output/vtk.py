@@ -17,6 +17,7 @@ import os
 import re
 import xml.etree.ElementTree as xml
 from pathlib import Path
+from xml.sax.saxutils import quoteattr
 
 import meshio
 import numpy as np
@@ -28,6 +29,11 @@ from hybrid.scene.check import file_label
 
 SYMMETRIC = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))  # VTK's order of a symmetric tensor
 GROUPS = {"body": 0, "contact": 1, "symmetry": 2}
+PVD_BEGIN = """<?xml version='1.0' encoding='utf-8'?>
+<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">
+  <Collection>
+"""
+PVD_END = "  </Collection>\n</VTKFile>"
 
 
 class Frames:
@@ -95,6 +101,7 @@ class Series:
     def __init__(self, folder, name, step=0, every=1):
         self.folder, self.name = Path(folder), name
         self.frames, self.files = {}, {}    # step -> time [s]; step -> name of the file
+        self.lines = []     # of the .pvd, one for each of them
         matches = [re.fullmatch(re.escape(name) + r"_(\d{6,})(_r\d+)?\.p?vtu", path.name)
                    for path in self.folder.glob("*.*vtu")]
         found = [(int(match[1]), match[2], match[0]) for match in matches if match]
@@ -104,6 +111,7 @@ class Series:
                 (self.folder / file).unlink(missing_ok=True)
             elif not part:
                 self.frames[number], self.files[number] = float(times[number]), file
+        self.lines = [_listed(time, self.files[number]) for number, time in sorted(self.frames.items())]
         if found:
             self._write_pvd()
 
@@ -127,6 +135,7 @@ class Series:
         file = f"{self.name}_{step:06d}{self.ending}"
         self.write(self.folder / file, mesh)
         self.frames[step], self.files[step] = float(time), file
+        self.lines.append(_listed(float(time), file))
         self._write_pvd()
 
     def write(self, path, mesh):
@@ -134,14 +143,14 @@ class Series:
         write_vtu(path, mesh)
 
     def _write_pvd(self):
-        root = xml.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
-        collection = xml.SubElement(root, "Collection")
-        for step, time in sorted(self.frames.items()):
-            attributes = {"timestep": repr(time), "group": "", "part": "0", "file": self.files[step]}
-            xml.SubElement(collection, "DataSet", attributes)
-        xml.indent(root)
+        text = "".join([PVD_BEGIN, *self.lines, PVD_END])
         with atomic(self.folder / f"{self.name}.pvd") as partial:
-            xml.ElementTree(root).write(partial, encoding="utf-8", xml_declaration=True)
+            partial.write_text(text, encoding="utf-8")
+
+
+def _listed(time, file):
+    """Line of a .pvd with a frame."""
+    return f'    <DataSet timestep="{time!r}" group="" part="0" file={quoteattr(file)} />\n'
 
 
 def read_pvd(path):

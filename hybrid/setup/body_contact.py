@@ -66,20 +66,21 @@ def build_pairs(scene, bodies, motions, joints, grid, gravity):
     joined = {frozenset(joint.bodies) for joint in joints}
     given = {frozenset(contact.bodies): contact for contact in scene.contacts}
     surfaces = [section(body, motion.rotation, grid) for body, motion in zip(bodies, motions)] if len(bodies) > 1 else []
-    pairs, histories = [], []
+    pairs, histories, made = [], [], {}
     for numbers in combinations(range(len(bodies)), 2):
         if frozenset(numbers) in joined:
             continue
         described = [scene.bodies[n] for n in numbers]
         own = given.get(frozenset(body.name for body in described))
         pair = _pair(numbers, described, own, [bodies[n] for n in numbers], [surfaces[n] for n in numbers],
-                     [motions[n] for n in numbers], grid, float(np.linalg.norm(gravity)) or STANDARD_GRAVITY)
+                     [motions[n] for n in numbers], grid, float(np.linalg.norm(gravity)) or STANDARD_GRAVITY, made)
         pairs.append(pair)
         histories.append(_history(pair, motions))
     return tuple(pairs), histories
 
 
-def _pair(numbers, described, own, bodies, surfaces, motions, grid, g):
+def _pair(numbers, described, own, bodies, surfaces, motions, grid, g, made):
+    """BodyPair; made: {number of a body, and how its places are made: Samples} of other pairs, which it adds to."""
     collapsed = grid.collapsed
     slice_width = np.prod([np.ptp(grid.extent[axis]) for axis in np.flatnonzero(collapsed)]) if collapsed.any() else None
     radii = tuple(_radius(surface, motion, collapsed) for surface, motion in zip(surfaces, motions))
@@ -106,7 +107,10 @@ def _pair(numbers, described, own, bodies, surfaces, motions, grid, g):
         if collapsed.any():
             flat = motions[a].rotation[collapsed]
             share = slice_width / np.prod([np.ptp(surfaces[a].vertices @ axis) for axis in flat])
-        samples = sample(surfaces[a], spacing, width, carried, depth, flat, share)
+        how = spacing, width, carried, depth
+        if (numbers[a], how) not in made:
+            made[numbers[a], how] = sample(surfaces[a], *how, flat, share)
+        samples = made[numbers[a], how]
         sides.append(Side(numbers[a], numbers[b], samples, surfaces[b], BEHIND * IMPACT * size))
     impact = 1.5 / sum(1.0 / mass for mass in moving) / (
         _area(IMPACT * size, radius, size, slice_width) * (IMPACT * size)**2)
@@ -140,6 +144,8 @@ def _extents(surface, motion, collapsed):
 def _history(pair, motions):
     """PairHistory at the start, whose places inside the other body have no force."""
     poses, empty, parts = [motion.pose for motion in motions], PairHistory.empty(), []
+    if pair.distance(poses) > TOUCH * pair.size:
+        return empty
     for i, side in enumerate(pair.sides):
         begun = body_to_body.begin(side, poses, poses, TOUCH * pair.size, empty.side(i), pair.stiffness, pair.law,
                                    pair.collapsed)

@@ -266,9 +266,14 @@ class Soil:
 
     def roundoff_force(self, unknowns):
         """Norm [N] of the forces on so many unknowns that come from strains of a few times the machine precision."""
+        return 10 * np.finfo(float).eps * self._stiffest_force * np.sqrt(unknowns)
+
+    @cached_property
+    def _stiffest_force(self):
+        """Largest modulus of a point times the area of its domain [N]."""
         young, parameters = self.law.young, self.law.parameters
         modulus = young if parameters is None else np.maximum(young, parameters[:, BULK])
-        return 10 * np.finfo(float).eps * largest(modulus * self.constants.volume ** (2 / 3)) * np.sqrt(unknowns)
+        return largest(modulus * self.constants.volume ** (2 / 3))
 
     def plastic_work(self, step, trial):
         """Work dissipated by plastic flow in the step [J]: Σ τ · Δε_p V0."""

@@ -261,13 +261,12 @@ def gradients_of(joints, columns, size, poses):
 
 def independent(gradients, bounds):
     """(n,) bool, rows that are not implied by rows without bounds, taken in their order."""
-    kept, basis = np.zeros(len(bounds), bool), []
+    kept, basis = np.zeros(len(bounds), bool), np.zeros((0, gradients.shape[1]))
     for number in sorted(range(len(bounds)), key=lambda i: np.isfinite(bounds[i]).any()):
-        row, left = gradients[number], gradients[number].copy()
+        row = left = gradients[number]
         for _ in range(2):      # Gram-Schmidt once more, against round-off
-            for one in basis:
-                left = left - (one @ left) * one
+            left = left - (basis @ left) @ basis
         kept[number] = np.linalg.norm(left) > IMPLIED * max(np.linalg.norm(row), IMPLIED)
         if kept[number] and not np.isfinite(bounds[number]).any():
-            basis.append(left / np.linalg.norm(left))
+            basis = np.vstack([basis, left / np.linalg.norm(left)])
     return kept

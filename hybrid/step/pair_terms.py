@@ -12,9 +12,11 @@ Equations: FORMULATION (60) to (64).
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
+from hybrid.body.rigid import turn_between
 from hybrid.contact import body_to_body
 from hybrid.contact.body_to_body import PairContact, Side, SideStep
 from hybrid.contact.soil_to_body import Coulomb
@@ -74,7 +76,7 @@ class BodyPair:
         """Upper bound [m] of the way of any place relative to the other body from `poses` to `others`."""
         (a, b), ways = self.numbers, []
         for number, radius in zip(self.numbers, self.radii):
-            ways.append(np.linalg.norm(others[number][1] - poses[number][1], 2) * radius)
+            ways.append(turn_between(poses[number][1], others[number][1]) * radius)
         change = (others[a][0] - poses[a][0]) - (others[b][0] - poses[b][0])
         return float(np.linalg.norm(change)) + sum(ways)
 
@@ -153,11 +155,15 @@ class PairTerms:
     def on_body(self, number):
         """Residual (6,) [N, N m] of all pairs on a body: minus their force and moment about its centre."""
         total = np.zeros(6)
-        for _, side, found in self._sides():
-            if len(found.active) and number in (side.a, side.b):
-                residual = found.residual()
+        for side, residual in self._residuals:
+            if number in (side.a, side.b):
                 total += residual[:6] if number == side.a else residual[6:]
         return total
+
+    @cached_property
+    def _residuals(self):
+        """[(Side, residual (12,) [N, N m] on both bodies)] of what touches."""
+        return [(side, found.residual()) for _, side, found in self._sides() if len(found.active)]
 
     def springs(self, number):
         """Root of the sum of squares [N/m] of all springs in contact on a body."""

@@ -5,6 +5,7 @@ Friction has one direction in an increment, that of the displacement. Where a bo
 up to twice of what friction takes in the increment, for good: such increments are cut until they are short.
 """
 
+from hybrid.runtime import comm
 from hybrid.soil.transfer import interpolate
 from hybrid.step.search_reach import travel_ratio
 from hybrid.step.touches import gain, power, touches, touches_at_start
@@ -54,6 +55,8 @@ def friction_reverses(step, evaluation):
     """Why friction between bodies, or on held ground, has not the direction of sliding at the start or at the end of the
     increment; empty if it has, on soil that deforms, which slides along, and by schemes in which contact rings."""
     if not step.model.scheme.damps or step.soil is not None and not step.pairs:
+        return ""
+    if not step.pairs and not any(comm.anywhere(terms.contact.pressure) for terms in evaluation.bodies):
         return ""
     ends, before = None, None
     for index, touch in enumerate(touches(step, [terms.contact for terms in evaluation.bodies], evaluation.pairs)):

@@ -43,11 +43,11 @@ def travel_ratio(body, state, pose, predicted, margin, grid, points, moved):
     held soil. Where the ratio would be above 1, points do not count whose domains, with a cell around them, are too far
     away to touch; it is 0 where all of them are.
     """
-    strayed = np.linalg.norm(pose[0] - predicted[0]) + np.linalg.norm(pose[1] - predicted[1], 2) * body.radius
+    strayed = np.linalg.norm(pose[0] - predicted[0]) + rigid.turn_between(predicted[1], pose[1]) * body.radius
     length = np.zeros(len(points.position)) if moved is None else np.linalg.norm(moved, axis=1)
     farthest = comm.largest(length)
     if strayed + farthest > margin:
-        path = np.linalg.norm(pose[0] - state.position) + np.linalg.norm(pose[1] - state.rotation, 2) * body.radius
+        path = np.linalg.norm(pose[0] - state.position) + rigid.turn_between(state.rotation, pose[1]) * body.radius
         lower, upper = rigid.bounding_box(body, state)
         around = points.half_width + grid.smallest_cell
         apart = np.maximum(lower - points.position - around, points.position - around - upper)

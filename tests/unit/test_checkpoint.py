@@ -4,6 +4,7 @@ import errno
 from dataclasses import fields
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from fake_run import FakeScene, FakeSimulation, Output, Soil, Stage
 
@@ -122,3 +123,12 @@ def test_the_last_stage_may_become_longer_unless_its_gravity_changes_over_it():
     assert short == long
     short, long = longer(gravity=(1.0, 3.0))
     assert short != long
+
+
+def test_a_geometry_that_is_edited_while_a_run_computes_is_another_one(tmp_path, monkeypatch):
+    """What checkpoints say of the scene is read once, when the run starts."""
+    read = iter([{"scene": "1"}, {"scene": "2"}])
+    monkeypatch.setattr(checkpoint, "_of_scene", lambda scene: next(read) | {"settings": "{}"})
+    FakeSimulation().run([checkpoint.Checkpoints(tmp_path)])
+    with np.load(tmp_path / checkpoint.NAME) as saved:
+        assert str(saved["scene"]) == "1"

@@ -138,15 +138,17 @@ def _thickness(scene, described, body, vertices, limit, top):
     across = np.ones(len(area), bool)
     if travel.any() and body.guided[:3].all():
         across = np.abs(normal @ travel) > ACROSS * area * np.linalg.norm(travel)
-    inward = (surface.vertices[surface.triangles].mean(axis=1)[:, None]
-              - limit * np.linspace(0.0, 1.0, SAMPLES + 1)[1:, None] * surface.normals[:, None])
+    down = corners.mean(axis=1)[:, 2] + min(travel[2], 0.0)
+    near = np.flatnonzero(across & (down < top))
+    inward = (surface.vertices[surface.triangles[near]].mean(axis=1)[:, None]
+              - limit * np.linspace(0.0, 1.0, SAMPLES + 1)[1:, None] * surface.normals[near, None])
     gap = distances(inward.reshape(-1, 3), surface)[0].reshape(-1, SAMPLES)
     outside, each = gap > 0.0, np.arange(len(gap))
     first = np.argmax(outside, axis=1)
     depth = limit * (first + 1) / SAMPLES - np.maximum(gap[each, first], 0.0)
-    down = corners.mean(axis=1)[:, 2] + min(travel[2], 0.0)
-    thin = outside.any(axis=1) & across & (np.maximum(down, down - depth * normal[:, 2] / area) < top)
-    return float(np.average(depth[thin], weights=area[thin])) if thin.any() else limit, area[thin].sum() / area.sum()
+    thin = outside.any(axis=1) & (down[near] - depth * normal[near, 2] / area[near] < top)
+    depth, thin = depth[thin], near[thin]
+    return float(np.average(depth, weights=area[thin])) if len(thin) else limit, area[thin].sum() / area.sum()
 
 
 def unpressed_adhesion(scene, model):
