@@ -1,4 +1,4 @@
-"""A contact force that oscillates is reported once; not with a scheme that damps, nor without inertia."""
+"""A contact force that oscillates is reported once, not with a scheme that damps; without inertia, one that scatters."""
 
 from types import SimpleNamespace
 
@@ -36,3 +36,29 @@ def test_a_force_that_comes_and_goes_once_is_no_oscillation():
         report = SimpleNamespace(evaluation=SimpleNamespace(contacts=(SimpleNamespace(resultant=force),)))
         state = SimpleNamespace(time=step, bodies=[None])
         assert monitor.notes(StepView(model, state, scheme, report, {})) == ()
+
+
+def scattered(forces, rates=None, plastic=True):
+    """Notes about a box that is driven down without inertia under these forces [N], at these rates [m/s]."""
+    body = SimpleNamespace(name="box", driven=np.arange(6) == 2)
+    law, scheme = SimpleNamespace(plastic=plastic), SimpleNamespace(damps=True, inertia=False)
+    model = SimpleNamespace(bodies=[body], soil=SimpleNamespace(law=law, held=False))
+    monitor, found = ForceOscillation(model, None), []
+    for step, force in enumerate(forces):
+        contact = SimpleNamespace(resultant=np.array([0.0, 0.0, force]))
+        report = SimpleNamespace(evaluation=SimpleNamespace(contacts=(contact,)))
+        motion = SimpleNamespace(velocity=np.array([0.0, 0.0, -0.1 if rates is None else rates[step]]), spin=np.zeros(3))
+        found += monitor.notes(StepView(model, SimpleNamespace(time=step, bodies=[motion]), scheme, report, {}))
+    return found
+
+
+def test_a_force_without_inertia_that_scatters_is_reported_once():
+    jumps = 1e3 + 70.0 * np.tile([-1.0, 1.0], 10)
+    text, = scattered(jumps)
+    assert "scatters: up to t = 11 s it deviates by 7%" in text and "limit 5%" in text
+    assert not scattered(1e3 + 0.5 * (jumps - 1e3)) and not scattered(np.linspace(0.0, 1e3, 20))
+
+
+@pytest.mark.parametrize("other", [{"rates": 0.1 * np.tile([-1.0, 1.0], 10)}, {"rates": np.zeros(20)}, {"plastic": False}])
+def test_bodies_that_are_moved_to_and_fro_or_held_and_elastic_soil_are_not_judged(other):
+    assert not scattered(1e3 + 70.0 * np.tile([-1.0, 1.0], 10), **other)
