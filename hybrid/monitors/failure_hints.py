@@ -6,6 +6,7 @@ The limits are those at which runs of the failure study fail: modes cuts, domain
 import numpy as np
 
 from hybrid.contact.interface import RAMP
+from hybrid.laws.cone import ETA, ETA_BAR
 from hybrid.monitors.initial_equilibrium import initial_imbalance
 from hybrid.monitors.load_reached import lifted, overloads
 from hybrid.runtime.comm import anywhere, largest, maximum, minimum, total
@@ -22,6 +23,7 @@ LOOSEST = 1e-3      # tolerance that is ever advised: errors of the column's str
 ROUGH, SOFTER = 0.7, 0.1
 UNBALANCED = 0.1    # share of the weight of the soil at the start: with 1 sand on two held bodies has no first step
 ALONG = 0.05        # share of a force that counts as along a surface; and normal to it, that does not
+DILATES = 0.4       # of the friction, as φ = 35° and ψ = 13°: with less, strips beyond failure have stopped runs
 LITTLE = 1e-3       # of γ H: cohesion that gives sand without stress a stiffness
 DAMPING = "the default time.scheme, which damps"
 
@@ -74,6 +76,9 @@ def remedies(model, reason="", errors=(), tolerance=0.0):
     changes = [shorter]
     if errors and min(errors) < min(100 * tolerance, LOOSEST):
         changes.insert(0, "a looser solver.tolerance (the residual is close to it)")
+    if not dynamic and _hardly_dilates(model.soil):
+        changes.append("a dilation_angle nearer to the friction_angle, without which a step may have no solution near the "
+                       "last one, or time.inertia = true")
     if model.bodies:
         changes.append("a lower body.penalty")
     if any((body.friction or body.interface) and body.tangential > SLIDING for body in model.bodies):
@@ -81,6 +86,14 @@ def remedies(model, reason="", errors=(), tolerance=0.0):
     if dynamic and not model.scheme.damps:
         changes.append(DAMPING)
     return tuple(changes)
+
+
+def _hardly_dilates(soil):
+    """Whether some of the soil flows with much less dilation than its friction angle."""
+    law = soil.law
+    if soil.held or not law.plastic or law.parameters is None or law.parameters.shape[1] <= ETA_BAR:
+        return False
+    return anywhere(law.opens & (law.parameters[:, ETA_BAR] < DILATES * law.parameters[:, ETA]))
 
 
 def accuracy_remedies(model):

@@ -6,8 +6,8 @@ the force changes its direction at least REVERSALS times, or when contact is los
 stiff contact is closed for single steps only.
 
 Without inertia the force on a body that is driven evenly scatters where a step has more than one answer: sand of φ = 30 to
-45° and ψ = 0 or 5° under a strip, beyond failure, 8 cells in half of it, gave loads 4 to 30 % apart by two ways of shortening
-Newton's updates, both converged, and scattered by 5 to 11 % from step to step; ψ = φ by less than 2 %.
+45° and ψ = 0 or 5° under a strip, beyond failure, 8 cells in half of it, gave loads 4 to 30 % apart by two ways of
+shortening Newton's updates, both converged, and scattered by 5 to 11 % from step to step; ψ = φ by less than 2 %.
 """
 
 import numpy as np

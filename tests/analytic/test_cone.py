@@ -4,11 +4,11 @@ Smooth, G = 100 s_u, pushed by a tenth of a cell a step; q / s_u where the shoul
 jitter (root mean square, peak to peak) over the last third of a push:
 
     cells in the radius   at 1.73 m   at 3.5 m   jitter                       Newton iterations a step
-    2                     6.1         9.4        4.8 %, 16 % (to 4.5 m)       4.4
-    3                     5.3         8.2        2.5 %, 8 % (to 4.5 m)        4.4
+    2                     6.2         8.8        1.3 %, 5 % (to 4.5 m)        3.3
+    3                     5.3         8.2        0.6 %, 3 % (to 4.5 m)        3.2
 
-The force follows the place of the shoulder in its cell: maxima are a cell apart, where it leaves a grid line. At 4.5 m
-q is 9.7 on two cells, against 9.7 deep down, and still rises.
+In a grid that does not go along with the cone the force follows the place of the shoulder in its cell: 2.9 and 2.6 %. At
+4.5 m q is 9.6 on two cells, against 9.7 deep down, and still rises.
 """
 
 import functools
@@ -40,9 +40,10 @@ def test_the_tip_carries_load_at_once():
 
 @pytest.mark.slow
 def test_the_force_is_smooth_and_near_the_deep_one():
-    """With the ghost penalty of soil at rest, 0.3, two cells carry 11.4 at 3.5 m, and the force jumps by 8 %."""
+    """With the ghost penalty of soil at rest, 0.3, two cells carry 11.4 at 3.5 m, and the force jumps by 8 %; in a grid that
+    stays where it is the jitter is 2.6 %."""
     depth, found = push(3, 3.6)
     last = depth > 2.4
     rms, peaks = cone.jitter(depth[last], found.factor[last])
-    assert rms < 0.03 and peaks < 0.1 and found.halvings == 0
+    assert rms < 0.015 and peaks < 0.05 and found.halvings == 0
     assert 8.0 < found.factor[-5:].mean() < 9.7

@@ -38,6 +38,14 @@ def test_width_of_a_domain_in_cells():
     np.testing.assert_allclose(cells_wide(half, turn, np.array([[0.5, 0.0, 0.5]]), axes), [[0.1, 0.0, 0.5]])
 
 
+@pytest.mark.parametrize("dilation, inertia, advised", [(0.0, False, True), (30.0, False, False), (0.0, True, False)])
+def test_sand_that_hardly_dilates_is_a_cause_without_inertia(dilation, inertia, advised):
+    sand = Material(law="mohr-coulomb", young=2e7, poisson=0.3, density=1700.0, friction_angle=33.0, dilation_angle=dilation)
+    described = soil_scene(time=Time(step=1.0, inertia=inertia))
+    model = build(replace(described, soil=replace(described.soil, material=sand))).model
+    assert any("dilation_angle nearer" in change for change in remedies(model, "the residual stalls", (1e-3,), 1e-4)) == advised
+
+
 @pytest.mark.parametrize("stretch, warned", [(1.0, False), (1.7, False), (1.9, True)])
 def test_stretched_domains_are_reported(stretch, warned):
     """With two points a cell from 0.9 of a cell on; not where there is inertia."""
