@@ -25,9 +25,10 @@ faces = { z_min = "fixed" }
 top = 0.0
 material = { law = "von-mises", young = 3e6, poisson = 0.49, density = 1600.0, strength = 1e4 }
 [[body]]
-name = "box"
-geometry = "GEOMETRY/box.geo"
-parameters = { length = 0.4, width = 1.0, height = 0.4, size = 20.0 }
+name = "bar"
+geometry = "GEOMETRY/cylinder.geo"
+parameters = { radius = 0.2, height = 1.0, size = 0.1 }
+rotation = [1.0, 0.0, 0.0, 90.0]
 density = 3000.0
 position = [0.03, 0.5, 0.0]
 rest_on = 0.0
@@ -73,7 +74,7 @@ def test_it_stays_where_cells_differ_or_bodies_move_apart(scene, change):
 
 def test_motions_of_stages_count(scene):
     still = with_body(scene, driven=(), velocity=(0.0, 0.0, 0.0))
-    motion = Motion(body="box", component="z", displacement=((0.0, 0.0), (6.0, -0.42)))
+    motion = Motion(body="bar", component="z", displacement=((0.0, 0.0), (6.0, -0.42)))
     assert carried_along(replace(still, stages=(replace(still.stages[0], motions=(motion,)),))) != ""
 
 
@@ -89,12 +90,14 @@ def test_soil_that_nothing_touches_stays_where_it_is(scene):
 
 
 def test_a_run_goes_on_to_the_last_bit(tmp_path):
+    """But for what it remembers of notes: one is about how far the bar will go, which the first part does not know."""
     path = scene_file(tmp_path, PRESSED)
     hybrid("run", path, "--out", tmp_path / "whole")
     hybrid("run", path, "--out", tmp_path / "parts", "--set", "stage.0.steps=4")
     hybrid("run", path, "--out", tmp_path / "parts", "--resume")
     with np.load(tmp_path / "whole" / checkpoint.NAME) as whole, np.load(tmp_path / "parts" / checkpoint.NAME) as parts:
-        assert [name for name in whole.files if name != "run" and whole[name].tobytes() != parts[name].tobytes()] == []
+        differ = [name for name in whole.files if whole[name].tobytes() != parts[name].tobytes()]
+    assert set(differ) <= {"run", "extra/remembered"}
 
 
 @needs_mpirun
