@@ -210,6 +210,13 @@ def test_a_body_that_only_a_stage_brings_to_the_soil_has_its_place_looked_at(sta
     assert len(found) == noted and all("cube lies beside the grid" in note for note in found), found
 
 
+def test_a_body_on_a_joint_may_hang_high_above_the_soil():
+    cube = replace(box(0.2, 0.2, 0.2, name="cube"), position=(1.0, 1.0, 0.0), rest_on=500.0)
+    described = soil_scene([cube], x=(0.0, 2.0), y=(0.0, 2.0), gravity=(0.0, 0.0, -9.81), time=Time(0.01))
+    simulation = build(replace(described, joints=(Joint("pivot", "ball", ("cube",), (0.0, 0.0, 0.5)),)))
+    assert not list(odd_places(simulation.scene, simulation.model))
+
+
 def points(joint=None, **stage):
     """Notes about the points of a cube of 0.2 m, from 2 m x 2 m of soil."""
     cube = replace(box(0.2, 0.2, 0.2, name="cube"), position=(1.0, 1.0, 0.0), rest_on=0.0)

@@ -24,7 +24,7 @@ def odd_places(scene, model):
         if not _meets(scene, described):        # a body in empty space is meant
             continue
         place = initial_vertices(described, body, body.outline)     # rounded edges may reach beyond a cut face
-        text = (_place(model.soil, place.min(axis=0), place.max(axis=0), scene.grid)
+        text = (_place(model.soil, place.min(axis=0), place.max(axis=0), scene.grid, body.name in scene.joined)
                 or _crossing(model.soil, body, place, scene.grid))
         if text:
             yield f"{body.name} {text}"
@@ -92,8 +92,9 @@ def _meets(scene, described):
             or any(each.body in (None, described.name) for each in of_stages))
 
 
-def _place(soil, low, high, grid):
-    """What looks wrong about a body between `low` and `high` (3,) [m]; None if nothing does."""
+def _place(soil, low, high, grid, joined):
+    """What looks wrong about a body between `low` and `high` (3,) [m], of which one that is `joined` may hang high above the
+    soil; None if nothing does."""
     extent = np.array([(axis.start, axis.end) for axis in grid.axes])       # where the grid may move to; `outside_window`
     size, middle = high - low, 0.5 * (low + high)
     axes = [(i, name) for i, name in enumerate("xyz") if not soil.grid.collapsed[i]]
@@ -111,7 +112,7 @@ def _place(soil, low, high, grid):
     if high[2] <= extent[2, 0]:
         return (f"lies below the grid, up to z = {high[2]:.4g} m, where the grid starts at {extent[2, 0]:.4g} m: z "
                 "points up. Check body.position")
-    if gap > HIGH * size.max() and gap > DEEPER * (extent[2, 1] - extent[2, 0]):
+    if not joined and gap > HIGH * size.max() and gap > DEEPER * (extent[2, 1] - extent[2, 0]):
         return (f"starts {gap:.4g} m above the soil, {gap / size.max():.3g} times its size: is body.position in "
                 "millimetres? body.rest_on puts it at a height")
     for i, name in axes:
