@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from hybrid.bench.scenes import block
-from hybrid.monitors.limits.place import LIMITS, odd_points
+from hybrid.monitors.limits.place import LIMITS, odd_places, odd_points
 from hybrid.runtime.data import DEMOS, GEOMETRY
 from hybrid.runtime.errors import SceneError
 from hybrid.scene import Axis, Joint, Load, Motion, Pull, Stage, Time
