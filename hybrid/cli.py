@@ -230,7 +230,7 @@ def study(options):
         raise SceneError(f"--draw: there is no {path}; run the study first, or name its folder by --out")
     with compilation_notice():
         if options.draw:
-            records = runner.load(path)[1]
+            records = report.load(path)[1]
             print(*report.draw(path, out), sep="\n")
         else:
             records = runner.run(options.problems, options.quick, out, options.resume,

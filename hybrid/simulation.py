@@ -253,7 +253,7 @@ class Simulation:
         if stage.pull:
             self.state = model.lay_out_lines(self.state)
         for stage_step in range(max(1, self.state.step - first + 1), stage.steps + 1):
-            model = self._follow(model, workspace)
+            model = self._follow(model, workspace, length)
             if self.state.step % (self.scene.output.checkpoint or AFRESH) == 0:
                 workspace.systems.assemble_afresh()     # as a run does that is continued from a checkpoint
             try:
@@ -271,15 +271,15 @@ class Simulation:
             if lost:
                 raise StepError(f"stopped after step {self.state.step}, whose state is kept: {lost}")
 
-    def _follow(self, model, workspace):
-        """The `model` of a stage, with the grid for the present place of the bodies."""
+    def _follow(self, model, workspace, length):
+        """The `model` of a stage, with the grid for the place of the bodies in the next step of this `length` [s]."""
         if self.moving_grid:
             self.model, self.state, moved = self.moving_grid.follow(self.model, self.state)
             if moved:
                 model = model.with_soil(self.model.soil)
                 workspace.renew(model)
         if self.carried_grid:
-            model, self.state = self.carried_grid.follow(model, self.state, workspace)
+            model, self.state = self.carried_grid.follow(model, self.state, workspace, length)
             self.model = self.model.with_soil(model.soil)
         return model
 

@@ -16,7 +16,9 @@ import numpy as np
 
 EQUAL = 1e-3    # of a cell: sizes that differ by less are the same
 PAST = 1.4e-3   # cells: just past half a cell, where steps end by chance alone, the nodes go back, whatever the round-off
-LAST = 4        # cells at an end over which w falls, so that none becomes smaller by more than an eighth
+# Cells at an end over which w falls, so that none becomes smaller by more than an eighth; one, which becomes half as large,
+# where the body is at that end
+LAST = 4
 
 
 @dataclass(frozen=True)
@@ -38,8 +40,8 @@ class CarriedAxis:
         if first and way[0] < nodes[first] or last < len(sizes) and way[1] > nodes[last]:
             return None
         size = (nodes[last] - nodes[first]) / (last - first)
-        low = max(nodes[first], nodes[1], min(nodes[0] + LAST * size, place[0]))
-        high = min(nodes[last], nodes[-2], max(nodes[-1] - LAST * size, place[1]))
+        low = min(max(nodes[first], nodes[1], min(nodes[0] + LAST * size, place[0])), nodes[-2])
+        high = max(min(nodes[last], nodes[-2], max(nodes[-1] - LAST * size, place[1])), low)
         return cls(nodes, size, np.interp(nodes, [nodes[0], low, high, nodes[-1]], [0.0, 1.0, 1.0, 0.0]))
 
     def at(self, displacement):

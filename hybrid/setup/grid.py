@@ -10,6 +10,7 @@ from hybrid.body.paths import path_along
 from hybrid.grid.axes import FACES, graded_nodes, make_grid, uniform_nodes
 from hybrid.grid.carried_axis import CarriedAxis
 from hybrid.grid.moving_axis import MovingAxis
+from hybrid.scene.soil import laws
 from hybrid.setup.size import refuse_size
 from hybrid.setup.soil import count_points, lay_out
 from hybrid.step.carried_grid import CarriedGrid
@@ -40,9 +41,10 @@ def build_grid(scene, placed=()):
 
 
 def build_carried_grid(scene, grid, placed):
-    """CarriedGrid, None where there is no axis along which all bodies go the same way, more than a cell, without inertia
-    and through cells of one size; bodies `placed`, each a RigidBody and BodyState."""
-    if scene.time.inertia or scene.soil.held or scene.method == "published" or scene.grid.moves or not placed:
+    """CarriedGrid, None where there is no axis along which all bodies go the same way, more than a cell, without inertia,
+    through cells of one size and soil that may yield; bodies `placed`, each a RigidBody and BodyState."""
+    yields = not scene.soil.held and laws(scene.soil) != {"hencky"}
+    if scene.time.inertia or not yields or scene.method == "published" or scene.grid.moves or not placed:
         return None
     boxes = np.array([rigid.bounding_box(*one) for one in placed])
     low, high = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)

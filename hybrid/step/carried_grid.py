@@ -1,6 +1,7 @@
 """A grid that goes along with driven bodies through the soil (`hybrid.grid.carried_axis`).
 
-Its nodes keep their numbers, and what holds them. It has no state: where the bodies are says where it is.
+Its nodes keep their numbers, and what holds them. It has no state: where the bodies are, and how fast, says where it is. At
+the end of a step bodies lie within its cells as at the start, with edges on lines of the grid or beside them.
 """
 
 from dataclasses import replace
@@ -26,10 +27,11 @@ class CarriedGrid:
         """Names of the axes along which it goes."""
         return ["xyz"[axis] for axis in self._axes]
 
-    def follow(self, model, state, workspace):
-        """(Model, State) of a stage with the grid where the bodies have gone; of several processes each then has the points
-        in its block of it."""
-        way, lines = state.bodies[0].position - self._start, list(model.soil.grid.lines)
+    def follow(self, model, state, workspace, length):
+        """(Model, State) of a stage with the grid where the bodies will have gone after a step of this `length` [s]; of
+        several processes each then has the points in its block of it."""
+        body, lines = state.bodies[0], list(model.soil.grid.lines)
+        way = body.position + length * body.velocity - self._start
         for axis, carried in self._axes.items():
             lines[axis] = carried.at(way[axis])
         if not all(map(np.array_equal, lines, model.soil.grid.lines)):

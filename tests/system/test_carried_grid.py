@@ -7,7 +7,7 @@ import pytest
 from rank_runs import history, hybrid, largest_difference, launched, needs_mpirun, points, scene_file
 
 from hybrid.output import checkpoint
-from hybrid.scene import Motion, Stage
+from hybrid.scene import Material, Motion, Stage
 from hybrid.scene.file import load_scene
 from hybrid.setup.build import build
 
@@ -63,11 +63,12 @@ def test_the_grid_goes_along_with_a_body_that_is_driven_over_more_than_a_cell(sc
 @pytest.mark.parametrize("change", [
     lambda s: replace(s, time=replace(s.time, inertia=True)),
     lambda s: replace(s, method="published"),
+    lambda s: replace(s, soil=replace(s.soil, material=Material(law="hencky", young=3e6, poisson=0.3, density=1600.0))),
     lambda s: replace(s, bodies=(*s.bodies, replace(s.bodies[0], name="other", position=(-0.8, 0.5, 0.0),
                                                     velocity=(0.0, 0.0, 0.0)))),
     lambda s: replace(s, grid=replace(s.grid, z=replace(s.grid.z, fine=(-0.2, 0.6)))),
     lambda s: with_body(s, driven=(), held=("x", "ry", "z"), velocity=(0.0, 0.0, 0.0)),
-], ids=["inertia", "published", "two bodies, one at rest", "through cells that grow", "held"])
+], ids=["inertia", "published", "elastic", "two bodies, one at rest", "through cells that grow", "held"])
 def test_it_stays_where_cells_differ_or_bodies_move_apart(scene, change):
     assert carried_along(change(scene)) == ""
 

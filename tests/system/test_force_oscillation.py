@@ -53,10 +53,16 @@ def scattered(forces, rates=None, plastic=True):
 
 
 def test_a_force_without_inertia_that_scatters_is_reported_once():
-    jumps = 1e3 + 70.0 * np.tile([-1.0, 1.0], 10)
+    jumps = 1e3 + 30.0 * np.tile([-1.0, 1.0], 10)
     text, = scattered(jumps)
-    assert "scatters: up to t = 11 s it deviates by 7%" in text and "limit 5%" in text
+    assert "scatters: up to t = 11 s it deviates by 5%" in text and "limit 4%" in text
     assert not scattered(1e3 + 0.5 * (jumps - 1e3)) and not scattered(np.linspace(0.0, 1e3, 20))
+
+
+def test_a_rise_to_a_plateau_is_no_scatter():
+    """Of a bar in clay, whose forces deviate by 6 % from a straight line and reverse five times by less than a per cent."""
+    forces = [35.16, 42.18, 45.92, 47.78, 48.51, 48.05, 48.31, 47.86, 48.38, 48.71, 49.29, 48.91]
+    assert force_oscillation.oscillation(forces)[1] == 5 and not scattered(forces)
 
 
 @pytest.mark.parametrize("other", [{"rates": 0.1 * np.tile([-1.0, 1.0], 10)}, {"rates": np.zeros(20)}, {"plastic": False}])

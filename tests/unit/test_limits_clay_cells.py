@@ -133,27 +133,40 @@ def test_a_cylinder_deep_in_clay_on_few_cells(across, adhesion, said):
     assert all(said in text and f"{across} cells of" in text and "limit 10%" in text for text in found)
 
 
-def laid(cells, travel=0.5, across=1.0, **motion):
-    """Warnings about a pipe of 1 m in plane strain, so many cells wide, on cells `across` times as wide as high."""
+def on_ground(cells, travel=0.5, across=1.0, load=0.0, **motion):
+    """Warnings about a pipe of 1 m in plane strain, so many cells wide, on cells `across` times as wide as high, that is
+    driven down by `travel` [m], or has a load [N] beside its weight of 7.7 kN."""
     size = 1.0 / cells
-    motion = motion or {"driven": ("z",), "velocity": (0.0, 0.0, -0.1 * travel)}
+    motion = motion or ({} if load else {"driven": ("z",), "velocity": (0.0, 0.0, -0.1 * travel)})
     pipe = body("cylinder.geo", {"radius": 0.5, "height": 1.0, "size": 0.1}, rotation=(1.0, 0.0, 0.0, 90.0), rest_on=0.0,
                 position=(0.0, 0.5, 0.0), **motion)
     grid = Grid(Axis(start=-2.0, end=2.0, size=across * size), slice_(), Axis(start=-2.0, end=2 * size, size=size))
     clay = Soil(Material(law="von-mises", young=2e6, poisson=0.49, density=1600.0, strength=5e3), top=0.0)
-    simulation = build(scene("pipe", grid, clay, [pipe], Time(1.0, inertia=False), 10, (0.0, 0.0, -9.81)))
-    return list(clay_cells.laid_pipes(simulation.scene, simulation.model))
+    described = scene("pipe", grid, clay, [pipe], Time(1.0, inertia=False), 10, (0.0, 0.0, -9.81))
+    if load:
+        described = replace(described, stages=(Stage("load", 10, loads=(Load(force=(0.0, 0.0, -load)),)),))
+    simulation = build(described)
+    return [text for limit in (clay_cells.pushed_pipes, clay_cells.laid_pipes)
+            for text in limit(simulation.scene, simulation.model)]
 
 
 @pytest.mark.parametrize("cells, across, said", [(4, 1.0, "about 16%"), (6, 1.0, None), (8, 2.0, "4 cells of 0.25 m")])
 def test_a_pipe_pushed_into_clay_on_few_cells(cells, across, said):
     """Cells twice as wide as high count by their width."""
-    found = laid(cells, across=across)
+    found = on_ground(cells, across=across)
     assert len(found) == (said is not None) and all(said in text and "at most 0.2 m" in text for text in found)
 
 
 def test_a_pipe_that_stays_on_the_clay_or_goes_aside_is_not_judged():
-    assert not laid(4, travel=0.05) and not laid(4, driven=("x",), velocity=(0.05, 0.0, 0.0))
+    assert not on_ground(4, travel=0.05)
+    assert not on_ground(4, driven=("x", "z"), velocity=(0.05, 0.0, 0.0), held=("ry",))
+
+
+@pytest.mark.parametrize("cells, load, said", [(4, 8e3, "its depth is about 31% too small"), (8, 8e3, None), (4, 1.0, None)])
+def test_a_pipe_laid_on_clay_by_its_load_on_few_cells(cells, load, said):
+    """To 0.12 of its width; by its own weight alone to 0.007 of it."""
+    found = on_ground(cells, load=load)
+    assert len(found) == (said is not None) and all(said in text and "at most 0.13 m" in text for text in found)
 
 
 def test_the_law_of_pipes_is_what_was_measured():

@@ -27,6 +27,7 @@ A plate lifted out of clay that parts from its lower side lifts the prism over i
 
 import numpy as np
 
+from hybrid.body.guides import forces_of
 from hybrid.body.symmetry import copies
 from hybrid.monitors.limits.sand_cells import PASSIVE, Wedge, beside, depths, free_walls, pushed
 from hybrid.monitors.limits.loading import (CLAY, EXCESS, ON_LINE, STEEP, driven, facing, law_at, loaded, material_at,
@@ -39,7 +40,10 @@ IN_SPACE = Wedge("clay", 1.0, IN_CLAY.inclined, in_space=". A blade 0.8 m wide a
                  "with 2 and 4 cells, by hand 3.0 kN", least=1.0)
 ALONG = 0.1         # sine of the angle between a travel and the ground
 AROUND, ROUGH = 3.0, 1.5    # 18, 8.5, 5.1, 2.9 % with 4, 6, 8, 12 cells; 9.4, 4.9, 3.3 % (demos/random/README.md)
-PIPE, LAID = 2.5, 0.1       # 15, 10, 7, 4 % with 4, 5, 6, 8 cells, smooth, over 16; its depth in widths in the end
+# Smooth, 15, 10, 7, 4 % with 4, 5, 6, 8 cells over 16, from a depth of 0.1 widths on; laid by a load it is 0.63 and 0.92 of
+# the depth on 16 cells deep with 4 and 8
+PIPE, PUSHED = 2.5, 0.1
+BORNE, SINKS, LAID = 5.3, 2.6, 0.02
 STUCK, BY_ADHESION = 9.0, 5.0   # smooth 50, 34, 15 % with 4, 5, 8 cells; α = 1: 25, 14, 6 %; 0.5: 23, 5 % with 5, 10
 # α = 1: 54, 46, 25, 16 % with 3, 4, 6, 8 cells over 13.4 s_u A where clay stays attached; where it parts from the ball,
 # without weight, 25, 17, 12 % with 3, 4, 6 over what these tend to
@@ -111,24 +115,50 @@ def flow_around(scene, model):
                    f"cells of at most {width * np.sqrt(EXCESS / factor):.2g} m")
 
 
-def laid_pipes(scene, model):
+def pushed_pipes(scene, model):
     """Round bodies driven down into clay in plane strain that does not cover them, so few cells wide that their load is more
     than EXCESS too high."""
-    soil = model.soil
-    if soil.held or soil.grid.collapsed.sum() != 1 or soil.grid.collapsed[2]:
-        return
     for body, travel, place, plane in driven(scene, model):
-        width, top = narrowest(soil.grid, place, travel), top_of(soil)
-        down = travel[2] < 0.0 and -travel[2] > np.abs(travel[:2]).max()
-        down = down and top - place[:, 2].min() - travel[2] > LAID * width
-        if plane or not width or not down or top - place[:, 2].max() >= COVERED * width or facing(
-                body, place, travel) is not None or law_at(scene, soil, top) != CLAY:
+        width = _width_on_clay(scene, model.soil, body, place)
+        depth = top_of(model.soil) - place[:, 2].min() - travel[2]
+        if not plane and width and travel[2] < 0.0 and depth > PUSHED * width:
+            excess = PIPE * (model.soil.grid.resolution / width) ** 2
+            if excess > EXCESS:
+                yield (f"{_few_cells(body, width, model.soil)} pushed into clay: its load is about {excess:.0%} too high, "
+                       f"limit {EXCESS:.0%}. Use cells of at most {width * np.sqrt(EXCESS / PIPE):.2g} m")
+
+
+def laid_pipes(scene, model):
+    """The same of those that sink by their weight and a load, V = BORNE (w/D)^¼ D s_u, whose depth is too small."""
+    soil, guided = model.soil, {body.name for body, *_ in driven(scene, model)} | scene.joined
+    for described, body in zip(scene.bodies, model.bodies):
+        place = outline(described, body, soil)[1]
+        width = _width_on_clay(scene, soil, body, place) if body.free[2] and body.name not in guided else 0.0
+        if not width:
             continue
-        cells = width / soil.grid.resolution
-        if PIPE / cells**2 > EXCESS:
-            yield (f"{body.name} is round and {cells:.2g} cells of {soil.grid.resolution:.3g} m wide, and is pushed into "
-                   f"clay: its load is about {PIPE / cells**2:.0%} too high, limit {EXCESS:.0%}. Use cells of at most "
-                   f"{width * np.sqrt(EXCESS / PIPE):.2g} m")
+        load = max([0.0, *(-force[:, 2].min() for force in forces_of(body))]) - body.mass.mass * scene.gravity[2]
+        area = width * float(np.ptp(soil.grid.extent[soil.grid.collapsed]))
+        depth = min(copies(body.mirrors) * load / (BORNE * area * material_at(scene, soil, top_of(soil)).strength), 1.0) ** 4
+        lack = 1.0 - (1.0 + PIPE * (soil.grid.resolution / width) ** 2) ** -SINKS
+        if depth > LAID and lack > EXCESS:
+            finest = (1.0 - EXCESS) ** (-1.0 / SINKS) - 1.0
+            yield (f"{_few_cells(body, width, soil)} laid on clay: its depth is about {lack:.0%} too small, limit "
+                   f"{EXCESS:.0%}. Use cells of at most {width * np.sqrt(finest / PIPE):.2g} m")
+
+
+def _width_on_clay(scene, soil, body, place):
+    """Width [m] of a round body at `place` (V, 3) [m] on clay in plane strain that does not cover it, else 0."""
+    down = np.array([0.0, 0.0, -1.0])
+    if soil.held or soil.grid.collapsed.sum() != 1 or soil.grid.collapsed[2] or law_at(scene, soil, top_of(soil)) != CLAY:
+        return 0.0
+    width = narrowest(soil.grid, place, down)
+    covered = top_of(soil) - place[:, 2].max() >= COVERED * width
+    return 0.0 if covered or facing(body, place, down) is not None else width
+
+
+def _few_cells(body, width, soil):
+    cell = soil.grid.resolution
+    return f"{body.name} is round and {width / cell:.2g} cells of {cell:.3g} m wide, and is"
 
 
 def _around(body, soil):
@@ -259,5 +289,5 @@ def _critical_height(scene, soil, place, travel):
     return 4.0 * strength / (mass * -scene.gravity[2]) if volume else None
 
 
-LIMITS = (drawn_walls, pushed_walls, clay_walls, attached_slides, flow_around, laid_pipes, lifted_plates, balls,
-          penetrators)
+LIMITS = (drawn_walls, pushed_walls, clay_walls, attached_slides, flow_around, pushed_pipes, laid_pipes, lifted_plates,
+          balls, penetrators)
