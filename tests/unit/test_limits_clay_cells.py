@@ -169,6 +169,15 @@ def test_a_pipe_laid_on_clay_by_its_load_on_few_cells(cells, load, said):
     assert len(found) == (said is not None) and all(said in text and "at most 0.13 m" in text for text in found)
 
 
+def test_a_box_with_a_load_is_no_pipe():
+    """Its contact surface has not all of its triangles in plane strain, which have no ends."""
+    box = body("box.geo", {"length": 1.0, "width": 1.0, "height": 0.5, "size": 20.0}, rest_on=0.0, position=(0.0, 0.5, 0.0))
+    grid = Grid(Axis(start=-2.0, end=2.0, size=0.25), slice_(), Axis(start=-2.0, end=0.5, size=0.25))
+    clay = Soil(Material(law="von-mises", young=2e6, poisson=0.49, density=1600.0, strength=5e3), top=0.0)
+    simulation = build(scene("box", grid, clay, [box], Time(1.0, inertia=False), 10, (0.0, 0.0, -9.81)))
+    assert not list(clay_cells.laid_pipes(simulation.scene, simulation.model))
+
+
 def test_the_law_of_pipes_is_what_was_measured():
     """Means over depths of 0.1 to 0.5 of the width, smooth, over 16 cells, which are 1 % over 5.3 (w/D)^0.25."""
     for cells, measured in ((4, 0.15), (5, 0.09), (6, 0.07), (8, 0.04)):

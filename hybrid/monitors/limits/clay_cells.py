@@ -131,8 +131,7 @@ def pushed_pipes(scene, model):
 def laid_pipes(scene, model):
     """The same of those that sink by their weight and a load, V = BORNE (w/D)^¼ D s_u, whose depth is too small."""
     soil, guided = model.soil, {body.name for body, *_ in driven(scene, model)} | scene.joined
-    for described, body in zip(scene.bodies, model.bodies):
-        place = outline(described, body, soil)[1]
+    for body, place in (outline(described, part, soil) for described, part in zip(scene.bodies, model.bodies)):
         width = _width_on_clay(scene, soil, body, place) if body.free[2] and body.name not in guided else 0.0
         if not width:
             continue
