@@ -55,6 +55,6 @@ def test_the_tip_feels_the_strength_and_the_weight_and_the_sleeve_the_adhesion()
 
 @pytest.mark.slow
 def test_the_sleeve_feels_the_adhesion_once_after_a_long_way():
-    """0.99 of α s_u over the last cell of a way of five radii from the surface, and 0.90 over the next two, 1.07 in a grid
-    that stays where it is; 1.37 where each layer of the clay beside it counts."""
+    """1.01 of α s_u over the last cell of a way of five radii from the surface, 1.07 in a grid that stays where it is; 1.37
+    where each layer of the clay beside it counts."""
     assert last(10, "stage.0.steps=100")[2] == pytest.approx(ADHESION * STRENGTH, rel=0.12)
