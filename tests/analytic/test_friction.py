@@ -93,7 +93,7 @@ def test_in_the_default_scheme_the_threshold_is_reached_within_steps():
     assert found.v[-1] == pytest.approx(1.0, abs=5e-3)
 
 
-@PLACES
+@pytest.mark.parametrize("contact", ["faces", pytest.param("corners", marks=pytest.mark.slow)])
 def test_stuck_block_does_not_creep(contact):
     """tan θ < μ/2: it swings between 0 and 2 m g sin θ/k <= μ N/k for 25 periods of 14 steps; nothing slips.
 

@@ -23,7 +23,8 @@ def fallen(step=0.005, time=1.6, **material):
 
 
 @pytest.mark.parametrize("more", [
-    {}, {"cohesion": 2e3}, {"dilation_angle": 5.0}, {"law": "drucker-prager"}, {"law": "willam-warnke"}])
+    {}, *(pytest.param(more, marks=pytest.mark.slow) for more in ({"cohesion": 2e3}, {"dilation_angle": 5.0})),
+    {"law": "drucker-prager"}, {"law": "willam-warnke"}])
 def test_a_layer_that_has_fallen_is_as_high_as_before(more):
     middle, record = fallen(**more)
     assert middle == pytest.approx(0.3, abs=0.005) and 0.0 <= record.energies["plastic"] < 0.5 * 56.5    # J, of the fall

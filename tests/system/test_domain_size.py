@@ -19,6 +19,7 @@ def contact_forces(overrides):
     return np.array([r.bodies[0].contact_force for r in build(load_scene(SCENE, overrides)).steps()])
 
 
+@pytest.mark.slow
 def test_landing_force_on_twice_the_soil():
     """On coarse cells; the drag needs the fine ones, coarse anchors leap."""
     short = [*COARSE, "stage.0.steps=14", "stage.1.steps=1"]

@@ -229,7 +229,7 @@ velocity = [0.0, 0.0, -0.02]
 """
 
 
-@pytest.mark.parametrize("text", [LAID, PRESSED], ids=["put down", "long steps"])
+@pytest.mark.parametrize("text", [pytest.param(LAID, marks=pytest.mark.slow), PRESSED], ids=["put down", "long steps"])
 def test_starts_of_an_increment_are_those_of_all_ranks(text, tmp_path):
     """The search for the place where contact bears a body; soil at rest, tried where its last velocities lead nowhere."""
     path = scene_file(tmp_path, text)

@@ -176,6 +176,7 @@ if ranks.started() > 1:
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("mpirun") is None, reason="needs mpirun")
 def test_a_law_on_two_processes(tmp_path):
     """Clay that yields and slides from block to block: each process has the law of the points that it has got."""
