@@ -93,7 +93,7 @@ def _hardly_dilates(soil):
     law = soil.law
     if soil.held or not law.plastic or law.parameters is None or law.parameters.shape[1] <= ETA_BAR:
         return False
-    return anywhere(law.opens & (law.parameters[:, ETA_BAR] < DILATES * law.parameters[:, ETA]))
+    return anywhere(law.parameters[:, ETA_BAR] < DILATES * law.parameters[:, ETA])
 
 
 def accuracy_remedies(model):

@@ -79,6 +79,25 @@ def test_motions_of_stages_count(scene):
     assert carried_along(replace(still, stages=(replace(still.stages[0], motions=(motion,)),))) != ""
 
 
+def test_a_body_lies_in_its_cells_at_the_end_of_each_step_as_at_the_start(scene):
+    """A step behind, the edges of a plate that starts on lines of the grid would be between them. Limits in cells go by
+    the same cell all the while."""
+    simulation = build(scene)
+    before = simulation.model.soil.grid
+
+    def place():
+        lines, height = simulation.model.soil.grid.lines[2], simulation.state.bodies[0].position[2]
+        return (height - lines[np.argmin(np.abs(lines - height))]) / before.smallest_cell
+
+    start, steps = place(), simulation.steps()
+    for _ in range(4):
+        next(steps)
+        assert (place() - start + 0.5) % 1.0 - 0.5 == pytest.approx(0.0, abs=1e-6)
+    after = simulation.model.soil.grid
+    assert after.smallest_cell == before.smallest_cell and np.diff(after.lines[2]).min() < 0.99 * before.smallest_cell
+    steps.close()
+
+
 def test_soil_that_nothing_touches_stays_where_it_is(scene):
     """Over two cells of way the surface moves by 2e-6 of a cell; under its own weight it would settle by 3 % of one."""
     simulation = build(with_body(scene, rest_on=0.5, velocity=(0.0, 0.0, -0.075)))
