@@ -6,7 +6,7 @@ from contextlib import suppress
 
 from numba.core import event
 
-TEXT = "hybrid: compiling kernels that are used for the first time and kept for later runs; takes up to a minute"
+TEXT = "hybrid: compiling kernels that are used for the first time and kept for later runs; takes one to two minutes"
 
 
 def compilation_notice(stream=None):
