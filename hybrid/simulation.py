@@ -43,7 +43,7 @@ class Simulation:
 
     scene, model, state   what is modelled, all keys decided, what stays the same in a stage, the last accepted State
     meshes                TetMesh of each body
-    moving_grid           how the grid follows a body, None for a grid that does not
+    moving_grid           how the grid follows a body, None where it does not
     carried_grid          how the nodes go along with driven bodies, None for nodes that stay
     level                 texts about what `accuracy` has changed in the scene
     decisions             what was decided of keys that the scene left out (`hybrid.scene.defaults`)

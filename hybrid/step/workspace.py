@@ -19,7 +19,7 @@ class Workspace:
         self.systems.renew(model)
 
     def follow_points(self, model):
-        """Go on with a model whose points have moved from process to process."""
+        """Go on with a model whose points have moved from process to process, or whose nodes have moved."""
         self.soil.follow_points(model.soil)
         self._model = model
         self.systems.follow_points(model)
