@@ -56,7 +56,7 @@ class Systems:
         self._model, self._active = model, None
 
     def follow_points(self, model):
-        """Use a model whose points have moved from process to process, or its nodes in space, and nothing else has changed."""
+        """Use a model whose points have moved from process to process, or its nodes in space, and nothing else is new."""
         self._model = model
 
     def assemble_afresh(self):
