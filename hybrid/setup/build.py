@@ -110,7 +110,7 @@ def _put_together(scene, decisions, accuracy, body_force, law):
         model, state = processes.balanced(model, state)
     if taken or scene.soil.ground is not None:
         model, state, settled = settle(model, state, scene.step_of(scene.stages[0]))
-    carried_grid = build_carried_grid(scene, grid, placed)
+    carried_grid = build_carried_grid(scene, grid, placed, moving_grid)
     return Simulation(scene, model, state, meshes, moving_grid, carried_grid, accuracy, (*decisions, *held),
                       _start(taken, settled, bodies, carried_grid))
 

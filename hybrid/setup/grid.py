@@ -40,11 +40,12 @@ def build_grid(scene, placed=()):
     return moving_grid.grid(layouts), moving_grid, layouts
 
 
-def build_carried_grid(scene, grid, placed):
+def build_carried_grid(scene, grid, placed, moving_grid=None):
     """CarriedGrid, None where there is no axis along which all bodies go the same way, more than a cell, without inertia,
-    through cells of one size and soil that may yield; bodies `placed`, each a RigidBody and BodyState."""
+    through cells of one size, or that follow a body, and soil that may yield; bodies `placed`, each a RigidBody and
+    BodyState; moving_grid: MovingGrid or None."""
     yields = not scene.soil.held and laws(scene.soil) != {"hencky"}
-    if scene.time.inertia or not yields or scene.method == "published" or scene.grid.moves or not placed:
+    if scene.time.inertia or not yields or scene.method == "published" or not placed:
         return None
     boxes = np.array([rigid.bounding_box(*one) for one in placed])
     low, high = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
@@ -54,11 +55,14 @@ def build_carried_grid(scene, grid, placed):
         ways = [0.0, *chain.from_iterable(paths[0])]
         if any(path != paths[0] for path in paths) or np.ptp(ways) <= grid.smallest_cell:
             continue
+        if moving_grid and axis in moving_grid.moving_axes:
+            axes[axis] = None
+            continue
         carried = CarriedAxis.around(grid.lines[axis], (low[axis], high[axis]),
                                      (low[axis] + min(ways), high[axis] + max(ways)))
         if carried is not None:
             axes[axis] = carried
-    return CarriedGrid(axes, placed[0][1].position.copy()) if axes else None
+    return CarriedGrid(axes, placed[0][1].position.copy(), moving_grid) if axes else None
 
 
 def axis_nodes(axis):

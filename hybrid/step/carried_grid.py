@@ -15,12 +15,13 @@ from hybrid.step import processes
 class CarriedGrid:
     """How the grid of a scene goes along.
 
-    axes    {number of an axis: CarriedAxis}
-    start   (3,) [m] place at the start of body 0, whose displacement along these axes all bodies share
+    axes     {number of an axis: CarriedAxis, or None for one whose cells the `moving` grid lays out around its body}
+    start    (3,) [m] place at the start of body 0, whose displacement along these axes all bodies share
+    moving   MovingGrid, or None
     """
 
-    def __init__(self, axes, start):
-        self._axes, self._start = axes, start
+    def __init__(self, axes, start, moving=None):
+        self._axes, self._start, self._moving = axes, start, moving
 
     @property
     def names(self):
@@ -33,6 +34,7 @@ class CarriedGrid:
         body, lines = state.bodies[0], list(model.soil.grid.lines)
         way = body.position + length * body.velocity - self._start
         for axis, carried in self._axes.items():
+            carried = carried or self._moving.carried_axis(axis, model, state)
             lines[axis] = carried.at(way[axis])
         if not all(map(np.array_equal, lines, model.soil.grid.lines)):
             model = processes.with_nodes_at(model, tuple(lines))

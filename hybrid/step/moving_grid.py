@@ -21,6 +21,7 @@ import numpy as np
 
 from hybrid.body import rigid
 from hybrid.grid.axes import FACES, make_grid
+from hybrid.grid.carried_axis import CarriedAxis
 from hybrid.grid.moving_axis import AxisLayout
 from hybrid.runtime import comm
 from hybrid.runtime.comm import minimum, number
@@ -71,6 +72,13 @@ class MovingGrid:
                 if layout.window[side] != end and faces[face] == "free":
                     faces[face] = "roller"
         return make_grid(axes, extent, faces)
+
+    def carried_axis(self, axis, model, state):
+        """CarriedAxis of an axis with the cells that it has now."""
+        moving = self.moving_axes[axis]
+        nodes = moving.coordinates(moving.node_numbers(_layouts(state.ground, self.moving_axes)[axis]))
+        box = rigid.bounding_box(model.bodies[self.body], state.bodies[self.body])[:, axis]
+        return CarriedAxis.around(nodes, box, box)
 
     def first_ground(self, layouts, soil):
         """Ground of a Soil that fills the grid of `layouts`."""
