@@ -195,7 +195,7 @@ def predicted_pose(body, state, scheme, dt):
 
     The rotation is the scheme's own map, so that a driven spin is constant to round-off and needs no moment.
     """
-    rate = np.concatenate([state.velocity, state.rotation @ state.spin]) * body.free * scheme.inertia
+    rate = state.spatial_rates * body.free * scheme.inertia
     increment = dt * (rate + body.drive)
     rotation = cayley if scheme.rotation == "cayley" else exp_so3
     return state.position + increment[:3], rotation(increment[3:]) @ state.rotation

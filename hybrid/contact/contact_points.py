@@ -120,7 +120,7 @@ def find_contact_points(domains, pressure, places, grid, active, body, surface, 
     found["limits"], found["shared"] = place_limits(limits, found, area, domains, places, body, surface, extent)
     del found["normal"], found["opened"]
     if domains.ground is None and not places.at_corners:
-        found["outward"] = places.normal[place // places.offset.shape[1]]
+        found["outward"] = places.normal[places.group_of(place)]
     points = ContactPoints(start=start, node=node[use], weight=weight[use], stiffness=pressure[point] * area, **found)
     is_open = ~points.touching
     points.anchor[is_open], points.side[is_open] = predicted_contact_points(

@@ -94,7 +94,7 @@ def _divided(found, near, touching, width, count):
 
 def _exposed(found, near, domains, places):
     """(k,) bool, whether no other domain lies before the faces on which contact points `near` (k,) are."""
-    group = found["place"] // places.offset.shape[1]
+    group = places.group_of(found["place"])
     faces, face = np.unique(found["point"][near] * len(places) + group[near], return_inverse=True)
     point, group = faces // len(places), faces % len(places)
     half = domains.half[point]

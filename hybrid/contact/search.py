@@ -77,7 +77,7 @@ class Domains:
     def sunk(self, point, number, position, places):
         """Distance (m,), in half-widths, of positions (m, 3) [m] of places of these numbers behind their faces, less that by
         which they may be moved to the ground; 0 of corners, which are on no face."""
-        normal = places.normal[number // places.offset.shape[1]]
+        normal = places.normal[places.group_of(number)]
         half = np.maximum((self.half[point] * np.abs(normal)).sum(axis=1), 1e-300)
         behind = half - ((position - self.position[point]) * normal).sum(axis=1) - self.shift(point, places) * normal[:, 2]
         return np.zeros(len(point)) if places.at_corners else behind / half

@@ -173,8 +173,7 @@ class LastImpact(ImpactLoss):
 
 def _free_energy(bodies, motions):
     """Kinetic energy [J] of the bodies that nothing drives: what drives one gives it back what it loses."""
-    rates = [np.concatenate([motion.velocity, motion.rotation @ motion.spin]) for motion in motions]
-    free = [pair for *pair, rate in zip(bodies, motions, rates) if not rate[~pair[0].free].any()]
+    free = [pair for pair in zip(bodies, motions) if not pair[1].spatial_rates[~pair[0].free].any()]
     return motion_energy(*zip(*free)) if free else 0.0
 
 

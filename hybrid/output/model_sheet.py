@@ -199,7 +199,7 @@ def _contact_time(model, pair):
 
 def _symmetry(model):
     """Row about the planes of symmetry that bodies lie in, if there are any."""
-    mirrors = {(m.axis, m.at): m for body in model.bodies for m in body.mirrors}.values()
+    mirrors = model.mirrors
     if not mirrors:
         return {}
     return {"symmetry": [part_of_whole(mirrors),

@@ -35,7 +35,7 @@ def first_contact_points(body, motion, soil, stress, before, boxes, flush=False)
     near = _within(2 * boxes.radii(collapsed), boxes, body, motion, collapsed)
     reach = AROUND * largest(before[boxes.parent[near]].radii(collapsed))
     old, new = (_Cells(_of_all(each, reach, body, motion, soil.grid), soil.grid) for each in (before, boxes))
-    face = places.normal[np.arange(len(places)) // places.offset.shape[1]]
+    face = places.normal[places.group_of(np.arange(len(places)))]
     found = [(np.zeros(0, int), np.zeros(0, int), *np.zeros((2, 0, 3)))]
     for ids in chunks(near, len(places)):
         point, number = np.repeat(ids, len(places)), np.tile(np.arange(len(places)), len(ids))

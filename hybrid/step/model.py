@@ -43,6 +43,11 @@ class Model:
         return self.joints + self.guides
 
     @property
+    def mirrors(self):
+        """Planes of symmetry that bodies lie in, each once."""
+        return tuple({(mirror.axis, mirror.at): mirror for body in self.bodies for mirror in body.mirrors}.values())
+
+    @property
     def body_slices(self):
         """Slice of each body's free components among the unknowns of the bodies."""
         ends = np.cumsum([0, *(np.count_nonzero(body.free) for body in self.bodies)]).tolist()

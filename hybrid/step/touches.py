@@ -64,8 +64,7 @@ def _of_pair(pair, sides):
 
 def power(touch, forces, states):
     """[W] of `forces` (2, 6) [N, N m] on the bodies of a Touch, of which BodyState `states` are, the soil at rest."""
-    return sum(float(forces[row] @ np.concatenate([states[n].velocity, states[n].rotation @ states[n].spin]))
-               for n, row in touch.sides)
+    return sum(float(forces[row] @ states[n].spatial_rates) for n, row in touch.sides)
 
 
 def gain(touch, forces, step):

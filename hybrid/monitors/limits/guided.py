@@ -139,10 +139,10 @@ def _half_at(scene, soil, axis, low, high):
     a, (start, end) = AXES[axis], soil.grid.extent[AXES[axis]]
     lowest, highest = extent(soil.constants, a)
     covers = low <= start and high >= end
-    for side, face, reached in (("min", start, lowest), ("max", end, highest)):
+    for side, face, reached in ((0, start, lowest), (1, end, highest)):
         middle = abs(0.5 * (low + high) - face) < MIDDLE * (high - low)
         near = abs(reached - face) < soil.grid.smallest_cell
-        if middle and not covers and near and getattr(scene.grid.faces, f"{axis}_{side}") == "roller":
+        if middle and not covers and near and scene.grid.faces.of(a, side) == "roller":
             yield face
 
 

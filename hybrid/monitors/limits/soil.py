@@ -30,7 +30,7 @@ def slab(scene, model):
     if model.soil.held or grid.collapsed.any():
         return
     for axis, name in enumerate("xy"):
-        rollers = {getattr(scene.grid.faces, f"{name}_{side}") for side in ("min", "max")} == {"roller"}
+        rollers = {scene.grid.faces.of(axis, side) for side in (0, 1)} == {"roller"}
         cells = len(grid.lines[axis]) - 1
         if rollers and (cells == 1 or _same_along(scene, model, axis)):
             which, fewer = ("one cell between rollers", "") if cells == 1 else (

@@ -42,7 +42,7 @@ def soil_without_support(scene, model):
 def _supports(scene, soil, axis, side):
     """Whether a face of the grid that the soil reaches holds it along z: the lower or upper one that is not free, or a
     fixed one at a side."""
-    condition = getattr(scene.grid.faces, f"{'xyz'[axis]}_{('min', 'max')[side]}")
+    condition = scene.grid.faces.of(axis, side)
     if condition == "free" or soil.grid.collapsed[axis] or axis != 2 and condition != "fixed":
         return False
     return abs(extent(soil.constants, axis)[side] - soil.grid.extent[axis, side]) < 0.5 * soil.grid.smallest_cell
