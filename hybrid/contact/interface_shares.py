@@ -23,16 +23,16 @@ SPARE = 1.05    # layers that count as one: of a single one places are not sprea
 TINY = 1e-30    # [m³], area times overlap, of a contact point that nothing presses
 
 
-def borne_by_each(found, borne, domains, places, most, layers):
-    """Function that gives the sums (m,) of the values (m,) of all contact points that each of them bears; borne: (m,) bool,
-    those that another may bear, of this process or another one; most: number of points that share the value of one;
+def carried_by_each(found, carried, domains, places, most, layers):
+    """Function that gives the sums (m,) of the values (m,) of all contact points that each of them carries; carried: (m,)
+    bool, those that another may carry, of this process or another one; most: number of points that share the value of one;
     layers: of Cover, None where it does not count in how many the points lie."""
     if places.at_corners:
         return lambda values: values
     order = own = ...
     if domains.number is not None:
         found, domains, order, own = _of_all_processes(found, domains)
-    shares = _shares(found, joined(borne)[order], domains, places, most, layers)
+    shares = _shares(found, joined(carried)[order], domains, places, most, layers)
     return lambda values: (shares @ joined(values)[order])[own]
 
 
@@ -50,13 +50,13 @@ def _of_all_processes(found, domains):
     return found | {"point": point_of_all}, replace(domains, position=position, half=half), order, own
 
 
-def _shares(found, borne, domains, places, most, layers):
+def _shares(found, carried, domains, places, most, layers):
     """Sparse matrix (m, m): the share of the interface of each contact point, its column, that each bears, its row;
-    borne: (m,) bool, those that another may bear; most, layers: as in `borne_by_each`."""
-    m, half = len(borne), domains.half[found["point"]]
+    carried: (m,) bool, those that another may carry; most, layers: as in `carried_by_each`."""
+    m, half = len(carried), domains.half[found["point"]]
     height = 2 * np.einsum("ci,ci->c", np.abs(found["normal"]), half)
     touching = np.flatnonzero(found["touching"])
-    near = np.flatnonzero((found["clearance"] < height) & borne & ~found["touching"])
+    near = np.flatnonzero((found["clearance"] < height) & carried & ~found["touching"])
     bearer, share, of = touching, np.ones(len(touching)), touching
     if len(touching) and len(near):
         near = near[_exposed(found, near, domains, places)]

@@ -29,13 +29,13 @@ class IdleAdhesion(Monitor):
                 continue        # friction that is given limits the shear where the pressure is low
             limit = view.report.evaluation.bodies[number].step.pair.points.limits.shear[contact.active]
             mobilised = limit.clip(max=RAMP * contact.pressure.clip(min=0.0))
-            borne, adhesion = (float(total(force)) for force in (mobilised, limit))
-            self._steps[number] = self._steps[number] + 1 if borne < LIMIT * adhesion else 0
+            mobilised, adhesion = (float(total(force)) for force in (mobilised, limit))
+            self._steps[number] = self._steps[number] + 1 if mobilised < LIMIT * adhesion else 0
             if self._steps[number] == STEPS:
                 yield number, (
-                    f"{body.name} touches clay whose adhesion is {adhesion:.3g} N, and bears {borne:.3g} N of it at most "
-                    f"({borne / adhesion:.0%}, limit {LIMIT:.0%}) at t = {view.state.time:.4g} s: where nothing holds clay "
-                    f"to a body its shear is at most {RAMP:g} times the pressure. {_begin(view.model)} "
+                    f"{body.name} touches clay whose adhesion is {adhesion:.3g} N, and bears {mobilised:.3g} N of it at "
+                    f"most ({mobilised / adhesion:.0%}, limit {LIMIT:.0%}) at t = {view.state.time:.4g} s: where nothing "
+                    f"holds clay to a body its shear is at most {RAMP:g} times the pressure. {_begin(view.model)} "
                     'the body on, or let clay bear tension on it (body.tension, "full" for clay that never '
                     "breaks away)")
 

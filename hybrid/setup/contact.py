@@ -29,7 +29,7 @@ from hybrid.setup.plane_strain import in_slice
 FEWEST, MOST, MOST_THIN = 4, 32, 128    # places along a face; of one that a thin body stands on
 ROUND_OFF = 1e-9        # of their number: halves and wholes of a body have as many
 CURVATURE = 16          # spacings in a radius of curvature; REST_CURVATURE where soil of given shape carries the body
-# Places across the narrower side of a body with plane faces over held soil: the lever by which its weight resists a load
+# Places across the narrower side of a body with plane faces over held soil: the lever arm by which its weight resists a load
 # ends at the outermost one. A box of 0.4 x 0.4 x 1 m tipped at 0.86 to 1.0 of W b/h with 13 across, by where it stood.
 ACROSS = 32
 
@@ -49,7 +49,7 @@ def connect_to_soil(described, body, rotation, soil, gravity, alone):
                        narrowest=narrowest_face(edges, soil.grid.smallest_cell))
     moves = described.pull or any((*(described.velocity or ()), *(described.spin or ())))
     stands = alone and stands_on(described.rest_on, soil, gravity)
-    body = replace(body, borne=not (soil.held or moves) and bears(body, rotation, soil, gravity, stands))
+    body = replace(body, below_capacity=not (soil.held or moves) and bears(body, rotation, soil, gravity, stands))
     body = replace(body, places=chosen, penalty=penalty(described, body, rotation, soil, spacing, radius, gravity))
     if interface and not chosen.at_corners:
         interface = replace(interface, sharp=None if body.surface is sharp else sharp, cover=_cover(sharp, soil, rotation))

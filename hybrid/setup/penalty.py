@@ -58,7 +58,7 @@ def penalty(described, body, rotation, soil, spacing, radius, gravity):
 
 def _stiffness(described, body, soil, radius, gravity):
     """p_f h of a body on soil that deforms, which it shears where it is driven in two ways, or in one under a load."""
-    if body.borne:
+    if body.below_capacity:
         return STIFFNESS[False]
     if soil.law.plastic or np.isfinite(radius) or not body.driven.any():
         return STIFFNESS[soil.law.plastic]

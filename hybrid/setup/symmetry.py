@@ -117,7 +117,7 @@ def in_part(body, mirrors):
     return replace(body, mass=body.mass.times(0.5 ** sum(not mirror.cut for mirror in mirrors)))
 
 
-def stray_cap(mesh, mirrors):
+def unmirrored_cut(mesh, mirrors):
     """Whether the cut face of a body lies in no plane of symmetry of the model."""
     return len(mesh.symmetry) > 0 and not any(mirror.cut for mirror in mirrors)
 

@@ -105,7 +105,7 @@ class Model:
             motion, impulse_work = stage_start.engage_guides(body, motion, gravity, self.scheme, i in joined)
             if impulse_work:
                 work["drive"] = work.get("drive", 0.0) + impulse_work
-                for name, done in by_component(body, rigid.jolt(body, free, motion)):
+                for name, done in by_component(body, rigid.impulse_work(body, free, motion)):
                     work[name] = work.get(name, 0.0) + done
             bodies.append(stage_start.begin_loads(body, motion, state.time, self.scheme, more))
         bodies, joints, lost = joint_rates.begin_stage(self, bodies, state.joints)

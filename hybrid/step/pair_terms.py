@@ -25,7 +25,7 @@ from hybrid.state import PairHistory
 IMPACT = 5e-3   # of the size of the smaller body: overlap by an impact
 # Share of the size of the smaller body: reach beyond twice the predicted path, with and without inertia
 MARGIN = {True: 0.02, False: 0.1}
-STRIDE = 0.5    # of the same: longest predicted path of bodies that may meet in an increment
+LONGEST_PATH = 0.5  # of the same: longest predicted path of bodies that may meet in an increment
 TOUCH = 2.0     # times the speed that overlaps bodies by as much as the load does: of a touch that is no impact
 RESOLVED = 1 / 20   # of the time that an impact lasts, in an increment
 PASSED = 0.01   # of the same: depth of places on their way that counts as having passed through
@@ -224,10 +224,10 @@ def begin_pairs(model, state, bodies, dt):
     for index, (pair, history) in enumerate(zip(model.pairs, histories)):
         path = pair.path(poses, predicted)
         reach = 2.0 * path + fall + MARGIN[model.scheme.inertia] * pair.size
-        if path > STRIDE * pair.size and pair.distance(poses) <= path:
+        if path > LONGEST_PATH * pair.size and pair.distance(poses) <= path:
             names = " and ".join(bodies[b].body.name for b in pair.numbers)
-            too_long = (f"bodies {names} approach one another by {path:.3g} m, limit {STRIDE * pair.size:.3g} m where they "
-                     "may meet")
+            too_long = (f"bodies {names} approach one another by {path:.3g} m, limit {LONGEST_PATH * pair.size:.3g} m where "
+                        "they may meet")
         elif pair.distance(poses) <= reach:
             near.append(_begin_pair(index, pair, history, bodies, poses, predicted, reach, dt))
     return PairsStep(poses, model.pairs, tuple(near), model.component_places, too_long)

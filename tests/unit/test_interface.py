@@ -313,7 +313,7 @@ def test_a_block_that_slides_over_clay_has_friction_where_it_touches_anew(monkey
         return np.abs(np.array(tensions[4:]) / exact - 1.0).max()
 
     assert largest_error() < 0.015
-    monkeypatch.setattr(contact, "interface_of", lambda *of: replace(interface_of(*of), rubs=False))
+    monkeypatch.setattr(contact, "interface_of", lambda *of: replace(interface_of(*of), frictional=False))
     assert largest_error() > 0.02
 
 

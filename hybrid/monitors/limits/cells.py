@@ -68,7 +68,7 @@ def few_cells(scene, model):
     cell = model.soil.grid.resolution
     pushed = [(*found, False, 0.0, -found[1][2]) for found in driven(scene, model)]
     pushed += [(body, cell * force / np.linalg.norm(force), *others, -np.inf)
-               for body, force, *others in loaded(scene, model) if not body.borne]
+               for body, force, *others in loaded(scene, model) if not body.below_capacity]
     several = Counter(body.name for body, *_ in pushed)
     for body, travel, place, plane, inclined, arm, depth in pushed:
         if not plane:

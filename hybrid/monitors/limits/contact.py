@@ -159,7 +159,7 @@ def unpressed_adhesion(scene, model):
     cell, at = soil.grid.smallest_cell, levelled(soil, soil.constants.position)
     for described, body in zip(scene.bodies, model.bodies):
         interface, place = body.interface, levelled(soil, initial_vertices(described, body))
-        alone = interface and interface.adhesion and not interface.tension and not interface.rubs
+        alone = interface and interface.adhesion and not interface.tension and not interface.frictional
         near = ((at > place.min(axis=0) - cell) & (at < place.max(axis=0) + cell) | soil.grid.collapsed).all(axis=1)
         if alone and place[:, 2].min() < top_of(soil) - cell and anywhere(near & soil.law.undrained):
             yield (f"{body.name} is in clay without weight, which does not press on it: adhesion is at most {RAMP:g} times "

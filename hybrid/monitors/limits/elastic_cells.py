@@ -146,7 +146,7 @@ def _little(body, material, depth, width):
     without yielding. Of sand only forces count, whatever they are."""
     if material.law != CLAY:
         return depth is None
-    return body.borne if depth is None else depth < BEARING * material.strength * width / (material.young or np.inf)
+    return body.below_capacity if depth is None else depth < BEARING * material.strength * width / (material.young or np.inf)
 
 
 LIMITS = (unresolved_contact, soft_springs)

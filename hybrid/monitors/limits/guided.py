@@ -38,7 +38,7 @@ def swallowed_loads(scene, model):
 def _lost(described, body, load):
     """(component 0 to 5, text of the force or moment) of what a PointLoad puts on components that are not free."""
     force, moment = ([np.zeros(3)] if table is None else table.values for table in (load.force, load.moment))
-    arm, lever = _arm(described, body, load.point), ASIDE * np.ptp(body.outline.vertices, axis=0).max()
+    arm, least = _arm(described, body, load.point), ASIDE * np.ptp(body.outline.vertices, axis=0).max()
     largest = max(np.linalg.norm(row) for row in force)
     for axis in np.flatnonzero(~body.free[:3]):
         value = max((row[axis] for row in force), key=abs)
@@ -51,7 +51,7 @@ def _lost(described, body, load):
         of_force = max((np.cross(arm, row * across)[axis] for row in force), key=abs)
         if abs(given) > SWALLOWED * max(np.linalg.norm(row) for row in moment):
             yield axis + 3, f"m{'xyz'[axis]} = {force_text(given, 'N m')}"
-        elif abs(of_force) > lever * largest:
+        elif abs(of_force) > least * largest:
             yield axis + 3, f"the moment m{'xyz'[axis]} = {force_text(of_force, 'N m')} of the force at its point"
 
 

@@ -216,7 +216,7 @@ def odd_penalty(scene, model):
 def odd_halves(scene, model):
     """Bodies that are cut where the soil is not."""
     for i, body in enumerate(model.bodies):
-        if body.stray_cap:
+        if body.unmirrored_cut:
             yield (f"body.{i}: {body.name} is cut, but its cut face lies in no plane of symmetry of the grid, a roller "
                    "at the end of x or y: soil may pass through this face, and forces are those of the part. Put the "
                    "face on the end of the grid, or model the whole body")

@@ -26,7 +26,7 @@ Along a round body it slips, at its outline, and the torque depends on where lin
 
 import numpy as np
 
-from hybrid.monitors.limits.stages import stride_of
+from hybrid.monitors.limits.stages import displacement_per_step
 from hybrid.monitors.limits.loading import (CLAY, EXCESS, ON_LINE, SAND, faces, law_at, material_at, outline, smaller_cells,
                                             top_of)
 
@@ -111,7 +111,7 @@ def _strength(material, width, length):
 def _flows(scene, described, body, axis, angle, moment):
     """Whether a body is turned by more than an `angle` [rad], or a moment of a stage in which it may turn is larger than
     `moment` [N m]."""
-    turned = sum(stage.steps * stride_of(scene, stage, described, f"r{'xy'[axis]}") for stage in scene.stages)
+    turned = sum(stage.steps * displacement_per_step(scene, stage, described, f"r{'xy'[axis]}") for stage in scene.stages)
     return turned > angle or any(np.abs(values).max() > moment for values in _moments(scene, body, axis))
 
 
@@ -125,7 +125,7 @@ def _turns(scene, described, body, axis):
     """Whether a body is driven about an axis, or free to follow a moment of a stage about it."""
     if not body.guided[3 + axis]:
         return any(np.any(values) for values in _moments(scene, body, axis))
-    return any(stride_of(scene, stage, described, f"r{'xyz'[axis]}") > 0.0 for stage in scene.stages)
+    return any(displacement_per_step(scene, stage, described, f"r{'xyz'[axis]}") > 0.0 for stage in scene.stages)
 
 
 def _torque(body, place, axis, cell, ends):
