@@ -276,7 +276,7 @@ def _normal_speeds(begun, rates_a, rates_b, poses, normals=None):
 @njit(cache=True, parallel=True)
 def _project(y, outward, beyond, start, clearance, radius, arrays, patches, points):
     """Fill `points` (ClosestPoints) for places now at y (m, 3); beyond: (m,) [m] as in `closest_facing`."""
-    gap, triangle, feature, foot, weights = points
+    gap, triangle, feature, closest_point, weights = points
     for lane in prange(LANES):
         tree = joined(arrays, patches)
         for n in range(lane, len(y), LANES):
@@ -289,4 +289,4 @@ def _project(y, outward, beyond, start, clearance, radius, arrays, patches, poin
             t, f, x, w, g = closest_facing((y[n, 0], y[n, 1], y[n, 2]), normal, FACING, beyond[n], tree)
             triangle[n], feature[n], gap[n] = t, f, g
             for i in range(3):
-                foot[n, i], weights[n, i] = x[i], w[i]
+                closest_point[n, i], weights[n, i] = x[i], w[i]

@@ -22,12 +22,12 @@ class PointStart(NamedTuple):
 
 class ClosestPoints(NamedTuple):
     """Closest points of the surface: gap (m,) [m], inf where the point cannot touch (the rest is then not set);
-    triangle, feature (m,); foot (m, 3) [m], body frame; weights (m, 3) of the triangle's vertices."""
+    triangle, feature (m,); closest_point (m, 3) [m], body frame; weights (m, 3) of the triangle's vertices."""
 
     gap: np.ndarray
     triangle: np.ndarray
     feature: np.ndarray
-    foot: np.ndarray
+    closest_point: np.ndarray
     weights: np.ndarray
 
     @classmethod
@@ -76,7 +76,7 @@ def _project(y, start, radius, arrays, patches, out):
     """Fill `out` for contact points now at y (m, 3). One that remembers its side of the body is
     projected wherever it is; any other one is skipped within its clearance or outside the body's bounds."""
     y_start, clearance, sides = start       # once, because each access in the loop would count references
-    gap, triangle, feature, foot, weights = out
+    gap, triangle, feature, closest_point, weights = out
     for lane in prange(LANES):
         tree = joined(arrays, patches)
         for n in range(lane, len(y), LANES):
@@ -90,4 +90,4 @@ def _project(y, start, radius, arrays, patches, out):
             t, f, x, w, g = closest((y[n, 0], y[n, 1], y[n, 2]), np.inf, tree, side)
             triangle[n], feature[n], gap[n] = t, f, g
             for i in range(3):
-                foot[n, i], weights[n, i] = x[i], w[i]
+                closest_point[n, i], weights[n, i] = x[i], w[i]

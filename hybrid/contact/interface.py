@@ -198,9 +198,9 @@ def lie_before(y, normal, tree):
     surface, and not beside an edge; all in the body frame."""
     before = np.ones(len(y), np.bool_)
     for n in range(len(y)):
-        _, _, foot, _, gap = closest((y[n, 0], y[n, 1], y[n, 2]), np.inf, tree, NO_SIDE)
+        _, _, closest_point, _, gap = closest((y[n, 0], y[n, 1], y[n, 2]), np.inf, tree, NO_SIDE)
         along = 0.0
         for i in range(3):
-            along += (y[n, i] - foot[i]) * normal[n, i]
+            along += (y[n, i] - closest_point[i]) * normal[n, i]
         before[n] = gap <= 0.0 or along >= ALONG * gap
     return before

@@ -74,8 +74,8 @@ def _excess(found, chosen, layers):
     """(m,) factor, 1 or more, by which `chosen` contact points (k,) cover the surface of the body too often around each of
     them; layers: of Cover."""
     excess, normal = np.ones(len(found["point"])), found["normal"][chosen]
-    foot = found["position"][chosen] - found["clearance"][chosen, None] * normal
-    excess[chosen] = np.maximum(1.0, layers(foot, normal, found["area"][chosen]) / SPARE)
+    closest_point = found["position"][chosen] - found["clearance"][chosen, None] * normal
+    excess[chosen] = np.maximum(1.0, layers(closest_point, normal, found["area"][chosen]) / SPARE)
     return excess
 
 

@@ -4,7 +4,7 @@ a wall, from the start in equilibrium with it.
 The ends of the boxes that a cut leaves follow the body in steps. Contact points on faces that the cut has exposed therefore
 start at the surface of the body itself, overlapping it by what gives the pressure of the soil that was there,
 
-    y = foot - N δ      δ = max(0, -N·σ N) / (p_f E)
+    y = y_s - N δ      δ = max(0, -N·σ N) / (p_f E)
 
 Equations: FORMULATION (54).
 """
@@ -48,17 +48,18 @@ def first_contact_points(body, motion, soil, stress, before, boxes, flush=False)
         reached = np.abs(distance) < (FLUSH if flush else 2.0) * size
         in_space = normal @ motion.rotation.T
         stay = np.flatnonzero((places.facing(number, in_space) > 0.0) & reached)
-        foot = np.empty((len(stay), 3))
-        _feet(np.ascontiguousarray(y[stay]), body.surface.tree, foot)
+        closest_point = np.empty((len(stay), 3))
+        _closest(np.ascontiguousarray(y[stay]), body.surface.tree, closest_point)
         point, number, in_space = point[stay], number[stay], in_space[stay]
         principal = stress[point]
         if soil.constants.geostatic_gradient is not None:
-            rise = motion.position[2] + foot @ motion.rotation[2] - boxes.position[point, 2]
+            rise = motion.position[2] + closest_point @ motion.rotation[2] - boxes.position[point, 2]
             principal = principal + soil.constants.geostatic_gradient[point] * rise[:, None]
         pressure = np.maximum(0.0, -np.einsum("ci,ci->c", in_space**2, principal))
         bears = slice(None) if not flush else pressure > NOTHING * np.abs(principal).max(axis=1)
         squeezed = pressure / body.contact_pressure[point]
-        found.append([each[bears] for each in (point, number, foot - squeezed[:, None] * normal[stay], normal[stay])])
+        start = closest_point - squeezed[:, None] * normal[stay]
+        found.append([each[bears] for each in (point, number, start, normal[stay])])
     point, number, y, side = (np.concatenate(column) for column in zip(*found))
     order = np.lexsort((number, point))
     y, side = y[order], side[order]
@@ -112,9 +113,9 @@ def _contained(place, cell, first, order, position, half, out):
 
 
 @njit(cache=True)
-def _feet(y, tree, foot):
+def _closest(y, tree, closest_point):
     """Fill the points (n, 3) of the surface closest to y (n, 3), body frame."""
     for n in range(len(y)):
         _, _, x, _, _ = closest((y[n, 0], y[n, 1], y[n, 2]), np.inf, tree, NO_SIDE)
         for i in range(3):
-            foot[n, i] = x[i]
+            closest_point[n, i] = x[i]
