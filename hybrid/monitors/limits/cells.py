@@ -21,9 +21,11 @@ from collections import Counter
 
 import numpy as np
 
-from hybrid.monitors.limits.loading import (CLAY, EXCESS, ON_LINE, driven, faces, feet, heading, law_at, leads, loaded,
-                                            material_at, narrowest, sides, smaller_cells, stays_attached, through_clay,
-                                            top_of)
+from hybrid.monitors.limits.cell_size import EXCESS, ON_LINE, smaller_cells
+from hybrid.monitors.limits.loading import driven, loaded, through_clay
+from hybrid.monitors.limits.materials import CLAY, law_at, material_at, stays_attached
+from hybrid.monitors.limits.shape import faces, feet, heading, leads, narrowest, sides
+from hybrid.monitors.limits.start import top_of
 from hybrid.runtime.comm import minimum
 from hybrid.soil.points import extent
 

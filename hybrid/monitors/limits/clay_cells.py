@@ -29,9 +29,12 @@ import numpy as np
 
 from hybrid.body.guides import forces_of
 from hybrid.body.symmetry import copies
+from hybrid.monitors.limits.cell_size import EXCESS, ON_LINE, smaller_cells
+from hybrid.monitors.limits.loading import driven, loaded, through_clay
+from hybrid.monitors.limits.materials import CLAY, law_at, material_at, stays_attached
 from hybrid.monitors.limits.sand_cells import PASSIVE, Wedge, beside, depths, free_walls, pushed
-from hybrid.monitors.limits.loading import (CLAY, EXCESS, ON_LINE, STEEP, driven, facing, law_at, loaded, material_at,
-                                            narrowest, outline, sides, smaller_cells, stays_attached, through_clay, top_of)
+from hybrid.monitors.limits.shape import facing, narrowest, sides
+from hybrid.monitors.limits.start import STEEP, outline, top_of
 from hybrid.runtime.comm import anywhere, total
 
 LOWER = 1.4         # cells that the wedge is lower than the wall

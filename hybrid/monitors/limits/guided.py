@@ -5,7 +5,7 @@ import numpy as np
 from hybrid.body.paths import path_along
 from hybrid.body.rigid import FREEDOMS
 from hybrid.body.symmetry import AXES
-from hybrid.monitors.limits.contact import initial_pose, initial_vertices, top_of
+from hybrid.monitors.limits.start import initial_pose, initial_vertices, top_of
 from hybrid.runtime.units import force as force_text
 from hybrid.scene.body import out_of_plane
 from hybrid.scene.check_stage import moved

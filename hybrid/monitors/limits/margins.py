@@ -12,8 +12,8 @@ The limits are those where it is a tenth too high; in sand mechanisms reach fart
 
 import numpy as np
 
-from hybrid.monitors.limits.contact import covers
 from hybrid.monitors.limits.loading import driven, loaded
+from hybrid.monitors.limits.start import covers
 from hybrid.runtime.comm import maximum
 from hybrid.soil.points import extent
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from hybrid.body.paths import path_along
-from hybrid.monitors.limits.contact import initial_vertices, top_of
+from hybrid.monitors.limits.start import initial_vertices, top_of
 from hybrid.scene.body import out_of_plane
 from hybrid.soil.points import extent
 

@@ -17,9 +17,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hybrid.monitors.limits.contact import covers
-from hybrid.monitors.limits.loading import (CLAY, EXCESS, SAND, STEEP, bow, driven, facing, law_at, leads, levelled, loaded,
-                                            material_at, narrowest, outline, sides, smaller_cells, top_of)
+from hybrid.monitors.limits.cell_size import EXCESS, smaller_cells
+from hybrid.monitors.limits.loading import driven, loaded
+from hybrid.monitors.limits.materials import CLAY, SAND, law_at, material_at
+from hybrid.monitors.limits.shape import bow, facing, leads, narrowest, sides
+from hybrid.monitors.limits.start import STEEP, covers, levelled, outline, top_of
 from hybrid.runtime.comm import maximum, minimum
 
 FOOT, ACTIVE = 2.3, 1.65

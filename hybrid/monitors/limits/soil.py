@@ -5,7 +5,7 @@ import numpy as np
 from hybrid.body.rigid import FREEDOMS
 from hybrid.laws.cone import CORNER, ETA, RATIO, RESIDUAL, SLOPE, STRENGTH, UNLIMITED, plane_strain_strength
 from hybrid.laws.hencky import BULK, SHEAR
-from hybrid.monitors.limits.contact import initial_pose, initial_vertices
+from hybrid.monitors.limits.start import initial_pose, initial_vertices
 from hybrid.runtime.comm import anywhere, joined, maximum, minimum
 from hybrid.scene.body import out_of_plane
 from hybrid.scene.defaults import POISSON

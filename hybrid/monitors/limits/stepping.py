@@ -4,8 +4,8 @@ import numpy as np
 
 from hybrid.body.attitude import rotation_from_axis_angle
 from hybrid.contact.search import distances
-from hybrid.monitors.limits.contact import initial_pose
 from hybrid.monitors.limits.stages import displacement_per_step
+from hybrid.monitors.limits.start import initial_pose
 from hybrid.soil.points import extent
 
 # [rad] a step: from here on the attitude of a free body is wrong by 0.05 rad after a rotation of 10 rad (failure study)

@@ -26,9 +26,11 @@ Along a round body it slips, at its outline, and the torque depends on where lin
 
 import numpy as np
 
+from hybrid.monitors.limits.cell_size import EXCESS, ON_LINE, smaller_cells
+from hybrid.monitors.limits.materials import CLAY, SAND, law_at, material_at
+from hybrid.monitors.limits.shape import faces
 from hybrid.monitors.limits.stages import displacement_per_step
-from hybrid.monitors.limits.loading import (CLAY, EXCESS, ON_LINE, SAND, faces, law_at, material_at, outline, smaller_cells,
-                                            top_of)
+from hybrid.monitors.limits.start import outline, top_of
 
 SHEARED = 1.3                   # cells by which the sheared surface is wider, and longer, than the body
 BLADES = 0.1                    # share of its surface with which a body pushes soil as it turns; of a round one 0

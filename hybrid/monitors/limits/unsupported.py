@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from hybrid.body.paths import path_along
-from hybrid.monitors.limits.contact import initial_pose, initial_vertices
-from hybrid.monitors.limits.loading import leads, outline, top_of
+from hybrid.monitors.limits.shape import leads
+from hybrid.monitors.limits.start import initial_pose, initial_vertices, outline, top_of
 from hybrid.monitors.load_reached import components_of, held_down
 from hybrid.runtime.comm import total
 from hybrid.soil.points import extent
