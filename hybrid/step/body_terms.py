@@ -11,6 +11,7 @@ from hybrid.body import guides, rigid
 from hybrid.body.rigid import BodyTrial, RigidBody
 from hybrid.contact.assembly import Tangent
 from hybrid.contact.contact_pair import ContactPair
+from hybrid.contact.contact_points import SoilSurface
 from hybrid.contact.on_ground import GroundPair, of_soil
 from hybrid.contact.search import Reach
 from hybrid.contact.soil_to_body import PointContact
@@ -251,6 +252,7 @@ def begin_bodies(model, state, dt, pulling, domains, active, nodal):
     Domains of the soil's points; active: (N,) bool, nodes that carry mass."""
     gravity, grid, begun = model.loads.on_bodies(state.time + dt), model.soil.grid, []
     velocity, predicted = nodal
+    soil = SoilSurface(domains, grid, active)
     along = joint_terms.rates_of_guides(model, state, dt)
     for number, (body, unknowns) in enumerate(zip(model.bodies, model.body_slices)):
         body = guides.during(body, state.time, dt, model.scheme.rotation == "cayley")
@@ -273,7 +275,7 @@ def begin_bodies(model, state, dt, pulling, domains, active, nodal):
         if stretch := body.ground and body.ground.under(body, motion.pose, pose):
             pair = GroundPair(body, stretch, motion, history, reach, pose)
         else:
-            pair = ContactPair(body, motion, of_soil(history), domains, grid, active, reach, (predicted, pose), limits,
+            pair = ContactPair(soil, body, motion, of_soil(history), reach, (predicted, pose), limits,
                                begins=state.time == 0.0)
         begun.append(BodyStep(number, body, motion, target, pair, reach, unknowns, line_force, gravity, model.scheme,
                               dt, state.time))
