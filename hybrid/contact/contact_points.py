@@ -122,7 +122,7 @@ def find_contact_points(soil, body, state, history, reach, expected, limits=None
     point, place = found["point"], found["place"]
     normal = found["normal"]
     area = places.area(place, domains.half[point],
-                       domains.volume[point]) * domains.facing(places, point, place, normal)
+                       domains.volume[point]) * domains.projected_share(places, point, place, normal)
     if not domains.half.any():
         area = area / 2         # all eight corners of a point coincide: they share its stiffness
     start = (found["position"] - state.position) @ state.rotation

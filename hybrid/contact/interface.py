@@ -163,7 +163,8 @@ def _before_sharp(found, area, domains, places, body, sharp):
     normal = np.where(open_[:, None], normal @ body.rotation.T, found["normal"])
     clearance = np.where(open_, distance, found["clearance"])
     point, place = found["point"], found["place"]
-    seen = places.area(place, domains.half[point], domains.volume[point]) * domains.facing(places, point, place, normal)
+    share = domains.projected_share(places, point, place, normal)
+    seen = places.area(place, domains.half[point], domains.volume[point]) * share
     before = lie_before(y, normal @ body.rotation, sharp.tree)
     return found | {"normal": normal, "clearance": clearance}, np.where(open_, seen, area), before
 

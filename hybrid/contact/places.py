@@ -55,7 +55,7 @@ class Places:
         return bool(self.axis[0] < 0)
 
     @property
-    def along(self):
+    def per_edge(self):
         """Number of places along the edge of a face, 1 for corners."""
         return 1 if self.at_corners else round(self.share ** (-1 / max(1, len(set(self.axis)) - 1)))
 
@@ -94,7 +94,7 @@ class Places:
         """(m,) bool, whether places `number` (m,) are on the upper face."""
         return self.normal[self.group_of(number), 2] > 0.0
 
-    def facing(self, number, normal):
+    def projected_share(self, number, normal):
         """max(0, -n·N) (m,) [-] of places `number` (m,) and the outward normals N (m, 3) of the body there; 1 for
         corners."""
         if self.at_corners:

@@ -59,13 +59,13 @@ class Domains:
         return cls(points.position, half, constants.volume, points.active, constants.number, ground,
                    points.deformation)
 
-    def facing(self, places, point, number, normal):
+    def projected_share(self, places, point, number, normal):
         """Area (m,) [-] projected along normals (m, 3) of a body over that of the faces that `places` are on; point,
         number: (m,) of each."""
-        usual = places.facing(number, normal)
+        usual = places.projected_share(number, normal)
         if self.ground is None or places.at_corners:
             return usual
-        return self.ground.facing(point, places.up(number), places.flat[number], normal, usual)
+        return self.ground.projected_share(point, places.up(number), places.flat[number], normal, usual)
 
     def turned(self, point):
         """Whether points (m,) have turned by more than TURNED since the start, by the rotation R of F = R U."""
@@ -130,7 +130,7 @@ def new_points(domains, places, collapsed, body, surface, reach, known):
         point, number, position = point[kept], number[kept], position[kept]
     position, normal, distance = gaps_in_space(position, collapsed, body, surface, farthest)
     within = distance <= reach.at(position, normal, body)
-    stay = np.flatnonzero(within & (domains.facing(places, point, number, normal) > 0.0))
+    stay = np.flatnonzero(within & (domains.projected_share(places, point, number, normal) > 0.0))
     return {"point": point[stay], "place": number[stay], "position": position[stay], "clearance": distance[stay],
             "normal": normal[stay], "rest": np.minimum(distance[stay], 0.0)}
 

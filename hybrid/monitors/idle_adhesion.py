@@ -11,7 +11,7 @@ from hybrid.contact.interface import RAMP
 from hybrid.monitors.monitor import Monitor
 from hybrid.runtime.comm import total
 
-LIMIT = 0.6     # share of the adhesion of the points in touch that their pressure lets them bear
+LIMIT = 0.6     # share of the adhesion of the points in contact that their pressure lets them bear
 STEPS = 3       # in a row
 
 

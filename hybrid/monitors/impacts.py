@@ -1,6 +1,6 @@
 """Energy that bodies lose when they hit one another, held ground or elastic soil, in increments too long for their contact.
 
-Increments resolve an impact between bodies (`hybrid.step.pair_terms`), but not light touches. Unresolved, a cradle of three
+Increments resolve an impact between bodies (`hybrid.step.pair_terms`), but not light contacts. Unresolved, a cradle of three
 steel balls loses 54 % of its energy in two impacts with steps of twice their contact, and wedges that tumble into one
 another gain up to 32 %. No single one may lose enough to be reported by `EnergyBalance`, and the scheme hands an impulse on
 over some steps, so the loss is summed while bodies are near one another, and judged when nothing has happened for a few

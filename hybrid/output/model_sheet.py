@@ -193,7 +193,7 @@ def _contact_time(model, pair):
     if not (model.scheme.inertia and moving):
         return ""
     slow, impact = pair.contact_times(1.0 / sum(1.0 / mass for mass in moving))
-    return (f"; a slow touch takes {slow:.2g} s and an impact at v m/s {impact:.2g}/v s if that is less, "
+    return (f"; a slow contact takes {slow:.2g} s and an impact at v m/s {impact:.2g}/v s if that is less, "
             "increments in it a twentieth of that")
 
 

@@ -4,7 +4,7 @@ Spacing of the places on the faces of domains    s = 2 l / k <= r/16, on held so
 
 with l the smallest half-width of a domain (bodies are where cells are fine) and r the radius of curvature that nine tenths
 of the body's surface exceed; on soil that yields a cell at least. There a bar of 0.27 cells in a Danforth anchor asked for
-6 144 places on a domain. With 384, the vertical force as it lands is within 4 % of that with 1 536, 7 % at the first touch,
+6 144 places on a domain. With 384, the vertical force as it lands is within 4 % of that with 1 536, 7 % at first contact,
 the horizontal one within 9 %, and its height within 0.5 mm. A disc that stands on its rim over held soil keeps upright on
 springs that are stiff beside its thickness (`hybrid.setup.foot`), and their places lie closer in proportion.
 """

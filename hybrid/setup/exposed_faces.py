@@ -47,7 +47,7 @@ def first_contact_points(body, motion, soil, stress, before, boxes, flush=False)
         size = before[boxes.parent[point]].radii(collapsed)
         reached = np.abs(distance) < (FLUSH if flush else 2.0) * size
         in_space = normal @ motion.rotation.T
-        stay = np.flatnonzero((places.facing(number, in_space) > 0.0) & reached)
+        stay = np.flatnonzero((places.projected_share(number, in_space) > 0.0) & reached)
         closest_point = np.empty((len(stay), 3))
         _closest(np.ascontiguousarray(y[stay]), body.surface.tree, closest_point)
         point, number, in_space = point[stay], number[stay], in_space[stay]

@@ -26,7 +26,7 @@ IMPACT = 5e-3   # of the size of the smaller body: overlap by an impact
 # Share of the size of the smaller body: reach beyond twice the predicted path, with and without inertia
 MARGIN = {True: 0.02, False: 0.1}
 LONGEST_PATH = 0.5  # of the same: longest predicted path of bodies that may meet in an increment
-TOUCH = 2.0     # times the speed that overlaps bodies by as much as the load does: of a touch that is no impact
+SLOW = 2.0      # times the speed that overlaps bodies by as much as the load does: of a contact that is no impact
 RESOLVED = 1 / 20   # of the time that an impact lasts, in an increment
 PASSED = 0.01   # of the same: depth of places on their way that counts as having passed through
 
@@ -58,7 +58,7 @@ class BodyPair:
         return float(np.linalg.norm(np.where(self.collapsed, 0.0, apart))) - sum(self.radii)
 
     def contact_times(self, mass):
-        """(time [s] of a touch at most as deep as `overlap`, way [m] that over the speed of a harder impact is its time)
+        """(time [s] of a contact at most as deep as `overlap`, way [m] that over the speed of a harder impact is its time)
         of bodies with an effective `mass` [kg]: π times depth over speed of a linear spring, 2.8 of one whose area grows
         with the overlap."""
         return float(np.pi * np.sqrt(mass * self.overlap / self.load)), 3.0 * IMPACT * self.size
@@ -66,11 +66,11 @@ class BodyPair:
     def impact_of(self, speed, change, factor, mass, springs):
         """Increment [s] that resolves an impact in which bodies with an effective `mass` [kg] approach or part at a `speed`
         [m/s] that changes by `change` [m/s²], with a `factor` on the stiffness and `springs` [N/m] that press: inf for a
-        light touch."""
+        light contact."""
         slow, way = self.contact_times(mass)
         lasts = min(slow / np.sqrt(factor), np.pi * np.sqrt(mass / springs) if springs else np.inf)
         speed = np.hypot(speed, change * lasts / np.pi)
-        return RESOLVED * min(lasts, way / speed) if speed > TOUCH * np.pi * self.overlap / slow else np.inf
+        return RESOLVED * min(lasts, way / speed) if speed > SLOW * np.pi * self.overlap / slow else np.inf
 
     def path(self, poses, others):
         """Upper bound [m] of the way of any place relative to the other body from `poses` to `others`."""

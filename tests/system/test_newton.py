@@ -285,7 +285,7 @@ def test_a_footing_comes_down_over_a_gap():
 
 
 def test_a_light_touch_is_as_accurate_as_a_firm_one():
-    """1e-7 m and 1e-5 m give forces in this proportion; and after a firm touch, to whose forces errors are relative
+    """1e-7 m and 1e-5 m give forces in this proportion; and after a firm contact, to whose forces errors are relative
     while it is lifted off, a light one depends no more on the tolerance."""
     light, firm = (footing(0.0, [-depth])[0].bodies[0].contact_force[2] for depth in (1e-7, 1e-5))
     assert light == pytest.approx(1e-2 * firm, rel=2e-3)

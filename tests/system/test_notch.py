@@ -103,7 +103,7 @@ def test_a_touch_of_round_off_is_no_residual(geometry, monkeypatch):
     records = list(pressing(geometry, 0.4, 20).steps())
     assert 0 < records[-1].bodies[0].overlap < 1e-14 and records[-1].rejections == 0
     monkeypatch.setattr(soil_terms, "ROUNDING", 0.0)
-    try:    # rejected until the increment ends short of the touch, or is too short
+    try:    # rejected until the increment ends short of the contact, or is too short
         assert list(pressing(geometry, 0.4, 20).steps())[-1].rejections > 0
     except StepError as failure:
         assert "step 20 failed" in str(failure)

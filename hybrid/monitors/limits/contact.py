@@ -61,7 +61,7 @@ def narrow_body(scene, model):
     domain, cell = 2 * minimum(half[:, :2][:, across]), model.soil.grid.smallest_cell
     for described, body in zip(scene.bodies, model.bodies):
         place = initial_vertices(described, body)
-        width, spacing = _width(place[:, :2] * across), domain / body.places.along
+        width, spacing = _width(place[:, :2] * across), domain / body.places.per_edge
         above = body.guided.all() and not body.driven.any() and place[:, 2].min() > top_of(model.soil) + 0.5 * cell
         if width < SPACINGS * spacing and not above and body.ground is None:
             denser = 'Set body.contact = "faces", or use' if body.places.at_corners else "Use"

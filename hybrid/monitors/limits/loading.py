@@ -6,7 +6,7 @@ import numpy as np
 from hybrid.body.paths import path_along
 from hybrid.body.symmetry import copies
 from hybrid.monitors.limits.materials import material_at
-from hybrid.monitors.limits.shape import PLANE, facing, leads
+from hybrid.monitors.limits.shape import PLANE, leading_normal, leads
 from hybrid.monitors.limits.start import initial_pose, outline, top_of
 
 # Cosine between a travel and the normal of the plane face that leads: a plate moved at 11° to its normal bears 3 % less
@@ -44,7 +44,7 @@ def _gets_to(soil, place, travel):
 def _straight(body, place, travel):
     """A travel that is a little askew to an axis of the grid, along which a plane face leads, without what goes along that
     face and hardly loads it; any other one as it is."""
-    normal = facing(body, place, travel)
+    normal = leading_normal(body, place, travel)
     if normal is None or np.abs(normal).max() < PLANE:
         return travel
     axis = np.where(np.abs(normal) > PLANE, np.sign(normal), 0.0)

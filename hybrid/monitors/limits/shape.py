@@ -24,7 +24,7 @@ def leads(body, place, travel):
     return covered[covered > PLANE * area].sum() > LEADING * covered[ahead].sum() > 0.0
 
 
-def facing(body, place, travel):
+def leading_normal(body, place, travel):
     """Unit normal (3,) of the plane face that is most of what a body covers in the direction of its travel, across it or
     inclined; None of a round one."""
     return _most(place, body, travel, lambda units, unit: units @ unit > PLANE)
