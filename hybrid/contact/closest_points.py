@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hybrid.body.closest import closest
-from hybrid.body.facet_tree import LANES, joined, outside_bounds
+from hybrid.body.facet_tree import LANES, outside_bounds, tree_of_parts
 from hybrid.runtime.jit import njit, prange
 
 CLOSED = 1e-12      # gap over the body's radius up to which a point is in contact: one that just touches has its stiffness
@@ -78,7 +78,7 @@ def _project(y, start, radius, arrays, patches, out):
     y_start, clearance, sides = start       # once, because each access in the loop would count references
     gap, triangle, feature, closest_point, weights = out
     for lane in prange(LANES):
-        tree = joined(arrays, patches)
+        tree = tree_of_parts(arrays, patches)
         for n in range(lane, len(y), LANES):
             side = sides[n, 0], sides[n, 1], sides[n, 2]
             without_history = side[0] == 0.0 and side[1] == 0.0 and side[2] == 0.0

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.spatial import cKDTree
 
-from hybrid.runtime.comm import joined, offset
+from hybrid.runtime.comm import gathered, offset
 
 BEFORE = 0.5    # half-widths before a face, where the domain of a point that covers it lies
 AROUND = 4.0    # widths of a domain up to which a contact point bears the interface of others
@@ -32,20 +32,20 @@ def carried_by_each(found, carried, domains, places, most, layers):
     order = own = ...
     if domains.number is not None:
         found, domains, order, own = _of_all_processes(found, domains)
-    shares = _shares(found, joined(carried)[order], domains, places, most, layers)
-    return lambda values: (shares @ joined(values)[order])[own]
+    shares = _shares(found, gathered(carried)[order], domains, places, most, layers)
+    return lambda values: (shares @ gathered(values)[order])[own]
 
 
 def _of_all_processes(found, domains):
     """Contact points of all processes, by the numbers of their points, and the domains that they are on; their order among
     those of one process after the other; and which (m,) of them are those of this process."""
     point = found["point"]
-    number, place = joined(domains.number[point]), joined(found["place"])
+    number, place = gathered(domains.number[point]), gathered(found["place"])
     order = np.lexsort((place, number))
     own = np.argsort(order)[offset(len(point)):][:len(point)]
     _, first, point_of_all = np.unique(number[order], return_index=True, return_inverse=True)
-    position, half = (joined(values[point])[order][first] for values in (domains.position, domains.half))
-    found = {name: joined(found[name])[order]
+    position, half = (gathered(values[point])[order][first] for values in (domains.position, domains.half))
+    found = {name: gathered(found[name])[order]
              for name in ("place", "position", "normal", "clearance", "touching", "pressed", "area")}
     return found | {"point": point_of_all}, replace(domains, position=position, half=half), order, own
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hybrid.body.closest import closest
-from hybrid.body.facet_tree import LANES, NO_SIDE, joined
+from hybrid.body.facet_tree import LANES, NO_SIDE, tree_of_parts
 from hybrid.contact import places
 from hybrid.runtime.comm import largest, total
 from hybrid.runtime.jit import njit, prange
@@ -185,7 +185,7 @@ def _mark(position, half, centre, rotation, lower, upper, near):
 @njit(cache=True, parallel=True)
 def _distances(y, reach, arrays, patches, out, normal):
     for lane in prange(LANES):
-        tree = joined(arrays, patches)
+        tree = tree_of_parts(arrays, patches)
         for n in range(lane, len(y), LANES):
             triangle, feature, _, _, out[n] = closest((y[n, 0], y[n, 1], y[n, 2]), reach, tree, NO_SIDE)
             if triangle >= 0:

@@ -23,7 +23,7 @@ from hybrid.runtime.comm import anywhere, minimum
 from hybrid.setup.bearing import bears, stands_on
 from hybrid.setup.foot import standing_overlap
 from hybrid.setup.interface import friction_of, interface_of
-from hybrid.setup.penalty import REST_CURVATURE, carried, penalty, rests
+from hybrid.setup.penalty import REST_CURVATURE, penalty, rests, rests_on_elastic_soil
 from hybrid.setup.plane_strain import in_slice
 
 FEWEST, MOST, MOST_THIN = 4, 32, 128    # places along a face; of one that a thin body stands on
@@ -43,7 +43,7 @@ def connect_to_soil(described, body, rotation, soil, gravity, alone):
         described = replace(described, adhesion=None)
     mixed = described.adhesion is not None and anywhere(~soil.law.undrained)
     interface, sharp = interface_of(described, mixed), body.surface
-    if not (soil.held or chosen.at_corners or carried(body, soil, gravity)):
+    if not (soil.held or chosen.at_corners or rests_on_elastic_soil(body, soil, gravity)):
         edges = find_edges(body.surface, soil.grid.smallest_cell, rotation[soil.grid.collapsed])
         body = replace(body, surface=round_off(body.surface, edges),
                        narrowest=narrowest_face(edges, soil.grid.smallest_cell))

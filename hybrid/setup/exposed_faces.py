@@ -14,7 +14,7 @@ import numpy as np
 from hybrid.body.closest import NO_SIDE, closest
 from hybrid.contact.search import distances
 from hybrid.grid.axes import cells_of
-from hybrid.runtime.comm import joined, largest
+from hybrid.runtime.comm import gathered, largest
 from hybrid.runtime.jit import njit
 from hybrid.setup.cut_boxes import Boxes, chunks, in_frame, near_surface
 from hybrid.state import ContactHistory
@@ -78,7 +78,7 @@ def _of_all(boxes, reach, body, motion, grid):
     if grid.nodes is None:
         return boxes
     ids = _within(np.full(len(boxes.parent), reach), boxes, body, motion, grid.collapsed)
-    return Boxes(*(joined(each[ids]) for each in (boxes.parent, boxes.position, boxes.half)))
+    return Boxes(*(gathered(each[ids]) for each in (boxes.parent, boxes.position, boxes.half)))
 
 
 class _Cells:

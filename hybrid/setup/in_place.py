@@ -14,7 +14,7 @@ import numpy as np
 from hybrid.body.rigid import bounding_box, with_stiffness
 from hybrid.contact.search import Domains, overlap
 from hybrid.laws.user import is_of_user
-from hybrid.runtime.comm import anywhere, joined, maximum, number, total
+from hybrid.runtime.comm import anywhere, gathered, maximum, number, total
 from hybrid.runtime.errors import SceneError
 from hybrid.setup.contact import smallest_domain
 from hybrid.setup.plane_strain import section
@@ -140,7 +140,7 @@ def _renumbered(constants, boxes):
     if constants.number is None:
         return None
     pieces = np.bincount(boxes.parent, minlength=len(constants))
-    changed = joined(np.column_stack([constants.number, pieces - 1])[pieces != 1])      # of all processes, near the bodies
+    changed = gathered(np.column_stack([constants.number, pieces - 1])[pieces != 1])      # of all processes, near the bodies
     changed = changed[np.argsort(changed[:, 0])]
     moved = np.concatenate([[0], np.cumsum(changed[:, 1])])     # by the points removed and added before
     parent = constants.number[boxes.parent]

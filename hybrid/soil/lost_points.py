@@ -15,7 +15,7 @@ import dataclasses
 import numpy as np
 from scipy import ndimage
 
-from hybrid.runtime.comm import anywhere, joined, offset, total
+from hybrid.runtime.comm import anywhere, gathered, offset, total
 from hybrid.runtime.errors import StepError
 from hybrid.runtime.jit import njit, prange
 from hybrid.soil.kinematics import determinant
@@ -67,7 +67,7 @@ def _label_together(filled, grid):
         before = number.copy()
         smallest = ndimage.minimum(grid.cells_from_owners(number), piece, np.arange(count + 1))
         number = np.where(piece > 0, np.asarray(smallest, np.int64)[piece], 0)
-    numbers = np.unique(joined(np.append(0, np.unique(number))))
+    numbers = np.unique(gathered(np.append(0, np.unique(number))))
     return np.searchsorted(numbers, number), len(numbers) - 1
 
 
@@ -107,7 +107,7 @@ def distorted(deformation):
 def list_points(ids, positions=None, limit=5):
     """Text that names the first `limit` of the points `ids`, their numbers in the run, with their positions (n, 3) [m] if
     given; all processes name the points of all."""
-    ids, positions = joined(np.asarray(ids)), positions if positions is None else joined(positions)
+    ids, positions = gathered(np.asarray(ids)), positions if positions is None else gathered(positions)
     order = np.argsort(ids, kind="stable")
     ids, positions = ids[order], positions if positions is None else positions[order]
     at = [""] * len(ids)

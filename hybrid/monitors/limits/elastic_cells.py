@@ -38,7 +38,7 @@ from hybrid.body.paths import travel_along
 from hybrid.body.symmetry import copies
 from hybrid.laws.von_mises import BEARING
 from hybrid.monitors.limits.cell_size import EXCESS
-from hybrid.monitors.limits.loading import driven, joined, loaded
+from hybrid.monitors.limits.loading import bodies_joined_to, driven, loaded
 from hybrid.monitors.limits.materials import CLAY, material_at
 from hybrid.monitors.limits.rolling import contact_radius
 from hybrid.monitors.limits.shape import is_round, leads, narrowest, sides
@@ -136,7 +136,7 @@ def _under_joints(scene, model, known):
     """As bodies `loaded` along z, those of which it is not `known` because joints hand on to them what others carry."""
     found = []
     for i, (described, body) in enumerate(zip(scene.bodies, model.bodies)):
-        if joined(scene, i) - {None} and body.free[2] and body.name not in known:
+        if bodies_joined_to(scene, i) - {None} and body.free[2] and body.name not in known:
             whole, place = outline(described, body, model.soil)
             travel = np.array([0.0, 0.0, -1.0])
             found.append((whole, travel, None, place, leads(whole, place, travel), 0.0))

@@ -23,7 +23,7 @@ def driven(scene, model):
     if model.soil.held or not model.soil.law.plastic:
         return
     for number, (described, body) in enumerate(zip(scene.bodies, model.bodies)):
-        movers = [number, *sorted(joined(scene, number, ("weld",)) - {None})]
+        movers = [number, *sorted(bodies_joined_to(scene, number, ("weld",)) - {None})]
         ways = [(travels_of(scene, scene.bodies[i], model.soil.grid.collapsed), model.bodies[i].guided) for i in movers]
         travels, guided = next((way for way in ways if way[0]), ((), None))
         if not travels:
@@ -100,7 +100,7 @@ def loaded(scene, model):
         if axis == 2 and force[2] < 0.0:    # about the middle of the base
             moment = moment + np.cross([0.0, 0.0, body.surface.extent(-rotation[2])], force)
         arm = 0.0       # where the ground or others that touch soil share a moment: how, the soil decides
-        if all(j is not None and above[j] for j in joined(scene, i)):
+        if all(j is not None and above[j] for j in bodies_joined_to(scene, i)):
             arm = np.abs(np.where(body.free[3:], moment, 0.0)).max() / abs(force[axis])
         yield (whole, travel, place, leads(whole, place, travel), inclined,
                arm if arm > ASIDE * np.ptp(place, axis=0).max() else 0.0)
@@ -119,7 +119,7 @@ def through_clay(scene, model):
             yield body, grid.smallest_cell * force / np.linalg.norm(force), place, plane
 
 
-def joined(scene, number, kinds=AT_POINT):
+def bodies_joined_to(scene, number, kinds=AT_POINT):
     """Numbers of the bodies that joints of some `kinds`, those at points, connect with a body, over any number of others;
     None of the ground."""
     names, found = [body.name for body in scene.bodies], {number}
