@@ -125,7 +125,7 @@ def _under_all(soil, place):
     return place[:, 2].max() <= extent(soil.constants, 2)[0] + ON_LINE * soil.grid.resolution
 
 
-def flow_around(scene, model):
+def weak_cone_match(scene, model):
     """Deep flow of clay in space around a body without a plane face, with a match of the cone that is too weak there."""
     soil = model.soil
     material = scene.soil.material
@@ -272,4 +272,4 @@ def _growing(scene, soil, place, travel):
     return FROM_NONE if ratio > WEAK else 1.0 + GROWTH * ratio ** GROWING
 
 
-LIMITS = (few_cells, flow_around, wedges, trapdoors)
+LIMITS = (few_cells, weak_cone_match, wedges, trapdoors)
