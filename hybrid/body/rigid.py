@@ -258,6 +258,12 @@ def impose_guide_rates(body, state, after=0.0):
                    algorithmic=None if algorithmic is None else imposed(algorithmic, second_drive))
 
 
+def reduced_mass(bodies):
+    """1/Σ(1/m) [kg] of the RigidBodies that are free to move, inf of none."""
+    inverse = sum(1.0 / body.mass.mass for body in bodies if body.free[:3].any())
+    return 1.0 / inverse if inverse else np.inf
+
+
 def kinetic_energy(body, state):
     """½ m v² + ½ W·J W [J]."""
     return 0.5 * body.mass.mass * state.velocity @ state.velocity + 0.5 * state.spin @ body.mass.inertia @ state.spin

@@ -16,7 +16,7 @@ from functools import cached_property
 
 import numpy as np
 
-from hybrid.body.rigid import turn_between
+from hybrid.body.rigid import reduced_mass, turn_between
 from hybrid.contact import body_to_body
 from hybrid.contact.body_to_body import PairContact, Side, SideStep
 from hybrid.contact.soil_to_body import Coulomb
@@ -59,12 +59,12 @@ class BodyPair:
 
     def contact_times(self, mass):
         """(time [s] of a contact at most as deep as `overlap`, way [m] that over the speed of a harder impact is its time)
-        of bodies with an effective `mass` [kg]: π times depth over speed of a linear spring, 2.8 of one whose area grows
+        of bodies with a reduced `mass` [kg]: π times depth over speed of a linear spring, 2.8 of one whose area grows
         with the overlap."""
         return float(np.pi * np.sqrt(mass * self.overlap / self.load)), 3.0 * IMPACT * self.size
 
     def impact_of(self, speed, change, factor, mass, springs):
-        """Increment [s] that resolves an impact in which bodies with an effective `mass` [kg] approach or part at a `speed`
+        """Increment [s] that resolves an impact in which bodies with a reduced `mass` [kg] approach or part at a `speed`
         [m/s] that changes by `change` [m/s²], with a `factor` on the stiffness and `springs` [N/m] that press: inf for a
         light contact."""
         slow, way = self.contact_times(mass)
@@ -252,10 +252,9 @@ def _begin_pair(index, pair, history, bodies, poses, predicted, reach, dt):
         if bodies[0].scheme.inertia and pair.impact * speed**2 > pair.stiffness:
             factor = pair.impact * speed**2 / pair.stiffness
             begun = tuple(replace(one, stiffness=factor * one.stiffness) for one in begun)
-    moving = [body.mass.mass for body in (bodies[b].body for b in pair.numbers) if body.free[:3].any()]
-    if not (moving and bodies[0].scheme.inertia):
+    mass = reduced_mass([bodies[b].body for b in pair.numbers])
+    if np.isinf(mass) or not bodies[0].scheme.inertia:
         return PairStep(index, pair, begun, factor, reach)
-    mass = 1.0 / sum(1.0 / mass for mass in moving)
     longest = pair.impact_of(speed, change, factor, mass, springs)
     if springs and longest < dt:    # looked at more closely
         normals = [body_to_body.pressed_normals(one, poses) for one in begun]
